@@ -1,0 +1,47 @@
+// Axis-aligned bounding boxes and the one definition of overlap that every backend answers to.
+#pragma once
+
+#include <cmath>
+#include <compare>
+#include <cstdint>
+
+namespace sweepstake {
+
+// Six floats in world units: 24 bytes without padding, the layout of the engine's buffer and of the C ABI.
+struct Aabb {
+  float min[3];
+  float max[3];
+
+  friend bool operator==(const Aabb&, const Aabb&) = default;
+};
+static_assert(sizeof(Aabb) == 24);
+
+// Two objects, by index in the engine's buffer; a < b.
+struct OverlapPair {
+  uint32_t a;
+  uint32_t b;
+
+  friend auto operator<=>(const OverlapPair&, const OverlapPair&) = default;
+};
+static_assert(sizeof(OverlapPair) == 8);
+
+// A box takes part when all six coordinates are finite and min <= max on each axis; a zero-size box takes part.
+// Any other box (NaN, infinite, inverted) overlaps nothing, itself included.
+inline bool TakesPart(const Aabb& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;
+    if (box.min[axis] > box.max[axis]) return false;
+  }
+  return true;
+}
+
+// Closed boxes: touching faces overlap. Exact float comparisons, no tolerance.
+inline bool Overlap(const Aabb& a, const Aabb& b) {
+  if (!TakesPart(a) || !TakesPart(b)) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a.min[axis] > b.max[axis] || b.min[axis] > a.max[axis]) return false;
+  }
+  return true;
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,113 @@
+// The frame path: what an engine calls each frame. Steps 2–6 of the one path (README).
+//
+//   adaptive.BeginFrame();                       // executes a pending switch, only here
+//   auto pairs = adaptive.FindPairs(boxes);      // active backend: Build or Update, then FindPairs, measured
+//   ... narrow phase, solver, rendering ...
+//   adaptive.EndFrame({.frame_time_ns = dt});    // makes the sample, guards against bail-out, hands it to the sink
+//
+// All calls on one thread, the frame thread, but SwitchMailbox::Post, which any one other thread may call. None of them
+// waits, locks, or (between switches and while the object count is steady) allocates; the only system call is the clock.
+// Ownership: the sink and the clock must outlive the object.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/frame_sample.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake {
+
+// Takes what the frame path produces. Called on the frame thread: implementations must not wait, lock or allocate.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void OnFrame(const FrameSample& sample) noexcept = 0;
+  virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
+  virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
+};
+
+// One switch command on its way to the frame thread; the latest wins, an older one not yet taken is overwritten.
+// Any one thread posts, the frame thread takes; lock-free.
+class SwitchMailbox {
+ public:
+  void Post(const SwitchCommand& command) noexcept;
+  std::optional<SwitchCommand> Take() noexcept;
+
+ private:
+  // command id (48 bits) | arm (8) | reason (8); 0 is empty.
+  std::atomic<uint64_t> slot_{0};
+};
+
+// Time for the frame path, ns from any origin, never going back. Tests script it.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual uint64_t NowNs() noexcept = 0;
+};
+
+// std::chrono::steady_clock.
+Clock& SteadyClock();
+
+struct AdaptiveOptions {
+  std::vector<std::string> arms;  // names from BroadPhaseNames(); empty: all seven. 1–32, unique.
+  std::string initial_arm;        // empty: the first
+  Mode mode = Mode::kAi;
+  uint64_t bail_out_ns = 5'000'000'000;  // paper §4; > 0
+  uint64_t settling_ns = 2'000'000'000;  // for the measured settling cost only; the daemon's welcome replaces it
+};
+
+// What the engine knows about the frame it ends.
+struct FrameEnd {
+  uint64_t frame_time_ns = 0;  // unscaled time since the previous EndFrame
+  uint32_t flags = 0;          // kFramePaused, kFrameLoading
+};
+
+class AdaptiveBroadPhase {
+ public:
+  // kNotFound for an unknown arm, kInvalidArgument for the rest. `clock` and `sink` are borrowed; sink may be null.
+  static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options, FrameSink* sink,
+                                                            Clock& clock = SteadyClock());
+  ~AdaptiveBroadPhase();
+
+  void BeginFrame();
+  // Pairs of these boxes, valid until the next call. A changed count rebuilds.
+  std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  void EndFrame(const FrameEnd& frame);
+
+  // Manual choice, executed at the next BeginFrame; leaves the mode as it is. kNotFound lists the arms.
+  Status SelectArm(std::string_view arm);
+  // In kManual commands from the mailbox with any reason but kManual are refused.
+  void SetMode(Mode mode);
+
+  // Says whether a decider is there to answer a bail-out. While it is not, the guard switches by itself: to the arm
+  // with the highest posterior mean of the latest snapshot, else to the next arm in order. Any thread.
+  void SetDeciderPresent(bool present);
+  // Posterior means in the order of arms, for that case. Any thread; latest wins.
+  void SetPosteriorMeans(std::span<const double> means);
+  // The settling time in force, from the decider's welcome. Any thread.
+  void SetSettling(uint64_t settling_ns);
+
+  SwitchMailbox& mailbox();
+  Mode mode() const;
+  uint32_t active_arm() const;
+  uint32_t switch_epoch() const;
+  std::span<const std::string> arms() const;
+  // Version of each arm's backend, in the order of arms.
+  std::span<const uint32_t> arm_versions() const;
+  // The sample of the last EndFrame.
+  const FrameSample& last_sample() const;
+
+ private:
+  class Impl;
+  explicit AdaptiveBroadPhase(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,67 @@
+// What one frame cost (paper §4: FPS, DET, MEM, CHK, and what is needed to judge them). Plain data.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+namespace sweepstake {
+
+// Bits of FrameSample::flags; the same values as sweepstake.v1.FrameFlag.
+enum FrameFlag : uint32_t {
+  kFrameRebuild = 1,  // the backend's structure was built anew
+  kFramePaused = 2,   // the game was paused or in the background
+  kFrameLoading = 4,  // a scene was loading
+  kFrameBailOut = 8,  // over the bail-out limit
+};
+
+struct FrameSample {
+  uint64_t frame_index;        // since the session began
+  uint64_t frame_time_ns;      // unscaled, whole frame
+  uint64_t detection_time_ns;  // Build or Update plus FindPairs
+  uint64_t aabb_check_count;
+  uint64_t native_bytes;
+  uint32_t pair_count;
+  uint32_t object_count;
+  uint32_t arm;           // index in the session's list of arms
+  uint32_t switch_epoch;  // executed switches before this frame
+  uint32_t flags;         // FrameFlag bits
+  uint32_t reserved;      // 0
+};
+static_assert(sizeof(FrameSample) == 64);
+static_assert(std::is_trivially_copyable_v<FrameSample>);
+
+// What the scene looks like to a broad phase; a negative value was not measured.
+struct SceneDescriptor {
+  float object_count = -1;
+  float density_ratio = -1;     // sum of AABB volumes ÷ volume of their common bounds
+  float size_spread = -1;       // standard deviation of ln(longest side)
+  float speed_mean = -1;        // world units per frame
+  float speed_spread = -1;      // standard deviation of the speed
+  float clustering_ratio = -1;  // variance ÷ mean of object counts over equal cells; 1 is uniform
+  float static_ratio = -1;      // share of objects that did not move
+};
+
+// Who decides which arm is active; the same values as sweepstake.v1.Mode.
+enum class Mode : uint32_t { kManual = 1, kAi = 2 };
+
+// Why the active arm changed; the same values as sweepstake.v1.SwitchReason.
+enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
+
+struct SwitchCommand {
+  uint64_t command_id = 0;  // 0: local
+  uint32_t arm = 0;
+  SwitchReason reason = SwitchReason::kPolicy;
+};
+
+// How a switch went.
+struct SwitchOutcome {
+  uint64_t command_id = 0;
+  uint32_t arm = 0;
+  uint32_t switch_epoch = 0;
+  uint64_t rebuild_time_ns = 0;
+  uint64_t settling_cost_ns = 0;  // frame time above the settled mean, summed over the settling frames
+  SwitchReason reason = SwitchReason::kPolicy;
+  uint32_t executed = 0;  // 0: refused (no such arm, or already active)
+};
+
+}  // namespace sweepstake

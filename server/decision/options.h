@@ -1,0 +1,45 @@
+// Every number of the mechanism, with the paper's value as default (paper §4 and §6.3).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <span>
+
+namespace sweepstake::decision {
+
+// Weights of the reward's four scores; each finite and >= 0, sum 1 ± 1e-9 (paper §4).
+struct RewardWeights {
+  double fps = 0.55;
+  double detection = 0.25;
+  double memory = 0.12;
+  double checks = 0.08;
+};
+
+struct DecisionOptions {
+  std::string policy = "paper";  // one of PolicyNames()
+  RewardWeights weights;
+  int64_t decision_interval_ns = 2'000'000'000;   // Δt, > 0
+  int64_t cooldown_ns = 40'000'000'000;           // since the last executed switch of any reason, >= 0
+  int64_t settling_ns = 2'000'000'000;            // of frame time after the first frame on the new arm, >= 0
+  int64_t bail_out_ns = 5'000'000'000;            // a longer frame is a bail-out, > 0; not divided by the time scale
+  int64_t exploration_warm_up_ns = 2'000'000'000;   // per arm, >= 0
+  int64_t exploration_measure_ns = 4'000'000'000;   // per arm, > 0
+  bool explore = true;                            // false: no initial exploration
+  double bail_out_penalty = 10;                   // zero-reward observations, >= 0
+
+  // Every interval but bail_out_ns divided by `time_scale`. REQUIRES: 1 <= time_scale <= 1000.
+  DecisionOptions Scaled(double time_scale) const;
+};
+
+// Version of the reward; evidence of different versions is never merged.
+inline constexpr uint32_t kRewardVersion = 1;
+
+// Names of the policies: "paper".
+std::span<const std::string_view> PolicyNames();
+
+// What is wrong with the options and how to mend it, one line; absent when they are valid.
+std::optional<std::string> Validate(const DecisionOptions& options);
+
+}  // namespace sweepstake::decision

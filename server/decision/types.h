@@ -1,0 +1,89 @@
+// What goes into and comes out of the decision core. Plain values; no clock, no I/O, no threads.
+//
+// Times are int64_t nanoseconds of the caller's steady clock, from any origin, passed in as `now_ns`. Arms are indices
+// into the session's list of names.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sweepstake::decision {
+
+// Bits of Frame::flags; the values of sweepstake.v1.FrameFlag.
+enum FrameFlag : uint32_t { kFrameRebuild = 1, kFramePaused = 2, kFrameLoading = 4, kFrameBailOut = 8 };
+
+// What one frame cost (paper §4: FPS, DET, MEM, CHK).
+struct Frame {
+  uint64_t frame_time_ns = 0;      // unscaled, whole frame
+  uint64_t detection_time_ns = 0;  // update and search
+  uint64_t aabb_check_count = 0;
+  uint64_t native_bytes = 0;
+  uint32_t object_count = 0;
+  uint32_t arm = 0;
+  uint32_t switch_epoch = 0;
+  uint32_t flags = 0;
+};
+
+enum class Mode : uint32_t { kManual = 1, kAi = 2 };
+enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
+
+// What became of a tick's candidate; the values of sweepstake.v1.DecisionOutcome.
+enum class Outcome : uint32_t {
+  kKept = 1,
+  kSwitched = 2,
+  kHeldCooldown = 3,
+  kHeldSettling = 4,
+  kNoFrames = 5,
+  kManual = 6,
+  kExploring = 7,
+  kRejected = 8,
+};
+
+// A Beta distribution of an arm's reward; both finite and > 0.
+struct BetaPosterior {
+  double alpha = 1;
+  double beta = 1;
+
+  double mean() const { return alpha / (alpha + beta); }
+  double evidence() const { return alpha + beta; }  // the paper's n, prior included
+  friend bool operator==(const BetaPosterior&, const BetaPosterior&) = default;
+};
+
+struct SwitchCommand {
+  uint64_t command_id = 0;  // from 1 within the session
+  uint32_t arm = 0;
+  SwitchReason reason = SwitchReason::kPolicy;
+};
+
+// What a tick or a bail-out taught about one arm, to be made durable.
+struct Increment {
+  uint32_t arm = 0;
+  double alpha = 0;  // >= 0
+  double beta = 0;   // >= 0
+  uint32_t window_count = 0;
+  uint32_t bail_out_count = 0;
+};
+
+// One decision, for the audit log and for watchers.
+struct DecisionRecord {
+  uint64_t decision_id = 0;  // from 1 within the session
+  int64_t time_ns = 0;
+  uint32_t active_arm = 0;
+  std::optional<uint32_t> candidate;  // highest draw; absent where none was drawn
+  Outcome outcome = Outcome::kKept;
+  std::optional<SwitchReason> reason;  // of the commanded switch
+  std::optional<double> reward;        // absent where the window taught nothing
+  std::vector<double> draws;           // one per arm; empty where none was drawn
+  std::vector<BetaPosterior> posteriors;  // after the update
+};
+
+// What a tick or a bail-out asks the caller to do: persist, publish, send.
+struct Decision {
+  DecisionRecord record;
+  std::optional<Increment> increment;
+  std::optional<SwitchCommand> command;
+};
+
+}  // namespace sweepstake::decision
