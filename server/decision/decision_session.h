@@ -1,8 +1,10 @@
-// One game's decisions: frames in, rewards to posteriors, posteriors to switch commands (steps 8 and 9 of the one path).
+// One game's decisions: frames in, rewards to posteriors, posteriors to switch commands (steps 8
+// and 9 of the one path).
 //
-// Deterministic: the same setup and the same calls give the same decisions bit for bit on every platform. Time and
-// randomness come in as arguments. Not thread-safe; distinct sessions are independent. Memory is bounded by the number
-// of arms. Decision times come from the caller's clock, settling and warm-up from the frames' own times.
+// Deterministic: the same setup and the same calls give the same decisions bit for bit on every
+// platform. Time and randomness come in as arguments. Not thread-safe; distinct sessions are
+// independent. Memory is bounded by the number of arms. Decision times come from the caller's
+// clock, settling and warm-up from the frames' own times.
 #pragma once
 
 #include <cstdint>
@@ -42,17 +44,17 @@ class DecisionSession {
   DecisionSession(DecisionSession&&) noexcept;
   DecisionSession& operator=(DecisionSession&&) noexcept;
 
-  // Folds frames into the window of the running tick. Frames of another switch epoch or arm than the active one,
-  // settling frames, and frames flagged paused or loading are counted and left out.
+  // Folds frames into the window of the running tick. Frames of another switch epoch or arm than
+  // the active one, settling frames, and frames flagged paused or loading are counted and left out.
   void ObserveFrames(std::span<const Frame> frames);
 
-  // A frame over the limit, at once (decision.md §1 "bail-out"). Frames whose detection is under half of the frame, or
-  // that are flagged paused or loading, are recorded and not blamed: no increment, no command. At most one per frame
-  // index is the caller's to keep.
+  // A frame over the limit, at once (decision.md §1 "bail-out"). Frames whose detection is under
+  // half of the frame, or that are flagged paused or loading, are recorded and not blamed: no
+  // increment, no command. At most one per frame index is the caller's to keep.
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
 
-  // The client's answer to a command, or a local switch (command_id 0): the new arm is active from this epoch on.
-  // REQUIRES: arm < arms.
+  // The client's answer to a command, or a local switch (command_id 0): the new arm is active from
+  // this epoch on. REQUIRES: arm < arms.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
 
   // REQUIRES: arm < arms.
@@ -60,8 +62,8 @@ class DecisionSession {
 
   // When the next tick is due.
   int64_t next_tick_ns() const;
-  // Update, then sample, then gate (decision.md §1 "order at a tick"). A late tick is one tick, never several.
-  // REQUIRES: now_ns >= next_tick_ns().
+  // Update, then sample, then gate (decision.md §1 "order at a tick"). A late tick is one tick,
+  // never several. REQUIRES: now_ns >= next_tick_ns().
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const;

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
-#include <span>
 
 namespace sweepstake::decision {
 
@@ -20,14 +20,15 @@ struct RewardWeights {
 struct DecisionOptions {
   std::string policy = "paper";  // one of PolicyNames()
   RewardWeights weights;
-  int64_t decision_interval_ns = 2'000'000'000;   // Δt, > 0
-  int64_t cooldown_ns = 40'000'000'000;           // since the last executed switch of any reason, >= 0
-  int64_t settling_ns = 2'000'000'000;            // of frame time after the first frame on the new arm, >= 0
-  int64_t bail_out_ns = 5'000'000'000;            // a longer frame is a bail-out, > 0; not divided by the time scale
-  int64_t exploration_warm_up_ns = 2'000'000'000;   // per arm, >= 0
-  int64_t exploration_measure_ns = 4'000'000'000;   // per arm, > 0
-  bool explore = true;                            // false: no initial exploration
-  double bail_out_penalty = 10;                   // zero-reward observations, >= 0
+  int64_t decision_interval_ns = 2'000'000'000;  // Δt, > 0
+  int64_t cooldown_ns = 40'000'000'000;  // since the last executed switch of any reason, >= 0
+  int64_t settling_ns = 2'000'000'000;   // of frame time after the first frame on the new arm, >= 0
+  int64_t bail_out_ns =
+      5'000'000'000;  // a longer frame is a bail-out, > 0; not divided by the time scale
+  int64_t exploration_warm_up_ns = 2'000'000'000;  // per arm, >= 0
+  int64_t exploration_measure_ns = 4'000'000'000;  // per arm, > 0
+  bool explore = true;                             // false: no initial exploration
+  double bail_out_penalty = 10;                    // zero-reward observations, >= 0
 
   // Every interval but bail_out_ns divided by `time_scale`. REQUIRES: 1 <= time_scale <= 1000.
   DecisionOptions Scaled(double time_scale) const;

@@ -1,7 +1,7 @@
 // What goes into and comes out of the decision core. Plain values; no clock, no I/O, no threads.
 //
-// Times are int64_t nanoseconds of the caller's steady clock, from any origin, passed in as `now_ns`. Arms are indices
-// into the session's list of names.
+// Times are int64_t nanoseconds of the caller's steady clock, from any origin, passed in as
+// `now_ns`. Arms are indices into the session's list of names.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,12 @@
 namespace sweepstake::decision {
 
 // Bits of Frame::flags; the values of sweepstake.v1.FrameFlag.
-enum FrameFlag : uint32_t { kFrameRebuild = 1, kFramePaused = 2, kFrameLoading = 4, kFrameBailOut = 8 };
+enum FrameFlag : uint32_t {
+  kFrameRebuild = 1,
+  kFramePaused = 2,
+  kFrameLoading = 4,
+  kFrameBailOut = 8
+};
 
 // What one frame cost (paper §4: FPS, DET, MEM, CHK).
 struct Frame {
@@ -73,9 +78,9 @@ struct DecisionRecord {
   uint32_t active_arm = 0;
   std::optional<uint32_t> candidate;  // highest draw; absent where none was drawn
   Outcome outcome = Outcome::kKept;
-  std::optional<SwitchReason> reason;  // of the commanded switch
-  std::optional<double> reward;        // absent where the window taught nothing
-  std::vector<double> draws;           // one per arm; empty where none was drawn
+  std::optional<SwitchReason> reason;     // of the commanded switch
+  std::optional<double> reward;           // absent where the window taught nothing
+  std::vector<double> draws;              // one per arm; empty where none was drawn
   std::vector<BetaPosterior> posteriors;  // after the update
 };
 

@@ -7,7 +7,8 @@
 
 namespace sweepstake {
 
-// Six floats in world units: 24 bytes without padding, the layout of the engine's buffer and of the C ABI.
+// Six floats in world units: 24 bytes without padding, the layout of the engine's buffer and of the
+// C ABI.
 struct Aabb {
   float min[3];
   float max[3];
@@ -25,8 +26,8 @@ struct OverlapPair {
 };
 static_assert(sizeof(OverlapPair) == 8);
 
-// A box takes part when all six coordinates are finite and min <= max on each axis; a zero-size box takes part.
-// Any other box (NaN, infinite, inverted) overlaps nothing, itself included.
+// A box takes part when all six coordinates are finite and min <= max on each axis; a zero-size box
+// takes part. Any other box (NaN, infinite, inverted) overlaps nothing, itself included.
 inline bool TakesPart(const Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;

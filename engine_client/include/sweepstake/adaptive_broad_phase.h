@@ -1,13 +1,16 @@
 // The frame path: what an engine calls each frame. Steps 2–6 of the one path (README).
 //
 //   adaptive.BeginFrame();                       // executes a pending switch, only here
-//   auto pairs = adaptive.FindPairs(boxes);      // active backend: Build or Update, then FindPairs, measured
+//   auto pairs = adaptive.FindPairs(boxes);      // active backend: Build or Update, then
+//   FindPairs, measured
 //   ... narrow phase, solver, rendering ...
-//   adaptive.EndFrame({.frame_time_ns = dt});    // makes the sample, guards against bail-out, hands it to the sink
+//   adaptive.EndFrame({.frame_time_ns = dt});    // makes the sample, guards against bail-out,
+//   hands it to the sink
 //
-// All calls on one thread, the frame thread, but SwitchMailbox::Post, which any one other thread may call. None of them
-// waits, locks, or (between switches and while the object count is steady) allocates; the only system call is the clock.
-// Ownership: the sink and the clock must outlive the object.
+// All calls on one thread, the frame thread, but SwitchMailbox::Post, which any one other thread
+// may call. None of them waits, locks, or (between switches and while the object count is steady)
+// allocates; the only system call is the clock. Ownership: the sink and the clock must outlive the
+// object.
 #pragma once
 
 #include <atomic>
@@ -24,7 +27,8 @@
 
 namespace sweepstake {
 
-// Takes what the frame path produces. Called on the frame thread: implementations must not wait, lock or allocate.
+// Takes what the frame path produces. Called on the frame thread: implementations must not wait,
+// lock or allocate.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
@@ -33,8 +37,8 @@ class FrameSink {
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
 };
 
-// One switch command on its way to the frame thread; the latest wins, an older one not yet taken is overwritten.
-// Any one thread posts, the frame thread takes; lock-free.
+// One switch command on its way to the frame thread; the latest wins, an older one not yet taken is
+// overwritten. Any one thread posts, the frame thread takes; lock-free.
 class SwitchMailbox {
  public:
   void Post(const SwitchCommand& command) noexcept;
@@ -60,7 +64,8 @@ struct AdaptiveOptions {
   std::string initial_arm;        // empty: the first
   Mode mode = Mode::kAi;
   uint64_t bail_out_ns = 5'000'000'000;  // paper §4; > 0
-  uint64_t settling_ns = 2'000'000'000;  // for the measured settling cost only; the daemon's welcome replaces it
+  uint64_t settling_ns =
+      2'000'000'000;  // for the measured settling cost only; the daemon's welcome replaces it
 };
 
 // What the engine knows about the frame it ends.
@@ -71,8 +76,10 @@ struct FrameEnd {
 
 class AdaptiveBroadPhase {
  public:
-  // kNotFound for an unknown arm, kInvalidArgument for the rest. `clock` and `sink` are borrowed; sink may be null.
-  static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options, FrameSink* sink,
+  // kNotFound for an unknown arm, kInvalidArgument for the rest. `clock` and `sink` are borrowed;
+  // sink may be null.
+  static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options,
+                                                            FrameSink* sink,
                                                             Clock& clock = SteadyClock());
   ~AdaptiveBroadPhase();
 
@@ -81,13 +88,15 @@ class AdaptiveBroadPhase {
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   void EndFrame(const FrameEnd& frame);
 
-  // Manual choice, executed at the next BeginFrame; leaves the mode as it is. kNotFound lists the arms.
+  // Manual choice, executed at the next BeginFrame; leaves the mode as it is. kNotFound lists the
+  // arms.
   Status SelectArm(std::string_view arm);
   // In kManual commands from the mailbox with any reason but kManual are refused.
   void SetMode(Mode mode);
 
-  // Says whether a decider is there to answer a bail-out. While it is not, the guard switches by itself: to the arm
-  // with the highest posterior mean of the latest snapshot, else to the next arm in order. Any thread.
+  // Says whether a decider is there to answer a bail-out. While it is not, the guard switches by
+  // itself: to the arm with the highest posterior mean of the latest snapshot, else to the next arm
+  // in order. Any thread.
   void SetDeciderPresent(bool present);
   // Posterior means in the order of arms, for that case. Any thread; latest wins.
   void SetPosteriorMeans(std::span<const double> means);

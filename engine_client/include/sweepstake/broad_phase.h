@@ -1,9 +1,10 @@
 // The contract of the interchangeable broad phases (paper §3, Table 1).
 //
-// Call order: Build, then any number of (Update, FindPairs); Build may come at any time and discards all state.
-// One thread at a time per object; distinct objects are independent. The boxes are read during the call only.
-// Object id = index in the span. Units: world units of the caller. Memory is kept for reuse until destruction.
-// Errors: none; memory exhaustion throws std::bad_alloc.
+// Call order: Build, then any number of (Update, FindPairs); Build may come at any time and
+// discards all state. One thread at a time per object; distinct objects are independent. The boxes
+// are read during the call only. Object id = index in the span. Units: world units of the caller.
+// Memory is kept for reuse until destruction. Errors: none; memory exhaustion throws
+// std::bad_alloc.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,8 @@ class BroadPhase {
   // The family's name as in BroadPhaseNames().
   virtual std::string_view name() const = 0;
 
-  // Raised whenever a change could alter the backend's cost; evidence of different versions is kept apart.
+  // Raised whenever a change could alter the backend's cost; evidence of different versions is kept
+  // apart.
   virtual uint32_t version() const = 0;
 
   // Discards state and takes these boxes. Any count, 0 included, up to 2^31 − 1.
@@ -34,12 +36,12 @@ class BroadPhase {
   // Takes the boxes of the next frame. REQUIRES: a Build before, with the same count.
   virtual void Update(std::span<const Aabb> boxes) = 0;
 
-  // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, a < b; the order is unspecified and the
-  // same for the same history of calls. May be called once per Build or Update.
+  // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, a < b; the order is
+  // unspecified and the same for the same history of calls. May be called once per Build or Update.
   virtual void FindPairs(PairBuffer& out) = 0;
 
-  // AABB–AABB checks of the latest Build or Update and FindPairs. One lane of a vector comparison is one check,
-  // bounding volumes of nodes count as AABBs.
+  // AABB–AABB checks of the latest Build or Update and FindPairs. One lane of a vector comparison
+  // is one check, bounding volumes of nodes count as AABBs.
   virtual uint64_t aabb_check_count() const = 0;
 
   // Bytes held by the backend's own buffers, capacity not use.

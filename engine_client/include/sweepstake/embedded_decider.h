@@ -1,7 +1,9 @@
-// "AI Decides" without a daemon: the daemon's decision core in the game process, starting from a priors file.
+// "AI Decides" without a daemon: the daemon's decision core in the game process, starting from a
+// priors file.
 //
-// Driven by its owner from one thread of its choice (a worker, or the frame thread of a game that accepts the cost of a
-// decision every 2 s); not thread-safe otherwise. Needs no gRPC, no network, no thread of its own.
+// Driven by its owner from one thread of its choice (a worker, or the frame thread of a game that
+// accepts the cost of a decision every 2 s); not thread-safe otherwise. Needs no gRPC, no network,
+// no thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +21,8 @@ namespace sweepstake {
 
 struct EmbeddedOptions {
   std::string policy = "paper";
-  std::string project = "default";  // key of the priors, with scene, machine class and backend version
+  std::string project =
+      "default";  // key of the priors, with scene, machine class and backend version
   std::string scene = "default";
   std::string machine_class;
   std::filesystem::path priors_file;  // as written by `sweepstake priors export`; empty: Beta(1,1)
@@ -37,11 +40,12 @@ struct ArmBelief {
 
 class EmbeddedDecider {
  public:
-  // Arms as in AdaptiveBroadPhase::arms() and arm_versions(). kInvalidArgument, kNotFound (no such file), kDataLoss
-  // (broken priors file: one line naming the record).
+  // Arms as in AdaptiveBroadPhase::arms() and arm_versions(). kInvalidArgument, kNotFound (no such
+  // file), kDataLoss (broken priors file: one line naming the record).
   static Result<std::unique_ptr<EmbeddedDecider>> Create(const EmbeddedOptions& options,
                                                          std::span<const std::string> arms,
-                                                         std::span<const uint32_t> arm_versions, uint64_t now_ns);
+                                                         std::span<const uint32_t> arm_versions,
+                                                         uint64_t now_ns);
   ~EmbeddedDecider();
 
   // Takes frames and switch outcomes in the order they happened.
@@ -49,7 +53,8 @@ class EmbeddedDecider {
   void Observe(const SwitchOutcome& outcome, uint64_t now_ns);
   void SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns);
 
-  // Decides where a decision is due or a bail-out was observed; a command is to be posted into the mailbox.
+  // Decides where a decision is due or a bail-out was observed; a command is to be posted into the
+  // mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
   std::vector<ArmBelief> beliefs() const;

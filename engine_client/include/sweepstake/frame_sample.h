@@ -59,7 +59,8 @@ struct SwitchOutcome {
   uint32_t arm = 0;
   uint32_t switch_epoch = 0;
   uint64_t rebuild_time_ns = 0;
-  uint64_t settling_cost_ns = 0;  // frame time above the settled mean, summed over the settling frames
+  uint64_t settling_cost_ns =
+      0;  // frame time above the settled mean, summed over the settling frames
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
 };

@@ -1,5 +1,5 @@
-// A growing array of overlap pairs that a caller keeps over frames, so that a steady scene allocates nothing.
-// Not thread-safe. Memory grows by doubling and is kept until destruction.
+// A growing array of overlap pairs that a caller keeps over frames, so that a steady scene
+// allocates nothing. Not thread-safe. Memory grows by doubling and is kept until destruction.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@ namespace sweepstake {
 
 class PairBuffer {
  public:
-  // Pairs that may be written past the size after EnsureRoom: a vector store may overrun by one register.
+  // Pairs that may be written past the size after EnsureRoom: a vector store may overrun by one
+  // register.
   static constexpr size_t kSlack = 64;
 
   size_t size() const { return size_; }
@@ -22,15 +23,18 @@ class PairBuffer {
   std::span<const OverlapPair> pairs() const { return {storage_.get(), size_}; }
   std::span<OverlapPair> pairs() { return {storage_.get(), size_}; }
   void Clear() { size_ = 0; }
-  size_t capacity_bytes() const { return (capacity_ + (capacity_ ? kSlack : 0)) * sizeof(OverlapPair); }
+  size_t capacity_bytes() const {
+    return (capacity_ + (capacity_ ? kSlack : 0)) * sizeof(OverlapPair);
+  }
 
   void Append(OverlapPair pair) {
     *EnsureRoom(1) = pair;
     ++size_;
   }
 
-  // Room for `count` more pairs plus kSlack, uninitialized, at the returned end of the array. Followed by Advance with
-  // the pairs really written. Throws std::bad_alloc when memory is out; the content is then unchanged.
+  // Room for `count` more pairs plus kSlack, uninitialized, at the returned end of the array.
+  // Followed by Advance with the pairs really written. Throws std::bad_alloc when memory is out;
+  // the content is then unchanged.
   OverlapPair* EnsureRoom(size_t count) {
     if (size_ + count > capacity_ || !storage_) Grow(size_ + count);
     return storage_.get() + size_;

@@ -1,9 +1,11 @@
-// Connects an AdaptiveBroadPhase to whoever decides: a daemon over gRPC, or the embedded decider. Steps 6, 7 and 11.
+// Connects an AdaptiveBroadPhase to whoever decides: a daemon over gRPC, or the embedded decider.
+// Steps 6, 7 and 11.
 //
-// A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue (full: the oldest sample
-// is dropped and counted) and takes commands from the mailbox; it never waits for the sender, whatever the daemon does:
-// absent at start, slow, killed, restarted. Lost connections come back with exponential back-off and jitter, and what
-// was sent but not acknowledged is sent again under the same numbers, so that nothing is counted twice.
+// A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue
+// (full: the oldest sample is dropped and counted) and takes commands from the mailbox; it never
+// waits for the sender, whatever the daemon does: absent at start, slow, killed, restarted. Lost
+// connections come back with exponential back-off and jitter, and what was sent but not
+// acknowledged is sent again under the same numbers, so that nothing is counted twice.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +20,13 @@
 
 namespace sweepstake {
 
-enum class ConnectionState : uint32_t { kOffline = 0, kConnecting = 1, kOnline = 2, kEmbedded = 3, kClosed = 4 };
+enum class ConnectionState : uint32_t {
+  kOffline = 0,
+  kConnecting = 1,
+  kOnline = 2,
+  kEmbedded = 3,
+  kClosed = 4
+};
 
 // Counters since the session began; a consistent copy.
 struct SessionStats {
@@ -26,15 +34,15 @@ struct SessionStats {
   std::string last_error;  // empty: none; what went wrong last and what to do
   std::string session_id;  // empty before the first welcome
   uint64_t sent_frame_count = 0;
-  uint64_t dropped_frame_count = 0;   // by the full queue
+  uint64_t dropped_frame_count = 0;  // by the full queue
   uint64_t acknowledged_sequence = 0;
   uint64_t sent_sequence = 0;
-  uint64_t connection_count = 0;      // welcomes received
-  uint64_t resumed_count = 0;         // of those, resumed
+  uint64_t connection_count = 0;  // welcomes received
+  uint64_t resumed_count = 0;     // of those, resumed
   uint64_t resent_message_count = 0;
-  uint64_t command_count = 0;         // switch commands received
-  uint64_t prior_source_count = 0;    // sources in the priors the session started from
-  std::vector<ArmBelief> beliefs;     // latest posterior snapshot; empty: none yet
+  uint64_t command_count = 0;       // switch commands received
+  uint64_t prior_source_count = 0;  // sources in the priors the session started from
+  std::vector<ArmBelief> beliefs;   // latest posterior snapshot; empty: none yet
 };
 
 struct SessionOptions {
@@ -45,24 +53,26 @@ struct SessionOptions {
   std::string policy;         // empty: the decider's default
   double time_scale = 1;      // 1–1000
   bool ignore_priors = false;
-  uint64_t seed = 0;          // 0: the decider chooses
+  uint64_t seed = 0;  // 0: the decider chooses
 
-  uint32_t queue_frames = 4096;        // power of two
-  uint32_t batch_interval_ms = 250;    // whichever comes first of these three
+  uint32_t queue_frames = 4096;      // power of two
+  uint32_t batch_interval_ms = 250;  // whichever comes first of these three
   uint32_t batch_frames = 30;
   uint32_t batch_bytes = 16 * 1024;
   uint32_t unacknowledged_messages = 64;  // then sending pauses, and the queue drops its oldest
-  uint32_t backoff_min_ms = 100;       // doubles up to the maximum, full jitter
+  uint32_t backoff_min_ms = 100;          // doubles up to the maximum, full jitter
   uint32_t backoff_max_ms = 10'000;
 };
 
 class Session {
  public:
-  // The sink to give to AdaptiveBroadPhase::Create. Created before it, since the session needs its arms.
+  // The sink to give to AdaptiveBroadPhase::Create. Created before it, since the session needs its
+  // arms.
   virtual FrameSink& sink() = 0;
   // Starts the sender. `adaptive` must outlive Stop. Once.
   virtual Status Start(AdaptiveBroadPhase& adaptive) = 0;
-  // Tells the other side about a mode change made with AdaptiveBroadPhase::SetMode. Frame thread; does not wait.
+  // Tells the other side about a mode change made with AdaptiveBroadPhase::SetMode. Frame thread;
+  // does not wait.
   virtual void OnModeChange() = 0;
   // Sends what is queued and a goodbye, within `deadline_ms`, and ends the thread. Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
@@ -71,8 +81,10 @@ class Session {
 };
 
 // `address` is HOST:PORT. Does not connect yet: Start does, in the background.
-Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address, const SessionOptions& options);
+Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
+                                                   const SessionOptions& options);
 // No daemon: the embedded decider on the sender thread.
-Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded, const SessionOptions& options);
+Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded,
+                                                     const SessionOptions& options);
 
 }  // namespace sweepstake

@@ -1,5 +1,6 @@
-// The outcome of an operation that can fail for a reason outside the program: a code to branch on and a message that
-// says what to do. Value types; safe to copy between threads; constructing an OK status does not allocate.
+// The outcome of an operation that can fail for a reason outside the program: a code to branch on
+// and a message that says what to do. Value types; safe to copy between threads; constructing an OK
+// status does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +13,13 @@ namespace sweepstake {
 // Values are stable: the C ABI's swp_result has the same ones.
 enum class StatusCode : int32_t {
   kOk = 0,
-  kInvalidArgument = 1,  // The caller's value is wrong.
-  kNotFound = 2,         // No such file or name.
-  kDataLoss = 3,         // A file exists and its content is broken.
-  kUnavailable = 4,      // Could not reach something; trying again may help.
-  kResourceExhausted = 5,  // A documented bound was hit.
+  kInvalidArgument = 1,     // The caller's value is wrong.
+  kNotFound = 2,            // No such file or name.
+  kDataLoss = 3,            // A file exists and its content is broken.
+  kUnavailable = 4,         // Could not reach something; trying again may help.
+  kResourceExhausted = 5,   // A documented bound was hit.
   kFailedPrecondition = 6,  // Calls in the wrong order.
-  kInternal = 7,         // A bug of ours.
+  kInternal = 7,            // A bug of ours.
 };
 
 class [[nodiscard]] Status {
@@ -40,7 +41,7 @@ class [[nodiscard]] Status {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::move(value)) {}        // NOLINT: returned values convert
+  Result(T value) : state_(std::move(value)) {}         // NOLINT: returned values convert
   Result(Status status) : state_(std::move(status)) {}  // NOLINT. REQUIRES: !status.ok()
 
   bool ok() const { return std::holds_alternative<T>(state_); }

@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Installs what the build and the tests need and is missing: with apt on Debian and Ubuntu, elsewhere lists it.
+# Does nothing, and needs no rights, when everything is there.
+set -euo pipefail
+
+packages=(
+  build-essential cmake ninja-build ccache pkg-config git python3 ca-certificates
+  libgrpc++-dev protobuf-compiler-grpc protobuf-compiler libprotobuf-dev libabsl-dev
+  libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev
+  libgtest-dev libgmock-dev clang-format
+)
+# A Node.js that did not come from a package serves as well.
+command -v npm >/dev/null || packages+=(nodejs npm)
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  missing_tools=()
+  for tool in c++ cmake ninja git python3 protoc grpc_cpp_plugin npm clang-format; do
+    command -v "$tool" >/dev/null || missing_tools+=("$tool")
+  done
+  {
+    echo "This system has no apt. Install these with its own package manager (Debian's names):"
+    printf '  %s\n' "${packages[@]}"
+    ((${#missing_tools[@]} == 0)) || echo "Programs not found: ${missing_tools[*]}"
+  } >&2
+  # The libraries cannot be checked from here; CMake names the one that is missing.
+  ((${#missing_tools[@]} == 0)) || exit 1
+  exit 0
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+((${#missing[@]} == 0)) && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || {
+    echo "Missing packages: ${missing[*]}. Not root and no sudo here: ask an administrator to run" >&2
+    echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 1
+  }
+  as_root=(sudo)
+fi
+echo "Installing ${#missing[@]} packages: ${missing[*]}" >&2
+"${as_root[@]}" apt-get update -q >&2
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >&2
