@@ -1,0 +1,379 @@
+/* The C ABI of Sweepstake: what Unity and other engines load from the shared library `sweepstake`.
+ *
+ * Threads: distinct objects are independent. A world and a scene belong to one thread at a time. A
+ * session has a frame thread and, where wished, one other thread; each function below says whose it
+ * is. Nothing calls back. Ownership: what a _create function returns is ended by the matching
+ * _destroy, which takes NULL as free() does. Memory that a function hands out belongs to the
+ * library and is valid as long as its comment says. Units: lengths in world units of the caller,
+ * times in nanoseconds, text in UTF-8 ending with NUL. Truth values are uint32_t, 0 or 1. Errors:
+ * functions return a swp_result; other than SWP_OK, swp_last_error() says what to do. NULL where a
+ * pointer is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs as they were,
+ * unless its comment says more. No exception leaves the library.
+ */
+#ifndef SWEEPSTAKE_C_API_H_
+#define SWEEPSTAKE_C_API_H_
+
+#include <stdint.h>
+
+#if defined(_WIN32)
+#if defined(SWP_BUILDING_LIBRARY)
+#define SWP_API __declspec(dllexport)
+#else
+#define SWP_API __declspec(dllimport)
+#endif
+#else
+#define SWP_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Raised by every change that an already compiled caller could notice. */
+#define SWP_ABI_VERSION 1U
+
+/* ---- results ---- */
+
+typedef int32_t swp_result;
+enum {
+  SWP_OK = 0,
+  SWP_INVALID_ARGUMENT = 1,    /* a value of the caller is wrong */
+  SWP_NOT_FOUND = 2,           /* no such file or name */
+  SWP_DATA_LOSS = 3,           /* a file exists and its content is broken */
+  SWP_UNAVAILABLE = 4,         /* could not reach something; trying again may help */
+  SWP_RESOURCE_EXHAUSTED = 5,  /* a buffer is too small, a bound was hit, or memory is out */
+  SWP_FAILED_PRECONDITION = 6, /* calls in the wrong order */
+  SWP_INTERNAL = 7             /* a bug of the library */
+};
+
+/* One line about the latest failed call on this thread, "" where none failed; valid until the next
+ * failure on it. */
+SWP_API const char* swp_last_error(void);
+
+/* ---- version ---- */
+
+/* SWP_ABI_VERSION of the loaded library. Compare it before anything else. */
+SWP_API uint32_t swp_abi_version(void);
+SWP_API swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch);
+
+typedef uint32_t swp_struct;
+enum {
+  SWP_STRUCT_AABB = 1,
+  SWP_STRUCT_PAIR = 2,
+  SWP_STRUCT_COUNTERS = 3,
+  SWP_STRUCT_SCENE_OPTIONS = 4,
+  SWP_STRUCT_SESSION_OPTIONS = 5,
+  SWP_STRUCT_FRAME_SAMPLE = 6,
+  SWP_STRUCT_SCENE_DESCRIPTOR = 7,
+  SWP_STRUCT_SWITCH_COMMAND = 8,
+  SWP_STRUCT_SWITCH_OUTCOME = 9,
+  SWP_STRUCT_DECIDER_OPTIONS = 10,
+  SWP_STRUCT_BELIEF = 11
+};
+
+/* Bytes of a struct below as the library has it, for bindings of other languages; 0 for an unknown
+ * one. */
+SWP_API uint32_t swp_struct_size(swp_struct which);
+
+/* ---- boxes and pairs ---- */
+
+/* A box takes part when all coordinates are finite and min <= max on each axis; any other overlaps
+ * nothing. */
+typedef struct swp_aabb {
+  float min[3];
+  float max[3];
+} swp_aabb;
+
+/* Two objects, by index in the array of boxes; a < b. */
+typedef struct swp_pair {
+  uint32_t a;
+  uint32_t b;
+} swp_pair;
+
+/* ---- worlds: one backend, driven by hand ---- */
+
+typedef struct swp_world swp_world;
+
+typedef struct swp_counters {
+  uint64_t aabb_check_count;  /* of the latest build or update and search */
+  uint64_t native_bytes;      /* held by the backend's own buffers */
+  uint64_t detection_time_ns; /* the latest build or update plus the search */
+  uint64_t pair_count;        /* of the latest search; 0 before it */
+  uint32_t object_count;
+  uint32_t backend_version;
+} swp_counters;
+
+SWP_API uint32_t swp_backend_count(void);
+/* Valid for ever; NULL from swp_backend_count() on. */
+SWP_API const char* swp_backend_name(uint32_t index);
+
+/* SWP_NOT_FOUND lists the backends. */
+SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
+SWP_API void swp_world_destroy(swp_world* world);
+
+/* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL where
+ * count is 0. SWP_INVALID_ARGUMENT over 2^31 - 1 boxes. After SWP_RESOURCE_EXHAUSTED (memory) the
+ * world must be built anew. */
+SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count);
+
+/* Takes the boxes of the next frame, as many as were built; SWP_FAILED_PRECONDITION before a build.
+ */
+SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
+
+/* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number
+ * into `count`. Where the room is too small: SWP_RESOURCE_EXHAUSTED, `count` says what is needed,
+ * nothing is written, and a second call with more room gives the same pairs. Searches once per
+ * build or update; further calls hand out the same pairs. `pairs` may be NULL where capacity is 0.
+ */
+SWP_API swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
+                                        uint64_t* count);
+
+SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* counters);
+
+/* ---- scenes: moving boxes to try a broad phase on ---- */
+
+typedef struct swp_scene swp_scene;
+
+/* As SceneOptions in sweepstake/scene.h. Filled by swp_scene_options_init, then changed where
+ * wished. */
+typedef struct swp_scene_options {
+  uint32_t struct_size; /* sizeof(swp_scene_options) */
+  uint32_t object_count;
+  uint64_t spawn_seed;
+  uint64_t motion_seed;
+  float world_half_extent;
+  float fixed_step_s;
+  float half_extent_min;
+  float half_extent_max;
+  float speed;
+  float gravity;
+  float direction_interval_s;
+  uint32_t reserved; /* 0 */
+} swp_scene_options;
+
+SWP_API uint32_t swp_scene_count(void);
+/* Valid for ever; NULL from swp_scene_count() on. */
+SWP_API const char* swp_scene_name(uint32_t index);
+
+SWP_API swp_result swp_scene_options_init(swp_scene_options* options);
+
+/* `scene` is one of swp_scene_name() or the path of a .aabbs file; `options` NULL takes the
+ * defaults. SWP_NOT_FOUND lists the names, SWP_DATA_LOSS says what is broken in the file. */
+SWP_API swp_result swp_scene_create(const char* scene, const swp_scene_options* options,
+                                    swp_scene** out);
+SWP_API void swp_scene_destroy(swp_scene* scene);
+
+/* One fixed step on. */
+SWP_API swp_result swp_scene_step(swp_scene* scene);
+
+/* The boxes of this frame, valid until the next step. */
+SWP_API swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxes, uint32_t* count);
+/* Bounds of the motion; boxes may stick out by their size. */
+SWP_API swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world);
+/* Steps taken. */
+SWP_API swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index);
+/* FNV-1a, 64 bits, over the bytes of this frame's boxes in little-endian order: equal on every
+ * platform for one seed and step. */
+SWP_API swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash);
+
+/* ---- sessions: the frame path, which switches between backends ---- */
+
+typedef struct swp_session swp_session;
+
+typedef uint32_t swp_mode;
+enum { SWP_MODE_MANUAL = 1, SWP_MODE_AI = 2 };
+
+typedef uint32_t swp_switch_reason;
+enum {
+  SWP_SWITCH_POLICY = 1,
+  SWP_SWITCH_EXPLORATION = 2,
+  SWP_SWITCH_BAIL_OUT = 3,
+  SWP_SWITCH_MANUAL = 4
+};
+
+enum {
+  SWP_FRAME_REBUILD = 1, /* the backend's structure was built anew */
+  SWP_FRAME_PAUSED = 2,  /* the game was paused or in the background */
+  SWP_FRAME_LOADING = 4, /* a scene was loading */
+  SWP_FRAME_BAIL_OUT = 8 /* over the bail-out limit */
+};
+
+typedef struct swp_session_options {
+  uint32_t struct_size;    /* sizeof(swp_session_options) */
+  uint32_t arm_count;      /* 0: all backends; at most 32 */
+  const char* const* arms; /* arm_count names of backends, each once */
+  const char* initial_arm; /* NULL or "": the first */
+  swp_mode mode;
+  uint32_t queue_frames; /* samples kept for draining, a power of two, 2 to 2^20; full: the oldest
+                            is dropped */
+  uint64_t bail_out_ns;  /* a longer frame is a bail-out; > 0 */
+  uint64_t settling_ns;  /* frames after a switch whose cost is measured as the switch's */
+} swp_session_options;
+
+/* What one frame cost. */
+typedef struct swp_frame_sample {
+  uint64_t frame_index;
+  uint64_t frame_time_ns;
+  uint64_t detection_time_ns;
+  uint64_t aabb_check_count;
+  uint64_t native_bytes;
+  uint32_t pair_count;
+  uint32_t object_count;
+  uint32_t arm;          /* index in the session's list of arms */
+  uint32_t switch_epoch; /* executed switches before this frame */
+  uint32_t flags;        /* SWP_FRAME_ bits */
+  uint32_t reserved;
+} swp_frame_sample;
+
+/* What the scene looks like; a negative value was not measured. Meaning of each: SceneDescriptor,
+ * frame_sample.h. */
+typedef struct swp_scene_descriptor {
+  float object_count;
+  float density_ratio;
+  float size_spread;
+  float speed_mean;
+  float speed_spread;
+  float clustering_ratio;
+  float static_ratio;
+} swp_scene_descriptor;
+
+typedef struct swp_switch_command {
+  uint64_t command_id; /* below 2^48; 0: local */
+  uint32_t arm;
+  swp_switch_reason reason;
+} swp_switch_command;
+
+typedef struct swp_switch_outcome {
+  uint64_t command_id;
+  uint32_t arm;
+  uint32_t switch_epoch;
+  uint64_t rebuild_time_ns;
+  uint64_t
+      settling_cost_ns; /* frame time above the settled mean, summed over the settling frames */
+  swp_switch_reason reason;
+  uint32_t executed; /* 0: refused */
+} swp_switch_outcome;
+
+SWP_API swp_result swp_session_options_init(swp_session_options* options);
+
+/* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends. */
+SWP_API swp_result swp_session_create(const swp_session_options* options, swp_session** session);
+/* No other thread may be in a call. */
+SWP_API void swp_session_destroy(swp_session* session);
+
+/* Frame thread, once per frame and in this order. None waits, locks, or allocates in steady state.
+ */
+
+/* Executes a pending switch. */
+SWP_API swp_result swp_session_begin_frame(swp_session* session);
+/* The active backend takes these boxes and searches; at most once per frame. A changed count
+ * rebuilds. The pairs and their number go out as in swp_world_find_pairs; where the room was too
+ * small, swp_session_copy_pairs gives them. */
+SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
+                                          uint32_t box_count, swp_pair* pairs, uint64_t capacity,
+                                          uint64_t* pair_count);
+/* The pairs of the latest search again, with its rules; until the next begin_frame. */
+SWP_API swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs,
+                                          uint64_t capacity, uint64_t* pair_count);
+/* `frame_time_ns` is the unscaled time since the previous end; `flags` of SWP_FRAME_PAUSED and
+ * SWP_FRAME_LOADING. */
+SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns,
+                                         uint32_t flags);
+
+/* Frame thread. */
+
+/* A choice by hand, executed at the next begin_frame; the mode stays. SWP_NOT_FOUND lists the arms.
+ */
+SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm);
+/* In SWP_MODE_MANUAL posted commands are refused unless their reason is SWP_SWITCH_MANUAL. */
+SWP_API swp_result swp_session_set_mode(swp_session* session, swp_mode mode);
+SWP_API swp_result swp_session_mode(const swp_session* session, swp_mode* mode);
+SWP_API swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm);
+SWP_API swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch);
+/* The sample of the latest end_frame; all 0 before it. */
+SWP_API swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample);
+
+/* Any thread. */
+
+SWP_API swp_result swp_session_arm_count(const swp_session* session, uint32_t* count);
+/* Valid until the session is destroyed. */
+SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm,
+                                        const char** name);
+SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
+                                           uint32_t* backend_version);
+/* The latest measured descriptor; every value negative before the first. */
+SWP_API swp_result swp_session_descriptor(const swp_session* session,
+                                          swp_scene_descriptor* descriptor);
+/* What full queues dropped since the session began; either pointer may be NULL. */
+SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
+                                       uint64_t* outcome_count);
+
+/* One thread of the caller's choice: the transport. Not while a decider is attached, which then
+ * takes the samples. */
+
+/* Moves the oldest samples, up to `capacity`, into `samples`, and their number into `count`. */
+SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
+                                             uint32_t capacity, uint32_t* count);
+/* The same for how switches went. */
+SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
+                                              uint32_t capacity, uint32_t* count);
+/* To be executed at the next begin_frame; the latest wins. SWP_INVALID_ARGUMENT for an arm or a
+ * reason that is none. */
+SWP_API swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command);
+/* Says whether somebody answers a bail-out; while nobody does, the session switches by itself. */
+SWP_API swp_result swp_session_set_decider_present(swp_session* session, uint32_t present);
+/* Posterior means in the order of arms, for that case; `count` is the number of arms, each mean in
+ * 0..1. */
+SWP_API swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
+                                                   uint32_t count);
+/* The settling time in force, from the daemon's welcome. */
+SWP_API swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns);
+
+/* ---- the embedded decider: "AI Decides" without a daemon ---- */
+
+typedef struct swp_decider_options {
+  uint32_t struct_size;      /* sizeof(swp_decider_options) */
+  uint32_t reserved;         /* 0 */
+  const char* policy;        /* NULL: the default */
+  const char* project;       /* NULL: "default" */
+  const char* scene;         /* NULL: "default" */
+  const char* machine_class; /* NULL: unknown */
+  const char* priors_file;   /* as `sweepstake priors export` writes it; NULL: Beta(1,1) */
+  uint64_t seed;
+  double time_scale; /* 1 to 1000: every interval is divided by it */
+} swp_decider_options;
+
+/* A posterior of an arm's reward, Beta(alpha, beta). */
+typedef struct swp_belief {
+  double alpha;
+  double beta;
+} swp_belief;
+
+SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
+
+/* The thread that polls; attach and detach while no frame runs. `now_ns` is the caller's steady
+ * clock, from any origin and never going back, the same one in all calls. */
+
+/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION where one is attached, SWP_NOT_FOUND
+ * for the file, SWP_DATA_LOSS names its first broken record. */
+SWP_API swp_result swp_session_attach_decider(swp_session* session,
+                                              const swp_decider_options* options, uint64_t now_ns);
+SWP_API swp_result swp_session_detach_decider(swp_session* session);
+/* Takes what the frames cost since the last poll, decides where a decision is due (every 2 s), and
+ * posts the command. `commanded` is 1 where one was posted, which then also stands in `command`;
+ * both may be NULL. Poll at least every 250 ms; it costs microseconds, more at a decision. */
+SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
+                                            swp_switch_command* command, uint32_t* commanded);
+/* The posteriors in the order of arms, up to `capacity`; `count` is the number of arms. Too small:
+ * SWP_RESOURCE_EXHAUSTED and nothing is written but `count`. */
+SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
+                                       uint32_t capacity, uint32_t* count);
+SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
+/* Sources in the priors it started from; 0: Beta(1,1). */
+SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SWEEPSTAKE_C_API_H_ */

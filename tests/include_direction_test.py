@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+"""Fails on an #include that runs against the direction of dependencies.
+
+    broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc, server/web
+    server/decision <- telemetry; server/decision <- storage, rpc, web <- daemon <- main
+
+Besides: the server never includes engine_client; the decision core includes the standard library, Eigen and itself,
+and takes no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of
+one operating system stay in telemetry, the server and the command line.
+
+    include_direction_test.py ROOT          checks the tree at ROOT
+    include_direction_test.py --self-test   shows that each rule can fail
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+# A folder may include itself and these.
+ALLOWED = {
+    "engine_client/broad_phase": set(),
+    "engine_client/scene": {"engine_client/broad_phase"},
+    "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
+    "engine_client/telemetry": {
+        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "server/decision", "proto"},
+    "engine_client/c_api": {
+        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
+    "engine_client/cli": {
+        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
+        "proto"},
+    "server/decision": set(),
+    "server/storage": {"server/decision"},
+    "server/rpc": {"server/decision", "proto"},
+    "server/web": {"server/decision", "proto"},
+    "server": {"server/decision", "server/storage", "server/rpc", "server/web", "proto"},
+}
+
+# Each public header belongs to the layer that implements it.
+PUBLIC_HEADERS = {
+    "aabb.h": "engine_client/broad_phase",
+    "broad_phase.h": "engine_client/broad_phase",
+    "pair_buffer.h": "engine_client/broad_phase",
+    "status.h": "engine_client/broad_phase",
+    "scene.h": "engine_client/scene",
+    "frame_sample.h": "engine_client/adaptive",
+    "adaptive_broad_phase.h": "engine_client/adaptive",
+    "embedded_decider.h": "engine_client/telemetry",
+    "session.h": "engine_client/telemetry",
+    "c_api.h": "engine_client/c_api",
+}
+PUBLIC_FOLDER = "engine_client/include/sweepstake"
+
+# Only these folders may know one operating system, and gRPC or protobuf.
+PLATFORM_FOLDERS = {
+    "engine_client/telemetry", "engine_client/cli", "server", "server/storage", "server/rpc", "server/web"}
+PLATFORM_HEADER = re.compile(
+    r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
+    r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
+RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
+
+DECISION_HEADERS = re.compile(
+    r"^(Eigen/.*|algorithm|array|bit|cassert|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
+    r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
+    r"type_traits|unordered_map|utility|variant|vector)$")
+# sqrt, fabs, floor, ceil, trunc, ldexp, frexp and fmin/fmax are exact everywhere; these are not.
+INEXACT = r"(?:exp2?|expm1|log(?:2|10|1p)?|pow|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|cbrt|hypot|[lt]gamma|erfc?)f?"
+INEXACT_CALL = re.compile(r"(?:\bstd::%s\b|(?<![\w:.>])%s\s*\(|\.%s\(\))" % (INEXACT, INEXACT, INEXACT))
+DISTRIBUTION = re.compile(r"\b(\w+_distribution|mt19937\w*|random_device|random_shuffle)\b")
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+SOURCE_SUFFIXES = {".h", ".cc", ".c", ".inc"}
+
+
+def folder_of(path):
+    """The row of ALLOWED that a source file belongs to; None where it has none."""
+    if path.startswith(PUBLIC_FOLDER + "/"):
+        return PUBLIC_HEADERS.get(path[len(PUBLIC_FOLDER) + 1:])
+    parent = path.rpartition("/")[0]
+    while parent and parent not in ALLOWED:
+        parent = parent.rpartition("/")[0]
+    if parent == "server" and path.count("/") > 1:
+        return None
+    return parent or None
+
+
+def target_of(name):
+    """The folder an include names; None for headers of others."""
+    if name.startswith("sweepstake/v1/"):
+        return "proto"
+    if name.startswith("sweepstake/"):
+        return PUBLIC_HEADERS.get(name[len("sweepstake/"):], "an unknown public header")
+    if name.startswith(("engine_client/", "server/")):
+        return folder_of(name) or "an unknown folder"
+    if name.startswith("tests/"):
+        return "tests"
+    return None
+
+
+def include_errors(folder, name):
+    target = target_of(name)
+    if target is not None:
+        if target != folder and target not in ALLOWED[folder]:
+            yield f'"{name}" ({target}) must not be included from {folder}'
+        return
+    if folder == "server/decision" and not DECISION_HEADERS.match(name):
+        yield f"<{name}> must not be included from the decision core"
+    if folder not in PLATFORM_FOLDERS:
+        if PLATFORM_HEADER.match(name):
+            yield f"<{name}> is not portable and must not be included from {folder}"
+        if RPC_HEADER.match(name):
+            yield f"<{name}> must not be included from {folder}, which builds without gRPC"
+
+
+def file_errors(path, text):
+    folder = folder_of(path)
+    if folder is None:
+        yield f"{path}: belongs to no folder of the table in tests/include_direction_test.py"
+        return
+    # Comments go, their line ends stay, so that line numbers hold.
+    code = COMMENT.sub(lambda match: "\n" * match.group().count("\n"), text)
+    for match in INCLUDE.finditer(code):
+        line = code.count("\n", 0, match.start(match.lastindex)) + 1
+        for error in include_errors(folder, match.group(1) or match.group(2)):
+            yield f"{path}:{line}: {error}"
+    if folder == "server/decision":
+        for pattern in (INEXACT_CALL, DISTRIBUTION):
+            for match in pattern.finditer(code):
+                line = code.count("\n", 0, match.start()) + 1
+                yield f"{path}:{line}: '{match.group().strip()}' differs between platforms"
+
+
+def check(root):
+    errors, count = [], 0
+    for top in ("engine_client", "server"):
+        for file in sorted((root / top).rglob("*")):
+            if file.suffix in SOURCE_SUFFIXES and "node_modules" not in file.parts:
+                count += 1
+                errors += file_errors(file.relative_to(root).as_posix(), file.read_text(encoding="utf-8"))
+    return errors, count
+
+
+GOOD = {
+    "engine_client/broad_phase/grid.cc": '#include "sweepstake/broad_phase.h"\n#include <hwy/highway.h>\n',
+    "engine_client/telemetry/embedded.cc": '#include "server/decision/types.h"\n#include <unistd.h>\n',
+    "engine_client/cli/watch.cc": '#include "sweepstake/v1/posteriors.pb.h"\n#include <grpcpp/grpcpp.h>\n',
+    "server/decision/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
+    "server/rpc/telemetry_service.cc": '#include "server/decision/types.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
+    "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
+    "engine_client/include/sweepstake/scene.h": '#include "sweepstake/aabb.h"\n',
+}
+BAD = {
+    "engine_client/broad_phase/a.cc": '#include "engine_client/scene/world.h"\n',
+    "engine_client/broad_phase/b.cc": '#  include "sweepstake/adaptive_broad_phase.h"\n',
+    "engine_client/scene/c.cc": '#include "sweepstake/frame_sample.h"\n',
+    "engine_client/scene/d.cc": "#include <sys/mman.h>\n",
+    "engine_client/adaptive/e.cc": '#include "engine_client/telemetry/sample_queue.h"\n',
+    "engine_client/adaptive/f.cc": "#include <unistd.h>\n",
+    "engine_client/c_api/g.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
+    "engine_client/c_api/h.cc": "#include <grpcpp/grpcpp.h>\n",
+    "engine_client/cli/i.cc": '#include "server/rpc/telemetry_service.h"\n',
+    "engine_client/include/sweepstake/aabb.h": '#include "sweepstake/scene.h"\n',
+    "engine_client/include/sweepstake/new.h": "\n",
+    "engine_client/telemetry/j.cc": '#include "server/storage/prior_store.h"\n',
+    "server/rpc/k.cc": '#include "server/storage/prior_store.h"\n',
+    "server/storage/l.cc": '#include "server/web/http.h"\n',
+    "server/web/m.cc": '#include "server/rpc/telemetry_service.h"\n',
+    "server/rpc/n.cc": '#include "sweepstake/frame_sample.h"\n',
+    "server/main.cc": '#include "engine_client/scene/world.h"\n',
+    "server/rpc/o.cc": '#include "server/daemon.h"\n',
+    "server/decision/p.cc": "#include <chrono>\n",
+    "server/decision/q.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
+    "server/decision/r.cc": "double F(double x) { return std::exp(x); }\n",
+    "server/decision/s.cc": "double F(double x) { return 1 + pow(x, 2); }\n",
+    "server/decision/t.cc": "std::gamma_distribution<double> d;\n",
+    "server/decision/u.cc": "auto F(const Eigen::ArrayXd& x) { return x.log(); }\n",
+    "server/elsewhere/v.cc": "\n",
+}
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for path, text in GOOD.items():
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
+            (root / path).write_text(text, encoding="utf-8")
+        errors, _ = check(root)
+        if errors:
+            return ["a good tree was refused: " + error for error in errors]
+        missed = []
+        for path, text in BAD.items():
+            file = root / path
+            before = file.read_text(encoding="utf-8") if file.exists() else None
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+            errors, _ = check(root)
+            if len(errors) != 1 or not errors[0].startswith(path):
+                missed.append(f"{path} {text!r} gave {errors} instead of one error")
+            file.unlink() if before is None else file.write_text(before, encoding="utf-8")
+        return missed
+
+
+def main(arguments):
+    if arguments == ["--self-test"]:
+        errors = self_test()
+        print("\n".join(errors) or f"{len(BAD)} bad includes were each found")
+        return 1 if errors else 0
+    if len(arguments) != 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    errors, count = check(pathlib.Path(arguments[0]))
+    if count == 0:
+        errors.append(f"no source file under {arguments[0]}")
+    print("\n".join(errors) or f"{count} files keep the direction")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
