@@ -1,0 +1,143 @@
+// Vector kernels of the overlap test of aabb.h, for every target of Highway. Include after
+// hwy/foreach_target.h, use inside HWY_NAMESPACE, dispatch once per operation (brute_force.cc shows
+// how).
+//
+// All read BoxLanes, whose padding makes reads past the last box safe, and write pairs a < b
+// through a PairCursor. Each returns the AABB checks it made: every lane of a comparison is one.
+#if defined(SWEEPSTAKE_OVERLAP_KERNEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_OVERLAP_KERNEL_INL_H_
+#undef SWEEPSTAKE_OVERLAP_KERNEL_INL_H_
+#else
+#define SWEEPSTAKE_OVERLAP_KERNEL_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "engine_client/broad_phase/pair_cursor.h"
+#include "engine_client/broad_phase/soa_boxes.h"
+#include "hwy/highway.h"
+#include "sweepstake/aabb.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// How a test treats the first axis of the lanes.
+enum class FirstAxis {
+  kBothSides,  // like the other axes
+  kSorted,  // lanes start no earlier than the box does: only "has it ended before the lane starts"
+            // is asked
+};
+
+HWY_INLINE Aabb BoxAt(const BoxLanes& lanes, size_t slot) {
+  return {{lanes.min[0][slot], lanes.min[1][slot], lanes.min[2][slot]},
+          {lanes.max[0][slot], lanes.max[1][slot], lanes.max[2][slot]}};
+}
+
+template <class D>
+HWY_INLINE hn::Mask<D> AxisHits(D d, const Aabb& box, const BoxLanes& lanes, size_t axis,
+                                size_t at) {
+  return hn::And(hn::Le(hn::LoadU(d, lanes.min[axis] + at), hn::Set(d, box.max[axis])),
+                 hn::Ge(hn::LoadU(d, lanes.max[axis] + at), hn::Set(d, box.min[axis])));
+}
+
+// Which of the lanes from slot `at` on overlap `box`, whose axes are in the lanes' order. Four
+// calls with four boxes and the same `at` share their loads.
+template <FirstAxis kFirst = FirstAxis::kBothSides, class D>
+HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t at) {
+  const auto across = hn::And(AxisHits(d, box, lanes, 1, at), AxisHits(d, box, lanes, 2, at));
+  if constexpr (kFirst == FirstAxis::kSorted) {
+    return hn::And(across, hn::Le(hn::LoadU(d, lanes.min[0] + at), hn::Set(d, box.max[0])));
+  } else {
+    return hn::And(across, AxisHits(d, box, lanes, 0, at));
+  }
+}
+
+// Lanes [count, all).
+template <class D>
+HWY_INLINE hn::Mask<D> LanesFrom(D d, size_t count) {
+  return hn::Not(hn::FirstN(d, count));
+}
+
+// Stores (id, ids[lane]) with a < b for each hit and returns how many; a whole register of pairs is
+// written at `out`. No branch: where hits are frequent, mispredicting costs more than storing.
+template <class D>
+HWY_INLINE size_t StoreHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
+                            OverlapPair* out) {
+  const hn::RebindToUnsigned<D> du;
+  const auto others = hn::Compress(hn::LoadU(du, ids), hn::RebindMask(du, hits));
+  const auto self = hn::Set(du, id);
+  hn::StoreInterleaved2(hn::Min(self, others), hn::Max(self, others), du, &out->a);
+  return hn::CountTrue(d, hits);
+}
+
+// Box `id` against the slots [begin, end).
+template <FirstAxis kFirst = FirstAxis::kBothSides, class D>
+HWY_INLINE uint64_t ScanRange(D d, const Aabb& box, uint32_t id, const BoxLanes& lanes,
+                              size_t begin, size_t end, PairCursor& cursor) {
+  const size_t step = hn::Lanes(d);
+  uint64_t checks = 0;
+  for (size_t at = begin; at < end; at += step) {
+    const auto inside = hn::FirstN(d, end - at);
+    const auto hits = hn::And(inside, Hits<kFirst>(d, box, lanes, at));
+    cursor.Advance(StoreHits(d, hits, id, lanes.id + at, cursor.Room(step)));
+    checks += step;
+  }
+  return checks;
+}
+
+// The slots [row, row + 4) against themselves and all later ones: four boxes share each load. With
+// kSorted the lanes are in ascending order of min[0], and the scan ends where the last of the four
+// does.
+template <FirstAxis kFirst, class D>
+HWY_INLINE uint64_t ScanTile(D d, const BoxLanes& lanes, size_t row, PairCursor& cursor) {
+  const size_t step = hn::Lanes(d);
+  const Aabb box0 = BoxAt(lanes, row);
+  const Aabb box1 = BoxAt(lanes, row + 1);
+  const Aabb box2 = BoxAt(lanes, row + 2);
+  const Aabb box3 = BoxAt(lanes, row + 3);
+  const float end =
+      std::max(std::max(box0.max[0], box1.max[0]), std::max(box2.max[0], box3.max[0]));
+  const uint32_t* const id = lanes.id + row;
+  const auto store = [&](hn::Mask<D> hits, uint32_t self, size_t at) HWY_ATTR {
+    cursor.Advance(StoreHits(d, hits, self, lanes.id + at, cursor.Room(step)));
+  };
+  store(hn::And(LanesFrom(d, 1), Hits<kFirst>(d, box0, lanes, row)), id[0], row);
+  store(hn::And(LanesFrom(d, 2), Hits<kFirst>(d, box1, lanes, row)), id[1], row);
+  store(hn::And(LanesFrom(d, 3), Hits<kFirst>(d, box2, lanes, row)), id[2], row);
+  store(hn::And(LanesFrom(d, 4), Hits<kFirst>(d, box3, lanes, row)), id[3], row);
+  size_t at = row + step;
+  for (; kFirst == FirstAxis::kSorted ? lanes.min[0][at] <= end : at < lanes.count; at += step) {
+    const auto hits0 = Hits<kFirst>(d, box0, lanes, at);
+    const auto hits1 = Hits<kFirst>(d, box1, lanes, at);
+    const auto hits2 = Hits<kFirst>(d, box2, lanes, at);
+    const auto hits3 = Hits<kFirst>(d, box3, lanes, at);
+    if (hn::AllFalse(d, hn::Or(hn::Or(hits0, hits1), hn::Or(hits2, hits3)))) continue;
+    store(hits0, id[0], at);
+    store(hits1, id[1], at);
+    store(hits2, id[2], at);
+    store(hits3, id[3], at);
+  }
+  return 4 * (at - row);
+}
+
+// Every overlapping pair among the lanes.
+template <FirstAxis kFirst>
+HWY_INLINE uint64_t ScanAllTiles(const BoxLanes& lanes, PairBuffer& out) {
+  const HWY_FULL(float) d;
+  const BoxLanes local =
+      lanes;  // a copy no store can alias, so that the pointers stay in registers
+  PairCursor cursor(out);
+  uint64_t checks = 0;
+  for (size_t row = 0; row < local.count; row += 4)
+    checks += ScanTile<kFirst>(d, local, row, cursor);
+  cursor.Flush();
+  return checks;
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,47 @@
+// The one list of the families: a new backend adds its line here.
+#include <array>
+#include <string>
+
+#include "engine_client/broad_phase/brute_force.h"
+#include "sweepstake/broad_phase.h"
+
+namespace sweepstake {
+namespace {
+
+struct Family {
+  std::string_view name;
+  std::unique_ptr<BroadPhase> (*make)();
+};
+
+// The paper's order (Table 1).
+constexpr std::array kFamilies = {
+    Family{"BruteForce", MakeBruteForce},
+};
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kFamilies.size()> names;
+  for (size_t i = 0; i < names.size(); ++i) names[i] = kFamilies[i].name;
+  return names;
+}();
+
+Status UnknownName(std::string_view name) {
+  std::string message = "no broad phase is called '" + std::string(name) + "'; choose one of ";
+  for (size_t i = 0; i < kNames.size(); ++i) {
+    if (i > 0) message += ", ";
+    message += kNames[i];
+  }
+  return {StatusCode::kNotFound, std::move(message)};
+}
+
+}  // namespace
+
+std::span<const std::string_view> BroadPhaseNames() { return kNames; }
+
+Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name) {
+  for (const Family& family : kFamilies) {
+    if (family.name == name) return family.make();
+  }
+  return UnknownName(name);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,184 @@
+// Every backend against the definition of overlap, by the identity of the pairs, over many frames.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+
+#include "sweepstake/broad_phase.h"
+#include "tests/support/box_scenes.h"
+#include "tests/support/pair_oracle.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::BoxScene;
+using test_support::BoxSceneKinds;
+using test_support::PairDifference;
+using test_support::ScalarPairs;
+
+std::unique_ptr<BroadPhase> Make(std::string_view name) {
+  auto made = MakeBroadPhase(name);
+  if (!made.ok()) throw std::runtime_error(made.status().message());
+  return std::move(*made);
+}
+
+std::string ParameterName(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+// What is wrong with the pairs the backend finds now; empty when nothing is.
+std::string Verdict(BroadPhase& broad_phase, std::span<const Aabb> boxes, PairBuffer& pairs) {
+  pairs.Clear();
+  broad_phase.FindPairs(pairs);
+  return PairDifference(pairs.pairs(), ScalarPairs(boxes));
+}
+
+class EveryBackend : public testing::TestWithParam<std::string_view> {
+ protected:
+  std::unique_ptr<BroadPhase> backend_ = Make(GetParam());
+  PairBuffer pairs_;
+};
+
+class EveryBackendInEveryScene
+    : public testing::TestWithParam<std::tuple<std::string_view, std::string_view>> {
+ protected:
+  std::unique_ptr<BroadPhase> backend_ = Make(std::get<0>(GetParam()));
+  std::string_view kind_ = std::get<1>(GetParam());
+  PairBuffer pairs_;
+};
+
+TEST_P(EveryBackendInEveryScene, FindsEachOverlappingPairOnceInEachFrame) {
+  for (const size_t count : {0, 1, 2, 3, 4, 5, 15, 16, 17, 33, 64, 65, 200, 611}) {
+    BoxScene scene(kind_, count, 1000 + count);
+    backend_->Build(scene.boxes());
+    for (int frame = 0; frame < 16; ++frame) {
+      ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "")
+          << "of " << count << " boxes in frame " << frame;
+      scene.Step();
+      backend_->Update(scene.boxes());
+    }
+  }
+}
+
+TEST_P(EveryBackendInEveryScene, IsRightWhenTheCountChangesEveryFrame) {
+  BoxScene scene(kind_, 300, 77);
+  test_support::Random random(5);
+  for (int frame = 0; frame < 40; ++frame) {
+    const auto boxes = scene.boxes().first(random.Below(301));
+    backend_->Build(boxes);
+    ASSERT_EQ(Verdict(*backend_, boxes, pairs_), "")
+        << "of " << boxes.size() << " boxes in frame " << frame;
+    scene.Step();
+  }
+}
+
+TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
+  BoxScene scene(kind_, 150, 31);
+  backend_->Build(scene.boxes());
+  for (int round = 0; round < 6; ++round) {
+    for (int frame = 0; frame < round; ++frame) {
+      scene.Step();
+      backend_->Update(scene.boxes());
+    }
+    ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "") << "in round " << round;
+    scene.Step();
+    backend_->Update(scene.boxes());
+  }
+}
+
+TEST_P(EveryBackendInEveryScene, GivesTheSameSequenceForTheSameHistory) {
+  const auto twin = Make(std::get<0>(GetParam()));
+  PairBuffer twin_pairs;
+  BoxScene scene(kind_, 250, 9);
+  backend_->Build(scene.boxes());
+  twin->Build(scene.boxes());
+  for (int frame = 0; frame < 10; ++frame) {
+    pairs_.Clear();
+    twin_pairs.Clear();
+    backend_->FindPairs(pairs_);
+    twin->FindPairs(twin_pairs);
+    ASSERT_TRUE(std::ranges::equal(pairs_.pairs(), twin_pairs.pairs())) << "in frame " << frame;
+    ASSERT_EQ(backend_->aabb_check_count(), twin->aabb_check_count());
+    scene.Step();
+    backend_->Update(scene.boxes());
+    twin->Update(scene.boxes());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , EveryBackendInEveryScene,
+    testing::Combine(testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
+                     testing::ValuesIn(BoxSceneKinds().begin(), BoxSceneKinds().end())),
+    [](const auto& test) {
+      return ParameterName(std::string(std::get<0>(test.param)) + "_" +
+                           std::string(std::get<1>(test.param)));
+    });
+
+TEST_P(EveryBackend, KnowsItsNameAndVersion) {
+  EXPECT_EQ(backend_->name(), GetParam());
+  EXPECT_GE(backend_->version(), 1U);
+}
+
+TEST_P(EveryBackend, IsRightInMixturesFromManySeeds) {
+  for (uint64_t seed = 1; seed <= 40; ++seed) {
+    BoxScene scene("mixture", 20 + 7 * seed, seed);
+    backend_->Build(scene.boxes());
+    for (int frame = 0; frame < 12; ++frame) {
+      ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "")
+          << "with seed " << seed << " in frame " << frame;
+      scene.Step();
+      backend_->Update(scene.boxes());
+    }
+  }
+}
+
+TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
+  for (const std::string_view kind : BoxSceneKinds()) {
+    BoxScene scene(kind, 120, 3);
+    backend_->Build(scene.boxes());
+    for (const std::string_view next : BoxSceneKinds()) {
+      const BoxScene other(next, 120, 4);
+      backend_->Update(other.boxes());
+      ASSERT_EQ(Verdict(*backend_, other.boxes(), pairs_), "") << "from " << kind << " to " << next;
+    }
+  }
+}
+
+TEST_P(EveryBackend, IsRightOverALongRunOfThreeHundredFrames) {
+  BoxScene scene("brownian", 200, 12);
+  backend_->Build(scene.boxes());
+  for (int frame = 0; frame < 300; ++frame) {
+    ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "") << "in frame " << frame;
+    scene.Step();
+    backend_->Update(scene.boxes());
+  }
+}
+
+TEST_P(EveryBackend, AppendsToWhatTheBufferHolds) {
+  const Aabb boxes[] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
+  backend_->Build(boxes);
+  pairs_.Append({7, 8});
+  backend_->FindPairs(pairs_);
+  ASSERT_EQ(pairs_.size(), 2U);
+  EXPECT_EQ(pairs_.pairs()[0], (OverlapPair{7, 8}));
+  EXPECT_EQ(pairs_.pairs()[1], (OverlapPair{0, 1}));
+}
+
+TEST_P(EveryBackend, FindsAllPairsOfCoincidentBoxes) {
+  BoxScene scene("all-coincident", 1000, 1);
+  backend_->Build(scene.boxes());
+  EXPECT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "");
+  EXPECT_EQ(pairs_.size(), 1000U * 999 / 2);
+  scene.Step();
+  backend_->Update(scene.boxes());
+  EXPECT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(, EveryBackend,
+                         testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,19 @@
+// Counts the calls of global operator new, in programs that have allocation_counter.cc among their
+// sources: it replaces the operators. malloc and realloc are not counted; watch the capacity of
+// what uses them (PairBuffer).
+//
+//   const uint64_t before = ThreadAllocationCount();
+//   ... one frame ...
+//   EXPECT_EQ(ThreadAllocationCount(), before);
+//
+// Thread safety: each thread counts its own.
+#pragma once
+
+#include <cstdint>
+
+namespace sweepstake::test_support {
+
+// Calls of any form of operator new by this thread since it started.
+uint64_t ThreadAllocationCount();
+
+}  // namespace sweepstake::test_support
