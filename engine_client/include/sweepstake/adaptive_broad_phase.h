@@ -1,16 +1,17 @@
 // The frame path: what an engine calls each frame. Steps 2–6 of the one path (README).
 //
-//   adaptive.BeginFrame();                       // executes a pending switch, only here
-//   auto pairs = adaptive.FindPairs(boxes);      // active backend: Build or Update, then
-//   FindPairs, measured
+//   adaptive.BeginFrame();                     // executes a pending switch, only here
+//   auto pairs = adaptive.FindPairs(boxes);    // active backend: Build or Update, FindPairs,
+//   measured
 //   ... narrow phase, solver, rendering ...
-//   adaptive.EndFrame({.frame_time_ns = dt});    // makes the sample, guards against bail-out,
-//   hands it to the sink
+//   adaptive.EndFrame({.frame_time_ns = dt});  // makes the sample, guards, hands it to the sink
 //
-// All calls on one thread, the frame thread, but SwitchMailbox::Post, which any one other thread
-// may call. None of them waits, locks, or (between switches and while the object count is steady)
-// allocates; the only system call is the clock. Ownership: the sink and the clock must outlive the
-// object.
+// All calls on one thread, the frame thread, but SwitchMailbox::Post and what says "any thread".
+// None of them waits, locks, or (between switches and while the object count is steady) allocates;
+// the only system call is the clock. Ownership: the sink and the clock must outlive the object.
+// Memory: an arm that has been active keeps its buffers, so that switching back is cheap;
+// native_bytes counts the active one alone. Errors: std::bad_alloc from FindPairs when a backend
+// runs out of memory; the next one builds anew.
 #pragma once
 
 #include <atomic>
@@ -38,7 +39,8 @@ class FrameSink {
 };
 
 // One switch command on its way to the frame thread; the latest wins, an older one not yet taken is
-// overwritten. Any one thread posts, the frame thread takes; lock-free.
+// overwritten. Any thread posts, the frame thread takes; lock-free. Bounds: an arm over 255 counts
+// as 255, of the command id the lowest 48 bits are kept.
 class SwitchMailbox {
  public:
   void Post(const SwitchCommand& command) noexcept;
@@ -64,8 +66,8 @@ struct AdaptiveOptions {
   std::string initial_arm;        // empty: the first
   Mode mode = Mode::kAi;
   uint64_t bail_out_ns = 5'000'000'000;  // paper §4; > 0
-  uint64_t settling_ns =
-      2'000'000'000;  // for the measured settling cost only; the daemon's welcome replaces it
+  // For the measured settling cost only; the daemon's welcome replaces it.
+  uint64_t settling_ns = 2'000'000'000;
 };
 
 // What the engine knows about the frame it ends.
@@ -83,15 +85,20 @@ class AdaptiveBroadPhase {
                                                             Clock& clock = SteadyClock());
   ~AdaptiveBroadPhase();
 
+  // Executes a pending switch: SelectArm's or the guard's, before the mailbox's, which is then
+  // refused.
   void BeginFrame();
-  // Pairs of these boxes, valid until the next call. A changed count rebuilds.
+  // Pairs of these boxes, valid until the next call. A changed count rebuilds. Once per frame; a
+  // frame without it (a paused game) has a sample without detection time.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  // Makes the sample and hands it to the sink.
   void EndFrame(const FrameEnd& frame);
 
   // Manual choice, executed at the next BeginFrame; leaves the mode as it is. kNotFound lists the
   // arms.
   Status SelectArm(std::string_view arm);
-  // In kManual commands from the mailbox with any reason but kManual are refused.
+  // In kManual commands from the mailbox with any reason but kManual are refused, and the guard
+  // does not switch.
   void SetMode(Mode mode);
 
   // Says whether a decider is there to answer a bail-out. While it is not, the guard switches by
@@ -104,9 +111,11 @@ class AdaptiveBroadPhase {
   void SetSettling(uint64_t settling_ns);
 
   SwitchMailbox& mailbox();
+  // Any thread.
   Mode mode() const;
   uint32_t active_arm() const;
   uint32_t switch_epoch() const;
+  // Fixed since Create.
   std::span<const std::string> arms() const;
   // Version of each arm's backend, in the order of arms.
   std::span<const uint32_t> arm_versions() const;
@@ -114,6 +123,7 @@ class AdaptiveBroadPhase {
   const FrameSample& last_sample() const;
 
  private:
+  friend class AdaptiveFactory;
   class Impl;
   explicit AdaptiveBroadPhase(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

@@ -1,0 +1,21 @@
+// Makes an AdaptiveBroadPhase from backends that the caller brings, beside the public Create with
+// the registry's: scripted backends in tests take this way. Internal to this repository.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sweepstake/adaptive_broad_phase.h"
+
+namespace sweepstake {
+
+class AdaptiveFactory {
+ public:
+  // `backends` replace options.arms: the arms are their names. Errors as
+  // AdaptiveBroadPhase::Create.
+  static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(
+      const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
+      FrameSink* sink, Clock& clock);
+};
+
+}  // namespace sweepstake

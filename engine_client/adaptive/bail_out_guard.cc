@@ -1,0 +1,56 @@
+#include "engine_client/adaptive/bail_out_guard.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace sweepstake {
+namespace {
+
+// The broad phase is to blame only for a frame of which it took at least half.
+bool IsToBlame(const FrameSample& sample) {
+  if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return false;
+  const uint64_t detection_ns = std::min(sample.detection_time_ns, sample.frame_time_ns);
+  return detection_ns >= sample.frame_time_ns - detection_ns;
+}
+
+}  // namespace
+
+BailOutGuard::BailOutGuard(uint64_t limit_ns, uint32_t arm_count)
+    : limit_ns_(limit_ns), arm_count_(arm_count) {
+  assert(limit_ns > 0 && arm_count >= 1 && arm_count <= kArmMax);
+}
+
+void BailOutGuard::SetDeciderPresent(bool present) {
+  decider_present_.store(present, std::memory_order_relaxed);
+}
+
+void BailOutGuard::SetPosteriorMeans(std::span<const double> means) {
+  if (means.size() != arm_count_) return;
+  if (!std::all_of(means.begin(), means.end(), [](double mean) { return std::isfinite(mean); })) {
+    return;
+  }
+  for (size_t arm = 0; arm < means.size(); ++arm) {
+    means_[arm].store(means[arm], std::memory_order_relaxed);
+  }
+  has_means_.store(true, std::memory_order_release);
+}
+
+std::optional<uint32_t> BailOutGuard::LocalChoice(const FrameSample& sample) const {
+  if (!Exceeds(sample.frame_time_ns) || !IsToBlame(sample) || arm_count_ < 2) return std::nullopt;
+  if (decider_present_.load(std::memory_order_relaxed)) return std::nullopt;
+  if (!has_means_.load(std::memory_order_acquire)) return (sample.arm + 1) % arm_count_;
+  return BestOther(sample.arm);
+}
+
+uint32_t BailOutGuard::BestOther(uint32_t active) const {
+  uint32_t best = active == 0 ? 1 : 0;
+  for (uint32_t arm = best + 1; arm < arm_count_; ++arm) {
+    if (arm == active) continue;
+    const double mean = means_[arm].load(std::memory_order_relaxed);
+    if (mean > means_[best].load(std::memory_order_relaxed)) best = arm;
+  }
+  return best;
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,47 @@
+// Step 5 of the one path: finds frames over the bail-out limit (paper §4) and, while no decider is
+// there to answer, names the arm to flee to.
+//
+// The setters may be called from any thread, the rest on the frame thread; nothing waits. Posterior
+// means are read one by one: a choice made while a new snapshot is being written may mix the two,
+// which costs at worst the second-best refuge.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake {
+
+class BailOutGuard {
+ public:
+  static constexpr uint32_t kArmMax = 32;
+
+  // REQUIRES: limit_ns > 0, 1 <= arm_count <= kArmMax.
+  BailOutGuard(uint64_t limit_ns, uint32_t arm_count);
+
+  void SetDeciderPresent(bool present);
+  // Takes the snapshot only when it has one finite mean per arm.
+  void SetPosteriorMeans(std::span<const double> means);
+
+  bool Exceeds(uint64_t frame_time_ns) const { return frame_time_ns > limit_ns_; }
+
+  // The arm to switch to after this frame; absent when the frame is within the limit, was long for
+  // another reason (detection under half of it, paused, loading), a decider is present, or there is
+  // no other arm.
+  std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
+
+ private:
+  uint32_t BestOther(uint32_t active) const;
+
+  const uint64_t limit_ns_;
+  const uint32_t arm_count_;
+  std::atomic<bool> decider_present_{false};
+  std::atomic<bool> has_means_{false};
+  std::array<std::atomic<double>, kArmMax> means_{};
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,84 @@
+// Scene descriptors from a small sample of objects, so that describing the scene costs tens of
+// nanoseconds per frame whatever its size.
+//
+// In frames 2k the boxes of kObjectsPerStep objects are remembered, in frames 2k + 1 the same
+// objects are looked at again for their motion; after kPeriodFrames frames kSampleCount objects
+// have been seen and a descriptor is ready. Up to kSampleCount objects are visited in turn, more by
+// a low-discrepancy walk over the indices that reaches all in time.
+//
+// Accuracy (standard error, independent objects): size_spread ±5 %, speed_mean ±6 % × speed_spread
+// ÷ speed_mean, static_ratio ±0.03, density_ratio biased up by some 2 % (the sample's bounds stay
+// inside the scene's) plus ±6 % × the relative spread of the volumes. clustering_ratio is measured
+// on the sample and scaled to the whole scene by D = 1 + (D_sample − 1) · n ÷ sample, exact for
+// independent thinning, with a standard error of 0.18 · n ÷ sample: it tells uniform from
+// clustered, not one clustering from a slightly different one. A scene with a changing object count
+// has no motion fields while it changes: an index may then mean another object.
+//
+// One thread. Allocates nothing, holds about 4 KB. Boxes that take no part (aabb.h) are skipped.
+// Units: world units and frames.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "sweepstake/aabb.h"
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake {
+
+class DescriptorEstimator {
+ public:
+  static constexpr uint32_t kObjectsPerStep = 4;
+  static constexpr uint32_t kSampleCount = 256;
+  static constexpr uint32_t kPeriodFrames = 2 * kSampleCount / kObjectsPerStep;
+
+  void Observe(std::span<const Aabb> boxes);
+
+  // True once per kPeriodFrames frames, until Take.
+  bool ready() const { return frame_count_ >= kPeriodFrames; }
+  // The descriptor of the period that ended; begins the next one. A field that could not be
+  // measured is -1.
+  SceneDescriptor Take();
+
+ private:
+  struct Point {
+    float coordinate[3];
+  };
+  // Sum and sum of squares, for a mean and a standard deviation.
+  struct Moments {
+    double sum = 0;
+    double square_sum = 0;
+    uint32_t count = 0;
+
+    void Add(double value);
+    double Mean() const;
+    double Spread() const;
+  };
+
+  void Remember(std::span<const Aabb> boxes);
+  void Compare(std::span<const Aabb> boxes);
+  void AddShape(const Aabb& box);
+  uint32_t NextIndex(uint32_t object_count);
+  double DensityRatio(const Aabb& bounds) const;
+  double ClusteringRatio(const Aabb& bounds) const;
+
+  // The step under way.
+  std::array<uint32_t, kObjectsPerStep> step_index_{};
+  std::array<Aabb, kObjectsPerStep> step_box_{};
+  uint32_t step_object_count_ = 0;  // 0: nothing remembered
+  uint64_t walk_ = 0;
+
+  // The period under way.
+  uint32_t frame_count_ = 0;
+  uint32_t object_count_ = 0;
+  std::array<Point, kSampleCount> centre_{};
+  uint32_t centre_count_ = 0;
+  Aabb bounds_{};
+  Moments volume_;
+  Moments log_size_;
+  Moments speed_;
+  uint32_t static_count_ = 0;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,56 @@
+// What a switch of arms cost: the time of building the new backend's structure, and the frame time
+// lost until the new arm had settled.
+//
+// The settled mean is the mean frame time of the second half of the settling time; the settling
+// cost is what the frames of the first half took above it, summed, at least 0. Paused and loading
+// frames count for neither. A switch that comes before the last one has settled ends that one's
+// measurement early.
+//
+// SetSettling from any thread, the rest on the frame thread. Nothing waits or allocates.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake {
+
+class SwitchCostMeter {
+ public:
+  explicit SwitchCostMeter(uint64_t settling_ns) : settling_ns_(settling_ns) {}
+
+  void SetSettling(uint64_t settling_ns) {
+    settling_ns_.store(settling_ns, std::memory_order_relaxed);
+  }
+
+  // An arm was switched on. Returns the outcome of the switch before, where that one had not
+  // settled.
+  std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch);
+
+  // True from Begin to OnRebuild: the next build is the switch's.
+  bool awaits_rebuild() const { return awaits_rebuild_; }
+  void OnRebuild(uint64_t rebuild_time_ns);
+
+  // Takes a finished frame. Returns the outcome with the frame that settles the arm.
+  std::optional<SwitchOutcome> OnFrame(const FrameSample& sample);
+
+ private:
+  // Frames of one half of the settling time.
+  struct Half {
+    uint64_t time_ns = 0;
+    uint64_t frame_count = 0;
+  };
+
+  SwitchOutcome Finish();
+  uint64_t SettlingCostNs() const;
+
+  std::atomic<uint64_t> settling_ns_;
+  std::optional<SwitchOutcome> running_;
+  bool awaits_rebuild_ = false;
+  Half early_;
+  Half late_;
+};
+
+}  // namespace sweepstake
