@@ -20,20 +20,24 @@ inline uint32_t SortableKey(float value) {
   return bits ^ ((bits >> 31) != 0 ? 0xFFFFFFFFU : 0x80000000U);
 }
 
-// A key and what it belongs to, in one word that compares as the key does.
+// A key and what it belongs to, in one word. The topmost bit of the payload is the key's tie-break:
+// 33 bits decide the order, which is what three passes of 11 bits see.
 constexpr uint64_t PackSortItem(uint32_t key, uint32_t payload) {
   return uint64_t{key} << 32 | payload;
 }
 constexpr uint32_t SortItemKey(uint64_t item) { return static_cast<uint32_t>(item >> 32); }
 constexpr uint32_t SortItemPayload(uint64_t item) { return static_cast<uint32_t>(item); }
+// Those 33 bits.
+constexpr uint64_t SortItemRank(uint64_t item) { return item >> 31; }
 
 class RadixSort {
  public:
   // `count` items for the caller to fill with PackSortItem; valid until the next call.
   std::span<uint64_t> Items(size_t count);
-  // Sorts them by key; equal keys keep their order. The result is valid until the next call to
-  // Items.
+  // Sorts them; items of equal rank keep their order. The result is valid until the next call.
   std::span<const uint64_t> Sort();
+  // Sorts the first `count` of the caller's items likewise; swaps their storage with the sorter's.
+  void Sort(AlignedBuffer<uint64_t>& items, size_t count);
 
   size_t native_bytes() const {
     return items_.capacity_bytes() + spare_.capacity_bytes() + starts_.capacity_bytes();
@@ -43,8 +47,8 @@ class RadixSort {
   static constexpr size_t kPasses = 3;
   static constexpr size_t kBuckets = 2048;
 
-  void CountDigits();
-  void Scatter(size_t pass);
+  void CountDigits(const uint64_t* items, size_t count);
+  void Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count);
 
   AlignedBuffer<uint64_t> items_;
   AlignedBuffer<uint64_t> spare_;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine_client/broad_phase/brute_force.h"
+#include "engine_client/broad_phase/sap.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
@@ -16,6 +17,7 @@ struct Family {
 // The paper's order (Table 1).
 constexpr std::array kFamilies = {
     Family{"BruteForce", MakeBruteForce},
+    Family{"SAP", MakeSap},
 };
 
 constexpr auto kNames = [] {
