@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine_client/broad_phase/brute_force.h"
+#include "engine_client/broad_phase/dbvt.h"
 #include "engine_client/broad_phase/sap.h"
 #include "sweepstake/broad_phase.h"
 
@@ -18,6 +19,7 @@ struct Family {
 constexpr std::array kFamilies = {
     Family{"BruteForce", MakeBruteForce},
     Family{"SAP", MakeSap},
+    Family{"DBVT", MakeDbvt},
 };
 
 constexpr auto kNames = [] {
