@@ -2,6 +2,7 @@
 #include <array>
 #include <string>
 
+#include "engine_client/broad_phase/axis_sweep.h"
 #include "engine_client/broad_phase/brute_force.h"
 #include "engine_client/broad_phase/dbvt.h"
 #include "engine_client/broad_phase/sap.h"
@@ -19,6 +20,7 @@ struct Family {
 constexpr std::array kFamilies = {
     Family{"BruteForce", MakeBruteForce},
     Family{"SAP", MakeSap},
+    Family{"AxisSweep", MakeAxisSweep},
     Family{"DBVT", MakeDbvt},
 };
 
