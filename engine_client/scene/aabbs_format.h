@@ -1,0 +1,60 @@
+// The layout of a .aabbs file: its header, boxes and count table, byte for byte (README.md of this
+// folder).
+//
+// Pure functions on byte spans; the file itself is opened by recorded_scene and record_scene.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "sweepstake/aabb.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake::aabbs {
+
+inline constexpr size_t kHeaderBytes = 304;
+inline constexpr size_t kBoxBytes = 32;
+inline constexpr size_t kCountBytes = 4;
+inline constexpr size_t kNameBytes = 128;
+
+enum class Layout : int32_t {
+  kFixedCount = 0,     // Broadmark's: (1 + frames) * N boxes
+  kChangingCount = 1,  // ours: N is the largest count; a table of counts follows the boxes
+};
+
+struct Header {
+  std::string scene_name;
+  int32_t object_count = 0;  // of each frame, or the largest
+  int32_t frame_count = 0;   // without the spawn state
+  Layout layout = Layout::kFixedCount;
+  Aabb world{};
+
+  uint64_t frames_with_spawn() const { return uint64_t{1} + static_cast<uint32_t>(frame_count); }
+};
+
+using HeaderBytes = std::array<std::byte, kHeaderBytes>;
+
+// A name longer than 127 bytes is cut; a byte that is not printable ASCII becomes '?'.
+HeaderBytes EncodeHeader(const Header& header);
+
+// kDataLoss says which field is broken and how. Checks every field, not the file's size.
+Result<Header> DecodeHeader(const HeaderBytes& bytes);
+
+void EncodeBox(const Aabb& box, std::span<std::byte, kBoxBytes> bytes);
+Aabb DecodeBox(std::span<const std::byte, kBoxBytes> bytes);
+
+void EncodeInt32(int32_t value, std::span<std::byte, kCountBytes> bytes);
+int32_t DecodeInt32(std::span<const std::byte, kCountBytes> bytes);
+
+// All six coordinates; inverted boxes are legal and overlap nothing.
+bool IsFinite(const Aabb& box);
+
+// `text` with every byte that is not printable ASCII as '?', cut to 200 bytes: for messages of one
+// line.
+std::string OneLine(std::string_view text);
+
+}  // namespace sweepstake::aabbs

@@ -1,0 +1,66 @@
+// What all computed scenes share: bodies as centres and half extents, stepped in place and shown as
+// boxes.
+//
+// Not thread-safe. All memory is taken at construction: 48 bytes per object here, plus what the
+// motion keeps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "sweepstake/aabb.h"
+#include "sweepstake/scene.h"
+
+namespace sweepstake {
+
+// One array per axis; all have the object count as their size.
+struct Bodies {
+  explicit Bodies(uint32_t object_count);
+
+  std::array<std::vector<float>, 3> centre;
+  std::array<std::vector<float>, 3> half_extent;
+};
+
+class GeneratedScene : public Scene {
+ public:
+  std::string_view name() const final { return name_; }
+  Aabb world() const final { return world_; }
+  uint64_t frame_index() const final { return frame_index_; }
+  std::span<const Aabb> aabbs() const final { return aabbs_; }
+  void Step() final;
+
+ protected:
+  // `name` outlives the scene. The derived constructor places the bodies and then calls ShowBodies.
+  GeneratedScene(std::string_view name, const Aabb& world, uint32_t object_count);
+
+  // Moves the bodies to the frame of frame_index(), which is already counted up.
+  virtual void Move() = 0;
+
+  void ShowBodies();
+  Bodies& bodies() { return bodies_; }
+  uint32_t object_count() const { return static_cast<uint32_t>(aabbs_.size()); }
+
+ private:
+  std::string_view name_;
+  Aabb world_;
+  uint64_t frame_index_ = 0;
+  Bodies bodies_;
+  std::vector<Aabb> aabbs_;
+};
+
+// The world of the scenarios: ±half_extent on each axis.
+Aabb CentredWorld(float half_extent);
+
+// Sizes for SceneOptions: log-uniform half extents, each axis on its own.
+void SpawnSizes(const SceneOptions& options, Bodies& bodies);
+
+// Positions for SceneOptions: uniform, the whole box inside the world.
+void SpawnInsideWalls(const SceneOptions& options, Bodies& bodies);
+
+// `x` mirrored once at the wall it passed, then clamped to [low, high].
+float Reflect(float x, float low, float high);
+
+}  // namespace sweepstake

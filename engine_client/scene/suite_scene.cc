@@ -1,0 +1,151 @@
+#include "engine_client/scene/suite_scene.h"
+
+#include "engine_client/scene/counter_random.h"
+#include "engine_client/scene/portable_math.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr float kSmallestHalfExtent = 0.145F;
+constexpr float kLogOfSizeRatio = 1.6094379F;  // ln 5
+constexpr float kTwoPi = 6.2831853F;
+
+float SideOfDensityOne(uint32_t object_count) {
+  return static_cast<float>(portable::CubeRoot(object_count));
+}
+
+// The mirror at the walls of [0, side].
+float ReflectInside(float x, float side) {
+  if (x < 0) x = -x;
+  return x > side ? 2 * side - x : x;
+}
+
+// The results of float functions: computed in double and rounded once.
+float SinF(float x) { return static_cast<float>(portable::Sin(x)); }
+float CosF(float x) { return static_cast<float>(portable::Cos(x)); }
+float ExpF(float x) { return static_cast<float>(portable::Exp(x)); }
+float PowF(float x, float y) { return static_cast<float>(portable::Pow(x, y)); }
+
+}  // namespace
+
+float SequentialRandom::Unit() {
+  state_ += kGoldenGamma;
+  return UnitFloat(Mix64(state_));
+}
+
+float SequentialRandom::Symmetric() { return Unit() * 2.0F - 1.0F; }
+
+SuiteScene::SuiteScene(std::string_view name, uint64_t variant, uint32_t object_count)
+    : GeneratedScene(name,
+                     {{0, 0, 0},
+                      {SideOfDensityOne(object_count), SideOfDensityOne(object_count),
+                       SideOfDensityOne(object_count)}},
+                     object_count),
+      side_(SideOfDensityOne(object_count)),
+      random_(0x1234ABCDU + variant * 1000003U + object_count) {}
+
+void SuiteScene::SpawnSize(uint32_t object) {
+  for (std::vector<float>& half_extent : bodies().half_extent) {
+    half_extent[object] = kSmallestHalfExtent * ExpF(kLogOfSizeRatio * random_.Unit());
+  }
+}
+
+void SuiteScene::SpawnPosition(uint32_t object) {
+  for (std::vector<float>& centre : bodies().centre) centre[object] = side_ * random_.Unit();
+}
+
+SuiteBrownian::SuiteBrownian(uint32_t object_count) : SuiteScene("suite-b", 0, object_count) {
+  for (uint32_t i = 0; i < object_count; ++i) {
+    SpawnSize(i);
+    SpawnPosition(i);
+    // The floor that G draws: the three scenes share their spawn's order of draws.
+    random().Unit();
+  }
+  ShowBodies();
+}
+
+void SuiteBrownian::Move() {
+  for (uint32_t i = 0; i < object_count(); ++i) {
+    for (std::vector<float>& centre : bodies().centre) {
+      centre[i] = ReflectInside(centre[i] + 0.1F * random().Symmetric(), side());
+    }
+  }
+}
+
+SuiteGravity::SuiteGravity(uint32_t object_count)
+    : SuiteScene("suite-g", 1, object_count), floor_(object_count) {
+  for (std::vector<float>& axis : velocity_) axis.resize(object_count);
+  for (uint32_t i = 0; i < object_count; ++i) {
+    SpawnSize(i);
+    SpawnPosition(i);
+    floor_[i] = 0.25F * side() * random().Unit();
+  }
+  ShowBodies();
+}
+
+void SuiteGravity::Move() {
+  constexpr float kDirections[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+  const float* direction = kDirections[(frame_index() / 35) % 4];
+  const float pull = 0.001F * side();
+  for (uint32_t i = 0; i < object_count(); ++i) {
+    velocity_[0][i] = (velocity_[0][i] + pull * direction[0]) * 0.98F;
+    velocity_[1][i] = (velocity_[1][i] + pull * direction[1]) * 0.98F;
+    velocity_[2][i] *= 0.98F;
+    for (int axis = 0; axis < 3; ++axis) MoveAxis(i, axis);
+  }
+}
+
+void SuiteGravity::MoveAxis(uint32_t object, int axis) {
+  const float low = axis < 2 ? floor_[object] : 0.0F;
+  const float high = side() - low;
+  float& velocity = velocity_[axis][object];
+  float x = bodies().centre[axis][object] + velocity;
+  const bool hit_low = x < low && velocity < 0;
+  const bool hit_high = x > high && velocity > 0;
+  if (hit_low) x = low;
+  if (hit_high) x = high;
+  bodies().centre[axis][object] = x;
+  if (!hit_low && !hit_high) return;
+  velocity *= -0.3F;
+  velocity_[(axis + 1) % 3][object] += 0.002F * side() * random().Symmetric();
+  velocity_[(axis + 2) % 3][object] += 0.002F * side() * random().Symmetric();
+}
+
+SuiteHurricane::SuiteHurricane(uint32_t object_count)
+    : SuiteScene("suite-h", 2, object_count),
+      radius_(object_count),
+      angle_(object_count),
+      phase_(object_count) {
+  for (uint32_t i = 0; i < object_count; ++i) {
+    SpawnSize(i);
+    radius_[i] = 0.5F * side() * PowF(random().Unit(), 0.75F);
+    angle_[i] = kTwoPi * random().Unit();
+    phase_[i] = kTwoPi * random().Unit();
+    bodies().centre[1][i] = side() * random().Unit();
+  }
+  PlaceOnOrbits();
+  ShowBodies();
+}
+
+void SuiteHurricane::Move() {
+  const float rim = 0.5F * side();
+  for (uint32_t i = 0; i < object_count(); ++i) {
+    angle_[i] += 0.044F / (0.1F + radius_[i] / rim);
+    if (angle_[i] > kTwoPi) angle_[i] -= kTwoPi;
+    float& height = bodies().centre[1][i];
+    height = ReflectInside(height + 0.02F * random().Symmetric(), side());
+  }
+  PlaceOnOrbits();
+}
+
+void SuiteHurricane::PlaceOnOrbits() {
+  const float middle = 0.5F * side();
+  const float swing = 0.1F * static_cast<float>(frame_index());
+  for (uint32_t i = 0; i < object_count(); ++i) {
+    const float radius = radius_[i] * (1.0F + 0.05F * SinF(swing + phase_[i]));
+    bodies().centre[0][i] = middle + radius * CosF(angle_[i]);
+    bodies().centre[2][i] = middle + radius * SinF(angle_[i]);
+  }
+}
+
+}  // namespace sweepstake
