@@ -5,6 +5,37 @@
 // platform. Time and randomness come in as arguments. Not thread-safe; distinct sessions are
 // independent. Memory is bounded by the number of arms. Decision times come from the caller's
 // clock, settling and warm-up from the frames' own times.
+//
+// What decision.md §1 leaves open is settled so:
+// - Two clocks. Ticks, the cooldown and active time run on now_ns. Settling, warm-up and
+//   measuring run on frame time, counted from the end of the first frame of the new switch
+//   epoch; paused and loading frames do not count.
+// - When a switch counts. ObserveSwitch says so; but clients report a switch only when the new
+//   arm has settled, so frames of a later epoch are kept for it as they come, and the first
+//   tick or bail-out that finds some takes the switch as executed without waiting for the
+//   report. It was executed that much frame time ago, though not before the last event on
+//   now_ns; the cooldown and active time count from then.
+// - A command that nobody answers. While it is under way no other is issued (but for a bail-
+//   out). It counts as lost at the second or a later tick after it whose own interval brought
+//   frames of the old epoch; the candidate of that tick, or the exploration's arm, may be
+//   commanded then. An arm of the exploration is passed over after three lost commands.
+// - The first command. Where no switch was executed yet there is no cooldown to wait for; a
+//   session that goes on after a restart (decision_count > 0) does not know when the last one
+//   was, and counts from start_ns.
+// - Draws. Every AI tick outside the exploration draws and logs a candidate, also where
+//   settling frames, no frames or a rejected window hold it back.
+// - Exploration. A slot is the warm-up, which replaces settling, and the measured time after
+//   it. Ticks in it update the posterior. It ends at the first tick at which its frame time has
+//   passed, never for want of frames; the next arm is commanded at that tick. An arm whose turn
+//   it is and that is active already needs no command. The tick that ends the last slot starts
+//   the observation window and is an ordinary one already: update, sample, gate, with the
+//   cooldown counting from the switch to the last arm explored.
+// - Bail-outs. In the exploration, the arm's slot ends and the next arm is commanded. Else the
+//   draw decides, and if it falls on the same arm that stays. A bail-out of an earlier epoch is
+//   charged to its arm and commands nothing. Frames over the limit are never in a window: ten
+//   observations of 0 are their charge, or none where the arm is excused.
+// - A rebuild for a changed object count settles again (not within exploration slots); how
+//   counts that change all the time are kept from starving learning is said in arm_run.h.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +50,15 @@
 
 namespace sweepstake::decision {
 
+inline constexpr uint32_t kMaxArms = 32;
+inline constexpr double kLargestEvidence = 1e15;  // of a prior's alpha and beta
+
 struct SessionSetup {
   DecisionOptions options;
-  std::vector<std::string> arms;      // 1–32, unique, not empty
-  std::vector<BetaPosterior> priors;  // as many as arms; empty: Beta(1,1) each
-  uint64_t seed = 1;                  // of the exploration order and of all draws
+  std::vector<std::string> arms;  // 1–kMaxArms, unique, not empty
+  std::vector<BetaPosterior>
+      priors;  // as many as arms; empty: Beta(1,1) each. Both parameters in (0, kLargestEvidence)
+  uint64_t seed = 1;  // of the exploration order and of all draws
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;
@@ -45,22 +80,29 @@ class DecisionSession {
   DecisionSession& operator=(DecisionSession&&) noexcept;
 
   // Folds frames into the window of the running tick. Frames of another switch epoch or arm than
-  // the active one, settling frames, and frames flagged paused or loading are counted and left out.
+  // the active one, settling frames, frames flagged paused or loading, and frames over the bail-out
+  // limit are counted and left out. Frames of a later epoch than the active one begin that epoch's
+  // settling (see above).
   void ObserveFrames(std::span<const Frame> frames);
 
   // A frame over the limit, at once (decision.md §1 "bail-out"). Frames whose detection is under
-  // half of the frame, or that are flagged paused or loading, are recorded and not blamed: no
-  // increment, no command. At most one per frame index is the caller's to keep.
+  // half of the frame, that are flagged paused or loading, or that are neither over
+  // options.bail_out_ns nor flagged kFrameBailOut, are recorded and not blamed: no increment, no
+  // command. At most one per frame index is the caller's to keep. The frame may come through
+  // ObserveFrames as well.
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
 
   // The client's answer to a command, or a local switch (command_id 0): the new arm is active from
-  // this epoch on. REQUIRES: arm < arms.
+  // this epoch on. To be called for executed switches only. A report of what is active already
+  // changes nothing. REQUIRES: arm < arms.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
 
+  // The window begins anew; the exploration goes on where it was.
   // REQUIRES: arm < arms.
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
 
-  // When the next tick is due.
+  // When the next tick is due: one decision interval after the last was due or, where that has
+  // passed too, after the last.
   int64_t next_tick_ns() const;
   // Update, then sample, then gate (decision.md §1 "order at a tick"). A late tick is one tick,
   // never several. REQUIRES: now_ns >= next_tick_ns().
@@ -72,6 +114,8 @@ class DecisionSession {
   bool exploring() const;
   uint32_t explored_arm_count() const;
   uint64_t decision_count() const;
+  const SessionCounts& counts() const;
+  ObservationSummary observation(int64_t now_ns) const;
   const std::vector<std::string>& arms() const;
 
  private:

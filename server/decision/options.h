@@ -30,9 +30,14 @@ struct DecisionOptions {
   bool explore = true;                             // false: no initial exploration
   double bail_out_penalty = 10;                    // zero-reward observations, >= 0
 
-  // Every interval but bail_out_ns divided by `time_scale`. REQUIRES: 1 <= time_scale <= 1000.
+  // Every interval but bail_out_ns divided by `time_scale`; one above 0 stays above 0. REQUIRES: 1
+  // <= time_scale <= 1000.
   DecisionOptions Scaled(double time_scale) const;
 };
+
+// Bounds of what Validate lets through.
+inline constexpr int64_t kLongestIntervalNs = 8'640'000'000'000'000;  // 100 days
+inline constexpr double kLargestPenalty = 1e6;
 
 // Version of the reward; evidence of different versions is never merged.
 inline constexpr uint32_t kRewardVersion = 1;

@@ -4,6 +4,7 @@
 // `now_ns`. Arms are indices into the session's list of names.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -39,11 +40,11 @@ enum class Outcome : uint32_t {
   kKept = 1,
   kSwitched = 2,
   kHeldCooldown = 3,
-  kHeldSettling = 4,
-  kNoFrames = 5,
+  kHeldSettling = 4,  // settling frames only, nothing learnt; or a commanded switch is under way
+  kNoFrames = 5,      // none to learn from since the last tick
   kManual = 6,
-  kExploring = 7,
-  kRejected = 8,
+  kExploring = 7,  // no candidate; a command there may be goes to the next arm of the order
+  kRejected = 8,   // a metric of the window is not finite
 };
 
 // A Beta distribution of an arm's reward; both finite and > 0.
@@ -82,6 +83,38 @@ struct DecisionRecord {
   std::optional<double> reward;           // absent where the window taught nothing
   std::vector<double> draws;              // one per arm; empty where none was drawn
   std::vector<BetaPosterior> posteriors;  // after the update
+};
+
+// Frames and bail-outs by what became of them, since the session began.
+struct SessionCounts {
+  uint64_t measured_frame_count = 0;    // in a window
+  uint64_t settling_frame_count = 0;    // left out: settling or warming up
+  uint64_t suspended_frame_count = 0;   // left out: paused or loading
+  uint64_t over_limit_frame_count = 0;  // left out: over the bail-out limit
+  uint64_t other_epoch_frame_count =
+      0;  // left out: of an earlier switch epoch or of an arm that is not active in it
+  uint64_t rebuild_frame_count = 0;  // of the measured and settling ones, those that rebuilt
+  uint64_t rebuild_detection_time_ns =
+      0;  // what these cost; stays at the largest value rather than wrap
+  uint64_t charged_bail_out_count = 0;  // blamed on an arm
+  uint64_t excused_bail_out_count = 0;  // recorded, not blamed
+};
+
+// The run since the exploration ended (decision.md §1 "active time", "post-exploration switches").
+class ObservationSummary {
+ public:
+  std::optional<int64_t> start_ns;  // absent: the exploration goes on
+  std::vector<uint64_t> active_ns;  // per arm
+  std::array<uint64_t, 5>
+      switch_counts{};  // executed, by the value of SwitchReason; 0: any other value
+
+  uint64_t& switch_count(SwitchReason reason) { return switch_counts[Index(reason)]; }
+  uint64_t switch_count(SwitchReason reason) const { return switch_counts[Index(reason)]; }
+
+ private:
+  static uint32_t Index(SwitchReason reason) {
+    return static_cast<uint32_t>(reason) <= 4 ? static_cast<uint32_t>(reason) : 0;
+  }
 };
 
 // What a tick or a bail-out asks the caller to do: persist, publish, send.

@@ -1,0 +1,54 @@
+#include "server/decision/arm_run.h"
+
+#include <limits>
+
+namespace sweepstake::decision {
+namespace {
+
+uint64_t SaturatingSum(uint64_t a, uint64_t b) {
+  return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
+                                                      : a + b;
+}
+
+}  // namespace
+
+ArmRun::ArmRun(uint32_t arm, uint32_t switch_epoch, uint64_t settling_ns)
+    : arm_(arm), switch_epoch_(switch_epoch), settling_end_ns_(settling_ns) {}
+
+bool ArmRun::Observe(const Frame& frame, uint64_t rebuild_settling_ns) {
+  if (SettlesAgain(frame, rebuild_settling_ns)) {
+    Advance(frame);
+    settling_end_ns_ = SaturatingSum(elapsed_ns_, rebuild_settling_ns);
+    measured_ns_ = 0;
+    settling_frames_seen_ = true;
+    return false;
+  }
+  const bool settles = elapsed_ns_ < settling_end_ns_;
+  Advance(frame);
+  if (settles) {
+    settling_frames_seen_ = true;
+    return false;
+  }
+  measured_ns_ = SaturatingSum(measured_ns_, frame.frame_time_ns);
+  window_.Add(frame);
+  return true;
+}
+
+void ArmRun::Pass(const Frame& frame) { Advance(frame); }
+
+void ArmRun::ClearWindow() {
+  window_.Clear();
+  settling_frames_seen_ = false;
+}
+
+bool ArmRun::SettlesAgain(const Frame& frame, uint64_t rebuild_settling_ns) const {
+  return (frame.flags & kFrameRebuild) != 0 && rebuild_settling_ns > 0 && started_ &&
+         elapsed_ns_ >= settling_end_ns_ && measured_ns_ >= rebuild_settling_ns;
+}
+
+void ArmRun::Advance(const Frame& frame) {
+  if (started_) elapsed_ns_ = SaturatingSum(elapsed_ns_, frame.frame_time_ns);
+  started_ = true;
+}
+
+}  // namespace sweepstake::decision

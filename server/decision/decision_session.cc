@@ -1,0 +1,406 @@
+#include "server/decision/decision_session.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <utility>
+
+#include "server/decision/arm_run.h"
+#include "server/decision/exploration.h"
+#include "server/decision/learner.h"
+#include "server/decision/observation.h"
+#include "server/decision/policy.h"
+#include "server/decision/safeguards.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr int64_t kEndOfTime = std::numeric_limits<int64_t>::max();
+
+// Epochs wrap around; the later one is less than half of their range ahead.
+bool IsLater(uint32_t epoch, uint32_t than) { return epoch != than && epoch - than < (1u << 31); }
+
+int64_t SaturatingSum(int64_t time_ns, int64_t interval_ns) {
+  return time_ns > kEndOfTime - interval_ns ? kEndOfTime : time_ns + interval_ns;
+}
+
+uint64_t SaturatingSum(uint64_t a, uint64_t b) {
+  return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
+                                                      : a + b;
+}
+
+std::vector<BetaPosterior> PriorsOf(const SessionSetup& setup) {
+  return setup.priors.empty() ? std::vector<BetaPosterior>(setup.arms.size()) : setup.priors;
+}
+
+std::optional<int64_t> LastSwitchOf(const SessionSetup& setup) {
+  return setup.decision_count > 0 ? std::optional(setup.start_ns) : std::nullopt;
+}
+
+uint32_t ArmCount(const SessionSetup& setup) { return static_cast<uint32_t>(setup.arms.size()); }
+
+}  // namespace
+
+class DecisionSession::Impl {
+ public:
+  explicit Impl(SessionSetup setup);
+
+  void ObserveFrame(const Frame& frame);
+  Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
+  void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
+  void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
+  Decision Tick(int64_t now_ns);
+
+  bool exploring() const { return setup_.options.explore && !exploration_.done(); }
+  const SessionSetup& setup() const { return setup_; }
+  const Learner& learner() const { return learner_; }
+  const ArmRun& run() const { return run_; }
+  Mode mode() const { return mode_; }
+  const Exploration& exploration() const { return exploration_; }
+  const Observation& observation() const { return observation_; }
+  const SessionCounts& counts() const { return counts_; }
+  uint64_t decision_count() const { return decision_count_; }
+  int64_t next_tick_ns() const { return next_tick_ns_; }
+
+ private:
+  // Frames.
+  ArmRun* RunOf(const Frame& frame);
+  void CountRebuild(const Frame& frame);
+
+  // Switches.
+  uint64_t SettlingOfNewRun() const;
+  void AdoptLaterRun(int64_t now_ns);
+  void Activate(ArmRun run, SwitchReason reason, int64_t now_ns);
+
+  // The parts of a decision.
+  void ScheduleNextTick(int64_t now_ns);
+  Decision Open(int64_t now_ns);
+  Decision Close(Decision decision);
+  void Explore(Decision& decision);
+  void GoOnExploring(Decision& decision, SwitchReason reason);
+  void EndSlot(int64_t now_ns);
+  std::optional<Outcome> Learn(Decision& decision);
+  void Choose(Decision& decision);
+  void SampleAndGate(Decision& decision, std::optional<Outcome> hold);
+  Outcome Gate(const DecisionRecord& record, std::optional<Outcome> hold) const;
+  void Blame(const Frame& frame, Decision& decision);
+  void Resample(Decision& decision);
+  void Command(Decision& decision, uint32_t arm, SwitchReason reason);
+
+  const SessionSetup setup_;
+  Learner learner_;
+  const std::unique_ptr<Policy> policy_;
+  Exploration exploration_;
+  SwitchGate gate_;
+  Observation observation_;
+  SessionCounts counts_;
+
+  Mode mode_;
+  ArmRun run_;                       // of the active arm
+  std::optional<ArmRun> later_run_;  // of a switch that frames show and nobody has reported yet
+  bool run_reported_ = true;         // by ObserveSwitch, or from the setup
+  bool active_frames_seen_ = false;  // of run_, of any kind, since the last tick
+  SwitchReason commanded_reason_ = SwitchReason::kPolicy;
+
+  int64_t next_tick_ns_;
+  int64_t last_event_ns_;
+  uint64_t decision_count_;
+  uint64_t command_count_;
+};
+
+DecisionSession::Impl::Impl(SessionSetup setup)
+    : setup_(std::move(setup)),
+      learner_(setup_.options, PriorsOf(setup_)),
+      policy_(MakePolicy(setup_.options.policy)),
+      exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
+      gate_(setup_.options.cooldown_ns, LastSwitchOf(setup_)),
+      observation_(setup_.arms.size(), setup_.active_arm),
+      mode_(setup_.mode),
+      run_(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun()),
+      next_tick_ns_(SaturatingSum(setup_.start_ns, setup_.options.decision_interval_ns)),
+      last_event_ns_(setup_.start_ns),
+      decision_count_(setup_.decision_count),
+      command_count_(setup_.decision_count) {
+  if (!exploring()) observation_.Start(setup_.start_ns);
+}
+
+void DecisionSession::Impl::ObserveFrame(const Frame& frame) {
+  ArmRun* run = RunOf(frame);
+  if (run == nullptr) {
+    ++counts_.other_epoch_frame_count;
+    return;
+  }
+  if (run == &run_) active_frames_seen_ = true;
+  if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) {
+    ++counts_.suspended_frame_count;
+  } else if (IsOverBailOutLimit(frame, setup_.options.bail_out_ns)) {
+    ++counts_.over_limit_frame_count;
+    run->Pass(frame);
+  } else {
+    CountRebuild(frame);
+    const int64_t rebuild_settling_ns = exploring() ? 0 : setup_.options.settling_ns;
+    const bool measured = run->Observe(frame, static_cast<uint64_t>(rebuild_settling_ns));
+    ++(measured ? counts_.measured_frame_count : counts_.settling_frame_count);
+  }
+}
+
+ArmRun* DecisionSession::Impl::RunOf(const Frame& frame) {
+  if (frame.arm >= setup_.arms.size()) return nullptr;
+  if (frame.switch_epoch == run_.switch_epoch()) return frame.arm == run_.arm() ? &run_ : nullptr;
+  if (!IsLater(frame.switch_epoch, run_.switch_epoch())) return nullptr;
+  if (!later_run_ || IsLater(frame.switch_epoch, later_run_->switch_epoch())) {
+    later_run_.emplace(frame.arm, frame.switch_epoch, SettlingOfNewRun());
+  }
+  const bool matches =
+      later_run_->switch_epoch() == frame.switch_epoch && later_run_->arm() == frame.arm;
+  return matches ? &*later_run_ : nullptr;
+}
+
+void DecisionSession::Impl::CountRebuild(const Frame& frame) {
+  if ((frame.flags & kFrameRebuild) == 0) return;
+  ++counts_.rebuild_frame_count;
+  counts_.rebuild_detection_time_ns =
+      SaturatingSum(counts_.rebuild_detection_time_ns, frame.detection_time_ns);
+}
+
+uint64_t DecisionSession::Impl::SettlingOfNewRun() const {
+  const DecisionOptions& options = setup_.options;
+  return static_cast<uint64_t>(exploring() ? options.exploration_warm_up_ns : options.settling_ns);
+}
+
+void DecisionSession::Impl::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
+                                          int64_t now_ns) {
+  assert(arm < setup_.arms.size());
+  AdoptLaterRun(now_ns);
+  if (run_.arm() == arm && run_.switch_epoch() == switch_epoch) {
+    if (!run_reported_) observation_.CorrectReason(reason);
+  } else {
+    Activate(ArmRun(arm, switch_epoch, SettlingOfNewRun()), reason, now_ns);
+  }
+  run_reported_ = true;
+}
+
+void DecisionSession::Impl::AdoptLaterRun(int64_t now_ns) {
+  if (later_run_) {
+    const ArmRun run = *later_run_;
+    Activate(run, commanded_reason_, now_ns);
+    run_reported_ = false;
+  }
+  last_event_ns_ = std::max(last_event_ns_, now_ns);
+}
+
+void DecisionSession::Impl::Activate(ArmRun run, SwitchReason reason, int64_t now_ns) {
+  const uint64_t since_last_event =
+      now_ns > last_event_ns_
+          ? static_cast<uint64_t>(now_ns) - static_cast<uint64_t>(last_event_ns_)
+          : 0;
+  const uint64_t age_ns = std::min(run.elapsed_ns(), since_last_event);
+  const int64_t executed_ns = static_cast<int64_t>(static_cast<uint64_t>(now_ns) - age_ns);
+  gate_.OnExecuted(executed_ns);
+  observation_.Activate(run.arm(), reason, executed_ns);
+  run_ = std::move(run);
+  later_run_.reset();
+  active_frames_seen_ = false;
+}
+
+void DecisionSession::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
+  assert(active_arm < setup_.arms.size());
+  AdoptLaterRun(now_ns);
+  mode_ = mode;
+  run_.ClearWindow();
+  if (active_arm != run_.arm()) {
+    Activate(ArmRun(active_arm, run_.switch_epoch(), SettlingOfNewRun()), SwitchReason::kManual,
+             now_ns);
+  }
+}
+
+Decision DecisionSession::Impl::Tick(int64_t now_ns) {
+  assert(now_ns >= next_tick_ns_);
+  ScheduleNextTick(now_ns);
+  AdoptLaterRun(now_ns);
+  gate_.OnTick(active_frames_seen_);
+  Decision decision = Open(now_ns);
+  if (mode_ == Mode::kManual) {
+    decision.record.outcome = Outcome::kManual;
+  } else if (exploring()) {
+    Explore(decision);
+  } else {
+    const std::optional<Outcome> hold = Learn(decision);
+    SampleAndGate(decision, hold);
+  }
+  run_.ClearWindow();
+  active_frames_seen_ = false;
+  return Close(std::move(decision));
+}
+
+void DecisionSession::Impl::ScheduleNextTick(int64_t now_ns) {
+  const int64_t interval_ns = setup_.options.decision_interval_ns;
+  const int64_t due_ns = SaturatingSum(next_tick_ns_, interval_ns);
+  next_tick_ns_ = due_ns > now_ns ? due_ns : SaturatingSum(now_ns, interval_ns);
+}
+
+Decision DecisionSession::Impl::Open(int64_t now_ns) {
+  Decision decision;
+  decision.record.decision_id = ++decision_count_;
+  decision.record.time_ns = now_ns;
+  decision.record.active_arm = run_.arm();
+  return decision;
+}
+
+Decision DecisionSession::Impl::Close(Decision decision) {
+  decision.record.posteriors = learner_.posteriors();
+  return decision;
+}
+
+std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
+  if (run_.window().empty())
+    return run_.settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
+  decision.increment = learner_.LearnWindow(run_.arm(), run_.window());
+  if (!decision.increment) return Outcome::kRejected;
+  decision.record.reward = decision.increment->alpha;
+  return std::nullopt;
+}
+
+void DecisionSession::Impl::Choose(Decision& decision) {
+  Choice choice = policy_->Choose({.posteriors = learner_.posteriors(),
+                                   .active_arm = run_.arm(),
+                                   .seed = setup_.seed,
+                                   .decision_id = decision.record.decision_id});
+  decision.record.candidate = choice.candidate;
+  decision.record.draws = std::move(choice.draws);
+}
+
+// `hold`: what keeps a candidate back whatever it is.
+void DecisionSession::Impl::SampleAndGate(Decision& decision, std::optional<Outcome> hold) {
+  Choose(decision);
+  decision.record.outcome = Gate(decision.record, hold);
+  if (decision.record.outcome == Outcome::kSwitched) {
+    Command(decision, *decision.record.candidate, SwitchReason::kPolicy);
+  }
+}
+
+Outcome DecisionSession::Impl::Gate(const DecisionRecord& record,
+                                    std::optional<Outcome> hold) const {
+  if (hold) return *hold;
+  if (record.candidate == run_.arm()) return Outcome::kKept;
+  if (gate_.switch_under_way()) return Outcome::kHeldSettling;
+  return gate_.CooldownPassed(record.time_ns) ? Outcome::kSwitched : Outcome::kHeldCooldown;
+}
+
+void DecisionSession::Impl::Command(Decision& decision, uint32_t arm, SwitchReason reason) {
+  decision.command = SwitchCommand{.command_id = ++command_count_, .arm = arm, .reason = reason};
+  decision.record.reason = reason;
+  commanded_reason_ = reason;
+  gate_.OnCommand();
+}
+
+void DecisionSession::Impl::Explore(Decision& decision) {
+  decision.record.outcome = Outcome::kExploring;
+  std::optional<Outcome> hold;
+  if (run_.arm() == exploration_.slot_arm()) {
+    hold = Learn(decision);
+    const auto slot_ns = static_cast<uint64_t>(setup_.options.exploration_warm_up_ns) +
+                         static_cast<uint64_t>(setup_.options.exploration_measure_ns);
+    if (run_.elapsed_ns() >= slot_ns) EndSlot(decision.record.time_ns);
+  }
+  if (exploring() && !gate_.switch_under_way()) GoOnExploring(decision, SwitchReason::kExploration);
+  if (!exploring()) {
+    SampleAndGate(decision, hold);
+  } else if (hold == Outcome::kRejected) {
+    decision.record.outcome = Outcome::kRejected;
+  }
+}
+
+// Commands the arm whose turn it is, passing over those that were commanded in vain.
+void DecisionSession::Impl::GoOnExploring(Decision& decision, SwitchReason reason) {
+  while (exploring() && run_.arm() != exploration_.slot_arm()) {
+    if (exploration_.CountCommand()) {
+      Command(decision, exploration_.slot_arm(), reason);
+      return;
+    }
+    EndSlot(decision.record.time_ns);
+  }
+}
+
+void DecisionSession::Impl::EndSlot(int64_t now_ns) {
+  exploration_.EndSlot();
+  if (!exploring()) {
+    observation_.Start(now_ns);
+  } else if (run_.arm() == exploration_.slot_arm()) {
+    run_.Restart(SettlingOfNewRun());
+  }
+}
+
+Decision DecisionSession::Impl::ObserveBailOut(const Frame& frame, int64_t now_ns) {
+  RunOf(frame);  // begins a later run where the frame shows one
+  AdoptLaterRun(now_ns);
+  Decision decision = Open(now_ns);
+  decision.record.outcome = exploring() ? Outcome::kExploring : Outcome::kKept;
+  if (mode_ == Mode::kManual) {
+    decision.record.outcome = Outcome::kManual;
+  } else if (frame.arm < setup_.arms.size() && BlamesArm(frame, setup_.options.bail_out_ns)) {
+    Blame(frame, decision);
+  } else {
+    ++counts_.excused_bail_out_count;
+  }
+  return Close(std::move(decision));
+}
+
+void DecisionSession::Impl::Blame(const Frame& frame, Decision& decision) {
+  ++counts_.charged_bail_out_count;
+  decision.increment = learner_.LearnBailOut(frame.arm);
+  if (frame.switch_epoch != run_.switch_epoch() || frame.arm != run_.arm()) return;
+  if (exploring()) {
+    if (run_.arm() == exploration_.slot_arm()) EndSlot(decision.record.time_ns);
+    GoOnExploring(decision, SwitchReason::kBailOut);
+  }
+  if (!exploring()) Resample(decision);
+}
+
+void DecisionSession::Impl::Resample(Decision& decision) {
+  Choose(decision);
+  const uint32_t candidate = *decision.record.candidate;
+  decision.record.outcome = candidate == run_.arm() ? Outcome::kKept : Outcome::kSwitched;
+  if (candidate != run_.arm()) Command(decision, candidate, SwitchReason::kBailOut);
+}
+
+DecisionSession::DecisionSession(SessionSetup setup) {
+  assert(!Validate(setup));
+  impl_ = std::make_unique<Impl>(std::move(setup));
+}
+DecisionSession::~DecisionSession() = default;
+DecisionSession::DecisionSession(DecisionSession&&) noexcept = default;
+DecisionSession& DecisionSession::operator=(DecisionSession&&) noexcept = default;
+
+void DecisionSession::ObserveFrames(std::span<const Frame> frames) {
+  for (const Frame& frame : frames) impl_->ObserveFrame(frame);
+}
+Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
+  return impl_->ObserveBailOut(frame, now_ns);
+}
+void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
+                                    int64_t now_ns) {
+  impl_->ObserveSwitch(arm, switch_epoch, reason, now_ns);
+}
+void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
+  impl_->SetMode(mode, active_arm, now_ns);
+}
+int64_t DecisionSession::next_tick_ns() const { return impl_->next_tick_ns(); }
+Decision DecisionSession::Tick(int64_t now_ns) { return impl_->Tick(now_ns); }
+std::span<const BetaPosterior> DecisionSession::posteriors() const {
+  return impl_->learner().posteriors();
+}
+uint32_t DecisionSession::active_arm() const { return impl_->run().arm(); }
+Mode DecisionSession::mode() const { return impl_->mode(); }
+bool DecisionSession::exploring() const { return impl_->exploring(); }
+uint32_t DecisionSession::explored_arm_count() const {
+  return impl_->exploration().explored_arm_count();
+}
+uint64_t DecisionSession::decision_count() const { return impl_->decision_count(); }
+const SessionCounts& DecisionSession::counts() const { return impl_->counts(); }
+ObservationSummary DecisionSession::observation(int64_t now_ns) const {
+  return impl_->observation().Summary(now_ns);
+}
+const std::vector<std::string>& DecisionSession::arms() const { return impl_->setup().arms; }
+
+}  // namespace sweepstake::decision

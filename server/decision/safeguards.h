@@ -1,0 +1,46 @@
+// What keeps switching in bounds (paper §4, §6.3): the cooldown, one command at a time, and whom a
+// long frame is blamed on.
+//
+// Plain values; not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "server/decision/types.h"
+
+namespace sweepstake::decision {
+
+// Whether the frame is over the limit, by its time or by the client's own judgement
+// (kFrameBailOut).
+bool IsOverBailOutLimit(const Frame& frame, int64_t bail_out_ns);
+
+// Whether such a frame is the arm's fault: not while paused or loading, and not where detection is
+// under half of it.
+bool BlamesArm(const Frame& frame, int64_t bail_out_ns);
+
+// Says whether a switch may be commanded now.
+class SwitchGate {
+ public:
+  // `last_switch_ns` absent: no switch yet, so nothing to wait for.
+  SwitchGate(int64_t cooldown_ns, std::optional<int64_t> last_switch_ns)
+      : cooldown_ns_(cooldown_ns), last_switch_ns_(last_switch_ns) {}
+
+  bool CooldownPassed(int64_t now_ns) const;
+
+  // A command is under way from when it is issued until a switch is executed or it counts as lost:
+  // at the first tick after the next one whose own interval brought frames of the old epoch and
+  // none of a later one. The client refused it or never got it; the next candidate that differs is
+  // commanded anew.
+  void OnCommand() { ticks_since_command_ = 0; }
+  void OnExecuted(int64_t executed_ns);
+  void OnTick(bool old_epoch_frames_seen);
+  bool switch_under_way() const { return ticks_since_command_.has_value(); }
+
+ private:
+  int64_t cooldown_ns_;
+  std::optional<int64_t> last_switch_ns_;
+  std::optional<uint32_t> ticks_since_command_;
+};
+
+}  // namespace sweepstake::decision

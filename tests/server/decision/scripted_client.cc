@@ -1,0 +1,49 @@
+#include "tests/server/decision/scripted_client.h"
+
+#include <utility>
+
+namespace sweepstake::decision {
+
+SessionSetup PlainSetup(uint32_t arm_count) {
+  SessionSetup setup;
+  for (uint32_t arm = 0; arm < arm_count; ++arm) setup.arms.push_back("arm" + std::to_string(arm));
+  setup.options.explore = false;
+  return setup;
+}
+
+ScriptedClient::ScriptedClient(SessionSetup setup)
+    : session(setup), now_ns(setup.start_ns), arm(setup.active_arm), epoch(setup.switch_epoch) {}
+
+void ScriptedClient::RunFrame() {
+  Frame next = frame;
+  next.arm = arm;
+  next.switch_epoch = epoch;
+  now_ns += static_cast<int64_t>(frame.frame_time_ns);
+  session.ObserveFrames({&next, 1});
+}
+
+Decision ScriptedClient::RunToTick() {
+  while (now_ns < session.next_tick_ns()) RunFrame();
+  Decision decision = session.Tick(now_ns);
+  log.push_back(decision);
+  if (decision.command) {
+    commands.push_back(*decision.command);
+    if (obedient) Execute(decision.command->arm, decision.command->reason);
+  }
+  return decision;
+}
+
+Decision ScriptedClient::RunTicks(int count) {
+  Decision last;
+  for (int i = 0; i < count; ++i) last = RunToTick();
+  return last;
+}
+
+void ScriptedClient::Settle() { RunTicks(2); }
+
+void ScriptedClient::Execute(uint32_t new_arm, SwitchReason reason) {
+  arm = new_arm;
+  session.ObserveSwitch(arm, ++epoch, reason, now_ns);
+}
+
+}  // namespace sweepstake::decision
