@@ -15,9 +15,9 @@
 //   tick or bail-out that finds some takes the switch as executed without waiting for the
 //   report. It was executed that much frame time ago, though not before the last event on
 //   now_ns; the cooldown and active time count from then.
-// - A command that nobody answers. While it is under way no other is issued (but for a bail-
-//   out). It counts as lost at the second or a later tick after it whose own interval brought
-//   frames of the old epoch; the candidate of that tick, or the exploration's arm, may be
+// - A command that nobody answers. While it is under way no other is issued, but for a
+//   bail-out. It counts as lost at the second or a later tick after it whose own interval
+//   brought frames of the old epoch; the candidate of that tick, or the exploration's arm, may be
 //   commanded then. An arm of the exploration is passed over after three lost commands.
 // - The first command. Where no switch was executed yet there is no cooldown to wait for; a
 //   session that goes on after a restart (decision_count > 0) does not know when the last one
