@@ -1,0 +1,200 @@
+// Step 9 in the game process: frames and outcomes to the decision core, its commands back.
+#include "sweepstake/embedded_decider.h"
+
+#include <set>
+#include <utility>
+
+#include "engine_client/telemetry/priors_file.h"
+#include "server/decision/decision_session.h"
+
+namespace sweepstake {
+namespace {
+
+decision::Frame ToFrame(const FrameSample& sample) {
+  return {.frame_time_ns = sample.frame_time_ns,
+          .detection_time_ns = sample.detection_time_ns,
+          .aabb_check_count = sample.aabb_check_count,
+          .native_bytes = sample.native_bytes,
+          .object_count = sample.object_count,
+          .arm = sample.arm,
+          .switch_epoch = sample.switch_epoch,
+          .flags = sample.flags};
+}
+
+// The evidence that applies to these arms, summed onto Beta(1,1).
+struct LoadedPriors {
+  std::vector<decision::BetaPosterior> arms;
+  std::set<std::string> sources;
+};
+
+bool Applies(const PriorRecord& record, const EmbeddedOptions& options) {
+  return record.project == options.project && record.scene == options.scene &&
+         record.context_bucket.empty() && record.machine_class == options.machine_class &&
+         record.reward_version == decision::kRewardVersion;
+}
+
+LoadedPriors SumPriors(const std::vector<PriorRecord>& records, const EmbeddedOptions& options,
+                       std::span<const std::string> arms, std::span<const uint32_t> versions) {
+  LoadedPriors priors{.arms = std::vector<decision::BetaPosterior>(arms.size()), .sources = {}};
+  for (const PriorRecord& record : records) {
+    if (!Applies(record, options)) continue;
+    for (size_t arm = 0; arm < arms.size(); ++arm) {
+      if (record.arm != arms[arm] || record.backend_version != versions[arm]) continue;
+      priors.arms[arm].alpha += record.alpha_increment;
+      priors.arms[arm].beta += record.beta_increment;
+      priors.sources.insert(record.source_id);
+    }
+  }
+  return priors;
+}
+
+Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t version_count) {
+  const auto invalid = [](std::string message) {
+    return Status(StatusCode::kInvalidArgument, std::move(message));
+  };
+  if (arm_count != version_count) return invalid("arms and arm_versions differ in length");
+  if (!(options.time_scale >= 1 && options.time_scale <= 1000)) {
+    return invalid("time_scale must be 1 to 1000");
+  }
+  if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
+    return invalid("mode is neither kManual (1) nor kAi (2)");
+  }
+  return {};
+}
+
+decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const std::string> arms,
+                                 uint64_t now_ns) {
+  decision::SessionSetup setup;
+  setup.options.policy = options.policy;
+  setup.options = setup.options.Scaled(options.time_scale);
+  setup.arms.assign(arms.begin(), arms.end());
+  setup.seed = options.seed;
+  setup.mode = static_cast<decision::Mode>(options.mode);
+  setup.start_ns = static_cast<int64_t>(now_ns);
+  return setup;
+}
+
+}  // namespace
+
+class EmbeddedDecider::Impl {
+ public:
+  Impl(decision::SessionSetup setup, uint64_t prior_source_count)
+      : session_(std::move(setup)), prior_source_count_(prior_source_count) {}
+
+  void Observe(std::span<const FrameSample> frames, int64_t now_ns);
+  void Observe(const SwitchOutcome& outcome, int64_t now_ns);
+  void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
+  std::optional<SwitchCommand> Poll(int64_t now_ns);
+
+  const decision::DecisionSession& session() const { return session_; }
+  uint64_t prior_source_count() const { return prior_source_count_; }
+
+ private:
+  void Fold();
+  void Follow(const decision::Decision& decision);
+
+  decision::DecisionSession session_;
+  const uint64_t prior_source_count_;
+  uint32_t latest_epoch_ = 0;         // of all frames
+  std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
+  std::optional<decision::SwitchCommand> pending_command_;
+};
+
+void EmbeddedDecider::Impl::Observe(std::span<const FrameSample> frames, int64_t now_ns) {
+  for (const FrameSample& sample : frames) {
+    latest_epoch_ = sample.switch_epoch;
+    run_.push_back(ToFrame(sample));
+    if ((sample.flags & kFrameBailOut) == 0) continue;
+    Fold();
+    Follow(session_.ObserveBailOut(ToFrame(sample), now_ns));
+  }
+  Fold();
+}
+
+void EmbeddedDecider::Impl::Fold() {
+  session_.ObserveFrames(run_);
+  run_.clear();
+}
+
+// The frames of the new epoch have shown the switch long before its outcome, which comes when the
+// arm has settled and adds the reason; an outcome of an epoch that has ended meanwhile would turn
+// the session back.
+void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns) {
+  if (outcome.executed == 0 || outcome.switch_epoch < latest_epoch_) return;
+  if (outcome.arm >= session_.arms().size()) return;
+  latest_epoch_ = outcome.switch_epoch;
+  const auto reason = static_cast<decision::SwitchReason>(outcome.reason);
+  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, reason, now_ns);
+}
+
+void EmbeddedDecider::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
+  if (active_arm >= session_.arms().size()) return;
+  session_.SetMode(static_cast<decision::Mode>(mode), active_arm, now_ns);
+  if (mode == Mode::kManual) pending_command_.reset();
+}
+
+std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
+  if (now_ns >= session_.next_tick_ns()) Follow(session_.Tick(now_ns));
+  const auto command = std::exchange(pending_command_, std::nullopt);
+  if (!command) return std::nullopt;
+  return SwitchCommand{.command_id = command->command_id,
+                       .arm = command->arm,
+                       .reason = static_cast<SwitchReason>(command->reason)};
+}
+
+// The latest command wins.
+void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
+  if (decision.command) pending_command_ = decision.command;
+}
+
+Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
+    const EmbeddedOptions& options, std::span<const std::string> arms,
+    std::span<const uint32_t> arm_versions, uint64_t now_ns) {
+  if (Status status = ValidateEmbedded(options, arms.size(), arm_versions.size()); !status.ok()) {
+    return status;
+  }
+  std::vector<PriorRecord> records;
+  if (!options.priors_file.empty()) {
+    Result<std::vector<PriorRecord>> read = ReadPriorsFile(options.priors_file);
+    if (!read.ok()) return read.status();
+    records = std::move(*read);
+  }
+  LoadedPriors priors = SumPriors(records, options, arms, arm_versions);
+  decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
+  setup.priors = std::move(priors.arms);
+  if (const std::optional<std::string> complaint = decision::Validate(setup)) {
+    return Status(StatusCode::kInvalidArgument, *complaint);
+  }
+  auto impl = std::make_unique<Impl>(std::move(setup), priors.sources.size());
+  return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
+}
+
+EmbeddedDecider::EmbeddedDecider(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+EmbeddedDecider::~EmbeddedDecider() = default;
+
+void EmbeddedDecider::Observe(std::span<const FrameSample> frames, uint64_t now_ns) {
+  impl_->Observe(frames, static_cast<int64_t>(now_ns));
+}
+void EmbeddedDecider::Observe(const SwitchOutcome& outcome, uint64_t now_ns) {
+  impl_->Observe(outcome, static_cast<int64_t>(now_ns));
+}
+void EmbeddedDecider::SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns) {
+  impl_->SetMode(mode, active_arm, static_cast<int64_t>(now_ns));
+}
+std::optional<SwitchCommand> EmbeddedDecider::Poll(uint64_t now_ns) {
+  return impl_->Poll(static_cast<int64_t>(now_ns));
+}
+
+std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
+  const decision::DecisionSession& session = impl_->session();
+  std::vector<ArmBelief> beliefs;
+  for (size_t arm = 0; arm < session.arms().size(); ++arm) {
+    const decision::BetaPosterior& posterior = session.posteriors()[arm];
+    beliefs.push_back({session.arms()[arm], posterior.alpha, posterior.beta});
+  }
+  return beliefs;
+}
+uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
+uint64_t EmbeddedDecider::prior_source_count() const { return impl_->prior_source_count(); }
+
+}  // namespace sweepstake

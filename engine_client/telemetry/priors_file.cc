@@ -1,0 +1,229 @@
+#include "engine_client/telemetry/priors_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <tuple>
+
+#include "engine_client/telemetry/name_limits.h"
+
+namespace sweepstake {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kFormat = "sweepstake-priors";
+constexpr int kVersion = 1;
+constexpr uintmax_t kFileBytesMax = uintmax_t{64} << 20;
+constexpr size_t kRecordsMax = 200'000;
+constexpr double kIncrementMax = 1e15;
+
+Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
+
+// Reads the fields of one record; keeps the first complaint.
+class RecordReader {
+ public:
+  explicit RecordReader(const Json& record) : record_(record) {}
+
+  void Name(const char* key, std::string& value, bool required) {
+    const Json* field = Find(key, required);
+    if (field == nullptr) return;
+    if (!field->is_string()) return Complain(key, "is not a string");
+    value = field->get_ref<const std::string&>();
+    if (required && value.empty()) return Complain(key, "is empty");
+    if (!IsName(value)) Complain(key, "is over 128 bytes or holds a control character");
+  }
+
+  template <typename Integer>
+  void Count(const char* key, Integer& value, bool required) {
+    const Json* field = Find(key, required);
+    if (field == nullptr) return;
+    if (!field->is_number_unsigned()) return Complain(key, "is not a whole number >= 0");
+    const uint64_t number = field->get<uint64_t>();
+    if (number > std::numeric_limits<Integer>::max()) return Complain(key, "is too large");
+    if (required && number == 0) return Complain(key, "is 0");
+    value = static_cast<Integer>(number);
+  }
+
+  void Increment(const char* key, double& value) {
+    const Json* field = Find(key, true);
+    if (field == nullptr) return;
+    if (!field->is_number()) return Complain(key, "is not a number");
+    value = field->get<double>();
+    if (!(value >= 0 && value <= kIncrementMax)) Complain(key, "is not within 0 to 1e15");
+  }
+
+  // After all fields were read.
+  void RejectUnknown() {
+    for (const auto& item : record_.items()) {
+      if (!known_.contains(item.key())) return Complain(item.key(), "is not a field of a record");
+    }
+  }
+
+  const std::optional<std::string>& complaint() const { return complaint_; }
+
+ private:
+  const Json* Find(const char* key, bool required) {
+    known_.insert(key);
+    const auto found = record_.find(key);
+    if (found != record_.end()) return &*found;
+    if (required) Complain(key, "is missing");
+    return nullptr;
+  }
+
+  void Complain(const std::string& key, const char* what) {
+    if (!complaint_) complaint_ = key.substr(0, kNameBytesMax) + " " + what;
+  }
+
+  const Json& record_;
+  std::set<std::string> known_;
+  std::optional<std::string> complaint_;
+};
+
+std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
+  if (!json.is_object()) return "is not an object";
+  RecordReader reader(json);
+  reader.Name("project", record.project, true);
+  reader.Name("scene", record.scene, true);
+  reader.Name("context_bucket", record.context_bucket, false);
+  reader.Name("arm", record.arm, true);
+  reader.Count("backend_version", record.backend_version, true);
+  reader.Name("machine_class", record.machine_class, false);
+  reader.Count("reward_version", record.reward_version, true);
+  reader.Name("source_id", record.source_id, true);
+  reader.Count("source_sequence", record.source_sequence, true);
+  reader.Increment("alpha_increment", record.alpha_increment);
+  reader.Increment("beta_increment", record.beta_increment);
+  reader.Count("window_count", record.window_count, false);
+  reader.Count("bail_out_count", record.bail_out_count, false);
+  reader.RejectUnknown();
+  return reader.complaint();
+}
+
+// What makes two records the same evidence.
+auto KeyOf(const PriorRecord& record) {
+  return std::tie(record.project, record.scene, record.context_bucket, record.arm,
+                  record.backend_version, record.machine_class, record.reward_version,
+                  record.source_id);
+}
+
+std::optional<size_t> FirstRepeated(const std::vector<PriorRecord>& records) {
+  const auto before = [](const PriorRecord* a, const PriorRecord* b) {
+    return KeyOf(*a) < KeyOf(*b);
+  };
+  std::set<const PriorRecord*, decltype(before)> seen(before);
+  for (size_t i = 0; i < records.size(); ++i) {
+    if (!seen.insert(&records[i]).second) return i;
+  }
+  return std::nullopt;
+}
+
+bool Holds(const Json& document, const char* key, const Json& expected) {
+  const auto found = document.find(key);
+  return found != document.end() && *found == expected;
+}
+
+Status CheckDocument(const Json& document) {
+  if (document.is_discarded()) return Broken("the priors are not a JSON document");
+  if (!document.is_object() || !Holds(document, "format", kFormat)) {
+    return Broken("the priors are not of format \"sweepstake-priors\"");
+  }
+  if (!Holds(document, "version", kVersion)) {
+    return Broken("the priors are not of version 1, the only one this build reads");
+  }
+  const auto records = document.find("records");
+  if (records == document.end() || !records->is_array()) {
+    return Broken("the priors have no array \"records\"");
+  }
+  if (records->size() > kRecordsMax) {
+    return Broken("the priors hold " + std::to_string(records->size()) +
+                  " records, more than 200000");
+  }
+  return {};
+}
+
+std::string RecordName(size_t index) { return "priors record " + std::to_string(index); }
+
+Json ToJson(const PriorRecord& record) {
+  return {{"project", record.project},
+          {"scene", record.scene},
+          {"context_bucket", record.context_bucket},
+          {"arm", record.arm},
+          {"backend_version", record.backend_version},
+          {"machine_class", record.machine_class},
+          {"reward_version", record.reward_version},
+          {"source_id", record.source_id},
+          {"source_sequence", record.source_sequence},
+          {"alpha_increment", record.alpha_increment},
+          {"beta_increment", record.beta_increment},
+          {"window_count", record.window_count},
+          {"bail_out_count", record.bail_out_count}};
+}
+
+Status Unwritable(const std::filesystem::path& path) {
+  return {StatusCode::kUnavailable,
+          "cannot write " + path.string() + "; check that the folder exists and has room"};
+}
+
+}  // namespace
+
+Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
+  if (text.size() > kFileBytesMax) return Broken("the priors are over 64 MiB");
+  const Json document = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (Status status = CheckDocument(document); !status.ok()) return status;
+  const Json& array = *document.find("records");
+  std::vector<PriorRecord> records(array.size());
+  for (size_t i = 0; i < records.size(); ++i) {
+    if (auto complaint = ReadRecord(array[i], records[i])) {
+      return Broken(RecordName(i) + ": " + *complaint);
+    }
+  }
+  if (const std::optional<size_t> repeated = FirstRepeated(records)) {
+    return Broken(RecordName(*repeated) + ": repeats the key and source of an earlier record");
+  }
+  return records;
+}
+
+std::string FormatPriors(std::span<const PriorRecord> records) {
+  Json array = Json::array();
+  for (const PriorRecord& record : records) array.push_back(ToJson(record));
+  const Json document = {{"format", kFormat}, {"version", kVersion}, {"records", std::move(array)}};
+  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    return Status(StatusCode::kNotFound, "there is no priors file " + path.string());
+  }
+  const uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error || bytes > kFileBytesMax) return Broken(path.string() + ": over 64 MiB or unreadable");
+  std::string text(static_cast<size_t>(bytes), '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!file || static_cast<uintmax_t>(file.gcount()) != bytes) {
+    return Broken(path.string() + ": cannot be read to its end");
+  }
+  Result<std::vector<PriorRecord>> records = ParsePriors(text);
+  if (!records.ok()) return Broken(path.string() + ": " + records.status().message());
+  return records;
+}
+
+Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path) {
+  std::filesystem::path partial = path;
+  partial += ".partial";
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file << FormatPriors(records);
+  file.close();
+  std::error_code error;
+  if (file) std::filesystem::rename(partial, path, error);
+  if (file && !error) return {};
+  std::filesystem::remove(partial, error);
+  return Unwritable(path);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,51 @@
+// The priors file that ships with a game: what `sweepstake priors export` writes and the embedded
+// decider reads.
+//
+// One JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A record
+// has the fields of sweepstake.v1.PriorRecord in snake_case; absent context_bucket and
+// machine_class are empty, absent counts 0, every other field is required, and an unknown field is
+// an error (a misspelt one would silently change the key).
+//
+// Bounds: 64 MiB, 200,000 records, names of 128 bytes. Errors are one line and name the record by
+// its position from 0: kNotFound (no such file), kDataLoss (broken content), kUnavailable (cannot
+// be written).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sweepstake/status.h"
+
+namespace sweepstake {
+
+// What one source (a session) taught about one arm.
+struct PriorRecord {
+  std::string project;
+  std::string scene;
+  std::string context_bucket;  // empty: the only bucket
+  std::string arm;
+  uint32_t backend_version = 0;  // >= 1
+  std::string machine_class;     // empty: unknown
+  uint32_t reward_version = 0;   // >= 1
+  std::string source_id;
+  uint64_t source_sequence = 0;  // >= 1
+  double alpha_increment = 0;    // finite, 0 to 1e15, without any prior
+  double beta_increment = 0;
+  uint64_t window_count = 0;
+  uint64_t bail_out_count = 0;
+};
+
+// Every record is checked; a key and source that come twice are an error, since they would count
+// twice.
+Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
+std::string FormatPriors(std::span<const PriorRecord> records);
+
+Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path);
+// The file appears whole or not at all.
+Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path);
+
+}  // namespace sweepstake

@@ -1,0 +1,309 @@
+#include "sweepstake/adaptive_broad_phase.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine_client/adaptive/adaptive_factory.h"
+#include "tests/support/recording_sink.h"
+#include "tests/support/scripted_broad_phase.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::ArmScript;
+using test_support::RecordingSink;
+using test_support::ScriptedBroadPhase;
+using test_support::ScriptedClock;
+using ::testing::HasSubstr;
+
+AdaptiveOptions OptionsOf(std::vector<std::string> arms) {
+  AdaptiveOptions options;
+  options.arms = std::move(arms);
+  return options;
+}
+
+constexpr uint64_t kSecond = 1'000'000'000;
+
+// An AdaptiveBroadPhase on scripted arms A, B and C.
+class AdaptiveBroadPhaseTest : public ::testing::Test {
+ protected:
+  void SetUp() override { Make({}); }
+
+  void Make(AdaptiveOptions options) {
+    std::vector<std::unique_ptr<BroadPhase>> backends;
+    arms_.clear();
+    for (const char* name : {"A", "B", "C"}) {
+      const ArmScript script{.name = name,
+                             .version = static_cast<uint32_t>(arms_.size() + 1),
+                             .build_ns = 1000,
+                             .update_ns = 100,
+                             .find_ns = 10,
+                             .check_count = 5,
+                             .bytes = 64 * (arms_.size() + 1),
+                             .pair_count = 3};
+      auto backend = std::make_unique<ScriptedBroadPhase>(script, clock_);
+      arms_.push_back(backend.get());
+      backends.push_back(std::move(backend));
+    }
+    sink_ = RecordingSink();
+    adaptive_ = std::move(*AdaptiveFactory::Make(options, std::move(backends), &sink_, clock_));
+  }
+
+  // One frame of `frame_time_ns` with `count` objects.
+  const FrameSample& Frame(uint64_t frame_time_ns = kSecond / 60, size_t count = 4,
+                           uint32_t flags = 0) {
+    const std::vector<Aabb> boxes(count);
+    adaptive_->BeginFrame();
+    adaptive_->FindPairs(boxes);
+    adaptive_->EndFrame({.frame_time_ns = frame_time_ns, .flags = flags});
+    return adaptive_->last_sample();
+  }
+
+  // A frame over the limit for which the active arm is to blame.
+  void BailOut(uint32_t flags = 0) {
+    ArmScript& script = arms_[adaptive_->active_arm()]->script();
+    const uint64_t ordinary = std::exchange(script.find_ns, 6 * kSecond);
+    Frame(7 * kSecond, 4, flags);
+    script.find_ns = ordinary;
+  }
+
+  ScriptedClock clock_;
+  RecordingSink sink_;
+  std::vector<ScriptedBroadPhase*> arms_;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+};
+
+TEST_F(AdaptiveBroadPhaseTest, BuildsInTheFirstFrameAndUpdatesInTheNext) {
+  EXPECT_EQ(Frame().flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(Frame().flags, 0U);
+  EXPECT_EQ(arms_[0]->build_count, 1);
+  EXPECT_EQ(arms_[0]->update_count, 1);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, MeasuresUpdateAndSearchWithTheInjectedClock) {
+  EXPECT_EQ(Frame().detection_time_ns, 1010U);
+  const FrameSample& sample = Frame(123);
+  EXPECT_EQ(sample.detection_time_ns, 110U);
+  EXPECT_EQ(sample.frame_time_ns, 123U);
+  EXPECT_EQ(sample.aabb_check_count, 5U);
+  EXPECT_EQ(sample.native_bytes, 64U);
+  EXPECT_EQ(sample.pair_count, 3U);
+  EXPECT_EQ(sample.object_count, 4U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, NumbersFramesWithoutGapsAndHandsEachToTheSink) {
+  for (int i = 0; i < 5; ++i) Frame();
+  ASSERT_EQ(sink_.frames.size(), 5U);
+  for (size_t i = 0; i < 5; ++i) EXPECT_EQ(sink_.frames[i].frame_index, i);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, RebuildsWhenTheObjectCountChanges) {
+  Frame(1, 4);
+  EXPECT_EQ(Frame(1, 5).flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(Frame(1, 0).flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(Frame(1, 0).flags, 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ReturnsThePairsOfTheActiveArm) {
+  const std::vector<Aabb> boxes(4);
+  adaptive_->BeginFrame();
+  EXPECT_EQ(adaptive_->FindPairs(boxes).size(), 3U);
+  adaptive_->EndFrame({});
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ExecutesACommandOnlyAtTheStartOfAFrame) {
+  const std::vector<Aabb> boxes(4);
+  adaptive_->BeginFrame();
+  adaptive_->mailbox().Post({.command_id = 9, .arm = 2});
+  adaptive_->FindPairs(boxes);
+  adaptive_->EndFrame({});
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+  const FrameSample& sample = Frame();
+  EXPECT_EQ(sample.arm, 2U);
+  EXPECT_EQ(sample.switch_epoch, 1U);
+  EXPECT_EQ(sample.flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(sample.native_bytes, 192U);
+  EXPECT_EQ(arms_[2]->build_count, 1);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, BuildsAnewOnComingBackToAnArm) {
+  Frame();
+  adaptive_->mailbox().Post({.command_id = 1, .arm = 1});
+  Frame();
+  adaptive_->mailbox().Post({.command_id = 2, .arm = 0});
+  EXPECT_EQ(Frame().flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(arms_[0]->build_count, 2);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ReportsASwitchWithItsCostOnceItHasSettled) {
+  AdaptiveOptions options;
+  options.settling_ns = 100;
+  Make(options);
+  Frame();
+  adaptive_->mailbox().Post({.command_id = 9, .arm = 1, .reason = SwitchReason::kExploration});
+  Frame(50);
+  EXPECT_TRUE(sink_.switches.empty());
+  Frame(30);
+  Frame(30);
+  ASSERT_EQ(sink_.switches.size(), 1U);
+  const SwitchOutcome& outcome = sink_.switches[0];
+  EXPECT_EQ(outcome.command_id, 9U);
+  EXPECT_EQ(outcome.arm, 1U);
+  EXPECT_EQ(outcome.switch_epoch, 1U);
+  EXPECT_EQ(outcome.rebuild_time_ns, 1000U);
+  EXPECT_EQ(outcome.settling_cost_ns, 20U);
+  EXPECT_EQ(outcome.reason, SwitchReason::kExploration);
+  EXPECT_EQ(outcome.executed, 1U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, RefusesAnArmThatIsActiveOrDoesNotExist) {
+  for (const uint32_t arm : {0U, 3U, 1000U}) {
+    adaptive_->mailbox().Post({.command_id = 5, .arm = arm});
+    Frame();
+    ASSERT_FALSE(sink_.switches.empty());
+    EXPECT_EQ(sink_.switches.back().executed, 0U);
+    EXPECT_EQ(sink_.switches.back().command_id, 5U);
+    EXPECT_EQ(sink_.switches.back().arm, 0U);
+  }
+  EXPECT_EQ(adaptive_->switch_epoch(), 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, RefusesAllButManualCommandsInManualMode) {
+  adaptive_->SetMode(Mode::kManual);
+  for (const auto reason :
+       {SwitchReason::kPolicy, SwitchReason::kExploration, SwitchReason::kBailOut}) {
+    adaptive_->mailbox().Post({.command_id = 1, .arm = 1, .reason = reason});
+    Frame();
+    EXPECT_EQ(sink_.switches.back().executed, 0U);
+  }
+  adaptive_->mailbox().Post({.command_id = 1, .arm = 1, .reason = SwitchReason::kManual});
+  Frame();
+  EXPECT_EQ(adaptive_->active_arm(), 1U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, SelectsAnArmByNameAtTheNextFrame) {
+  ASSERT_TRUE(adaptive_->SelectArm("C").ok());
+  EXPECT_EQ(adaptive_->active_arm(), 0U);
+  EXPECT_EQ(Frame().arm, 2U);
+  EXPECT_EQ(adaptive_->mode(), Mode::kAi);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ListsTheArmsWhenAnUnknownOneIsSelected) {
+  const Status status = adaptive_->SelectArm("D");
+  EXPECT_EQ(status.code(), StatusCode::kNotFound);
+  EXPECT_THAT(status.message(), HasSubstr("A, B, C"));
+}
+
+TEST_F(AdaptiveBroadPhaseTest, PrefersWhatAPersonSelectedAndRefusesTheCommandOfTheSameFrame) {
+  ASSERT_TRUE(adaptive_->SelectArm("C").ok());
+  adaptive_->mailbox().Post({.command_id = 4, .arm = 1});
+  EXPECT_EQ(Frame().arm, 2U);
+  ASSERT_EQ(sink_.switches.size(), 1U);
+  EXPECT_EQ(sink_.switches[0].command_id, 4U);
+  EXPECT_EQ(sink_.switches[0].executed, 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, FlagsAFrameOverTheLimitAndFleesInTheNext) {
+  BailOut();
+  EXPECT_NE(sink_.frames.back().flags & kFrameBailOut, 0U);
+  EXPECT_EQ(sink_.frames.back().arm, 0U);
+  EXPECT_EQ(Frame().arm, 1U);
+  EXPECT_EQ(Frame().arm, 1U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, FleesToTheHighestPosteriorMean) {
+  adaptive_->SetPosteriorMeans(std::vector<double>{0.9, 0.1, 0.5});
+  BailOut();
+  EXPECT_EQ(Frame().arm, 2U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, LeavesTheAnswerToADeciderThatIsPresent) {
+  adaptive_->SetDeciderPresent(true);
+  BailOut();
+  EXPECT_NE(sink_.frames.back().flags & kFrameBailOut, 0U);
+  EXPECT_EQ(Frame().arm, 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, DoesNotFleeInManualModeOrFromPausesAndOtherLongFrames) {
+  Frame(7 * kSecond);
+  EXPECT_EQ(Frame().arm, 0U);
+  BailOut(kFramePaused);
+  EXPECT_EQ(Frame().arm, 0U);
+  BailOut(kFrameLoading);
+  EXPECT_EQ(Frame().arm, 0U);
+  adaptive_->SetMode(Mode::kManual);
+  BailOut();
+  EXPECT_EQ(Frame().arm, 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, FleesOncePerLongFrame) {
+  BailOut();
+  for (int i = 0; i < 3; ++i) Frame();
+  EXPECT_EQ(adaptive_->switch_epoch(), 1U);
+  BailOut();
+  for (int i = 0; i < 3; ++i) Frame();
+  EXPECT_EQ(adaptive_->switch_epoch(), 2U);
+  EXPECT_EQ(adaptive_->active_arm(), 2U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, KeepsOnlyTheEnginesOwnFlags) {
+  Frame();
+  EXPECT_EQ(Frame(1, 4, 0xFFFF'FFF0U | kFrameBailOut | kFramePaused).flags, uint32_t{kFramePaused});
+}
+
+TEST_F(AdaptiveBroadPhaseTest, GivesASampleWithoutDetectionForAFrameWithoutSearch) {
+  Frame();
+  adaptive_->BeginFrame();
+  adaptive_->EndFrame({.frame_time_ns = 5, .flags = kFramePaused});
+  EXPECT_EQ(adaptive_->last_sample().detection_time_ns, 0U);
+  EXPECT_EQ(adaptive_->last_sample().frame_index, 1U);
+  EXPECT_EQ(Frame().flags, 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, DescribesTheSceneFromTimeToTime) {
+  for (int i = 0; i < 300; ++i) Frame();
+  ASSERT_EQ(sink_.descriptors.size(), 2U);
+  EXPECT_EQ(sink_.descriptors[0].object_count, 4);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, TellsArmsAndVersionsInOrder) {
+  EXPECT_THAT(adaptive_->arms(), ::testing::ElementsAre("A", "B", "C"));
+  EXPECT_THAT(adaptive_->arm_versions(), ::testing::ElementsAre(1, 2, 3));
+}
+
+TEST(AdaptiveBroadPhaseCreate, ListsTheBackendsForAnUnknownArm) {
+  const auto result = AdaptiveBroadPhase::Create(OptionsOf({"Octopus"}), nullptr);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.status().code(), StatusCode::kNotFound);
+  EXPECT_THAT(result.status().message(), HasSubstr("BruteForce"));
+}
+
+TEST(AdaptiveBroadPhaseCreate, RefusesRepeatedArmsBadLimitsAndAnUnknownInitialArm) {
+  const auto code = [](const AdaptiveOptions& options) {
+    return AdaptiveBroadPhase::Create(options, nullptr).status().code();
+  };
+  EXPECT_EQ(code(OptionsOf({"BruteForce", "BruteForce"})), StatusCode::kInvalidArgument);
+  EXPECT_EQ(code(OptionsOf(std::vector<std::string>(33, "BruteForce"))),
+            StatusCode::kInvalidArgument);
+  AdaptiveOptions options = OptionsOf({"BruteForce"});
+  options.bail_out_ns = 0;
+  EXPECT_EQ(code(options), StatusCode::kInvalidArgument);
+  options = OptionsOf({"BruteForce"});
+  options.mode = static_cast<Mode>(0);
+  EXPECT_EQ(code(options), StatusCode::kInvalidArgument);
+  options = OptionsOf({"BruteForce"});
+  options.initial_arm = "Grid";
+  EXPECT_EQ(code(options), StatusCode::kNotFound);
+}
+
+TEST(AdaptiveBroadPhaseCreate, WorksWithoutASinkOnTheRealClock) {
+  auto adaptive = AdaptiveBroadPhase::Create(OptionsOf({"BruteForce"}), nullptr);
+  ASSERT_TRUE(adaptive.ok());
+  const std::vector<Aabb> boxes(3, Aabb{{0, 0, 0}, {1, 1, 1}});
+  (*adaptive)->BeginFrame();
+  EXPECT_EQ((*adaptive)->FindPairs(boxes).size(), 3U);
+  (*adaptive)->EndFrame({.frame_time_ns = 1});
+}
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,221 @@
+#include "sweepstake/embedded_decider.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine_client/telemetry/priors_file.h"
+#include "server/decision/options.h"
+
+namespace sweepstake {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr uint64_t kMs = 1'000'000;
+const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
+const std::vector<uint32_t> kVersions = {1, 1, 2};
+
+// A game in virtual time whose frames cost what its active arm costs.
+class Game {
+ public:
+  explicit Game(std::vector<uint64_t> frame_ms) : frame_ms_(std::move(frame_ms)) {}
+
+  void RunFor(EmbeddedDecider& decider, uint64_t duration_ms) {
+    const uint64_t end_ns = now_ns + duration_ms * kMs;
+    while (now_ns < end_ns) Frame(decider, frame_ms_[arm]);
+  }
+
+  void Frame(EmbeddedDecider& decider, uint64_t frame_ms) {
+    now_ns += frame_ms * kMs;
+    FrameSample sample{};
+    sample.frame_index = frame_index++;
+    sample.frame_time_ns = frame_ms * kMs;
+    sample.detection_time_ns = sample.frame_time_ns * 3 / 4;
+    sample.object_count = 1000;
+    sample.arm = arm;
+    sample.switch_epoch = epoch;
+    if (frame_ms > 5000) sample.flags = kFrameBailOut;
+    decider.Observe(std::vector{sample}, now_ns);
+    const auto command = decider.Poll(now_ns);
+    if (command) Obey(*command);
+  }
+
+  void Obey(const SwitchCommand& command) {
+    commands.push_back(command);
+    if (command.arm == arm) return;
+    arm = command.arm;
+    ++epoch;
+  }
+
+  uint64_t now_ns = 0;
+  uint64_t frame_index = 0;
+  uint32_t arm = 0;
+  uint32_t epoch = 0;
+  std::vector<SwitchCommand> commands;
+
+ private:
+  std::vector<uint64_t> frame_ms_;
+};
+
+std::unique_ptr<EmbeddedDecider> MakeDecider(EmbeddedOptions options = {}) {
+  auto made = EmbeddedDecider::Create(options, kArms, kVersions, 0);
+  EXPECT_TRUE(made.ok()) << made.status().message();
+  return std::move(*made);
+}
+
+double MeanOf(const ArmBelief& belief) { return belief.alpha / (belief.alpha + belief.beta); }
+
+TEST(EmbeddedDecider, StartsAtBetaOneOneWithoutPriors) {
+  const auto decider = MakeDecider();
+  ASSERT_EQ(decider->beliefs().size(), 3U);
+  for (const ArmBelief& belief : decider->beliefs()) {
+    EXPECT_EQ(belief.alpha, 1);
+    EXPECT_EQ(belief.beta, 1);
+  }
+  EXPECT_EQ(decider->prior_source_count(), 0U);
+}
+
+TEST(EmbeddedDecider, TriesEveryArmAndThenFavoursTheFastest) {
+  const auto decider = MakeDecider();
+  Game game({30, 60, 15});
+  game.RunFor(*decider, 400'000);
+  std::vector<bool> tried(3);
+  for (const SwitchCommand& command : game.commands) tried[command.arm] = true;
+  EXPECT_TRUE(tried[1] && tried[2]);
+  const auto beliefs = decider->beliefs();
+  EXPECT_GT(MeanOf(beliefs[2]), MeanOf(beliefs[0]));
+  EXPECT_GT(MeanOf(beliefs[2]), MeanOf(beliefs[1]));
+  EXPECT_GT(decider->decision_count(), 100U);
+}
+
+TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
+  Game first({30, 60, 15});
+  Game second({30, 60, 15});
+  first.RunFor(*MakeDecider(), 200'000);
+  second.RunFor(*MakeDecider(), 200'000);
+  ASSERT_EQ(first.commands.size(), second.commands.size());
+  for (size_t i = 0; i < first.commands.size(); ++i) {
+    EXPECT_EQ(first.commands[i].arm, second.commands[i].arm);
+  }
+}
+
+TEST(EmbeddedDecider, AnswersABailOutAtOnce) {
+  const auto decider = MakeDecider();
+  Game game({20, 20, 20});
+  game.RunFor(*decider, 100'000);
+  const uint32_t before = game.arm;
+  const double beta_before = decider->beliefs()[before].beta;
+  const size_t commands_before = game.commands.size();
+  // Resampling may keep the arm; ten zero-reward observations each make that ever less likely.
+  for (int i = 0; i < 10 && game.commands.size() == commands_before; ++i) {
+    game.Frame(*decider, 6000);
+  }
+  EXPECT_GE(decider->beliefs()[before].beta, beta_before + 10);
+  ASSERT_GT(game.commands.size(), commands_before);
+  EXPECT_EQ(game.commands[commands_before].reason, SwitchReason::kBailOut);
+}
+
+TEST(EmbeddedDecider, LearnsNothingInManualMode) {
+  const auto decider = MakeDecider();
+  decider->SetMode(Mode::kManual, 1, 0);
+  Game game({20, 20, 20});
+  game.arm = 1;
+  game.RunFor(*decider, 100'000);
+  EXPECT_TRUE(game.commands.empty());
+  for (const ArmBelief& belief : decider->beliefs()) EXPECT_EQ(belief.alpha, 1);
+}
+
+TEST(EmbeddedDecider, IgnoresOutcomesOfAnEpochThatHasEndedAndOfUnknownArms) {
+  const auto decider = MakeDecider();
+  Game game({20, 20, 20});
+  game.RunFor(*decider, 60'000);
+  ASSERT_GT(game.epoch, 1U);
+  const auto before = decider->beliefs();
+  decider->Observe(SwitchOutcome{.arm = 0, .switch_epoch = 1, .executed = 1}, game.now_ns);
+  decider->Observe(SwitchOutcome{.arm = 99, .switch_epoch = 99, .executed = 1}, game.now_ns);
+  decider->Observe(SwitchOutcome{.arm = 1, .switch_epoch = 99, .executed = 0}, game.now_ns);
+  game.RunFor(*decider, 10'000);
+  double evidence_before = 0;
+  double evidence_after = 0;
+  for (const ArmBelief& belief : before) evidence_before += belief.alpha + belief.beta;
+  for (const ArmBelief& belief : decider->beliefs()) evidence_after += belief.alpha + belief.beta;
+  EXPECT_GT(evidence_after, evidence_before);
+}
+
+class EmbeddedDeciderPriors : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ =
+        std::filesystem::path(::testing::TempDir()) /
+        (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".json");
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  static PriorRecord RecordOf(const std::string& arm, uint32_t version, const std::string& source) {
+    PriorRecord record;
+    record.project = record.scene = "default";
+    record.arm = arm;
+    record.backend_version = version;
+    record.reward_version = decision::kRewardVersion;
+    record.source_id = source;
+    record.source_sequence = 1;
+    record.alpha_increment = 10;
+    record.beta_increment = 5;
+    return record;
+  }
+
+  EmbeddedOptions Options() const {
+    EmbeddedOptions options;
+    options.priors_file = path_;
+    return options;
+  }
+
+  std::filesystem::path path_;
+};
+
+TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
+  std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
+                                      RecordOf("KDTree", 1, "c"), RecordOf("Octopus", 1, "d")};
+  records.push_back(RecordOf("DBVT", 1, "e"));
+  records.back().scene = "another";
+  records.push_back(RecordOf("DBVT", 1, "f"));
+  records.back().machine_class = "phone";
+  records.push_back(RecordOf("DBVT", 1, "g"));
+  records.back().reward_version = decision::kRewardVersion + 1;
+  ASSERT_TRUE(WritePriorsFile(records, path_).ok());
+  const auto decider = MakeDecider(Options());
+  EXPECT_EQ(decider->prior_source_count(), 2U);
+  EXPECT_EQ(decider->beliefs()[0].alpha, 21);
+  EXPECT_EQ(decider->beliefs()[0].beta, 11);
+  EXPECT_EQ(decider->beliefs()[1].alpha, 1);
+  EXPECT_EQ(decider->beliefs()[2].alpha, 1);  // of another backend version
+}
+
+TEST_F(EmbeddedDeciderPriors, NamesTheBrokenRecord) {
+  PriorRecord broken = RecordOf("SAP", 1, "a");
+  broken.alpha_increment = -1;
+  ASSERT_TRUE(WritePriorsFile(std::vector{RecordOf("SAP", 1, "x"), broken}, path_).ok());
+  const auto made = EmbeddedDecider::Create(Options(), kArms, kVersions, 0);
+  ASSERT_FALSE(made.ok());
+  EXPECT_EQ(made.status().code(), StatusCode::kDataLoss);
+  EXPECT_THAT(made.status().message(), HasSubstr("record 1"));
+}
+
+TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
+  const auto status = [](auto change) {
+    EmbeddedOptions options;
+    change(options);
+    return EmbeddedDecider::Create(options, kArms, kVersions, 0).status();
+  };
+  EXPECT_EQ(status([](auto& o) { o.priors_file = "no/such/file"; }).code(), StatusCode::kNotFound);
+  EXPECT_EQ(status([](auto& o) { o.time_scale = 0; }).code(), StatusCode::kInvalidArgument);
+  const Status policy = status([](auto& o) { o.policy = "dice"; });
+  EXPECT_EQ(policy.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(policy.message(), HasSubstr("paper"));
+  EXPECT_EQ(EmbeddedDecider::Create({}, {}, {}, 0).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(EmbeddedDecider::Create({}, kArms, std::vector<uint32_t>{1}, 0).status().code(),
+            StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "engine_client/adaptive/adaptive_factory.h"
+#include "sweepstake/session.h"
+#include "tests/support/scripted_broad_phase.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::ArmScript;
+using test_support::ScriptedBroadPhase;
+using test_support::ScriptedClock;
+
+// A session with a decider that decides every 2 ms, and a game that runs frames until something has
+// happened.
+class EmbeddedSessionTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    EmbeddedOptions embedded;
+    embedded.time_scale = 1000;
+    auto made = MakeEmbeddedSession(embedded, SessionOptions());
+    ASSERT_TRUE(made.ok());
+    session_ = std::move(*made);
+    std::vector<std::unique_ptr<BroadPhase>> backends;
+    for (const char* name : {"Slow", "Fast"}) {
+      ArmScript script;
+      script.name = name;
+      backends.push_back(std::make_unique<ScriptedBroadPhase>(script, clock_));
+    }
+    adaptive_ =
+        std::move(*AdaptiveFactory::Make({}, std::move(backends), &session_->sink(), clock_));
+  }
+
+  // The session must let go of the arms before they are gone.
+  void TearDown() override { session_->Stop(); }
+
+  void Frame() {
+    adaptive_->BeginFrame();
+    adaptive_->FindPairs(boxes_);
+    adaptive_->EndFrame(
+        {.frame_time_ns = adaptive_->active_arm() == 0 ? 40'000'000U : 10'000'000U});
+  }
+
+  // Fails by the test's time limit, not by a count of tries.
+  template <typename Condition>
+  void RunUntil(Condition condition) {
+    while (!condition()) {
+      Frame();
+      std::this_thread::yield();
+    }
+  }
+
+  ScriptedClock clock_;
+  std::vector<Aabb> boxes_{3};
+  std::unique_ptr<Session> session_;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+};
+
+TEST_F(EmbeddedSessionTest, SwitchesArmsAndTellsItsBeliefs) {
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  EXPECT_EQ(session_->stats().state, ConnectionState::kEmbedded);
+  RunUntil([this] { return adaptive_->switch_epoch() >= 2; });
+  RunUntil([this] {
+    const SessionStats stats = session_->stats();
+    return stats.beliefs.size() == 2 && stats.beliefs[0].alpha > 1 && stats.beliefs[1].alpha > 1;
+  });
+  session_->Stop();
+  const SessionStats stats = session_->stats();
+  EXPECT_EQ(stats.state, ConnectionState::kClosed);
+  EXPECT_GE(stats.command_count, 2U);
+  EXPECT_EQ(stats.beliefs[1].arm, "Fast");
+}
+
+TEST_F(EmbeddedSessionTest, TakesEveryFrameOffTheQueueBeforeItStops) {
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  for (int i = 0; i < 1000; ++i) Frame();
+  session_->Stop();
+  const SessionStats stats = session_->stats();
+  EXPECT_EQ(stats.sent_frame_count + stats.dropped_frame_count, 1000U);
+}
+
+TEST_F(EmbeddedSessionTest, CommandsNothingAfterAChangeToManualMode) {
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  RunUntil([this] { return adaptive_->switch_epoch() >= 1; });
+  adaptive_->SetMode(Mode::kManual);
+  session_->OnModeChange();
+  const uint32_t epoch = adaptive_->switch_epoch();
+  for (int i = 0; i < 2000; ++i) Frame();
+  EXPECT_EQ(adaptive_->switch_epoch(), epoch);
+}
+
+TEST_F(EmbeddedSessionTest, StopsOnceAndForAll) {
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  EXPECT_EQ(session_->Start(*adaptive_).code(), StatusCode::kFailedPrecondition);
+  session_->Stop();
+  session_->Stop();
+  EXPECT_EQ(session_->Start(*adaptive_).code(), StatusCode::kFailedPrecondition);
+  session_->OnModeChange();
+  Frame();
+}
+
+TEST(EmbeddedSessionStart, ReportsBrokenPriors) {
+  EmbeddedOptions embedded;
+  embedded.priors_file = "no/such/file.json";
+  auto session = MakeEmbeddedSession(embedded, SessionOptions());
+  ASSERT_TRUE(session.ok());
+  AdaptiveOptions options;
+  options.arms = {"BruteForce"};
+  auto adaptive = AdaptiveBroadPhase::Create(options, &(*session)->sink());
+  EXPECT_EQ((*session)->Start(**adaptive).code(), StatusCode::kNotFound);
+  (*session)->Stop();
+}
+
+}  // namespace
+}  // namespace sweepstake

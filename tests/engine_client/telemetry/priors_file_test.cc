@@ -1,0 +1,148 @@
+#include "engine_client/telemetry/priors_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace sweepstake {
+namespace {
+
+using ::testing::HasSubstr;
+
+PriorRecord RecordOf(const std::string& source) {
+  PriorRecord record;
+  record.project = "game";
+  record.scene = "hurricane";
+  record.arm = "KDTree";
+  record.backend_version = 2;
+  record.machine_class = "desktop";
+  record.reward_version = 1;
+  record.source_id = source;
+  record.source_sequence = 9;
+  record.alpha_increment = 12.5;
+  record.beta_increment = 0.1;
+  record.window_count = 40;
+  record.bail_out_count = 1;
+  return record;
+}
+
+// The document with one record in which `field` is replaced by (or gets) `value`.
+std::string DocumentWith(const std::string& field, const std::string& value) {
+  const std::string document = FormatPriors(std::vector{RecordOf("s")});
+  const size_t start = document.find("\"" + field + "\"");
+  if (start == std::string::npos) {
+    std::string longer = document;
+    return longer.insert(longer.find("\"alpha"), "\"" + field + "\": " + value + ", ");
+  }
+  const size_t end = document.find_first_of(",}", start);
+  return document.substr(0, start) + "\"" + field + "\": " + value + document.substr(end);
+}
+
+std::string ComplaintAbout(const std::string& text) {
+  const auto result = ParsePriors(text);
+  if (result.ok()) return "none";
+  EXPECT_EQ(result.status().code(), StatusCode::kDataLoss);
+  EXPECT_EQ(result.status().message().find('\n'), std::string::npos);
+  return result.status().message();
+}
+
+TEST(PriorsFile, ReadsBackWhatItWrote) {
+  const std::vector<PriorRecord> records = {RecordOf("first"), RecordOf("second")};
+  const auto read = ParsePriors(FormatPriors(records));
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  ASSERT_EQ(read->size(), 2U);
+  const PriorRecord& record = (*read)[1];
+  EXPECT_EQ(record.project, "game");
+  EXPECT_EQ(record.scene, "hurricane");
+  EXPECT_EQ(record.context_bucket, "");
+  EXPECT_EQ(record.arm, "KDTree");
+  EXPECT_EQ(record.backend_version, 2U);
+  EXPECT_EQ(record.machine_class, "desktop");
+  EXPECT_EQ(record.reward_version, 1U);
+  EXPECT_EQ(record.source_id, "second");
+  EXPECT_EQ(record.source_sequence, 9U);
+  EXPECT_EQ(record.alpha_increment, 12.5);
+  EXPECT_EQ(record.beta_increment, 0.1);
+  EXPECT_EQ(record.window_count, 40U);
+  EXPECT_EQ(record.bail_out_count, 1U);
+}
+
+TEST(PriorsFile, TakesAnEmptyListAndRecordsWithoutOptionalFields) {
+  EXPECT_TRUE(ParsePriors(FormatPriors({})).ok());
+  const auto read = ParsePriors(
+      R"({"format":"sweepstake-priors","version":1,"records":[{"project":"p","scene":"s",
+          "arm":"SAP","backend_version":1,"reward_version":1,"source_id":"x","source_sequence":1,
+          "alpha_increment":1,"beta_increment":0}]})");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ((*read)[0].machine_class, "");
+  EXPECT_EQ((*read)[0].window_count, 0U);
+}
+
+TEST(PriorsFile, NamesTheRecordAndTheFieldThatIsBroken) {
+  EXPECT_EQ(ComplaintAbout(DocumentWith("project", "\"\"")), "priors record 0: project is empty");
+  EXPECT_THAT(ComplaintAbout(DocumentWith("arm", "7")), HasSubstr("record 0: arm is not a string"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("scene", "\"a\\u0000b\"")), HasSubstr("scene"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("backend_version", "0")), HasSubstr("is 0"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("backend_version", "4294967296")),
+              HasSubstr("too large"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "-1")), HasSubstr("whole number"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "1.5")), HasSubstr("whole number"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "-0.5")), HasSubstr("within"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "1e16")), HasSubstr("within"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("beta_increment", "\"nan\"")), HasSubstr("number"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("machine_clas", "\"x\"")),
+              HasSubstr("machine_clas is not a field"));
+}
+
+TEST(PriorsFile, RefusesWhatIsNoPriorsDocument) {
+  for (const char* text :
+       {"", "{", "[]", "null", "{\"format\":\"other\"}", "{\"format\":\"sweepstake-priors\"}",
+        "{\"format\":\"sweepstake-priors\",\"version\":2,\"records\":[]}",
+        "{\"format\":\"sweepstake-priors\",\"version\":1}",
+        "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[3]}",
+        "{\"format\":\"sweepstake-priors\",\"version\":1,\"records\":[{}]}"}) {
+    EXPECT_NE(ComplaintAbout(text), "none") << text;
+  }
+  EXPECT_NE(ComplaintAbout(DocumentWith("alpha_increment", "1e999")), "none");
+  EXPECT_NE(ComplaintAbout(std::string(1 << 20, '[')), "none");
+}
+
+TEST(PriorsFile, RefusesEvidenceThatIsThereTwice) {
+  EXPECT_THAT(ComplaintAbout(FormatPriors(std::vector{RecordOf("a"), RecordOf("a")})),
+              HasSubstr("priors record 1: repeats"));
+}
+
+TEST(PriorsFile, SurvivesEveryTruncation) {
+  const std::string text = FormatPriors(std::vector{RecordOf("a")});
+  for (size_t length = 0; length + 2 < text.size(); ++length) {
+    EXPECT_FALSE(ParsePriors(text.substr(0, length)).ok()) << length;
+  }
+}
+
+TEST(PriorsFile, AppearsWholeOnDiskOrNotAtAll) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / "priors_file_test.json";
+  ASSERT_TRUE(WritePriorsFile(std::vector{RecordOf("a")}, path).ok());
+  const auto read = ReadPriorsFile(path);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->size(), 1U);
+  std::filesystem::remove(path);
+  const Status status = WritePriorsFile({}, path / "no-folder" / "x.json");
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+}
+
+TEST(PriorsFile, SaysWhichFileIsMissingOrBroken) {
+  const auto missing = ReadPriorsFile("no/such/priors.json");
+  EXPECT_EQ(missing.status().code(), StatusCode::kNotFound);
+  EXPECT_THAT(missing.status().message(), HasSubstr("no/such/priors.json"));
+  EXPECT_EQ(ReadPriorsFile(::testing::TempDir()).status().code(), StatusCode::kNotFound);
+  const auto path = std::filesystem::path(::testing::TempDir()) / "broken_priors.json";
+  std::ofstream(path) << "{";
+  const auto broken = ReadPriorsFile(path);
+  EXPECT_EQ(broken.status().code(), StatusCode::kDataLoss);
+  EXPECT_THAT(broken.status().message(), HasSubstr("broken_priors.json"));
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace sweepstake

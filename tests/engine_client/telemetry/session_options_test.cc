@@ -1,0 +1,58 @@
+#include "engine_client/telemetry/session_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "engine_client/telemetry/name_limits.h"
+
+namespace sweepstake {
+namespace {
+
+TEST(SessionOptions, DefaultsAreValid) {
+  EXPECT_TRUE(ValidateSessionOptions(SessionOptions()).ok());
+}
+
+TEST(SessionOptions, NamesTheOptionThatIsWrong) {
+  const auto complaint = [](auto change) {
+    SessionOptions options;
+    change(options);
+    const Status status = ValidateSessionOptions(options);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    return status.message().substr(0, status.message().find(' '));
+  };
+  EXPECT_EQ(complaint([](auto& o) { o.project.clear(); }), "project");
+  EXPECT_EQ(complaint([](auto& o) { o.scene = std::string(129, 'x'); }), "scene");
+  EXPECT_EQ(complaint([](auto& o) { o.build = "a\nb"; }), "build");
+  EXPECT_EQ(complaint([](auto& o) { o.time_scale = 0.5; }), "time_scale");
+  EXPECT_EQ(complaint([](auto& o) { o.time_scale = std::numeric_limits<double>::quiet_NaN(); }),
+            "time_scale");
+  EXPECT_EQ(complaint([](auto& o) { o.queue_frames = 1000; }), "queue_frames");
+  EXPECT_EQ(complaint([](auto& o) { o.queue_frames = 0; }), "queue_frames");
+  EXPECT_EQ(complaint([](auto& o) { o.batch_frames = 241; }), "batch_frames");
+  EXPECT_EQ(complaint([](auto& o) { o.batch_bytes = 1; }), "batch_bytes");
+  EXPECT_EQ(complaint([](auto& o) { o.batch_interval_ms = 0; }), "batch_interval_ms");
+  EXPECT_EQ(complaint([](auto& o) { o.unacknowledged_messages = 0; }), "unacknowledged_messages");
+  EXPECT_EQ(complaint([](auto& o) { o.backoff_max_ms = 1; }), "backoff_min_ms");
+}
+
+TEST(NameLimits, TakePrintableUtf8UpToTheLimit) {
+  EXPECT_TRUE(IsName("Hurricane <3> \"x\"; DROP TABLE"));
+  EXPECT_TRUE(IsName("\xC3\xA4\xE2\x82\xAC\xF0\x9F\x8C\x80"));
+  EXPECT_TRUE(IsName(std::string(128, 'x')));
+  EXPECT_FALSE(IsName(std::string(129, 'x')));
+}
+
+TEST(NameLimits, RejectControlCharactersAndBrokenUtf8) {
+  using namespace std::string_view_literals;
+  for (const std::string_view broken :
+       {"a\0b"sv, "\x1F"sv, "\x7F"sv, "\xC2\x85"sv, "\x80"sv, "\xC3"sv, "\xC0\xAF"sv,
+        "\xE0\x80\xAF"sv, "\xED\xA0\x80"sv, "\xF4\x90\x80\x80"sv, "\xF5\x80\x80\x80"sv,
+        "\xE2\x28\xA1"sv}) {
+    EXPECT_FALSE(IsName(broken)) << ::testing::PrintToString(broken);
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,19 @@
+// A clock that goes on only when told to.
+#pragma once
+
+#include <cstdint>
+
+#include "sweepstake/adaptive_broad_phase.h"
+
+namespace sweepstake::test_support {
+
+class ScriptedClock final : public Clock {
+ public:
+  uint64_t NowNs() noexcept override { return now_ns_; }
+  void Advance(uint64_t duration_ns) { now_ns_ += duration_ns; }
+
+ private:
+  uint64_t now_ns_ = 0;
+};
+
+}  // namespace sweepstake::test_support
