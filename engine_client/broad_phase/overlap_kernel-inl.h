@@ -55,10 +55,10 @@ HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t 
   }
 }
 
-// Lanes [count, all).
+// All lanes but those of slots before `first`, when lane 0 is slot `at`.
 template <class D>
-HWY_INLINE hn::Mask<D> LanesFrom(D d, size_t count) {
-  return hn::Not(hn::FirstN(d, count));
+HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
+  return hn::Not(hn::FirstN(d, first > at ? first - at : 0));
 }
 
 // Stores (id, ids[lane]) with a < b for each hit and returns how many; a whole register of pairs is
@@ -104,11 +104,14 @@ HWY_INLINE uint64_t ScanTile(D d, const BoxLanes& lanes, size_t row, PairCursor&
   const auto store = [&](hn::Mask<D> hits, uint32_t self, size_t at) HWY_ATTR {
     cursor.Advance(StoreHits(d, hits, self, lanes.id + at, cursor.Room(step)));
   };
-  store(hn::And(LanesFrom(d, 1), Hits<kFirst>(d, box0, lanes, row)), id[0], row);
-  store(hn::And(LanesFrom(d, 2), Hits<kFirst>(d, box1, lanes, row)), id[1], row);
-  store(hn::And(LanesFrom(d, 3), Hits<kFirst>(d, box2, lanes, row)), id[2], row);
-  store(hn::And(LanesFrom(d, 4), Hits<kFirst>(d, box3, lanes, row)), id[3], row);
-  size_t at = row + step;
+  size_t at = row;
+  do {  // once, but where a register has fewer than four lanes
+    store(hn::And(SlotsFrom(d, row + 1, at), Hits<kFirst>(d, box0, lanes, at)), id[0], at);
+    store(hn::And(SlotsFrom(d, row + 2, at), Hits<kFirst>(d, box1, lanes, at)), id[1], at);
+    store(hn::And(SlotsFrom(d, row + 3, at), Hits<kFirst>(d, box2, lanes, at)), id[2], at);
+    store(hn::And(SlotsFrom(d, row + 4, at), Hits<kFirst>(d, box3, lanes, at)), id[3], at);
+    at += step;
+  } while (at < row + 4);
   for (; kFirst == FirstAxis::kSorted ? lanes.min[0][at] <= end : at < lanes.count; at += step) {
     const auto hits0 = Hits<kFirst>(d, box0, lanes, at);
     const auto hits1 = Hits<kFirst>(d, box1, lanes, at);

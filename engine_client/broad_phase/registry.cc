@@ -5,6 +5,8 @@
 #include "engine_client/broad_phase/axis_sweep.h"
 #include "engine_client/broad_phase/brute_force.h"
 #include "engine_client/broad_phase/dbvt.h"
+#include "engine_client/broad_phase/grid.h"
+#include "engine_client/broad_phase/kd_tree.h"
 #include "engine_client/broad_phase/sap.h"
 #include "sweepstake/broad_phase.h"
 
@@ -19,9 +21,11 @@ struct Family {
 // The paper's order (Table 1).
 constexpr std::array kFamilies = {
     Family{"BruteForce", MakeBruteForce},
+    Family{"Grid", MakeGrid},
     Family{"SAP", MakeSap},
     Family{"AxisSweep", MakeAxisSweep},
     Family{"DBVT", MakeDbvt},
+    Family{"KDTree", MakeKdTree},
 };
 
 constexpr auto kNames = [] {

@@ -301,22 +301,25 @@ SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm
                                         const char** name);
 SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                            uint32_t* backend_version);
-/* The latest measured descriptor; every value negative before the first. */
-SWP_API swp_result swp_session_descriptor(const swp_session* session,
-                                          swp_scene_descriptor* descriptor);
-/* What full queues dropped since the session began; either pointer may be NULL. */
+/* Samples that a full queue dropped since the session began, and switch outcomes and descriptors
+ * likewise. Either pointer may be NULL. */
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
-                                       uint64_t* outcome_count);
+                                       uint64_t* note_count);
 
-/* One thread of the caller's choice: the transport. Not while a decider is attached, which then
- * takes the samples. */
+/* One thread of the caller's choice: the transport. Nothing is drained while a decider is attached:
+ * it takes all. */
 
 /* Moves the oldest samples, up to `capacity`, into `samples`, and their number into `count`. */
 SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
                                              uint32_t capacity, uint32_t* count);
-/* The same for how switches went. */
+/* The same for how switches went: those reported before or right after the samples drained so far,
+ * so drain samples first. 256 are kept; then the oldest is dropped and counted. */
 SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
                                               uint32_t capacity, uint32_t* count);
+/* The latest descriptor among what was drained; every value negative before the first. One is
+ * measured per 128 frames. */
+SWP_API swp_result swp_session_descriptor(const swp_session* session,
+                                          swp_scene_descriptor* descriptor);
 /* To be executed at the next begin_frame; the latest wins. SWP_INVALID_ARGUMENT for an arm or a
  * reason that is none. */
 SWP_API swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command);

@@ -17,15 +17,17 @@
 
 namespace sweepstake {
 
-// Defaults in the spirit of the paper (§6.1); lengths in world units, times in seconds. Validated by MakeScene: a value
-// outside its range, or not finite, is kInvalidArgument. What each scenario makes of them: scene/README.md.
+// Defaults in the spirit of the paper (§6.1); lengths in world units, times in seconds. Validated
+// by MakeScene: a value outside its range, or not finite, is kInvalidArgument. What each scenario
+// makes of them: scene/README.md.
 struct SceneOptions {
   uint32_t object_count = 1000;       // 0 to 16,777,216
   uint64_t spawn_seed = 1;            // sizes and spawn positions
   uint64_t motion_seed = 1;           // start velocities, directions and kicks
   float world_half_extent = 50;       // the world is ±this on each axis; 1e-3 to 1e6
   float fixed_step_s = 1.0F / 60.0F;  // one Step; 1e-6 to 1
-  // Object half extents are log-uniform in [min, max] per axis; 1e-6 <= min <= max <= world_half_extent.
+  // Object half extents are log-uniform in [min, max] per axis; 1e-6 <= min <= max <=
+  // world_half_extent.
   float half_extent_min = 0.5F;
   float half_extent_max = 2.5F;
   float speed = 10;                // characteristic speed, units/s; 0 to 1e6
@@ -38,8 +40,8 @@ class Scene {
   virtual ~Scene() = default;
 
   virtual std::string_view name() const = 0;
-  // Bounds of the motion; boxes may stick out by their size, in suite-h by 1/40 of the side more. In a recorded file
-  // what its header says.
+  // Bounds of the motion; boxes may stick out by their size, in suite-h by 1/40 of the side more.
+  // In a recorded file what its header says.
   virtual Aabb world() const = 0;
   // Steps taken; 0 is the spawn state, which aabbs() shows at once.
   virtual uint64_t frame_index() const = 0;

@@ -6,45 +6,32 @@
 #include <tuple>
 
 #include "sweepstake/broad_phase.h"
+#include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
-#include "tests/support/pair_oracle.h"
 
 namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
 using test_support::BoxSceneKinds;
-using test_support::PairDifference;
-using test_support::ScalarPairs;
-
-std::unique_ptr<BroadPhase> Make(std::string_view name) {
-  auto made = MakeBroadPhase(name);
-  if (!made.ok()) throw std::runtime_error(made.status().message());
-  return std::move(*made);
-}
+using test_support::MakeOrThrow;
+using test_support::Verdict;
 
 std::string ParameterName(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
-// What is wrong with the pairs the backend finds now; empty when nothing is.
-std::string Verdict(BroadPhase& broad_phase, std::span<const Aabb> boxes, PairBuffer& pairs) {
-  pairs.Clear();
-  broad_phase.FindPairs(pairs);
-  return PairDifference(pairs.pairs(), ScalarPairs(boxes));
-}
-
 class EveryBackend : public testing::TestWithParam<std::string_view> {
  protected:
-  std::unique_ptr<BroadPhase> backend_ = Make(GetParam());
+  std::unique_ptr<BroadPhase> backend_ = MakeOrThrow(GetParam());
   PairBuffer pairs_;
 };
 
 class EveryBackendInEveryScene
     : public testing::TestWithParam<std::tuple<std::string_view, std::string_view>> {
  protected:
-  std::unique_ptr<BroadPhase> backend_ = Make(std::get<0>(GetParam()));
+  std::unique_ptr<BroadPhase> backend_ = MakeOrThrow(std::get<0>(GetParam()));
   std::string_view kind_ = std::get<1>(GetParam());
   PairBuffer pairs_;
 };
@@ -89,7 +76,7 @@ TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
 }
 
 TEST_P(EveryBackendInEveryScene, GivesTheSameSequenceForTheSameHistory) {
-  const auto twin = Make(std::get<0>(GetParam()));
+  const auto twin = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer twin_pairs;
   BoxScene scene(kind_, 250, 9);
   backend_->Build(scene.boxes());
@@ -174,6 +161,23 @@ TEST_P(EveryBackend, FindsAllPairsOfCoincidentBoxes) {
   scene.Step();
   backend_->Update(scene.boxes());
   EXPECT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "");
+}
+
+// Every way in which two intervals can lie, on three axes at once.
+TEST_P(EveryBackend, AgreesWithTheDefinitionOnAllPositionsOfTwoBoxes) {
+  std::vector<std::pair<float, float>> intervals;
+  for (int low = 0; low < 4; ++low) {
+    for (int high = low; high < 4; ++high) intervals.emplace_back(low, high);
+  }
+  std::vector<Aabb> boxes;
+  for (const auto& x : intervals) {
+    for (const auto& y : intervals) {
+      for (const auto& z : intervals)
+        boxes.push_back({{x.first, y.first, z.first}, {x.second, y.second, z.second}});
+    }
+  }
+  backend_->Build(boxes);
+  EXPECT_EQ(Verdict(*backend_, boxes, pairs_), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(, EveryBackend,

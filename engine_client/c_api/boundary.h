@@ -1,0 +1,46 @@
+// Where C++ ends: results, the message of the latest failure, and the catch-all that every exported
+// function runs in. Thread-safe: the message is the thread's own.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include "sweepstake/c_api.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake::c_api {
+
+// Keeps the message for swp_last_error, cut to 1,023 bytes, and returns `result`. Does not
+// allocate.
+swp_result Fail(swp_result result, std::string_view message) noexcept;
+
+// SWP_OK, or Fail with the status's code and message.
+swp_result ToResult(const Status& status) noexcept;
+
+// "NAME must not be NULL".
+swp_result NullArgument(std::string_view name) noexcept;
+
+// Checks the first member of an options struct.
+swp_result CheckStructSize(std::string_view name, uint32_t given, size_t expected) noexcept;
+
+// Runs `body`, which returns a swp_result, and turns an exception into one.
+template <typename Body>
+swp_result Guard(const Body& body) noexcept {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return Fail(SWP_RESOURCE_EXHAUSTED, "memory is out: use fewer objects");
+  } catch (const std::exception& error) {
+    return Fail(SWP_INTERNAL, error.what());
+  } catch (...) {
+    return Fail(SWP_INTERNAL, "an unknown exception");
+  }
+}
+
+// Text of a C string; NULL gives `absent`.
+inline std::string_view TextOr(const char* text, std::string_view absent) {
+  return text == nullptr ? absent : std::string_view(text);
+}
+
+}  // namespace sweepstake::c_api

@@ -1,0 +1,131 @@
+#include "sweepstake/scene.h"
+
+#include <bit>
+#include <memory>
+
+#include "engine_client/c_api/boundary.h"
+
+using sweepstake::Aabb;
+using sweepstake::SceneNames;
+using sweepstake::SceneOptions;
+using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
+
+struct swp_scene {
+  std::unique_ptr<sweepstake::Scene> scene;
+};
+
+namespace {
+
+SceneOptions ToSceneOptions(const swp_scene_options& given) {
+  SceneOptions options;
+  options.object_count = given.object_count;
+  options.spawn_seed = given.spawn_seed;
+  options.motion_seed = given.motion_seed;
+  options.world_half_extent = given.world_half_extent;
+  options.fixed_step_s = given.fixed_step_s;
+  options.half_extent_min = given.half_extent_min;
+  options.half_extent_max = given.half_extent_max;
+  options.speed = given.speed;
+  options.gravity = given.gravity;
+  options.direction_interval_s = given.direction_interval_s;
+  return options;
+}
+
+uint64_t HashFloat(uint64_t hash, float value) {
+  const auto bits = std::bit_cast<uint32_t>(value);
+  for (int shift = 0; shift < 32; shift += 8) {
+    hash = (hash ^ ((bits >> shift) & 0xff)) * 0x100000001b3ULL;
+  }
+  return hash;
+}
+
+}  // namespace
+
+uint32_t swp_scene_count(void) { return static_cast<uint32_t>(SceneNames().size()); }
+
+// The names are literals and so end with NUL.
+const char* swp_scene_name(uint32_t index) {
+  const auto names = SceneNames();
+  return index < names.size() ? names[index].data() : nullptr;
+}
+
+swp_result swp_scene_options_init(swp_scene_options* options) {
+  if (options == nullptr) return NullArgument("options");
+  const SceneOptions defaults;
+  *options = {sizeof(swp_scene_options), defaults.object_count,         defaults.spawn_seed,
+              defaults.motion_seed,      defaults.world_half_extent,    defaults.fixed_step_s,
+              defaults.half_extent_min,  defaults.half_extent_max,      defaults.speed,
+              defaults.gravity,          defaults.direction_interval_s, 0};
+  return SWP_OK;
+}
+
+swp_result swp_scene_create(const char* scene, const swp_scene_options* options, swp_scene** out) {
+  if (scene == nullptr || out == nullptr) return NullArgument("scene and out");
+  if (options != nullptr) {
+    const swp_result wrong =
+        CheckStructSize("swp_scene_options", options->struct_size, sizeof(swp_scene_options));
+    if (wrong != SWP_OK) return wrong;
+  }
+  return Guard([&] {
+    auto made = sweepstake::MakeScene(
+        scene, options == nullptr ? SceneOptions() : ToSceneOptions(*options));
+    if (!made.ok()) return ToResult(made.status());
+    *out = new swp_scene{std::move(*made)};
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+void swp_scene_destroy(swp_scene* scene) { delete scene; }
+
+swp_result swp_scene_step(swp_scene* scene) {
+  if (scene == nullptr) return NullArgument("scene");
+  return Guard([&] {
+    scene->scene->Step();
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxes, uint32_t* count) {
+  if (scene == nullptr || boxes == nullptr || count == nullptr) {
+    return NullArgument("scene, boxes and count");
+  }
+  return Guard([&] {
+    const auto current = scene->scene->aabbs();
+    *boxes = reinterpret_cast<const swp_aabb*>(current.data());
+    *count = static_cast<uint32_t>(current.size());
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world) {
+  if (scene == nullptr || world == nullptr) return NullArgument("scene and world");
+  return Guard([&] {
+    const Aabb bounds = scene->scene->world();
+    for (int axis = 0; axis < 3; ++axis) {
+      world->min[axis] = bounds.min[axis];
+      world->max[axis] = bounds.max[axis];
+    }
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index) {
+  if (scene == nullptr || frame_index == nullptr) return NullArgument("scene and frame_index");
+  return Guard([&] {
+    *frame_index = scene->scene->frame_index();
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash) {
+  if (scene == nullptr || hash == nullptr) return NullArgument("scene and hash");
+  return Guard([&] {
+    uint64_t sum = 0xcbf29ce484222325ULL;
+    for (const Aabb& box : scene->scene->aabbs()) {
+      for (const float value : box.min) sum = HashFloat(sum, value);
+      for (const float value : box.max) sum = HashFloat(sum, value);
+    }
+    *hash = sum;
+    return static_cast<swp_result>(SWP_OK);
+  });
+}

@@ -1,0 +1,193 @@
+// The frame thread's side of a session, and its options.
+#include "engine_client/c_api/session.h"
+
+#include <bit>
+#include <cstring>
+#include <string>
+
+#include "engine_client/c_api/boxes.h"
+
+using sweepstake::AdaptiveBroadPhase;
+using sweepstake::AdaptiveOptions;
+using sweepstake::Mode;
+using sweepstake::SampleQueue;
+using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+constexpr uint32_t kDefaultQueueFrames = 4096;
+constexpr uint32_t kMaxArms = 32;
+
+bool IsMode(swp_mode mode) { return mode == SWP_MODE_MANUAL || mode == SWP_MODE_AI; }
+
+swp_session_options DefaultOptions() {
+  const AdaptiveOptions defaults;
+  return {sizeof(swp_session_options),
+          0,
+          nullptr,
+          nullptr,
+          static_cast<swp_mode>(defaults.mode),
+          kDefaultQueueFrames,
+          defaults.bail_out_ns,
+          defaults.settling_ns};
+}
+
+swp_result CheckArms(const swp_session_options& options) {
+  if (options.arm_count > kMaxArms) return Fail(SWP_INVALID_ARGUMENT, "arm_count is over 32");
+  if (options.arm_count > 0 && options.arms == nullptr) return NullArgument("arms");
+  for (uint32_t i = 0; i < options.arm_count; ++i) {
+    if (options.arms[i] == nullptr) return NullArgument("a name in arms");
+  }
+  return SWP_OK;
+}
+
+swp_result CheckOptions(const swp_session_options& options) {
+  const swp_result wrong =
+      CheckStructSize("swp_session_options", options.struct_size, sizeof options);
+  if (wrong != SWP_OK) return wrong;
+  if (!IsMode(options.mode)) {
+    return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
+  }
+  if (!std::has_single_bit(options.queue_frames) || options.queue_frames < 2 ||
+      options.queue_frames > SampleQueue::kFrameCapacityMax) {
+    return Fail(SWP_INVALID_ARGUMENT, "queue_frames must be a power of two from 2 to 1048576");
+  }
+  return CheckArms(options);
+}
+
+AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
+  AdaptiveOptions options;
+  options.arms.assign(given.arms, given.arms + given.arm_count);
+  options.initial_arm = TextOr(given.initial_arm, "");
+  options.mode = static_cast<Mode>(given.mode);
+  options.bail_out_ns = given.bail_out_ns;
+  options.settling_ns = given.settling_ns;
+  return options;
+}
+
+swp_result CreateSession(const swp_session_options& options, swp_session** session) {
+  auto created = std::make_unique<swp_session>(options.queue_frames);
+  auto adaptive = AdaptiveBroadPhase::Create(ToAdaptiveOptions(options), &created->queue);
+  if (!adaptive.ok()) return ToResult(adaptive.status());
+  created->adaptive = std::move(*adaptive);
+  created->settling_ns = options.settling_ns;
+  *session = created.release();
+  return SWP_OK;
+}
+
+}  // namespace
+
+swp_result swp_session_options_init(swp_session_options* options) {
+  if (options == nullptr) return NullArgument("options");
+  return Guard([&] {
+    *options = DefaultOptions();
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_create(const swp_session_options* options, swp_session** session) {
+  if (session == nullptr) return NullArgument("session");
+  return Guard([&] {
+    const swp_session_options given = options == nullptr ? DefaultOptions() : *options;
+    const swp_result wrong = CheckOptions(given);
+    return wrong != SWP_OK ? wrong : CreateSession(given, session);
+  });
+}
+
+void swp_session_destroy(swp_session* session) { delete session; }
+
+swp_result swp_session_begin_frame(swp_session* session) {
+  if (session == nullptr) return NullArgument("session");
+  if (session->phase != FramePhase::kBetween) {
+    return Fail(SWP_FAILED_PRECONDITION, "a frame runs already: call swp_session_end_frame first");
+  }
+  return Guard([&] {
+    session->pairs.reset();
+    session->adaptive->BeginFrame();
+    session->phase = FramePhase::kBegun;
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, uint32_t box_count,
+                                  swp_pair* pairs, uint64_t capacity, uint64_t* pair_count) {
+  if (session == nullptr || pair_count == nullptr) return NullArgument("session and pair_count");
+  if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
+  if (const swp_result wrong = CheckBoxes(boxes, box_count); wrong != SWP_OK) return wrong;
+  if (session->phase != FramePhase::kBegun) {
+    return Fail(SWP_FAILED_PRECONDITION,
+                "call swp_session_begin_frame first, and this once per frame");
+  }
+  return Guard([&] {
+    session->pairs = session->adaptive->FindPairs(ToBoxes(boxes, box_count));
+    session->phase = FramePhase::kSearched;
+    return WritePairs(*session->pairs, pairs, capacity, pair_count);
+  });
+}
+
+swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs, uint64_t capacity,
+                                  uint64_t* pair_count) {
+  if (session == nullptr || pair_count == nullptr) return NullArgument("session and pair_count");
+  if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
+  if (!session->pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_session_find_pairs first");
+  return WritePairs(*session->pairs, pairs, capacity, pair_count);
+}
+
+swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, uint32_t flags) {
+  if (session == nullptr) return NullArgument("session");
+  if ((flags & ~static_cast<uint32_t>(SWP_FRAME_PAUSED | SWP_FRAME_LOADING)) != 0) {
+    return Fail(SWP_INVALID_ARGUMENT, "flags may hold SWP_FRAME_PAUSED and SWP_FRAME_LOADING only");
+  }
+  if (session->phase == FramePhase::kBetween) {
+    return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
+  }
+  return Guard([&] {
+    session->adaptive->EndFrame({.frame_time_ns = frame_time_ns, .flags = flags});
+    session->phase = FramePhase::kBetween;
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_select_arm(swp_session* session, const char* arm) {
+  if (session == nullptr || arm == nullptr) return NullArgument("session and arm");
+  return Guard([&] { return ToResult(session->adaptive->SelectArm(arm)); });
+}
+
+swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
+  if (session == nullptr) return NullArgument("session");
+  if (!IsMode(mode)) {
+    return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
+  }
+  return Guard([&] {
+    const auto chosen = static_cast<Mode>(mode);
+    session->adaptive->SetMode(chosen);
+    session->queue.OnModeChange({chosen, session->adaptive->active_arm()});
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_mode(const swp_session* session, swp_mode* mode) {
+  if (session == nullptr || mode == nullptr) return NullArgument("session and mode");
+  *mode = static_cast<swp_mode>(session->adaptive->mode());
+  return SWP_OK;
+}
+
+swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm) {
+  if (session == nullptr || arm == nullptr) return NullArgument("session and arm");
+  *arm = session->adaptive->active_arm();
+  return SWP_OK;
+}
+
+swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch) {
+  if (session == nullptr || switch_epoch == nullptr) {
+    return NullArgument("session and switch_epoch");
+  }
+  *switch_epoch = session->adaptive->switch_epoch();
+  return SWP_OK;
+}
+
+swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample) {
+  if (session == nullptr || sample == nullptr) return NullArgument("session and sample");
+  std::memcpy(sample, &session->adaptive->last_sample(), sizeof *sample);
+  return SWP_OK;
+}

@@ -1,0 +1,39 @@
+// What is behind a swp_session: the frame path, the queue it fills, and who empties the queue.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine_client/c_api/boundary.h"
+#include "engine_client/telemetry/sample_queue.h"
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/embedded_decider.h"
+
+namespace sweepstake::c_api {
+
+// Where the frame thread stands between begin_frame and end_frame.
+enum class FramePhase { kBetween, kBegun, kSearched };
+
+}  // namespace sweepstake::c_api
+
+struct swp_session {
+  explicit swp_session(uint32_t queue_frames) : queue(queue_frames) {}
+
+  sweepstake::SampleQueue queue;
+  std::unique_ptr<sweepstake::AdaptiveBroadPhase> adaptive;  // ends before the queue, its sink
+  uint64_t settling_ns = 0;
+
+  // Frame thread.
+  sweepstake::c_api::FramePhase phase = sweepstake::c_api::FramePhase::kBetween;
+  std::optional<std::span<const sweepstake::OverlapPair>> pairs;  // absent: none to copy
+
+  // Transport thread.
+  std::deque<sweepstake::SwitchOutcome> outcomes;
+  uint64_t dropped_outcome_count = 0;
+  sweepstake::SceneDescriptor descriptor;
+  std::unique_ptr<sweepstake::EmbeddedDecider> decider;
+  std::vector<sweepstake::FrameSample> decider_frames;  // not yet observed
+};

@@ -1,0 +1,165 @@
+// The side of a session that any thread, or the caller's transport, uses.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <variant>
+
+#include "engine_client/c_api/session.h"
+
+using sweepstake::FrameSample;
+using sweepstake::QueuedItem;
+using sweepstake::SampleQueue;
+using sweepstake::SceneDescriptor;
+using sweepstake::SwitchOutcome;
+using sweepstake::SwitchReason;
+using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+constexpr uint64_t kCommandIdLimit = uint64_t{1} << 48;
+
+void KeepOutcome(swp_session& session, const SwitchOutcome& outcome) {
+  if (session.outcomes.size() == SampleQueue::kNoteCapacity) {
+    session.outcomes.pop_front();
+    ++session.dropped_outcome_count;
+  }
+  session.outcomes.push_back(outcome);
+}
+
+// Keeps what is no sample; a change of mode is the caller's own doing.
+void KeepNote(swp_session& session, const QueuedItem& item) {
+  if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) KeepOutcome(session, *outcome);
+  if (const auto* seen = std::get_if<SceneDescriptor>(&item)) session.descriptor = *seen;
+}
+
+swp_result CheckDrain(const swp_session& session) {
+  if (session.decider == nullptr) return SWP_OK;
+  return Fail(SWP_FAILED_PRECONDITION, "the attached decider takes the samples: detach it first");
+}
+
+swp_result ArmIndex(const swp_session& session, uint32_t arm) {
+  if (arm < session.adaptive->arms().size()) return SWP_OK;
+  return Fail(SWP_INVALID_ARGUMENT, "there is no such arm: see swp_session_arm_count");
+}
+
+}  // namespace
+
+swp_result swp_session_arm_count(const swp_session* session, uint32_t* count) {
+  if (session == nullptr || count == nullptr) return NullArgument("session and count");
+  *count = static_cast<uint32_t>(session->adaptive->arms().size());
+  return SWP_OK;
+}
+
+swp_result swp_session_arm_name(const swp_session* session, uint32_t arm, const char** name) {
+  if (session == nullptr || name == nullptr) return NullArgument("session and name");
+  if (const swp_result wrong = ArmIndex(*session, arm); wrong != SWP_OK) return wrong;
+  *name = session->adaptive->arms()[arm].c_str();
+  return SWP_OK;
+}
+
+swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
+                                   uint32_t* backend_version) {
+  if (session == nullptr || backend_version == nullptr) {
+    return NullArgument("session and backend_version");
+  }
+  if (const swp_result wrong = ArmIndex(*session, arm); wrong != SWP_OK) return wrong;
+  *backend_version = session->adaptive->arm_versions()[arm];
+  return SWP_OK;
+}
+
+swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
+                               uint64_t* note_count) {
+  if (session == nullptr) return NullArgument("session");
+  if (sample_count != nullptr) *sample_count = session->queue.dropped_frame_count();
+  if (note_count != nullptr) {
+    *note_count = session->queue.dropped_note_count() + session->dropped_outcome_count;
+  }
+  return SWP_OK;
+}
+
+swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
+                                     uint32_t capacity, uint32_t* count) {
+  if (session == nullptr || count == nullptr) return NullArgument("session and count");
+  if (samples == nullptr && capacity > 0) return NullArgument("samples");
+  if (const swp_result wrong = CheckDrain(*session); wrong != SWP_OK) return wrong;
+  return Guard([&] {
+    uint32_t drained = 0;
+    while (drained < capacity) {
+      const std::optional<QueuedItem> item = session->queue.Pop();
+      if (!item) break;
+      if (const auto* sample = std::get_if<FrameSample>(&*item)) {
+        std::memcpy(&samples[drained++], sample, sizeof *sample);
+      } else {
+        KeepNote(*session, *item);
+      }
+    }
+    *count = drained;
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
+                                      uint32_t capacity, uint32_t* count) {
+  if (session == nullptr || count == nullptr) return NullArgument("session and count");
+  if (outcomes == nullptr && capacity > 0) return NullArgument("outcomes");
+  if (const swp_result wrong = CheckDrain(*session); wrong != SWP_OK) return wrong;
+  return Guard([&] {
+    uint32_t drained = 0;
+    for (; drained < capacity && !session->outcomes.empty(); ++drained) {
+      std::memcpy(&outcomes[drained], &session->outcomes.front(), sizeof *outcomes);
+      session->outcomes.pop_front();
+    }
+    *count = drained;
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_descriptor(const swp_session* session, swp_scene_descriptor* descriptor) {
+  if (session == nullptr || descriptor == nullptr) return NullArgument("session and descriptor");
+  std::memcpy(descriptor, &session->descriptor, sizeof *descriptor);
+  return SWP_OK;
+}
+
+swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command) {
+  if (session == nullptr || command == nullptr) return NullArgument("session and command");
+  if (const swp_result wrong = ArmIndex(*session, command->arm); wrong != SWP_OK) return wrong;
+  if (command->reason < SWP_SWITCH_POLICY || command->reason > SWP_SWITCH_MANUAL) {
+    return Fail(SWP_INVALID_ARGUMENT, "reason must be one of SWP_SWITCH_*, 1 to 4");
+  }
+  if (command->command_id >= kCommandIdLimit) {
+    return Fail(SWP_INVALID_ARGUMENT, "command_id must be below 2^48");
+  }
+  session->adaptive->mailbox().Post(
+      {command->command_id, command->arm, static_cast<SwitchReason>(command->reason)});
+  return SWP_OK;
+}
+
+swp_result swp_session_set_decider_present(swp_session* session, uint32_t present) {
+  if (session == nullptr) return NullArgument("session");
+  if (present > 1) return Fail(SWP_INVALID_ARGUMENT, "present must be 0 or 1");
+  session->adaptive->SetDeciderPresent(present == 1);
+  return SWP_OK;
+}
+
+swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
+                                           uint32_t count) {
+  if (session == nullptr || means == nullptr) return NullArgument("session and means");
+  if (count != session->adaptive->arms().size()) {
+    return Fail(SWP_INVALID_ARGUMENT, "there must be one mean per arm: see swp_session_arm_count");
+  }
+  const std::span<const double> given(means, count);
+  const bool valid =
+      std::all_of(given.begin(), given.end(), [](double mean) { return mean >= 0 && mean <= 1; });
+  if (!valid) return Fail(SWP_INVALID_ARGUMENT, "each mean must be from 0 to 1");
+  return Guard([&] {
+    session->adaptive->SetPosteriorMeans(given);
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns) {
+  if (session == nullptr) return NullArgument("session");
+  session->adaptive->SetSettling(settling_ns);
+  return SWP_OK;
+}

@@ -1,0 +1,81 @@
+#include <cstddef>
+
+#include "engine_client/c_api/boundary.h"
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/frame_sample.h"
+
+namespace {
+
+using namespace sweepstake;  // NOLINT(google-build-using-namespace): layouts of both sides meet
+                             // here
+
+// The structs cross the boundary by pointer cast.
+static_assert(sizeof(swp_aabb) == sizeof(Aabb) && sizeof(swp_aabb) == 24);
+static_assert(sizeof(swp_pair) == sizeof(OverlapPair) && sizeof(swp_pair) == 8);
+static_assert(sizeof(swp_frame_sample) == sizeof(FrameSample) && sizeof(swp_frame_sample) == 64);
+static_assert(offsetof(swp_frame_sample, native_bytes) == offsetof(FrameSample, native_bytes));
+static_assert(offsetof(swp_frame_sample, pair_count) == offsetof(FrameSample, pair_count));
+static_assert(offsetof(swp_frame_sample, arm) == offsetof(FrameSample, arm));
+static_assert(offsetof(swp_frame_sample, flags) == offsetof(FrameSample, flags));
+static_assert(sizeof(swp_scene_descriptor) == sizeof(SceneDescriptor));
+static_assert(offsetof(swp_scene_descriptor, static_ratio) ==
+              offsetof(SceneDescriptor, static_ratio));
+static_assert(sizeof(swp_switch_command) == 16);
+static_assert(sizeof(swp_switch_outcome) == sizeof(SwitchOutcome) &&
+              sizeof(swp_switch_outcome) == 40);
+static_assert(offsetof(swp_switch_outcome, settling_cost_ns) ==
+              offsetof(SwitchOutcome, settling_cost_ns));
+static_assert(offsetof(swp_switch_outcome, executed) == offsetof(SwitchOutcome, executed));
+static_assert(SWP_MODE_MANUAL == static_cast<int>(Mode::kManual));
+static_assert(SWP_MODE_AI == static_cast<int>(Mode::kAi));
+static_assert(SWP_SWITCH_POLICY == static_cast<int>(SwitchReason::kPolicy));
+static_assert(SWP_SWITCH_EXPLORATION == static_cast<int>(SwitchReason::kExploration));
+static_assert(SWP_SWITCH_BAIL_OUT == static_cast<int>(SwitchReason::kBailOut));
+static_assert(SWP_SWITCH_MANUAL == static_cast<int>(SwitchReason::kManual));
+static_assert(static_cast<int>(SWP_FRAME_REBUILD) == kFrameRebuild);
+static_assert(static_cast<int>(SWP_FRAME_PAUSED) == kFramePaused);
+static_assert(static_cast<int>(SWP_FRAME_LOADING) == kFrameLoading);
+static_assert(static_cast<int>(SWP_FRAME_BAIL_OUT) == kFrameBailOut);
+
+}  // namespace
+
+uint32_t swp_abi_version(void) { return SWP_ABI_VERSION; }
+
+swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch) {
+  if (major == nullptr || minor == nullptr || patch == nullptr) {
+    return c_api::NullArgument("major, minor and patch");
+  }
+  *major = SWP_VERSION_MAJOR;
+  *minor = SWP_VERSION_MINOR;
+  *patch = SWP_VERSION_PATCH;
+  return SWP_OK;
+}
+
+uint32_t swp_struct_size(swp_struct which) {
+  switch (which) {
+    case SWP_STRUCT_AABB:
+      return sizeof(swp_aabb);
+    case SWP_STRUCT_PAIR:
+      return sizeof(swp_pair);
+    case SWP_STRUCT_COUNTERS:
+      return sizeof(swp_counters);
+    case SWP_STRUCT_SCENE_OPTIONS:
+      return sizeof(swp_scene_options);
+    case SWP_STRUCT_SESSION_OPTIONS:
+      return sizeof(swp_session_options);
+    case SWP_STRUCT_FRAME_SAMPLE:
+      return sizeof(swp_frame_sample);
+    case SWP_STRUCT_SCENE_DESCRIPTOR:
+      return sizeof(swp_scene_descriptor);
+    case SWP_STRUCT_SWITCH_COMMAND:
+      return sizeof(swp_switch_command);
+    case SWP_STRUCT_SWITCH_OUTCOME:
+      return sizeof(swp_switch_outcome);
+    case SWP_STRUCT_DECIDER_OPTIONS:
+      return sizeof(swp_decider_options);
+    case SWP_STRUCT_BELIEF:
+      return sizeof(swp_belief);
+    default:
+      return 0;
+  }
+}

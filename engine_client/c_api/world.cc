@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <memory>
+
+#include "engine_client/c_api/boundary.h"
+#include "engine_client/c_api/boxes.h"
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/broad_phase.h"
+
+using sweepstake::Aabb;
+using sweepstake::BroadPhase;
+using sweepstake::BroadPhaseNames;
+using sweepstake::PairBuffer;
+using sweepstake::SteadyClock;
+using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
+
+struct swp_world {
+  std::unique_ptr<BroadPhase> backend;
+  PairBuffer pairs;
+  bool built = false;
+  bool searched = false;
+  uint32_t object_count = 0;
+  uint64_t take_time_ns = 0;
+  uint64_t search_time_ns = 0;
+};
+
+namespace {
+
+// Gives the boxes to the backend by `take`. A failure on the way leaves the world unbuilt.
+template <typename Take>
+void TakeBoxes(swp_world& world, uint32_t count, const Take& take) {
+  world.built = false;
+  world.searched = false;
+  world.pairs.Clear();
+  const uint64_t start_ns = SteadyClock().NowNs();
+  take();
+  world.take_time_ns = SteadyClock().NowNs() - start_ns;
+  world.search_time_ns = 0;
+  world.object_count = count;
+  world.built = true;
+}
+
+void Search(swp_world& world) {
+  world.built = false;
+  const uint64_t start_ns = SteadyClock().NowNs();
+  world.backend->FindPairs(world.pairs);
+  world.search_time_ns = SteadyClock().NowNs() - start_ns;
+  world.built = true;
+  world.searched = true;
+}
+
+}  // namespace
+
+uint32_t swp_backend_count(void) { return static_cast<uint32_t>(BroadPhaseNames().size()); }
+
+// The names are literals and so end with NUL.
+const char* swp_backend_name(uint32_t index) {
+  const auto names = BroadPhaseNames();
+  return index < names.size() ? names[index].data() : nullptr;
+}
+
+swp_result swp_world_create(const char* backend, swp_world** world) {
+  if (backend == nullptr || world == nullptr) return NullArgument("backend and world");
+  return Guard([&] {
+    auto made = sweepstake::MakeBroadPhase(backend);
+    if (!made.ok()) return ToResult(made.status());
+    auto created = std::make_unique<swp_world>();
+    created->backend = std::move(*made);
+    *world = created.release();
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+void swp_world_destroy(swp_world* world) { delete world; }
+
+swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count) {
+  if (world == nullptr) return NullArgument("world");
+  if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
+  return Guard([&] {
+    TakeBoxes(*world, count, [&] { world->backend->Build(ToBoxes(boxes, count)); });
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count) {
+  if (world == nullptr) return NullArgument("world");
+  if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
+  if (!world->built) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first");
+  if (count != world->object_count) {
+    return Fail(
+        SWP_INVALID_ARGUMENT,
+        "an update takes as many boxes as were built: call swp_world_build for another count");
+  }
+  return Guard([&] {
+    TakeBoxes(*world, count, [&] { world->backend->Update(ToBoxes(boxes, count)); });
+    return static_cast<swp_result>(SWP_OK);
+  });
+}
+
+swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
+                                uint64_t* count) {
+  if (world == nullptr || count == nullptr) return NullArgument("world and count");
+  if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
+  if (!world->built) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first");
+  return Guard([&] {
+    if (!world->searched) Search(*world);
+    return WritePairs(world->pairs.pairs(), pairs, capacity, count);
+  });
+}
+
+swp_result swp_world_counters(const swp_world* world, swp_counters* counters) {
+  if (world == nullptr || counters == nullptr) return NullArgument("world and counters");
+  return Guard([&] {
+    counters->aabb_check_count = world->built ? world->backend->aabb_check_count() : 0;
+    counters->native_bytes = world->backend->native_bytes();
+    counters->detection_time_ns = world->take_time_ns + world->search_time_ns;
+    counters->pair_count = world->pairs.size();
+    counters->object_count = world->object_count;
+    counters->backend_version = world->backend->version();
+    return static_cast<swp_result>(SWP_OK);
+  });
+}

@@ -1,0 +1,162 @@
+#include "engine_client/cli/check_command.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "engine_client/cli/scene_check.h"
+#include "engine_client/cli/scene_choice.h"
+#include "engine_client/cli/text_table.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr size_t kShownPairs = 4;
+
+struct CheckOptions {
+  std::vector<std::string> scenes;
+  std::vector<uint32_t> object_counts{1000};
+  uint64_t frames = 300;
+  uint64_t seed = 1;
+  std::vector<std::string> arms{"all"};
+  bool json = false;
+};
+
+// How one arm did in one scene.
+struct Row {
+  SceneChoice scene;
+  ArmVerdict verdict;
+};
+
+Json PairsJson(const std::vector<OverlapPair>& pairs) {
+  Json list = Json::array();
+  for (const OverlapPair& pair : std::span(pairs).first(std::min(kShownPairs, pairs.size()))) {
+    list.push_back({pair.a, pair.b});
+  }
+  return list;
+}
+
+Json RowJson(const Row& row) {
+  Json json = {{"scene", row.scene.name},
+               {"objects", row.scene.object_count},
+               {"seed", row.scene.seed},
+               {"arm", row.verdict.arm},
+               {"frames", row.verdict.frame_count},
+               {"pairs", row.verdict.pair_count},
+               {"passed", !row.verdict.first_difference}};
+  if (const auto& first = row.verdict.first_difference) {
+    json["first_difference"] = {{"frame", first->frame},
+                                {"missing_count", first->pairs.missing.size()},
+                                {"extra_count", first->pairs.extra.size()},
+                                {"missing", PairsJson(first->pairs.missing)},
+                                {"extra", PairsJson(first->pairs.extra)}};
+  }
+  return json;
+}
+
+std::string PairsText(const char* what, const std::vector<OverlapPair>& pairs) {
+  if (pairs.empty()) return "";
+  std::string text = "; " + std::to_string(pairs.size()) + " " + what + ":";
+  for (const OverlapPair& pair : std::span(pairs).first(std::min(kShownPairs, pairs.size()))) {
+    text += " (" + std::to_string(pair.a) + ", " + std::to_string(pair.b) + ")";
+  }
+  return text + (pairs.size() > kShownPairs ? " …" : "");
+}
+
+void PrintFailure(const Row& row, std::ostream& out) {
+  const FirstDifference& first = *row.verdict.first_difference;
+  out << "FAILED " << row.verdict.arm << " in " << row.scene.name << " (" << row.scene.object_count
+      << " objects, seed " << row.scene.seed << "): frame " << first.frame
+      << " is the first to differ" << PairsText("missing", first.pairs.missing)
+      << PairsText("extra", first.pairs.extra) << '\n';
+}
+
+void Print(const std::vector<Row>& rows, std::ostream& out) {
+  TextTable table({"scene", "objects", "seed", "arm", "frames", "pairs", "result"});
+  for (const Row& row : rows) {
+    table.AddRow({row.scene.name, std::to_string(row.scene.object_count),
+                  std::to_string(row.scene.seed), row.verdict.arm,
+                  std::to_string(row.verdict.frame_count), std::to_string(row.verdict.pair_count),
+                  row.verdict.first_difference ? "FAILED" : "passed"});
+  }
+  table.Print(out);
+  for (const Row& row : rows) {
+    if (row.verdict.first_difference) PrintFailure(row, out);
+  }
+}
+
+Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64_t frames,
+                Progress& progress, std::vector<Row>& rows) {
+  auto scene = OpenScene(choice);
+  if (!scene.ok()) return scene.status();
+  choice.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
+  std::vector<std::unique_ptr<BroadPhase>> backends;
+  for (const std::string& arm : arms) backends.push_back(std::move(*MakeBroadPhase(arm)));
+  const std::string label = choice.name + ", " + std::to_string(choice.object_count) + " objects";
+  const uint64_t first = rows.size() / arms.size() * (frames + 1);
+  auto verdicts = CheckScene(**scene, backends, frames,
+                             [&](uint64_t done) { progress.Show(first + done, label); });
+  for (ArmVerdict& verdict : verdicts) rows.push_back({choice, std::move(verdict)});
+  return {};
+}
+
+int RunCheck(const CheckOptions& options, Terminal& terminal) {
+  const auto arms = ChooseArms(options.arms);
+  if (!arms.ok()) return Fail(terminal, arms.status());
+  const auto scenes = ExpandScenes(options.scenes, options.object_counts, options.seed, true);
+  std::vector<Row> rows;
+  {
+    Progress progress(terminal, "check", scenes.size() * (options.frames + 1));
+    for (const SceneChoice& scene : scenes) {
+      const Status status = CheckOne(scene, *arms, options.frames, progress, rows);
+      if (!status.ok()) return Fail(terminal, status);
+    }
+  }
+  const bool passed = std::none_of(rows.begin(), rows.end(), [](const Row& row) {
+    return row.verdict.first_difference.has_value();
+  });
+  if (options.json) {
+    Json document = {{"command", "check"}, {"passed", passed}, {"rows", Json::array()}};
+    for (const Row& row : rows) document["rows"].push_back(RowJson(row));
+    terminal.out << document.dump(2) << '\n';
+  } else {
+    Print(rows, terminal.out);
+  }
+  return passed ? kDone : kCheckFailed;
+}
+
+}  // namespace
+
+void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  AddCommand<CheckOptions>(
+      app, "check", "Compare every arm with brute force, every frame, by the identity of the pairs",
+      "  sweepstake check --scene suite-g --objects 1000,3000 --frames 300\n"
+      "  sweepstake check --scene all --arms DBVT,KDTree\n"
+      "  sweepstake check --scene degenerate --objects 300    empty, coincident, ±1e30, NaN, …\n"
+      "  sweepstake check --scene mixtures --seed 7           ten mixtures, seeds 7 to 16\n"
+      "Exit code 1 when an arm differs; the first differing frame and pairs are shown.",
+      exit_code,
+      [](CLI::App& command, CheckOptions& options) {
+        command
+            .add_option("--scene", options.scenes,
+                        "Scenes or .aabbs files, or all, degenerate, mixtures")
+            ->delimiter(',')
+            ->required();
+        command.add_option("--objects", options.object_counts, "Object counts")
+            ->delimiter(',')
+            ->capture_default_str();
+        command.add_option("--frames", options.frames, "Steps after the first frame")
+            ->check(CLI::Range(uint64_t{0}, uint64_t{1'000'000}))
+            ->capture_default_str();
+        command.add_option("--seed", options.seed, "Seed of the scenes")->capture_default_str();
+        command.add_option("--arms", options.arms, "all, or names of backends")
+            ->delimiter(',')
+            ->capture_default_str();
+        command.add_flag("--json", options.json, "One JSON document on stdout");
+      },
+      [&terminal](const CheckOptions& options) { return RunCheck(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,31 @@
+// What every command file of the command line has: a function that adds its subcommand to `app`,
+// which on parsing runs it and stores its exit code. The references outlive the parsing.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/terminal.h"
+
+namespace sweepstake::cli {
+
+// Adds `name` with its `examples` (whole lines) at the end of the help; `run` is called with the
+// options that `declare` filled.
+template <typename Options>
+CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
+                     const std::string& examples, int& exit_code,
+                     const std::function<void(CLI::App&, Options&)>& declare,
+                     const std::function<int(const Options&)>& run) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->footer("Examples:\n" + examples);
+  // The parser keeps pointers to the options for as long as the command lives.
+  auto options = std::make_shared<Options>();
+  declare(*command, *options);
+  command->callback([options, run, &exit_code] { exit_code = run(*options); });
+  return command;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,69 @@
+// The program `sweepstake`: wires its commands; each has a file pair of its own here.
+#include <unistd.h>
+
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "engine_client/cli/bench_command.h"
+#include "engine_client/cli/check_command.h"
+#include "engine_client/cli/pairs_command.h"
+#include "engine_client/cli/record_command.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// The parser's own message for an unknown command does not name it.
+Status CheckCommandName(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  std::string names;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == argv[1]) return {};
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  return {StatusCode::kInvalidArgument,
+          "there is no command '" + std::string(argv[1]) + "'; the commands are " + names};
+}
+
+int Run(int argc, char** argv) {
+  Terminal terminal{std::cout, std::cerr, isatty(STDERR_FILENO) == 1};
+  CLI::App app("Sweepstake: adaptive broad-phase collision detection", "sweepstake");
+  app.set_version_flag("--version", SWEEPSTAKE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "SCENE is brownian, rotating-gravity, hurricane, free-fall, random-gravity, suite-b, "
+      "suite-g,\n"
+      "suite-h or a FILE.aabbs. Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not\n"
+      "reach something. `sweepstake COMMAND --help` shows options and examples.");
+  int exit_code = kDone;
+  AddCheckCommand(app, terminal, exit_code);
+  AddBenchCommand(app, terminal, exit_code);
+  AddPairsCommand(app, terminal, exit_code);
+  AddRecordCommand(app, terminal, exit_code);
+  if (const Status status = CheckCommandName(app, argc, argv); !status.ok()) {
+    return Fail(terminal, status);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version end with 0.
+    return app.exit(error, terminal.out, terminal.err) == 0 ? kDone : kBadUsage;
+  }
+  terminal.out.flush();
+  if (!terminal.out) {
+    return Fail(terminal, Status(StatusCode::kInvalidArgument, "could not write to stdout"));
+  }
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
+
+int main(int argc, char** argv) {
+  try {
+    return sweepstake::cli::Run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "sweepstake: " << error.what() << '\n';
+    return sweepstake::cli::kCheckFailed;
+  }
+}

@@ -1,0 +1,40 @@
+#include "engine_client/cli/pair_oracle.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace sweepstake::cli {
+
+std::span<const OverlapPair> PairOracle::Find(std::span<const Aabb> boxes) {
+  pairs_.clear();
+  order_.clear();
+  for (uint32_t i = 0; i < boxes.size(); ++i) {
+    if (TakesPart(boxes[i])) order_.push_back(i);
+  }
+  std::sort(order_.begin(), order_.end(),
+            [&](uint32_t a, uint32_t b) { return boxes[a].min[0] < boxes[b].min[0]; });
+  for (auto first = order_.begin(); first != order_.end(); ++first) {
+    for (auto second = first + 1; second != order_.end(); ++second) {
+      if (boxes[*second].min[0] > boxes[*first].max[0]) break;
+      if (Overlap(boxes[*first], boxes[*second])) {
+        pairs_.push_back({std::min(*first, *second), std::max(*first, *second)});
+      }
+    }
+  }
+  std::sort(pairs_.begin(), pairs_.end());
+  return pairs_;
+}
+
+PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right) {
+  std::sort(found.begin(), found.end());
+  PairDifference difference;
+  if (std::equal(found.begin(), found.end(), right.begin(), right.end())) return difference;
+  // set_difference keeps the surplus of repeated elements, so a pair found twice is extra once.
+  std::set_difference(found.begin(), found.end(), right.begin(), right.end(),
+                      std::back_inserter(difference.extra));
+  std::set_difference(right.begin(), right.end(), found.begin(), found.end(),
+                      std::back_inserter(difference.missing));
+  return difference;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,37 @@
+// The pairs that are right, found by a plain sorted sweep with the definition of overlap itself
+// (aabb.h): no vector code, no structure kept, nothing shared with the backends it judges.
+//
+// Not thread-safe; keeps its memory. Cost: a sort plus one test per two boxes whose x intervals
+// meet.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sweepstake/aabb.h"
+
+namespace sweepstake::cli {
+
+class PairOracle {
+ public:
+  // All overlapping pairs, sorted; valid until the next call.
+  std::span<const OverlapPair> Find(std::span<const Aabb> boxes);
+
+ private:
+  std::vector<uint32_t> order_;
+  std::vector<OverlapPair> pairs_;
+};
+
+// Where found pairs differ from the right ones. Each list is sorted.
+struct PairDifference {
+  std::vector<OverlapPair> missing;
+  std::vector<OverlapPair> extra;  // wrong ones, repeated ones, and those with a >= b
+
+  bool empty() const { return missing.empty() && extra.empty(); }
+};
+
+// Compares by identity. `found` is in any order and is sorted in place; `right` is sorted.
+PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right);
+
+}  // namespace sweepstake::cli

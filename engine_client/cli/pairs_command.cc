@@ -1,0 +1,85 @@
+#include "engine_client/cli/pairs_command.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/scene_choice.h"
+#include "sweepstake/broad_phase.h"
+
+namespace sweepstake::cli {
+namespace {
+
+struct PairsOptions {
+  SceneChoice scene{"", 1000, 1};
+  uint64_t frame = 0;
+  std::string arm;
+  bool json = false;
+};
+
+// The arm lives through every frame up to the one asked for, so that its incremental path is what
+// answers.
+PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
+  PairBuffer pairs;
+  arm.Build(scene.aabbs());
+  size_t object_count = scene.aabbs().size();
+  for (uint64_t i = 0; i < frame; ++i) {
+    scene.Step();
+    if (scene.aabbs().size() == object_count) {
+      arm.Update(scene.aabbs());
+    } else {
+      arm.Build(scene.aabbs());
+    }
+    object_count = scene.aabbs().size();
+  }
+  arm.FindPairs(pairs);
+  std::sort(pairs.pairs().begin(), pairs.pairs().end());
+  return pairs;
+}
+
+void PrintJson(const PairsOptions& options, const PairBuffer& pairs, std::ostream& out) {
+  nlohmann::ordered_json document = {{"command", "pairs"},
+                                     {"scene", options.scene.name},
+                                     {"frame", options.frame},
+                                     {"arm", options.arm},
+                                     {"pairs", nlohmann::ordered_json::array()}};
+  for (const OverlapPair& pair : pairs.pairs()) document["pairs"].push_back({pair.a, pair.b});
+  out << document.dump() << '\n';
+}
+
+int RunPairs(const PairsOptions& options, Terminal& terminal) {
+  auto arm = MakeBroadPhase(options.arm);
+  if (!arm.ok()) return Fail(terminal, arm.status());
+  auto scene = OpenScene(options.scene);
+  if (!scene.ok()) return Fail(terminal, scene.status());
+  const PairBuffer pairs = FindPairsOfFrame(**scene, **arm, options.frame);
+  if (options.json) {
+    PrintJson(options, pairs, terminal.out);
+  } else {
+    for (const OverlapPair& pair : pairs.pairs()) terminal.out << pair.a << ' ' << pair.b << '\n';
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  AddCommand<PairsOptions>(
+      app, "pairs", "Print the overlapping pairs of one frame, \"a b\" per line, sorted",
+      "  sweepstake pairs --scene h.aabbs --frame 10 --arm Tracy\n"
+      "  sweepstake pairs --scene suite-b --objects 1000 --frame 21 --arm BruteForce\n"
+      "Frame 0 is the spawn state. A recorded file starts again after its last frame.",
+      exit_code,
+      [](CLI::App& command, PairsOptions& options) {
+        command.add_option("--scene", options.scene.name, ".aabbs file or scene")->required();
+        command.add_option("--objects", options.scene.object_count, "Object count, but for a file")
+            ->capture_default_str();
+        command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
+            ->capture_default_str();
+        command.add_option("--frame", options.frame, "Frame to show")->required();
+        command.add_option("--arm", options.arm, "Backend that finds the pairs")->required();
+        command.add_flag("--json", options.json, "One JSON document on stdout");
+      },
+      [&terminal](const PairsOptions& options) { return RunPairs(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

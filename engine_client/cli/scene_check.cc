@@ -1,0 +1,63 @@
+#include "engine_client/cli/scene_check.h"
+
+#include <utility>
+
+namespace sweepstake::cli {
+namespace {
+
+// One arm on its way through the scene.
+struct Candidate {
+  BroadPhase& backend;
+  ArmVerdict verdict;
+  PairBuffer pairs;
+};
+
+void Take(BroadPhase& backend, std::span<const Aabb> boxes, bool rebuild) {
+  if (rebuild) {
+    backend.Build(boxes);
+  } else {
+    backend.Update(boxes);
+  }
+}
+
+void Judge(Candidate& candidate, uint64_t frame, std::span<const OverlapPair> right) {
+  candidate.pairs.Clear();
+  candidate.backend.FindPairs(candidate.pairs);
+  PairDifference difference = ComparePairs(candidate.pairs.pairs(), right);
+  if (!difference.empty()) {
+    candidate.verdict.first_difference = FirstDifference{frame, std::move(difference)};
+    return;
+  }
+  ++candidate.verdict.frame_count;
+  candidate.verdict.pair_count += right.size();
+}
+
+}  // namespace
+
+std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr<BroadPhase>> arms,
+                                   uint64_t step_count,
+                                   const std::function<void(uint64_t)>& on_frame) {
+  std::vector<Candidate> candidates;
+  for (const auto& arm : arms)
+    candidates.push_back({*arm, {std::string(arm->name()), 0, 0, {}}, {}});
+  PairOracle oracle;
+  size_t object_count = 0;
+  for (uint64_t frame = 0; frame <= step_count; ++frame) {
+    if (frame > 0) scene.Step();
+    const std::span<const Aabb> boxes = scene.aabbs();
+    const bool rebuild = frame == 0 || boxes.size() != object_count;
+    object_count = boxes.size();
+    const std::span<const OverlapPair> right = oracle.Find(boxes);
+    for (Candidate& candidate : candidates) {
+      if (candidate.verdict.first_difference) continue;
+      Take(candidate.backend, boxes, rebuild);
+      Judge(candidate, frame, right);
+    }
+    on_frame(frame + 1);
+  }
+  std::vector<ArmVerdict> verdicts;
+  for (Candidate& candidate : candidates) verdicts.push_back(std::move(candidate.verdict));
+  return verdicts;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,69 @@
+#include "engine_client/cli/terminal.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake::cli {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+
+constexpr uint64_t kBarWidth = 30;
+
+std::string Bar(uint64_t done, uint64_t total) {
+  const uint64_t filled = kBarWidth * std::min(done, total) / total;
+  return "[" + std::string(filled, '#') + std::string(kBarWidth - filled, '.') + "] " +
+         std::to_string(100 * std::min(done, total) / total) + " %";
+}
+
+}  // namespace
+
+int Fail(Terminal& terminal, const Status& status) {
+  terminal.err << "sweepstake: " << status.message() << '\n';
+  if (status.code() == StatusCode::kUnavailable) return kUnreachable;
+  return status.code() == StatusCode::kInternal ? kCheckFailed : kBadUsage;
+}
+
+Progress::Progress(Terminal& terminal, std::string label, uint64_t total)
+    : terminal_(terminal),
+      label_(std::move(label)),
+      total_(total),
+      drawn_at_(steady_clock::now() - (terminal.err_is_tty ? seconds(1) : seconds(5))) {}
+
+Progress::~Progress() {
+  if (drawn_) Clear();
+}
+
+bool Progress::due() const {
+  return steady_clock::now() - drawn_at_ >=
+         (terminal_.err_is_tty ? milliseconds(100) : milliseconds(10'000));
+}
+
+void Progress::Show(uint64_t done, const std::string& text) {
+  if (due()) Draw(done, text);
+}
+
+void Progress::Line(const std::string& text) {
+  if (drawn_) Clear();
+  terminal_.err << text << std::endl;
+}
+
+void Progress::Draw(uint64_t done, const std::string& text) {
+  drawn_at_ = steady_clock::now();
+  if (drawn_) Clear();
+  terminal_.err << label_;
+  if (total_ > 0) terminal_.err << ' ' << Bar(done, total_);
+  if (!text.empty()) terminal_.err << ' ' << text;
+  if (!terminal_.err_is_tty) terminal_.err << '\n';
+  terminal_.err << std::flush;
+  drawn_ = terminal_.err_is_tty;
+}
+
+void Progress::Clear() {
+  terminal_.err << "\r\x1b[K" << std::flush;
+  drawn_ = false;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,326 @@
+#include "engine_client/scene/box_scenes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "engine_client/scene/portable_math.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kMax = std::numeric_limits<float>::max();
+
+// Which box is made or moved, and when.
+struct Slot {
+  size_t index;
+  size_t count;
+  uint64_t frame;
+
+  float WorldSide() const {
+    return static_cast<float>(portable::CubeRoot(static_cast<double>(count)));
+  }
+};
+
+struct BoxKind {
+  std::string_view name;
+  Aabb (*spawn)(Random& random, const Slot& slot);
+  void (*step)(Random& random, const Slot& slot, Aabb& box);
+};
+
+// Rounding is monotonic: a box in order stays in order.
+void Shift(Aabb& box, int axis, float distance) {
+  box.min[axis] += distance;
+  box.max[axis] += distance;
+}
+
+void Jitter(Random& random, float distance, Aabb& box) {
+  for (int axis = 0; axis < 3; ++axis) Shift(box, axis, random.Between(-distance, distance));
+}
+
+float HalfExtent(Random& random) {
+  return static_cast<float>(0.145 * portable::Pow(5.0, random.Unit()));
+}
+
+Aabb Around(const float (&center)[3], const float (&half)[3]) {
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min[axis] = center[axis] - half[axis];
+    box.max[axis] = center[axis] + half[axis];
+  }
+  return box;
+}
+
+Aabb SpawnScattered(Random& random, const Slot& slot) {
+  float center[3];
+  float half[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    center[axis] = random.Between(0, slot.WorldSide());
+    half[axis] = HalfExtent(random);
+  }
+  return Around(center, half);
+}
+
+void StepBrownian(Random& random, const Slot&, Aabb& box) { Jitter(random, 0.1F, box); }
+void StepNearlyResting(Random& random, const Slot&, Aabb& box) { Jitter(random, 0.001F, box); }
+
+// Everything falls and lands on one floor.
+void StepFalling(Random& random, const Slot& slot, Aabb& box) {
+  const float fall = 0.01F * static_cast<float>(slot.frame);
+  Shift(box, 1, -std::min(fall, std::max(box.min[1], 0.0F)));
+  Shift(box, 0, random.Between(-0.02F, 0.02F));
+}
+
+Aabb SpawnCoincident(Random&, const Slot&) { return {{1, 2, 3}, {2, 3, 4}}; }
+void StepCoincident(Random&, const Slot& slot, Aabb& box) {
+  Shift(box, static_cast<int>(slot.frame % 3), 0.25F);
+}
+
+// Unit cells three apart leave a gap however much they jitter within theirs.
+Aabb SpawnDisjoint(Random& random, const Slot& slot) {
+  const auto side = static_cast<size_t>(slot.WorldSide()) + 1;
+  const size_t cell[3] = {slot.index % side, slot.index / side % side, slot.index / side / side};
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min[axis] = 3.0F * static_cast<float>(cell[axis]) + random.Unit();
+    box.max[axis] = box.min[axis] + 1.0F;
+  }
+  return box;
+}
+void StepDisjoint(Random& random, const Slot& slot, Aabb& box) {
+  box = SpawnDisjoint(random, slot);
+}
+
+// Whole coordinates: faces, edges and corners meet exactly.
+Aabb SpawnTouching(Random& random, const Slot& slot) {
+  Aabb box;
+  for (float& low : box.min) low = std::floor(random.Between(0, 2 * slot.WorldSide()));
+  for (int axis = 0; axis < 3; ++axis) box.max[axis] = box.min[axis] + 1;
+  return box;
+}
+void StepTouching(Random& random, const Slot&, Aabb& box) {
+  Shift(box, static_cast<int>(random.Below(3)), static_cast<float>(random.Below(3)) - 1.0F);
+}
+
+// Points on half units: on one another, on faces of their neighbours, and on boxes of the other
+// kinds.
+Aabb SpawnZeroSize(Random& random, const Slot& slot) {
+  Aabb box;
+  for (float& low : box.min) low = 0.5F * std::floor(random.Between(0, 2 * slot.WorldSide()));
+  std::copy(box.min, box.min + 3, box.max);
+  if (random.Below(3) == 0) box.max[random.Below(3)] += 1;  // a line
+  return box;
+}
+void StepZeroSize(Random& random, const Slot&, Aabb& box) {
+  Shift(box, static_cast<int>(random.Below(3)),
+        0.5F * (static_cast<float>(random.Below(3)) - 1.0F));
+}
+
+Aabb SpawnOneHuge(Random& random, const Slot& slot) {
+  if (slot.index != slot.count / 2) return SpawnScattered(random, slot);
+  const float side = slot.WorldSide();
+  return {{-side, -side, -side}, {0.75F * side, 2 * side, 2 * side}};
+}
+
+Aabb SpawnFar(Random& random, const Slot&) {
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min[axis] = 1e30F * (static_cast<float>(random.Below(5)) - 2.5F);
+    box.max[axis] = box.min[axis] + (random.Below(2) == 0 ? 0.0F : 1e30F);
+  }
+  return box;
+}
+void StepFar(Random& random, const Slot&, Aabb& box) {
+  const int axis = static_cast<int>(random.Below(3));
+  Shift(box, axis, box.min[axis] > 0 ? -5e29F : 5e29F);
+}
+
+Aabb SpawnFloatLimits(Random& random, const Slot&) {
+  constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
+  constexpr std::array kValues = {-kMax,
+                                  -std::nextafter(kMax, 0.0F),
+                                  -1e30F,
+                                  -1.0F,
+                                  -kDenormal,
+                                  0.0F,
+                                  kDenormal,
+                                  1e-30F,
+                                  1.0F,
+                                  0.5F * kMax,
+                                  std::nextafter(kMax, 0.0F),
+                                  kMax};
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const size_t low = random.Below(kValues.size());
+    box.min[axis] = kValues[low];
+    box.max[axis] = kValues[low + random.Below(kValues.size() - low)];
+  }
+  return box;
+}
+void StepFloatLimits(Random& random, const Slot& slot, Aabb& box) {
+  if (random.Below(4) == 0) box = SpawnFloatLimits(random, slot);
+}
+
+// Faces at −0 must touch faces at +0.
+Aabb SpawnSignedZeros(Random& random, const Slot&) {
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const size_t shape = random.Below(3);
+    box.min[axis] = shape == 0 ? -1.0F : random.Below(2) == 0 ? -0.0F : 0.0F;
+    box.max[axis] = shape == 1 ? 1.0F : random.Below(2) == 0 ? -0.0F : 0.0F;
+  }
+  return box;
+}
+void StepSignedZeros(Random& random, const Slot& slot, Aabb& box) {
+  box = SpawnSignedZeros(random, slot);
+}
+
+void StepTeleporting(Random& random, const Slot& slot, Aabb& box) {
+  if (random.Below(3) == 0) box = SpawnScattered(random, slot);
+}
+
+Aabb SpawnBroken(Random& random, const Slot& slot) {
+  Aabb box = SpawnScattered(random, slot);
+  const size_t axis = random.Below(3);
+  switch (random.Below(8)) {
+    case 0:
+      box.min[axis] = kNan;
+      break;
+    case 1:
+      box.max[axis] = kNan;
+      break;
+    case 2:
+      box.min[axis] = -kInfinity;
+      break;
+    case 3:
+      box.max[axis] = kInfinity;
+      break;
+    case 4:
+      std::swap(box.min[axis], box.max[axis]);
+      break;
+    case 5:
+      box = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+      break;
+    default:
+      break;  // a sound box
+  }
+  return box;
+}
+void StepBroken(Random& random, const Slot& slot, Aabb& box) {
+  if (random.Below(2) == 0) box = SpawnBroken(random, slot);
+}
+
+Aabb SpawnLongThin(Random& random, const Slot& slot) {
+  Aabb box = SpawnScattered(random, slot);
+  const size_t axis = random.Below(3);
+  box.max[axis] = box.min[axis] + random.Between(0.5F, 1.0F) * slot.WorldSide();
+  return box;
+}
+
+Aabb SpawnCluster(Random& random, const Slot& slot) {
+  Random cluster(slot.index % 7);  // seven centres, the same for each box of one cluster
+  float center[3];
+  float half[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    center[axis] = cluster.Between(0, 5 * slot.WorldSide()) + random.Between(-1, 1);
+    half[axis] = HalfExtent(random);
+  }
+  return Around(center, half);
+}
+void StepCluster(Random& random, const Slot& slot, Aabb& box) {
+  Random cluster(slot.index % 7 +
+                 1000 * (slot.frame / 8));  // a new common direction every 8 frames
+  for (int axis = 0; axis < 3; ++axis) Shift(box, axis, cluster.Between(-0.5F, 0.5F));
+  Jitter(random, 0.05F, box);
+}
+
+Aabb SpawnPlanar(Random& random, const Slot& slot) {
+  Aabb box = SpawnScattered(random, slot);
+  box.min[1] = 0;
+  box.max[1] = 1;
+  return box;
+}
+void StepPlanar(Random& random, const Slot&, Aabb& box) {
+  Shift(box, 0, random.Between(-0.1F, 0.1F));
+  Shift(box, 2, random.Between(-0.1F, 0.1F));
+}
+
+Aabb SpawnMixedSizes(Random& random, const Slot& slot) {
+  float center[3];
+  float half[3];
+  const auto size = static_cast<float>(0.005 * portable::Pow(1000.0, random.Unit()));
+  for (int axis = 0; axis < 3; ++axis) {
+    center[axis] = random.Between(0, 2 * slot.WorldSide());
+    half[axis] = size * random.Between(0.5F, 1.0F);
+  }
+  return Around(center, half);
+}
+
+constexpr std::array kKinds = {
+    BoxKind{"brownian", SpawnScattered, StepBrownian},
+    BoxKind{"nearly-resting", SpawnScattered, StepNearlyResting},
+    BoxKind{"falling", SpawnScattered, StepFalling},
+    BoxKind{"all-coincident", SpawnCoincident, StepCoincident},
+    BoxKind{"all-disjoint", SpawnDisjoint, StepDisjoint},
+    BoxKind{"touching-faces", SpawnTouching, StepTouching},
+    BoxKind{"zero-size", SpawnZeroSize, StepZeroSize},
+    BoxKind{"one-huge", SpawnOneHuge, StepBrownian},
+    BoxKind{"coordinates-1e30", SpawnFar, StepFar},
+    BoxKind{"float-limits", SpawnFloatLimits, StepFloatLimits},
+    BoxKind{"signed-zeros", SpawnSignedZeros, StepSignedZeros},
+    BoxKind{"teleporting", SpawnScattered, StepTeleporting},
+    BoxKind{"broken-boxes", SpawnBroken, StepBroken},
+    BoxKind{"long-thin", SpawnLongThin, StepBrownian},
+    BoxKind{"clusters", SpawnCluster, StepCluster},
+    BoxKind{"planar", SpawnPlanar, StepPlanar},
+    BoxKind{"sizes-1-to-1000", SpawnMixedSizes, StepBrownian},
+};
+constexpr std::string_view kMixture = "mixture";
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kKinds.size() + 1> names;
+  for (size_t i = 0; i < kKinds.size(); ++i) names[i] = kKinds[i].name;
+  names.back() = kMixture;
+  return names;
+}();
+
+size_t KindIndex(std::string_view name) {
+  for (size_t i = 0; i < kKinds.size(); ++i) {
+    if (kKinds[i].name == name) return i;
+  }
+  throw std::invalid_argument("no kind of boxes is called " + std::string(name));
+}
+
+}  // namespace
+
+uint64_t Random::Next() {
+  uint64_t z = state_ += 0x9E3779B97F4A7C15U;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+  return z ^ (z >> 31);
+}
+
+float Random::Unit() { return static_cast<float>(Next() >> 40) * (1.0F / 16777216.0F); }
+
+std::span<const std::string_view> BoxSceneKinds() { return kNames; }
+
+BoxScene::BoxScene(std::string_view kind, size_t count, uint64_t seed) : random_(seed) {
+  for (size_t i = 0; i < count; ++i) {
+    kinds_.push_back(kind == kMixture ? random_.Below(kKinds.size()) : KindIndex(kind));
+    boxes_.push_back(kKinds[kinds_[i]].spawn(random_, {i, count, 0}));
+  }
+}
+
+void BoxScene::Step() {
+  ++frame_;
+  for (size_t i = 0; i < boxes_.size(); ++i) {
+    kKinds[kinds_[i]].step(random_, {i, boxes_.size(), frame_}, boxes_[i]);
+  }
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,26 @@
+// The kinds of box_scenes.h as scenes, for `sweepstake check` and for whoever takes a Scene;
+// besides them `empty`, `one` and `two` (so many objects, brownian) and `count-changing` (a mixture
+// of which every frame shows another number of objects, none included).
+//
+// The same name, count and seed give the same boxes bit for bit. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "sweepstake/scene.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake {
+
+// `mixture` is the last one.
+std::span<const std::string_view> DegenerateSceneNames();
+
+// `object_count` (at most 100,000) is the most a frame holds; empty, one and two ignore it.
+// kNotFound lists the names, kInvalidArgument is too large a count.
+Result<std::unique_ptr<Scene>> MakeDegenerateScene(std::string_view name, uint32_t object_count,
+                                                   uint64_t seed);
+
+}  // namespace sweepstake

@@ -1,0 +1,29 @@
+// A backend by name and the judgement of the pairs it finds.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "sweepstake/broad_phase.h"
+#include "tests/support/pair_oracle.h"
+
+namespace sweepstake::test_support {
+
+inline std::unique_ptr<BroadPhase> MakeOrThrow(std::string_view name) {
+  auto made = MakeBroadPhase(name);
+  if (!made.ok()) throw std::runtime_error(made.status().message());
+  return std::move(*made);
+}
+
+// What is wrong with the pairs the backend finds now, which replace those of `pairs`; empty when
+// nothing is.
+inline std::string Verdict(BroadPhase& backend, std::span<const Aabb> boxes, PairBuffer& pairs) {
+  pairs.Clear();
+  backend.FindPairs(pairs);
+  return PairDifference(pairs.pairs(), ScalarPairs(boxes));
+}
+
+}  // namespace sweepstake::test_support

@@ -1,0 +1,57 @@
+// Each kernel is compiled for several instruction sets: all must find what the scalar definition
+// says.
+#include <gtest/gtest.h>
+
+#include "hwy/highway.h"
+#include "tests/engine_client/broad_phase/backend_under_test.h"
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::BoxScene;
+using test_support::MakeOrThrow;
+using test_support::Verdict;
+
+class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
+ protected:
+  void TearDown() override {
+    hwy::SetSupportedTargetsForTest(0);  // what the machine has
+  }
+
+  // What is wrong in the first scene where something is, with everything but `target` disabled.
+  std::string VerdictOn(int64_t target) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (const std::string_view kind : test_support::BoxSceneKinds()) {
+      BoxScene scene(kind, 333, 6);
+      const auto backend = MakeOrThrow(GetParam());
+      backend->Build(scene.boxes());
+      for (int frame = 0; frame < 6; ++frame) {
+        const std::string verdict = Verdict(*backend, scene.boxes(), pairs_);
+        if (!verdict.empty()) return std::string(kind) + ": " + verdict;
+        scene.Step();
+        backend->Update(scene.boxes());
+      }
+    }
+    return "";
+  }
+
+  PairBuffer pairs_;
+};
+
+TEST_P(OnEachInstructionSet, FindsTheSamePairs) {
+  int64_t remaining = hwy::SupportedTargets();
+  ASSERT_NE(remaining, 0);
+  while (remaining != 0) {
+    const int64_t target = remaining & -remaining;
+    remaining &= ~target;
+    EXPECT_EQ(VerdictOn(target), "") << "on " << hwy::TargetName(target);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, OnEachInstructionSet,
+                         testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace sweepstake

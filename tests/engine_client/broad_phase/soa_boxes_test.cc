@@ -1,0 +1,70 @@
+#include "engine_client/broad_phase/soa_boxes.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+Aabb At(const BoxLanes& lanes, size_t slot) {
+  return {{lanes.min[0][slot], lanes.min[1][slot], lanes.min[2][slot]},
+          {lanes.max[0][slot], lanes.max[1][slot], lanes.max[2][slot]}};
+}
+
+const Aabb kSentinel = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+
+TEST(SoaBoxes, KeepsEachBoxThatTakesPartAndReplacesTheOthers) {
+  SoaBoxes soa;
+  for (const std::string_view kind : test_support::BoxSceneKinds()) {
+    for (const size_t count : {0, 1, 15, 16, 17, 63, 64, 65, 200}) {
+      const test_support::BoxScene scene(kind, count, 8);
+      soa.Gather(scene.boxes());
+      const BoxLanes lanes = soa.Lanes();
+      ASSERT_EQ(lanes.count, count);
+      for (size_t i = 0; i < count; ++i) {
+        const Aabb& box = scene.boxes()[i];
+        EXPECT_EQ(At(lanes, i), TakesPart(box) ? box : kSentinel) << kind << " " << i;
+        EXPECT_EQ(lanes.id[i], i);
+      }
+    }
+  }
+}
+
+TEST(SoaBoxes, EndInSentinelsAWholeRegisterLong) {
+  SoaBoxes soa;
+  for (const size_t count : {200, 0, 64, 63}) {
+    const test_support::BoxScene scene("brownian", count, 8);
+    soa.Gather(scene.boxes());
+    for (size_t i = count; i < count + SoaBoxes::kPadding; ++i)
+      EXPECT_EQ(At(soa.Lanes(), i), kSentinel);
+  }
+}
+
+TEST(SoaBoxes, GatherInTheOrderGiven) {
+  const test_support::BoxScene scene("brownian", 5, 8);
+  const std::vector<uint32_t> order = {4, 0, 3};
+  SoaBoxes soa;
+  soa.Gather(scene.boxes(), order);
+  ASSERT_EQ(soa.count(), 3U);
+  for (size_t slot = 0; slot < 3; ++slot) {
+    EXPECT_EQ(soa.Lanes().id[slot], order[slot]);
+    EXPECT_EQ(At(soa.Lanes(), slot), scene.boxes()[order[slot]]);
+  }
+}
+
+TEST(SoaBoxes, ShowTheAxesFromTheOneAskedFor) {
+  const Aabb box = {{1, 2, 3}, {4, 5, 6}};
+  SoaBoxes soa;
+  soa.Gather({&box, 1});
+  EXPECT_EQ(At(soa.Lanes(1), 0), (Aabb{{2, 3, 1}, {5, 6, 4}}));
+  EXPECT_EQ(At(soa.Lanes(2), 0), (Aabb{{3, 1, 2}, {6, 4, 5}}));
+}
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,158 @@
+// What a frame costs beside time: no allocation in steady state, and honest counts of bytes and
+// checks.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+
+#include "tests/engine_client/broad_phase/backend_under_test.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::BoxScene;
+using test_support::MakeOrThrow;
+using test_support::ThreadAllocationCount;
+
+constexpr std::string_view kSteadyScenes[] = {"brownian",     "nearly-resting", "all-coincident",
+                                              "all-disjoint", "one-huge",       "broken-boxes",
+                                              "teleporting",  "sizes-1-to-1000"};
+
+class SteadyState : public testing::TestWithParam<std::tuple<std::string_view, std::string_view>> {
+ protected:
+  void RunFrames(int count) {
+    for (int frame = 0; frame < count; ++frame) {
+      scene_.Step();
+      pairs_.Clear();
+      backend_->Update(scene_.boxes());
+      backend_->FindPairs(pairs_);
+    }
+  }
+
+  std::unique_ptr<BroadPhase> backend_ = MakeOrThrow(std::get<0>(GetParam()));
+  BoxScene scene_{std::get<1>(GetParam()), 800, 21};
+  PairBuffer pairs_;
+};
+
+TEST_P(SteadyState, AllocatesNothingAndKeepsItsSize) {
+  backend_->Build(scene_.boxes());
+  RunFrames(100);
+  const uint64_t allocations = ThreadAllocationCount();
+  const size_t bytes = backend_->native_bytes();
+  const size_t pair_bytes = pairs_.capacity_bytes();
+  RunFrames(100);
+  EXPECT_EQ(ThreadAllocationCount(), allocations);
+  EXPECT_EQ(backend_->native_bytes(), bytes);
+  EXPECT_EQ(pairs_.capacity_bytes(), pair_bytes);
+}
+
+TEST_P(SteadyState, BuildingAgainReusesTheMemory) {
+  for (int round = 0; round < 20; ++round) {
+    backend_->Build(scene_.boxes());
+    RunFrames(5);
+  }
+  const uint64_t allocations = ThreadAllocationCount();
+  backend_->Build(scene_.boxes());
+  RunFrames(5);
+  EXPECT_EQ(ThreadAllocationCount(), allocations);
+}
+
+INSTANTIATE_TEST_SUITE_P(, SteadyState,
+                         testing::Combine(testing::ValuesIn(BroadPhaseNames().begin(),
+                                                            BroadPhaseNames().end()),
+                                          testing::ValuesIn(kSteadyScenes)),
+                         [](const auto& test) {
+                           std::string name(std::get<0>(test.param));
+                           name += '_';
+                           name += std::get<1>(test.param);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+class MemoryOf : public testing::TestWithParam<std::string_view> {};
+
+// 24 bytes are one box: whoever holds fewer bytes than the boxes does not count all it holds.
+TEST_P(MemoryOf, IsAtLeastTheBoxesAndNotThousandsOfBytesPerBox) {
+  const auto backend = MakeOrThrow(GetParam());
+  BoxScene scene("brownian", 3000, 2);
+  PairBuffer pairs;
+  backend->Build(scene.boxes());
+  backend->FindPairs(pairs);
+  EXPECT_GE(backend->native_bytes(), 3000 * sizeof(Aabb));
+  EXPECT_LE(backend->native_bytes(), 3000U * 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryBackend, MemoryOf,
+                         testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(AllocationCounter, SeesEveryFormOfNew) {
+  const uint64_t before = ThreadAllocationCount();
+  const auto one = std::make_unique<int>(1);
+  const auto many = std::make_unique<int[]>(10);
+  struct alignas(64) Line {
+    char bytes[64];
+  };
+  const auto aligned = std::make_unique<Line>();
+  EXPECT_EQ(ThreadAllocationCount(), before + 3);
+}
+
+struct Counted {
+  uint64_t checks;
+  uint64_t pairs;
+};
+
+Counted CountChecks(std::string_view name, BoxScene& scene, int updates) {
+  const auto backend = MakeOrThrow(name);
+  PairBuffer pairs;
+  backend->Build(scene.boxes());
+  backend->FindPairs(pairs);
+  for (int frame = 0; frame < updates; ++frame) {
+    scene.Step();
+    pairs.Clear();
+    backend->Update(scene.boxes());
+    backend->FindPairs(pairs);
+  }
+  return {backend->aabb_check_count(), pairs.size()};
+}
+
+// Four boxes share a load: each group of four may test a register and three boxes more than needed.
+constexpr uint64_t kWidestRegister = 64;
+uint64_t AllPairChecks(uint64_t count) {
+  return count * (count - 1) / 2 + (count + 3) * (kWidestRegister + 3);
+}
+
+TEST(CheckCountOfBruteForce, IsHalfTheSquareOfTheCount) {
+  for (const uint64_t count : {2, 10, 100, 1000}) {
+    BoxScene scene("brownian", count, 4);
+    const Counted counted = CountChecks("BruteForce", scene, 1);
+    EXPECT_GE(counted.checks, count * (count - 1) / 2);
+    EXPECT_LE(counted.checks, AllPairChecks(count));
+  }
+}
+
+TEST(CheckCountOfSap, LiesBetweenThePairsAndAllPairs) {
+  BoxScene scene("brownian", 3000, 4);
+  const Counted counted = CountChecks("SAP", scene, 1);
+  EXPECT_GE(counted.checks, counted.pairs);
+  EXPECT_LE(counted.checks, AllPairChecks(3000) / 3)
+      << "boxes far away on the sweep axis are skipped";
+  BoxScene coincident("all-coincident", 500, 4);
+  EXPECT_LE(CountChecks("SAP", coincident, 1).checks, AllPairChecks(500));
+}
+
+TEST(CheckCountOfAxisSweep, FollowsMotion) {
+  BoxScene moving("brownian", 3000, 4);
+  BoxScene resting("nearly-resting", 3000, 4);
+  const Counted much = CountChecks("AxisSweep", moving, 10);
+  const Counted little = CountChecks("AxisSweep", resting, 10);
+  EXPECT_GE(much.checks, much.pairs);
+  EXPECT_GT(little.checks, 0U);
+  EXPECT_LE(little.checks, 3000U);
+}
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,42 @@
+#include "tests/engine_client/cli/program.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace sweepstake::cli {
+namespace {
+
+std::string TakeFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  std::filesystem::remove(path);
+  return text.str();
+}
+
+}  // namespace
+
+ProgramRun RunProgram(const std::string& arguments) {
+  const std::string out = TemporaryPath("stdout");
+  const std::string err = TemporaryPath("stderr");
+  const std::string line =
+      std::string(SWEEPSTAKE_PROGRAM) + " " + arguments + " >'" + out + "' 2>'" + err + "'";
+  const int status = std::system(line.c_str());
+  ProgramRun run;
+  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
+  run.out = TakeFile(out);
+  run.err = TakeFile(err);
+  return run;
+}
+
+std::string TemporaryPath(const std::string& name) {
+  return testing::TempDir() + "sweepstake_cli_" + std::to_string(getpid()) + "_" + name;
+}
+
+}  // namespace sweepstake::cli

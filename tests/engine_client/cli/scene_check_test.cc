@@ -1,0 +1,159 @@
+// The judge of `sweepstake check`: its oracle against the definition, and its eye for wrong
+// backends.
+#include "engine_client/cli/scene_check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine_client/cli/scene_choice.h"
+#include "engine_client/scene/degenerate_scenes.h"
+#include "tests/support/pair_oracle.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// Finds the right pairs and then spoils them from a frame on.
+class WrongBackend : public BroadPhase {
+ public:
+  using Spoil = void (*)(std::vector<OverlapPair>& pairs);
+
+  WrongBackend(uint64_t first_wrong_frame, Spoil spoil)
+      : first_wrong_frame_(first_wrong_frame), spoil_(spoil) {}
+
+  std::string_view name() const override { return "Wrong"; }
+  uint32_t version() const override { return 1; }
+  void Build(std::span<const Aabb> boxes) override { boxes_.assign(boxes.begin(), boxes.end()); }
+  void Update(std::span<const Aabb> boxes) override {
+    boxes_.assign(boxes.begin(), boxes.end());
+    ++frame_;
+  }
+  void FindPairs(PairBuffer& out) override {
+    std::vector<OverlapPair> pairs = test_support::ScalarPairs(boxes_);
+    if (frame_ >= first_wrong_frame_) spoil_(pairs);
+    for (const OverlapPair& pair : pairs) out.Append(pair);
+  }
+  uint64_t aabb_check_count() const override { return 0; }
+  size_t native_bytes() const override { return 0; }
+
+ private:
+  uint64_t first_wrong_frame_;
+  Spoil spoil_;
+  uint64_t frame_ = 0;
+  std::vector<Aabb> boxes_;
+};
+
+std::unique_ptr<Scene> Brownian(uint32_t object_count) {
+  return std::move(*OpenScene({"suite-b", object_count, 1}));
+}
+
+ArmVerdict JudgeWrong(WrongBackend::Spoil spoil) {
+  const auto scene = Brownian(200);
+  std::vector<std::unique_ptr<BroadPhase>> arms;
+  arms.push_back(std::make_unique<WrongBackend>(3, spoil));
+  return CheckScene(*scene, arms, 10, [](uint64_t) {}).front();
+}
+
+TEST(PairOracle, AgreesWithTheDefinitionInEveryDegenerateSceneAndFrame) {
+  PairOracle oracle;
+  for (const std::string_view name : DegenerateSceneNames()) {
+    const auto scene = std::move(*MakeDegenerateScene(name, 150, 5));
+    for (int frame = 0; frame < 20; ++frame) {
+      const auto found = oracle.Find(scene->aabbs());
+      ASSERT_TRUE(std::ranges::equal(found, test_support::ScalarPairs(scene->aabbs())))
+          << name << " in frame " << frame;
+      scene->Step();
+    }
+  }
+}
+
+TEST(PairOracle, AgreesWithTheDefinitionInEveryScene) {
+  PairOracle oracle;
+  for (const std::string_view name : SceneNames()) {
+    const auto scene = std::move(*OpenScene({std::string(name), 400, 2}));
+    for (int frame = 0; frame < 10; ++frame) {
+      ASSERT_TRUE(std::ranges::equal(oracle.Find(scene->aabbs()),
+                                     test_support::ScalarPairs(scene->aabbs())))
+          << name << " in frame " << frame;
+      scene->Step();
+    }
+  }
+}
+
+TEST(CheckScene, PassesABackendThatIsRightInEveryFrame) {
+  const auto scene = Brownian(200);
+  std::vector<std::unique_ptr<BroadPhase>> arms;
+  arms.push_back(std::make_unique<WrongBackend>(100, [](auto& pairs) { pairs.clear(); }));
+  uint64_t heard = 0;
+  const auto verdicts = CheckScene(*scene, arms, 10, [&](uint64_t done) { heard = done; });
+  EXPECT_FALSE(verdicts.front().first_difference);
+  EXPECT_EQ(verdicts.front().frame_count, 11U);
+  EXPECT_GT(verdicts.front().pair_count, 0U);
+  EXPECT_EQ(heard, 11U);
+}
+
+TEST(CheckScene, NamesTheFirstFrameWithAMissingPair) {
+  const ArmVerdict verdict = JudgeWrong([](auto& pairs) { pairs.pop_back(); });
+  ASSERT_TRUE(verdict.first_difference);
+  EXPECT_EQ(verdict.first_difference->frame, 3U);
+  EXPECT_EQ(verdict.first_difference->pairs.missing.size(), 1U);
+  EXPECT_TRUE(verdict.first_difference->pairs.extra.empty());
+  EXPECT_EQ(verdict.frame_count, 3U);
+}
+
+TEST(CheckScene, FindsAPairThatIsReportedTwice) {
+  const ArmVerdict verdict = JudgeWrong([](auto& pairs) { pairs.push_back(pairs.front()); });
+  ASSERT_TRUE(verdict.first_difference);
+  EXPECT_TRUE(verdict.first_difference->pairs.missing.empty());
+  EXPECT_EQ(verdict.first_difference->pairs.extra.size(), 1U);
+}
+
+TEST(CheckScene, FindsAPairThatIsTheWrongWayAround) {
+  const ArmVerdict verdict =
+      JudgeWrong([](auto& pairs) { std::swap(pairs.front().a, pairs.front().b); });
+  ASSERT_TRUE(verdict.first_difference);
+  EXPECT_EQ(verdict.first_difference->pairs.missing.size(), 1U);
+  EXPECT_EQ(verdict.first_difference->pairs.extra.size(), 1U);
+}
+
+TEST(CheckScene, FindsAnotherPairInPlaceOfTheRightOneThoughTheCountIsRight) {
+  const ArmVerdict verdict = JudgeWrong([](auto& pairs) { pairs.front() = {198, 4'000'000'000U}; });
+  ASSERT_TRUE(verdict.first_difference);
+  EXPECT_EQ(verdict.first_difference->pairs.missing.size(), 1U);
+  EXPECT_EQ(verdict.first_difference->pairs.extra.size(), 1U);
+}
+
+TEST(ExpandScenes, MultipliesScenesByCountsAndTakesAFileOnce) {
+  const auto choices = ExpandScenes({"suite-b", "x.aabbs"}, {10, 20}, 3, false);
+  ASSERT_EQ(choices.size(), 3U);
+  EXPECT_EQ(choices[1].name, "suite-b");
+  EXPECT_EQ(choices[1].object_count, 20U);
+  EXPECT_EQ(choices[2].name, "x.aabbs");
+}
+
+TEST(ExpandScenes, KnowsTheWordsForManyScenesOnlyWhereTheyAreMeant) {
+  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1, true).size(), SceneNames().size());
+  EXPECT_EQ(ExpandScenes({"degenerate"}, {10}, 1, true).size(), DegenerateSceneNames().size() - 1);
+  const auto mixtures = ExpandScenes({"mixtures"}, {10}, 7, true);
+  ASSERT_EQ(mixtures.size(), 10U);
+  EXPECT_EQ(mixtures.front().seed, 7U);
+  EXPECT_EQ(mixtures.back().seed, 16U);
+  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1, false).front().name, "all");
+}
+
+TEST(ChooseArms, ListsTheBackendsForAnUnknownName) {
+  const auto arms = ChooseArms({"SAP", "Octree"});
+  ASSERT_FALSE(arms.ok());
+  EXPECT_EQ(arms.status().code(), StatusCode::kNotFound);
+  for (const std::string_view name : BroadPhaseNames()) {
+    EXPECT_NE(arms.status().message().find(name), std::string::npos) << name;
+  }
+}
+
+TEST(ChooseArms, TakesAnArmOnceAndAllInTheirOrder) {
+  EXPECT_EQ(*ChooseArms({"SAP", "SAP"}), std::vector<std::string>{"SAP"});
+  EXPECT_EQ(ChooseArms({"all"})->size(), BroadPhaseNames().size());
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
