@@ -1,0 +1,130 @@
+#include "server/decision/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "server/decision/decision_session.h"
+#include "tests/server/decision/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Options, DefaultsAreThePapersAndValid) {
+  const DecisionOptions options;
+  EXPECT_EQ(Validate(options), std::nullopt);
+  EXPECT_EQ(options.decision_interval_ns, 2 * kSecond);
+  EXPECT_EQ(options.cooldown_ns, 40 * kSecond);
+  EXPECT_EQ(options.settling_ns, 2 * kSecond);
+  EXPECT_EQ(options.bail_out_ns, 5 * kSecond);
+  EXPECT_EQ(options.bail_out_penalty, 10);
+}
+
+TEST(Options, UnknownPolicyListsTheValidOnes) {
+  DecisionOptions options;
+  options.policy = "papre";
+  ASSERT_TRUE(Validate(options));
+  EXPECT_THAT(*Validate(options), HasSubstr("papre"));
+  for (const std::string_view name : PolicyNames())
+    EXPECT_THAT(*Validate(options), HasSubstr(std::string(name)));
+}
+
+TEST(Options, WeightsMustSumToOne) {
+  DecisionOptions options;
+  options.weights.fps = 0.56;
+  EXPECT_THAT(*Validate(options), HasSubstr("sum to 1"));
+  options.weights = {.fps = 0.25, .detection = 0.25, .memory = 0.25, .checks = 0.25};
+  EXPECT_EQ(Validate(options), std::nullopt);
+  options.weights = {.fps = 1.5, .detection = -0.5, .memory = 0, .checks = 0};
+  EXPECT_TRUE(Validate(options));
+  options.weights.fps = std::nan("");
+  EXPECT_TRUE(Validate(options));
+}
+
+TEST(Options, IntervalsOutOfRangeAreNamed) {
+  DecisionOptions options;
+  options.decision_interval_ns = 0;
+  EXPECT_THAT(*Validate(options), HasSubstr("decision_interval_ns"));
+  options = {};
+  options.cooldown_ns = -1;
+  EXPECT_THAT(*Validate(options), HasSubstr("cooldown_ns"));
+  options = {};
+  options.bail_out_ns = std::numeric_limits<int64_t>::max();
+  EXPECT_THAT(*Validate(options), HasSubstr("bail_out_ns"));
+  options = {};
+  options.exploration_measure_ns = 0;
+  EXPECT_THAT(*Validate(options), HasSubstr("exploration_measure_ns"));
+}
+
+TEST(Options, BailOutPenaltyIsFiniteAndNotNegative) {
+  for (const double penalty : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    DecisionOptions options;
+    options.bail_out_penalty = penalty;
+    EXPECT_THAT(*Validate(options), HasSubstr("bail_out_penalty"));
+  }
+}
+
+TEST(TimeScale, DividesEveryIntervalButTheBailOutLimit) {
+  const DecisionOptions scaled = DecisionOptions().Scaled(100);
+  EXPECT_EQ(scaled.decision_interval_ns, 20 * kMillisecond);
+  EXPECT_EQ(scaled.cooldown_ns, 400 * kMillisecond);
+  EXPECT_EQ(scaled.settling_ns, 20 * kMillisecond);
+  EXPECT_EQ(scaled.exploration_warm_up_ns, 20 * kMillisecond);
+  EXPECT_EQ(scaled.exploration_measure_ns, 40 * kMillisecond);
+  EXPECT_EQ(scaled.bail_out_ns, 5 * kSecond);
+}
+
+TEST(TimeScale, NeverMakesAnIntervalZeroThatWasNot) {
+  DecisionOptions options;
+  options.decision_interval_ns = 1;
+  options.cooldown_ns = 0;
+  EXPECT_EQ(options.Scaled(1000).decision_interval_ns, 1);
+  EXPECT_EQ(options.Scaled(1000).cooldown_ns, 0);
+}
+
+TEST(Setup, TakesOneToThirtyTwoUniqueArms) {
+  EXPECT_TRUE(Validate(PlainSetup(0)));
+  EXPECT_EQ(Validate(PlainSetup(1)), std::nullopt);
+  EXPECT_EQ(Validate(PlainSetup(32)), std::nullopt);
+  EXPECT_TRUE(Validate(PlainSetup(33)));
+  SessionSetup setup = PlainSetup(2);
+  setup.arms[1] = setup.arms[0];
+  EXPECT_THAT(*Validate(setup), HasSubstr("arm0"));
+  setup.arms[1].clear();
+  EXPECT_TRUE(Validate(setup));
+}
+
+TEST(Setup, IndicesMustBeWithinTheArms) {
+  SessionSetup setup = PlainSetup(2);
+  setup.active_arm = 2;
+  EXPECT_TRUE(Validate(setup));
+  setup.active_arm = 0;
+  setup.explored_arm_count = 3;
+  EXPECT_TRUE(Validate(setup));
+}
+
+TEST(Priors, MustBePositiveFiniteAndOnePerArm) {
+  SessionSetup setup = PlainSetup(2);
+  setup.priors = {{1, 1}};
+  EXPECT_TRUE(Validate(setup));
+  for (const double bad :
+       {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e15}) {
+    setup.priors = {{1, 1}, {bad, 1}};
+    EXPECT_THAT(*Validate(setup), HasSubstr("arm1"));
+    setup.priors = {{1, 1}, {1, bad}};
+    EXPECT_THAT(*Validate(setup), HasSubstr("arm1"));
+  }
+}
+
+TEST(Setup, ModeIsManualOrAi) {
+  SessionSetup setup = PlainSetup(2);
+  setup.mode = static_cast<Mode>(0);
+  EXPECT_TRUE(Validate(setup));
+}
+
+}  // namespace
+}  // namespace sweepstake::decision

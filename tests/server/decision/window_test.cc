@@ -1,0 +1,104 @@
+#include "server/decision/window.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr uint64_t kHuge = ~uint64_t{0};
+
+TEST(Window, FpsIsFramesOverUnscaledTime) {
+  Window window;
+  window.Add({.frame_time_ns = 10'000'000});
+  window.Add({.frame_time_ns = 30'000'000});
+  EXPECT_DOUBLE_EQ(window.Metrics().fps, 50);  // not the mean of 100 and 33.3
+}
+
+TEST(Window, DetectionAndChecksAreMeansAndMemoryIsThePeak) {
+  Window window;
+  window.Add({.frame_time_ns = 1'000'000,
+              .detection_time_ns = 2'000'000,
+              .aabb_check_count = 1'000,
+              .native_bytes = 3 << 20,
+              .object_count = 101});
+  window.Add({.frame_time_ns = 1'000'000,
+              .detection_time_ns = 4'000'000,
+              .aabb_check_count = 3'040,
+              .native_bytes = 2 << 20,
+              .object_count = 101});
+  const WindowMetrics metrics = window.Metrics();
+  EXPECT_DOUBLE_EQ(metrics.detection_ms, 3);
+  EXPECT_DOUBLE_EQ(metrics.native_mib, 3);
+  EXPECT_DOUBLE_EQ(metrics.check_ratio, 2'020.0 / 5'050);
+}
+
+TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {
+  Window window;
+  window.Add({.frame_time_ns = 1'000'000, .detection_time_ns = 2'000'000});
+  window.Add({.frame_time_ns = 3'000'000,
+              .detection_time_ns = 900'000'000,
+              .native_bytes = 1 << 20,
+              .flags = kFrameRebuild});
+  const WindowMetrics metrics = window.Metrics();
+  EXPECT_DOUBLE_EQ(metrics.detection_ms, 2);
+  EXPECT_DOUBLE_EQ(metrics.native_mib, 1);
+  EXPECT_DOUBLE_EQ(metrics.fps, 500);
+}
+
+TEST(Window, RebuildFramesAreTheDetectionMeanWhereThereIsNothingElse) {
+  Window window;
+  window.Add({.frame_time_ns = 1, .detection_time_ns = 2'000'000, .flags = kFrameRebuild});
+  window.Add({.frame_time_ns = 1, .detection_time_ns = 6'000'000, .flags = kFrameRebuild});
+  EXPECT_DOUBLE_EQ(window.Metrics().detection_ms, 4);
+}
+
+TEST(Window, ChecksAreJudgedAgainstThePairsOfEachFramesOwnObjectCount) {
+  Window window;
+  window.Add({.frame_time_ns = 1, .aabb_check_count = 10, .object_count = 5});    // of 10
+  window.Add({.frame_time_ns = 1, .aabb_check_count = 135, .object_count = 20});  // of 190
+  EXPECT_DOUBLE_EQ(window.Metrics().check_ratio, 145.0 / 200);
+}
+
+TEST(Window, WithoutAnyPairOfObjectsOnlyNoCheckIsGood) {
+  for (const uint32_t n : {0u, 1u}) {
+    Window window;
+    window.Add({.frame_time_ns = 1, .object_count = n});
+    EXPECT_EQ(window.Metrics().check_ratio, 0);
+    window.Add({.frame_time_ns = 1, .aabb_check_count = 1, .object_count = n});
+    EXPECT_EQ(window.Metrics().check_ratio, 1);
+  }
+}
+
+TEST(Window, AbsurdFramesGiveFiniteMetrics) {
+  Window window;
+  for (int i = 0; i < 1'000; ++i) {
+    window.Add({.frame_time_ns = kHuge,
+                .detection_time_ns = kHuge,
+                .aabb_check_count = kHuge,
+                .native_bytes = kHuge,
+                .object_count = ~0u});
+  }
+  EXPECT_TRUE(window.Metrics().IsFinite());
+  EXPECT_NEAR(window.Metrics().fps, 1e9 / 0x1p64, 1e-15);
+}
+
+TEST(Window, FramesThatTookNoTimeHaveNoFiniteFps) {
+  Window window;
+  window.Add({.frame_time_ns = 0});
+  EXPECT_FALSE(window.Metrics().IsFinite());
+}
+
+TEST(Window, IsEmptyAgainAfterClear) {
+  Window window;
+  EXPECT_TRUE(window.empty());
+  window.Add({.frame_time_ns = 1'000});
+  EXPECT_FALSE(window.empty());
+  window.Clear();
+  EXPECT_TRUE(window.empty());
+}
+
+}  // namespace
+}  // namespace sweepstake::decision
