@@ -1,0 +1,162 @@
+// Random sequences of calls with absurd values, from seeds: whatever comes, the invariants hold.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "server/decision/decision_session.h"
+#include "server/decision/random.h"
+#include "tests/server/decision/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+class Fuzzer {
+ public:
+  explicit Fuzzer(uint64_t seed)
+      : random_(seed, RandomPurpose::kChoice, 0, 0), setup_(MakeSetup(seed)), session_(setup_) {
+    now_ns_ = setup_.start_ns;
+    epoch_ = setup_.switch_epoch;
+  }
+
+  void Run(int steps) {
+    for (int i = 0; i < steps && !testing::Test::HasFatalFailure(); ++i) Step();
+  }
+
+ private:
+  uint32_t Below(uint32_t bound) { return random_.NextBelow(bound); }
+  bool OneIn(uint32_t n) { return Below(n) == 0; }
+  uint32_t AnyArm() { return Below(static_cast<uint32_t>(setup_.arms.size())); }
+
+  SessionSetup MakeSetup(uint64_t seed) {
+    SessionSetup setup = PlainSetup(1 + Below(32));
+    setup.seed = seed;
+    setup.options.explore = OneIn(2);
+    setup.options.cooldown_ns = static_cast<int64_t>(Below(60)) * kSecond;
+    setup.options.settling_ns = static_cast<int64_t>(Below(4)) * kSecond;
+    setup.options.exploration_warm_up_ns = static_cast<int64_t>(Below(3)) * kSecond;
+    setup.start_ns = OneIn(3) ? -1'000 * kSecond : static_cast<int64_t>(Below(1'000'000));
+    setup.switch_epoch = OneIn(3) ? ~0u - 3 : Below(5);
+    setup.active_arm = Below(static_cast<uint32_t>(setup.arms.size()));
+    setup.mode = OneIn(6) ? Mode::kManual : Mode::kAi;
+    return setup;
+  }
+
+  uint64_t AnyNumber() {
+    switch (Below(6)) {
+      case 0:
+        return 0;
+      case 1:
+        return std::numeric_limits<uint64_t>::max() - Below(3);
+      case 2:
+        return random_.NextBits();
+      default:
+        return Below(40'000'000);
+    }
+  }
+
+  Frame AnyFrame() {
+    Frame frame{.frame_time_ns = AnyNumber(),
+                .detection_time_ns = AnyNumber(),
+                .aabb_check_count = AnyNumber(),
+                .native_bytes = AnyNumber(),
+                .object_count = OneIn(4) ? Below(3) : static_cast<uint32_t>(random_.NextBits())};
+    frame.arm = OneIn(10) ? static_cast<uint32_t>(random_.NextBits()) : session_.active_arm();
+    frame.switch_epoch = OneIn(50) ? static_cast<uint32_t>(random_.NextBits()) : epoch_;
+    frame.flags = OneIn(3) ? Below(16) : 0;
+    return frame;
+  }
+
+  void Step() {
+    now_ns_ += Below(500) * kMillisecond;
+    switch (Below(20)) {
+      case 0:
+        Check(session_.ObserveBailOut(AnyFrame(), now_ns_), true);
+        break;
+      case 1:
+        Switch(AnyArm());
+        break;
+      case 2:
+        if (OneIn(10)) session_.SetMode(OneIn(3) ? Mode::kManual : Mode::kAi, AnyArm(), now_ns_);
+        break;
+      case 3:
+      case 4:
+        if (pending_) Switch(*pending_);
+        break;
+      default:
+        ObserveSome(Below(5));
+    }
+    if (now_ns_ >= session_.next_tick_ns()) Check(session_.Tick(now_ns_), false);
+  }
+
+  void ObserveSome(uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) {
+      const Frame frame = AnyFrame();
+      session_.ObserveFrames({&frame, 1});
+    }
+  }
+
+  void Switch(uint32_t arm) {
+    session_.ObserveSwitch(arm, ++epoch_, static_cast<SwitchReason>(Below(7)), now_ns_);
+    last_switch_ns_ = now_ns_;
+    pending_.reset();
+    EXPECT_EQ(session_.active_arm(), arm);
+  }
+
+  void Check(const Decision& decision, bool bail_out) {
+    const DecisionRecord& record = decision.record;
+    ASSERT_EQ(record.decision_id, ++decision_count_);
+    ASSERT_EQ(record.posteriors.size(), setup_.arms.size());
+    for (const BetaPosterior& posterior : record.posteriors) {
+      ASSERT_TRUE(std::isfinite(posterior.alpha) && posterior.alpha > 0);
+      ASSERT_TRUE(std::isfinite(posterior.beta) && posterior.beta > 0);
+    }
+    if (record.reward) {
+      ASSERT_GE(*record.reward, 0);
+      ASSERT_LE(*record.reward, 1);
+    }
+    for (const double draw : record.draws) ASSERT_TRUE(draw >= 0 && draw <= 1);
+    ASSERT_EQ(record.candidate.has_value(), !record.draws.empty());
+    if (session_.mode() == Mode::kManual) {
+      ASSERT_FALSE(decision.increment || decision.command);
+    }
+    if (decision.command) CheckCommand(decision, bail_out);
+    ASSERT_GT(session_.next_tick_ns(), bail_out ? std::numeric_limits<int64_t>::min() : now_ns_);
+  }
+
+  void CheckCommand(const Decision& decision, bool bail_out) {
+    ASSERT_EQ(decision.command->command_id, ++command_count_);
+    ASSERT_LT(decision.command->arm, setup_.arms.size());
+    ASSERT_NE(decision.command->arm, session_.active_arm());
+    ASSERT_EQ(decision.command->reason == SwitchReason::kBailOut, bail_out);
+    if (decision.command->reason == SwitchReason::kPolicy && last_switch_ns_) {
+      // Frames of a later epoch may have shown another switch since, which only makes the wait
+      // longer.
+      ASSERT_GE(now_ns_ - *last_switch_ns_, setup_.options.cooldown_ns);
+    }
+    pending_ = decision.command->arm;
+  }
+
+  RandomStream random_;
+  SessionSetup setup_;
+  DecisionSession session_;
+  int64_t now_ns_;
+  uint32_t epoch_;
+  uint64_t decision_count_ = 0;
+  uint64_t command_count_ = 0;
+  std::optional<int64_t> last_switch_ns_;
+  std::optional<uint32_t> pending_;
+};
+
+TEST(Fuzz, InvariantsHoldUnderRandomCallSequences) {
+  for (uint64_t seed = 1; seed <= 400 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Fuzzer(seed).Run(1'500);
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::decision
