@@ -24,7 +24,7 @@ esac
 
 deploy/install_packages.sh
 echo "== building (the first time takes a few minutes) =="
-cmake --preset release -DBUILD_TESTING=OFF >/dev/null
+cmake --preset release >/dev/null
 cmake --build --preset release --target sweepstaked sweepstake_cli -j "$(nproc)"
 
 bin=build/release/bin

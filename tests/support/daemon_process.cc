@@ -1,0 +1,104 @@
+#include "tests/support/daemon_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+extern char** environ;
+
+namespace sweepstake::testing {
+namespace {
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+[[noreturn]] void Die(const std::string& message) {
+  std::fprintf(stderr, "%s\n", message.c_str());
+  std::abort();
+}
+
+pid_t Spawn(std::vector<std::string> arguments, const std::filesystem::path& log) {
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log.c_str(),
+                                   O_WRONLY | O_CREAT | O_APPEND, 0600);
+  pid_t pid = -1;
+  const int error = posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) Die("Cannot start " + arguments[0]);
+  return pid;
+}
+
+// The port file appears, whole, once the daemon listens.
+std::string WaitForPort(pid_t pid, const std::filesystem::path& port_file,
+                        const std::filesystem::path& log) {
+  for (;;) {
+    std::string port;
+    std::ifstream file(port_file);
+    if (std::getline(file, port) && !port.empty()) return port;
+    int status = 0;
+    if (waitpid(pid, &status, WNOHANG) == pid) Die("The daemon ended at once:\n" + ReadFile(log));
+    usleep(5'000);
+  }
+}
+
+}  // namespace
+
+TemporaryDirectory::TemporaryDirectory() {
+  std::string name = (std::filesystem::temp_directory_path() / "sweepstake-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) Die("Cannot make a temporary directory: " + name);
+  path_ = name;
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::string& listen,
+                             const std::vector<std::string>& more_arguments) {
+  const std::filesystem::path port_file = data / "port";
+  const std::filesystem::path log = data / "log";
+  std::filesystem::remove(port_file);
+  std::vector<std::string> arguments = {SWEEPSTAKED_PATH,  "--listen",    listen,
+                                        "--data",          data.string(), "--port-file",
+                                        port_file.string()};
+  arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
+  pid_ = Spawn(std::move(arguments), log);
+  address_ = "127.0.0.1:" + WaitForPort(pid_, port_file, log);
+}
+
+DaemonProcess::~DaemonProcess() {
+  if (pid_ > 0) Kill();
+}
+
+void DaemonProcess::Kill() {
+  kill(pid_, SIGKILL);
+  waitpid(pid_, nullptr, 0);
+  pid_ = -1;
+}
+
+int DaemonProcess::Terminate() {
+  kill(pid_, SIGTERM);
+  int status = 0;
+  waitpid(pid_, &status, 0);
+  pid_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace sweepstake::testing

@@ -1,0 +1,48 @@
+// A real `sweepstaked` as a child process on an ephemeral loopback port, for end-to-end tests.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sweepstake::testing {
+
+// A directory that goes away with the object.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory();
+  ~TemporaryDirectory();
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+class DaemonProcess {
+ public:
+  // Starts the daemon and returns when it listens. `listen` may name a port to come back on after a
+  // kill. Aborts the test program with the daemon's log when it does not start.
+  explicit DaemonProcess(const std::filesystem::path& data,
+                         const std::string& listen = "127.0.0.1:0",
+                         const std::vector<std::string>& more_arguments = {});
+  ~DaemonProcess();  // kill -9 when still running
+  DaemonProcess(const DaemonProcess&) = delete;
+  DaemonProcess& operator=(const DaemonProcess&) = delete;
+
+  const std::string& address() const { return address_; }
+  pid_t pid() const { return pid_; }
+  // kill -9, and waits for the end.
+  void Kill();
+  // SIGTERM; the exit code, or -1 when a signal ended it.
+  int Terminate();
+
+ private:
+  pid_t pid_ = -1;
+  std::string address_;
+};
+
+}  // namespace sweepstake::testing
