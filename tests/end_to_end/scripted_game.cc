@@ -1,0 +1,99 @@
+#include "tests/end_to_end/scripted_game.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+#include <utility>
+
+#include "sweepstake/scene.h"
+#include "tests/support/wait_counter.h"
+
+namespace sweepstake::testing {
+namespace {
+
+// Frames run between two looks at the session.
+constexpr uint64_t kFramesPerLook = 16;
+// How far the frame loop may run ahead of the sender.
+constexpr uint64_t kFramesAhead = 1024;
+constexpr double kRestOfFrameMs = 1;
+
+template <typename T>
+T Must(Result<T> result) {
+  if (!result.ok()) {
+    std::fprintf(stderr, "%s\n", result.status().message().c_str());
+    std::abort();
+  }
+  return std::move(*result);
+}
+
+}  // namespace
+
+// Moves by half of the active arm's cost at every second look: FindPairs reads it before and after.
+class ScriptedGame::ScriptedClock final : public Clock {
+ public:
+  void SetStep(uint64_t step_ns) { step_ns_ = step_ns; }
+  uint64_t NowNs() noexcept override { return now_ns_ += step_ns_; }
+
+ private:
+  uint64_t now_ns_ = 0;
+  uint64_t step_ns_ = 0;
+};
+
+ScriptedGame::ScriptedGame(const std::string& address, SessionOptions options, ArmCostsMs costs_ms)
+    : costs_ms_(std::move(costs_ms)),
+      clock_(std::make_unique<ScriptedClock>()),
+      session_(Must(MakeDaemonSession(address, options))),
+      adaptive_(Must(AdaptiveBroadPhase::Create({}, &session_->sink(), *clock_))),
+      frames_per_arm_(adaptive_->arms().size()) {
+  const auto scene = Must(MakeScene("brownian", SceneOptions{.object_count = 16}));
+  boxes_.assign(scene->aabbs().begin(), scene->aabbs().end());
+  if (Status status = session_->Start(*adaptive_); !status.ok()) {
+    std::fprintf(stderr, "%s\n", status.message().c_str());
+    std::abort();
+  }
+}
+
+ScriptedGame::~ScriptedGame() { session_->Stop(); }
+
+void ScriptedGame::RunFrame() {
+  const WaitCounter waits;
+  adaptive_->BeginFrame();
+  const double cost_ms = costs_ms_[adaptive_->active_arm()];
+  clock_->SetStep(static_cast<uint64_t>(cost_ms * 1e6));
+  adaptive_->FindPairs(boxes_);
+  ++frames_per_arm_[adaptive_->active_arm()];
+  adaptive_->EndFrame(
+      {.frame_time_ns = static_cast<uint64_t>((cost_ms + kRestOfFrameMs) * 1e6)});
+  wait_count_ += waits.count();
+  ++frame_count_;
+}
+
+void ScriptedGame::RunFrames(uint64_t count) {
+  for (uint64_t frame = 0; frame < count; ++frame) RunFrame();
+}
+
+bool ScriptedGame::RunUntil(const std::function<bool(const SessionStats&)>& done,
+                            uint64_t frame_limit) {
+  const uint64_t first = frame_count_;
+  while (frame_count_ - first < frame_limit) {
+    SessionStats now = stats();
+    if (done(now)) return true;
+    while (now.sent_frame_count + now.dropped_frame_count + kFramesAhead < frame_count_) {
+      std::this_thread::yield();
+      now = stats();
+      if (done(now)) return true;
+    }
+    RunFrames(kFramesPerLook);
+  }
+  return false;
+}
+
+void ScriptedGame::Stop() { session_->Stop(5'000); }
+
+double LearntEvidence(const SessionStats& stats) {
+  double evidence = 0;
+  for (const ArmBelief& belief : stats.beliefs) evidence += belief.alpha + belief.beta - 2;
+  return evidence;
+}
+
+}  // namespace sweepstake::testing

@@ -1,0 +1,58 @@
+// A game whose arms cost what a script says, connected to a real daemon.
+//
+// The backends, the frame path, the session and the stream are real; only the time a frame takes is scripted: the clock
+// moves by the active arm's cost, so that which arm is best does not depend on the machine.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake::testing {
+
+// Arms in the order of AdaptiveBroadPhase::arms(), detection per frame.
+using ArmCostsMs = std::vector<double>;
+
+class ScriptedGame {
+ public:
+  ScriptedGame(const std::string& address, SessionOptions options, ArmCostsMs costs_ms);
+  ~ScriptedGame();
+
+  // Runs frames until `done` says so or `frame_limit` frames have run; true when `done` did. Waits for the sender between
+  // frames, never inside one, so that the queue drops nothing while the daemon is there.
+  bool RunUntil(const std::function<bool(const SessionStats&)>& done, uint64_t frame_limit = 5'000'000);
+  // Runs `count` frames without looking at the session at all.
+  void RunFrames(uint64_t count);
+  void Stop();
+
+  SessionStats stats() const { return session_->stats(); }
+  AdaptiveBroadPhase& adaptive() { return *adaptive_; }
+  uint64_t frame_count() const { return frame_count_; }
+  // Frames run on each arm.
+  const std::vector<uint64_t>& frames_per_arm() const { return frames_per_arm_; }
+  // Calls that can block, made on this thread inside BeginFrame, FindPairs and EndFrame.
+  uint64_t wait_count() const { return wait_count_; }
+
+ private:
+  class ScriptedClock;
+  void RunFrame();
+
+  ArmCostsMs costs_ms_;
+  std::unique_ptr<ScriptedClock> clock_;
+  std::unique_ptr<Session> session_;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+  std::vector<Aabb> boxes_;
+  uint64_t frame_count_ = 0;
+  std::vector<uint64_t> frames_per_arm_;
+  uint64_t wait_count_ = 0;
+};
+
+// Evidence learnt in this session: the sum of α + β − 2 over arms.
+double LearntEvidence(const SessionStats& stats);
+
+}  // namespace sweepstake::testing
