@@ -140,7 +140,7 @@ HWY_INLINE uint64_t TestLeaf(const BoxLanes& lanes, size_t first_slot, const Fou
     for (size_t k = 0; k < part + step; ++k) {
       const size_t behind = k < part ? 0 : k - part + 1;
       const auto hits = HitsOfHeld(d, held, lanes, first_slot + k);
-      emit(hn::And(hits, LanesFrom(d, behind)), first_slot + k);
+      emit(hn::And(hits, SlotsFrom(d, behind, 0)), first_slot + k);
     }
     for (size_t k = 0; k < found.count; ++k) {
       emit(HitsOfHeld(d, held, lanes, found.entries[k]), found.entries[k]);
