@@ -1,0 +1,203 @@
+/* NULL and nonsense in every place give SWP_INVALID_ARGUMENT and a message, and change nothing. */
+#include <string.h>
+
+#include "tests/engine_client/c_api/check.h"
+
+#define REFUSED(call)                      \
+  do {                                     \
+    CHECK((call) == SWP_INVALID_ARGUMENT); \
+    CHECK(strlen(swp_last_error()) > 0);   \
+  } while (0)
+
+static void check_worlds(void) {
+  swp_world* world = NULL;
+  swp_world* none = NULL;
+  swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  swp_counters counters;
+  uint64_t count = 0;
+  REFUSED(swp_world_create(NULL, &none));
+  REFUSED(swp_world_create("SAP", NULL));
+  CHECK(swp_world_create("Octree", &none) == SWP_NOT_FOUND && none == NULL);
+  CHECK(strstr(swp_last_error(), "KDTree") != NULL);
+  CHECK_OK(swp_world_create("SAP", &world));
+  REFUSED(swp_world_build(NULL, &box, 1));
+  REFUSED(swp_world_build(world, NULL, 1));
+  REFUSED(swp_world_build(world, &box, 0x80000000U));
+  REFUSED(swp_world_update(NULL, &box, 1));
+  REFUSED(swp_world_update(world, NULL, 1));
+  REFUSED(swp_world_find_pairs(NULL, NULL, 0, &count));
+  REFUSED(swp_world_find_pairs(world, NULL, 0, NULL));
+  REFUSED(swp_world_find_pairs(world, NULL, 1, &count));
+  REFUSED(swp_world_counters(NULL, &counters));
+  REFUSED(swp_world_counters(world, NULL));
+  swp_world_destroy(world);
+  swp_world_destroy(NULL);
+}
+
+static void check_scene_options(void) {
+  swp_scene_options options;
+  swp_scene* scene = NULL;
+  REFUSED(swp_scene_options_init(NULL));
+  CHECK_OK(swp_scene_options_init(&options));
+  options.struct_size += 4;
+  REFUSED(swp_scene_create("brownian", &options, &scene));
+  CHECK_OK(swp_scene_options_init(&options));
+  options.fixed_step_s = -1;
+  REFUSED(swp_scene_create("brownian", &options, &scene));
+  CHECK(scene == NULL);
+}
+
+static void check_scenes(void) {
+  swp_scene* scene = make_scene("brownian", 3);
+  const swp_aabb* boxes = NULL;
+  swp_aabb world;
+  uint32_t count = 0;
+  uint64_t number = 0;
+  check_scene_options();
+  REFUSED(swp_scene_create(NULL, NULL, &scene));
+  REFUSED(swp_scene_create("brownian", NULL, NULL));
+  REFUSED(swp_scene_step(NULL));
+  REFUSED(swp_scene_boxes(NULL, &boxes, &count));
+  REFUSED(swp_scene_boxes(scene, NULL, &count));
+  REFUSED(swp_scene_boxes(scene, &boxes, NULL));
+  REFUSED(swp_scene_world(NULL, &world));
+  REFUSED(swp_scene_world(scene, NULL));
+  REFUSED(swp_scene_frame_index(NULL, &number));
+  REFUSED(swp_scene_frame_index(scene, NULL));
+  REFUSED(swp_scene_hash(NULL, &number));
+  REFUSED(swp_scene_hash(scene, NULL));
+  swp_scene_destroy(scene);
+  swp_scene_destroy(NULL);
+}
+
+static void check_session_options(void) {
+  const char* twice[2] = {"SAP", "SAP"};
+  const char* with_null[2] = {"SAP", NULL};
+  const char* unknown[1] = {"Octree"};
+  swp_session_options options;
+  swp_session* session = NULL;
+  REFUSED(swp_session_options_init(NULL));
+  REFUSED(swp_session_create(NULL, NULL));
+#define WITH(field, value)                           \
+  do {                                               \
+    CHECK_OK(swp_session_options_init(&options));    \
+    options.field = (value);                         \
+    REFUSED(swp_session_create(&options, &session)); \
+  } while (0)
+  WITH(struct_size, 0);
+  WITH(arm_count, 1);
+  WITH(arm_count, 33);
+  WITH(mode, 0);
+  WITH(mode, 3);
+  WITH(queue_frames, 0);
+  WITH(queue_frames, 1);
+  WITH(queue_frames, 100);
+  WITH(queue_frames, 1U << 21);
+  WITH(bail_out_ns, 0);
+#undef WITH
+  CHECK_OK(swp_session_options_init(&options));
+  options.arm_count = 2;
+  options.arms = twice;
+  REFUSED(swp_session_create(&options, &session));
+  options.arms = with_null;
+  REFUSED(swp_session_create(&options, &session));
+  options.arm_count = 1;
+  options.arms = unknown;
+  CHECK(swp_session_create(&options, &session) == SWP_NOT_FOUND);
+  options.arms = twice;
+  options.initial_arm = "Grid";
+  CHECK(swp_session_create(&options, &session) == SWP_NOT_FOUND);
+  CHECK(session == NULL);
+}
+
+static void check_sessions_without_one(void) {
+  swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  swp_frame_sample sample;
+  swp_switch_outcome outcome;
+  swp_switch_command command = {1, 1, SWP_SWITCH_POLICY};
+  swp_scene_descriptor descriptor;
+  swp_belief belief;
+  const double mean = 0.5;
+  const char* name = NULL;
+  uint32_t number = 0;
+  uint64_t count = 0;
+  REFUSED(swp_session_begin_frame(NULL));
+  REFUSED(swp_session_find_pairs(NULL, &box, 1, NULL, 0, &count));
+  REFUSED(swp_session_copy_pairs(NULL, NULL, 0, &count));
+  REFUSED(swp_session_end_frame(NULL, 1, 0));
+  REFUSED(swp_session_select_arm(NULL, "SAP"));
+  REFUSED(swp_session_set_mode(NULL, SWP_MODE_AI));
+  REFUSED(swp_session_mode(NULL, &number));
+  REFUSED(swp_session_active_arm(NULL, &number));
+  REFUSED(swp_session_switch_epoch(NULL, &number));
+  REFUSED(swp_session_last_sample(NULL, &sample));
+  REFUSED(swp_session_arm_count(NULL, &number));
+  REFUSED(swp_session_arm_name(NULL, 0, &name));
+  REFUSED(swp_session_arm_version(NULL, 0, &number));
+  REFUSED(swp_session_descriptor(NULL, &descriptor));
+  REFUSED(swp_session_dropped(NULL, &count, &count));
+  REFUSED(swp_session_drain_samples(NULL, &sample, 1, &number));
+  REFUSED(swp_session_drain_outcomes(NULL, &outcome, 1, &number));
+  REFUSED(swp_session_post_switch(NULL, &command));
+  REFUSED(swp_session_set_decider_present(NULL, 1));
+  REFUSED(swp_session_set_posterior_means(NULL, &mean, 1));
+  REFUSED(swp_session_set_settling(NULL, 1));
+  REFUSED(swp_session_attach_decider(NULL, NULL, 0));
+  REFUSED(swp_session_detach_decider(NULL));
+  REFUSED(swp_session_poll_decider(NULL, 0, NULL, NULL));
+  REFUSED(swp_session_beliefs(NULL, &belief, 1, &number));
+  REFUSED(swp_session_decision_count(NULL, &count));
+  REFUSED(swp_session_prior_source_count(NULL, &count));
+  swp_session_destroy(NULL);
+}
+
+static void check_session_arguments(swp_session* session) {
+  swp_frame_sample sample;
+  uint32_t number = 0;
+  uint64_t count = 0;
+  const char* name = NULL;
+  CHECK_OK(swp_session_begin_frame(session));
+  REFUSED(swp_session_find_pairs(session, NULL, 1, NULL, 0, &count));
+  REFUSED(swp_session_find_pairs(session, NULL, 0, NULL, 1, &count));
+  REFUSED(swp_session_find_pairs(session, NULL, 0, NULL, 0, NULL));
+  CHECK_OK(swp_session_find_pairs(session, NULL, 0, NULL, 0, &count));
+  REFUSED(swp_session_copy_pairs(session, NULL, 0, NULL));
+  REFUSED(swp_session_copy_pairs(session, NULL, 1, &count));
+  CHECK_OK(swp_session_end_frame(session, 1, 0));
+  REFUSED(swp_session_select_arm(session, NULL));
+  REFUSED(swp_session_set_mode(session, 0));
+  REFUSED(swp_session_mode(session, NULL));
+  REFUSED(swp_session_active_arm(session, NULL));
+  REFUSED(swp_session_switch_epoch(session, NULL));
+  REFUSED(swp_session_last_sample(session, NULL));
+  REFUSED(swp_session_arm_count(session, NULL));
+  REFUSED(swp_session_arm_name(session, 0, NULL));
+  REFUSED(swp_session_arm_name(session, swp_backend_count(), &name));
+  REFUSED(swp_session_arm_version(session, 0, NULL));
+  REFUSED(swp_session_arm_version(session, swp_backend_count(), &number));
+  REFUSED(swp_session_descriptor(session, NULL));
+  CHECK_OK(swp_session_dropped(session, NULL, NULL));
+  REFUSED(swp_session_drain_samples(session, NULL, 1, &number));
+  REFUSED(swp_session_drain_samples(session, &sample, 1, NULL));
+  REFUSED(swp_session_drain_outcomes(session, NULL, 1, &number));
+  REFUSED(swp_session_post_switch(session, NULL));
+  REFUSED(swp_session_set_posterior_means(session, NULL, swp_backend_count()));
+  REFUSED(swp_session_beliefs(session, NULL, 1, &number));
+  REFUSED(swp_session_beliefs(session, NULL, 0, NULL));
+  REFUSED(swp_session_decision_count(session, NULL));
+  REFUSED(swp_session_prior_source_count(session, NULL));
+}
+
+void test_arguments(void) {
+  swp_session* session = NULL;
+  uint32_t number = 0;
+  REFUSED(swp_version(NULL, &number, &number));
+  REFUSED(swp_decider_options_init(NULL));
+  check_worlds();
+  check_scenes();
+  check_session_options();
+  check_sessions_without_one();
+  CHECK_OK(swp_session_create(NULL, &session));
+  check_session_arguments(session);
+  swp_session_destroy(session);
+}

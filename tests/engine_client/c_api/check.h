@@ -1,0 +1,40 @@
+/* What the C tests share: a check that counts failures, and a brute force of their own. */
+#ifndef SWEEPSTAKE_TESTS_C_API_CHECK_H_
+#define SWEEPSTAKE_TESTS_C_API_CHECK_H_
+
+#include <stdio.h>
+
+#include "sweepstake/c_api.h"
+
+extern int failure_count;
+
+#define CHECK(condition)                                                                        \
+  do {                                                                                          \
+    if (!(condition)) {                                                                         \
+      ++failure_count;                                                                          \
+      fprintf(stderr, "%s:%d: not true: %s (last error: %s)\n", __FILE__, __LINE__, #condition, \
+              swp_last_error());                                                                \
+    }                                                                                           \
+  } while (0)
+
+#define CHECK_OK(call) CHECK((call) == SWP_OK)
+
+/* All overlapping pairs, in ascending order; the caller frees them. */
+swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_count);
+
+/* Whether both hold the same pairs; sorts `found`. */
+int same_pairs(swp_pair* found, uint64_t found_count, const swp_pair* right, uint64_t right_count);
+
+/* A scene of the library; ends the program where there is none. */
+swp_scene* make_scene(const char* name, uint32_t object_count);
+
+void test_version(void);
+void test_worlds(void);
+void test_world_rules(void);
+void test_scenes(void);
+void test_frames(void);
+void test_transport(void);
+void test_decider(void);
+void test_arguments(void);
+
+#endif

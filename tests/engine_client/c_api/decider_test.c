@@ -1,0 +1,147 @@
+/* The embedded decider on a scripted clock: it explores every arm once, then decides, and bails out
+ * of a long frame. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/engine_client/c_api/check.h"
+
+enum { kObjects = 100 };
+static const uint64_t kFrameNs = 16000000;
+static const uint64_t kStartNs = 1000000000;
+
+typedef struct game {
+  swp_session* session;
+  swp_scene* scene;
+  uint64_t now_ns;
+  uint32_t command_count;
+  swp_switch_command last_command;
+} game;
+
+static void run_frame(game* played, uint64_t frame_ns) {
+  const swp_aabb* boxes = NULL;
+  uint32_t count = 0;
+  uint64_t pair_count = 0;
+  uint32_t commanded = 99;
+  swp_pair pairs[4096];
+  CHECK_OK(swp_scene_boxes(played->scene, &boxes, &count));
+  CHECK_OK(swp_session_begin_frame(played->session));
+  CHECK_OK(swp_session_find_pairs(played->session, boxes, count, pairs, 4096, &pair_count));
+  CHECK_OK(swp_session_end_frame(played->session, frame_ns, 0));
+  played->now_ns += frame_ns;
+  CHECK_OK(
+      swp_session_poll_decider(played->session, played->now_ns, &played->last_command, &commanded));
+  CHECK(commanded <= 1);
+  played->command_count += commanded;
+  CHECK_OK(swp_scene_step(played->scene));
+}
+
+static game start_game(void) {
+  swp_decider_options options;
+  game played = {NULL, make_scene("suite-b", kObjects), kStartNs, 0, {0, 0, 0}};
+  CHECK_OK(swp_session_create(NULL, &played.session));
+  CHECK_OK(swp_decider_options_init(&options));
+  options.policy = "paper";
+  options.project = "c test";
+  options.scene = "suite";
+  options.machine_class = "any";
+  options.seed = 11;
+  options.time_scale = 4;
+  CHECK_OK(swp_session_attach_decider(played.session, &options, played.now_ns));
+  CHECK(swp_session_attach_decider(played.session, &options, played.now_ns) ==
+        SWP_FAILED_PRECONDITION);
+  return played;
+}
+
+/* The exploration gives each arm 6 s, here a quarter of it. */
+static void check_exploration(game* played) {
+  uint32_t visited = 0;
+  uint32_t epoch = 99;
+  for (int frame = 0; frame < 12 * 60; ++frame) {
+    uint32_t arm = 99;
+    run_frame(played, kFrameNs);
+    CHECK_OK(swp_session_active_arm(played->session, &arm));
+    visited |= 1U << arm;
+  }
+  CHECK(visited == (1U << swp_backend_count()) - 1);
+  CHECK_OK(swp_session_switch_epoch(played->session, &epoch));
+  CHECK(epoch + 1 >= swp_backend_count());
+  CHECK(played->command_count + 1 >= swp_backend_count());
+}
+
+static void check_beliefs(const game* played) {
+  swp_belief beliefs[32];
+  uint32_t count = swp_backend_count();
+  uint64_t decision_count = 0;
+  uint64_t source_count = 99;
+  CHECK(swp_session_beliefs(played->session, beliefs, count - 1, &count) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(count == swp_backend_count());
+  CHECK_OK(swp_session_beliefs(played->session, beliefs, count, &count));
+  for (uint32_t i = 0; i < count; ++i) {
+    CHECK(beliefs[i].alpha > 1 && beliefs[i].beta >= 1);
+  }
+  CHECK_OK(swp_session_decision_count(played->session, &decision_count));
+  CHECK(decision_count > 7);
+  CHECK_OK(swp_session_prior_source_count(played->session, &source_count));
+  CHECK(source_count == 0);
+}
+
+static void check_drain_is_refused(const game* played) {
+  swp_frame_sample sample;
+  swp_switch_outcome outcome;
+  uint32_t count = 0;
+  CHECK(swp_session_drain_samples(played->session, &sample, 1, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_drain_outcomes(played->session, &outcome, 1, &count) ==
+        SWP_FAILED_PRECONDITION);
+}
+
+/* By hand nothing is decided. */
+static void check_manual(game* played) {
+  uint32_t before = 99;
+  uint32_t after = 98;
+  CHECK_OK(swp_session_set_mode(played->session, SWP_MODE_MANUAL));
+  run_frame(played, kFrameNs);
+  CHECK_OK(swp_session_switch_epoch(played->session, &before));
+  for (int frame = 0; frame < 30 * 60; ++frame) run_frame(played, kFrameNs);
+  CHECK_OK(swp_session_switch_epoch(played->session, &after));
+  CHECK(before == after);
+}
+
+static void check_attach_errors(void) {
+  swp_decider_options options;
+  swp_session* session = NULL;
+  CHECK_OK(swp_session_create(NULL, &session));
+  CHECK(swp_session_detach_decider(session) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_poll_decider(session, 1, NULL, NULL) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_decider_options_init(&options));
+  options.policy = "coin";
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_NOT_FOUND ||
+        swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "paper") != NULL);
+  CHECK_OK(swp_decider_options_init(&options));
+  options.priors_file = "no/such/file.json";
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_NOT_FOUND);
+  options.priors_file = NULL;
+  options.time_scale = 0;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  options.time_scale = 1;
+  options.struct_size = 4;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK_OK(swp_session_attach_decider(session, NULL, 0));
+  swp_session_destroy(session);
+}
+
+void test_decider(void) {
+  game played = start_game();
+  swp_frame_sample sample;
+  uint32_t count = 99;
+  check_exploration(&played);
+  check_beliefs(&played);
+  check_drain_is_refused(&played);
+  check_manual(&played);
+  CHECK_OK(swp_session_detach_decider(played.session));
+  CHECK_OK(swp_session_drain_samples(played.session, &sample, 1, &count));
+  CHECK(count == 0);
+  swp_session_destroy(played.session);
+  swp_scene_destroy(played.scene);
+  check_attach_errors();
+}

@@ -1,0 +1,180 @@
+/* Sessions: the frame path, and a transport that drains samples and posts commands. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/engine_client/c_api/check.h"
+
+enum { kObjects = 300, kFrameNs = 5000000 };
+
+/* One frame of `scene`, whose pairs must equal brute force. */
+static void run_frame(swp_session* session, swp_scene* scene) {
+  const swp_aabb* boxes = NULL;
+  uint32_t count = 0;
+  uint64_t needed = 0;
+  CHECK_OK(swp_scene_boxes(scene, &boxes, &count));
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK(swp_session_find_pairs(session, boxes, count, NULL, 0, &needed) == SWP_RESOURCE_EXHAUSTED);
+  swp_pair* pairs = malloc((needed + 1) * sizeof *pairs);
+  uint64_t copied = 0;
+  CHECK_OK(swp_session_copy_pairs(session, pairs, needed, &copied));
+  uint64_t right_count = 0;
+  swp_pair* right = brute_force(boxes, count, &right_count);
+  CHECK(copied == needed && same_pairs(pairs, copied, right, right_count));
+  free(pairs);
+  free(right);
+  CHECK_OK(swp_session_end_frame(session, kFrameNs, 0));
+  CHECK_OK(swp_scene_step(scene));
+}
+
+static swp_session* make_session(uint32_t queue_frames) {
+  swp_session_options options;
+  swp_session* session = NULL;
+  CHECK_OK(swp_session_options_init(&options));
+  options.queue_frames = queue_frames;
+  options.settling_ns = 2 * kFrameNs;
+  CHECK_OK(swp_session_create(&options, &session));
+  return session;
+}
+
+static void check_arms(const swp_session* session) {
+  uint32_t count = 0;
+  CHECK_OK(swp_session_arm_count(session, &count));
+  CHECK(count == swp_backend_count());
+  for (uint32_t i = 0; i < count; ++i) {
+    const char* name = NULL;
+    uint32_t version = 0;
+    CHECK_OK(swp_session_arm_name(session, i, &name));
+    CHECK(strcmp(name, swp_backend_name(i)) == 0);
+    CHECK_OK(swp_session_arm_version(session, i, &version));
+    CHECK(version > 0);
+  }
+}
+
+static void check_order(swp_session* session) {
+  const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  uint64_t count = 0;
+  CHECK(swp_session_copy_pairs(session, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_end_frame(session, 1, 0) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK(swp_session_begin_frame(session) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count));
+  CHECK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_end_frame(session, 1, SWP_FRAME_REBUILD) == SWP_INVALID_ARGUMENT);
+  CHECK_OK(swp_session_end_frame(session, 1, SWP_FRAME_PAUSED));
+}
+
+/* Every arm in turn by hand, in manual mode. */
+static void check_selection(swp_session* session, swp_scene* scene) {
+  swp_mode mode = 0;
+  CHECK_OK(swp_session_set_mode(session, SWP_MODE_MANUAL));
+  CHECK_OK(swp_session_mode(session, &mode));
+  CHECK(mode == SWP_MODE_MANUAL);
+  for (uint32_t i = 1; i < swp_backend_count(); ++i) {
+    uint32_t arm = 99;
+    uint32_t epoch = 99;
+    swp_frame_sample sample;
+    CHECK_OK(swp_session_select_arm(session, swp_backend_name(i)));
+    run_frame(session, scene);
+    CHECK_OK(swp_session_active_arm(session, &arm));
+    CHECK_OK(swp_session_switch_epoch(session, &epoch));
+    CHECK(arm == i && epoch == i);
+    CHECK_OK(swp_session_last_sample(session, &sample));
+    CHECK(sample.arm == i && sample.switch_epoch == i && sample.object_count == kObjects);
+    CHECK(sample.flags == SWP_FRAME_REBUILD && sample.frame_time_ns == kFrameNs);
+    CHECK(sample.detection_time_ns > 0 && sample.pair_count > 0 && sample.native_bytes > 0);
+  }
+  CHECK(swp_session_select_arm(session, "Octree") == SWP_NOT_FOUND);
+  CHECK(strstr(swp_last_error(), "KDTree") != NULL);
+}
+
+void test_frames(void) {
+  swp_session* session = make_session(64);
+  swp_scene* scene = make_scene("suite-h", kObjects);
+  check_arms(session);
+  check_order(session);
+  check_selection(session, scene);
+  swp_session_destroy(session);
+  swp_scene_destroy(scene);
+}
+
+/* Returns the number of samples drained in portions of three; they must be in order. */
+static uint32_t drain(swp_session* session, uint64_t first_index) {
+  uint32_t total = 0;
+  uint32_t count = 0;
+  do {
+    swp_frame_sample samples[3];
+    CHECK_OK(swp_session_drain_samples(session, samples, 3, &count));
+    for (uint32_t i = 0; i < count; ++i) CHECK(samples[i].frame_index == first_index + total + i);
+    total += count;
+  } while (count > 0);
+  return total;
+}
+
+static void check_commands(swp_session* session, swp_scene* scene) {
+  const swp_switch_command command = {41, 3, SWP_SWITCH_POLICY};
+  const swp_switch_command no_such_arm = {42, swp_backend_count(), SWP_SWITCH_POLICY};
+  const swp_switch_command no_such_reason = {42, 1, 0};
+  const swp_switch_command large_id = {UINT64_C(1) << 48, 1, SWP_SWITCH_POLICY};
+  swp_switch_outcome outcomes[4];
+  uint32_t count = 99;
+  uint32_t arm = 99;
+  CHECK(swp_session_post_switch(session, &no_such_arm) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_session_post_switch(session, &no_such_reason) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_session_post_switch(session, &large_id) == SWP_INVALID_ARGUMENT);
+  CHECK_OK(swp_session_post_switch(session, &command));
+  for (int i = 0; i < 8; ++i) run_frame(session, scene);
+  CHECK_OK(swp_session_active_arm(session, &arm));
+  CHECK(arm == 3);
+  CHECK(drain(session, 10) == 8);
+  CHECK_OK(swp_session_drain_outcomes(session, outcomes, 4, &count));
+  CHECK(count == 1);
+  CHECK(outcomes[0].command_id == 41 && outcomes[0].arm == 3 && outcomes[0].executed == 1);
+  CHECK(outcomes[0].switch_epoch == 1 && outcomes[0].reason == SWP_SWITCH_POLICY);
+  CHECK(outcomes[0].rebuild_time_ns > 0);
+  CHECK_OK(swp_session_drain_outcomes(session, outcomes, 4, &count));
+  CHECK(count == 0);
+}
+
+static void check_full_queue(swp_session* session, swp_scene* scene) {
+  uint64_t dropped = 0;
+  uint64_t dropped_notes = 99;
+  for (int i = 0; i < 20; ++i) run_frame(session, scene);
+  CHECK(drain(session, 18 + 4) == 16);
+  CHECK_OK(swp_session_dropped(session, &dropped, &dropped_notes));
+  CHECK(dropped == 4 && dropped_notes == 0);
+}
+
+/* A descriptor comes with every 128 frames. */
+static void check_descriptor(swp_session* session, swp_scene* scene) {
+  swp_scene_descriptor descriptor;
+  CHECK_OK(swp_session_descriptor(session, &descriptor));
+  CHECK(descriptor.object_count < 0);
+  for (int i = 0; i < 300; ++i) run_frame(session, scene);
+  while (drain(session, 38 + 300 - 16) > 0) {
+  }
+  CHECK_OK(swp_session_descriptor(session, &descriptor));
+  CHECK(descriptor.object_count == kObjects);
+  CHECK(descriptor.density_ratio > 0);
+}
+
+void test_transport(void) {
+  const double means[32] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
+  const double wrong_means[32] = {0.1, 1.7};
+  const uint32_t arm_count = swp_backend_count();
+  swp_session* session = make_session(16);
+  swp_scene* scene = make_scene("suite-b", kObjects);
+  for (int i = 0; i < 10; ++i) run_frame(session, scene);
+  CHECK(drain(session, 0) == 10);
+  check_commands(session, scene);
+  check_full_queue(session, scene);
+  check_descriptor(session, scene);
+  CHECK_OK(swp_session_set_posterior_means(session, means, arm_count));
+  CHECK(swp_session_set_posterior_means(session, means, arm_count - 1) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_session_set_posterior_means(session, wrong_means, arm_count) == SWP_INVALID_ARGUMENT);
+  CHECK_OK(swp_session_set_decider_present(session, 1));
+  CHECK(swp_session_set_decider_present(session, 2) == SWP_INVALID_ARGUMENT);
+  CHECK_OK(swp_session_set_settling(session, 1000));
+  swp_session_destroy(session);
+  swp_scene_destroy(scene);
+}

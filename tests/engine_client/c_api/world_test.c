@@ -1,0 +1,124 @@
+/* Worlds: every backend against a brute force of this program, and the rules of buffers and of
+ * order. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/engine_client/c_api/check.h"
+
+void test_version(void) {
+  uint32_t major = 99;
+  uint32_t minor = 99;
+  uint32_t patch = 99;
+  CHECK(swp_abi_version() == SWP_ABI_VERSION);
+  CHECK_OK(swp_version(&major, &minor, &patch));
+  CHECK(major < 99 && minor < 99 && patch < 99);
+  CHECK(swp_struct_size(SWP_STRUCT_AABB) == sizeof(swp_aabb) && sizeof(swp_aabb) == 24);
+  CHECK(swp_struct_size(SWP_STRUCT_PAIR) == sizeof(swp_pair));
+  CHECK(swp_struct_size(SWP_STRUCT_COUNTERS) == sizeof(swp_counters));
+  CHECK(swp_struct_size(SWP_STRUCT_SCENE_OPTIONS) == sizeof(swp_scene_options));
+  CHECK(swp_struct_size(SWP_STRUCT_SESSION_OPTIONS) == sizeof(swp_session_options));
+  CHECK(swp_struct_size(SWP_STRUCT_FRAME_SAMPLE) == sizeof(swp_frame_sample));
+  CHECK(sizeof(swp_frame_sample) == 64);
+  CHECK(swp_struct_size(SWP_STRUCT_SCENE_DESCRIPTOR) == sizeof(swp_scene_descriptor));
+  CHECK(swp_struct_size(SWP_STRUCT_SWITCH_COMMAND) == sizeof(swp_switch_command));
+  CHECK(swp_struct_size(SWP_STRUCT_SWITCH_OUTCOME) == sizeof(swp_switch_outcome));
+  CHECK(swp_struct_size(SWP_STRUCT_DECIDER_OPTIONS) == sizeof(swp_decider_options));
+  CHECK(swp_struct_size(SWP_STRUCT_BELIEF) == sizeof(swp_belief));
+  CHECK(swp_struct_size(0) == 0 && swp_struct_size(999) == 0);
+}
+
+/* All pairs of the world, by the two calls a caller with a small buffer makes. */
+static swp_pair* all_pairs(swp_world* world, uint64_t* count) {
+  *count = 0;
+  const swp_result first = swp_world_find_pairs(world, NULL, 0, count);
+  CHECK(first == (*count == 0 ? SWP_OK : SWP_RESOURCE_EXHAUSTED));
+  swp_pair* pairs = malloc((*count + 1) * sizeof *pairs);
+  CHECK_OK(swp_world_find_pairs(world, pairs, *count, count));
+  return pairs;
+}
+
+static void check_backend(const char* backend, const char* scene_name, uint32_t object_count) {
+  swp_world* world = NULL;
+  swp_scene* scene = make_scene(scene_name, object_count);
+  CHECK_OK(swp_world_create(backend, &world));
+  for (int frame = 0; frame < 12; ++frame) {
+    const swp_aabb* boxes = NULL;
+    uint32_t count = 0;
+    uint64_t found_count = 0;
+    uint64_t right_count = 0;
+    swp_counters counters;
+    CHECK_OK(swp_scene_boxes(scene, &boxes, &count));
+    CHECK_OK(frame == 0 ? swp_world_build(world, boxes, count)
+                        : swp_world_update(world, boxes, count));
+    swp_pair* found = all_pairs(world, &found_count);
+    swp_pair* right = brute_force(boxes, count, &right_count);
+    CHECK(right_count > 0);
+    CHECK(same_pairs(found, found_count, right, right_count));
+    CHECK_OK(swp_world_counters(world, &counters));
+    CHECK(counters.pair_count == right_count && counters.object_count == count);
+    CHECK(counters.aabb_check_count > 0 && counters.native_bytes > 0);
+    CHECK(counters.detection_time_ns > 0 && counters.backend_version > 0);
+    free(found);
+    free(right);
+    CHECK_OK(swp_scene_step(scene));
+  }
+  swp_world_destroy(world);
+  swp_scene_destroy(scene);
+}
+
+void test_worlds(void) {
+  for (uint32_t i = 0; i < swp_backend_count(); ++i) {
+    check_backend(swp_backend_name(i), "suite-b", 500);
+    check_backend(swp_backend_name(i), "hurricane", 700);
+  }
+}
+
+static const swp_aabb kBoxes[3] = {
+    {{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}, {{0.5F, 0.5F, 0.5F}, {3, 3, 3}}};
+
+static void check_small_buffer(swp_world* world) {
+  swp_pair pairs[3] = {{77, 77}, {77, 77}, {77, 77}};
+  uint64_t count = 0;
+  CHECK_OK(swp_world_build(world, kBoxes, 3));
+  CHECK(swp_world_find_pairs(world, pairs, 2, &count) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(count == 3);
+  CHECK(strlen(swp_last_error()) > 0);
+  CHECK(pairs[0].a == 77 && pairs[1].a == 77);
+  CHECK_OK(swp_world_find_pairs(world, pairs, 3, &count));
+  uint64_t right_count = 0;
+  swp_pair* right = brute_force(kBoxes, 3, &right_count);
+  CHECK(same_pairs(pairs, count, right, right_count));
+  free(right);
+}
+
+static void check_broken_boxes(swp_world* world) {
+  const swp_aabb boxes[4] = {{{0, 0, 0}, {1, 1, 1}},
+                             {{0, NAN, 0}, {1, 1, 1}},
+                             {{1, 0, 0}, {0, 1, 1}},
+                             {{-INFINITY, 0, 0}, {1, 1, 1}}};
+  uint64_t count = 99;
+  CHECK_OK(swp_world_build(world, boxes, 4));
+  CHECK_OK(swp_world_find_pairs(world, NULL, 0, &count));
+  CHECK(count == 0);
+}
+
+void test_world_rules(void) {
+  for (uint32_t i = 0; i < swp_backend_count(); ++i) {
+    swp_world* world = NULL;
+    uint64_t count = 5;
+    CHECK_OK(swp_world_create(swp_backend_name(i), &world));
+    CHECK(swp_world_update(world, kBoxes, 3) == SWP_FAILED_PRECONDITION);
+    CHECK(swp_world_find_pairs(world, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+    CHECK(count == 5);
+    CHECK_OK(swp_world_build(world, NULL, 0));
+    CHECK_OK(swp_world_find_pairs(world, NULL, 0, &count));
+    CHECK(count == 0);
+    check_small_buffer(world);
+    CHECK(swp_world_update(world, kBoxes, 2) == SWP_INVALID_ARGUMENT);
+    CHECK_OK(swp_world_update(world, kBoxes, 3));
+    check_broken_boxes(world);
+    swp_world_destroy(world);
+  }
+  CHECK(swp_backend_name(swp_backend_count()) == NULL);
+}
