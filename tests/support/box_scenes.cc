@@ -136,23 +136,23 @@ void StepFar(Random& random, const Slot&, Aabb& box) {
 
 Aabb SpawnFloatLimits(Random& random, const Slot&) {
   constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
-  constexpr std::array kValues = {-kMax,
-                                  -std::nextafter(kMax, 0.0F),
-                                  -1e30F,
-                                  -1.0F,
-                                  -kDenormal,
-                                  0.0F,
-                                  kDenormal,
-                                  1e-30F,
-                                  1.0F,
-                                  0.5F * kMax,
-                                  std::nextafter(kMax, 0.0F),
-                                  kMax};
+  const std::array values = {-kMax,
+                             -std::nextafter(kMax, 0.0F),
+                             -1e30F,
+                             -1.0F,
+                             -kDenormal,
+                             0.0F,
+                             kDenormal,
+                             1e-30F,
+                             1.0F,
+                             0.5F * kMax,
+                             std::nextafter(kMax, 0.0F),
+                             kMax};
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
-    const size_t low = random.Below(kValues.size());
-    box.min[axis] = kValues[low];
-    box.max[axis] = kValues[low + random.Below(kValues.size() - low)];
+    const size_t low = random.Below(values.size());
+    box.min[axis] = values[low];
+    box.max[axis] = values[low + random.Below(values.size() - low)];
   }
   return box;
 }

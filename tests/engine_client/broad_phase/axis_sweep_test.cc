@@ -17,6 +17,12 @@ using test_support::Verdict;
 
 Aabb UnitBoxAt(float x) { return {{x, 0, 0}, {x + 1, 1, 1}}; }
 
+std::vector<Aabb> UnitBoxesInARow(size_t count, float distance) {
+  std::vector<Aabb> boxes(count);
+  for (size_t i = 0; i < count; ++i) boxes[i] = UnitBoxAt(distance * static_cast<float>(i));
+  return boxes;
+}
+
 std::vector<BoxKeys> KeysAlongX(std::initializer_list<float> positions) {
   std::vector<BoxKeys> keys;
   for (const float x : positions) {
@@ -115,8 +121,7 @@ TEST_F(AxisSweepOverFrames, MakesNoCheckWhileNothingMoves) {
 }
 
 TEST_F(AxisSweepOverFrames, ChecksOnlyThePairThatMeets) {
-  std::vector<Aabb> boxes;
-  for (int i = 0; i < 100; ++i) boxes.push_back(UnitBoxAt(3.0F * static_cast<float>(i)));
+  std::vector<Aabb> boxes = UnitBoxesInARow(100, 3);
   backend_->Build(boxes);
   backend_->FindPairs(pairs_);
   Expect(boxes);
@@ -152,8 +157,7 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
 
 // A repair would have to pass one box through all others each frame.
 TEST_F(AxisSweepOverFrames, GivesUpARepairThatCostsMoreThanASweep) {
-  std::vector<Aabb> boxes;
-  for (int i = 0; i < 1000; ++i) boxes.push_back(UnitBoxAt(1.5F * static_cast<float>(i)));
+  std::vector<Aabb> boxes = UnitBoxesInARow(1000, 1.5F);
   backend_->Build(boxes);
   backend_->FindPairs(pairs_);
   for (int frame = 0; frame < 12; ++frame) {
