@@ -14,76 +14,58 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// A corner of a box: half a register, or where there is none, its address. Never a member of
+// anything: registers of unknown size cannot be one.
 #if HWY_TARGET == HWY_SCALAR
 
-// No half registers here: the same tests, one coordinate at a time.
-struct Sought {
-  const float* min;
-  const float* max;
-};
+using Corner = const float*;
 
-HWY_INLINE Sought Seek(const DbvtNode& node) { return {node.min, node.max}; }
+HWY_INLINE Corner LoadCorner(const float* corner) { return corner; }
 
-HWY_INLINE bool CoordinatesOverlap(const Sought& sought, const float* min, const float* max) {
+HWY_INLINE bool CornersOverlap(Corner min, Corner max, Corner other_min, Corner other_max) {
   bool overlap = true;
   for (int axis = 0; axis < 3; ++axis) {
-    overlap &= min[axis] <= sought.max[axis];
-    overlap &= max[axis] >= sought.min[axis];
+    overlap &= other_min[axis] <= max[axis];
+    overlap &= other_max[axis] >= min[axis];
   }
   return overlap;
-}
-
-HWY_INLINE bool NodeOverlaps(const Sought& sought, const DbvtNode& node) {
-  return CoordinatesOverlap(sought, node.min, node.max);
-}
-
-HWY_INLINE bool PackedOverlap(const PackedBox& a, const PackedBox& b) {
-  return CoordinatesOverlap({a.min, a.max}, b.min, b.max);
 }
 
 #else
 
 using Half = hn::FixedTag<float, 4>;
-using HalfVector = hn::Vec<Half>;
+using Corner = hn::Vec<Half>;
 
-// The box that is sought, against nodes whose fourth lanes hold children.
-struct Sought {
-  HalfVector min;
-  HalfVector max;
-};
+HWY_INLINE Corner LoadCorner(const float* corner) { return hn::Load(Half(), corner); }
 
-HWY_INLINE Sought Seek(const DbvtNode& node) {
+HWY_INLINE bool CornersOverlap(Corner min, Corner max, Corner other_min, Corner other_max) {
   const Half d;
-  return {hn::Load(d, node.min), hn::Load(d, node.max)};
-}
-
-HWY_INLINE bool NodeOverlaps(const Sought& sought, const DbvtNode& node) {
-  const Half d;
-  const auto below = hn::Le(hn::Load(d, node.min), sought.max);
-  const auto above = hn::Ge(hn::Load(d, node.max), sought.min);
+  const auto overlap = hn::And(hn::Le(other_min, max), hn::Ge(other_max, min));
+  // The fourth lanes of nodes hold children.
   const auto not_coordinates = hn::Not(hn::FirstN(d, 3));
-  return hn::AllTrue(d, hn::Or(hn::And(below, above), not_coordinates));
-}
-
-HWY_INLINE bool PackedOverlap(const PackedBox& a, const PackedBox& b) {
-  const Half d;
-  const auto below = hn::Le(hn::Load(d, a.min), hn::Load(d, b.max));
-  const auto above = hn::Ge(hn::Load(d, a.max), hn::Load(d, b.min));
-  return hn::AllTrue(d, hn::And(below, above));
+  return hn::AllTrue(d, hn::Or(overlap, not_coordinates));
 }
 
 #endif
+
+HWY_INLINE bool NodeOverlaps(Corner min, Corner max, const DbvtNode& node) {
+  return CornersOverlap(min, max, LoadCorner(node.min), LoadCorner(node.max));
+}
+
+HWY_INLINE bool PackedOverlap(const PackedBox& a, const PackedBox& b) {
+  return CornersOverlap(LoadCorner(a.min), LoadCorner(a.max), LoadCorner(b.min), LoadCorner(b.max));
+}
 
 // Calls on_leaf for each leaf below `start` that overlaps, `start` itself included. Returns the
 // nodes looked at.
 template <class OnLeaf>
 HWY_INLINE uint64_t Walk(const DbvtNode* HWY_RESTRICT nodes, uint32_t leaf_count, uint32_t start,
-                         const Sought& sought, const OnLeaf& on_leaf) {
+                         Corner min, Corner max, const OnLeaf& on_leaf) {
   uint32_t stack[DbvtTree::kStackSize];
   size_t waiting = 0;
   uint64_t looked_at = 1;
   stack[waiting] = start;
-  waiting += NodeOverlaps(sought, nodes[start]) ? 1 : 0;
+  waiting += NodeOverlaps(min, max, nodes[start]) ? 1 : 0;
   while (waiting > 0) {
     const uint32_t node = stack[--waiting];
     if (node < leaf_count) {
@@ -95,9 +77,9 @@ HWY_INLINE uint64_t Walk(const DbvtNode* HWY_RESTRICT nodes, uint32_t leaf_count
     // Written always, kept by count: whether a child overlaps is a coin toss to the branch
     // predictor.
     stack[waiting] = second;
-    waiting += NodeOverlaps(sought, nodes[second]) ? 1 : 0;
+    waiting += NodeOverlaps(min, max, nodes[second]) ? 1 : 0;
     stack[waiting] = first;
-    waiting += NodeOverlaps(sought, nodes[first]) ? 1 : 0;
+    waiting += NodeOverlaps(min, max, nodes[first]) ? 1 : 0;
     looked_at += 2;
   }
   return looked_at;
@@ -111,12 +93,13 @@ uint64_t LeafPairs(const DbvtTree& tree, PairBuffer& out) {
   PairCursor cursor(out);
   uint64_t checks = 0;
   for (const uint32_t leaf : tree.order()) {
-    const Sought sought = Seek(nodes[leaf]);
+    const Corner min = LoadCorner(nodes[leaf].min);
+    const Corner max = LoadCorner(nodes[leaf].max);
     const auto on_leaf = [&](uint32_t other) HWY_ATTR { cursor.Append(leaf, other); };
     uint32_t node = leaf;
     for (uint32_t above = tree.parent(node); above != DbvtTree::kNone; above = tree.parent(node)) {
       if (nodes[above].first == node) {
-        checks += Walk(nodes, leaf_count, nodes[above].second, sought, on_leaf);
+        checks += Walk(nodes, leaf_count, nodes[above].second, min, max, on_leaf);
       }
       node = above;
     }
@@ -137,7 +120,8 @@ uint64_t LeafPairsOf(const DbvtTree& tree, std::span<const uint32_t> leaves,
       // Of two listed leaves the lower one reports.
       if (other > leaf || (other < leaf && is_listed[other] == 0)) cursor.Append(leaf, other);
     };
-    checks += Walk(nodes, leaf_count, tree.root(), Seek(nodes[leaf]), on_leaf);
+    checks += Walk(nodes, leaf_count, tree.root(), LoadCorner(nodes[leaf].min),
+                   LoadCorner(nodes[leaf].max), on_leaf);
   }
   cursor.Flush();
   return checks;

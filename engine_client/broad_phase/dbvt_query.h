@@ -13,7 +13,7 @@
 
 namespace sweepstake {
 
-// A box in two half registers. The fourth lanes are 0, so that they pass every comparison.
+// A box in two half registers; the fourth lanes are not looked at.
 struct alignas(32) PackedBox {
   float min[4];
   float max[4];

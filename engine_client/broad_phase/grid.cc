@@ -1,8 +1,10 @@
 #include "engine_client/broad_phase/grid.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine_client/broad_phase/grid_layout.h"
+#include "engine_client/broad_phase/large_boxes.h"
 #include "engine_client/broad_phase/soa_boxes.h"
 
 // Seen by every target's pass of this file, hence guarded.
@@ -29,22 +31,11 @@ struct CellView {
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
+#include "engine_client/broad_phase/grid_cells-inl.h"
 #include "engine_client/broad_phase/overlap_kernel-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
-
-// As GridLayout::CellOf.
-template <class D>
-HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsOf(D d, const GridLayout& layout, size_t axis,
-                                                  const float* coordinates) {
-  const auto halved = hn::Mul(hn::LoadU(d, coordinates), hn::Set(d, 0.5F));
-  const auto cell =
-      hn::Mul(hn::Sub(halved, hn::Set(d, layout.origin[axis])), hn::Set(d, layout.scale[axis]));
-  const auto last = hn::Set(d, static_cast<float>(layout.cells[axis] - 1));
-  const hn::RebindToSigned<D> di;
-  return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
-}
 
 // Keys of all boxes: those too long for their cells get the cell behind the last, absent ones the
 // one behind that.
@@ -120,20 +111,6 @@ uint64_t ScanCells(const BoxLanes& lanes, const CellView& view, PairBuffer& out)
   return checks;
 }
 
-// The slots [begin, end) against the ones before `begin` and against each other.
-uint64_t ScanLarge(const BoxLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
-  const HWY_FULL(float) d;
-  PairCursor cursor(out);
-  uint64_t checks = 0;
-  for (size_t slot = begin; slot < end; ++slot) {
-    const Aabb box = BoxAt(lanes, slot);
-    checks += ScanRange(d, box, lanes.id[slot], lanes, 0, begin, cursor);
-    checks += ScanRange(d, box, lanes.id[slot], lanes, slot + 1, end, cursor);
-  }
-  cursor.Flush();
-  return checks;
-}
-
 }  // namespace sweepstake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -144,7 +121,6 @@ namespace {
 
 HWY_EXPORT(AssignCells);
 HWY_EXPORT(ScanCells);
-HWY_EXPORT(ScanLarge);
 
 class Grid final : public BroadPhase {
  public:
@@ -204,8 +180,7 @@ void Grid::FindPairs(PairBuffer& out) {
   const CellView view{starts_.data(), reach_.data(), &layout_};
   const size_t behind = layout_.bordered_cells();
   checks_ = HWY_DYNAMIC_DISPATCH(ScanCells)(sorted_.Lanes(), view, out);
-  checks_ +=
-      HWY_DYNAMIC_DISPATCH(ScanLarge)(sorted_.Lanes(), starts_[behind], starts_[behind + 1], out);
+  checks_ += FindPairsOfLast(sorted_.Lanes(), starts_[behind], starts_[behind + 1], out);
 }
 
 size_t Grid::native_bytes() const {

@@ -104,47 +104,40 @@ HWY_INLINE Found Descend(const BoxLanes& boxes, const BoxLanes* levels, size_t l
   return {queues[current], count, checks};
 }
 
-// The 16 boxes of a leaf, or as many of them as a register holds, kept in registers.
+// One axis of boxes kept in registers against one box.
 template <class D>
-struct HeldBoxes {
-  hn::Vec<D> min[3];
-  hn::Vec<D> max[3];
-};
-
-template <class D>
-HWY_INLINE hn::Mask<D> HitsOfHeld(D d, const HeldBoxes<D>& held, const BoxLanes& lanes,
-                                  size_t slot) {
-  const auto hits = [&](size_t axis) HWY_ATTR {
-    return hn::And(hn::Le(held.min[axis], hn::Set(d, lanes.max[axis][slot])),
-                   hn::Ge(held.max[axis], hn::Set(d, lanes.min[axis][slot])));
-  };
-  return hn::And(hn::And(hits(0), hits(1)), hits(2));
+HWY_INLINE hn::Mask<D> AxisHitsOfHeld(D d, hn::Vec<D> min, hn::Vec<D> max, const BoxLanes& lanes,
+                                      size_t axis, size_t slot) {
+  return hn::And(hn::Le(min, hn::Set(d, lanes.max[axis][slot])),
+                 hn::Ge(max, hn::Set(d, lanes.min[axis][slot])));
 }
 
-// The leaf's boxes against each other and against `found`.
+// The leaf's boxes, as many of them at a time as a register holds, against each other and against
+// `found`.
 HWY_INLINE uint64_t TestLeaf(const BoxLanes& lanes, size_t first_slot, const Found& found,
                              PairCursor& cursor) {
   const Lanes16 d;
   const size_t step = hn::Lanes(d);
   for (size_t part = 0; part < LeafTree::kWidth; part += step) {
     const size_t at = first_slot + part;
-    HeldBoxes<Lanes16> held;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      held.min[axis] = hn::LoadU(d, lanes.min[axis] + at);
-      held.max[axis] = hn::LoadU(d, lanes.max[axis] + at);
-    }
-    const auto emit = [&](hn::Mask<Lanes16> hits, size_t slot) HWY_ATTR {
+    const auto min0 = hn::LoadU(d, lanes.min[0] + at);
+    const auto min1 = hn::LoadU(d, lanes.min[1] + at);
+    const auto min2 = hn::LoadU(d, lanes.min[2] + at);
+    const auto max0 = hn::LoadU(d, lanes.max[0] + at);
+    const auto max1 = hn::LoadU(d, lanes.max[1] + at);
+    const auto max2 = hn::LoadU(d, lanes.max[2] + at);
+    const auto test = [&](size_t slot, hn::Mask<Lanes16> asked) HWY_ATTR {
+      const auto hits = hn::And(hn::And(AxisHitsOfHeld(d, min0, max0, lanes, 0, slot),
+                                        AxisHitsOfHeld(d, min1, max1, lanes, 1, slot)),
+                                hn::And(AxisHitsOfHeld(d, min2, max2, lanes, 2, slot), asked));
       cursor.Advance(StoreHits(d, hits, lanes.id[slot], lanes.id + at, cursor.Room(step)));
     };
     // Slot k of the leaf meets the lanes behind it.
     for (size_t k = 0; k < part + step; ++k) {
-      const size_t behind = k < part ? 0 : k - part + 1;
-      const auto hits = HitsOfHeld(d, held, lanes, first_slot + k);
-      emit(hn::And(hits, SlotsFrom(d, behind, 0)), first_slot + k);
+      test(first_slot + k, SlotsFrom(d, k < part ? 0 : k - part + 1, 0));
     }
-    for (size_t k = 0; k < found.count; ++k) {
-      emit(HitsOfHeld(d, held, lanes, found.entries[k]), found.entries[k]);
-    }
+    const auto all = hn::FirstN(d, step);
+    for (size_t k = 0; k < found.count; ++k) test(found.entries[k], all);
   }
   return (LeafTree::kWidth + found.count) * LeafTree::kWidth;
 }

@@ -8,6 +8,7 @@
 #include "engine_client/broad_phase/grid.h"
 #include "engine_client/broad_phase/kd_tree.h"
 #include "engine_client/broad_phase/sap.h"
+#include "engine_client/broad_phase/tracy.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
@@ -25,6 +26,7 @@ constexpr std::array kFamilies = {
     Family{"SAP", MakeSap},
     Family{"AxisSweep", MakeAxisSweep},
     Family{"DBVT", MakeDbvt},
+    Family{"Tracy", MakeTracy},
     Family{"KDTree", MakeKdTree},
 };
 
