@@ -1,0 +1,122 @@
+#include "engine_client/telemetry/daemon_connection.h"
+
+#include <utility>
+
+namespace sweepstake {
+namespace {
+
+constexpr int kKeepAliveIntervalMs = 20'000;
+constexpr int kKeepAliveTimeoutMs = 10'000;
+constexpr int kMessageBytesMax = 256 * 1024;
+
+std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepAliveIntervalMs);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepAliveTimeoutMs);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  arguments.SetMaxReceiveMessageSize(kMessageBytesMax);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+}  // namespace
+
+std::shared_ptr<DaemonConnection> DaemonConnection::Open(const std::string& address,
+                                                         std::function<void()> wake) {
+  std::shared_ptr<DaemonConnection> connection(new DaemonConnection(std::move(wake)));
+  connection->self_ = connection;
+  connection->channel_ = MakeChannel(address);
+  connection->stub_ = v1::TelemetryService::NewStub(connection->channel_);
+  connection->stub_->async()->StreamTelemetry(&connection->context_, connection.get());
+  // Writes start outside of gRPC's reactions; without a hold the stream could be done meanwhile.
+  connection->AddHold();
+  connection->StartRead(&connection->reading_response_);
+  connection->StartCall();
+  return connection;
+}
+
+bool DaemonConnection::writable() {
+  const std::lock_guard lock(mutex_);
+  return !writing_ && !broken_ && held_;
+}
+
+void DaemonConnection::Write(const v1::StreamTelemetryRequest& request) {
+  writing_request_ = request;
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = true;
+  }
+  StartWrite(&writing_request_);
+}
+
+void DaemonConnection::HalfClose() { StartWritesDone(); }
+
+void DaemonConnection::Cancel() {
+  context_.TryCancel();
+  LetGo();
+}
+
+void DaemonConnection::LetGo() {
+  if (std::exchange(held_, false)) RemoveHold();
+}
+
+std::optional<v1::StreamTelemetryResponse> DaemonConnection::TakeResponse() {
+  std::optional<v1::StreamTelemetryResponse> response;
+  bool resume_reading = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (inbox_.empty()) return std::nullopt;
+    response = std::move(inbox_.front());
+    inbox_.pop_front();
+    resume_reading = !reading_ && !broken_ && held_;
+    reading_ = reading_ || resume_reading;
+  }
+  if (resume_reading) StartRead(&reading_response_);
+  return response;
+}
+
+std::optional<grpc::Status> DaemonConnection::closed() {
+  bool broken = false;
+  {
+    const std::lock_guard lock(mutex_);
+    broken = broken_;
+    if (status_ && inbox_.empty()) return status_;
+  }
+  if (broken) LetGo();
+  return std::nullopt;
+}
+
+void DaemonConnection::OnReadDone(bool ok) {
+  bool read_on = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ok) inbox_.push_back(std::move(reading_response_));
+    broken_ = broken_ || !ok;
+    read_on = ok && inbox_.size() < kInboxMax;
+    reading_ = read_on;
+  }
+  if (read_on) StartRead(&reading_response_);
+  wake_();
+}
+
+void DaemonConnection::OnWriteDone(bool ok) {
+  {
+    const std::lock_guard lock(mutex_);
+    writing_ = false;
+    broken_ = broken_ || !ok;
+  }
+  wake_();
+}
+
+void DaemonConnection::OnDone(const grpc::Status& status) {
+  std::shared_ptr<DaemonConnection> self;
+  {
+    const std::lock_guard lock(mutex_);
+    status_ = status;
+    self = std::move(self_);
+  }
+  wake_();
+}
+
+}  // namespace sweepstake

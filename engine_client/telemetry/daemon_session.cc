@@ -1,0 +1,405 @@
+// The session with a daemon: the sender thread between the frame path's queue and a gRPC stream.
+//
+// Each step takes what is queued, takes what the daemon said, sends what may be sent, and connects
+// or parts when it is time. It polls: the frame thread never wakes it; gRPC's threads and Stop do.
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <random>
+#include <utility>
+
+#include "engine_client/telemetry/backoff.h"
+#include "engine_client/telemetry/daemon_address.h"
+#include "engine_client/telemetry/daemon_connection.h"
+#include "engine_client/telemetry/evidence_intake.h"
+#include "engine_client/telemetry/polling_thread.h"
+#include "engine_client/telemetry/session_options.h"
+#include "engine_client/telemetry/wire.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr uint32_t kProtocolVersion = 1;
+constexpr uint64_t kNsPerMs = 1'000'000;
+constexpr std::chrono::milliseconds kPollInterval{5};
+// A daemon that does not answer Hello, or does not end a stream that we ended, is as good as gone.
+constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
+// A connection that lasted this long is a good one: the next back-off starts from its minimum.
+constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
+constexpr uint32_t kBatchFramesMax = 240;
+
+v1::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
+  v1::Hello hello;
+  hello.set_protocol_version(kProtocolVersion);
+  hello.set_project(options.project);
+  hello.set_scene(options.scene);
+  hello.set_build(options.build);
+  hello.set_machine_class(options.machine_class);
+  for (size_t arm = 0; arm < adaptive.arms().size(); ++arm) {
+    v1::Arm& announced = *hello.add_arms();
+    announced.set_name(adaptive.arms()[arm]);
+    announced.set_backend_version(adaptive.arm_versions()[arm]);
+  }
+  hello.set_time_scale(options.time_scale);
+  hello.set_ignore_priors(options.ignore_priors);
+  hello.set_seed(options.seed);
+  hello.set_policy(options.policy);
+  return hello;
+}
+
+BatchLimits LimitsOf(const SessionOptions& options) {
+  return {.interval_ns = options.batch_interval_ms * kNsPerMs,
+          .frames = options.batch_frames,
+          .bytes = options.batch_bytes};
+}
+
+// The daemon may ask for smaller batches. With a scaled-down decision interval they also come more
+// often, or else there would be decisions without frames.
+BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) {
+  uint64_t interval_ms = options.batch_interval_ms;
+  if (welcome.batch_interval_ms() > 0) interval_ms = welcome.batch_interval_ms();
+  if (welcome.decision_interval_ms() > 0) {
+    interval_ms = std::min<uint64_t>(interval_ms, welcome.decision_interval_ms() / 4 + 1);
+  }
+  BatchLimits limits = LimitsOf(options);
+  limits.interval_ns = interval_ms * kNsPerMs;
+  if (welcome.max_batch_frames() > 0) {
+    limits.frames = std::min({limits.frames, welcome.max_batch_frames(), kBatchFramesMax});
+  }
+  if (welcome.max_message_bytes() > 0) {
+    limits.bytes = std::min(limits.bytes, welcome.max_message_bytes());
+  }
+  return limits;
+}
+
+// What trying again soon will not mend.
+bool IsLasting(grpc::StatusCode code) {
+  return code == grpc::StatusCode::INVALID_ARGUMENT ||
+         code == grpc::StatusCode::FAILED_PRECONDITION ||
+         code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED ||
+         code == grpc::StatusCode::UNIMPLEMENTED;
+}
+
+std::string Describe(const grpc::Status& status, const std::string& address, uint32_t delay_ms) {
+  std::string what = "the daemon at " + address + " ended the connection";
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE) what = "no connection to " + address;
+  if (IsLasting(status.error_code())) what = "the daemon at " + address + " refuses the session";
+  if (!status.error_message().empty()) what += ": " + status.error_message();
+  return what + "; trying again in " + std::to_string(delay_ms) + " ms";
+}
+
+bool IsUsable(const v1::BetaPosterior& posterior) {
+  return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
+         posterior.alpha() > 0 && posterior.beta() > 0;
+}
+
+uint64_t NowNs() { return SteadyClock().NowNs(); }
+
+// What differs between sessions of one process, so that their jitter does too; nothing is decided
+// by it.
+uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs(); }
+
+class DaemonSession final : public Session {
+ public:
+  DaemonSession(std::string address, const SessionOptions& options)
+      : home_address_(std::move(address)),
+        options_(options),
+        queue_(options.queue_frames),
+        backoff_(options.backoff_min_ms, options.backoff_max_ms, JitterSeed()) {}
+  ~DaemonSession() override { DaemonSession::Stop(0); }
+
+  FrameSink& sink() override { return queue_; }
+  Status Start(AdaptiveBroadPhase& adaptive) override;
+  void OnModeChange() override;
+  void Stop(uint32_t deadline_ms) override;
+  SessionStats stats() const override;
+
+ private:
+  // The connection under way or open.
+  struct Link {
+    std::shared_ptr<DaemonConnection> stream;
+    std::string address;
+    uint64_t deadline_ns = 0;  // for the daemon's answer to what we last asked for
+    std::optional<uint64_t> online_since_ns;
+    std::optional<v1::ReconnectElsewhere> redirect;
+    bool goodbye_sent = false;
+    bool half_closed = false;
+  };
+
+  bool Step(bool stopping);
+  void Connect(uint64_t now_ns);
+  void Converse(uint64_t now_ns);
+  void Send();
+  void OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns);
+  void OnWelcome(const v1::Welcome& welcome, uint64_t now_ns);
+  void OnCommand(const v1::SwitchCommand& command);
+  void TakeBeliefs(const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors);
+  void FollowRedirect(uint64_t now_ns);
+  void OnClosed(const grpc::Status& status, uint64_t now_ns);
+  uint32_t DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns);
+  bool Part(uint64_t now_ns, bool queue_empty);
+  void HalfClose(uint64_t now_ns);
+  void Publish();
+
+  const std::string home_address_;
+  const SessionOptions options_;
+  SampleQueue queue_;
+  std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
+  std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};
+
+  // On the sender thread.
+  std::optional<SessionState> state_;
+  std::optional<EvidenceIntake> intake_;
+  Backoff backoff_;
+  std::optional<Link> link_;
+  std::string next_address_;
+  uint64_t next_attempt_ns_ = 0;
+  std::string last_error_;
+  std::vector<ArmBelief> beliefs_;
+  uint64_t command_count_ = 0;
+  uint64_t prior_source_count_ = 0;
+
+  mutable std::mutex stats_mutex_;
+  SessionStats stats_;  // guarded by stats_mutex_
+  // Shared with the connections' callbacks, of which a late one may come after the session is gone.
+  std::shared_ptr<PollingThread> thread_ = std::make_shared<PollingThread>();
+};
+
+Status DaemonSession::Start(AdaptiveBroadPhase& adaptive) {
+  if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
+    return {StatusCode::kFailedPrecondition, "the session was started before; make a new one"};
+  }
+  state_.emplace(MakeHello(options_, adaptive), options_.unacknowledged_messages);
+  intake_.emplace(queue_, *state_, LimitsOf(options_));
+  next_address_ = home_address_;
+  adaptive_.store(&adaptive);
+  thread_->Start(kPollInterval, [this](bool stopping) { return Step(stopping); });
+  return {};
+}
+
+void DaemonSession::OnModeChange() {
+  const AdaptiveBroadPhase* adaptive = adaptive_.load(std::memory_order_relaxed);
+  if (adaptive == nullptr) return;
+  queue_.OnModeChange({.mode = adaptive->mode(), .active_arm = adaptive->active_arm()});
+}
+
+void DaemonSession::Stop(uint32_t deadline_ms) {
+  stop_deadline_ns_.store(std::min(stop_deadline_ns_.load(), NowNs() + deadline_ms * kNsPerMs));
+  thread_->RequestStop();
+  thread_->Join();
+  AdaptiveBroadPhase* adaptive = adaptive_.exchange(nullptr);
+  if (adaptive != nullptr) adaptive->SetDeciderPresent(false);
+  const std::lock_guard lock(stats_mutex_);
+  stats_.state = ConnectionState::kClosed;
+}
+
+SessionStats DaemonSession::stats() const {
+  const std::lock_guard lock(stats_mutex_);
+  SessionStats stats = stats_;
+  stats.dropped_frame_count += queue_.dropped_frame_count();
+  return stats;
+}
+
+bool DaemonSession::Step(bool stopping) {
+  const uint64_t now_ns = NowNs();
+  const bool queue_empty = intake_->Pump(now_ns);
+  if (link_) Converse(now_ns);
+  bool go_on = true;
+  if (stopping) {
+    go_on = Part(now_ns, queue_empty);
+  } else if (!link_ && now_ns >= next_attempt_ns_) {
+    Connect(now_ns);
+  }
+  Publish();
+  return go_on;
+}
+
+void DaemonSession::Connect(uint64_t now_ns) {
+  const AdaptiveBroadPhase& adaptive = *adaptive_.load();
+  link_.emplace();
+  link_->address = next_address_;
+  link_->deadline_ns = now_ns + kAnswerTimeoutNs;
+  link_->stream =
+      DaemonConnection::Open(next_address_, [weak = std::weak_ptr<PollingThread>(thread_)] {
+        if (const auto thread = weak.lock()) thread->Wake();
+      });
+  link_->stream->Write(state_->Connect({.active_arm = adaptive.active_arm(),
+                                        .switch_epoch = adaptive.switch_epoch(),
+                                        .mode = static_cast<v1::Mode>(adaptive.mode())}));
+}
+
+void DaemonSession::Converse(uint64_t now_ns) {
+  while (const auto response = link_->stream->TakeResponse()) OnResponse(*response, now_ns);
+  if (const std::optional<grpc::Status> status = link_->stream->closed()) {
+    return OnClosed(*status, now_ns);
+  }
+  const bool waiting = !state_->online() || link_->half_closed;
+  if (waiting && now_ns >= link_->deadline_ns) return link_->stream->Cancel();
+  if (link_->redirect && !link_->half_closed) return FollowRedirect(now_ns);
+  Send();
+}
+
+void DaemonSession::Send() {
+  if (link_->goodbye_sent || link_->half_closed) return;
+  while (const v1::StreamTelemetryRequest* next = state_->Next()) {
+    if (!link_->stream->writable()) return;
+    link_->stream->Write(*next);
+    state_->MarkSent();
+  }
+}
+
+void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns) {
+  switch (response.message_case()) {
+    case v1::StreamTelemetryResponse::kWelcome:
+      return OnWelcome(response.welcome(), now_ns);
+    case v1::StreamTelemetryResponse::kSwitchCommand:
+      return OnCommand(response.switch_command());
+    case v1::StreamTelemetryResponse::kAcknowledgement:
+      return state_->OnAcknowledgement(response.acknowledgement().sequence());
+    case v1::StreamTelemetryResponse::kPosteriorSnapshot:
+      return TakeBeliefs(response.posterior_snapshot().arms());
+    case v1::StreamTelemetryResponse::kReconnectElsewhere:
+      link_->redirect = response.reconnect_elsewhere();
+      return;
+    case v1::StreamTelemetryResponse::MESSAGE_NOT_SET:
+      return;
+  }
+}
+
+void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
+  if (state_->online()) return;  // Once per connection; a second one says nothing new.
+  AdaptiveBroadPhase& adaptive = *adaptive_.load();
+  state_->OnWelcome(welcome);
+  link_->online_since_ns = now_ns;
+  last_error_.clear();
+  prior_source_count_ = welcome.prior_source_count();
+  intake_->SetLimits(LimitsOf(options_, welcome));
+  TakeBeliefs(welcome.priors());
+  adaptive.SetSettling(welcome.settling_ms() * kNsPerMs);
+  adaptive.SetDeciderPresent(true);
+}
+
+void DaemonSession::OnCommand(const v1::SwitchCommand& command) {
+  AdaptiveBroadPhase& adaptive = *adaptive_.load();
+  if (command.reason() < v1::SWITCH_REASON_POLICY || command.reason() > v1::SWITCH_REASON_MANUAL) {
+    return;  // Breaks the protocol, and could not be answered within it.
+  }
+  ++command_count_;
+  if (command.arm() >= adaptive.arms().size()) {
+    return state_->Append(RefusalRequest(command, adaptive.active_arm(), adaptive.switch_epoch()));
+  }
+  adaptive.mailbox().Post({.command_id = command.command_id(),
+                           .arm = command.arm(),
+                           .reason = static_cast<SwitchReason>(command.reason())});
+}
+
+void DaemonSession::TakeBeliefs(
+    const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors) {
+  AdaptiveBroadPhase& adaptive = *adaptive_.load();
+  if (static_cast<size_t>(posteriors.size()) != adaptive.arms().size()) return;
+  std::vector<ArmBelief> beliefs;
+  std::vector<double> means;
+  for (const v1::BetaPosterior& posterior : posteriors) {
+    if (!IsUsable(posterior)) return;
+    beliefs.push_back({adaptive.arms()[beliefs.size()], posterior.alpha(), posterior.beta()});
+    means.push_back(posterior.alpha() / (posterior.alpha() + posterior.beta()));
+  }
+  beliefs_ = std::move(beliefs);
+  adaptive.SetPosteriorMeans(means);
+}
+
+void DaemonSession::FollowRedirect(uint64_t now_ns) {
+  if (link_->stream->writable()) HalfClose(now_ns);
+}
+
+void DaemonSession::HalfClose(uint64_t now_ns) {
+  link_->stream->HalfClose();
+  link_->half_closed = true;
+  link_->deadline_ns = now_ns + kAnswerTimeoutNs;
+}
+
+void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
+  const Link link = std::move(*link_);
+  link_.reset();
+  adaptive_.load()->SetDeciderPresent(false);
+  state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND,
+                     status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
+  const uint32_t delay_ms = DelayMs(status, link, now_ns);
+  next_attempt_ns_ = now_ns + delay_ms * kNsPerMs;
+  // Another address is tried once; where it does not answer, home is.
+  next_address_ = home_address_;
+  if (link.redirect && ValidateDaemonAddress(link.redirect->address()).ok()) {
+    next_address_ = link.redirect->address();
+  }
+  last_error_ = Describe(status, link.address, delay_ms);
+}
+
+uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns) {
+  if (link.online_since_ns && now_ns - *link.online_since_ns >= kGoodConnectionNs) {
+    backoff_.Reset();
+  }
+  if (IsLasting(status.error_code())) return backoff_.LongMs();
+  if (!link.redirect) return backoff_.NextMs();
+  const uint32_t delay_ms = std::min(link.redirect->delay_ms(), options_.backoff_max_ms);
+  return delay_ms + backoff_.JitterMs(std::max(delay_ms, options_.backoff_min_ms));
+}
+
+// Goodbye once everything is sent. False: done, or out of time.
+bool DaemonSession::Part(uint64_t now_ns, bool queue_empty) {
+  if (!link_) return false;
+  if (now_ns >= stop_deadline_ns_.load()) {
+    link_->stream->Cancel();
+    link_.reset();
+    return false;
+  }
+  if (queue_empty && !intake_->batch_empty()) {
+    intake_->Flush();
+    Send();
+  }
+  const bool all_sent = state_->online() && queue_empty && state_->Next() == nullptr;
+  if (!all_sent || link_->half_closed || !link_->stream->writable()) return true;
+  if (link_->goodbye_sent) {
+    HalfClose(now_ns);
+  } else {
+    v1::StreamTelemetryRequest request;
+    request.mutable_goodbye()->set_reason("the session was stopped");
+    link_->stream->Write(request);
+    link_->goodbye_sent = true;
+  }
+  return true;
+}
+
+void DaemonSession::Publish() {
+  const SessionState::Counts& counts = state_->counts();
+  const std::lock_guard lock(stats_mutex_);
+  stats_.state = !link_             ? ConnectionState::kOffline
+                 : state_->online() ? ConnectionState::kOnline
+                                    : ConnectionState::kConnecting;
+  stats_.last_error = last_error_;
+  stats_.session_id = state_->session_id();
+  stats_.sent_frame_count = counts.sent_frame_count;
+  stats_.dropped_frame_count = counts.discarded_frame_count;
+  stats_.acknowledged_sequence = counts.acknowledged_sequence;
+  stats_.sent_sequence = counts.sent_sequence;
+  stats_.connection_count = counts.connection_count;
+  stats_.resumed_count = counts.resumed_count;
+  stats_.resent_message_count = counts.resent_message_count;
+  stats_.command_count = command_count_;
+  stats_.prior_source_count = prior_source_count_;
+  stats_.beliefs = beliefs_;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
+                                                   const SessionOptions& options) {
+  if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
+  if (Status status = ValidateSessionOptions(options); !status.ok()) return status;
+  return std::unique_ptr<Session>(std::make_unique<DaemonSession>(std::move(address), options));
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,75 @@
+#include "engine_client/telemetry/session_state.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake {
+
+SessionState::SessionState(v1::Hello hello, size_t unacknowledged_max)
+    : hello_(std::move(hello)), buffer_(unacknowledged_max) {}
+
+v1::StreamTelemetryRequest SessionState::Connect(const Position& position) {
+  online_ = false;
+  v1::StreamTelemetryRequest request;
+  v1::Hello& hello = *request.mutable_hello();
+  hello = hello_;
+  hello.set_session_id(session_id_);
+  hello.set_mode(position.mode);
+  hello.set_active_arm(position.active_arm);
+  hello.set_switch_epoch(position.switch_epoch);
+  if (const v1::FrameBatch* batch = buffer_.FirstBatch()) {
+    hello.set_active_arm(batch->arm(0));
+    hello.set_switch_epoch(batch->switch_epoch(0));
+  }
+  return request;
+}
+
+void SessionState::OnWelcome(const v1::Welcome& welcome) {
+  const bool resumed = welcome.resumed() && welcome.session_id() == session_id_;
+  if (!resumed) BeginSession();
+  session_id_ = welcome.session_id();
+  online_ = true;
+  buffer_.Rewind();
+  ++counts_.connection_count;
+  if (!resumed) return;
+  ++counts_.resumed_count;
+  OnAcknowledgement(welcome.acknowledged_sequence());
+}
+
+void SessionState::BeginSession() {
+  buffer_.Renumber();
+  counts_.acknowledged_sequence = 0;
+  counts_.sent_sequence = 0;
+}
+
+void SessionState::OnAcknowledgement(uint64_t sequence) {
+  if (sequence > buffer_.last_sequence()) return;
+  buffer_.Acknowledge(sequence);
+  counts_.acknowledged_sequence = std::max(counts_.acknowledged_sequence, sequence);
+}
+
+const v1::StreamTelemetryRequest* SessionState::Next() const {
+  if (!online_) return nullptr;
+  const ResendBuffer::Entry* entry = buffer_.Next();
+  return entry == nullptr ? nullptr : &entry->request;
+}
+
+void SessionState::MarkSent() {
+  const ResendBuffer::Entry& entry = *buffer_.Next();
+  if (entry.sent_before) {
+    ++counts_.resent_message_count;
+  } else {
+    counts_.sent_frame_count +=
+        static_cast<uint64_t>(entry.request.frame_batch().frame_time_ns_size());
+  }
+  counts_.sent_sequence = std::max(counts_.sent_sequence, entry.request.sequence());
+  buffer_.MarkSent();
+}
+
+void SessionState::Disconnect(bool unknown_session, bool refused) {
+  if (online_ && refused) counts_.discarded_frame_count += buffer_.DiscardSent();
+  if (unknown_session) session_id_.clear();
+  online_ = false;
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,78 @@
+// The protocol of one session (telemetry.proto) without network, clock or threads: who we are, what
+// is numbered, what is to be sent next, and what survives a lost connection.
+//
+//   disconnected → Connect (Hello) → connecting → OnWelcome → online → Disconnect → …
+//
+// Resuming: the daemon's welcome tells what is on disk already; everything later is sent again
+// under the same numbers, in order. When the daemon does not know the session any more (NOT_FOUND,
+// or a welcome that does not resume), a new session begins: what is left was never durable, so it
+// gets new numbers from 1 and counts for the new session.
+//
+// Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "engine_client/telemetry/resend_buffer.h"
+#include "sweepstake/v1/telemetry.pb.h"
+
+namespace sweepstake {
+
+class SessionState {
+ public:
+  // What the session is about to observe.
+  struct Position {
+    uint32_t active_arm = 0;
+    uint32_t switch_epoch = 0;
+    v1::Mode mode = v1::MODE_AI;
+  };
+
+  struct Counts {
+    uint64_t connection_count = 0;
+    uint64_t resumed_count = 0;
+    uint64_t resent_message_count = 0;
+    uint64_t sent_frame_count = 0;       // each once, however often it was sent
+    uint64_t discarded_frame_count = 0;  // refused by the daemon
+    uint64_t acknowledged_sequence = 0;
+    uint64_t sent_sequence = 0;
+  };
+
+  // `hello` holds what does not change: project, scene, arms and so on.
+  SessionState(v1::Hello hello, size_t unacknowledged_max);
+
+  // Evidence, in the order it happened. Never dropped here: stop adding while full().
+  void Append(v1::StreamTelemetryRequest evidence) { buffer_.Append(std::move(evidence)); }
+  bool full() const { return buffer_.full(); }
+
+  // Begins a connection; what to write first. Frames not sent yet are described by `position`, but
+  // the oldest one that will be sent again goes before it.
+  v1::StreamTelemetryRequest Connect(const Position& position);
+  void OnWelcome(const v1::Welcome& welcome);
+  void OnAcknowledgement(uint64_t sequence);
+  bool online() const { return online_; }
+
+  // The next evidence to write; null: none, or not online.
+  const v1::StreamTelemetryRequest* Next() const;
+  // The message of Next is on its way. REQUIRES: Next() != nullptr.
+  void MarkSent();
+
+  // The connection ended. `unknown_session`: with NOT_FOUND; `refused`: with INVALID_ARGUMENT, so
+  // that one of the messages sent on it would be refused again for ever.
+  void Disconnect(bool unknown_session, bool refused);
+
+  const std::string& session_id() const { return session_id_; }
+  const Counts& counts() const { return counts_; }
+  size_t unacknowledged_count() const { return buffer_.size(); }
+
+ private:
+  void BeginSession();
+
+  const v1::Hello hello_;
+  ResendBuffer buffer_;
+  std::string session_id_;  // empty: none yet
+  bool online_ = false;
+  Counts counts_;
+};
+
+}  // namespace sweepstake
