@@ -1,0 +1,66 @@
+// What the daemon is told: defaults, then a TOML file, then the environment, then flags; the later
+// one wins.
+//
+// One table (config.cc) names every setting once; its name in the file (`decision.cooldown_ms`), in
+// the environment
+// (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag (`--decision-cooldown-ms`) follow from it. An
+// unknown name is an error that says which known one is nearest. Values are checked one by one,
+// then together. Pure but for reading the file.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "server/rpc/options.h"
+
+namespace sweepstake::server {
+
+struct Config {
+  std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 takes a free one
+  std::filesystem::path data = "sweepstake-data";
+  std::filesystem::path port_file;  // empty: none; gets the port, once it listens
+  std::string log_level = "info";   // trace, debug, info, warn, error or off
+  bool insecure = false;            // listen in plain text on other addresses than loopback
+  rpc::RpcOptions rpc;
+};
+
+// One setting as people see it.
+struct SettingDescription {
+  std::string key;       // in the file
+  std::string variable;  // in the environment
+  std::string flag;
+  std::string help;
+  bool is_switch = false;  // a flag without a value
+};
+std::vector<SettingDescription> DescribeSettings();
+
+// Where a value came from, for the message when it is wrong.
+using Assignments = std::map<std::string, std::string>;  // key to value
+
+// Errors: INVALID_ARGUMENT (what is wrong, where, and what would be right), NOT_FOUND (no such
+// file).
+absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path);
+// From NAME=VALUE strings. Names that begin otherwise than with SWEEPSTAKE_ are not ours, nor are
+// the ones that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…,
+// SWEEPSTAKE_PORT…).
+absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environment);
+
+// Sets what is assigned. `origin` is for messages: "config.toml", "environment", "command line".
+absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config);
+
+// What no single setting shows: loopback without --insecure, weights that sum to 1.
+absl::Status Validate(const Config& config);
+
+// Every setting and its value, as a TOML file that ReadConfigFile takes.
+std::string PrintConfig(const Config& config);
+
+// The name of `known` that is spelt most like `name`.
+std::string NearestName(std::string_view name, std::span<const std::string> known);
+
+}  // namespace sweepstake::server

@@ -1,0 +1,65 @@
+#include "server/daemon.h"
+
+#include <spdlog/logger.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/log.h"
+#include "server/storage/sqlite_prior_store.h"
+
+namespace sweepstake::server {
+namespace fs = std::filesystem;
+
+absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc::Clock& clock) {
+  if (absl::Status status = Validate(config); !status.ok()) return status;
+  auto directory = storage::DataDirectory::Open(config.data);
+  if (!directory.ok()) return directory.status();
+  std::unique_ptr<Daemon> daemon(new Daemon(config, *std::move(directory)));
+  if (absl::Status status = daemon->Open(clock); !status.ok()) return status;
+  return daemon;
+}
+
+Daemon::Daemon(const Config& config, storage::DataDirectory directory)
+    : config_(config), log_(MakeLog(config.log_level)), directory_(std::move(directory)) {}
+
+absl::Status Daemon::Open(rpc::Clock& clock) {
+  auto store = storage::OpenSqlitePriorStore(directory_.database());
+  if (!store.ok()) return store.status();
+  store_ = std::make_unique<storage::StoreThread>(*std::move(store));
+  auto server = rpc::RpcServer::Start(config_.listen, config_.rpc, clock, *store_, *log_);
+  if (!server.ok()) return server.status();
+  rpc_ = *std::move(server);
+  if (absl::Status status = WritePortFile(); !status.ok()) return status;
+  log_->info("serving on port {}, priors in {}", rpc_->port(), directory_.database().string());
+  return absl::OkStatus();
+}
+
+// Whoever waits for the file must not read half of it.
+absl::Status Daemon::WritePortFile() const {
+  if (config_.port_file.empty()) return absl::OkStatus();
+  const fs::path unfinished = config_.port_file.string() + ".new";
+  std::ofstream(unfinished) << rpc_->port() << '\n' << std::flush;
+  std::error_code error;
+  fs::rename(unfinished, config_.port_file, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("cannot write the port file ",
+                                             config_.port_file.string(), ": ", error.message()));
+}
+
+void Daemon::Drain(std::chrono::milliseconds patience) {
+  if (rpc_ != nullptr) rpc_->Drain(patience);
+  if (store_ != nullptr) store_->Close();
+}
+
+Daemon::~Daemon() {
+  Drain(std::chrono::milliseconds(0));
+  // The store's last callbacks have run; nothing of the gRPC side may outlive what it refers to.
+  rpc_.reset();
+}
+
+}  // namespace sweepstake::server

@@ -1,0 +1,47 @@
+// The daemon: the prior store, the gRPC side and the log wired together. The program runs one;
+// tests start as many as they like in their own process.
+//
+// Thread-safe but for Drain and destruction, which one thread does. The clock must outlive the
+// daemon.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "server/config.h"
+#include "server/rpc/clock.h"
+#include "server/rpc/rpc_server.h"
+#include "server/storage/data_directory.h"
+#include "server/storage/store_thread.h"
+
+namespace sweepstake::server {
+
+class Daemon {
+ public:
+  // Opens the store, listens, then writes the port file. Errors: INVALID_ARGUMENT (the
+  // configuration), else those of the data directory, the database and the listener.
+  static absl::StatusOr<std::unique_ptr<Daemon>> Start(const Config& config, rpc::Clock& clock);
+  ~Daemon();
+
+  int port() const { return rpc_->port(); }
+  const rpc::Counters& counters() const { return rpc_->counters(); }
+
+  // Health says NOT_SERVING, clients are told to come back later, what is on its way to disk
+  // arrives. Within `patience`, and the time of one commit. Idempotent.
+  void Drain(std::chrono::milliseconds patience = std::chrono::seconds(5));
+
+ private:
+  Daemon(const Config& config, storage::DataDirectory directory);
+  absl::Status Open(rpc::Clock& clock);
+  absl::Status WritePortFile() const;
+
+  const Config config_;
+  const std::shared_ptr<spdlog::logger> log_;
+  storage::DataDirectory directory_;  // locked until the store is closed
+  std::unique_ptr<storage::StoreThread> store_;
+  std::unique_ptr<rpc::RpcServer> rpc_;
+};
+
+}  // namespace sweepstake::server

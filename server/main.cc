@@ -1,0 +1,159 @@
+// `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
+//
+// Exit codes: 0 done, 1 a configuration that was to be checked is wrong, 2 bad usage or
+// configuration, 3 could not start.
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "server/config.h"
+#include "server/daemon.h"
+#include "server/rpc/clock.h"
+
+namespace {
+
+using sweepstake::server::Assignments;
+using sweepstake::server::Config;
+
+constexpr int kDone = 0;
+constexpr int kCheckFailed = 1;
+constexpr int kBadUsage = 2;
+constexpr int kCouldNotStart = 3;
+
+struct CommandLine {
+  Assignments flags;
+  std::string config_file;
+  std::string file_to_check;
+  bool check_config = false;
+  bool print_config = false;
+};
+
+void AddOptions(CLI::App& app, CommandLine& line) {
+  app.add_option("--config", line.config_file, "TOML file with any of the settings below");
+  app.add_flag("--print-config", line.print_config,
+               "print the configuration in force, as TOML, and exit");
+  for (const auto& setting : sweepstake::server::DescribeSettings()) {
+    const std::string help = setting.help + " [" + setting.key + ", " + setting.variable + "]";
+    const auto assign = [&line, key = setting.key](const std::string& value) {
+      line.flags[key] = value;
+    };
+    if (setting.is_switch) {
+      app.add_flag_function(
+          setting.flag + "{true},!" + "--no-" + setting.flag.substr(2),
+          [assign](int64_t count) { assign(count > 0 ? "true" : "false"); }, help);
+    } else {
+      app.add_option_function<std::string>(setting.flag, assign, help);
+    }
+  }
+  CLI::App* check =
+      app.add_subcommand("check-config", "check a configuration file and exit: 0 fine, 1 wrong");
+  check->add_option("file", line.file_to_check, "the TOML file")->required();
+  check->callback([&line] { line.check_config = true; });
+  app.footer("Example: sweepstaked --listen 127.0.0.1:7433 --data /var/lib/sweepstake");
+  app.allow_extras();
+}
+
+int Fail(int code, std::string_view message) {
+  std::cerr << "sweepstaked: " << message << '\n';
+  return code;
+}
+
+absl::StatusOr<Config> Check(const std::string& file) {
+  Config config;
+  auto assignments = sweepstake::server::ReadConfigFile(file);
+  if (!assignments.ok()) return assignments.status();
+  absl::Status status = Assign(*assignments, file, config);
+  if (status.ok()) status = Validate(config);
+  if (!status.ok()) return status;
+  return config;
+}
+
+std::vector<std::string> Environment() {
+  std::vector<std::string> entries;
+  for (char** entry = environ; *entry != nullptr; ++entry) entries.emplace_back(*entry);
+  return entries;
+}
+
+absl::StatusOr<Config> Load(const CommandLine& line) {
+  Config config;
+  if (!line.config_file.empty()) {
+    auto assignments = sweepstake::server::ReadConfigFile(line.config_file);
+    if (!assignments.ok()) return assignments.status();
+    if (absl::Status status = Assign(*assignments, line.config_file, config); !status.ok())
+      return status;
+  }
+  auto environment = sweepstake::server::ReadEnvironment(Environment());
+  if (!environment.ok()) return environment.status();
+  absl::Status status = Assign(*environment, "environment", config);
+  if (status.ok()) status = Assign(line.flags, "command line", config);
+  if (status.ok()) status = Validate(config);
+  if (!status.ok()) return status;
+  return config;
+}
+
+int CheckConfig(const std::string& file) {
+  const auto config = Check(file);
+  if (!config.ok()) return Fail(kCheckFailed, std::string(config.status().message()));
+  std::cout << file << ": ok\n";
+  return kDone;
+}
+
+std::string UnknownFlag(const std::string& flag) {
+  std::vector<std::string> known = {"--config", "--print-config", "--help", "check-config"};
+  for (const auto& setting : sweepstake::server::DescribeSettings()) known.push_back(setting.flag);
+  return "unknown argument " + flag + "; did you mean " +
+         sweepstake::server::NearestName(flag, known) + "?";
+}
+
+// Blocked before any thread starts, so that only sigwait sees them.
+sigset_t BlockEndSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+int Run(const Config& config) {
+  const sigset_t signals = BlockEndSignals();
+  sweepstake::rpc::SteadyClock clock;
+  auto daemon = sweepstake::server::Daemon::Start(config, clock);
+  if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
+  int signal = 0;
+  sigwait(&signals, &signal);
+  (*daemon)->Drain();
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "The decision daemon of Sweepstake: learns which broad phase suits a scene, and tells "
+      "clients.",
+      "sweepstaked");
+  CommandLine line;
+  AddOptions(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? kDone : kBadUsage;
+  }
+  if (!app.remaining().empty()) return Fail(kBadUsage, UnknownFlag(app.remaining().front()));
+  if (line.check_config) return CheckConfig(line.file_to_check);
+  const auto config = Load(line);
+  if (!config.ok()) return Fail(kBadUsage, std::string(config.status().message()));
+  if (line.print_config) {
+    std::cout << PrintConfig(*config);
+    return kDone;
+  }
+  return Run(*config);
+}

@@ -1,0 +1,228 @@
+#include "server/rpc/game_session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/rpc/message_validation.h"
+#include "server/rpc/proto_conversion.h"
+#include "server/rpc/watch_hub.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// Epochs wrap around; the later one is less than half of their range ahead.
+bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - epoch < (1u << 31); }
+
+}  // namespace
+
+std::shared_ptr<GameSession> GameSession::Create(ServiceContext& context, SessionIdentity identity,
+                                                 decision::SessionSetup setup,
+                                                 decision::SourceProgress progress,
+                                                 uint64_t prior_source_count) {
+  std::shared_ptr<GameSession> session(new GameSession(context, std::move(identity),
+                                                       std::move(setup), progress.message_sequence,
+                                                       prior_source_count));
+  session->ledger_ = std::make_shared<SessionLedger>(
+      context.store, context.loop, context.counters, std::move(progress),
+      [weak = session->weak_from_this()](const absl::Status& status) {
+        if (const auto self = weak.lock()) self->OnCommitted(status);
+      });
+  return session;
+}
+
+GameSession::GameSession(ServiceContext& context, SessionIdentity identity,
+                         decision::SessionSetup setup, uint64_t message_sequence,
+                         uint64_t prior_source_count)
+    : context_(context),
+      identity_(std::move(identity)),
+      decisions_(setup),
+      prior_source_count_(prior_source_count),
+      applied_sequence_(message_sequence),
+      acknowledged_sequence_(message_sequence),
+      switch_epoch_(setup.switch_epoch) {}
+
+void GameSession::Attach(SessionLink& link) {
+  if (link_ != nullptr) {
+    link_->Abort(absl::AbortedError("another connection took this session over"));
+  }
+  link_ = &link;
+  // The welcome says so.
+  acknowledged_sequence_ = durable_sequence();
+}
+
+void GameSession::Start(const v1::Hello& hello) {
+  const auto mode = static_cast<decision::Mode>(hello.mode());
+  if (mode != decisions_.mode())
+    decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
+  if (unanswered_) link_->SendSwitch(*unanswered_);
+  // From now on the store knows the session, and a restarted daemon lets it go on.
+  if (durable_sequence() == 0 && applied_sequence_ == 0) Checkpoint();
+  ScheduleTick();
+}
+
+void GameSession::Detach(SessionLink& link) {
+  if (link_ != &link) return;
+  link_ = nullptr;
+  ++timer_generation_;
+}
+
+void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
+  if (request.sequence() <= applied_sequence_) {
+    ++context_.counters.replayed_message_count;
+    return;
+  }
+  applied_sequence_ = request.sequence();
+  ++context_.counters.applied_message_count;
+  switch (request.message_case()) {
+    case v1::StreamTelemetryRequest::kFrameBatch:
+      return ApplyFrames(request.frame_batch());
+    case v1::StreamTelemetryRequest::kSwitchOutcome:
+      return ApplySwitchOutcome(request.switch_outcome());
+    case v1::StreamTelemetryRequest::kBailOut:
+      return ApplyBailOut(request.bail_out());
+    case v1::StreamTelemetryRequest::kModeChange:
+      return ApplyModeChange(request.mode_change());
+    default:
+      return;
+  }
+}
+
+void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
+  frames_.clear();
+  for (int i = 0; i < batch.frame_time_ns_size(); ++i) {
+    const decision::Frame frame = FrameAt(batch, i);
+    if (IsPlausible(frame)) frames_.push_back(frame);
+  }
+  const auto received = static_cast<uint64_t>(batch.frame_time_ns_size());
+  context_.counters.accepted_frame_count += frames_.size();
+  context_.counters.rejected_frame_count += received - frames_.size();
+  context_.counters.dropped_frame_count += batch.dropped_frame_count();
+  decisions_.ObserveFrames(frames_);
+}
+
+void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
+  if (unanswered_ && outcome.command_id() == unanswered_->command_id) unanswered_.reset();
+  if (!outcome.executed()) {
+    ++context_.counters.refused_switch_count;
+    return;
+  }
+  // Sent again from before the state that the client's Hello described.
+  if (IsEarlier(outcome.switch_epoch(), switch_epoch_)) return;
+  switch_epoch_ = outcome.switch_epoch();
+  decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(),
+                           static_cast<decision::SwitchReason>(outcome.reason()),
+                           context_.loop.clock().NowNs());
+}
+
+void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
+  if (last_bail_out_frame_ && bail_out.frame_index() <= *last_bail_out_frame_) return;
+  last_bail_out_frame_ = bail_out.frame_index();
+  const decision::Frame frame = FrameOf(bail_out);
+  if (!IsPlausible(frame)) {
+    ++context_.counters.rejected_frame_count;
+    return;
+  }
+  // Its evidence goes to disk with the next tick: until then frames before it are in memory only,
+  // and its sequence number would cover them.
+  Carry(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+}
+
+void GameSession::ApplyModeChange(const v1::ModeChange& change) {
+  decisions_.SetMode(static_cast<decision::Mode>(change.mode()), change.active_arm(),
+                     context_.loop.clock().NowNs());
+  unanswered_.reset();
+}
+
+void GameSession::ScheduleTick() {
+  const uint64_t generation = ++timer_generation_;
+  context_.loop.PostAt(decisions_.next_tick_ns(), [weak = weak_from_this(), generation] {
+    if (const auto self = weak.lock()) self->OnTimer(generation);
+  });
+}
+
+void GameSession::OnTimer(uint64_t generation) {
+  if (generation != timer_generation_ || link_ == nullptr) return;
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (now_ns >= decisions_.next_tick_ns()) {
+    Carry(decisions_.Tick(now_ns));
+    Checkpoint();
+  }
+  ScheduleTick();
+}
+
+void GameSession::Checkpoint() {
+  ledger_->Checkpoint(applied_sequence_, decisions_.explored_arm_count(),
+                      decisions_.decision_count());
+}
+
+void GameSession::OnCommitted(const absl::Status& status) {
+  if (status.ok()) context_.watchers.OnEvidence(identity_.scene);
+  if (link_ == nullptr) return;
+  if (durable_sequence() > acknowledged_sequence_) {
+    acknowledged_sequence_ = durable_sequence();
+    link_->SendAcknowledgement(acknowledged_sequence_);
+  }
+  // A store that cannot write must not keep anybody here: what is not acknowledged, the client has
+  // still.
+  if (!status.ok() && (ending_ || draining_)) return CloseLink();
+  CloseIfSettled();
+}
+
+void GameSession::CloseIfSettled() {
+  if ((ending_ || draining_) && ledger_->settled()) CloseLink();
+}
+
+void GameSession::CloseLink() {
+  if (link_ == nullptr) return;
+  SessionLink* link = std::exchange(link_, nullptr);
+  link->Close(ending_ ? absl::OkStatus()
+                      : absl::UnavailableError("the daemon is draining; connect again"));
+}
+
+void GameSession::End() {
+  ending_ = true;
+  ++timer_generation_;
+  Checkpoint();
+  CloseIfSettled();
+}
+
+void GameSession::Drain() {
+  draining_ = true;
+  ++timer_generation_;
+  if (link_ == nullptr) return;
+  link_->SendReconnect(context_.options.reconnect_delay_ms);
+  CloseIfSettled();
+}
+
+void GameSession::Carry(const decision::Decision& decision) {
+  ++context_.counters.decision_count;
+  if (decision.increment) {
+    const decision::Increment& increment = *decision.increment;
+    ledger_->Add(
+        {KeyOf(increment.arm),
+         {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
+    if (link_ != nullptr) link_->SendSnapshot(decisions_.posteriors());
+  }
+  if (decision.command) {
+    ++context_.counters.switch_command_count;
+    unanswered_ = decision.command;
+    if (link_ != nullptr) link_->SendSwitch(*decision.command);
+  }
+  if (context_.watchers.WatchesDecisionsOf(identity_.scene)) Publish(decision.record);
+}
+
+void GameSession::Publish(const decision::DecisionRecord& record) {
+  v1::DecisionEvent event;
+  event.set_session_id(identity_.id);
+  event.set_project(identity_.scene.project);
+  event.set_scene(identity_.scene.scene);
+  event.set_machine_class(identity_.scene.machine_class);
+  FillDecision(record, identity_.arms, event);
+  context_.watchers.OnDecision(identity_.scene, event);
+}
+
+decision::EvidenceKey GameSession::KeyOf(uint32_t arm) const {
+  return EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm]);
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,92 @@
+#include "server/rpc/rpc_server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr int kSecond = 1'000;
+constexpr int kMinute = 60 * kSecond;
+
+void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
+  // Without a quota one connection can pin a gigabyte.
+  grpc::ResourceQuota quota("sweepstaked");
+  quota.Resize(options.memory_quota_bytes);
+  builder.SetResourceQuota(quota);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(kMaxMessageBytes));
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
+                             static_cast<int>(options.max_streams_per_connection));
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10 * kSecond);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kMinute);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20 * kSecond);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10 * kSecond);
+  // gRPC spreads the age by ±10 % itself.
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30 * kMinute);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, kMinute);
+  // A second daemon on the same port must fail, not share it.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+}
+
+}  // namespace
+
+RpcServer::RpcServer(RpcOptions options, Clock& clock, decision::AsyncPriorStore& store,
+                     spdlog::logger& log)
+    : options_(std::move(options)),
+      context_{options_, loop_, store, counters_, sessions_, watchers_, log},
+      sessions_(options_, loop_),
+      watchers_(context_),
+      telemetry_(context_),
+      posteriors_(context_),
+      priors_(context_),
+      loop_(clock) {}
+
+absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
+                                                            RpcOptions options, Clock& clock,
+                                                            decision::AsyncPriorStore& store,
+                                                            spdlog::logger& log) {
+  std::unique_ptr<RpcServer> server(new RpcServer(std::move(options), clock, store, log));
+  if (absl::Status status = server->Listen(listen); !status.ok()) return status;
+  return server;
+}
+
+absl::Status RpcServer::Listen(const std::string& address) {
+  grpc::EnableDefaultHealthCheckService(true);
+  if (options_.reflection) grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  SetLimits(builder, options_);
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port_);
+  builder.RegisterService(&telemetry_);
+  builder.RegisterService(&posteriors_);
+  builder.RegisterService(&priors_);
+  server_ = builder.BuildAndStart();
+  if (server_ != nullptr && port_ > 0) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat("cannot listen on ", address, "; is the address right, and its port free?"));
+}
+
+RpcServer::~RpcServer() { Drain(std::chrono::milliseconds(0)); }
+
+void RpcServer::SetServing(bool serving) {
+  if (server_ != nullptr) server_->GetHealthCheckService()->SetServingStatus(serving);
+}
+
+void RpcServer::Drain(std::chrono::milliseconds patience) {
+  if (server_ == nullptr) return;
+  server_->GetHealthCheckService()->Shutdown();
+  loop_.Post([this] {
+    telemetry_.Drain();
+    watchers_.Drain();
+  });
+  server_->Shutdown(std::chrono::system_clock::now() + patience);
+  server_->Wait();
+  server_.reset();
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,63 @@
+// The gRPC side of the daemon: listens, serves, drains.
+//
+// Thread-safe but for Drain, which one thread calls. Owns the decision loop and the sessions; the
+// clock, the store and the log are borrowed. Order of an end: Drain, then the owner closes the
+// store (its callbacks still find the loop), then the destructor, then the store's destructor.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/rpc/decision_loop.h"
+#include "server/rpc/posteriors_service.h"
+#include "server/rpc/priors_service.h"
+#include "server/rpc/service_context.h"
+#include "server/rpc/session_table.h"
+#include "server/rpc/telemetry_service.h"
+#include "server/rpc/watch_hub.h"
+
+namespace sweepstake::rpc {
+
+class RpcServer {
+ public:
+  // `listen` is HOST:PORT; port 0 takes a free one. Plain text: the caller has checked that this is
+  // wanted. Error: UNAVAILABLE (cannot listen there).
+  static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
+                                                          RpcOptions options, Clock& clock,
+                                                          decision::AsyncPriorStore& store,
+                                                          spdlog::logger& log);
+  ~RpcServer();
+
+  int port() const { return port_; }
+  const Counters& counters() const { return counters_; }
+
+  // What grpc.health.v1 says from now on. Drain sets it for good.
+  void SetServing(bool serving);
+
+  // Refuses new streams, tells clients to come back later, lets what is on its way to disk arrive,
+  // and ends; what is not done by then is cancelled. Idempotent.
+  void Drain(std::chrono::milliseconds patience);
+
+ private:
+  RpcServer(RpcOptions options, Clock& clock, decision::AsyncPriorStore& store,
+            spdlog::logger& log);
+  absl::Status Listen(const std::string& address);
+
+  const RpcOptions options_;
+  Counters counters_;
+  ServiceContext context_;  // refers to the members below
+  SessionTable sessions_;
+  WatchHub watchers_;
+  TelemetryService telemetry_;
+  PosteriorsService posteriors_;
+  PriorsService priors_;
+  DecisionLoop loop_;  // after everything its tasks use: its destructor runs the last ones
+  std::unique_ptr<grpc::Server> server_;
+  int port_ = 0;
+};
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,69 @@
+#include "server/rpc/session_ledger.h"
+
+#include <utility>
+
+namespace sweepstake::rpc {
+
+SessionLedger::SessionLedger(decision::AsyncPriorStore& store, DecisionLoop& loop,
+                             Counters& counters, decision::SourceProgress progress,
+                             std::function<void(const absl::Status&)> on_committed)
+    : store_(store),
+      loop_(loop),
+      counters_(counters),
+      on_committed_(std::move(on_committed)),
+      progress_(std::move(progress)),
+      durable_sequence_(progress_.message_sequence) {}
+
+void SessionLedger::Add(const decision::KeyedEvidence& increment) {
+  waiting_[increment.key] += increment.evidence;
+}
+
+void SessionLedger::Checkpoint(uint64_t message_sequence, uint32_t explored_arm_count,
+                               uint64_t decision_count) {
+  const bool unknown_to_store = progress_.commit_sequence == 0 && !offered_;
+  if (message_sequence > progress_.message_sequence || !waiting_.empty() || unknown_to_store)
+    checkpointed_ = true;
+  progress_.message_sequence = message_sequence;
+  progress_.explored_arm_count = explored_arm_count;
+  progress_.decision_count = decision_count;
+  CommitNext();
+}
+
+void SessionLedger::CommitNext() {
+  if (in_flight_) return;
+  if (!offered_) {
+    if (!checkpointed_) return;
+    ++progress_.commit_sequence;
+    offered_ = decision::SourceUpdate{.progress = progress_, .increments = {}};
+    for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
+    waiting_.clear();
+    checkpointed_ = false;
+  }
+  Offer();
+}
+
+void SessionLedger::Offer() {
+  in_flight_ = true;
+  store_.Commit(*offered_, [weak = weak_from_this(), &loop = loop_](const absl::Status& status) {
+    loop.Post([weak, status] {
+      if (const auto self = weak.lock()) self->OnCommitted(status);
+    });
+  });
+}
+
+void SessionLedger::OnCommitted(const absl::Status& status) {
+  in_flight_ = false;
+  if (status.ok()) {
+    ++counters_.stored_commit_count;
+    durable_sequence_ = offered_->progress.message_sequence;
+    offered_.reset();
+  } else {
+    ++counters_.failed_commit_count;
+    // Offering again what can never be stored would hold up what follows.
+    if (absl::IsInvalidArgument(status)) offered_.reset();
+  }
+  on_committed_(status);
+  if (!offered_) CommitNext();
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,64 @@
+// What of one session is on disk, and what is on its way there.
+//
+// Evidence waits for a checkpoint: a moment at which every message applied so far has been folded
+// into it (a tick). A checkpoint commits the evidence together with the sequence number it covers,
+// in one atomic update, so that what a client is told to forget is never lost and what it sends
+// again is never counted twice. One update is in flight at a time; later checkpoints merge into one
+// behind it, so memory is bounded by the number of arms. An update that failed is offered again,
+// unchanged, at the next checkpoint: should it have reached the disk after all, its number makes it
+// ignored.
+//
+// On the decision loop only. The store's callback posts to the loop and holds no pointer to a
+// ledger that is gone.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "server/decision/prior_store.h"
+#include "server/rpc/counters.h"
+#include "server/rpc/decision_loop.h"
+
+namespace sweepstake::rpc {
+
+class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
+ public:
+  // `progress` is what the store has (commit_sequence 0: nothing). `on_committed` runs on the loop
+  // after each commit, with its outcome.
+  SessionLedger(decision::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
+                decision::SourceProgress progress,
+                std::function<void(const absl::Status&)> on_committed);
+
+  void Add(const decision::KeyedEvidence& increment);
+  // All evidence so far belongs to messages up to `message_sequence`, and nothing of them is still
+  // outside.
+  void Checkpoint(uint64_t message_sequence, uint32_t explored_arm_count, uint64_t decision_count);
+  // Offers a failed update again.
+  void Retry() { CommitNext(); }
+
+  uint64_t durable_sequence() const { return durable_sequence_; }
+  // Nothing waits for the disk.
+  bool settled() const { return !offered_ && !checkpointed_; }
+
+ private:
+  void CommitNext();
+  void Offer();
+  void OnCommitted(const absl::Status& status);
+
+  decision::AsyncPriorStore& store_;
+  DecisionLoop& loop_;
+  Counters& counters_;
+  const std::function<void(const absl::Status&)> on_committed_;
+
+  decision::SourceProgress progress_;  // of the latest checkpoint
+  uint64_t durable_sequence_;
+  std::map<decision::EvidenceKey, decision::Evidence> waiting_;  // since the latest offer
+  bool checkpointed_ = false;                                    // `waiting_` may be offered
+  std::optional<decision::SourceUpdate> offered_;                // not known to be durable
+  bool in_flight_ = false;                                       // `offered_` is with the store
+};
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,167 @@
+#include "server/storage/memory_prior_store.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/storage/record_limits.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using decision::Evidence;
+using decision::EvidenceKey;
+using decision::PriorRecord;
+using decision::SceneEvidence;
+using decision::SceneFilter;
+using decision::SceneKey;
+
+SceneKey SceneOf(const EvidenceKey& key) {
+  return {key.project, key.scene, key.machine_class, key.reward_version};
+}
+
+bool Matches(const SceneFilter& filter, const EvidenceKey& key) {
+  return (filter.project.empty() || filter.project == key.project) &&
+         (filter.scene.empty() || filter.scene == key.scene);
+}
+
+}  // namespace
+
+absl::Status MemoryPriorStore::Commit(std::span<const decision::SourceUpdate> updates) {
+  absl::Status status = CheckUpdates(updates);
+  if (!status.ok()) return status;
+  for (const auto& update : updates) Apply(update);
+  return absl::OkStatus();
+}
+
+void MemoryPriorStore::Apply(const decision::SourceUpdate& update) {
+  Source& source = sources_[update.progress.source_id];
+  if (source.revoked || update.progress.commit_sequence <= source.progress.commit_sequence) return;
+  source.progress = update.progress;
+  source.is_session = true;
+  for (const auto& increment : update.increments) {
+    Entry& entry = evidence_[increment.key][update.progress.source_id];
+    entry.sequence = update.progress.commit_sequence;
+    entry.evidence += increment.evidence;
+  }
+}
+
+absl::StatusOr<decision::PriorSums> MemoryPriorStore::LoadPriors(
+    std::span<const EvidenceKey> keys) {
+  decision::PriorSums result;
+  std::set<std::string> sources;
+  for (const EvidenceKey& key : keys) {
+    decision::PriorSum sum;
+    if (const auto found = evidence_.find(key); found != evidence_.end()) {
+      for (const auto& [source_id, entry] : found->second) {
+        sum.evidence += entry.evidence;
+        sources.insert(source_id);
+      }
+      sum.source_count = found->second.size();
+    }
+    result.sums.push_back(sum);
+  }
+  result.source_count = sources.size();
+  return result;
+}
+
+absl::StatusOr<std::optional<decision::SourceState>> MemoryPriorStore::LoadSource(
+    const std::string& source_id) {
+  const auto found = sources_.find(source_id);
+  if (found == sources_.end() || !found->second.is_session || found->second.revoked)
+    return std::nullopt;
+  decision::SourceState state{.progress = found->second.progress, .evidence = {}};
+  for (const auto& [key, entries] : evidence_) {
+    if (const auto entry = entries.find(source_id); entry != entries.end()) {
+      state.evidence.push_back({key, entry->second.evidence});
+    }
+  }
+  return state;
+}
+
+SceneEvidence MemoryPriorStore::Sum(const SceneKey& key) const {
+  std::map<std::pair<std::string, uint32_t>, Evidence> arms;
+  std::set<std::string> sources;
+  for (const auto& [evidence_key, entries] : evidence_) {
+    if (SceneOf(evidence_key) != key) continue;
+    Evidence& sum = arms[{evidence_key.arm, evidence_key.backend_version}];
+    for (const auto& [source_id, entry] : entries) {
+      sum += entry.evidence;
+      sources.insert(source_id);
+    }
+  }
+  SceneEvidence result{.key = key, .arms = {}, .source_count = sources.size()};
+  for (const auto& [arm, sum] : arms) result.arms.push_back({arm.first, arm.second, sum});
+  return result;
+}
+
+absl::StatusOr<std::vector<SceneEvidence>> MemoryPriorStore::List(
+    const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
+  std::set<SceneKey> keys;
+  for (const auto& [key, entries] : evidence_) {
+    if (Matches(filter, key) && (!after || SceneOf(key) > *after)) keys.insert(SceneOf(key));
+  }
+  std::vector<SceneEvidence> scenes;
+  for (const SceneKey& key : keys) {
+    if (scenes.size() == limit) break;
+    scenes.push_back(Sum(key));
+  }
+  return scenes;
+}
+
+absl::StatusOr<std::optional<SceneEvidence>> MemoryPriorStore::LoadScene(const SceneKey& key) {
+  SceneEvidence scene = Sum(key);
+  if (scene.arms.empty()) return std::nullopt;
+  return scene;
+}
+
+absl::StatusOr<std::vector<PriorRecord>> MemoryPriorStore::Export(
+    const SceneFilter& filter, const std::optional<PriorRecord>& after, uint32_t limit) {
+  std::vector<PriorRecord> records;
+  for (const auto& [key, entries] : evidence_) {
+    if (!Matches(filter, key)) continue;
+    for (const auto& [source_id, entry] : entries) {
+      if (after && std::tie(key, source_id) <= std::tie(after->key, after->source_id)) continue;
+      if (records.size() == limit) return records;
+      records.push_back({key, source_id, entry.sequence, entry.evidence});
+    }
+  }
+  return records;
+}
+
+bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
+  Source& source = sources_[record.source_id];
+  if (source.revoked) return false;
+  Entry& entry = evidence_[record.key][record.source_id];
+  if (record.source_sequence <= entry.sequence) return false;
+  entry = {record.source_sequence, record.evidence};
+  source.progress.source_id = record.source_id;
+  source.progress.commit_sequence =
+      std::max(source.progress.commit_sequence, record.source_sequence);
+  return true;
+}
+
+absl::StatusOr<decision::ImportResult> MemoryPriorStore::Import(
+    std::span<const PriorRecord> records) {
+  absl::Status status = CheckRecords(records);
+  if (!status.ok()) return status;
+  decision::ImportResult result;
+  for (const PriorRecord& record : records) {
+    ++(ImportOne(record) ? result.applied_count : result.unchanged_count);
+  }
+  return result;
+}
+
+absl::StatusOr<uint64_t> MemoryPriorStore::Revoke(const std::string& source_id) {
+  sources_[source_id].revoked = true;
+  uint64_t removed = 0;
+  for (auto entries = evidence_.begin(); entries != evidence_.end();) {
+    removed += entries->second.erase(source_id);
+    entries = entries->second.empty() ? evidence_.erase(entries) : std::next(entries);
+  }
+  return removed;
+}
+
+}  // namespace sweepstake::storage

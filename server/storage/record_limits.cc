@@ -1,0 +1,85 @@
+#include "server/storage/record_limits.h"
+
+#include <string>
+
+#include "absl/strings/string_view.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using decision::Evidence;
+using decision::EvidenceKey;
+
+// Empty: fine. Written so that NaN fails.
+absl::string_view WrongEvidence(const Evidence& evidence) {
+  if (!(evidence.alpha >= 0 && evidence.alpha < kMaxEvidence))
+    return "alpha must be finite, 0 to 1e15";
+  if (!(evidence.beta >= 0 && evidence.beta < kMaxEvidence))
+    return "beta must be finite, 0 to 1e15";
+  if (evidence.window_count > kMaxCount) return "window_count must be below 2^63";
+  if (evidence.bail_out_count > kMaxCount) return "bail_out_count must be below 2^63";
+  return {};
+}
+
+bool IsName(absl::string_view text) { return !text.empty() && text.size() <= kMaxNameBytes; }
+
+absl::string_view WrongKey(const EvidenceKey& key) {
+  if (!IsName(key.project)) return "project must have 1 to 128 bytes";
+  if (!IsName(key.scene)) return "scene must have 1 to 128 bytes";
+  if (!IsName(key.arm)) return "arm must have 1 to 128 bytes";
+  if (key.context_bucket.size() > kMaxNameBytes)
+    return "context_bucket must have at most 128 bytes";
+  if (key.machine_class.size() > kMaxNameBytes) return "machine_class must have at most 128 bytes";
+  if (key.backend_version == 0) return "backend_version must be at least 1";
+  if (key.reward_version == 0) return "reward_version must be at least 1";
+  return {};
+}
+
+absl::string_view WrongSource(absl::string_view source_id, uint64_t sequence) {
+  if (!IsName(source_id)) return "source_id must have 1 to 128 bytes";
+  if (sequence == 0 || sequence > kMaxCount) return "the source's sequence must be 1 to 2^63 - 1";
+  return {};
+}
+
+absl::string_view WrongUpdate(const decision::SourceUpdate& update) {
+  const auto& progress = update.progress;
+  absl::string_view wrong = WrongSource(progress.source_id, progress.commit_sequence);
+  if (wrong.empty() && progress.message_sequence > kMaxCount)
+    wrong = "message_sequence must be below 2^63";
+  if (wrong.empty() && progress.decision_count > kMaxCount)
+    wrong = "decision_count must be below 2^63";
+  for (const auto& increment : update.increments) {
+    if (wrong.empty()) wrong = WrongKey(increment.key);
+    if (wrong.empty()) wrong = WrongEvidence(increment.evidence);
+  }
+  return wrong;
+}
+
+absl::string_view WrongRecord(const decision::PriorRecord& record) {
+  absl::string_view wrong = WrongKey(record.key);
+  if (wrong.empty()) wrong = WrongSource(record.source_id, record.source_sequence);
+  if (wrong.empty()) wrong = WrongEvidence(record.evidence);
+  return wrong;
+}
+
+}  // namespace
+
+absl::Status CheckUpdates(std::span<const decision::SourceUpdate> updates) {
+  for (size_t i = 0; i < updates.size(); ++i) {
+    const absl::string_view wrong = WrongUpdate(updates[i]);
+    if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("update ", i, ": ", wrong));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRecords(std::span<const decision::PriorRecord> records) {
+  for (size_t i = 0; i < records.size(); ++i) {
+    const absl::string_view wrong = WrongRecord(records[i]);
+    if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("record ", i, ": ", wrong));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,20 @@
+// The bounds every store puts on what it keeps, checked before anything is written.
+#pragma once
+
+#include <span>
+
+#include "absl/status/status.h"
+#include "server/decision/prior_store.h"
+
+namespace sweepstake::storage {
+
+inline constexpr double kMaxEvidence = 1e15;  // exclusive; of an increment and of a sum
+inline constexpr uint64_t kMaxCount =
+    (1ull << 63) - 1;  // sequences and counts fit SQLite's integers
+inline constexpr size_t kMaxNameBytes = 128;
+
+// INVALID_ARGUMENT names the update or record (from 0) and the field.
+absl::Status CheckUpdates(std::span<const decision::SourceUpdate> updates);
+absl::Status CheckRecords(std::span<const decision::PriorRecord> records);
+
+}  // namespace sweepstake::storage

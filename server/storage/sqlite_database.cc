@@ -1,0 +1,112 @@
+#include "server/storage/sqlite_database.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::storage {
+namespace {
+
+absl::Status ToStatus(int code, const char* message) {
+  switch (code & 0xff) {
+    case SQLITE_FULL:
+      return absl::UnavailableError(absl::StrCat("the disk is full: ", message));
+    case SQLITE_READONLY:
+    case SQLITE_IOERR:
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+    case SQLITE_NOMEM:
+      return absl::UnavailableError(message);
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return absl::DataLossError(message);
+    case SQLITE_CONSTRAINT:
+    case SQLITE_TOOBIG:
+      return absl::InvalidArgumentError(message);
+    default:
+      return absl::InternalError(message);
+  }
+}
+
+}  // namespace
+
+std::string SqliteRow::Text(int column) const {
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+  if (text == nullptr) return {};
+  return {text, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
+}
+
+void SqliteStatement::Bind(int index, std::string_view text) {
+  // An empty view may have a null pointer, which SQLite would take for NULL.
+  const char* begin = text.empty() ? "" : text.data();
+  sqlite3_bind_text64(statement_.get(), index, begin, text.size(), SQLITE_STATIC, SQLITE_UTF8);
+}
+
+absl::Status SqliteStatement::Error(int code) const {
+  return ToStatus(code, sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
+}
+
+absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::string& path, OpenMode mode) {
+  int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  if (mode == OpenMode::kCreate) flags |= SQLITE_OPEN_CREATE;
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
+  SqliteDatabase database(handle);
+  if (code != SQLITE_OK) return absl::Status(ToStatus(code, sqlite3_errmsg(handle)));
+  return database;
+}
+
+absl::Status SqliteDatabase::Error(int code) const {
+  return ToStatus(code, sqlite3_errmsg(database_.get()));
+}
+
+absl::StatusOr<SqliteStatement> SqliteDatabase::Prepare(std::string_view sql) {
+  sqlite3_stmt* statement = nullptr;
+  const int code = sqlite3_prepare_v3(database_.get(), sql.data(), static_cast<int>(sql.size()),
+                                      SQLITE_PREPARE_PERSISTENT, &statement, nullptr);
+  if (code != SQLITE_OK) return Error(code);
+  return SqliteStatement(statement);
+}
+
+absl::Status SqliteDatabase::Execute(const std::string& sql) {
+  const int code = sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr);
+  return code == SQLITE_OK ? absl::OkStatus() : Error(code);
+}
+
+absl::StatusOr<int64_t> SqliteDatabase::QueryInteger(std::string_view sql) {
+  auto statement = Prepare(sql);
+  if (!statement.ok()) return statement.status();
+  int64_t value = 0;
+  absl::Status status =
+      statement->ForEachRow([&](const SqliteRow& row) { value = row.Integer(0); });
+  if (!status.ok()) return status;
+  return value;
+}
+
+absl::StatusOr<std::string> SqliteDatabase::QueryText(std::string_view sql) {
+  auto statement = Prepare(sql);
+  if (!statement.ok()) return statement.status();
+  std::string value;
+  absl::Status status = statement->ForEachRow([&](const SqliteRow& row) { value = row.Text(0); });
+  if (!status.ok()) return status;
+  return value;
+}
+
+absl::Status SqliteDatabase::EnableDefensive() {
+  const int code = sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  return code == SQLITE_OK ? absl::OkStatus() : Error(code);
+}
+
+SqliteTransaction::~SqliteTransaction() {
+  // After some errors SQLite has rolled back already; a second rollback then fails and that is
+  // fine.
+  if (begun_.ok() && !committed_) database_.Execute("ROLLBACK").IgnoreError();
+}
+
+absl::Status SqliteTransaction::Commit() {
+  absl::Status status = database_.Execute("COMMIT");
+  committed_ = status.ok();
+  return status;
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,130 @@
+// A thin layer over SQLite's C interface: a connection, prepared statements, rows. One thread at a
+// time.
+//
+// Statements are prepared once and kept by their owner, who must destroy them before the
+// connection. Errors map to UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a
+// database), INVALID_ARGUMENT (a CHECK failed) and INTERNAL (our SQL is wrong); the message is
+// SQLite's.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace sweepstake::storage {
+
+// The columns of the current row, from 0.
+class SqliteRow {
+ public:
+  explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
+
+  int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  // Counts are stored as integers below 2^63; seeds as the same 64 bits.
+  uint64_t Unsigned(int column) const { return static_cast<uint64_t>(Integer(column)); }
+  double Real(int column) const { return sqlite3_column_double(statement_, column); }
+  std::string Text(int column) const;
+
+ private:
+  sqlite3_stmt* statement_;
+};
+
+// A prepared statement; `?1` is the first argument.
+class SqliteStatement {
+ public:
+  SqliteStatement() = default;
+  explicit SqliteStatement(sqlite3_stmt* statement) : statement_(statement) {}
+
+  // Runs to the end, with `on_row(const SqliteRow&)` for each row.
+  template <typename OnRow, typename... Args>
+  absl::Status ForEachRow(OnRow on_row, const Args&... args) {
+    const Resetter resetter{statement_.get()};
+    int index = 0;
+    (Bind(++index, args), ...);
+    int code = SQLITE_ROW;
+    while ((code = sqlite3_step(statement_.get())) == SQLITE_ROW)
+      on_row(SqliteRow(statement_.get()));
+    return code == SQLITE_DONE ? absl::OkStatus() : Error(code);
+  }
+
+  template <typename... Args>
+  absl::Status Run(const Args&... args) {
+    return ForEachRow([](const SqliteRow&) {}, args...);
+  }
+
+ private:
+  struct Finalizer {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+  };
+  // Leaves the statement ready for its next use and lets go of the read snapshot.
+  struct Resetter {
+    sqlite3_stmt* statement;
+    ~Resetter() {
+      sqlite3_reset(statement);
+      sqlite3_clear_bindings(statement);
+    }
+  };
+
+  void Bind(int index, uint64_t value) {
+    sqlite3_bind_int64(statement_.get(), index, static_cast<int64_t>(value));
+  }
+  void Bind(int index, uint32_t value) { sqlite3_bind_int64(statement_.get(), index, value); }
+  void Bind(int index, int64_t value) { sqlite3_bind_int64(statement_.get(), index, value); }
+  void Bind(int index, double value) { sqlite3_bind_double(statement_.get(), index, value); }
+  // The text must live until the statement has run; ForEachRow's arguments do.
+  void Bind(int index, std::string_view text);
+  absl::Status Error(int code) const;
+
+  std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
+};
+
+class SqliteDatabase {
+ public:
+  enum class OpenMode { kExisting, kCreate };
+
+  // Does not read the file yet when it exists: the first statement does.
+  static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
+
+  absl::StatusOr<SqliteStatement> Prepare(std::string_view sql);
+  // Several statements, without arguments or rows.
+  absl::Status Execute(const std::string& sql);
+  // The single value of a pragma or query.
+  absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
+  absl::StatusOr<std::string> QueryText(std::string_view sql);
+  // From here on no statement can write the schema's own tables or the file behind SQLite's back.
+  absl::Status EnableDefensive();
+
+ private:
+  struct Closer {
+    void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
+  };
+  explicit SqliteDatabase(sqlite3* database) : database_(database) {}
+  absl::Status Error(int code) const;
+
+  std::unique_ptr<sqlite3, Closer> database_;
+};
+
+// BEGIN IMMEDIATE now, ROLLBACK at the end of the scope unless committed.
+class SqliteTransaction {
+ public:
+  explicit SqliteTransaction(SqliteDatabase& database)
+      : database_(database), begun_(database.Execute("BEGIN IMMEDIATE")) {}
+  ~SqliteTransaction();
+  SqliteTransaction(const SqliteTransaction&) = delete;
+  SqliteTransaction& operator=(const SqliteTransaction&) = delete;
+
+  const absl::Status& begun() const { return begun_; }
+  absl::Status Commit();
+
+ private:
+  SqliteDatabase& database_;
+  absl::Status begun_;
+  bool committed_ = false;
+};
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,389 @@
+#include "server/storage/sqlite_prior_store.h"
+
+#include <unordered_set>
+#include <utility>
+
+#include "server/storage/record_limits.h"
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_schema.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using decision::Evidence;
+using decision::EvidenceKey;
+using decision::PriorRecord;
+using decision::SceneEvidence;
+using decision::SceneFilter;
+using decision::SceneKey;
+
+// Every statement of the store, prepared once.
+struct Statements {
+  SqliteStatement advance_source, find_key, add_key, add_evidence, key_evidence, load_source,
+      source_evidence, list_scenes, scene_arms, scene_sources, export_records, touch_source,
+      import_evidence, revoke_source, delete_evidence;
+};
+
+struct StatementText {
+  SqliteStatement Statements::*statement;
+  const char* sql;
+};
+
+// An upsert returns a row exactly when it changed something: that is how replays and revoked
+// sources are recognised.
+constexpr StatementText kStatements[] = {
+    {&Statements::advance_source,
+     "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
+     "explored_arm_count,"
+     " decision_count, seed) VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6)"
+     " ON CONFLICT (name) DO UPDATE SET is_session = 1, commit_sequence = ?2, message_sequence = "
+     "?3,"
+     " explored_arm_count = ?4, decision_count = ?5, seed = ?6 WHERE revoked = 0 AND ?2 > "
+     "commit_sequence RETURNING id"},
+    {&Statements::find_key,
+     "SELECT id FROM evidence_key WHERE project = ?1 AND scene = ?2 AND context_bucket = ?3 AND "
+     "arm = ?4"
+     " AND backend_version = ?5 AND machine_class = ?6 AND reward_version = ?7"},
+    {&Statements::add_key,
+     "INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version, "
+     "machine_class, reward_version)"
+     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) RETURNING id"},
+    {&Statements::add_evidence,
+     "INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)"
+     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT DO UPDATE SET sequence = ?3, alpha = alpha "
+     "+ ?4,"
+     " beta = beta + ?5, window_count = window_count + ?6, bail_out_count = bail_out_count + ?7"},
+    {&Statements::key_evidence,
+     "SELECT source_id, alpha, beta, window_count, bail_out_count FROM evidence WHERE key_id = ?1"},
+    {&Statements::load_source,
+     "SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count, seed FROM "
+     "source"
+     " WHERE name = ?1 AND is_session = 1 AND revoked = 0"},
+    {&Statements::source_evidence,
+     "SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
+     "alpha, beta,"
+     " window_count, bail_out_count FROM evidence JOIN evidence_key k ON k.id = key_id WHERE "
+     "source_id = ?1"
+     " ORDER BY project, scene, context_bucket, arm, backend_version, machine_class, "
+     "reward_version"},
+    {&Statements::list_scenes,
+     "SELECT DISTINCT project, scene, machine_class, reward_version FROM evidence_key"
+     " WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)"
+     " AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)"
+     " AND EXISTS (SELECT 1 FROM evidence WHERE key_id = evidence_key.id) ORDER BY 1, 2, 3, 4 "
+     "LIMIT ?7"},
+    {&Statements::scene_arms,
+     "SELECT arm, backend_version, sum(alpha), sum(beta), sum(window_count), sum(bail_out_count)"
+     " FROM evidence_key k JOIN evidence ON k.id = key_id"
+     " WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4"
+     " GROUP BY arm, backend_version ORDER BY arm, backend_version"},
+    {&Statements::scene_sources,
+     "SELECT count(DISTINCT source_id) FROM evidence_key k JOIN evidence ON k.id = key_id"
+     " WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4"},
+    {&Statements::export_records,
+     "SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
+     "alpha, beta,"
+     " window_count, bail_out_count, name, sequence FROM evidence_key k JOIN evidence ON k.id = "
+     "key_id"
+     " JOIN source s ON s.id = source_id WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = "
+     "?2)"
+     " AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
+     "name)"
+     " > (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11"},
+    {&Statements::touch_source,
+     "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
+     "explored_arm_count,"
+     " decision_count, seed) VALUES (?1, 0, 0, ?2, 0, 0, 0, 0)"
+     " ON CONFLICT (name) DO UPDATE SET commit_sequence = max(commit_sequence, ?2) WHERE revoked = "
+     "0 RETURNING id"},
+    {&Statements::import_evidence,
+     "INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)"
+     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT DO UPDATE SET sequence = ?3, alpha = ?4, "
+     "beta = ?5,"
+     " window_count = ?6, bail_out_count = ?7 WHERE ?3 > sequence RETURNING 1"},
+    {&Statements::revoke_source,
+     "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
+     "explored_arm_count,"
+     " decision_count, seed) VALUES (?1, 0, 1, 0, 0, 0, 0, 0) ON CONFLICT (name) DO UPDATE SET "
+     "revoked = 1 RETURNING id"},
+    {&Statements::delete_evidence, "DELETE FROM evidence WHERE source_id = ?1 RETURNING 1"},
+};
+
+EvidenceKey KeyOf(const SqliteRow& row) {
+  return {.project = row.Text(0),
+          .scene = row.Text(1),
+          .context_bucket = row.Text(2),
+          .arm = row.Text(3),
+          .backend_version = static_cast<uint32_t>(row.Integer(4)),
+          .machine_class = row.Text(5),
+          .reward_version = static_cast<uint32_t>(row.Integer(6))};
+}
+
+Evidence EvidenceOf(const SqliteRow& row, int first) {
+  return {.alpha = row.Real(first),
+          .beta = row.Real(first + 1),
+          .window_count = row.Unsigned(first + 2),
+          .bail_out_count = row.Unsigned(first + 3)};
+}
+
+class SqlitePriorStore final : public decision::PriorStore {
+ public:
+  explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
+
+  absl::Status Prepare();
+
+  absl::Status Commit(std::span<const decision::SourceUpdate> updates) override;
+  absl::StatusOr<decision::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override;
+  absl::StatusOr<std::optional<decision::SourceState>> LoadSource(
+      const std::string& source_id) override;
+  absl::StatusOr<std::vector<SceneEvidence>> List(const SceneFilter& filter,
+                                                  const std::optional<SceneKey>& after,
+                                                  uint32_t limit) override;
+  absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override;
+  absl::StatusOr<std::vector<PriorRecord>> Export(const SceneFilter& filter,
+                                                  const std::optional<PriorRecord>& after,
+                                                  uint32_t limit) override;
+  absl::StatusOr<decision::ImportResult> Import(std::span<const PriorRecord> records) override;
+  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
+
+ private:
+  // All of `body` or nothing.
+  template <typename Body>
+  absl::Status InTransaction(Body body);
+  absl::Status Apply(const decision::SourceUpdate& update);
+  absl::Status ImportOne(const PriorRecord& record, decision::ImportResult& result);
+  // 0: no such key.
+  absl::StatusOr<int64_t> FindKey(const EvidenceKey& key);
+  absl::StatusOr<int64_t> FindOrAddKey(const EvidenceKey& key);
+  absl::Status LoadArms(SceneEvidence& scene);
+
+  SqliteDatabase database_;
+  Statements statements_;  // after database_: destroyed before it
+};
+
+absl::Status SqlitePriorStore::Prepare() {
+  for (const StatementText& text : kStatements) {
+    auto statement = database_.Prepare(text.sql);
+    if (!statement.ok()) return statement.status();
+    statements_.*text.statement = *std::move(statement);
+  }
+  return absl::OkStatus();
+}
+
+template <typename Body>
+absl::Status SqlitePriorStore::InTransaction(Body body) {
+  SqliteTransaction transaction(database_);
+  absl::Status status = transaction.begun();
+  if (status.ok()) status = body();
+  if (status.ok()) status = transaction.Commit();
+  return status;
+}
+
+absl::Status SqlitePriorStore::Commit(std::span<const decision::SourceUpdate> updates) {
+  if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
+  return InTransaction([&] {
+    for (const auto& update : updates) {
+      if (absl::Status status = Apply(update); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  });
+}
+
+absl::Status SqlitePriorStore::Apply(const decision::SourceUpdate& update) {
+  const auto& progress = update.progress;
+  int64_t source = 0;
+  absl::Status status = statements_.advance_source.ForEachRow(
+      [&](const SqliteRow& row) { source = row.Integer(0); }, progress.source_id,
+      progress.commit_sequence, progress.message_sequence, progress.explored_arm_count,
+      progress.decision_count, progress.seed);
+  if (!status.ok() || source == 0) return status;
+  for (const auto& [key, evidence] : update.increments) {
+    auto key_id = FindOrAddKey(key);
+    if (!key_id.ok()) return key_id.status();
+    status =
+        statements_.add_evidence.Run(*key_id, source, progress.commit_sequence, evidence.alpha,
+                                     evidence.beta, evidence.window_count, evidence.bail_out_count);
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<int64_t> SqlitePriorStore::FindKey(const EvidenceKey& key) {
+  int64_t id = 0;
+  absl::Status status = statements_.find_key.ForEachRow(
+      [&](const SqliteRow& row) { id = row.Integer(0); }, key.project, key.scene,
+      key.context_bucket, key.arm, key.backend_version, key.machine_class, key.reward_version);
+  if (!status.ok()) return status;
+  return id;
+}
+
+absl::StatusOr<int64_t> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key) {
+  auto id = FindKey(key);
+  if (!id.ok() || *id != 0) return id;
+  absl::Status status = statements_.add_key.ForEachRow(
+      [&](const SqliteRow& row) { *id = row.Integer(0); }, key.project, key.scene,
+      key.context_bucket, key.arm, key.backend_version, key.machine_class, key.reward_version);
+  if (!status.ok()) return status;
+  return id;
+}
+
+absl::StatusOr<decision::PriorSums> SqlitePriorStore::LoadPriors(
+    std::span<const EvidenceKey> keys) {
+  decision::PriorSums result;
+  std::unordered_set<int64_t> sources;
+  for (const EvidenceKey& key : keys) {
+    auto id = FindKey(key);
+    if (!id.ok()) return id.status();
+    decision::PriorSum& sum = result.sums.emplace_back();
+    absl::Status status = statements_.key_evidence.ForEachRow(
+        [&](const SqliteRow& row) {
+          sum.evidence += EvidenceOf(row, 1);
+          ++sum.source_count;
+          sources.insert(row.Integer(0));
+        },
+        *id);
+    if (!status.ok()) return status;
+  }
+  result.source_count = sources.size();
+  return result;
+}
+
+absl::StatusOr<std::optional<decision::SourceState>> SqlitePriorStore::LoadSource(
+    const std::string& source_id) {
+  decision::SourceState state;
+  int64_t id = 0;
+  absl::Status status = statements_.load_source.ForEachRow(
+      [&](const SqliteRow& row) {
+        id = row.Integer(0);
+        state.progress = {source_id,       row.Unsigned(1),
+                          row.Unsigned(2), static_cast<uint32_t>(row.Integer(3)),
+                          row.Unsigned(4), row.Unsigned(5)};
+      },
+      source_id);
+  if (!status.ok()) return status;
+  if (id == 0) return std::nullopt;
+  status = statements_.source_evidence.ForEachRow(
+      [&](const SqliteRow& row) {
+        state.evidence.push_back({KeyOf(row), EvidenceOf(row, 7)});
+      },
+      id);
+  if (!status.ok()) return status;
+  return state;
+}
+
+absl::Status SqlitePriorStore::LoadArms(SceneEvidence& scene) {
+  const SceneKey& key = scene.key;
+  absl::Status status = statements_.scene_arms.ForEachRow(
+      [&](const SqliteRow& row) {
+        scene.arms.push_back(
+            {row.Text(0), static_cast<uint32_t>(row.Integer(1)), EvidenceOf(row, 2)});
+      },
+      key.project, key.scene, key.machine_class, key.reward_version);
+  if (!status.ok()) return status;
+  return statements_.scene_sources.ForEachRow(
+      [&](const SqliteRow& row) { scene.source_count = row.Unsigned(0); }, key.project, key.scene,
+      key.machine_class, key.reward_version);
+}
+
+absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
+    const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
+  // Projects are never empty: an empty one comes before all.
+  const SceneKey start = after.value_or(SceneKey{});
+  std::vector<SceneEvidence> scenes;
+  absl::Status status = statements_.list_scenes.ForEachRow(
+      [&](const SqliteRow& row) {
+        scenes.push_back(
+            {.key = {row.Text(0), row.Text(1), row.Text(2), static_cast<uint32_t>(row.Integer(3))},
+             .arms = {},
+             .source_count = 0});
+      },
+      filter.project, filter.scene, start.project, start.scene, start.machine_class,
+      start.reward_version, limit);
+  if (!status.ok()) return status;
+  for (SceneEvidence& scene : scenes) {
+    if (status = LoadArms(scene); !status.ok()) return status;
+  }
+  return scenes;
+}
+
+absl::StatusOr<std::optional<SceneEvidence>> SqlitePriorStore::LoadScene(const SceneKey& key) {
+  SceneEvidence scene{.key = key, .arms = {}, .source_count = 0};
+  if (absl::Status status = LoadArms(scene); !status.ok()) return status;
+  if (scene.arms.empty()) return std::nullopt;
+  return scene;
+}
+
+absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
+    const SceneFilter& filter, const std::optional<PriorRecord>& after, uint32_t limit) {
+  const PriorRecord start = after.value_or(PriorRecord{});
+  const EvidenceKey& key = start.key;
+  std::vector<PriorRecord> records;
+  absl::Status status = statements_.export_records.ForEachRow(
+      [&](const SqliteRow& row) {
+        records.push_back({KeyOf(row), row.Text(11), row.Unsigned(12), EvidenceOf(row, 7)});
+      },
+      filter.project, filter.scene, key.project, key.scene, key.context_bucket, key.arm,
+      key.backend_version, key.machine_class, key.reward_version, start.source_id, limit);
+  if (!status.ok()) return status;
+  return records;
+}
+
+absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record,
+                                         decision::ImportResult& result) {
+  int64_t source = 0;
+  absl::Status status =
+      statements_.touch_source.ForEachRow([&](const SqliteRow& row) { source = row.Integer(0); },
+                                          record.source_id, record.source_sequence);
+  if (!status.ok()) return status;
+  bool applied = false;
+  if (source != 0) {
+    auto key_id = FindOrAddKey(record.key);
+    if (!key_id.ok()) return key_id.status();
+    const Evidence& evidence = record.evidence;
+    status = statements_.import_evidence.ForEachRow(
+        [&](const SqliteRow&) { applied = true; }, *key_id, source, record.source_sequence,
+        evidence.alpha, evidence.beta, evidence.window_count, evidence.bail_out_count);
+  }
+  ++(applied ? result.applied_count : result.unchanged_count);
+  return status;
+}
+
+absl::StatusOr<decision::ImportResult> SqlitePriorStore::Import(
+    std::span<const PriorRecord> records) {
+  if (absl::Status status = CheckRecords(records); !status.ok()) return status;
+  decision::ImportResult result;
+  absl::Status status = InTransaction([&] {
+    for (const PriorRecord& record : records) {
+      if (absl::Status one = ImportOne(record, result); !one.ok()) return one;
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return result;
+}
+
+absl::StatusOr<uint64_t> SqlitePriorStore::Revoke(const std::string& source_id) {
+  uint64_t removed = 0;
+  absl::Status status = InTransaction([&] {
+    int64_t source = 0;
+    absl::Status found = statements_.revoke_source.ForEachRow(
+        [&](const SqliteRow& row) { source = row.Integer(0); }, source_id);
+    if (!found.ok()) return found;
+    return statements_.delete_evidence.ForEachRow([&](const SqliteRow&) { ++removed; }, source);
+  });
+  if (!status.ok()) return status;
+  return removed;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<decision::PriorStore>> OpenSqlitePriorStore(
+    const std::filesystem::path& path) {
+  auto database = OpenPriorDatabase(path);
+  if (!database.ok()) return database.status();
+  auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
+  if (absl::Status status = store->Prepare(); !status.ok()) return status;
+  return store;
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,18 @@
+// The prior store on SQLite: one file, write-ahead log, synchronous commits. One thread at a time.
+//
+// Cost: a commit of 100 increments takes one fsync; LoadPriors and LoadScene read one row per key
+// and source.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "server/decision/prior_store.h"
+
+namespace sweepstake::storage {
+
+// Errors as in OpenPriorDatabase.
+absl::StatusOr<std::unique_ptr<decision::PriorStore>> OpenSqlitePriorStore(
+    const std::filesystem::path& path);
+
+}  // namespace sweepstake::storage

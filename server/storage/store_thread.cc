@@ -1,0 +1,112 @@
+#include "server/storage/store_thread.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake::storage {
+namespace {
+
+// An update without increments still is a row.
+size_t RowCount(const decision::SourceUpdate& update) { return 1 + update.increments.size(); }
+
+}  // namespace
+
+StoreThread::StoreThread(std::unique_ptr<decision::PriorStore> store, StoreThreadOptions options)
+    : store_(std::move(store)), options_(options), thread_([this] { Loop(); }) {}
+
+StoreThread::~StoreThread() { Close(); }
+
+void StoreThread::Close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+bool StoreThread::Enqueue(Item item, size_t rows) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closing_ || queue_.size() >= options_.max_queued) return false;
+    queued_rows_ += rows;
+    queued_jobs_ += std::holds_alternative<Job>(item) ? 1 : 0;
+    queue_.push_back(std::move(item));
+  }
+  changed_.notify_all();
+  return true;
+}
+
+void StoreThread::Commit(decision::SourceUpdate update, CommitCallback done) {
+  const size_t rows = RowCount(update);
+  CommitCallback refused = done;
+  if (!Enqueue(PendingCommit{std::move(update), std::move(done)}, rows)) {
+    refused(absl::ResourceExhaustedError(
+        "the queue of the prior store is full or closed; offer the update again later"));
+  }
+}
+
+bool StoreThread::Submit(Job job) { return Enqueue(std::move(job), 0); }
+
+void StoreThread::WaitForGroup(std::unique_lock<std::mutex>& lock) {
+  const TimePoint deadline = std::chrono::steady_clock::now() + options_.group_interval;
+  changed_.wait_until(lock, deadline, [&] {
+    return closing_ || queued_jobs_ > 0 || queued_rows_ >= options_.group_rows;
+  });
+}
+
+std::vector<StoreThread::PendingCommit> StoreThread::TakeGroup() {
+  std::vector<PendingCommit> group;
+  size_t rows = 0;
+  while (!queue_.empty() && rows < options_.group_rows) {
+    auto* commit = std::get_if<PendingCommit>(&queue_.front());
+    if (commit == nullptr) break;
+    rows += RowCount(commit->update);
+    group.push_back(std::move(*commit));
+    queue_.pop_front();
+  }
+  queued_rows_ -= rows;
+  return group;
+}
+
+void StoreThread::Loop() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [&] { return closing_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    if (std::holds_alternative<Job>(queue_.front())) {
+      Job job = std::get<Job>(std::move(queue_.front()));
+      queue_.pop_front();
+      --queued_jobs_;
+      lock.unlock();
+      job(*store_);
+    } else {
+      WaitForGroup(lock);
+      std::vector<PendingCommit> group = TakeGroup();
+      lock.unlock();
+      CommitGroup(std::move(group));
+    }
+    lock.lock();
+  }
+}
+
+void StoreThread::CommitGroup(std::vector<PendingCommit> group) {
+  std::vector<decision::SourceUpdate> updates;
+  updates.reserve(group.size());
+  for (const PendingCommit& commit : group) updates.push_back(commit.update);
+  const absl::Status status = store_->Commit(updates);
+  if (absl::IsInvalidArgument(status) && group.size() > 1) return CommitOneByOne(group);
+  for (PendingCommit& commit : group) Finish(commit, status);
+}
+
+void StoreThread::CommitOneByOne(std::vector<PendingCommit>& group) {
+  for (PendingCommit& commit : group) Finish(commit, store_->Commit({&commit.update, 1}));
+}
+
+void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
+  // A wrong update says nothing about the disk.
+  if (!absl::IsInvalidArgument(status)) healthy_.store(status.ok(), std::memory_order_relaxed);
+  commit.done(status);
+}
+
+}  // namespace sweepstake::storage

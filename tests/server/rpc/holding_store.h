@@ -1,0 +1,65 @@
+// A store that keeps commits back until the test lets them through, or fails them.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "server/decision/prior_store.h"
+
+namespace sweepstake::rpc {
+
+class HoldingStore final : public decision::AsyncPriorStore {
+ public:
+  explicit HoldingStore(decision::AsyncPriorStore& store) : store_(store) {}
+
+  void Commit(decision::SourceUpdate update, CommitCallback done) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (failing_) return done(absl::UnavailableError("the disk is full"));
+      if (holding_) return held_.push_back({std::move(update), std::move(done)});
+    }
+    store_.Commit(std::move(update), std::move(done));
+  }
+  bool Submit(Job job) override { return store_.Submit(std::move(job)); }
+  bool healthy() const override {
+    const std::lock_guard lock(mutex_);
+    return !failing_ && store_.healthy();
+  }
+
+  void Hold() {
+    const std::lock_guard lock(mutex_);
+    holding_ = true;
+  }
+  void Fail(bool failing) {
+    const std::lock_guard lock(mutex_);
+    failing_ = failing;
+  }
+  size_t held_count() const {
+    const std::lock_guard lock(mutex_);
+    return held_.size();
+  }
+  void Release() {
+    std::vector<Held> held;
+    {
+      const std::lock_guard lock(mutex_);
+      holding_ = false;
+      held.swap(held_);
+    }
+    for (Held& commit : held) store_.Commit(std::move(commit.update), std::move(commit.done));
+  }
+
+ private:
+  struct Held {
+    decision::SourceUpdate update;
+    CommitCallback done;
+  };
+  decision::AsyncPriorStore& store_;
+  mutable std::mutex mutex_;
+  std::vector<Held> held_;  // guarded by mutex_
+  bool holding_ = false;    // guarded by mutex_
+  bool failing_ = false;    // guarded by mutex_
+};
+
+}  // namespace sweepstake::rpc

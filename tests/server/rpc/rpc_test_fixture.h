@@ -1,0 +1,209 @@
+// A real server on an ephemeral loopback port, a scripted clock, a memory store, and a client to
+// talk to it.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+#include <spdlog/logger.h>
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "server/rpc/rpc_server.h"
+#include "server/storage/memory_prior_store.h"
+#include "server/storage/store_thread.h"
+#include "sweepstake/v1/telemetry.grpc.pb.h"
+#include "tests/server/rpc/holding_store.h"
+#include "tests/server/rpc/manual_clock.h"
+
+namespace sweepstake::rpc {
+
+inline constexpr int64_t kSecondNs = 1'000'000'000;
+
+// Waits for what another thread is about to bring about.
+template <typename Condition>
+[[nodiscard]] bool Eventually(Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+inline v1::Hello HelloMessage() {
+  v1::Hello hello;
+  hello.set_protocol_version(1);
+  hello.set_project("game");
+  hello.set_scene("harbour");
+  for (const char* name : {"Grid", "SAP", "KDTree"}) {
+    v1::Arm& arm = *hello.add_arms();
+    arm.set_name(name);
+    arm.set_backend_version(1);
+  }
+  hello.set_mode(v1::MODE_AI);
+  hello.set_seed(7);
+  return hello;
+}
+
+inline v1::StreamTelemetryRequest Request(const v1::Hello& hello) {
+  v1::StreamTelemetryRequest request;
+  *request.mutable_hello() = hello;
+  return request;
+}
+
+// `count` equal frames of `frame_ms` on `arm`.
+inline v1::StreamTelemetryRequest Frames(uint64_t sequence, int count, uint64_t frame_ms = 10,
+                                         uint32_t arm = 0, uint32_t epoch = 0) {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(sequence);
+  v1::FrameBatch& batch = *request.mutable_frame_batch();
+  batch.set_first_frame_index(sequence * 1000);
+  for (int i = 0; i < count; ++i) {
+    batch.add_frame_time_ns(frame_ms * 1'000'000);
+    batch.add_detection_time_ns(frame_ms * 500'000);
+    batch.add_aabb_check_count(1000);
+    batch.add_pair_count(10);
+    batch.add_native_bytes(1 << 20);
+    batch.add_object_count(100);
+    batch.add_arm(arm);
+    batch.add_switch_epoch(epoch);
+    batch.add_flags(0);
+  }
+  return request;
+}
+
+inline v1::StreamTelemetryRequest BailOut(uint64_t sequence, uint64_t frame_index) {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(sequence);
+  v1::BailOut& bail_out = *request.mutable_bail_out();
+  bail_out.set_frame_index(frame_index);
+  bail_out.set_frame_time_ns(6 * kSecondNs);
+  bail_out.set_detection_time_ns(5 * kSecondNs);
+  bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
+  return request;
+}
+
+inline v1::StreamTelemetryRequest Goodbye() {
+  v1::StreamTelemetryRequest request;
+  request.mutable_goodbye();
+  return request;
+}
+
+// One stream, used by one thread.
+class TelemetryClient {
+ public:
+  using Response = v1::StreamTelemetryResponse;
+
+  explicit TelemetryClient(const std::shared_ptr<grpc::Channel>& channel)
+      : stub_(v1::TelemetryService::NewStub(channel)), stream_(stub_->StreamTelemetry(&context_)) {}
+  ~TelemetryClient() { context_.TryCancel(); }
+
+  bool Send(const v1::StreamTelemetryRequest& request) { return stream_->Write(request); }
+  std::optional<Response> Read() {
+    Response response;
+    return stream_->Read(&response) ? std::optional(response) : std::nullopt;
+  }
+  // The next response of that kind; others are passed over. Fails the test when the stream ends.
+  Response Await(Response::MessageCase kind) {
+    while (std::optional<Response> response = Read()) {
+      if (response->message_case() == kind) return *response;
+    }
+    ADD_FAILURE() << "the stream ended: " << stream_->Finish().error_message();
+    return {};
+  }
+  v1::Welcome Open(const v1::Hello& hello) {
+    Send(Request(hello));
+    return Await(Response::kWelcome).welcome();
+  }
+  uint64_t AwaitAcknowledgement(uint64_t sequence) {
+    uint64_t acknowledged = 0;
+    while (acknowledged < sequence && !::testing::Test::HasFailure()) {
+      acknowledged = Await(Response::kAcknowledgement).acknowledgement().sequence();
+    }
+    return acknowledged;
+  }
+  // Reads to the end.
+  grpc::Status Finish() {
+    while (Read()) {
+    }
+    return stream_->Finish();
+  }
+  void HalfClose() { stream_->WritesDone(); }
+  void Cancel() { context_.TryCancel(); }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<v1::TelemetryService::Stub> stub_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse>>
+      stream_;
+};
+
+class RpcTest : public ::testing::Test {
+ protected:
+  RpcTest() {
+    // Windows are learnt from at the first tick.
+    options_.decision.explore = false;
+    options_.decision.settling_ns = 0;
+  }
+  void SetUp() override { StartServer(); }
+  void TearDown() override { StopServer(); }
+
+  void StartServer() {
+    auto server = RpcServer::Start("127.0.0.1:0", options_, clock_, store_, log_);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    channel_ = grpc::CreateChannel("127.0.0.1:" + std::to_string(server_->port()),
+                                   grpc::InsecureChannelCredentials());
+  }
+  // What is not in the store is gone, as after a crash.
+  void StopServer() {
+    channel_.reset();
+    if (server_ != nullptr) server_->Drain(std::chrono::milliseconds(0));
+    // Callbacks of the store refer to the server's loop.
+    store_.Release();
+    Flush();
+    server_.reset();
+  }
+  void RestartServer() {
+    StopServer();
+    StartServer();
+  }
+  void Flush() {
+    std::promise<void> done;
+    thread_.Submit([&](decision::PriorStore&) { done.set_value(); });
+    done.get_future().wait();
+  }
+
+  // Waits until the server has taken `count` messages with evidence since it started.
+  [[nodiscard]] bool Applied(uint64_t count) {
+    return Eventually([&] { return server_->counters().applied_message_count == count; });
+  }
+  // One decision tick, and what it leads to is awaited by the caller.
+  void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }
+
+  decision::SceneEvidence Stored(const std::string& scene = "harbour") {
+    std::promise<decision::SceneEvidence> result;
+    thread_.Submit([&](decision::PriorStore& store) {
+      result.set_value(store.LoadScene({"game", scene, "", decision::kRewardVersion})
+                           ->value_or(decision::SceneEvidence{}));
+    });
+    return result.get_future().get();
+  }
+
+  RpcOptions options_;
+  ManualClock clock_;
+  spdlog::logger log_{"test"};
+  storage::StoreThread thread_{std::make_unique<storage::MemoryPriorStore>(),
+                               {.group_interval = std::chrono::milliseconds(0)}};
+  HoldingStore store_{thread_};
+  std::unique_ptr<RpcServer> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+};
+
+}  // namespace sweepstake::rpc
