@@ -2,7 +2,7 @@
 """Fails on an #include that runs against the direction of dependencies.
 
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc, server/web
-    server/decision <- telemetry; server/decision <- storage, rpc, web <- daemon <- main
+    server/decision <- telemetry; server/decision <- priors <- storage, rpc, web <- daemon <- main
 
 Besides: the server never includes engine_client; the decision core includes the standard library, Eigen and itself,
 and takes no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of
@@ -30,10 +30,11 @@ ALLOWED = {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
         "proto"},
     "server/decision": set(),
-    "server/storage": {"server/decision"},
-    "server/rpc": {"server/decision", "proto"},
-    "server/web": {"server/decision", "proto"},
-    "server": {"server/decision", "server/storage", "server/rpc", "server/web", "proto"},
+    "server/priors": {"server/decision"},
+    "server/storage": {"server/decision", "server/priors"},
+    "server/rpc": {"server/decision", "server/priors", "proto"},
+    "server/web": {"server/decision", "server/priors", "proto"},
+    "server": {"server/decision", "server/priors", "server/storage", "server/rpc", "server/web", "proto"},
 }
 
 # Each public header belongs to the layer that implements it.
@@ -53,7 +54,8 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/storage", "server/rpc", "server/web"}
+    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/rpc",
+    "server/web"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")

@@ -17,7 +17,7 @@ bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - e
 
 std::shared_ptr<GameSession> GameSession::Create(ServiceContext& context, SessionIdentity identity,
                                                  decision::SessionSetup setup,
-                                                 decision::SourceProgress progress,
+                                                 priors::SourceProgress progress,
                                                  uint64_t prior_source_count) {
   std::shared_ptr<GameSession> session(new GameSession(context, std::move(identity),
                                                        std::move(setup), progress.message_sequence,
@@ -221,7 +221,7 @@ void GameSession::Publish(const decision::DecisionRecord& record) {
   context_.watchers.OnDecision(identity_.scene, event);
 }
 
-decision::EvidenceKey GameSession::KeyOf(uint32_t arm) const {
+priors::EvidenceKey GameSession::KeyOf(uint32_t arm) const {
   return EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm]);
 }
 

@@ -25,7 +25,7 @@ namespace sweepstake::rpc {
 // Who a session is; fixed for its life.
 struct SessionIdentity {
   std::string id;
-  decision::SceneKey scene;
+  priors::SceneKey scene;
   std::vector<std::string> arms;
   std::vector<uint32_t> backend_versions;  // as many as arms
   uint64_t seed = 0;
@@ -37,7 +37,7 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
   // `progress` is what the store has of it. `prior_source_count` is for the welcome.
   static std::shared_ptr<GameSession> Create(ServiceContext& context, SessionIdentity identity,
                                              decision::SessionSetup setup,
-                                             decision::SourceProgress progress,
+                                             priors::SourceProgress progress,
                                              uint64_t prior_source_count);
 
   // Takes over from the link there was, which is aborted.
@@ -82,7 +82,7 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
   void CloseLink();
   void Carry(const decision::Decision& decision);
   void Publish(const decision::DecisionRecord& record);
-  decision::EvidenceKey KeyOf(uint32_t arm) const;
+  priors::EvidenceKey KeyOf(uint32_t arm) const;
 
   ServiceContext& context_;
   const SessionIdentity identity_;

@@ -30,7 +30,7 @@ void PosteriorWatcher::Begin(grpc::ByteBuffer request) {
   LoadPage();
 }
 
-bool PosteriorWatcher::Watches(const decision::SceneKey& scene) const {
+bool PosteriorWatcher::Watches(const priors::SceneKey& scene) const {
   return (filter_.project.empty() || filter_.project == scene.project) &&
          (filter_.scene.empty() || filter_.scene == scene.scene);
 }
@@ -55,7 +55,7 @@ void PosteriorWatcher::Resend() {
 void PosteriorWatcher::LoadPage() {
   loading_ =
       context_.store.Submit([weak = weak_from_this(), &loop = context_.loop, filter = filter_,
-                             after = last_of_page_](decision::PriorStore& store) {
+                             after = last_of_page_](priors::PriorStore& store) {
         loop.Post([weak, page = store.List(filter, after, kScenesPerPage)] {
           if (const auto self = weak.lock()) self->OnPage(page);
         });
@@ -64,11 +64,11 @@ void PosteriorWatcher::LoadPage() {
     Close(absl::UnavailableError("the prior store has too much to do; watch again later"));
 }
 
-void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<decision::SceneEvidence>>& page) {
+void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<priors::SceneEvidence>>& page) {
   loading_ = false;
   if (end_) return;
   if (!page.ok()) return Close(page.status());
-  for (const decision::SceneEvidence& scene : *page)
+  for (const priors::SceneEvidence& scene : *page)
     scenes_.push_back(context_.watchers.Encode(scene));
   page_wanted_ = page->size() == kScenesPerPage;
   if (page_wanted_) last_of_page_ = page->back().key;

@@ -13,7 +13,7 @@
 #include <memory>
 #include <optional>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 #include "server/rpc/service_context.h"
 
 namespace sweepstake::rpc {
@@ -24,7 +24,7 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
   static PosteriorWatcher* Start(ServiceContext& context, grpc::CallbackServerContext& call,
                                  grpc::ByteBuffer request);
 
-  bool Watches(const decision::SceneKey& scene) const;
+  bool Watches(const priors::SceneKey& scene) const;
   void OnEvent(const grpc::ByteBuffer& event);
   // What was sent is out of date altogether.
   void Resend();
@@ -40,7 +40,7 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
 
   void Begin(grpc::ByteBuffer request);
   void LoadPage();
-  void OnPage(const absl::StatusOr<std::vector<decision::SceneEvidence>>& page);
+  void OnPage(const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
   void WriteNext();
   std::optional<grpc::ByteBuffer> TakeNext();
   void OnWritten(bool ok);
@@ -50,13 +50,13 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
   grpc::CallbackServerContext& call_;
   std::shared_ptr<PosteriorWatcher> self_;  // until OnDone
 
-  decision::SceneFilter filter_;
-  std::deque<grpc::ByteBuffer> scenes_;             // of the page under way
-  std::optional<decision::SceneKey> last_of_page_;  // where the next page begins
-  std::deque<grpc::ByteBuffer> events_;             // at most kWatcherQueueEvents
-  bool loading_ = false;                            // the store is reading a page
-  bool page_wanted_ = false;                        // after this one
-  bool stale_ = false;                              // begin again with all scenes
+  priors::SceneFilter filter_;
+  std::deque<grpc::ByteBuffer> scenes_;           // of the page under way
+  std::optional<priors::SceneKey> last_of_page_;  // where the next page begins
+  std::deque<grpc::ByteBuffer> events_;           // at most kWatcherQueueEvents
+  bool loading_ = false;                          // the store is reading a page
+  bool page_wanted_ = false;                      // after this one
+  bool stale_ = false;                            // begin again with all scenes
   grpc::ByteBuffer write_bytes_;
   bool writing_ = false;
   uint64_t write_count_ = 0;

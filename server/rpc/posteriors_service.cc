@@ -14,8 +14,8 @@
 namespace sweepstake::rpc {
 namespace {
 
-using decision::SceneEvidence;
-using decision::SceneKey;
+using priors::SceneEvidence;
+using priors::SceneKey;
 
 // The key as an encoded message: opaque to clients, and parsing it back checks it.
 std::string TokenOf(const SceneKey& key) {
@@ -62,7 +62,7 @@ void ReadAndAnswer(ServiceContext& context, grpc::ServerUnaryReactor* reactor, R
                    Answer answer) {
   const bool submitted =
       context.store.Submit([&loop = context.loop, reactor, read = std::move(read),
-                            answer = std::move(answer)](decision::PriorStore& store) {
+                            answer = std::move(answer)](priors::PriorStore& store) {
         loop.Post([reactor, answer, result = read(store)] {
           reactor->Finish(ToGrpc(result.ok() ? answer(*result) : result.status()));
         });
@@ -89,8 +89,8 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
       request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
   ReadAndAnswer(
       context_, reactor,
-      [filter = decision::SceneFilter{request->project(), {}}, after,
-       limit](decision::PriorStore& store) { return store.List(filter, after, limit); },
+      [filter = priors::SceneFilter{request->project(), {}}, after,
+       limit](priors::PriorStore& store) { return store.List(filter, after, limit); },
       [this, response, limit](const std::vector<SceneEvidence>& scenes) {
         for (const SceneEvidence& scene : scenes) {
           FillScene(scene, *response->add_scenes());
@@ -115,7 +115,7 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
     return reactor;
   }
   ReadAndAnswer(
-      context_, reactor, [key](decision::PriorStore& store) { return store.LoadScene(key); },
+      context_, reactor, [key](priors::PriorStore& store) { return store.LoadScene(key); },
       [this, response, key](const std::optional<SceneEvidence>& scene) {
         if (!scene)
           return absl::NotFoundError(

@@ -14,7 +14,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-using decision::PriorRecord;
+using priors::PriorRecord;
 using RecordPage = absl::StatusOr<std::vector<PriorRecord>>;
 
 // One export. On the decision loop but for gRPC's reactions, which only post. Owns itself until
@@ -22,7 +22,7 @@ using RecordPage = absl::StatusOr<std::vector<PriorRecord>>;
 class PriorExport final : public grpc::ServerWriteReactor<v1::ExportPriorsResponse>,
                           public std::enable_shared_from_this<PriorExport> {
  public:
-  static PriorExport* Start(ServiceContext& context, decision::SceneFilter filter) {
+  static PriorExport* Start(ServiceContext& context, priors::SceneFilter filter) {
     std::shared_ptr<PriorExport> exporter(new PriorExport(context, std::move(filter)));
     PriorExport* raw = exporter.get();
     raw->self_ = std::move(exporter);
@@ -41,14 +41,14 @@ class PriorExport final : public grpc::ServerWriteReactor<v1::ExportPriorsRespon
   }
 
  private:
-  PriorExport(ServiceContext& context, decision::SceneFilter filter)
+  PriorExport(ServiceContext& context, priors::SceneFilter filter)
       : context_(context), filter_(std::move(filter)) {}
 
   void LoadPage() {
     if (complete_) return End(absl::OkStatus());
     const bool submitted =
         context_.store.Submit([weak = weak_from_this(), &loop = context_.loop, filter = filter_,
-                               after = last_](decision::PriorStore& store) {
+                               after = last_](priors::PriorStore& store) {
           loop.Post([weak, page = store.Export(filter, after, kRecordsPerMessage)] {
             if (const auto self = weak.lock()) self->OnPage(page);
           });
@@ -70,7 +70,7 @@ class PriorExport final : public grpc::ServerWriteReactor<v1::ExportPriorsRespon
   void End(const absl::Status& status) { Finish(ToGrpc(status)); }
 
   ServiceContext& context_;
-  const decision::SceneFilter filter_;
+  const priors::SceneFilter filter_;
   std::shared_ptr<PriorExport> self_;  // until OnDone
   std::optional<PriorRecord> last_;    // the next page follows it
   bool complete_ = false;              // there is no next page
@@ -95,7 +95,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     // A lost connection must not pass for the end of the file.
     if (call_.IsCancelled())
       return Finish(ToGrpc(absl::CancelledError("the stream broke off; nothing was imported")));
-    if (!context_.store.Submit([this](decision::PriorStore& store) { Apply(store); })) {
+    if (!context_.store.Submit([this](priors::PriorStore& store) { Apply(store); })) {
       Finish(
           ToGrpc(absl::UnavailableError("the prior store has too much to do; import again later")));
     }
@@ -128,7 +128,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     return absl::OkStatus();
   }
 
-  void Apply(decision::PriorStore& store) {
+  void Apply(priors::PriorStore& store) {
     const auto result = store.Import(records_);
     if (!result.ok()) return Finish(ToGrpc(result.status()));
     v1::ImportPriorsResponse answer;

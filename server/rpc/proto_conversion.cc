@@ -28,8 +28,8 @@ grpc::ByteBuffer Serialize(const google::protobuf::Message& message) {
   return bytes;
 }
 
-decision::EvidenceKey EvidenceKeyOf(const decision::SceneKey& scene, const std::string& arm,
-                                    uint32_t backend_version) {
+priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
+                                  uint32_t backend_version) {
   return {.project = scene.project,
           .scene = scene.scene,
           .context_bucket = {},
@@ -44,7 +44,7 @@ void FillPosterior(const decision::BetaPosterior& posterior, v1::BetaPosterior& 
   message.set_beta(posterior.beta);
 }
 
-void FillScene(const decision::SceneEvidence& scene, v1::ScenePosterior& message) {
+void FillScene(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   message.set_project(scene.key.project);
   message.set_scene(scene.key.scene);
   message.set_machine_class(scene.key.machine_class);
@@ -70,7 +70,7 @@ void FillDecision(const decision::DecisionRecord& record, std::span<const std::s
   if (record.reward) message.set_reward(*record.reward);
 }
 
-void FillRecord(const decision::PriorRecord& record, v1::PriorRecord& message) {
+void FillRecord(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_project(record.key.project);
   message.set_scene(record.key.scene);
   message.set_context_bucket(record.key.context_bucket);
@@ -86,7 +86,7 @@ void FillRecord(const decision::PriorRecord& record, v1::PriorRecord& message) {
   message.set_bail_out_count(record.evidence.bail_out_count);
 }
 
-decision::PriorRecord RecordOf(const v1::PriorRecord& message) {
+priors::PriorRecord RecordOf(const v1::PriorRecord& message) {
   return {.key = {.project = message.project(),
                   .scene = message.scene(),
                   .context_bucket = message.context_bucket(),

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "server/decision/prior_store.h"
 #include "server/decision/types.h"
+#include "server/priors/prior_store.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
@@ -24,17 +24,17 @@ bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message);
 grpc::ByteBuffer Serialize(const google::protobuf::Message& message);
 
 // Of the only context bucket.
-decision::EvidenceKey EvidenceKeyOf(const decision::SceneKey& scene, const std::string& arm,
-                                    uint32_t backend_version);
+priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
+                                  uint32_t backend_version);
 
 void FillPosterior(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
 // Beta(1,1) plus the evidence. active_session_count is the caller's.
-void FillScene(const decision::SceneEvidence& scene, v1::ScenePosterior& message);
+void FillScene(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 // All but the names of session and scene.
 void FillDecision(const decision::DecisionRecord& record, std::span<const std::string> arms,
                   v1::DecisionEvent& message);
 
-void FillRecord(const decision::PriorRecord& record, v1::PriorRecord& message);
-decision::PriorRecord RecordOf(const v1::PriorRecord& message);
+void FillRecord(const priors::PriorRecord& record, v1::PriorRecord& message);
+priors::PriorRecord RecordOf(const v1::PriorRecord& message);
 
 }  // namespace sweepstake::rpc

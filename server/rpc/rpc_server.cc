@@ -36,7 +36,7 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
 
 }  // namespace
 
-RpcServer::RpcServer(RpcOptions options, Clock& clock, decision::AsyncPriorStore& store,
+RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
       context_{options_, loop_, store, counters_, sessions_, watchers_, log},
@@ -49,7 +49,7 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, decision::AsyncPriorStore
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
                                                             RpcOptions options, Clock& clock,
-                                                            decision::AsyncPriorStore& store,
+                                                            priors::AsyncPriorStore& store,
                                                             spdlog::logger& log) {
   std::unique_ptr<RpcServer> server(new RpcServer(std::move(options), clock, store, log));
   if (absl::Status status = server->Listen(listen); !status.ok()) return status;

@@ -28,7 +28,7 @@ class RpcServer {
   // wanted. Error: UNAVAILABLE (cannot listen there).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options, Clock& clock,
-                                                          decision::AsyncPriorStore& store,
+                                                          priors::AsyncPriorStore& store,
                                                           spdlog::logger& log);
   ~RpcServer();
 
@@ -43,8 +43,7 @@ class RpcServer {
   void Drain(std::chrono::milliseconds patience);
 
  private:
-  RpcServer(RpcOptions options, Clock& clock, decision::AsyncPriorStore& store,
-            spdlog::logger& log);
+  RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
   absl::Status Listen(const std::string& address);
 
   const RpcOptions options_;

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 #include "server/rpc/counters.h"
 #include "server/rpc/decision_loop.h"
 #include "server/rpc/options.h"
@@ -21,7 +21,7 @@ class WatchHub;
 struct ServiceContext {
   const RpcOptions& options;
   DecisionLoop& loop;
-  decision::AsyncPriorStore& store;
+  priors::AsyncPriorStore& store;
   Counters& counters;
   SessionTable& sessions;  // on the loop only
   WatchHub& watchers;      // on the loop only

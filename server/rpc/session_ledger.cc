@@ -4,8 +4,8 @@
 
 namespace sweepstake::rpc {
 
-SessionLedger::SessionLedger(decision::AsyncPriorStore& store, DecisionLoop& loop,
-                             Counters& counters, decision::SourceProgress progress,
+SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
+                             priors::SourceProgress progress,
                              std::function<void(const absl::Status&)> on_committed)
     : store_(store),
       loop_(loop),
@@ -14,7 +14,7 @@ SessionLedger::SessionLedger(decision::AsyncPriorStore& store, DecisionLoop& loo
       progress_(std::move(progress)),
       durable_sequence_(progress_.message_sequence) {}
 
-void SessionLedger::Add(const decision::KeyedEvidence& increment) {
+void SessionLedger::Add(const priors::KeyedEvidence& increment) {
   waiting_[increment.key] += increment.evidence;
 }
 
@@ -34,7 +34,7 @@ void SessionLedger::CommitNext() {
   if (!offered_) {
     if (!checkpointed_) return;
     ++progress_.commit_sequence;
-    offered_ = decision::SourceUpdate{.progress = progress_, .increments = {}};
+    offered_ = priors::SourceUpdate{.progress = progress_, .increments = {}};
     for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
     waiting_.clear();
     checkpointed_ = false;

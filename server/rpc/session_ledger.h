@@ -18,7 +18,7 @@
 #include <memory>
 #include <optional>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 #include "server/rpc/counters.h"
 #include "server/rpc/decision_loop.h"
 
@@ -28,11 +28,11 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
  public:
   // `progress` is what the store has (commit_sequence 0: nothing). `on_committed` runs on the loop
   // after each commit, with its outcome.
-  SessionLedger(decision::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
-                decision::SourceProgress progress,
+  SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
+                priors::SourceProgress progress,
                 std::function<void(const absl::Status&)> on_committed);
 
-  void Add(const decision::KeyedEvidence& increment);
+  void Add(const priors::KeyedEvidence& increment);
   // All evidence so far belongs to messages up to `message_sequence`, and nothing of them is still
   // outside.
   void Checkpoint(uint64_t message_sequence, uint32_t explored_arm_count, uint64_t decision_count);
@@ -48,17 +48,17 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   void Offer();
   void OnCommitted(const absl::Status& status);
 
-  decision::AsyncPriorStore& store_;
+  priors::AsyncPriorStore& store_;
   DecisionLoop& loop_;
   Counters& counters_;
   const std::function<void(const absl::Status&)> on_committed_;
 
-  decision::SourceProgress progress_;  // of the latest checkpoint
+  priors::SourceProgress progress_;  // of the latest checkpoint
   uint64_t durable_sequence_;
-  std::map<decision::EvidenceKey, decision::Evidence> waiting_;  // since the latest offer
-  bool checkpointed_ = false;                                    // `waiting_` may be offered
-  std::optional<decision::SourceUpdate> offered_;                // not known to be durable
-  bool in_flight_ = false;                                       // `offered_` is with the store
+  std::map<priors::EvidenceKey, priors::Evidence> waiting_;  // since the latest offer
+  bool checkpointed_ = false;                                // `waiting_` may be offered
+  std::optional<priors::SourceUpdate> offered_;              // not known to be durable
+  bool in_flight_ = false;                                   // `offered_` is with the store
 };
 
 }  // namespace sweepstake::rpc

@@ -12,8 +12,8 @@ namespace sweepstake::rpc {
 namespace {
 
 using decision::BetaPosterior;
-using decision::EvidenceKey;
-using decision::SceneKey;
+using priors::EvidenceKey;
+using priors::SceneKey;
 
 constexpr int64_t kNsPerMs = 1'000'000;
 constexpr uint32_t kMaxBatchIntervalMs = 250;
@@ -37,11 +37,11 @@ std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
   return keys;
 }
 
-decision::PriorSums OwnEvidence(const v1::Hello& hello,
-                                const std::optional<decision::SourceState>& source) {
-  decision::PriorSums own;
+priors::PriorSums OwnEvidence(const v1::Hello& hello,
+                              const std::optional<priors::SourceState>& source) {
+  priors::PriorSums own;
   for (const EvidenceKey& key : KeysOf(hello)) {
-    decision::PriorSum& sum = own.sums.emplace_back();
+    priors::PriorSum& sum = own.sums.emplace_back();
     if (!source) continue;
     for (const auto& [stored_key, evidence] : source->evidence) {
       if (stored_key == key) sum = {.evidence = evidence, .source_count = 1};
@@ -50,7 +50,7 @@ decision::PriorSums OwnEvidence(const v1::Hello& hello,
   return own;
 }
 
-bool BelongsTo(const decision::SourceState& source, const SceneKey& scene) {
+bool BelongsTo(const priors::SourceState& source, const SceneKey& scene) {
   return std::all_of(source.evidence.begin(), source.evidence.end(), [&](const auto& stored) {
     const EvidenceKey& key = stored.key;
     return SceneKey{key.project, key.scene, key.machine_class, key.reward_version} == scene;
@@ -84,7 +84,7 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
-  for (const decision::PriorSum& sum : start.priors.sums) {
+  for (const priors::PriorSum& sum : start.priors.sums) {
     setup.priors.push_back({1 + sum.evidence.alpha, 1 + sum.evidence.beta});
   }
   setup.seed = identity.seed;
@@ -107,7 +107,7 @@ uint32_t Milliseconds(int64_t interval_ns) {
 
 }  // namespace
 
-absl::StatusOr<StoredStart> LoadStart(decision::PriorStore& store, const v1::Hello& hello) {
+absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
   StoredStart start;
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
@@ -138,7 +138,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(ServiceContext& context
   SessionIdentity identity = IdentityOf(hello, start, context.options);
   decision::SessionSetup setup = SetupOf(hello, identity, start, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup)) return absl::InvalidArgumentError(*problem);
-  decision::SourceProgress progress;
+  priors::SourceProgress progress;
   if (start.source) progress = start.source->progress;
   progress.source_id = identity.id;
   progress.seed = identity.seed;

@@ -16,12 +16,12 @@ namespace sweepstake::rpc {
 
 // What the store knows for a Hello.
 struct StoredStart {
-  decision::PriorSums priors;                   // in Hello's order of arms
-  std::optional<decision::SourceState> source;  // of a session to resume
+  priors::PriorSums priors;                   // in Hello's order of arms
+  std::optional<priors::SourceState> source;  // of a session to resume
 };
 
 // On the store's thread. NOT_FOUND: the session to resume is unknown.
-absl::StatusOr<StoredStart> LoadStart(decision::PriorStore& store, const v1::Hello& hello);
+absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello);
 
 // A session of a checked Hello. INVALID_ARGUMENT: the stored session was about another scene, or
 // the setup is wrong.

@@ -71,7 +71,7 @@ void SessionTable::Remove(const std::string& id) {
   entries_.erase(found);
 }
 
-uint32_t SessionTable::ActiveCount(const decision::SceneKey& scene) const {
+uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
   const auto found = active_counts_.find(scene);
   return found == active_counts_.end() ? 0 : found->second;
 }

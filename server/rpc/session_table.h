@@ -30,7 +30,7 @@ class SessionTable {
   // Nothing when the link is not the session's any more. An ended session leaves the table.
   void Detach(GameSession& session, SessionLink& link);
 
-  uint32_t ActiveCount(const decision::SceneKey& scene) const;
+  uint32_t ActiveCount(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }
 
  private:
@@ -49,7 +49,7 @@ class SessionTable {
   DecisionLoop& loop_;
   std::unordered_map<std::string, Entry> entries_;
   std::map<uint64_t, std::string> lost_;  // by the order of losing them
-  std::map<decision::SceneKey, uint32_t> active_counts_;
+  std::map<priors::SceneKey, uint32_t> active_counts_;
   uint64_t last_lost_order_ = 0;
 };
 

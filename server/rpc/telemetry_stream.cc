@@ -94,12 +94,12 @@ absl::Status TelemetryStream::Open(const v1::Hello& hello) {
     if (absl::Status status = CheckSame(*session, hello); !status.ok()) return status;
     return Enter(std::move(session), /*resumed=*/true);
   }
-  const bool submitted = context_.store.Submit([weak = weak_from_this(), &loop = context_.loop,
-                                                wanted = hello](decision::PriorStore& store) {
-    loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
-      if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
-    });
-  });
+  const bool submitted = context_.store.Submit(
+      [weak = weak_from_this(), &loop = context_.loop, wanted = hello](priors::PriorStore& store) {
+        loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
+          if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
+        });
+      });
   if (submitted) return absl::OkStatus();
   return absl::UnavailableError("the prior store has too much to do; connect again later");
 }

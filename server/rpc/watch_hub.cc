@@ -18,18 +18,18 @@ absl::Status WatchHub::Add(PosteriorWatcher& watcher) {
   return absl::OkStatus();
 }
 
-bool WatchHub::WatchesDecisionsOf(const decision::SceneKey& scene) const {
+bool WatchHub::WatchesDecisionsOf(const priors::SceneKey& scene) const {
   return std::any_of(watchers_.begin(), watchers_.end(),
                      [&](const auto* watcher) { return watcher->Watches(scene); });
 }
 
-void WatchHub::OnDecision(const decision::SceneKey& scene, const v1::DecisionEvent& event) {
+void WatchHub::OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) {
   v1::WatchPosteriorsResponse response;
   *response.mutable_decision() = event;
   Tell(scene, Serialize(response));
 }
 
-void WatchHub::OnEvidence(const decision::SceneKey& scene) {
+void WatchHub::OnEvidence(const priors::SceneKey& scene) {
   if (!WatchesDecisionsOf(scene)) return;
   if (loading_.contains(scene)) {
     changed_.insert(scene);
@@ -38,23 +38,23 @@ void WatchHub::OnEvidence(const decision::SceneKey& scene) {
   }
 }
 
-void WatchHub::Load(const decision::SceneKey& scene) {
+void WatchHub::Load(const priors::SceneKey& scene) {
   const bool submitted =
-      context_.store.Submit([this, &loop = context_.loop, scene](decision::PriorStore& store) {
+      context_.store.Submit([this, &loop = context_.loop, scene](priors::PriorStore& store) {
         loop.Post([this, scene, loaded = store.LoadScene(scene)] { OnLoaded(scene, loaded); });
       });
   // A full queue: the next evidence tries again.
   if (submitted) loading_.insert(scene);
 }
 
-void WatchHub::OnLoaded(const decision::SceneKey& key,
-                        const absl::StatusOr<std::optional<decision::SceneEvidence>>& scene) {
+void WatchHub::OnLoaded(const priors::SceneKey& key,
+                        const absl::StatusOr<std::optional<priors::SceneEvidence>>& scene) {
   loading_.erase(key);
   if (changed_.erase(key) > 0) Load(key);
   if (scene.ok() && scene->has_value()) Tell(key, Encode(**scene));
 }
 
-void WatchHub::Tell(const decision::SceneKey& scene, const grpc::ByteBuffer& event) {
+void WatchHub::Tell(const priors::SceneKey& scene, const grpc::ByteBuffer& event) {
   // A copy: a watcher that cannot go on removes itself.
   const std::set<PosteriorWatcher*> watchers = watchers_;
   for (PosteriorWatcher* watcher : watchers) {
@@ -75,7 +75,7 @@ void WatchHub::Drain() {
   }
 }
 
-grpc::ByteBuffer WatchHub::Encode(const decision::SceneEvidence& scene) const {
+grpc::ByteBuffer WatchHub::Encode(const priors::SceneEvidence& scene) const {
   v1::WatchPosteriorsResponse response;
   FillScene(scene, *response.mutable_posterior());
   response.mutable_posterior()->set_active_session_count(context_.sessions.ActiveCount(scene.key));

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "absl/status/status.h"
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 #include "server/rpc/service_context.h"
 #include "sweepstake/v1/posteriors.pb.h"
 
@@ -26,26 +26,26 @@ class WatchHub {
   absl::Status Add(PosteriorWatcher& watcher);
   void Remove(PosteriorWatcher& watcher) { watchers_.erase(&watcher); }
 
-  bool WatchesDecisionsOf(const decision::SceneKey& scene) const;
-  void OnDecision(const decision::SceneKey& scene, const v1::DecisionEvent& event);
-  void OnEvidence(const decision::SceneKey& scene);
+  bool WatchesDecisionsOf(const priors::SceneKey& scene) const;
+  void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event);
+  void OnEvidence(const priors::SceneKey& scene);
   // Any scene may have changed.
   void OnImport();
   void Drain();
 
   // A watcher's message with the scene's posterior.
-  grpc::ByteBuffer Encode(const decision::SceneEvidence& scene) const;
+  grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;
 
  private:
-  void Load(const decision::SceneKey& scene);
-  void OnLoaded(const decision::SceneKey& key,
-                const absl::StatusOr<std::optional<decision::SceneEvidence>>& scene);
-  void Tell(const decision::SceneKey& scene, const grpc::ByteBuffer& event);
+  void Load(const priors::SceneKey& scene);
+  void OnLoaded(const priors::SceneKey& key,
+                const absl::StatusOr<std::optional<priors::SceneEvidence>>& scene);
+  void Tell(const priors::SceneKey& scene, const grpc::ByteBuffer& event);
 
   ServiceContext& context_;
   std::set<PosteriorWatcher*> watchers_;
-  std::set<decision::SceneKey> loading_;  // the store reads them
-  std::set<decision::SceneKey> changed_;  // while they were being read
+  std::set<priors::SceneKey> loading_;  // the store reads them
+  std::set<priors::SceneKey> changed_;  // while they were being read
   bool draining_ = false;
 };
 

@@ -11,12 +11,12 @@
 namespace sweepstake::storage {
 namespace {
 
-using decision::Evidence;
-using decision::EvidenceKey;
-using decision::PriorRecord;
-using decision::SceneEvidence;
-using decision::SceneFilter;
-using decision::SceneKey;
+using priors::Evidence;
+using priors::EvidenceKey;
+using priors::PriorRecord;
+using priors::SceneEvidence;
+using priors::SceneFilter;
+using priors::SceneKey;
 
 SceneKey SceneOf(const EvidenceKey& key) {
   return {key.project, key.scene, key.machine_class, key.reward_version};
@@ -29,14 +29,14 @@ bool Matches(const SceneFilter& filter, const EvidenceKey& key) {
 
 }  // namespace
 
-absl::Status MemoryPriorStore::Commit(std::span<const decision::SourceUpdate> updates) {
+absl::Status MemoryPriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
   absl::Status status = CheckUpdates(updates);
   if (!status.ok()) return status;
   for (const auto& update : updates) Apply(update);
   return absl::OkStatus();
 }
 
-void MemoryPriorStore::Apply(const decision::SourceUpdate& update) {
+void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
   Source& source = sources_[update.progress.source_id];
   if (source.revoked || update.progress.commit_sequence <= source.progress.commit_sequence) return;
   source.progress = update.progress;
@@ -48,12 +48,11 @@ void MemoryPriorStore::Apply(const decision::SourceUpdate& update) {
   }
 }
 
-absl::StatusOr<decision::PriorSums> MemoryPriorStore::LoadPriors(
-    std::span<const EvidenceKey> keys) {
-  decision::PriorSums result;
+absl::StatusOr<priors::PriorSums> MemoryPriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
+  priors::PriorSums result;
   std::set<std::string> sources;
   for (const EvidenceKey& key : keys) {
-    decision::PriorSum sum;
+    priors::PriorSum sum;
     if (const auto found = evidence_.find(key); found != evidence_.end()) {
       for (const auto& [source_id, entry] : found->second) {
         sum.evidence += entry.evidence;
@@ -67,12 +66,12 @@ absl::StatusOr<decision::PriorSums> MemoryPriorStore::LoadPriors(
   return result;
 }
 
-absl::StatusOr<std::optional<decision::SourceState>> MemoryPriorStore::LoadSource(
+absl::StatusOr<std::optional<priors::SourceState>> MemoryPriorStore::LoadSource(
     const std::string& source_id) {
   const auto found = sources_.find(source_id);
   if (found == sources_.end() || !found->second.is_session || found->second.revoked)
     return std::nullopt;
-  decision::SourceState state{.progress = found->second.progress, .evidence = {}};
+  priors::SourceState state{.progress = found->second.progress, .evidence = {}};
   for (const auto& [key, entries] : evidence_) {
     if (const auto entry = entries.find(source_id); entry != entries.end()) {
       state.evidence.push_back({key, entry->second.evidence});
@@ -143,11 +142,11 @@ bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
   return true;
 }
 
-absl::StatusOr<decision::ImportResult> MemoryPriorStore::Import(
+absl::StatusOr<priors::ImportResult> MemoryPriorStore::Import(
     std::span<const PriorRecord> records) {
   absl::Status status = CheckRecords(records);
   if (!status.ok()) return status;
-  decision::ImportResult result;
+  priors::ImportResult result;
   for (const PriorRecord& record : records) {
     ++(ImportOne(record) ? result.applied_count : result.unchanged_count);
   }

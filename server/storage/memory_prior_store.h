@@ -5,47 +5,46 @@
 #include <map>
 #include <string>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 
 namespace sweepstake::storage {
 
-class MemoryPriorStore final : public decision::PriorStore {
+class MemoryPriorStore final : public priors::PriorStore {
  public:
-  absl::Status Commit(std::span<const decision::SourceUpdate> updates) override;
-  absl::StatusOr<decision::PriorSums> LoadPriors(
-      std::span<const decision::EvidenceKey> keys) override;
-  absl::StatusOr<std::optional<decision::SourceState>> LoadSource(
+  absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override;
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override;
-  absl::StatusOr<std::vector<decision::SceneEvidence>> List(
-      const decision::SceneFilter& filter, const std::optional<decision::SceneKey>& after,
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(
+      const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
       uint32_t limit) override;
-  absl::StatusOr<std::optional<decision::SceneEvidence>> LoadScene(
-      const decision::SceneKey& key) override;
-  absl::StatusOr<std::vector<decision::PriorRecord>> Export(
-      const decision::SceneFilter& filter, const std::optional<decision::PriorRecord>& after,
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
+      const priors::SceneKey& key) override;
+  absl::StatusOr<std::vector<priors::PriorRecord>> Export(
+      const priors::SceneFilter& filter, const std::optional<priors::PriorRecord>& after,
       uint32_t limit) override;
-  absl::StatusOr<decision::ImportResult> Import(
-      std::span<const decision::PriorRecord> records) override;
+  absl::StatusOr<priors::ImportResult> Import(
+      std::span<const priors::PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
 
  private:
   struct Source {
-    decision::SourceProgress progress;
+    priors::SourceProgress progress;
     bool is_session = false;
     bool revoked = false;
   };
   struct Entry {
     uint64_t sequence = 0;
-    decision::Evidence evidence;
+    priors::Evidence evidence;
   };
   using EntriesBySource = std::map<std::string, Entry>;
 
-  void Apply(const decision::SourceUpdate& update);
-  bool ImportOne(const decision::PriorRecord& record);
-  decision::SceneEvidence Sum(const decision::SceneKey& key) const;
+  void Apply(const priors::SourceUpdate& update);
+  bool ImportOne(const priors::PriorRecord& record);
+  priors::SceneEvidence Sum(const priors::SceneKey& key) const;
 
   std::map<std::string, Source> sources_;
-  std::map<decision::EvidenceKey, EntriesBySource> evidence_;
+  std::map<priors::EvidenceKey, EntriesBySource> evidence_;
 };
 
 }  // namespace sweepstake::storage

@@ -9,8 +9,8 @@
 namespace sweepstake::storage {
 namespace {
 
-using decision::Evidence;
-using decision::EvidenceKey;
+using priors::Evidence;
+using priors::EvidenceKey;
 
 // Empty: fine. Written so that NaN fails.
 absl::string_view WrongEvidence(const Evidence& evidence) {
@@ -43,7 +43,7 @@ absl::string_view WrongSource(absl::string_view source_id, uint64_t sequence) {
   return {};
 }
 
-absl::string_view WrongUpdate(const decision::SourceUpdate& update) {
+absl::string_view WrongUpdate(const priors::SourceUpdate& update) {
   const auto& progress = update.progress;
   absl::string_view wrong = WrongSource(progress.source_id, progress.commit_sequence);
   if (wrong.empty() && progress.message_sequence > kMaxCount)
@@ -57,7 +57,7 @@ absl::string_view WrongUpdate(const decision::SourceUpdate& update) {
   return wrong;
 }
 
-absl::string_view WrongRecord(const decision::PriorRecord& record) {
+absl::string_view WrongRecord(const priors::PriorRecord& record) {
   absl::string_view wrong = WrongKey(record.key);
   if (wrong.empty()) wrong = WrongSource(record.source_id, record.source_sequence);
   if (wrong.empty()) wrong = WrongEvidence(record.evidence);
@@ -66,7 +66,7 @@ absl::string_view WrongRecord(const decision::PriorRecord& record) {
 
 }  // namespace
 
-absl::Status CheckUpdates(std::span<const decision::SourceUpdate> updates) {
+absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates) {
   for (size_t i = 0; i < updates.size(); ++i) {
     const absl::string_view wrong = WrongUpdate(updates[i]);
     if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("update ", i, ": ", wrong));
@@ -74,7 +74,7 @@ absl::Status CheckUpdates(std::span<const decision::SourceUpdate> updates) {
   return absl::OkStatus();
 }
 
-absl::Status CheckRecords(std::span<const decision::PriorRecord> records) {
+absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
   for (size_t i = 0; i < records.size(); ++i) {
     const absl::string_view wrong = WrongRecord(records[i]);
     if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("record ", i, ": ", wrong));

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "absl/status/status.h"
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 
 namespace sweepstake::storage {
 
@@ -14,7 +14,7 @@ inline constexpr uint64_t kMaxCount =
 inline constexpr size_t kMaxNameBytes = 128;
 
 // INVALID_ARGUMENT names the update or record (from 0) and the field.
-absl::Status CheckUpdates(std::span<const decision::SourceUpdate> updates);
-absl::Status CheckRecords(std::span<const decision::PriorRecord> records);
+absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
+absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 
 }  // namespace sweepstake::storage

@@ -10,12 +10,12 @@
 namespace sweepstake::storage {
 namespace {
 
-using decision::Evidence;
-using decision::EvidenceKey;
-using decision::PriorRecord;
-using decision::SceneEvidence;
-using decision::SceneFilter;
-using decision::SceneKey;
+using priors::Evidence;
+using priors::EvidenceKey;
+using priors::PriorRecord;
+using priors::SceneEvidence;
+using priors::SceneFilter;
+using priors::SceneKey;
 
 // Every statement of the store, prepared once.
 struct Statements {
@@ -126,15 +126,15 @@ Evidence EvidenceOf(const SqliteRow& row, int first) {
           .bail_out_count = row.Unsigned(first + 3)};
 }
 
-class SqlitePriorStore final : public decision::PriorStore {
+class SqlitePriorStore final : public priors::PriorStore {
  public:
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
   absl::Status Prepare();
 
-  absl::Status Commit(std::span<const decision::SourceUpdate> updates) override;
-  absl::StatusOr<decision::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override;
-  absl::StatusOr<std::optional<decision::SourceState>> LoadSource(
+  absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override;
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override;
   absl::StatusOr<std::vector<SceneEvidence>> List(const SceneFilter& filter,
                                                   const std::optional<SceneKey>& after,
@@ -143,15 +143,15 @@ class SqlitePriorStore final : public decision::PriorStore {
   absl::StatusOr<std::vector<PriorRecord>> Export(const SceneFilter& filter,
                                                   const std::optional<PriorRecord>& after,
                                                   uint32_t limit) override;
-  absl::StatusOr<decision::ImportResult> Import(std::span<const PriorRecord> records) override;
+  absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
 
  private:
   // All of `body` or nothing.
   template <typename Body>
   absl::Status InTransaction(Body body);
-  absl::Status Apply(const decision::SourceUpdate& update);
-  absl::Status ImportOne(const PriorRecord& record, decision::ImportResult& result);
+  absl::Status Apply(const priors::SourceUpdate& update);
+  absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result);
   // 0: no such key.
   absl::StatusOr<int64_t> FindKey(const EvidenceKey& key);
   absl::StatusOr<int64_t> FindOrAddKey(const EvidenceKey& key);
@@ -179,7 +179,7 @@ absl::Status SqlitePriorStore::InTransaction(Body body) {
   return status;
 }
 
-absl::Status SqlitePriorStore::Commit(std::span<const decision::SourceUpdate> updates) {
+absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
   if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
   return InTransaction([&] {
     for (const auto& update : updates) {
@@ -189,7 +189,7 @@ absl::Status SqlitePriorStore::Commit(std::span<const decision::SourceUpdate> up
   });
 }
 
-absl::Status SqlitePriorStore::Apply(const decision::SourceUpdate& update) {
+absl::Status SqlitePriorStore::Apply(const priors::SourceUpdate& update) {
   const auto& progress = update.progress;
   int64_t source = 0;
   absl::Status status = statements_.advance_source.ForEachRow(
@@ -227,14 +227,13 @@ absl::StatusOr<int64_t> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key) {
   return id;
 }
 
-absl::StatusOr<decision::PriorSums> SqlitePriorStore::LoadPriors(
-    std::span<const EvidenceKey> keys) {
-  decision::PriorSums result;
+absl::StatusOr<priors::PriorSums> SqlitePriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
+  priors::PriorSums result;
   std::unordered_set<int64_t> sources;
   for (const EvidenceKey& key : keys) {
     auto id = FindKey(key);
     if (!id.ok()) return id.status();
-    decision::PriorSum& sum = result.sums.emplace_back();
+    priors::PriorSum& sum = result.sums.emplace_back();
     absl::Status status = statements_.key_evidence.ForEachRow(
         [&](const SqliteRow& row) {
           sum.evidence += EvidenceOf(row, 1);
@@ -248,9 +247,9 @@ absl::StatusOr<decision::PriorSums> SqlitePriorStore::LoadPriors(
   return result;
 }
 
-absl::StatusOr<std::optional<decision::SourceState>> SqlitePriorStore::LoadSource(
+absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
     const std::string& source_id) {
-  decision::SourceState state;
+  priors::SourceState state;
   int64_t id = 0;
   absl::Status status = statements_.load_source.ForEachRow(
       [&](const SqliteRow& row) {
@@ -328,8 +327,7 @@ absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
   return records;
 }
 
-absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record,
-                                         decision::ImportResult& result) {
+absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record, priors::ImportResult& result) {
   int64_t source = 0;
   absl::Status status =
       statements_.touch_source.ForEachRow([&](const SqliteRow& row) { source = row.Integer(0); },
@@ -348,10 +346,10 @@ absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record,
   return status;
 }
 
-absl::StatusOr<decision::ImportResult> SqlitePriorStore::Import(
+absl::StatusOr<priors::ImportResult> SqlitePriorStore::Import(
     std::span<const PriorRecord> records) {
   if (absl::Status status = CheckRecords(records); !status.ok()) return status;
-  decision::ImportResult result;
+  priors::ImportResult result;
   absl::Status status = InTransaction([&] {
     for (const PriorRecord& record : records) {
       if (absl::Status one = ImportOne(record, result); !one.ok()) return one;
@@ -377,7 +375,7 @@ absl::StatusOr<uint64_t> SqlitePriorStore::Revoke(const std::string& source_id) 
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<decision::PriorStore>> OpenSqlitePriorStore(
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path) {
   auto database = OpenPriorDatabase(path);
   if (!database.ok()) return database.status();

@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <memory>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 
 namespace sweepstake::storage {
 
 // Errors as in OpenPriorDatabase.
-absl::StatusOr<std::unique_ptr<decision::PriorStore>> OpenSqlitePriorStore(
+absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

@@ -7,11 +7,11 @@ namespace sweepstake::storage {
 namespace {
 
 // An update without increments still is a row.
-size_t RowCount(const decision::SourceUpdate& update) { return 1 + update.increments.size(); }
+size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.increments.size(); }
 
 }  // namespace
 
-StoreThread::StoreThread(std::unique_ptr<decision::PriorStore> store, StoreThreadOptions options)
+StoreThread::StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options)
     : store_(std::move(store)), options_(options), thread_([this] { Loop(); }) {}
 
 StoreThread::~StoreThread() { Close(); }
@@ -37,7 +37,7 @@ bool StoreThread::Enqueue(Item item, size_t rows) {
   return true;
 }
 
-void StoreThread::Commit(decision::SourceUpdate update, CommitCallback done) {
+void StoreThread::Commit(priors::SourceUpdate update, CommitCallback done) {
   const size_t rows = RowCount(update);
   CommitCallback refused = done;
   if (!Enqueue(PendingCommit{std::move(update), std::move(done)}, rows)) {
@@ -91,7 +91,7 @@ void StoreThread::Loop() {
 }
 
 void StoreThread::CommitGroup(std::vector<PendingCommit> group) {
-  std::vector<decision::SourceUpdate> updates;
+  std::vector<priors::SourceUpdate> updates;
   updates.reserve(group.size());
   for (const PendingCommit& commit : group) updates.push_back(commit.update);
   const absl::Status status = store_->Commit(updates);

@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 
 namespace sweepstake::storage {
 
@@ -28,10 +28,9 @@ struct StoreThreadOptions {
   size_t max_queued = 65'536;  // updates and jobs; the next one is refused
 };
 
-class StoreThread final : public decision::AsyncPriorStore {
+class StoreThread final : public priors::AsyncPriorStore {
  public:
-  explicit StoreThread(std::unique_ptr<decision::PriorStore> store,
-                       StoreThreadOptions options = {});
+  explicit StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options = {});
   ~StoreThread() override;
   // Runs what is queued and ends the thread; later commits and jobs are refused. Idempotent, one
   // caller at a time.
@@ -39,13 +38,13 @@ class StoreThread final : public decision::AsyncPriorStore {
   StoreThread(const StoreThread&) = delete;
   StoreThread& operator=(const StoreThread&) = delete;
 
-  void Commit(decision::SourceUpdate update, CommitCallback done) override;
+  void Commit(priors::SourceUpdate update, CommitCallback done) override;
   bool Submit(Job job) override;
   bool healthy() const override { return healthy_.load(std::memory_order_relaxed); }
 
  private:
   struct PendingCommit {
-    decision::SourceUpdate update;
+    priors::SourceUpdate update;
     CommitCallback done;
   };
   using Item = std::variant<PendingCommit, Job>;
@@ -61,7 +60,7 @@ class StoreThread final : public decision::AsyncPriorStore {
   void CommitOneByOne(std::vector<PendingCommit>& group);
   void Finish(PendingCommit& commit, const absl::Status& status);
 
-  const std::unique_ptr<decision::PriorStore> store_;
+  const std::unique_ptr<priors::PriorStore> store_;
   const StoreThreadOptions options_;
   std::atomic<bool> healthy_{true};
 

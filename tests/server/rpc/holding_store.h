@@ -6,15 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 
 namespace sweepstake::rpc {
 
-class HoldingStore final : public decision::AsyncPriorStore {
+class HoldingStore final : public priors::AsyncPriorStore {
  public:
-  explicit HoldingStore(decision::AsyncPriorStore& store) : store_(store) {}
+  explicit HoldingStore(priors::AsyncPriorStore& store) : store_(store) {}
 
-  void Commit(decision::SourceUpdate update, CommitCallback done) override {
+  void Commit(priors::SourceUpdate update, CommitCallback done) override {
     {
       const std::lock_guard lock(mutex_);
       if (failing_) return done(absl::UnavailableError("the disk is full"));
@@ -52,10 +52,10 @@ class HoldingStore final : public decision::AsyncPriorStore {
 
  private:
   struct Held {
-    decision::SourceUpdate update;
+    priors::SourceUpdate update;
     CommitCallback done;
   };
-  decision::AsyncPriorStore& store_;
+  priors::AsyncPriorStore& store_;
   mutable std::mutex mutex_;
   std::vector<Held> held_;  // guarded by mutex_
   bool holding_ = false;    // guarded by mutex_

@@ -176,7 +176,7 @@ class RpcTest : public ::testing::Test {
   }
   void Flush() {
     std::promise<void> done;
-    thread_.Submit([&](decision::PriorStore&) { done.set_value(); });
+    thread_.Submit([&](priors::PriorStore&) { done.set_value(); });
     done.get_future().wait();
   }
 
@@ -187,11 +187,11 @@ class RpcTest : public ::testing::Test {
   // One decision tick, and what it leads to is awaited by the caller.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }
 
-  decision::SceneEvidence Stored(const std::string& scene = "harbour") {
-    std::promise<decision::SceneEvidence> result;
-    thread_.Submit([&](decision::PriorStore& store) {
+  priors::SceneEvidence Stored(const std::string& scene = "harbour") {
+    std::promise<priors::SceneEvidence> result;
+    thread_.Submit([&](priors::PriorStore& store) {
       result.set_value(store.LoadScene({"game", scene, "", decision::kRewardVersion})
-                           ->value_or(decision::SceneEvidence{}));
+                           ->value_or(priors::SceneEvidence{}));
     });
     return result.get_future().get();
   }

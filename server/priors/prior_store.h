@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace sweepstake::decision {
+namespace sweepstake::priors {
 
 // What a piece of evidence is about. Evidence with different keys is never merged.
 struct EvidenceKey {
@@ -202,4 +202,4 @@ class AsyncPriorStore {
   virtual bool healthy() const = 0;
 };
 
-}  // namespace sweepstake::decision
+}  // namespace sweepstake::priors
