@@ -118,6 +118,7 @@ HWY_INLINE uint64_t SweepEntries(const BoxLanes& lanes, const uint32_t* marks, P
   const auto wanted = hn::Set(du, kBeginsOnAllAxes);
   uint64_t checks = 0;
   for (size_t i = 0; i < lanes.count; ++i) {
+    if (marks[i] >= kNotInCell) continue;
     const Aabb box = BoxAt(lanes, i);
     const auto mark = hn::Set(du, marks[i]);
     for (size_t at = i + 1; lanes.min[0][at] <= box.max[0]; at += step) {
