@@ -12,7 +12,7 @@ constexpr double kTwoPi = 6.283185307179586;
 
 uint64_t WholeSteps(float duration_s, float step_s) {
   const double steps = static_cast<double>(duration_s) / step_s;
-  return std::max<uint64_t>(1, static_cast<uint64_t>(steps + 0.5));
+  return std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(steps)));
 }
 
 // `velocity` moved towards 0 by `loss`, never past it.

@@ -37,7 +37,7 @@ class FileTest : public testing::Test {
   std::filesystem::path PathOf(const std::string& name) const { return directory_ / name; }
 
   std::filesystem::path Write(const std::string& bytes) const {
-    const std::filesystem::path path = PathOf("scene.aabbs");
+    std::filesystem::path path = PathOf("scene.aabbs");
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }
