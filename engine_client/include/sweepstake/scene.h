@@ -48,8 +48,9 @@ class Scene {
   // The boxes of this frame, valid until the next Step. The count may change in recorded files
   // only.
   virtual std::span<const Aabb> aabbs() const = 0;
-  // One fixed step on. A recorded file starts again after its last frame. Does not allocate after
-  // the first call.
+  // One fixed step on; does not allocate and does not fail. A recorded file starts again after its
+  // last frame, while frame_index() goes on; should it have become unreadable since it was opened,
+  // the boxes stay as they are. Cost: 15 to 90 ns per object (the hurricanes), or reading 32 bytes.
   virtual void Step() = 0;
 };
 
@@ -59,11 +60,15 @@ std::span<const std::string_view> SceneNames();
 
 // `scene` is one of SceneNames() or the path of a .aabbs file (options then are not used). The
 // suite takes only object_count: it is fixed otherwise (scene/README.md). kNotFound lists the
-// names; kInvalidArgument names the option; kDataLoss says in one line what is broken in the file.
+// names; kInvalidArgument names the option; kDataLoss says in one line what is broken in the file;
+// kResourceExhausted: more objects in the file than object_count may be, or no memory for them.
 Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOptions& options);
 
 // Steps `scene` `frame_count` times and writes it as Broadmark's .aabbs (1 + frame_count frames,
-// spawn state first). The file appears whole or not at all.
+// the state it is in first). The file appears whole or not at all; one that was there is replaced.
+// kInvalidArgument: a coordinate is not finite, no frame has an object, frame_count is over
+// 2^31 - 1, or `path` is no file name; kNotFound: no such directory; kUnavailable: the system's
+// reason. Takes 4 bytes of memory per frame besides one frame.
 Status RecordScene(Scene& scene, uint64_t frame_count, const std::filesystem::path& path);
 
 }  // namespace sweepstake

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
@@ -38,6 +39,8 @@ class FileTest : public testing::Test {
 
   std::filesystem::path Write(const std::string& bytes) const {
     std::filesystem::path path = PathOf("scene.aabbs");
+    // A file that is truncated and written again is flushed to the disk by some file systems.
+    std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }
