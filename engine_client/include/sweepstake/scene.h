@@ -45,8 +45,8 @@ class Scene {
   virtual Aabb world() const = 0;
   // Steps taken; 0 is the spawn state, which aabbs() shows at once.
   virtual uint64_t frame_index() const = 0;
-  // The boxes of this frame, valid until the next Step. The count may change in recorded files
-  // only.
+  // The boxes of this frame, valid until the next Step. Of the scenes that MakeScene makes, only
+  // a recorded file may change the count.
   virtual std::span<const Aabb> aabbs() const = 0;
   // One fixed step on; does not allocate and does not fail. A recorded file starts again after its
   // last frame, while frame_index() goes on; should it have become unreadable since it was opened,
