@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "server/decision/arm_run.h"
+#include "server/decision/arm_runs.h"
 #include "server/decision/exploration.h"
 #include "server/decision/learner.h"
 #include "server/decision/observation.h"
@@ -16,9 +16,6 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr int64_t kEndOfTime = std::numeric_limits<int64_t>::max();
-
-// Epochs wrap around; the later one is less than half of their range ahead.
-bool IsLater(uint32_t epoch, uint32_t than) { return epoch != than && epoch - than < (1u << 31); }
 
 int64_t SaturatingSum(int64_t time_ns, int64_t interval_ns) {
   return time_ns > kEndOfTime - interval_ns ? kEndOfTime : time_ns + interval_ns;
@@ -54,7 +51,7 @@ class DecisionSession::Impl {
   bool exploring() const { return setup_.options.explore && !exploration_.done(); }
   const SessionSetup& setup() const { return setup_; }
   const Learner& learner() const { return learner_; }
-  const ArmRun& run() const { return run_; }
+  const ArmRun& run() const { return runs_.active(); }
   Mode mode() const { return mode_; }
   const Exploration& exploration() const { return exploration_; }
   const Observation& observation() const { return observation_; }
@@ -64,13 +61,12 @@ class DecisionSession::Impl {
 
  private:
   // Frames.
-  ArmRun* RunOf(const Frame& frame);
   void CountRebuild(const Frame& frame);
 
   // Switches.
   uint64_t SettlingOfNewRun() const;
   void AdoptLaterRun(int64_t now_ns);
-  void Activate(ArmRun run, SwitchReason reason, int64_t now_ns);
+  void Activate(const ArmRun& run, SwitchReason reason, int64_t now_ns);
 
   // The parts of a decision.
   void ScheduleNextTick(int64_t now_ns);
@@ -96,10 +92,8 @@ class DecisionSession::Impl {
   SessionCounts counts_;
 
   Mode mode_;
-  ArmRun run_;                       // of the active arm
-  std::optional<ArmRun> later_run_;  // of a switch that frames show and nobody has reported yet
-  bool run_reported_ = true;         // by ObserveSwitch, or from the setup
-  bool active_frames_seen_ = false;  // of run_, of any kind, since the last tick
+  ArmRuns runs_;
+  bool run_reported_ = true;  // by ObserveSwitch, or from the setup
   SwitchReason commanded_reason_ = SwitchReason::kPolicy;
 
   int64_t next_tick_ns_;
@@ -116,7 +110,7 @@ DecisionSession::Impl::Impl(SessionSetup setup)
       gate_(setup_.options.cooldown_ns, LastSwitchOf(setup_)),
       observation_(setup_.arms.size(), setup_.active_arm),
       mode_(setup_.mode),
-      run_(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun()),
+      runs_(ArmCount(setup_), ArmRun(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun())),
       next_tick_ns_(SaturatingSum(setup_.start_ns, setup_.options.decision_interval_ns)),
       last_event_ns_(setup_.start_ns),
       decision_count_(setup_.decision_count),
@@ -125,12 +119,11 @@ DecisionSession::Impl::Impl(SessionSetup setup)
 }
 
 void DecisionSession::Impl::ObserveFrame(const Frame& frame) {
-  ArmRun* run = RunOf(frame);
+  ArmRun* run = runs_.Find(frame, SettlingOfNewRun());
   if (run == nullptr) {
     ++counts_.other_epoch_frame_count;
     return;
   }
-  if (run == &run_) active_frames_seen_ = true;
   if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) {
     ++counts_.suspended_frame_count;
   } else if (IsOverBailOutLimit(frame, setup_.options.bail_out_ns)) {
@@ -142,18 +135,6 @@ void DecisionSession::Impl::ObserveFrame(const Frame& frame) {
     const bool measured = run->Observe(frame, static_cast<uint64_t>(rebuild_settling_ns));
     ++(measured ? counts_.measured_frame_count : counts_.settling_frame_count);
   }
-}
-
-ArmRun* DecisionSession::Impl::RunOf(const Frame& frame) {
-  if (frame.arm >= setup_.arms.size()) return nullptr;
-  if (frame.switch_epoch == run_.switch_epoch()) return frame.arm == run_.arm() ? &run_ : nullptr;
-  if (!IsLater(frame.switch_epoch, run_.switch_epoch())) return nullptr;
-  if (!later_run_ || IsLater(frame.switch_epoch, later_run_->switch_epoch())) {
-    later_run_.emplace(frame.arm, frame.switch_epoch, SettlingOfNewRun());
-  }
-  const bool matches =
-      later_run_->switch_epoch() == frame.switch_epoch && later_run_->arm() == frame.arm;
-  return matches ? &*later_run_ : nullptr;
 }
 
 void DecisionSession::Impl::CountRebuild(const Frame& frame) {
@@ -172,7 +153,9 @@ void DecisionSession::Impl::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, S
                                           int64_t now_ns) {
   assert(arm < setup_.arms.size());
   AdoptLaterRun(now_ns);
-  if (run_.arm() == arm && run_.switch_epoch() == switch_epoch) {
+  // An epoch that has ended already: frames of the one after it were faster than this report.
+  if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
+  if (run().arm() == arm && run().switch_epoch() == switch_epoch) {
     if (!run_reported_) observation_.CorrectReason(reason);
   } else {
     Activate(ArmRun(arm, switch_epoch, SettlingOfNewRun()), reason, now_ns);
@@ -181,15 +164,15 @@ void DecisionSession::Impl::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, S
 }
 
 void DecisionSession::Impl::AdoptLaterRun(int64_t now_ns) {
-  if (later_run_) {
-    const ArmRun run = *later_run_;
-    Activate(run, commanded_reason_, now_ns);
+  if (runs_.later()) {
+    const ArmRun later = *runs_.later();
+    Activate(later, commanded_reason_, now_ns);
     run_reported_ = false;
   }
   last_event_ns_ = std::max(last_event_ns_, now_ns);
 }
 
-void DecisionSession::Impl::Activate(ArmRun run, SwitchReason reason, int64_t now_ns) {
+void DecisionSession::Impl::Activate(const ArmRun& run, SwitchReason reason, int64_t now_ns) {
   const uint64_t since_last_event =
       now_ns > last_event_ns_
           ? static_cast<uint64_t>(now_ns) - static_cast<uint64_t>(last_event_ns_)
@@ -198,18 +181,16 @@ void DecisionSession::Impl::Activate(ArmRun run, SwitchReason reason, int64_t no
   const int64_t executed_ns = static_cast<int64_t>(static_cast<uint64_t>(now_ns) - age_ns);
   gate_.OnExecuted(executed_ns);
   observation_.Activate(run.arm(), reason, executed_ns);
-  run_ = std::move(run);
-  later_run_.reset();
-  active_frames_seen_ = false;
+  runs_.Activate(run);
 }
 
 void DecisionSession::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   assert(active_arm < setup_.arms.size());
   AdoptLaterRun(now_ns);
   mode_ = mode;
-  run_.ClearWindow();
-  if (active_arm != run_.arm()) {
-    Activate(ArmRun(active_arm, run_.switch_epoch(), SettlingOfNewRun()), SwitchReason::kManual,
+  runs_.ClearWindow();
+  if (active_arm != run().arm()) {
+    Activate(ArmRun(active_arm, run().switch_epoch(), SettlingOfNewRun()), SwitchReason::kManual,
              now_ns);
   }
 }
@@ -218,7 +199,7 @@ Decision DecisionSession::Impl::Tick(int64_t now_ns) {
   assert(now_ns >= next_tick_ns_);
   ScheduleNextTick(now_ns);
   AdoptLaterRun(now_ns);
-  gate_.OnTick(active_frames_seen_);
+  gate_.OnTick(runs_.active_frames_seen());
   Decision decision = Open(now_ns);
   if (mode_ == Mode::kManual) {
     decision.record.outcome = Outcome::kManual;
@@ -228,8 +209,7 @@ Decision DecisionSession::Impl::Tick(int64_t now_ns) {
     const std::optional<Outcome> hold = Learn(decision);
     SampleAndGate(decision, hold);
   }
-  run_.ClearWindow();
-  active_frames_seen_ = false;
+  runs_.ClearWindow();
   return Close(std::move(decision));
 }
 
@@ -243,7 +223,7 @@ Decision DecisionSession::Impl::Open(int64_t now_ns) {
   Decision decision;
   decision.record.decision_id = ++decision_count_;
   decision.record.time_ns = now_ns;
-  decision.record.active_arm = run_.arm();
+  decision.record.active_arm = run().arm();
   return decision;
 }
 
@@ -253,9 +233,9 @@ Decision DecisionSession::Impl::Close(Decision decision) {
 }
 
 std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
-  if (run_.window().empty())
-    return run_.settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
-  decision.increment = learner_.LearnWindow(run_.arm(), run_.window());
+  if (run().window().empty())
+    return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
+  decision.increment = learner_.LearnWindow(run().arm(), run().window());
   if (!decision.increment) return Outcome::kRejected;
   decision.record.reward = decision.increment->alpha;
   return std::nullopt;
@@ -263,7 +243,7 @@ std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
 
 void DecisionSession::Impl::Choose(Decision& decision) {
   Choice choice = policy_->Choose({.posteriors = learner_.posteriors(),
-                                   .active_arm = run_.arm(),
+                                   .active_arm = run().arm(),
                                    .seed = setup_.seed,
                                    .decision_id = decision.record.decision_id});
   decision.record.candidate = choice.candidate;
@@ -282,7 +262,7 @@ void DecisionSession::Impl::SampleAndGate(Decision& decision, std::optional<Outc
 Outcome DecisionSession::Impl::Gate(const DecisionRecord& record,
                                     std::optional<Outcome> hold) const {
   if (hold) return *hold;
-  if (record.candidate == run_.arm()) return Outcome::kKept;
+  if (record.candidate == run().arm()) return Outcome::kKept;
   if (gate_.switch_under_way()) return Outcome::kHeldSettling;
   return gate_.CooldownPassed(record.time_ns) ? Outcome::kSwitched : Outcome::kHeldCooldown;
 }
@@ -297,11 +277,11 @@ void DecisionSession::Impl::Command(Decision& decision, uint32_t arm, SwitchReas
 void DecisionSession::Impl::Explore(Decision& decision) {
   decision.record.outcome = Outcome::kExploring;
   std::optional<Outcome> hold;
-  if (run_.arm() == exploration_.slot_arm()) {
+  if (run().arm() == exploration_.slot_arm()) {
     hold = Learn(decision);
     const auto slot_ns = static_cast<uint64_t>(setup_.options.exploration_warm_up_ns) +
                          static_cast<uint64_t>(setup_.options.exploration_measure_ns);
-    if (run_.elapsed_ns() >= slot_ns) EndSlot(decision.record.time_ns);
+    if (run().elapsed_ns() >= slot_ns) EndSlot(decision.record.time_ns);
   }
   if (exploring() && !gate_.switch_under_way()) GoOnExploring(decision, SwitchReason::kExploration);
   if (!exploring()) {
@@ -313,7 +293,7 @@ void DecisionSession::Impl::Explore(Decision& decision) {
 
 // Commands the arm whose turn it is, passing over those that were commanded in vain.
 void DecisionSession::Impl::GoOnExploring(Decision& decision, SwitchReason reason) {
-  while (exploring() && run_.arm() != exploration_.slot_arm()) {
+  while (exploring() && run().arm() != exploration_.slot_arm()) {
     if (exploration_.CountCommand()) {
       Command(decision, exploration_.slot_arm(), reason);
       return;
@@ -326,13 +306,13 @@ void DecisionSession::Impl::EndSlot(int64_t now_ns) {
   exploration_.EndSlot();
   if (!exploring()) {
     observation_.Start(now_ns);
-  } else if (run_.arm() == exploration_.slot_arm()) {
-    run_.Restart(SettlingOfNewRun());
+  } else if (run().arm() == exploration_.slot_arm()) {
+    runs_.active().Restart(SettlingOfNewRun());
   }
 }
 
 Decision DecisionSession::Impl::ObserveBailOut(const Frame& frame, int64_t now_ns) {
-  RunOf(frame);  // begins a later run where the frame shows one
+  runs_.Find(frame, SettlingOfNewRun());  // begins a later run where the frame shows one
   AdoptLaterRun(now_ns);
   Decision decision = Open(now_ns);
   decision.record.outcome = exploring() ? Outcome::kExploring : Outcome::kKept;
@@ -349,9 +329,9 @@ Decision DecisionSession::Impl::ObserveBailOut(const Frame& frame, int64_t now_n
 void DecisionSession::Impl::Blame(const Frame& frame, Decision& decision) {
   ++counts_.charged_bail_out_count;
   decision.increment = learner_.LearnBailOut(frame.arm);
-  if (frame.switch_epoch != run_.switch_epoch() || frame.arm != run_.arm()) return;
+  if (!runs_.IsActive(frame)) return;
   if (exploring()) {
-    if (run_.arm() == exploration_.slot_arm()) EndSlot(decision.record.time_ns);
+    if (run().arm() == exploration_.slot_arm()) EndSlot(decision.record.time_ns);
     GoOnExploring(decision, SwitchReason::kBailOut);
   }
   if (!exploring()) Resample(decision);
@@ -360,8 +340,8 @@ void DecisionSession::Impl::Blame(const Frame& frame, Decision& decision) {
 void DecisionSession::Impl::Resample(Decision& decision) {
   Choose(decision);
   const uint32_t candidate = *decision.record.candidate;
-  decision.record.outcome = candidate == run_.arm() ? Outcome::kKept : Outcome::kSwitched;
-  if (candidate != run_.arm()) Command(decision, candidate, SwitchReason::kBailOut);
+  decision.record.outcome = candidate == run().arm() ? Outcome::kKept : Outcome::kSwitched;
+  if (candidate != run().arm()) Command(decision, candidate, SwitchReason::kBailOut);
 }
 
 DecisionSession::DecisionSession(SessionSetup setup) {

@@ -93,8 +93,8 @@ class DecisionSession {
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
 
   // The client's answer to a command, or a local switch (command_id 0): the new arm is active from
-  // this epoch on. To be called for executed switches only. A report of what is active already
-  // changes nothing. REQUIRES: arm < arms.
+  // this epoch on. To be called for executed switches only. A report of what is active already, or
+  // of an earlier epoch, changes nothing. REQUIRES: arm < arms.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
 
   // The window begins anew; the exploration goes on where it was.

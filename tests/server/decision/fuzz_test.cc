@@ -18,7 +18,8 @@ class Fuzzer {
  public:
   explicit Fuzzer(uint64_t seed)
       : random_(seed, RandomPurpose::kChoice, 0, 0), setup_(MakeSetup(seed)), session_(setup_) {
-    now_ns_ = setup_.start_ns;
+    now_ns_ = last_event_ns_ = setup_.start_ns;
+    active_arm_ = setup_.active_arm;
     epoch_ = setup_.switch_epoch;
   }
 
@@ -65,7 +66,7 @@ class Fuzzer {
                 .native_bytes = AnyNumber(),
                 .object_count = OneIn(4) ? Below(3) : static_cast<uint32_t>(random_.NextBits())};
     frame.arm = OneIn(10) ? static_cast<uint32_t>(random_.NextBits()) : session_.active_arm();
-    frame.switch_epoch = OneIn(50) ? static_cast<uint32_t>(random_.NextBits()) : epoch_;
+    frame.switch_epoch = OneIn(50) ? epoch_ + Below(6) - 3 : epoch_;  // the reports catch up
     frame.flags = OneIn(3) ? Below(16) : 0;
     return frame;
   }
@@ -99,14 +100,27 @@ class Fuzzer {
     }
   }
 
+  // A switch that shows now was executed after the event before.
+  void NoteSwitch() {
+    if (session_.active_arm() != active_arm_) last_switch_ns_ = last_event_ns_;
+    active_arm_ = session_.active_arm();
+    last_event_ns_ = now_ns_;
+  }
+
+  void ChangeMode() {
+    const Mode mode = OneIn(3) ? Mode::kManual : Mode::kAi;
+    session_.SetMode(mode, AnyArm(), now_ns_);
+    NoteSwitch();
+  }
+
   void Switch(uint32_t arm) {
     session_.ObserveSwitch(arm, ++epoch_, static_cast<SwitchReason>(Below(7)), now_ns_);
-    last_switch_ns_ = now_ns_;
     pending_.reset();
-    EXPECT_EQ(session_.active_arm(), arm);
+    NoteSwitch();
   }
 
   void Check(const Decision& decision, bool bail_out) {
+    NoteSwitch();
     const DecisionRecord& record = decision.record;
     ASSERT_EQ(record.decision_id, ++decision_count_);
     ASSERT_EQ(record.posteriors.size(), setup_.arms.size());
@@ -133,8 +147,6 @@ class Fuzzer {
     ASSERT_NE(decision.command->arm, session_.active_arm());
     ASSERT_EQ(decision.command->reason == SwitchReason::kBailOut, bail_out);
     if (decision.command->reason == SwitchReason::kPolicy && last_switch_ns_) {
-      // Frames of a later epoch may have shown another switch since, which only makes the wait
-      // longer.
       ASSERT_GE(now_ns_ - *last_switch_ns_, setup_.options.cooldown_ns);
     }
     pending_ = decision.command->arm;
@@ -144,6 +156,8 @@ class Fuzzer {
   SessionSetup setup_;
   DecisionSession session_;
   int64_t now_ns_;
+  int64_t last_event_ns_ = 0;
+  uint32_t active_arm_;
   uint32_t epoch_;
   uint64_t decision_count_ = 0;
   uint64_t command_count_ = 0;

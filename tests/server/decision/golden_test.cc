@@ -188,7 +188,13 @@ std::string FirstDifference(const std::string& expected, const std::string& actu
   std::string line_a;
   std::string line_b;
   for (int number = 1; std::getline(a, line_a) && std::getline(b, line_b); ++number) {
-    if (line_a != line_b) return "line " + std::to_string(number) + ":\n" + line_a + "\n" + line_b;
+    if (line_a == line_b) continue;
+    return std::string("line ")
+        .append(std::to_string(number))
+        .append(":\n")
+        .append(line_a)
+        .append("\n")
+        .append(line_b);
   }
   return "one log is longer than the other";
 }

@@ -1,7 +1,5 @@
 #include "tests/server/decision/scripted_client.h"
 
-#include <utility>
-
 namespace sweepstake::decision {
 
 SessionSetup PlainSetup(uint32_t arm_count) {
@@ -11,7 +9,7 @@ SessionSetup PlainSetup(uint32_t arm_count) {
   return setup;
 }
 
-ScriptedClient::ScriptedClient(SessionSetup setup)
+ScriptedClient::ScriptedClient(const SessionSetup& setup)
     : session(setup), now_ns(setup.start_ns), arm(setup.active_arm), epoch(setup.switch_epoch) {}
 
 void ScriptedClient::RunFrame() {

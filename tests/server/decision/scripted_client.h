@@ -25,7 +25,7 @@ class ScriptedClient {
               .native_bytes = 16 << 20,
               .object_count = 1'000};
 
-  explicit ScriptedClient(SessionSetup setup);
+  explicit ScriptedClient(const SessionSetup& setup);
 
   // One frame of the active arm: time passes, the session sees it.
   void RunFrame();

@@ -56,6 +56,19 @@ TEST(Switch, ReportedTwiceCountsOnce) {
   EXPECT_EQ(client.session.observation(client.now_ns).switch_count(SwitchReason::kManual), 1u);
 }
 
+TEST(Switch, ReportedAfterTheNextOneDoesNotTurnTheSessionBack) {
+  ScriptedClient client(PlainSetup(3));
+  ExecuteSilently(client, 1);
+  client.RunFrame();
+  ExecuteSilently(client, 2);
+  client.RunFrame();
+  client.session.ObserveSwitch(1, 1, SwitchReason::kPolicy, client.now_ns);
+  EXPECT_EQ(client.session.active_arm(), 2u);
+  client.session.ObserveSwitch(2, 2, SwitchReason::kBailOut, client.now_ns);
+  EXPECT_EQ(client.session.active_arm(), 2u);
+  EXPECT_EQ(client.session.observation(client.now_ns).switch_count(SwitchReason::kBailOut), 1u);
+}
+
 TEST(Switch, TakesItsReasonFromTheReport) {
   ScriptedClient client(PlainSetup(2));
   client.Settle();
