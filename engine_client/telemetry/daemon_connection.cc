@@ -22,18 +22,21 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
 
 }  // namespace
 
-std::shared_ptr<DaemonConnection> DaemonConnection::Open(const std::string& address,
-                                                         std::function<void()> wake) {
-  std::shared_ptr<DaemonConnection> connection(new DaemonConnection(std::move(wake)));
-  connection->self_ = connection;
-  connection->channel_ = MakeChannel(address);
-  connection->stub_ = v1::TelemetryService::NewStub(connection->channel_);
-  connection->stub_->async()->StreamTelemetry(&connection->context_, connection.get());
+DaemonConnection::DaemonConnection(const std::string& address, std::function<void()> wake)
+    : wake_(std::move(wake)),
+      channel_(MakeChannel(address)),
+      stub_(v1::TelemetryService::NewStub(channel_)) {
+  stub_->async()->StreamTelemetry(&context_, this);
   // Writes start outside of gRPC's reactions; without a hold the stream could be done meanwhile.
-  connection->AddHold();
-  connection->StartRead(&connection->reading_response_);
-  connection->StartCall();
-  return connection;
+  AddHold();
+  StartRead(&reading_response_);
+  StartCall();
+}
+
+DaemonConnection::~DaemonConnection() {
+  Cancel();
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return status_.has_value(); });
 }
 
 bool DaemonConnection::writable() {
@@ -110,13 +113,11 @@ void DaemonConnection::OnWriteDone(bool ok) {
 }
 
 void DaemonConnection::OnDone(const grpc::Status& status) {
-  std::shared_ptr<DaemonConnection> self;
-  {
-    const std::lock_guard lock(mutex_);
-    status_ = status;
-    self = std::move(self_);
-  }
+  // All of it under the lock: once it is free, the destructor may go on.
+  const std::lock_guard lock(mutex_);
+  status_ = status;
   wake_();
+  done_.notify_all();
 }
 
 }  // namespace sweepstake

@@ -5,12 +5,14 @@
 // waits. A channel per connection keeps gRPC's own reconnection delays out of the session's
 // back-off. Keep-alive pings find a half-open connection within 30 s.
 //
-// Thread safety: the public methods on one thread, the sender's. Ownership: gRPC keeps the object
-// alive until it is done with it, so the owner may let go at any time after Cancel.
+// Thread safety: all public methods, the destructor included, on one thread, the sender's. Never
+// gRPC's: a channel that is destroyed on the thread that serves it takes that thread's queue from
+// under it (gRPC 1.51).
 #pragma once
 
 #include <grpcpp/grpcpp.h>
 
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -28,10 +30,11 @@ class DaemonConnection final
   // Responses kept unread; then reading pauses, and the daemon's flow control holds the rest back.
   static constexpr size_t kInboxMax = 64;
 
-  // Begins to connect. `wake` is called from gRPC's threads whenever there is something to look at;
-  // it must not block and must outlive the connection's end.
-  static std::shared_ptr<DaemonConnection> Open(const std::string& address,
-                                                std::function<void()> wake);
+  // Begins to connect. `wake` is called from gRPC's threads, until the destructor returns, whenever
+  // there is something to look at; it must not block.
+  DaemonConnection(const std::string& address, std::function<void()> wake);
+  // Cancels what is left and waits until gRPC lets go, which needs no answer from the daemon.
+  ~DaemonConnection() override;
 
   // Whether Write may be called: no write is in flight and the stream is open.
   bool writable();
@@ -48,16 +51,14 @@ class DaemonConnection final
   std::optional<grpc::Status> closed();
 
  private:
-  explicit DaemonConnection(std::function<void()> wake) : wake_(std::move(wake)) {}
-
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
   void OnDone(const grpc::Status& status) override;
   void LetGo();
 
   const std::function<void()> wake_;
-  std::shared_ptr<grpc::Channel> channel_;
-  std::unique_ptr<v1::TelemetryService::Stub> stub_;
+  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<v1::TelemetryService::Stub> stub_;
   grpc::ClientContext context_;
   v1::StreamTelemetryRequest writing_request_;    // while a write is in flight
   v1::StreamTelemetryResponse reading_response_;  // while a read is in flight
@@ -67,9 +68,9 @@ class DaemonConnection final
   std::deque<v1::StreamTelemetryResponse> inbox_;
   bool reading_ = true;
   bool writing_ = false;
-  bool broken_ = false;  // a read or write failed: the stream is at its end
-  std::optional<grpc::Status> status_;
-  std::shared_ptr<DaemonConnection> self_;  // until OnDone
+  bool broken_ = false;                 // a read or write failed: the stream is at its end
+  std::optional<grpc::Status> status_;  // from OnDone on
+  std::condition_variable done_;
 };
 
 }  // namespace sweepstake

@@ -121,7 +121,7 @@ class DaemonSession final : public Session {
  private:
   // The connection under way or open.
   struct Link {
-    std::shared_ptr<DaemonConnection> stream;
+    std::unique_ptr<DaemonConnection> stream;
     std::string address;
     uint64_t deadline_ns = 0;  // for the daemon's answer to what we last asked for
     std::optional<uint64_t> online_since_ns;
@@ -165,8 +165,7 @@ class DaemonSession final : public Session {
 
   mutable std::mutex stats_mutex_;
   SessionStats stats_;  // guarded by stats_mutex_
-  // Shared with the connections' callbacks, of which a late one may come after the session is gone.
-  std::shared_ptr<PollingThread> thread_ = std::make_shared<PollingThread>();
+  PollingThread thread_;
 };
 
 Status DaemonSession::Start(AdaptiveBroadPhase& adaptive) {
@@ -177,7 +176,7 @@ Status DaemonSession::Start(AdaptiveBroadPhase& adaptive) {
   intake_.emplace(queue_, *state_, LimitsOf(options_));
   next_address_ = home_address_;
   adaptive_.store(&adaptive);
-  thread_->Start(kPollInterval, [this](bool stopping) { return Step(stopping); });
+  thread_.Start(kPollInterval, [this](bool stopping) { return Step(stopping); });
   return {};
 }
 
@@ -189,8 +188,8 @@ void DaemonSession::OnModeChange() {
 
 void DaemonSession::Stop(uint32_t deadline_ms) {
   stop_deadline_ns_.store(std::min(stop_deadline_ns_.load(), NowNs() + deadline_ms * kNsPerMs));
-  thread_->RequestStop();
-  thread_->Join();
+  thread_.RequestStop();
+  thread_.Join();
   AdaptiveBroadPhase* adaptive = adaptive_.exchange(nullptr);
   if (adaptive != nullptr) adaptive->SetDeciderPresent(false);
   const std::lock_guard lock(stats_mutex_);
@@ -223,10 +222,7 @@ void DaemonSession::Connect(uint64_t now_ns) {
   link_.emplace();
   link_->address = next_address_;
   link_->deadline_ns = now_ns + kAnswerTimeoutNs;
-  link_->stream =
-      DaemonConnection::Open(next_address_, [weak = std::weak_ptr<PollingThread>(thread_)] {
-        if (const auto thread = weak.lock()) thread->Wake();
-      });
+  link_->stream = std::make_unique<DaemonConnection>(next_address_, [this] { thread_.Wake(); });
   link_->stream->Write(state_->Connect({.active_arm = adaptive.active_arm(),
                                         .switch_epoch = adaptive.switch_epoch(),
                                         .mode = static_cast<v1::Mode>(adaptive.mode())}));
@@ -330,8 +326,9 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
                      status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
   next_attempt_ns_ = now_ns + delay_ms * kNsPerMs;
-  // Another address is tried once; where it does not answer, home is.
-  next_address_ = home_address_;
+  // A daemon that we were sent to keeps us as long as it answers; where it does not, home is.
+  const bool answered = link.online_since_ns || status.error_code() == grpc::StatusCode::NOT_FOUND;
+  next_address_ = answered ? link.address : home_address_;
   if (link.redirect && ValidateDaemonAddress(link.redirect->address()).ok()) {
     next_address_ = link.redirect->address();
   }

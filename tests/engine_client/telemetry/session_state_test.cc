@@ -1,0 +1,165 @@
+#include "engine_client/telemetry/session_state.h"
+
+#include <gtest/gtest.h>
+
+namespace sweepstake {
+namespace {
+
+constexpr SessionState::Position kPosition{
+    .active_arm = 2, .switch_epoch = 5, .mode = v1::MODE_MANUAL};
+
+v1::StreamTelemetryRequest Batch(uint32_t arm = 0, uint32_t epoch = 0) {
+  v1::StreamTelemetryRequest request;
+  request.mutable_frame_batch()->add_frame_time_ns(1);
+  request.mutable_frame_batch()->add_arm(arm);
+  request.mutable_frame_batch()->add_switch_epoch(epoch);
+  return request;
+}
+
+v1::Welcome WelcomeTo(const std::string& session, bool resumed = false, uint64_t acknowledged = 0) {
+  v1::Welcome welcome;
+  welcome.set_session_id(session);
+  welcome.set_resumed(resumed);
+  welcome.set_acknowledged_sequence(acknowledged);
+  return welcome;
+}
+
+v1::Hello BaseHello() {
+  v1::Hello hello;
+  hello.set_project("game");
+  return hello;
+}
+
+class SessionStateTest : public ::testing::Test {
+ protected:
+  std::vector<uint64_t> SendAll() {
+    std::vector<uint64_t> sequences;
+    while (const auto* request = state_.Next()) {
+      sequences.push_back(request->sequence());
+      state_.MarkSent();
+    }
+    return sequences;
+  }
+  void Begin() {
+    state_.Connect(kPosition);
+    state_.OnWelcome(WelcomeTo("a"));
+  }
+
+  using Sequences = std::vector<uint64_t>;
+  SessionState state_{BaseHello(), 8};
+};
+
+TEST_F(SessionStateTest, BeginsANewSessionWithoutAnId) {
+  const v1::Hello hello = state_.Connect(kPosition).hello();
+  EXPECT_EQ(hello.project(), "game");
+  EXPECT_EQ(hello.session_id(), "");
+  EXPECT_EQ(hello.active_arm(), 2U);
+  EXPECT_EQ(hello.switch_epoch(), 5U);
+  EXPECT_EQ(hello.mode(), v1::MODE_MANUAL);
+}
+
+TEST_F(SessionStateTest, SendsNothingBeforeTheWelcome) {
+  state_.Append(Batch());
+  state_.Connect(kPosition);
+  EXPECT_EQ(state_.Next(), nullptr);
+  state_.OnWelcome(WelcomeTo("a"));
+  EXPECT_EQ(SendAll(), Sequences{1});
+  EXPECT_EQ(state_.counts().sent_frame_count, 1U);
+}
+
+TEST_F(SessionStateTest, ResumesAndSendsAgainOnlyWhatIsNotOnDisk) {
+  Begin();
+  for (int i = 0; i < 4; ++i) state_.Append(Batch());
+  SendAll();
+  state_.OnAcknowledgement(1);
+  state_.Disconnect(false, false);
+  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "a");
+  state_.Append(Batch());
+  state_.OnWelcome(WelcomeTo("a", true, 2));
+  EXPECT_EQ(SendAll(), (Sequences{3, 4, 5}));
+  EXPECT_EQ(state_.counts().resumed_count, 1U);
+  EXPECT_EQ(state_.counts().connection_count, 2U);
+  EXPECT_EQ(state_.counts().resent_message_count, 2U);
+  EXPECT_EQ(state_.counts().sent_frame_count, 5U);
+  EXPECT_EQ(state_.counts().acknowledged_sequence, 2U);
+}
+
+TEST_F(SessionStateTest, DescribesTheOldestFramesThatWillBeSentAgain) {
+  Begin();
+  state_.Append(Batch(1, 3));
+  state_.Append(Batch(4, 4));
+  SendAll();
+  state_.Disconnect(false, false);
+  const v1::Hello hello = state_.Connect(kPosition).hello();
+  EXPECT_EQ(hello.active_arm(), 1U);
+  EXPECT_EQ(hello.switch_epoch(), 3U);
+}
+
+TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOldOne) {
+  Begin();
+  for (int i = 0; i < 4; ++i) state_.Append(Batch());
+  SendAll();
+  state_.OnAcknowledgement(2);
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.Disconnect(/*unknown_session=*/true, false);
+  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "");
+  state_.OnWelcome(WelcomeTo("b"));
+  EXPECT_EQ(state_.session_id(), "b");
+  EXPECT_EQ(SendAll(), (Sequences{1, 2}));
+  EXPECT_EQ(state_.counts().acknowledged_sequence, 0U);
+  EXPECT_EQ(state_.counts().sent_sequence, 2U);
+}
+
+TEST_F(SessionStateTest, TreatsAWelcomeThatDoesNotResumeAsANewSession) {
+  Begin();
+  state_.Append(Batch());
+  state_.Append(Batch());
+  SendAll();
+  state_.OnAcknowledgement(1);
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("b", false, 77));
+  EXPECT_EQ(SendAll(), Sequences{1});
+}
+
+TEST_F(SessionStateTest, DoesNotTrustAWelcomeThatResumesAnotherSession) {
+  Begin();
+  state_.Append(Batch());
+  SendAll();
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("other", true, 1));
+  EXPECT_EQ(SendAll(), Sequences{1});
+}
+
+TEST_F(SessionStateTest, DropsWhatTheDaemonRefusesSoThatItIsNotRefusedForEver) {
+  Begin();
+  state_.Append(Batch());
+  SendAll();
+  state_.Append(Batch());
+  state_.Disconnect(false, /*refused=*/true);
+  EXPECT_EQ(state_.counts().discarded_frame_count, 1U);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("a", true, 0));
+  EXPECT_EQ(SendAll(), Sequences{2});
+}
+
+TEST_F(SessionStateTest, KeepsItsEvidenceWhenHelloIsRefused) {
+  Begin();
+  state_.Append(Batch());
+  SendAll();
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.Disconnect(false, /*refused=*/true);
+  EXPECT_EQ(state_.unacknowledged_count(), 1U);
+}
+
+TEST_F(SessionStateTest, IgnoresAcknowledgementsOfWhatWasNeverSent) {
+  Begin();
+  state_.OnAcknowledgement(1000);
+  EXPECT_EQ(state_.counts().acknowledged_sequence, 0U);
+}
+
+}  // namespace
+}  // namespace sweepstake

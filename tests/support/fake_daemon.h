@@ -1,0 +1,91 @@
+// A daemon for tests: speaks sweepstake.v1 on a port of its own, keeps what it receives, and does
+// what it is told.
+//
+// Thread safety: all methods from the test's thread; the stream's own thread only reads the script
+// and records.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sweepstake/v1/telemetry.grpc.pb.h"
+
+namespace sweepstake::test_support {
+
+class FakeDaemon final : public v1::TelemetryService::Service {
+ public:
+  // How each connection is answered; may be changed at any time.
+  struct Script {
+    // Ends the stream with it instead of a welcome.
+    std::optional<grpc::Status> refusal;
+    // Ends the stream with it after the first message with evidence.
+    std::optional<grpc::Status> refusal_of_evidence;
+    bool never_reads = false;   // welcomes, then reads nothing more
+    bool acknowledges = true;   // each message with evidence at once
+    bool answers_hello = true;  // false: stays silent
+    v1::Welcome welcome;        // session_id, resumed and acknowledged_sequence are filled in
+  };
+
+  FakeDaemon();
+  ~FakeDaemon() override;
+
+  // Port 0 takes a free one; a port that was ours before brings the daemon back to the same
+  // address.
+  void Start(int port = 0);
+  // Breaks all streams off, as kill -9 does; what it knew of sessions is kept (on disk, so to
+  // speak).
+  void Kill();
+
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+  int port() const { return port_; }
+
+  void SetScript(const std::function<void(Script&)>& change);
+  // Loses the knowledge of all sessions: to resume one fails with NOT_FOUND.
+  void ForgetSessions();
+  // To the connection that is open. False: there is none.
+  bool Send(const v1::StreamTelemetryResponse& response);
+
+  // Waits until `condition` holds for what was received; the test's own time limit ends a wait in
+  // vain.
+  void WaitUntil(const std::function<bool(const FakeDaemon&)>& condition);
+
+  // What was received so far, in order, over all connections. Inside WaitUntil's condition only, or
+  // when stopped.
+  std::vector<v1::Hello> hellos;
+  std::vector<v1::StreamTelemetryRequest> evidence;  // with replays
+  std::vector<v1::Goodbye> goodbyes;
+  int open_stream_count = 0;
+
+  // A copy of the evidence, each sequence number of the latest session once, in order.
+  std::vector<v1::StreamTelemetryRequest> Evidence();
+
+ private:
+  using Stream = grpc::ServerReaderWriter<v1::StreamTelemetryResponse, v1::StreamTelemetryRequest>;
+
+  grpc::Status StreamTelemetry(grpc::ServerContext* context, Stream* stream) override;
+  grpc::Status Converse(Stream* stream);
+  grpc::Status Greet(const v1::Hello& hello, Stream* stream);
+  std::optional<grpc::Status> Receive(const v1::StreamTelemetryRequest& request, Stream* stream);
+
+  int port_ = 0;
+  std::unique_ptr<grpc::Server> server_;
+
+  std::mutex mutex_;  // guards what follows and the records above
+  std::condition_variable changed_;
+  Script script_;
+  Stream* open_stream_ = nullptr;
+  std::vector<grpc::ServerContext*> contexts_;
+  bool killed_ = false;
+  int session_count_ = 0;
+  std::string session_id_;  // of the session that is known; empty: none
+  uint64_t acknowledged_sequence_ = 0;
+};
+
+}  // namespace sweepstake::test_support
