@@ -85,6 +85,7 @@ class AdaptiveBroadPhase::Impl {
   BailOutGuard guard;
   SwitchCostMeter switch_cost;
   FrameSample last_sample{};
+  SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
  private:
   void Obey(const SwitchCommand& command);
@@ -147,6 +148,7 @@ void AdaptiveBroadPhase::Impl::Obey(const SwitchCommand& command) {
 void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);
+  last_switch_reason = command.reason;
   built_count_.reset();
   Report(switch_cost.Begin(command, next_epoch));
 }
@@ -293,6 +295,7 @@ SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }
 Mode AdaptiveBroadPhase::mode() const { return impl_->mode.load(std::memory_order_relaxed); }
 uint32_t AdaptiveBroadPhase::active_arm() const { return impl_->arm(); }
 uint32_t AdaptiveBroadPhase::switch_epoch() const { return impl_->epoch(); }
+SwitchReason AdaptiveBroadPhase::last_switch_reason() const { return impl_->last_switch_reason; }
 std::span<const std::string> AdaptiveBroadPhase::arms() const { return impl_->arms; }
 std::span<const uint32_t> AdaptiveBroadPhase::arm_versions() const { return impl_->versions; }
 const FrameSample& AdaptiveBroadPhase::last_sample() const { return impl_->last_sample; }

@@ -9,6 +9,7 @@
 #include "engine_client/cli/check_command.h"
 #include "engine_client/cli/pairs_command.h"
 #include "engine_client/cli/record_command.h"
+#include "engine_client/cli/run_command.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -36,6 +37,7 @@ int Run(int argc, char** argv) {
       "suite-h or a FILE.aabbs. Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not\n"
       "reach something. `sweepstake COMMAND --help` shows options and examples.");
   int exit_code = kDone;
+  AddRunCommand(app, terminal, exit_code);
   AddCheckCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, exit_code);
   AddPairsCommand(app, terminal, exit_code);

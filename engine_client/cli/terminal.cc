@@ -32,9 +32,7 @@ Progress::Progress(Terminal& terminal, std::string label, uint64_t total)
       total_(total),
       drawn_at_(steady_clock::now() - (terminal.err_is_tty ? seconds(1) : seconds(5))) {}
 
-Progress::~Progress() {
-  if (drawn_) Clear();
-}
+Progress::~Progress() { ClearBar(); }
 
 bool Progress::due() const {
   return steady_clock::now() - drawn_at_ >=
@@ -46,13 +44,13 @@ void Progress::Show(uint64_t done, const std::string& text) {
 }
 
 void Progress::Line(const std::string& text) {
-  if (drawn_) Clear();
+  ClearBar();
   terminal_.err << text << std::endl;
 }
 
 void Progress::Draw(uint64_t done, const std::string& text) {
   drawn_at_ = steady_clock::now();
-  if (drawn_) Clear();
+  ClearBar();
   terminal_.err << label_;
   if (total_ > 0) terminal_.err << ' ' << Bar(done, total_);
   if (!text.empty()) terminal_.err << ' ' << text;
@@ -61,7 +59,8 @@ void Progress::Draw(uint64_t done, const std::string& text) {
   drawn_ = terminal_.err_is_tty;
 }
 
-void Progress::Clear() {
+void Progress::ClearBar() {
+  if (!drawn_) return;
   terminal_.err << "\r\x1b[K" << std::flush;
   drawn_ = false;
 }

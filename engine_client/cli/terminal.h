@@ -40,12 +40,13 @@ class Progress {
   bool due() const;
   // A line of its own above the bar.
   void Line(const std::string& text);
+  // Takes the bar away, so that another stream may write to the same terminal.
+  void ClearBar();
 
  private:
   using Time = std::chrono::steady_clock::time_point;
 
   void Draw(uint64_t done, const std::string& text);
-  void Clear();
 
   Terminal& terminal_;
   std::string label_;

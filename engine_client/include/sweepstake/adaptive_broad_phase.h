@@ -115,6 +115,8 @@ class AdaptiveBroadPhase {
   Mode mode() const;
   uint32_t active_arm() const;
   uint32_t switch_epoch() const;
+  // Why the latest executed switch was made; kPolicy before the first. Frame thread.
+  SwitchReason last_switch_reason() const;
   // Fixed since Create.
   std::span<const std::string> arms() const;
   // Version of each arm's backend, in the order of arms.

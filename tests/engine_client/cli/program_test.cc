@@ -48,7 +48,7 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string said;
   } cases[] = {
       {"", "subcommand"},
-      {"frobnicate", "the commands are check"},
+      {"frobnicate", "the commands are run, check"},
       {"check", "--scene"},
       {"check --scene nowhere", "suite-h"},
       {"check --scene suite-b --arms Octree", "AxisSweep"},

@@ -1,0 +1,79 @@
+// A game without rendering: a scene steps, the frame path finds the pairs, and what happened is
+// kept for the report.
+//
+// The frame time is the measured time of the frame's work (step, detection, end of frame); nothing
+// is paced, so that a faster arm really makes more frames. Not thread-safe: Frame is the frame
+// thread. The scene is borrowed.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/scene.h"
+
+namespace sweepstake::cli {
+
+struct SwitchEvent {
+  uint64_t frame_index = 0;  // the first frame on the new arm
+  uint64_t time_ns = 0;      // since the run began
+  uint32_t from = 0;
+  uint32_t to = 0;
+  uint32_t switch_epoch = 0;
+  SwitchReason reason = SwitchReason::kPolicy;
+};
+
+// What one arm did while it was active.
+struct ArmActivity {
+  uint64_t frame_count = 0;
+  uint64_t active_ns = 0;     // its frames' times
+  uint64_t detection_ns = 0;  // of these, the broad phase's
+};
+
+class GameRun final : private FrameSink {
+ public:
+  // `sink` takes what the frame path produces; borrowed. The errors of AdaptiveBroadPhase::Create.
+  static Result<std::unique_ptr<GameRun>> Create(const AdaptiveOptions& options, Scene& scene,
+                                                 FrameSink& sink);
+
+  // One frame. Returns whether it ran on another arm than the one before; then switches() has one
+  // more.
+  bool Frame();
+
+  AdaptiveBroadPhase& adaptive() { return *adaptive_; }
+  const AdaptiveBroadPhase& adaptive() const { return *adaptive_; }
+  uint64_t frame_count() const { return frame_count_; }
+  // Since the run began.
+  uint64_t elapsed_ns() const;
+  // In the order of arms.
+  const std::vector<ArmActivity>& activities() const { return activities_; }
+  const std::vector<SwitchEvent>& switches() const { return switches_; }
+  // How switches went, as they settled. At most 65,536 are kept.
+  const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
+
+ private:
+  GameRun(Scene& scene, FrameSink& sink);
+
+  void OnFrame(const FrameSample& sample) noexcept override;
+  void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
+  void OnSwitch(const SwitchOutcome& outcome) noexcept override;
+  bool Note(const FrameSample& sample);
+
+  Scene& scene_;
+  FrameSink& sink_;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+  uint64_t start_ns_ = 0;
+  uint64_t end_cost_ns_ = 0;  // of the last EndFrame; belongs to the next frame's time
+  uint64_t frame_count_ = 0;
+  uint32_t arm_ = 0;
+  std::vector<ArmActivity> activities_;
+  std::vector<SwitchEvent> switches_;
+  std::vector<SwitchOutcome> outcomes_;
+};
+
+// "policy", "exploration", "bail-out", "manual".
+std::string ReasonName(SwitchReason reason);
+
+}  // namespace sweepstake::cli

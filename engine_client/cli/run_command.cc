@@ -1,0 +1,282 @@
+#include "engine_client/cli/run_command.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "engine_client/cli/csv_file.h"
+#include "engine_client/cli/duration.h"
+#include "engine_client/cli/game_run.h"
+#include "engine_client/cli/machine_class.h"
+#include "engine_client/cli/run_report.h"
+#include "engine_client/cli/scene_choice.h"
+#include "engine_client/cli/stop_signal.h"
+#include "engine_client/cli/text_table.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr uint32_t kStopDeadlineMs = 2000;
+
+struct RunOptions {
+  SceneChoice scene{"hurricane", 3000, 1};
+  std::string mode = "ai";
+  std::string arm;
+  std::string daemon;
+  bool embedded = false;
+  std::string priors;
+  std::string duration = "60s";
+  std::string policy;
+  double time_scale = 1;
+  std::string project = "default";
+  std::string scene_key;
+  std::string machine_class = MachineClass();
+  bool ignore_priors = false;
+  std::string csv;
+  bool json = false;
+};
+
+// The scene's key in the prior store.
+std::string SceneKey(const RunOptions& options, size_t object_count) {
+  if (!options.scene_key.empty()) return options.scene_key;
+  return std::filesystem::path(options.scene.name).stem().string() + "-" +
+         std::to_string(object_count);
+}
+
+Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
+                                             const std::string& scene_key) {
+  SessionOptions session;
+  session.project = options.project;
+  session.scene = scene_key;
+  session.machine_class = options.machine_class;
+  session.policy = options.policy;
+  session.time_scale = options.time_scale;
+  session.ignore_priors = options.ignore_priors;
+  session.seed = options.scene.seed;
+  if (!options.embedded) return MakeDaemonSession(options.daemon, session);
+  EmbeddedOptions embedded;
+  if (!options.policy.empty()) embedded.policy = options.policy;
+  embedded.project = options.project;
+  embedded.scene = scene_key;
+  embedded.machine_class = options.machine_class;
+  if (!options.ignore_priors) embedded.priors_file = options.priors;
+  embedded.seed = options.scene.seed;
+  embedded.time_scale = options.time_scale;
+  embedded.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
+  return MakeEmbeddedSession(embedded, session);
+}
+
+// One row per frame, written between the frames, outside of what they measure.
+class FrameLog {
+ public:
+  static Result<FrameLog> Create(const std::string& folder) {
+    if (folder.empty()) return FrameLog(nullptr);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+      return Status(StatusCode::kInvalidArgument,
+                    folder + " cannot be made a folder: " + error.message());
+    }
+    auto csv = CsvFile::Create(
+        std::filesystem::path(folder) / "frames.csv",
+        {"frame", "arm", "switch_epoch", "frame_time_ns", "detection_time_ns", "aabb_check_count",
+         "pair_count", "object_count", "native_bytes", "flags"});
+    if (!csv.ok()) return csv.status();
+    return FrameLog(std::move(*csv));
+  }
+
+  void Write(const FrameSample& sample, const AdaptiveBroadPhase& adaptive) {
+    if (csv_ == nullptr) return;
+    csv_->Row({std::to_string(sample.frame_index), adaptive.arms()[sample.arm],
+               std::to_string(sample.switch_epoch), std::to_string(sample.frame_time_ns),
+               std::to_string(sample.detection_time_ns), std::to_string(sample.aabb_check_count),
+               std::to_string(sample.pair_count), std::to_string(sample.object_count),
+               std::to_string(sample.native_bytes), std::to_string(sample.flags)});
+  }
+
+  Status Commit() { return csv_ == nullptr ? Status() : csv_->Commit(); }
+
+ private:
+  explicit FrameLog(std::unique_ptr<CsvFile> csv) : csv_(std::move(csv)) {}
+  std::unique_ptr<CsvFile> csv_;
+};
+
+std::string StateText(const SessionStats& stats) {
+  switch (stats.state) {
+    case ConnectionState::kOffline:
+      return "offline: " + (stats.last_error.empty() ? "not connected yet" : stats.last_error);
+    case ConnectionState::kConnecting:
+      return "connecting";
+    case ConnectionState::kOnline:
+      return "online";
+    case ConnectionState::kEmbedded:
+      return "embedded";
+    case ConnectionState::kClosed:
+      return "closed";
+  }
+  return "";
+}
+
+// The frame loop and what it tells while it runs.
+class Player {
+ public:
+  Player(GameRun& run, const Session& session, FrameLog& log, Terminal& terminal,
+         uint64_t duration_ns, bool json)
+      : run_(run),
+        session_(session),
+        log_(log),
+        terminal_(terminal),
+        duration_ns_(duration_ns),
+        json_(json),
+        progress_(terminal, "run", duration_ns / 1'000'000) {}
+
+  void Play() {
+    while (run_.elapsed_ns() < duration_ns_ && !StopRequested()) {
+      if (run_.Frame()) Say(SwitchText(run_.switches().back(), run_.adaptive()));
+      log_.Write(run_.adaptive().last_sample(), run_.adaptive());
+      if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) SayPriors();
+      if (progress_.due()) ShowProgress();
+    }
+  }
+
+ private:
+  // Before the decider has answered there is nothing to say.
+  void SayPriors() {
+    constexpr uint64_t kLookIntervalNs = 50'000'000;
+    next_look_ns_ = run_.elapsed_ns() + kLookIntervalNs;
+    const SessionStats stats = session_.stats();
+    if (stats.state != ConnectionState::kEmbedded && stats.connection_count == 0) return;
+    Say(PriorsText(stats));
+    priors_said_ = true;
+  }
+
+  void ShowProgress() {
+    const FrameSample& sample = run_.adaptive().last_sample();
+    const double fps = 1e9 / static_cast<double>(std::max<uint64_t>(sample.frame_time_ns, 1));
+    progress_.Show(run_.elapsed_ns() / 1'000'000, run_.adaptive().arms()[sample.arm] + ", " +
+                                                      Fixed(fps, 0) + " frames/s, " +
+                                                      StateText(session_.stats()));
+  }
+
+  void Say(const std::string& line) {
+    if (json_) {
+      progress_.Line(line);
+    } else {
+      progress_.ClearBar();
+      terminal_.out << line << std::endl;
+    }
+  }
+
+  GameRun& run_;
+  const Session& session_;
+  FrameLog& log_;
+  Terminal& terminal_;
+  const uint64_t duration_ns_;
+  const bool json_;
+  Progress progress_;
+  uint64_t next_look_ns_ = 0;
+  bool priors_said_ = false;
+};
+
+int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
+           const SessionStats& stats, FrameLog& log, Terminal& terminal) {
+  if (options.json) {
+    terminal.out << RunReportJson(setup, run, stats).dump(2) << '\n';
+  } else {
+    PrintRunReport(setup, run, stats, terminal.out);
+  }
+  if (!options.csv.empty()) {
+    Status status = log.Commit();
+    if (status.ok()) status = WriteRunReportCsv(run, stats, options.csv);
+    if (!status.ok()) return Fail(terminal, status);
+  }
+  if (options.embedded || stats.connection_count > 0) return kDone;
+  return Fail(terminal, Status(StatusCode::kUnavailable,
+                               "no daemon answered at " + options.daemon + " (" + stats.last_error +
+                                   "); the run went on without one. Start it with sweepstaked "
+                                   "--listen HOST:PORT, or use --embedded"));
+}
+
+Status CheckRun(const RunOptions& options) {
+  if (options.embedded == !options.daemon.empty()) {
+    return {StatusCode::kInvalidArgument, "give either --daemon HOST:PORT or --embedded"};
+  }
+  if (!options.priors.empty() && !options.embedded) {
+    return {StatusCode::kInvalidArgument,
+            "--priors goes with --embedded: a daemon has priors of its own"};
+  }
+  return {};
+}
+
+int RunRun(const RunOptions& options, Terminal& terminal) {
+  if (const Status status = CheckRun(options); !status.ok()) return Fail(terminal, status);
+  const auto duration_ns = ParseDuration(options.duration);
+  if (!duration_ns.ok()) return Fail(terminal, duration_ns.status());
+  auto scene = OpenScene(options.scene);
+  if (!scene.ok()) return Fail(terminal, scene.status());
+  RunSetup setup{options.scene, options.mode, options.embedded ? "embedded" : options.daemon};
+  setup.scene.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
+  auto session = MakeSession(options, SceneKey(options, setup.scene.object_count));
+  if (!session.ok()) return Fail(terminal, session.status());
+  auto log = FrameLog::Create(options.csv);
+  if (!log.ok()) return Fail(terminal, log.status());
+
+  AdaptiveOptions adaptive;
+  adaptive.initial_arm = options.arm;
+  adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
+  auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
+  if (!run.ok()) return Fail(terminal, run.status());
+  const Status started = (*session)->Start((*run)->adaptive());
+  if (!started.ok()) return Fail(terminal, started);
+  InstallStopSignal();
+  Player(**run, **session, *log, terminal, *duration_ns, options.json).Play();
+  (*session)->Stop(kStopDeadlineMs);
+  return Report(options, setup, **run, (*session)->stats(), *log, terminal);
+}
+
+void Declare(CLI::App& command, RunOptions& options) {
+  command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
+  command.add_option("--objects", options.scene.object_count, "Object count")
+      ->capture_default_str();
+  command.add_option("--seed", options.scene.seed, "Seed of the scene and of the decisions")
+      ->capture_default_str();
+  command.add_option("--mode", options.mode, "ai: the decider chooses; manual: --arm stays")
+      ->check(CLI::IsMember({"ai", "manual"}))
+      ->capture_default_str();
+  command.add_option("--arm", options.arm, "Arm to start with (default: the first)");
+  command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT");
+  command.add_flag("--embedded", options.embedded, "Decide in this process, without a daemon");
+  command.add_option("--priors", options.priors, "Priors file for --embedded");
+  command.add_option("--duration", options.duration, "How long, as 500ms, 60s, 15m")
+      ->capture_default_str();
+  command.add_option("--policy", options.policy, "Policy (default: the decider's)");
+  command.add_option("--time-scale", options.time_scale, "Divides every interval of the decider")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--project", options.project, "Project the priors belong to")
+      ->capture_default_str();
+  command.add_option("--scene-name", options.scene_key,
+                     "Scene the priors belong to (default: SCENE-OBJECTS)");
+  command.add_option("--machine-class", options.machine_class, "Machines with comparable timings")
+      ->capture_default_str();
+  command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");
+  command.add_option("--csv", options.csv, "Folder for frames.csv, switches.csv, posteriors.csv");
+  command.add_flag("--json", options.json, "One JSON document on stdout");
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  AddCommand<RunOptions>(
+      app, "run", "Run a scene on the frame path and let a decider choose the arm",
+      "  sweepstake run --scene hurricane --objects 3000 --mode ai --embedded --duration 60s\n"
+      "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7600 --time-scale 4\n"
+      "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
+      "Frames are not paced: a frame takes as long as its work. Ctrl-C ends with the report.\n"
+      "Exit code 3 when the daemon was never reached; the run goes on without it.",
+      exit_code, Declare,
+      [&terminal](const RunOptions& options) { return RunRun(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,36 @@
+// What `sweepstake run` says in the end: for people, as JSON, and as CSV files.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <ostream>
+#include <string>
+
+#include "engine_client/cli/game_run.h"
+#include "engine_client/cli/scene_choice.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake::cli {
+
+// How the run was asked for.
+struct RunSetup {
+  SceneChoice scene;
+  std::string mode;
+  std::string decider;  // HOST:PORT, or "embedded"
+};
+
+// "starts from priors of 3 earlier sessions", or that there are none.
+std::string PriorsText(const SessionStats& stats);
+// "12.3 s  frame 4567: SAP → KDTree (policy)".
+std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive);
+
+void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStats& stats,
+                    std::ostream& out);
+nlohmann::ordered_json RunReportJson(const RunSetup& setup, const GameRun& run,
+                                     const SessionStats& stats);
+// switches.csv and posteriors.csv in `folder`, which exists.
+Status WriteRunReportCsv(const GameRun& run, const SessionStats& stats,
+                         const std::filesystem::path& folder);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,115 @@
+// `sweepstake run` as scripts use it. No clock is compared: the runs are short and what they say
+// must add up.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/engine_client/cli/program.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr char kSmallRun[] = "run --scene suite-b --objects 100 --embedded --duration 300ms ";
+
+std::string FileText(const std::filesystem::path& path) {
+  std::stringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+size_t Lines(const std::string& text) {
+  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(RunProgram, EmbeddedPrintsOneDocumentWhoseNumbersAddUp) {
+  const ProgramRun run = RunProgram(std::string(kSmallRun) + "--time-scale 1000 --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["decider"], "embedded");
+  EXPECT_EQ(document["prior_sources"], 0);
+  uint64_t frames = 0;
+  for (const json& arm : document["arms"]) frames += arm["frames"].get<uint64_t>();
+  EXPECT_EQ(frames, document["frames"].get<uint64_t>());
+  // With a scale of 1000 the exploration takes milliseconds.
+  EXPECT_GT(document["switches"].size(), 0U);
+  size_t by_reason = 0;
+  for (const json& count : document["switches_by_reason"]) by_reason += count.get<size_t>();
+  EXPECT_EQ(by_reason, document["switches"].size());
+  EXPECT_THAT(run.err, HasSubstr("no priors yet"));
+}
+
+TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
+  const ProgramRun run = RunProgram(std::string(kSmallRun) + "--time-scale 1000");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("no priors yet"));
+  EXPECT_THAT(run.out, HasSubstr("(exploration)"));
+  EXPECT_THAT(run.out, HasSubstr("Posteriors learnt in suite-b with 100 objects"));
+}
+
+TEST(RunProgram, ManualModeStaysOnItsArm) {
+  const ProgramRun run =
+      RunProgram(std::string(kSmallRun) + "--mode manual --arm SAP --time-scale 1000 --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["active_arm"], "SAP");
+  EXPECT_EQ(document["switches"].size(), 0U);
+}
+
+TEST(RunProgram, WritesThreeCsvFiles) {
+  const std::filesystem::path folder = TemporaryPath("csv");
+  const ProgramRun run =
+      RunProgram(std::string(kSmallRun) + "--time-scale 1000 --json --csv " + folder.string());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_EQ(Lines(FileText(folder / "frames.csv")), 1 + document["frames"].get<size_t>());
+  EXPECT_EQ(Lines(FileText(folder / "switches.csv")), 1 + document["switches"].size());
+  EXPECT_EQ(Lines(FileText(folder / "posteriors.csv")), 1 + document["arms"].size());
+  EXPECT_THAT(FileText(folder / "posteriors.csv"), HasSubstr("arm,backend_version,alpha"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 3);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(RunProgram, GoesOnWithoutItsDaemonAndEndsWithThree) {
+  // Port 1 of the loopback has no listener.
+  const ProgramRun run =
+      RunProgram("run --scene suite-b --objects 100 --daemon 127.0.0.1:1 --duration 300ms --json");
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_GT(json::parse(run.out)["frames"].get<uint64_t>(), 0U);
+  EXPECT_THAT(run.err, HasSubstr("no daemon answered at 127.0.0.1:1"));
+}
+
+TEST(RunProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
+  const struct {
+    std::string arguments;
+    std::string said;
+  } cases[] = {
+      {"run --scene suite-b", "--embedded"},
+      {"run --scene suite-b --embedded --daemon 127.0.0.1:1", "--embedded"},
+      {"run --scene suite-b --daemon nowhere", "nowhere"},
+      {"run --scene suite-b --daemon 127.0.0.1:1 --priors x.json", "--priors"},
+      {"run --scene suite-b --embedded --priors no-such.json", "no-such.json"},
+      {"run --scene suite-b --embedded --duration soon", "60s"},
+      {"run --scene suite-b --embedded --arm Octree", "KDTree"},
+      {"run --scene suite-b --embedded --mode auto", "manual"},
+      {"run --scene suite-b --embedded --policy coin", "paper"},
+      {"run --scene suite-b --embedded --time-scale 0", "--time-scale"},
+      {"run --scene nowhere --embedded", "hurricane"},
+  };
+  for (const auto& [arguments, said] : cases) {
+    const ProgramRun run = RunProgram(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
+    EXPECT_EQ(run.out, "") << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
