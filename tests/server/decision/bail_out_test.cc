@@ -144,12 +144,15 @@ TEST(BailOut, InTheLastSlotStartsTheObservationWindowWithADraw) {
 }
 
 TEST(BailOut, OfAnEarlierEpochIsChargedToItsArmAndCommandsNothing) {
-  ScriptedClient client(SetupThatWantsArmOne());
+  SessionSetup setup = SetupThatWantsArmOne();
+  setup.active_arm = 1;
+  ScriptedClient client(setup);
   const Frame late = LongFrame(client);
-  client.Execute(1, SwitchReason::kBailOut);
+  client.Execute(0, SwitchReason::kBailOut);  // a draw would fall on arm 1 again
   const Decision decision = client.session.ObserveBailOut(late, client.now_ns);
   ASSERT_TRUE(decision.increment);
-  EXPECT_EQ(decision.increment->arm, 0u);
+  EXPECT_EQ(decision.increment->arm, 1u);
+  EXPECT_FALSE(decision.record.candidate);
   EXPECT_FALSE(decision.command);
 }
 

@@ -86,6 +86,18 @@ TEST(Exploration, LeavesOutTheWarmUpAndMeasuresFourSecondsOfEachArm) {
   }
 }
 
+TEST(Exploration, WarmUpReplacesSettling) {
+  SessionSetup setup = ExploringSetup(1);
+  setup.options.settling_ns = 20 * kSecond;
+  ScriptedClient client(setup);
+  Explore(client);
+  EXPECT_EQ(client.session.counts().settling_frame_count, 201u);
+  setup.options.settling_ns = 0;
+  ScriptedClient unsettled(setup);
+  Explore(unsettled);
+  EXPECT_EQ(unsettled.session.counts().settling_frame_count, 201u);
+}
+
 TEST(Exploration, TicksSayThatItIsUnderWayAndDrawNothing) {
   ScriptedClient client(ExploringSetup(3));
   Explore(client);

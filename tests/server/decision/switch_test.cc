@@ -138,6 +138,7 @@ TEST(Epochs, WrapAround) {
   SessionSetup setup = PlainSetup(2);
   setup.switch_epoch = ~0u;
   ScriptedClient client(setup);
+  client.obedient = false;
   client.Settle();
   ExecuteSilently(client, 1 - client.session.active_arm());
   ASSERT_EQ(client.epoch, 0u);
@@ -185,6 +186,7 @@ TEST(ObjectCountChange, DoesNotSettleAgainWithinAnExplorationSlot) {
   setup.options.explore = true;
   ScriptedClient client(setup);
   client.RunTicks(2);
+  for (int i = 0; i < 50; ++i) client.RunFrame();  // measured for longer than settling takes
   const uint64_t settled = client.session.counts().settling_frame_count;
   client.frame.flags = kFrameRebuild;
   client.RunFrame();
