@@ -142,18 +142,18 @@ void StepFar(Random& random, const Slot&, Aabb& box) {
 
 Aabb SpawnFloatLimits(Random& random, const Slot&) {
   constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
-  constexpr std::array kValues = {-kMax,
-                                  -std::nextafter(kMax, 0.0F),
-                                  -1e30F,
-                                  -1.0F,
-                                  -kDenormal,
-                                  0.0F,
-                                  kDenormal,
-                                  1e-30F,
-                                  1.0F,
-                                  0.5F * kMax,
-                                  std::nextafter(kMax, 0.0F),
-                                  kMax};
+  const std::array kValues = {-kMax,
+                              -std::nextafter(kMax, 0.0F),
+                              -1e30F,
+                              -1.0F,
+                              -kDenormal,
+                              0.0F,
+                              kDenormal,
+                              1e-30F,
+                              1.0F,
+                              0.5F * kMax,
+                              std::nextafter(kMax, 0.0F),
+                              kMax};
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     const size_t low = random.Below(kValues.size());
