@@ -3,7 +3,7 @@
 //
 // Cost: Build and Update O(n) (radix sort); FindPairs O(n + c + pairs), c = pairs that overlap on
 // the sweep axis, about n^(5/3) at constant density: a register of boxes per comparison, four boxes
-// per load. Memory: 44 bytes per box. Kept between frames: nothing but the buffers.
+// per load. Memory: 48 bytes per box. Kept between frames: nothing but the buffers.
 // aabb_check_count: c, rounded up to whole registers for each four boxes.
 #pragma once
 

@@ -136,7 +136,7 @@ TEST_F(AxisSweepOverFrames, ChecksOnlyThePairThatMeets) {
 
 TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
   for (const std::string_view kind :
-       {"brownian", "broken-boxes", "signed-zeros", "zero-size", "mixture"}) {
+       {"brownian", "broken-boxes", "signed-zeros", "touching-faces", "zero-size", "mixture"}) {
     BoxScene scene(kind, 400, 17);
     std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
     backend_->Build(boxes);

@@ -6,6 +6,11 @@
 namespace sweepstake {
 namespace {
 
+TEST(Registry, ListsTheSevenFamiliesInThePapersOrder) {
+  EXPECT_THAT(BroadPhaseNames(), testing::ElementsAre("BruteForce", "Grid", "SAP", "AxisSweep",
+                                                      "DBVT", "Tracy", "KDTree"));
+}
+
 TEST(Registry, MakesEachBackendItNames) {
   for (const std::string_view name : BroadPhaseNames()) {
     auto made = MakeBroadPhase(name);
