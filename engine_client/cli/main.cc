@@ -8,8 +8,10 @@
 #include "engine_client/cli/bench_command.h"
 #include "engine_client/cli/check_command.h"
 #include "engine_client/cli/pairs_command.h"
+#include "engine_client/cli/priors_command.h"
 #include "engine_client/cli/record_command.h"
 #include "engine_client/cli/run_command.h"
+#include "engine_client/cli/watch_command.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -42,6 +44,8 @@ int Run(int argc, char** argv) {
   AddBenchCommand(app, terminal, exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
+  AddWatchCommand(app, terminal, exit_code);
+  AddPriorsCommand(app, terminal, exit_code);
   if (const Status status = CheckCommandName(app, argc, argv); !status.ok()) {
     return Fail(terminal, status);
   }

@@ -1,0 +1,126 @@
+#include "engine_client/cli/priors_command.h"
+
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/posterior_listing.h"
+#include "engine_client/cli/posterior_view.h"
+#include "engine_client/cli/priors_transfer.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct PriorsOptions {
+  std::string daemon;
+  std::string project;
+  std::string scene;
+  std::string file;
+  bool json = false;
+};
+
+int RunList(const PriorsOptions& options, Terminal& terminal) {
+  const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
+  if (!scenes.ok()) return Fail(terminal, scenes.status());
+  if (options.json) {
+    Json document = {{"command", "priors list"}, {"scenes", Json::array()}};
+    for (const v1::ScenePosterior& scene : *scenes) {
+      document["scenes"].push_back(PosteriorJson(scene));
+    }
+    terminal.out << document.dump(2) << '\n';
+    return kDone;
+  }
+  for (const v1::ScenePosterior& scene : *scenes) terminal.out << PosteriorText(scene) << '\n';
+  if (scenes->empty()) terminal.out << "The daemon has no priors of this yet\n";
+  return kDone;
+}
+
+int RunExport(const PriorsOptions& options, Terminal& terminal) {
+  const auto records = ExportPriors(options.daemon, options.project, options.scene);
+  if (!records.ok()) return Fail(terminal, records.status());
+  const Status written = WritePriorsFile(*records, options.file);
+  if (!written.ok()) {
+    return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
+  }
+  if (options.json) {
+    terminal.out << Json{{"command", "priors export"},
+                         {"file", options.file},
+                         {"records", records->size()}}
+                        .dump(2)
+                 << '\n';
+  } else {
+    terminal.out << options.file << ": " << records->size() << " records\n";
+  }
+  return kDone;
+}
+
+int RunImport(const PriorsOptions& options, Terminal& terminal) {
+  const auto records = ReadPriorsFile(options.file);
+  if (!records.ok()) return Fail(terminal, records.status());
+  const auto result = ImportPriors(options.daemon, *records);
+  if (!result.ok()) return Fail(terminal, result.status());
+  if (options.json) {
+    terminal.out << Json{{"command", "priors import"},
+                         {"file", options.file},
+                         {"records", records->size()},
+                         {"applied", result->applied_count},
+                         {"unchanged", result->unchanged_count}}
+                        .dump(2)
+                 << '\n';
+  } else {
+    terminal.out << options.file << ": " << result->applied_count << " of " << records->size()
+                 << " records were new or newer, " << result->unchanged_count
+                 << " were known already\n";
+  }
+  return kDone;
+}
+
+void DeclareCommon(CLI::App& command, PriorsOptions& options) {
+  command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT")->required();
+  command.add_flag("--json", options.json, "One JSON document on stdout");
+}
+
+void DeclareFilter(CLI::App& command, PriorsOptions& options) {
+  command.add_option("--project", options.project, "Only this project");
+  command.add_option("--scene", options.scene, "Only this scene");
+}
+
+}  // namespace
+
+void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  CLI::App* priors = app.add_subcommand("priors", "List, export and import a daemon's evidence");
+  priors->require_subcommand(1);
+  priors->footer(
+      "Examples:\n"
+      "  sweepstake priors list --daemon 127.0.0.1:7600\n"
+      "  sweepstake priors export --daemon 127.0.0.1:7600 --out priors.json");
+  AddCommand<PriorsOptions>(
+      *priors, "list", "Show every scene's posteriors",
+      "  sweepstake priors list --daemon 127.0.0.1:7600 --project quickstart\n", exit_code,
+      [](CLI::App& command, PriorsOptions& options) {
+        DeclareCommon(command, options);
+        DeclareFilter(command, options);
+      },
+      [&terminal](const PriorsOptions& options) { return RunList(options, terminal); });
+  AddCommand<PriorsOptions>(
+      *priors, "export", "Write the evidence as a priors file, for games and other daemons",
+      "  sweepstake priors export --daemon 127.0.0.1:7600 --out priors.json\n"
+      "  sweepstake run --scene hurricane --objects 3000 --embedded --priors priors.json\n",
+      exit_code,
+      [](CLI::App& command, PriorsOptions& options) {
+        DeclareCommon(command, options);
+        DeclareFilter(command, options);
+        command.add_option("--out", options.file, "File to write")->required();
+      },
+      [&terminal](const PriorsOptions& options) { return RunExport(options, terminal); });
+  AddCommand<PriorsOptions>(
+      *priors, "import", "Add a priors file to a daemon's evidence; twice changes nothing",
+      "  sweepstake priors import --daemon 127.0.0.1:7600 --in priors.json\n", exit_code,
+      [](CLI::App& command, PriorsOptions& options) {
+        DeclareCommon(command, options);
+        command.add_option("--in", options.file, "File to read")->required();
+      },
+      [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,117 @@
+// The commands that talk to a daemon, against a real one.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/engine_client/cli/program.h"
+#include "tests/support/daemon_process.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using nlohmann::json;
+using ::sweepstake::testing::DaemonProcess;
+using ::sweepstake::testing::TemporaryDirectory;
+using ::testing::HasSubstr;
+
+constexpr char kNobody[] = "127.0.0.1:1";
+
+// Explores all arms within a few milliseconds of virtual intervals and leaves evidence behind.
+ProgramRun Learn(const DaemonProcess& daemon) {
+  return RunProgram(
+      "run --scene suite-b --objects 100 --project p --scene-name s --machine-class m "
+      "--time-scale 1000 --duration 1s --json --daemon " +
+      daemon.address());
+}
+
+TEST(DaemonProgram, CommandsEndWithThreeWhenNobodyAnswers) {
+  for (const std::string command : {"watch", "priors list", "priors export --out never.json"}) {
+    const ProgramRun run = RunProgram(command + " --daemon " + kNobody);
+    EXPECT_EQ(run.exit_code, 3) << command;
+    EXPECT_THAT(run.err, HasSubstr("no daemon answered at 127.0.0.1:1")) << command;
+    EXPECT_EQ(run.out, "") << command;
+  }
+  EXPECT_FALSE(std::ifstream("never.json").good());
+}
+
+TEST(DaemonProgram, BadUsageEndsWithTwo) {
+  const struct {
+    const char* arguments;
+    const char* said;
+  } cases[] = {
+      {"watch", "--daemon"},
+      {"watch --daemon nowhere", "nowhere"},
+      {"priors", "subcommand"},
+      {"priors import --daemon 127.0.0.1:1 --in no-such.json", "no-such.json"},
+  };
+  for (const auto& [arguments, said] : cases) {
+    const ProgramRun run = RunProgram(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
+  }
+}
+
+TEST(DaemonProgram, ARunLearnsOverTheStreamAndTheNextOneStartsFromItsPriors) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  const ProgramRun first = Learn(daemon);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(json::parse(first.out)["prior_sources"], 0);
+  EXPECT_THAT(first.err, HasSubstr("no priors yet"));
+  const ProgramRun second = Learn(daemon);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_EQ(json::parse(second.out)["prior_sources"], 1);
+  EXPECT_THAT(second.err, HasSubstr("starts from priors of 1 earlier session"));
+}
+
+TEST(DaemonProgram, WatchShowsWhatWasLearntOnceAsJsonAndAsText) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  ASSERT_EQ(Learn(daemon).exit_code, 0);
+  const ProgramRun run = RunProgram("watch --scene s --json --daemon " + daemon.address());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json scenes = json::parse(run.out)["scenes"];
+  ASSERT_EQ(scenes.size(), 1U);
+  EXPECT_EQ(scenes[0]["project"], "p");
+  EXPECT_GT(scenes[0]["arms"].size(), 0U);
+  const ProgramRun text = RunProgram("watch --once --daemon " + daemon.address());
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_THAT(text.out, HasSubstr("p / s on m"));
+}
+
+TEST(DaemonProgram, PriorsGoFromOneDaemonToAnotherAndIntoAGame) {
+  const TemporaryDirectory data;
+  const TemporaryDirectory other_data;
+  DaemonProcess daemon(data.path());
+  DaemonProcess other(other_data.path());
+  ASSERT_EQ(Learn(daemon).exit_code, 0);
+  const std::string file = (data.path() / "priors.json").string();
+
+  const ProgramRun exported =
+      RunProgram("priors export --json --out " + file + " --daemon " + daemon.address());
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  const json records = json::parse(exported.out)["records"];
+  EXPECT_GT(records, 0);
+
+  const std::string import = "priors import --json --in " + file + " --daemon " + other.address();
+  const ProgramRun imported = RunProgram(import);
+  ASSERT_EQ(imported.exit_code, 0) << imported.err;
+  EXPECT_EQ(json::parse(imported.out)["applied"], records);
+  EXPECT_EQ(json::parse(RunProgram(import).out)["unchanged"], records);
+
+  const ProgramRun listed = RunProgram("priors list --json --daemon " + other.address());
+  EXPECT_EQ(json::parse(listed.out)["scenes"].size(), 1U);
+
+  const ProgramRun game = RunProgram(
+      "run --scene suite-b --objects 100 --project p --scene-name s --machine-class m --embedded "
+      "--duration 200ms --json --priors " +
+      file);
+  ASSERT_EQ(game.exit_code, 0) << game.err;
+  EXPECT_EQ(json::parse(game.out)["prior_sources"], 1);
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
