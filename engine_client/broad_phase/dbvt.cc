@@ -8,6 +8,8 @@
 
 #include "engine_client/broad_phase/dbvt_query.h"
 #include "engine_client/broad_phase/dbvt_tree.h"
+#include "engine_client/broad_phase/leaf_tree.h"
+#include "engine_client/broad_phase/soa_boxes.h"
 
 namespace sweepstake {
 namespace {
@@ -19,8 +21,9 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kLeastMargin = 0.02F;
 constexpr float kMostMargin = 0.3F;
 constexpr float kMarginFrames = 4;
-// From this share of moved boxes on one refit is cheaper than reinsertions.
-constexpr size_t kBulkDivisor = 4;
+// From this share of moved boxes on, one refit and one search for all is cheaper than reinsertions:
+// 0.9 us each against 60 ns per box at 10,000.
+constexpr size_t kBulkDivisor = 20;
 // Refitted moves per object after which the tree is split anew.
 constexpr size_t kMovesPerRebuild = 8;
 // Enough for a median that only scales a margin.
@@ -87,11 +90,16 @@ class Dbvt final : public BroadPhase {
   void Take(uint32_t object, const Aabb& box);
   void MoveInBulk(std::span<const Aabb> boxes);
   void MoveOneByOne(std::span<const Aabb> boxes);
+  void FindAllCandidates();
   void DropCandidatesOfMoved();
 
   DbvtTree tree_;
   PairBuffer candidates_;
   std::vector<PackedBox> exact_;
+  // The leaves once more, in the tree's order, for frames that look at them all.
+  std::vector<Aabb> fat_;
+  SoaBoxes leaves_;
+  LeafTree packed_;
   std::vector<uint32_t> moved_;
   std::vector<float> margins_;  // of moved_
   std::vector<uint8_t> is_moved_;
@@ -128,6 +136,7 @@ float Dbvt::MarginFor(float motion) const {
 void Dbvt::Build(std::span<const Aabb> boxes) {
   tree_.Reset(boxes.size());
   exact_.resize(boxes.size());
+  fat_.resize(boxes.size());
   is_moved_.assign(boxes.size(), 0);
   moved_.reserve(boxes.size());
   margins_.reserve(boxes.size());
@@ -141,9 +150,9 @@ void Dbvt::Build(std::span<const Aabb> boxes) {
   }
   tree_.Rebuild();
   refitted_moves_ = 0;
-  candidates_.Clear();
-  update_checks_ = FindLeafPairs(tree_, candidates_);
+  update_checks_ = 0;
   pair_checks_ = 0;
+  FindAllCandidates();
 }
 
 void Dbvt::Update(std::span<const Aabb> boxes) {
@@ -204,8 +213,7 @@ void Dbvt::MoveInBulk(std::span<const Aabb> boxes) {
   } else {
     tree_.Refit();
   }
-  candidates_.Clear();
-  update_checks_ += FindLeafPairs(tree_, candidates_);
+  FindAllCandidates();
 }
 
 void Dbvt::MoveOneByOne(std::span<const Aabb> boxes) {
@@ -222,6 +230,15 @@ void Dbvt::MoveOneByOne(std::span<const Aabb> boxes) {
   }
   DropCandidatesOfMoved();
   update_checks_ += FindLeafPairsOf(tree_, moved_, is_moved_.data(), candidates_);
+}
+
+// Sixteen leaves of the tree's order at a time: 5 to 10 times as fast as one by one from the root.
+void Dbvt::FindAllCandidates() {
+  for (const uint32_t leaf : tree_.order()) fat_[leaf] = tree_.box(leaf);
+  leaves_.Gather(fat_, tree_.order());
+  packed_.Refit(leaves_.Lanes());
+  candidates_.Clear();
+  update_checks_ += packed_.FindPairs(leaves_.Lanes(), candidates_);
 }
 
 void Dbvt::DropCandidatesOfMoved() {
@@ -241,7 +258,8 @@ void Dbvt::FindPairs(PairBuffer& out) {
 
 size_t Dbvt::native_bytes() const {
   return tree_.native_bytes() + candidates_.capacity_bytes() +
-         exact_.capacity() * sizeof(PackedBox) + moved_.capacity() * sizeof(uint32_t) +
+         exact_.capacity() * sizeof(PackedBox) + fat_.capacity() * sizeof(Aabb) +
+         leaves_.native_bytes() + packed_.native_bytes() + moved_.capacity() * sizeof(uint32_t) +
          (margins_.capacity() + sides_.capacity()) * sizeof(float) + is_moved_.capacity();
 }
 

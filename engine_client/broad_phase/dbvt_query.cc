@@ -85,29 +85,6 @@ HWY_INLINE uint64_t Walk(const DbvtNode* HWY_RESTRICT nodes, uint32_t leaf_count
   return looked_at;
 }
 
-// Each leaf against the right siblings on its way up: so each pair is met once, at its lowest
-// common ancestor.
-uint64_t LeafPairs(const DbvtTree& tree, PairBuffer& out) {
-  const DbvtNode* const nodes = tree.nodes();
-  const uint32_t leaf_count = static_cast<uint32_t>(tree.leaf_count());
-  PairCursor cursor(out);
-  uint64_t checks = 0;
-  for (const uint32_t leaf : tree.order()) {
-    const Corner min = LoadCorner(nodes[leaf].min);
-    const Corner max = LoadCorner(nodes[leaf].max);
-    const auto on_leaf = [&](uint32_t other) HWY_ATTR { cursor.Append(leaf, other); };
-    uint32_t node = leaf;
-    for (uint32_t above = tree.parent(node); above != DbvtTree::kNone; above = tree.parent(node)) {
-      if (nodes[above].first == node) {
-        checks += Walk(nodes, leaf_count, nodes[above].second, min, max, on_leaf);
-      }
-      node = above;
-    }
-  }
-  cursor.Flush();
-  return checks;
-}
-
 uint64_t LeafPairsOf(const DbvtTree& tree, std::span<const uint32_t> leaves,
                      const uint8_t* is_listed, PairBuffer& out) {
   const DbvtNode* const nodes = tree.nodes();
@@ -146,13 +123,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace sweepstake {
 
-HWY_EXPORT(LeafPairs);
 HWY_EXPORT(LeafPairsOf);
 HWY_EXPORT(Overlapping);
-
-uint64_t FindLeafPairs(const DbvtTree& tree, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(LeafPairs)(tree, out);
-}
 
 uint64_t FindLeafPairsOf(const DbvtTree& tree, std::span<const uint32_t> leaves,
                          const uint8_t* is_listed, PairBuffer& out) {

@@ -19,12 +19,8 @@ struct alignas(32) PackedBox {
   float max[4];
 };
 
-// Every pair of leaves whose boxes in the tree overlap, once. REQUIRES: tree.order() is current
-// (Refit or Rebuild).
-uint64_t FindLeafPairs(const DbvtTree& tree, PairBuffer& out);
-
-// The pairs of which at least one leaf is in `leaves`, once. `is_listed` holds 1 for these leaves
-// and 0 for the others.
+// The overlapping pairs of boxes in the tree of which at least one is in `leaves`, once.
+// `is_listed` holds 1 for these leaves and 0 for the others.
 uint64_t FindLeafPairsOf(const DbvtTree& tree, std::span<const uint32_t> leaves,
                          const uint8_t* is_listed, PairBuffer& out);
 

@@ -48,7 +48,7 @@ std::string FaultBelow(const DbvtTree& tree, uint32_t node, std::vector<uint32_t
   const uint32_t children[2] = {tree.nodes()[node].first, tree.nodes()[node].second};
   for (const uint32_t child : children) {
     if (tree.parent(child) != node) return "a child has another parent";
-    const std::string fault = FaultBelow(tree, child, leaves);
+    std::string fault = FaultBelow(tree, child, leaves);
     if (!fault.empty()) return fault;
   }
   if (!(tree.box(node) == Joined(tree.box(children[0]), tree.box(children[1])))) {
@@ -62,7 +62,7 @@ std::string FaultOf(const DbvtTree& tree) {
   std::vector<uint32_t> leaves;
   if (tree.root() == DbvtTree::kNone) return tree.size() == 0 ? "" : "a tree has lost its root";
   if (tree.parent(tree.root()) != DbvtTree::kNone) return "the root has a parent";
-  const std::string fault = FaultBelow(tree, tree.root(), leaves);
+  std::string fault = FaultBelow(tree, tree.root(), leaves);
   if (!fault.empty()) return fault;
   std::sort(leaves.begin(), leaves.end());
   if (std::adjacent_find(leaves.begin(), leaves.end()) != leaves.end()) return "a leaf is twice";
@@ -143,21 +143,6 @@ TEST(DbvtTree, TakesTheLargestFloats) {
   EXPECT_EQ(FaultOf(tree), "");
   tree.Rebuild();
   EXPECT_EQ(FaultOf(tree), "");
-}
-
-TEST(DbvtQuery, FindsEachPairOfLeavesOnce) {
-  Random random(3);
-  std::vector<Aabb> boxes;
-  DbvtTree tree;
-  tree.Reset(300);
-  for (uint32_t leaf = 0; leaf < 300; ++leaf) {
-    boxes.push_back(RandomBox(random));
-    tree.Insert(leaf, boxes.back());
-  }
-  tree.Refit();
-  PairBuffer pairs;
-  EXPECT_GT(FindLeafPairs(tree, pairs), 0U);
-  EXPECT_EQ(PairDifference(pairs.pairs(), ScalarPairs(boxes)), "");
 }
 
 TEST(DbvtQuery, FindsThePairsOfSomeLeavesOnce) {

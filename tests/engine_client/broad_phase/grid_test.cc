@@ -138,11 +138,12 @@ TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
   // A small box in the middle, and one around each corner, edge and face of its cell's
   // surroundings.
   std::vector<Aabb> boxes = OrdinaryBoxes(400);
-  for (int i = 0; i < 27; ++i) {
-    const float at[3] = {static_cast<float>(i % 3) * 0.7F + 2,
-                         static_cast<float>(i / 3 % 3) * 0.7F + 2,
-                         static_cast<float>(i / 9) * 0.7F + 2};
-    boxes.push_back({{at[0], at[1], at[2]}, {at[0] + 0.75F, at[1] + 0.75F, at[2] + 0.75F}});
+  for (const float x : {2.0F, 2.7F, 3.4F}) {
+    for (const float y : {2.0F, 2.7F, 3.4F}) {
+      for (const float z : {2.0F, 2.7F, 3.4F}) {
+        boxes.push_back({{x, y, z}, {x + 0.75F, y + 0.75F, z + 0.75F}});
+      }
+    }
   }
   ChecksFor(boxes);
 }
