@@ -39,7 +39,8 @@ TEST(Switch, ReportedAfterSettlingCountsFromItsFirstFrame) {
   setup.options.decision_interval_ns = 10 * kSecond;
   ScriptedClient client(setup);
   client.obedient = false;
-  while (client.commands.empty()) client.RunToTick();
+  client.RunTicks(1);
+  ASSERT_FALSE(client.commands.empty());
   const int64_t commanded_ns = client.now_ns;
   ExecuteSilently(client, 1);
   for (int i = 0; i < 201; ++i) client.RunFrame();
@@ -123,7 +124,8 @@ TEST(PostExplorationSwitches, AreCountedByReasonAndOnlyOnceTheExplorationIsOver)
   SessionSetup setup = PlainSetup(4);
   setup.options.explore = true;
   ScriptedClient client(setup);
-  while (client.session.exploring()) client.RunToTick();
+  client.RunTicks(30);
+  ASSERT_FALSE(client.session.exploring());
   EXPECT_EQ(client.session.observation(client.now_ns).switch_counts, (std::array<uint64_t, 5>{}));
   client.Execute((client.arm + 1) % 4, SwitchReason::kBailOut);
   client.Execute((client.arm + 1) % 4, SwitchReason::kManual);
