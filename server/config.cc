@@ -1,5 +1,7 @@
 #include "server/config.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -286,9 +288,13 @@ absl::Status Flatten(const toml::table& table, const std::string& prefix,
   return absl::OkStatus();
 }
 
-bool IsLoopback(std::string_view listen) {
-  const std::string_view host = listen.substr(0, listen.rfind(':'));
-  return host == "localhost" || host == "[::1]" || host == "::1" || host.starts_with("127.");
+bool IsLoopback(const std::string& listen) {
+  const std::string host = listen.substr(0, listen.rfind(':'));
+  // Only numbers: what another name resolves to is not ours to know.
+  in_addr address{};
+  const bool is_number = inet_pton(AF_INET, host.c_str(), &address) == 1;
+  return host == "localhost" || host == "[::1]" ||
+         (is_number && ntohl(address.s_addr) >> 24 == 127);
 }
 
 absl::Status CheckListen(const std::string& listen) {

@@ -3,7 +3,9 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
+#include <spdlog/logger.h>
 
+#include <future>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -13,6 +15,7 @@ namespace {
 
 constexpr int kSecond = 1'000;
 constexpr int kMinute = 60 * kSecond;
+constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // Without a quota one connection can pin a gigabyte.
@@ -66,27 +69,48 @@ absl::Status RpcServer::Listen(const std::string& address) {
   builder.RegisterService(&posteriors_);
   builder.RegisterService(&priors_);
   server_ = builder.BuildAndStart();
-  if (server_ != nullptr && port_ > 0) return absl::OkStatus();
-  return absl::UnavailableError(
-      absl::StrCat("cannot listen on ", address, "; is the address right, and its port free?"));
+  if (server_ == nullptr || port_ <= 0) {
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", address, "; is the address right, and its port free?"));
+  }
+  loop_.Post([this] { WatchStore(); });
+  return absl::OkStatus();
 }
 
-RpcServer::~RpcServer() { Drain(std::chrono::milliseconds(0)); }
+RpcServer::~RpcServer() {
+  Drain(std::chrono::milliseconds(0));
+  server_.reset();
+}
 
-void RpcServer::SetServing(bool serving) {
-  if (server_ != nullptr) server_->GetHealthCheckService()->SetServingStatus(serving);
+void RpcServer::WatchStore() {
+  if (draining_) return;
+  if (context_.store.healthy() != serving_) {
+    serving_ = !serving_;
+    server_->GetHealthCheckService()->SetServingStatus(serving_);
+    if (serving_) {
+      context_.log.info("the prior store writes again");
+    } else {
+      context_.log.error(
+          "the prior store cannot write: decisions go on in memory, nothing is acknowledged");
+    }
+  }
+  loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
 }
 
 void RpcServer::Drain(std::chrono::milliseconds patience) {
-  if (server_ == nullptr) return;
+  if (server_ == nullptr || drained_) return;
+  drained_ = true;
   server_->GetHealthCheckService()->Shutdown();
-  loop_.Post([this] {
+  std::promise<void> told;
+  loop_.Post([&] {
+    draining_ = true;
     telemetry_.Drain();
     watchers_.Drain();
+    told.set_value();
   });
+  told.get_future().wait();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
-  server_.reset();
 }
 
 }  // namespace sweepstake::rpc

@@ -1,4 +1,5 @@
-// The gRPC side of the daemon: listens, serves, drains.
+// The gRPC side of the daemon: listens, serves, drains. grpc.health.v1 says NOT_SERVING while the
+// store cannot write, and from the beginning of a drain on.
 //
 // Thread-safe but for Drain, which one thread calls. Owns the decision loop and the sessions; the
 // clock, the store and the log are borrowed. Order of an end: Drain, then the owner closes the
@@ -35,9 +36,6 @@ class RpcServer {
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
 
-  // What grpc.health.v1 says from now on. Drain sets it for good.
-  void SetServing(bool serving);
-
   // Refuses new streams, tells clients to come back later, lets what is on its way to disk arrive,
   // and ends; what is not done by then is cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
@@ -45,6 +43,8 @@ class RpcServer {
  private:
   RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
   absl::Status Listen(const std::string& address);
+  // On the loop, once a second: a store that cannot write is not healthy.
+  void WatchStore();
 
   const RpcOptions options_;
   Counters counters_;
@@ -54,7 +54,10 @@ class RpcServer {
   TelemetryService telemetry_;
   PosteriorsService posteriors_;
   PriorsService priors_;
-  DecisionLoop loop_;  // after everything its tasks use: its destructor runs the last ones
+  bool serving_ = true;    // what health says; on the loop
+  bool draining_ = false;  // on the loop
+  bool drained_ = false;   // of Drain's caller
+  DecisionLoop loop_;      // after everything its tasks use: its destructor runs the last ones
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };

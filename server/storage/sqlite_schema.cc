@@ -143,6 +143,7 @@ absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
 
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
   if (absl::Status status = CheckOwner(database, path); !status.ok()) return status;
+  if (absl::Status status = Configure(database); !status.ok()) return Explain(path, status);
   auto version = database.QueryInteger("PRAGMA user_version");
   if (!version.ok()) return Explain(path, version.status());
   if (absl::Status status = CheckVersion(*version, path); !status.ok()) return status;
@@ -168,9 +169,7 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   }
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return Explain(path, database.status());
-  absl::Status status = Configure(*database);
-  if (status.ok()) status = PrepareExisting(*database, path);
-  if (!status.ok()) return status;
+  if (absl::Status status = PrepareExisting(*database, path); !status.ok()) return status;
   return database;
 }
 

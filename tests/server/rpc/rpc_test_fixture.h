@@ -51,6 +51,13 @@ inline v1::Hello HelloMessage() {
   return hello;
 }
 
+// With one arm there is nothing to switch to, and no switch command between the other responses.
+inline v1::Hello OneArmHello() {
+  v1::Hello hello = HelloMessage();
+  hello.mutable_arms()->DeleteSubrange(1, 2);
+  return hello;
+}
+
 inline v1::StreamTelemetryRequest Request(const v1::Hello& hello) {
   v1::StreamTelemetryRequest request;
   *request.mutable_hello() = hello;

@@ -1,4 +1,5 @@
 // The stream of telemetry: sessions, evidence, acknowledgements.
+#include "tests/server/rpc/health_client.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -57,6 +58,321 @@ TEST_F(TelemetryTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
   ASSERT_EQ(Stored().arms.size(), 1u);
   EXPECT_EQ(Stored().arms[0].name, "Grid");
   EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
+}
+
+TEST_F(TelemetryTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  store_.Hold();
+  Tick();
+  client.Await(Response::kPosteriorSnapshot);
+  ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Applied(2));
+  Tick();
+  // The second window is learnt; neither is acknowledged, or the next message would be that.
+  EXPECT_TRUE(client.Read()->has_posterior_snapshot());
+  EXPECT_TRUE(Stored().arms.empty());
+  store_.Release();
+  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+}
+
+TEST_F(TelemetryTest, AReplayedMessageIsCountedAndNotAppliedAgain) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  client.Send(Frames(1, 30));
+  client.Send(Frames(1, 30));
+  client.Send(BailOut(2, 5000));
+  client.Send(BailOut(2, 5000));
+  ASSERT_TRUE(Eventually([&] { return server_->counters().replayed_message_count == 2; }));
+  Tick();
+  client.AwaitAcknowledgement(2);
+  EXPECT_EQ(server_->counters().applied_message_count, 2u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
+  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 1u);
+}
+
+TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    client.Send(Frames(1, 30));
+    ASSERT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    client.Send(Frames(2, 30));
+    ASSERT_TRUE(Applied(2));
+  }
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = client.Open(hello);
+  EXPECT_TRUE(welcome.resumed());
+  EXPECT_EQ(welcome.session_id(), hello.session_id());
+  EXPECT_EQ(welcome.acknowledged_sequence(), 1u);
+  client.Send(Frames(2, 30));
+  client.Send(Frames(3, 30));
+  ASSERT_TRUE(Applied(3));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(3), 3u);
+  EXPECT_EQ(server_->counters().replayed_message_count, 1u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+}
+
+TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    client.Send(Frames(1, 30));
+    ASSERT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    client.Send(Frames(2, 30));
+    ASSERT_TRUE(Applied(2));
+  }
+  RestartServer();
+  TelemetryClient client(channel_);
+  hello.set_seed(0);
+  const v1::Welcome welcome = client.Open(hello);
+  EXPECT_TRUE(welcome.resumed());
+  EXPECT_EQ(welcome.acknowledged_sequence(), 1u);
+  EXPECT_EQ(welcome.seed(), 7u);
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  EXPECT_NEAR(welcome.priors(0).alpha() + welcome.priors(0).beta(), 3, 1e-12);
+  client.Send(Frames(1, 30));
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+  EXPECT_EQ(Stored().source_count, 1u);
+}
+
+TEST_F(TelemetryTest, ASessionThatSentNothingYetIsKnownAfterARestart) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
+  }
+  RestartServer();
+  TelemetryClient client(channel_);
+  EXPECT_TRUE(client.Open(hello).resumed());
+}
+
+TEST_F(TelemetryTest, ANewSessionStartsFromWhatOthersLearnt) {
+  {
+    TelemetryClient client(channel_);
+    client.Open(HelloMessage());
+    client.Send(Frames(1, 30));
+    ASSERT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+  }
+  TelemetryClient second(channel_);
+  const v1::Welcome welcome = second.Open(HelloMessage());
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  EXPECT_NEAR(welcome.priors(0).alpha() + welcome.priors(0).beta(), 3, 1e-12);
+  v1::Hello hello = HelloMessage();
+  hello.set_ignore_priors(true);
+  TelemetryClient third(channel_);
+  const v1::Welcome flat = third.Open(hello);
+  EXPECT_EQ(flat.prior_source_count(), 0u);
+  EXPECT_EQ(flat.priors(0).alpha() + flat.priors(0).beta(), 2);
+}
+
+TEST_F(TelemetryTest, AnUnknownSessionIsNotFound) {
+  TelemetryClient client(channel_);
+  v1::Hello hello = HelloMessage();
+  hello.set_session_id("0123456789abcdef0123456789abcdef");
+  client.Send(Request(hello));
+  const grpc::Status status = client.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_THAT(status.error_message(), HasSubstr("begin a new session"));
+}
+
+TEST_F(TelemetryTest, ASessionOfAnotherSceneIsNotResumed) {
+  v1::Hello hello = HelloMessage();
+  TelemetryClient client(channel_);
+  hello.set_session_id(client.Open(hello).session_id());
+  hello.set_scene("desert");
+  TelemetryClient other(channel_);
+  other.Send(Request(hello));
+  EXPECT_EQ(other.Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(TelemetryTest, ASecondConnectionTakesTheSessionOver) {
+  v1::Hello hello = HelloMessage();
+  TelemetryClient first(channel_);
+  hello.set_session_id(first.Open(hello).session_id());
+  TelemetryClient second(channel_);
+  EXPECT_TRUE(second.Open(hello).resumed());
+  const grpc::Status status = first.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::ABORTED);
+  second.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  EXPECT_EQ(second.AwaitAcknowledgement(1), 1u);
+}
+
+TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndKeptWithTheNextTick) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  client.Send(Frames(1, 30));
+  uint64_t sequence = 2;
+  client.Send(BailOut(sequence, 5000));
+  const v1::PosteriorSnapshot snapshot =
+      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+  EXPECT_EQ(snapshot.arms(0).beta(), 11);
+  client.Send(BailOut(++sequence, 5000));
+  ASSERT_TRUE(Applied(3));
+  EXPECT_TRUE(Stored().arms.empty());
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(3), 3u);
+  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 1u);
+}
+
+TEST_F(TelemetryTest, ASwitchCommandThatWasLostIsSentAgain) {
+  v1::Hello hello = HelloMessage();
+  uint64_t command_id = 0;
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    for (uint64_t sequence = 1; server_->counters().switch_command_count == 0; ++sequence) {
+      client.Send(BailOut(sequence, sequence));
+      client.Await(Response::kPosteriorSnapshot);
+      ASSERT_LT(sequence, 100u);
+    }
+  }
+  TelemetryClient client(channel_);
+  client.Open(hello);
+  const v1::SwitchCommand command = client.Await(Response::kSwitchCommand).switch_command();
+  command_id = command.command_id();
+  EXPECT_EQ(command.reason(), v1::SWITCH_REASON_BAIL_OUT);
+  EXPECT_NE(command.arm(), 0u);
+  EXPECT_GT(command_id, 0u);
+}
+
+TEST_F(TelemetryTest, ManualModeLearnsNothingAndStillAcknowledges) {
+  v1::Hello hello = HelloMessage();
+  hello.set_mode(v1::MODE_MANUAL);
+  TelemetryClient client(channel_);
+  client.Open(hello);
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
+  EXPECT_TRUE(Stored().arms.empty());
+}
+
+TEST_F(TelemetryTest, ImplausibleFramesAreLeftOutAndCounted) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  v1::StreamTelemetryRequest request = Frames(1, 30);
+  request.mutable_frame_batch()->set_frame_time_ns(0, 1);
+  request.mutable_frame_batch()->set_frame_time_ns(1, 3601 * kSecondNs);
+  request.mutable_frame_batch()->set_detection_time_ns(2, 20'000'000);
+  client.Send(request);
+  ASSERT_TRUE(Applied(1));
+  EXPECT_EQ(server_->counters().rejected_frame_count, 3u);
+  EXPECT_EQ(server_->counters().accepted_frame_count, 27u);
+}
+
+TEST_F(TelemetryTest, GoodbyeIsAnsweredWhenEverythingIsOnDisk) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  client.Send(Frames(1, 30));
+  client.Send(Goodbye());
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
+  EXPECT_TRUE(client.Finish().ok());
+}
+
+TEST_F(TelemetryTest, WithAFullDiskDecisionsGoOnAndNothingIsAcknowledgedUntilItIsMended) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
+  store_.Fail(true);
+  for (uint64_t sequence = 1; sequence <= 3; ++sequence) {
+    client.Send(Frames(sequence, 30));
+    ASSERT_TRUE(Applied(sequence));
+    Tick();
+    EXPECT_TRUE(client.Read()->has_posterior_snapshot());
+    ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count == sequence; }));
+  }
+  store_.Fail(false);
+  client.Send(Frames(4, 30));
+  ASSERT_TRUE(Applied(4));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(4), 4u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 4u);
+}
+
+TEST_F(TelemetryTest, GoodbyeWithAFullDiskDoesNotHang) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  client.Send(Frames(1, 30));
+  store_.Fail(true);
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+}
+
+TEST_F(TelemetryTest, DrainingTellsClientsToComeBackAndEnds) {
+  TelemetryClient silent(channel_);
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  server_->Drain(std::chrono::minutes(10));
+  client.Await(Response::kReconnectElsewhere);
+  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_FALSE(silent.Finish().ok());
+}
+
+TEST_F(TelemetryTest, HealthFollowsTheStore) {
+  EXPECT_EQ(HealthOf(*channel_), Health::kServing);
+  store_.Fail(true);
+  clock_.Advance(kSecondNs);
+  EXPECT_TRUE(Eventually([&] { return HealthOf(*channel_) == Health::kNotServing; }));
+  store_.Fail(false);
+  clock_.Advance(kSecondNs);
+  EXPECT_TRUE(Eventually([&] { return HealthOf(*channel_) == Health::kServing; }));
+}
+
+TEST_F(TelemetryTest, ASessionLeavesMemoryWhenItsWindowIsOverAndComesBackFromTheStore) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    client.Send(Frames(1, 30));
+    ASSERT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    client.HalfClose();
+    EXPECT_TRUE(client.Finish().ok());
+  }
+  clock_.Advance(options_.resume_window_ns);
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = client.Open(hello);
+  EXPECT_TRUE(welcome.resumed());
+  EXPECT_EQ(welcome.acknowledged_sequence(), 1u);
+}
+
+class FullTableTest : public TelemetryTest {
+ protected:
+  FullTableTest() { options_.max_sessions = 1; }
+};
+
+TEST_F(FullTableTest, ANewSessionIsRefusedWhileAllAreConnectedAndReplacesALostOne) {
+  TelemetryClient first(channel_);
+  first.Open(HelloMessage());
+  TelemetryClient second(channel_);
+  second.Send(Request(HelloMessage()));
+  EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  first.HalfClose();
+  EXPECT_TRUE(first.Finish().ok());
+  TelemetryClient third(channel_);
+  EXPECT_FALSE(third.Open(HelloMessage()).resumed());
 }
 
 }  // namespace

@@ -1,0 +1,122 @@
+// The configuration: where values come from, which one wins, and what is said about wrong ones.
+#include "server/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace sweepstake::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ConfigTest : public ::testing::Test {
+ protected:
+  ConfigTest()
+      : path_(::testing::TempDir() + "sweepstake-config-" + std::to_string(getpid()) + ".toml") {}
+  ~ConfigTest() override { std::filesystem::remove(path_); }
+
+  absl::StatusOr<Config> FromFile(const std::string& text) {
+    std::ofstream(path_) << text;
+    auto assignments = ReadConfigFile(path_);
+    if (!assignments.ok()) return assignments.status();
+    Config config;
+    absl::Status status = Assign(*assignments, "file", config);
+    if (status.ok()) status = Validate(config);
+    if (!status.ok()) return status;
+    return config;
+  }
+  std::string Error(const std::string& text) {
+    return std::string(FromFile(text).status().message());
+  }
+
+  std::filesystem::path path_;
+};
+
+TEST_F(ConfigTest, TheDefaultsAreValidAndThePapers) {
+  const Config config;
+  EXPECT_TRUE(Validate(config).ok());
+  EXPECT_EQ(config.rpc.decision.cooldown_ns, 40'000'000'000);
+}
+
+TEST_F(ConfigTest, AFileSetsWhatItNames) {
+  const auto config = FromFile(
+      "listen = '127.0.0.1:0'\n[decision]\ncooldown_ms = 1500\nexplore = false\n"
+      "weight_fps = 1\nweight_detection = 0.0\nweight_memory = 0\nweight_checks = 0\n");
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->listen, "127.0.0.1:0");
+  EXPECT_EQ(config->rpc.decision.cooldown_ns, 1'500'000'000);
+  EXPECT_FALSE(config->rpc.decision.explore);
+  EXPECT_EQ(config->rpc.decision.weights.fps, 1);
+}
+
+TEST_F(ConfigTest, TheLaterSourceWins) {
+  Config config;
+  ASSERT_TRUE(
+      Assign({{"decision.cooldown_ms", "1"}, {"decision.settling_ms", "1"}}, "file", config).ok());
+  const std::vector<std::string> environment = {"SWEEPSTAKE_DECISION_COOLDOWN_MS=2", "PATH=/bin"};
+  ASSERT_TRUE(Assign(*ReadEnvironment(environment), "environment", config).ok());
+  EXPECT_EQ(config.rpc.decision.cooldown_ns, 2'000'000);
+  EXPECT_EQ(config.rpc.decision.settling_ns, 1'000'000);
+}
+
+TEST_F(ConfigTest, AnUnknownKeyIsAnErrorThatNamesTheNearest) {
+  EXPECT_THAT(Error("[decision]\ncooldwn_ms = 1\n"),
+              HasSubstr("did you mean decision.cooldown_ms?"));
+  EXPECT_THAT(Error("lissten = 'x'\n"), HasSubstr("did you mean listen?"));
+  const std::vector<std::string> environment = {"SWEEPSTAKE_LISTN=x"};
+  EXPECT_THAT(std::string(ReadEnvironment(environment).status().message()),
+              HasSubstr("SWEEPSTAKE_LISTEN"));
+}
+
+TEST_F(ConfigTest, VariablesThatKubernetesMakesAreNotTakenForOurs) {
+  const std::vector<std::string> environment = {"SWEEPSTAKE_SERVICE_HOST=10.0.0.1",
+                                                "SWEEPSTAKE_PORT_7433_TCP=tcp://10.0.0.1:7433",
+                                                "SWEEPSTAKE_PORT_FILE=p"};
+  const auto assignments = ReadEnvironment(environment);
+  ASSERT_TRUE(assignments.ok()) << assignments.status();
+  EXPECT_EQ(*assignments, (Assignments{{"port_file", "p"}}));
+}
+
+TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {
+  EXPECT_THAT(Error("[decision]\ncooldown_ms = -1\n"), HasSubstr("expected a whole number from 0"));
+  EXPECT_THAT(Error("[decision]\ncooldown_ms = 1.5\n"),
+              HasSubstr("expected a whole number from 0"));
+  EXPECT_THAT(Error("[decision]\nweight_fps = nan\n"), HasSubstr("expected a finite number"));
+  EXPECT_THAT(Error("[decision]\nweight_fps = 0.9\n"), HasSubstr("sum to"));
+  EXPECT_THAT(Error("[decision]\npolicy = 'dice'\n"), HasSubstr("paper"));
+  EXPECT_THAT(Error("[decision]\nexplore = 1\n"), HasSubstr("expected true or false"));
+  EXPECT_THAT(Error("log_level = 'loud'\n"), HasSubstr("trace, debug, info"));
+  EXPECT_THAT(Error("listen = 'here'\n"), HasSubstr("expected HOST:PORT"));
+  EXPECT_THAT(Error("listen = '127.0.0.1:70000'\n"), HasSubstr("expected HOST:PORT"));
+  EXPECT_THAT(Error("listen = [1]\n"), HasSubstr("expected a text"));
+  EXPECT_THAT(Error("max_sessions = 99999999999999999999\n"), HasSubstr(":1:"));
+}
+
+TEST_F(ConfigTest, AFileThatIsNoTomlIsAnErrorWithItsLine) {
+  EXPECT_THAT(Error("\n= 3\n"), HasSubstr(":2:"));
+}
+
+TEST_F(ConfigTest, AMissingFileIsAnError) {
+  EXPECT_TRUE(absl::IsNotFound(ReadConfigFile("/nonexistent.toml").status()));
+}
+
+TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
+  EXPECT_THAT(Error("listen = '0.0.0.0:7433'\n"), HasSubstr("--insecure"));
+  EXPECT_THAT(Error("listen = '127.0.0.1.example.com:7433'\n"), HasSubstr("--insecure"));
+  EXPECT_TRUE(FromFile("listen = '0.0.0.0:7433'\ninsecure = true\n").ok());
+  EXPECT_TRUE(FromFile("listen = '[::1]:7433'\n").ok());
+}
+
+TEST_F(ConfigTest, WhatIsPrintedReadsBackTheSame) {
+  Config config;
+  config.data = "a \"quoted\" \\ path";
+  config.rpc.decision.weights = {.fps = 0.1, .detection = 0.2, .memory = 0.3, .checks = 0.4};
+  const auto read = FromFile(PrintConfig(config));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(PrintConfig(*read), PrintConfig(config));
+}
+
+}  // namespace
+}  // namespace sweepstake::server

@@ -1,0 +1,148 @@
+// The daemon as the program runs it: files, health, drain.
+#include "server/daemon.h"
+
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "sweepstake/v1/telemetry.grpc.pb.h"
+#include "tests/server/rpc/health_client.h"
+#include "tests/server/storage/temporary_directory.h"
+
+namespace sweepstake::server {
+namespace {
+
+using ::testing::HasSubstr;
+
+class DaemonTest : public ::testing::Test {
+ protected:
+  DaemonTest() {
+    config_.listen = "127.0.0.1:0";
+    config_.data = directory_.path() / "data";
+    config_.port_file = directory_.path() / "port";
+    config_.log_level = "off";
+    config_.rpc.decision.explore = false;
+    config_.rpc.decision.settling_ns = 0;
+    config_.rpc.decision.decision_interval_ns = 20'000'000;
+  }
+  std::unique_ptr<Daemon> Start() {
+    auto daemon = Daemon::Start(config_, clock_);
+    EXPECT_TRUE(daemon.ok()) << daemon.status();
+    return *std::move(daemon);
+  }
+
+  storage::TemporaryDirectory directory_;
+  Config config_;
+  rpc::SteadyClock clock_;
+};
+
+v1::StreamTelemetryRequest Hello() {
+  v1::StreamTelemetryRequest request;
+  v1::Hello& hello = *request.mutable_hello();
+  hello.set_protocol_version(1);
+  hello.set_project("game");
+  hello.set_scene("harbour");
+  hello.add_arms()->set_name("Grid");
+  hello.mutable_arms(0)->set_backend_version(1);
+  hello.set_mode(v1::MODE_AI);
+  return request;
+}
+
+v1::StreamTelemetryRequest OneFrame(uint64_t sequence) {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(sequence);
+  v1::FrameBatch& batch = *request.mutable_frame_batch();
+  batch.add_frame_time_ns(16'000'000);
+  batch.add_detection_time_ns(4'000'000);
+  batch.add_aabb_check_count(10);
+  batch.add_pair_count(1);
+  batch.add_native_bytes(1000);
+  batch.add_object_count(5);
+  batch.add_arm(0);
+  batch.add_switch_epoch(0);
+  batch.add_flags(0);
+  return request;
+}
+
+// Opens a session, teaches it one window, and returns its welcome when that is acknowledged.
+v1::Welcome RunSession(int port) {
+  const auto channel =
+      grpc::CreateChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials());
+  const auto stub = v1::TelemetryService::NewStub(channel);
+  grpc::ClientContext context;
+  const auto stream = stub->StreamTelemetry(&context);
+  stream->Write(Hello());
+  stream->Write(OneFrame(1));
+  v1::Welcome welcome;
+  v1::StreamTelemetryResponse response;
+  while (stream->Read(&response)) {
+    if (response.has_welcome()) welcome = response.welcome();
+    if (response.has_acknowledgement() && response.acknowledgement().sequence() == 1) break;
+  }
+  context.TryCancel();
+  stream->Finish();
+  return welcome;
+}
+
+TEST_F(DaemonTest, ThePortFileHoldsThePort) {
+  const auto daemon = Start();
+  int port = 0;
+  std::ifstream(config_.port_file) >> port;
+  EXPECT_GT(port, 0);
+  EXPECT_EQ(port, daemon->port());
+}
+
+TEST_F(DaemonTest, WhatOneRunLearntIsThePriorOfTheNext) {
+  {
+    const auto daemon = Start();
+    EXPECT_EQ(RunSession(daemon->port()).prior_source_count(), 0u);
+  }
+  const auto daemon = Start();
+  const v1::Welcome welcome = RunSession(daemon->port());
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  EXPECT_NEAR(welcome.priors(0).alpha() + welcome.priors(0).beta(), 3, 1e-9);
+}
+
+TEST_F(DaemonTest, DrainingIsIdempotentAndFreesTheDataDirectory) {
+  auto daemon = Start();
+  daemon->Drain();
+  daemon->Drain();
+  daemon.reset();
+  EXPECT_NE(Start(), nullptr);
+}
+
+TEST_F(DaemonTest, ASecondDaemonOnTheSameDataIsRefused) {
+  const auto daemon = Start();
+  rpc::SteadyClock clock;
+  const absl::Status status = Daemon::Start(config_, clock).status();
+  EXPECT_THAT(std::string(status.message()), HasSubstr("another daemon"));
+}
+
+TEST_F(DaemonTest, APortThatIsTakenIsAnError) {
+  const auto daemon = Start();
+  config_.listen = "127.0.0.1:" + std::to_string(daemon->port());
+  config_.data = directory_.path() / "other";
+  rpc::SteadyClock clock;
+  const absl::Status status = Daemon::Start(config_, clock).status();
+  EXPECT_TRUE(absl::IsUnavailable(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("cannot listen on"));
+}
+
+TEST_F(DaemonTest, AnEmptyDatabaseFileStopsTheStart) {
+  std::filesystem::create_directory(config_.data);
+  std::ofstream(config_.data / "priors.db").close();
+  EXPECT_TRUE(absl::IsDataLoss(Daemon::Start(config_, clock_).status()));
+}
+
+TEST_F(DaemonTest, HealthIsServing) {
+  const auto daemon = Start();
+  const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(daemon->port()),
+                                           grpc::InsecureChannelCredentials());
+  EXPECT_EQ(rpc::HealthOf(*channel), rpc::Health::kServing);
+}
+
+}  // namespace
+}  // namespace sweepstake::server

@@ -1,0 +1,204 @@
+// Input that breaks the contract: it ends the stream with the right code, is counted, and teaches
+// nothing.
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+#include <grpcpp/impl/codegen/client_context.h>
+#include <grpcpp/impl/codegen/sync_stream.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "server/rpc/message_validation.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Sends bytes that no generated stub would.
+class RawClient {
+ public:
+  explicit RawClient(const std::shared_ptr<grpc::Channel>& channel)
+      : method_("/sweepstake.v1.TelemetryService/StreamTelemetry",
+                grpc::internal::RpcMethod::BIDI_STREAMING, channel),
+        stream_(
+            grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
+                channel.get(), method_, &context_)) {}
+  void Send(const std::string& bytes) {
+    const grpc::Slice slice(bytes);
+    stream_->Write(grpc::ByteBuffer(&slice, 1));
+  }
+  grpc::Status Finish() {
+    grpc::ByteBuffer ignored;
+    while (stream_->Read(&ignored)) {
+    }
+    return stream_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  grpc::internal::RpcMethod method_;
+  std::unique_ptr<grpc::ClientReaderWriter<grpc::ByteBuffer, grpc::ByteBuffer>> stream_;
+};
+
+class BadInputTest : public RpcTest {
+ protected:
+  // How the stream ends that sends `request` after an orderly Hello.
+  grpc::Status EndAfter(const v1::StreamTelemetryRequest& request) {
+    TelemetryClient client(channel_);
+    client.Open(HelloMessage());
+    client.Send(request);
+    return client.Finish();
+  }
+};
+
+TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    client.Send(Frames(1, 30));
+    ASSERT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+  }
+  const priors::SceneEvidence before = Stored();
+  RawClient raw(channel_);
+  raw.Send(Request(hello).SerializeAsString());
+  raw.Send("\xff\xff\xff not a message");
+  const grpc::Status status = raw.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("does not parse"));
+  EXPECT_EQ(server_->counters().malformed_message_count, 1u);
+  EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
+}
+
+TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
+  const std::string whole = Request(HelloMessage()).SerializeAsString();
+  RawClient raw(channel_);
+  raw.Send(whole.substr(0, whole.size() - 3));
+  EXPECT_EQ(raw.Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_F(BadInputTest, AMessageOverTheLimitExhaustsResources) {
+  RawClient raw(channel_);
+  raw.Send(std::string(256 * 1024 + 1, 'x'));
+  EXPECT_EQ(raw.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+TEST_F(BadInputTest, TheFirstRequestMustBeHello) {
+  TelemetryClient client(channel_);
+  client.Send(Frames(1, 30));
+  const grpc::Status status = client.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
+}
+
+TEST_F(BadInputTest, ASecondHelloIsOutOfOrder) {
+  EXPECT_EQ(EndAfter(Request(HelloMessage())).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+}
+
+TEST_F(BadInputTest, AnOverlongBatchIsInvalid) {
+  EXPECT_EQ(EndAfter(Frames(1, 241)).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(server_->counters().invalid_message_count, 1u);
+  EXPECT_EQ(server_->counters().applied_message_count, 0u);
+}
+
+struct BadHello {
+  const char* what;
+  std::function<void(v1::Hello&)> spoil;
+  absl::StatusCode code = absl::StatusCode::kInvalidArgument;
+};
+
+class BadHelloTest : public ::testing::TestWithParam<BadHello> {};
+
+TEST_P(BadHelloTest, IsRefused) {
+  v1::Hello hello = HelloMessage();
+  ASSERT_TRUE(CheckHello(hello).ok());
+  GetParam().spoil(hello);
+  EXPECT_EQ(CheckHello(hello).code(), GetParam().code) << CheckHello(hello);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Hellos, BadHelloTest,
+    ::testing::Values(
+        BadHello{"NoVersion", [](auto& h) { h.clear_protocol_version(); },
+                 absl::StatusCode::kFailedPrecondition},
+        BadHello{"NewerVersion", [](auto& h) { h.set_protocol_version(2); },
+                 absl::StatusCode::kFailedPrecondition},
+        BadHello{"OtherReward", [](auto& h) { h.set_reward_version(99); },
+                 absl::StatusCode::kFailedPrecondition},
+        BadHello{"NoProject", [](auto& h) { h.clear_project(); }},
+        BadHello{"NoScene", [](auto& h) { h.clear_scene(); }},
+        BadHello{"LongProject", [](auto& h) { h.set_project(std::string(129, 'x')); }},
+        BadHello{"ControlCharacter", [](auto& h) { h.set_scene("a\nb"); }},
+        BadHello{"Nul", [](auto& h) { h.set_scene(std::string("a\0b", 3)); }},
+        BadHello{"Delete", [](auto& h) { h.set_scene("a\x7f"); }},
+        BadHello{"LateControlCharacter", [](auto& h) { h.set_scene("a\xc2\x85"); }},
+        BadHello{"LongMachineClass", [](auto& h) { h.set_machine_class(std::string(129, 'x')); }},
+        BadHello{"NoArms", [](auto& h) { h.clear_arms(); }},
+        BadHello{"TooManyArms",
+                 [](auto& h) {
+                   for (int i = 0; i < 30; ++i) {
+                     h.add_arms()->set_name("arm " + std::to_string(i));
+                     h.mutable_arms()->rbegin()->set_backend_version(1);
+                   }
+                 }},
+        BadHello{"ArmTwice", [](auto& h) { h.mutable_arms(0)->set_name("SAP"); }},
+        BadHello{"NamelessArm", [](auto& h) { h.mutable_arms(0)->clear_name(); }},
+        BadHello{"NoBackendVersion", [](auto& h) { h.mutable_arms(0)->clear_backend_version(); }},
+        BadHello{"ActiveArmOutOfRange", [](auto& h) { h.set_active_arm(3); }},
+        BadHello{"NoMode", [](auto& h) { h.clear_mode(); }},
+        BadHello{"UnknownMode", [](auto& h) { h.set_mode(static_cast<v1::Mode>(9)); }},
+        BadHello{"UnknownPolicy", [](auto& h) { h.set_policy("dice"); }},
+        BadHello{"ScaleNaN", [](auto& h) { h.set_time_scale(std::nan("")); }},
+        BadHello{"ScaleInfinite",
+                 [](auto& h) { h.set_time_scale(std::numeric_limits<double>::infinity()); }},
+        BadHello{"ScaleTooSmall", [](auto& h) { h.set_time_scale(0.5); }},
+        BadHello{"ScaleNegative", [](auto& h) { h.set_time_scale(-1); }},
+        BadHello{"ScaleTooLarge", [](auto& h) { h.set_time_scale(1001); }}),
+    [](const auto& instance) { return std::string(instance.param.what); });
+
+TEST(MessageValidationTest, AnUnknownPolicyIsAnsweredWithTheKnownOnes) {
+  v1::Hello hello = HelloMessage();
+  hello.set_policy("dice");
+  EXPECT_THAT(std::string(CheckHello(hello).message()), HasSubstr("paper"));
+}
+
+TEST(MessageValidationTest, ARequestThatBreaksTheContractIsInvalid) {
+  using Spoil = std::function<void(v1::StreamTelemetryRequest&)>;
+  const std::vector<std::pair<const char*, Spoil>> cases = {
+      {"no message", [](auto& r) { r.clear_message(); }},
+      {"no sequence", [](auto& r) { r.clear_sequence(); }},
+      {"sequence of 64 bits", [](auto& r) { r.set_sequence(1ull << 63); }},
+      {"no frames", [](auto& r) { r.mutable_frame_batch()->Clear(); }},
+      {"a short column", [](auto& r) { r.mutable_frame_batch()->mutable_flags()->RemoveLast(); }},
+      {"a long column", [](auto& r) { r.mutable_frame_batch()->add_native_bytes(1); }},
+      {"an unknown arm", [](auto& r) { r.mutable_frame_batch()->set_arm(0, 3); }},
+      {"a bail-out of an unknown arm", [](auto& r) { r.mutable_bail_out()->set_arm(3); }},
+      {"a mode that is absent", [](auto& r) { r.mutable_mode_change(); }},
+      {"an active arm that is unknown",
+       [](auto& r) {
+         r.mutable_mode_change()->set_mode(v1::MODE_AI);
+         r.mutable_mode_change()->set_active_arm(3);
+       }},
+      {"a switch without a reason", [](auto& r) { r.mutable_switch_outcome(); }},
+      {"a switch to an unknown arm",
+       [](auto& r) {
+         r.mutable_switch_outcome()->set_reason(v1::SWITCH_REASON_POLICY);
+         r.mutable_switch_outcome()->set_arm(3);
+       }},
+  };
+  for (const auto& [what, spoil] : cases) {
+    v1::StreamTelemetryRequest request = Frames(1, 3);
+    ASSERT_TRUE(CheckRequest(request, 3).ok());
+    spoil(request);
+    EXPECT_TRUE(absl::IsInvalidArgument(CheckRequest(request, 3))) << what;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

@@ -1,0 +1,248 @@
+// Posteriors and priors, read, watched, carried away and brought in.
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+#include <grpcpp/health_check_service_interface.h>
+
+#include <utility>
+#include <vector>
+
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+priors::SourceUpdate Evidence(const std::string& source, const std::string& scene,
+                              const std::string& arm = "Grid") {
+  priors::KeyedEvidence increment;
+  increment.key.project = "game";
+  increment.key.scene = scene;
+  increment.key.arm = arm;
+  increment.evidence = {.alpha = 0.75, .beta = 0.25, .window_count = 1, .bail_out_count = 0};
+  priors::SourceUpdate update;
+  update.progress.source_id = source;
+  update.progress.commit_sequence = 1;
+  update.increments.push_back(increment);
+  return update;
+}
+
+class PosteriorsTest : public RpcTest {
+ protected:
+  void SetUp() override {
+    RpcTest::SetUp();
+    posteriors_ = v1::PosteriorsService::NewStub(channel_);
+    priors_ = v1::PriorsService::NewStub(channel_);
+  }
+  void Store(const priors::SourceUpdate& update) {
+    std::promise<void> done;
+    thread_.Commit(update, [&](const absl::Status&) { done.set_value(); });
+    done.get_future().wait();
+  }
+  std::vector<v1::PriorRecord> Export() {
+    grpc::ClientContext context;
+    const auto reader = priors_->ExportPriors(&context, {});
+    std::vector<v1::PriorRecord> records;
+    v1::ExportPriorsResponse part;
+    while (reader->Read(&part))
+      records.insert(records.end(), part.records().begin(), part.records().end());
+    EXPECT_TRUE(reader->Finish().ok());
+    return records;
+  }
+  grpc::Status Import(const std::vector<v1::PriorRecord>& records,
+                      v1::ImportPriorsResponse& response) {
+    grpc::ClientContext context;
+    const auto writer = priors_->ImportPriors(&context, &response);
+    for (const v1::PriorRecord& record : records) {
+      v1::ImportPriorsRequest part;
+      *part.add_records() = record;
+      writer->Write(part);
+    }
+    writer->WritesDone();
+    return writer->Finish();
+  }
+
+  std::unique_ptr<v1::PosteriorsService::Stub> posteriors_;
+  std::unique_ptr<v1::PriorsService::Stub> priors_;
+};
+
+TEST_F(PosteriorsTest, AreListedInPages) {
+  for (const char* scene : {"b", "c", "a"}) Store(Evidence(std::string("source ") + scene, scene));
+  v1::ListPosteriorsRequest request;
+  request.set_page_size(2);
+  v1::ListPosteriorsResponse first;
+  grpc::ClientContext first_context;
+  ASSERT_TRUE(posteriors_->ListPosteriors(&first_context, request, &first).ok());
+  ASSERT_EQ(first.scenes_size(), 2);
+  EXPECT_EQ(first.scenes(0).scene(), "a");
+  request.set_page_token(first.next_page_token());
+  v1::ListPosteriorsResponse second;
+  grpc::ClientContext second_context;
+  ASSERT_TRUE(posteriors_->ListPosteriors(&second_context, request, &second).ok());
+  ASSERT_EQ(second.scenes_size(), 1);
+  EXPECT_EQ(second.scenes(0).scene(), "c");
+  EXPECT_TRUE(second.next_page_token().empty());
+}
+
+TEST_F(PosteriorsTest, AForeignPageTokenIsInvalid) {
+  for (const char* token : {"zz", "a", "ff", "next"}) {
+    v1::ListPosteriorsRequest request;
+    request.set_page_token(token);
+    v1::ListPosteriorsResponse response;
+    grpc::ClientContext context;
+    EXPECT_EQ(posteriors_->ListPosteriors(&context, request, &response).error_code(),
+              grpc::StatusCode::INVALID_ARGUMENT)
+        << token;
+  }
+}
+
+TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
+  Store(Evidence("a", "harbour"));
+  Store(Evidence("b", "harbour"));
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  v1::GetPosteriorRequest request;
+  request.set_project("game");
+  request.set_scene("harbour");
+  v1::GetPosteriorResponse response;
+  grpc::ClientContext context;
+  ASSERT_TRUE(posteriors_->GetPosterior(&context, request, &response).ok());
+  ASSERT_EQ(response.scene().arms_size(), 1);
+  EXPECT_EQ(response.scene().arms(0).posterior().alpha(), 2.5);
+  EXPECT_EQ(response.scene().arms(0).posterior().beta(), 1.5);
+  EXPECT_EQ(response.scene().source_count(), 2u);
+  EXPECT_EQ(response.scene().active_session_count(), 1u);
+}
+
+TEST_F(PosteriorsTest, AnUnknownSceneIsNotFoundAndAnEmptyNameInvalid) {
+  v1::GetPosteriorRequest request;
+  v1::GetPosteriorResponse response;
+  grpc::ClientContext nameless;
+  EXPECT_EQ(posteriors_->GetPosterior(&nameless, request, &response).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  request.set_project("game");
+  request.set_scene("nowhere");
+  grpc::ClientContext unknown;
+  EXPECT_EQ(posteriors_->GetPosterior(&unknown, request, &response).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
+  Store(Evidence("a", "harbour", "SAP"));
+  Store(Evidence("b", "desert"));
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  v1::WatchPosteriorsRequest request;
+  request.set_scene("harbour");
+  grpc::ClientContext context;
+  const auto watcher = posteriors_->WatchPosteriors(&context, request);
+  v1::WatchPosteriorsResponse event;
+  ASSERT_TRUE(watcher->Read(&event));
+  EXPECT_EQ(event.posterior().scene(), "harbour");
+  EXPECT_EQ(event.posterior().active_session_count(), 1u);
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  // The session's beginning may show as a change of its own.
+  while (!event.has_decision()) ASSERT_TRUE(watcher->Read(&event));
+  EXPECT_EQ(event.decision().active_arm(), "Grid");
+  EXPECT_EQ(event.decision().decision_id(), 1u);
+  EXPECT_TRUE(event.decision().has_reward());
+  while (event.posterior().arms_size() < 2) ASSERT_TRUE(watcher->Read(&event));
+  EXPECT_EQ(event.posterior().arms(0).arm(), "Grid");
+  EXPECT_EQ(event.posterior().arms(0).window_count(), 1u);
+  context.TryCancel();
+}
+
+TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
+  v1::Hello hello = HelloMessage();
+  hello.clear_arms();
+  for (int i = 0; i < 32; ++i) {
+    hello.add_arms()->set_name(std::to_string(i) + std::string(120, 'x'));
+    hello.mutable_arms()->rbegin()->set_backend_version(1);
+  }
+  grpc::ChannelArguments small_window;
+  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  const auto own_channel =
+      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
+                                grpc::InsecureChannelCredentials(), small_window);
+  grpc::ClientContext context;
+  const auto idle = v1::PosteriorsService::NewStub(own_channel)->WatchPosteriors(&context, {});
+  // Until its buffers are full, which shows as time that passes without dropping it.
+  for (int i = 0; i < 400; ++i)
+    Store(Evidence("source " + std::to_string(i),
+                   "scene " + std::to_string(i) + std::string(100, 'y'), std::string(120, 'x')));
+  TelemetryClient client(channel_);
+  client.Open(hello);
+  for (uint64_t sequence = 1; sequence <= 600; ++sequence) {
+    client.Send(Frames(sequence, 1));
+    ASSERT_TRUE(Applied(sequence));
+    Tick();
+    client.AwaitAcknowledgement(sequence);
+  }
+  v1::WatchPosteriorsResponse event;
+  while (idle->Read(&event)) {
+  }
+  EXPECT_EQ(idle->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  client.Send(Frames(601, 30));
+  ASSERT_TRUE(Applied(601));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(601), 601u);
+}
+
+TEST_F(PosteriorsTest, ExportedPriorsGiveAnotherDaemonTheSamePosteriors) {
+  for (int i = 0; i < 450; ++i) Store(Evidence("source " + std::to_string(i), "harbour"));
+  const std::vector<v1::PriorRecord> records = Export();
+  ASSERT_EQ(records.size(), 450u);
+  const priors::SceneEvidence before = Stored();
+  for (int i = 0; i < 450; ++i)
+    thread_.Submit([i](priors::PriorStore& store) {
+      store.Revoke("source " + std::to_string(i)).IgnoreError();
+    });
+  ASSERT_TRUE(Stored().arms.empty());
+  std::vector<v1::PriorRecord> renamed = records;
+  for (v1::PriorRecord& record : renamed) record.set_source_id("elsewhere " + record.source_id());
+  v1::ImportPriorsResponse response;
+  ASSERT_TRUE(Import(renamed, response).ok());
+  EXPECT_EQ(response.applied_count(), 450u);
+  EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
+  ASSERT_TRUE(Import(renamed, response).ok());
+  EXPECT_EQ(response.applied_count(), 0u);
+  EXPECT_EQ(response.unchanged_count(), 450u);
+  EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
+}
+
+TEST_F(PosteriorsTest, AnImportWithOneWrongRecordImportsNothingAndNamesIt) {
+  Store(Evidence("a", "harbour"));
+  std::vector<v1::PriorRecord> records = Export();
+  records[0].set_source_id("b");
+  records.push_back(records[0]);
+  records[1].set_beta_increment(-1);
+  v1::ImportPriorsResponse response;
+  const grpc::Status status = Import(records, response);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("record 1"));
+  EXPECT_EQ(Stored().source_count, 1u);
+}
+
+TEST_F(PosteriorsTest, AnImportThatBreaksOffImportsNothing) {
+  Store(Evidence("a", "harbour"));
+  v1::PriorRecord record = Export()[0];
+  record.set_source_id("b");
+  {
+    grpc::ClientContext context;
+    v1::ImportPriorsResponse response;
+    const auto writer = priors_->ImportPriors(&context, &response);
+    v1::ImportPriorsRequest part;
+    *part.add_records() = record;
+    writer->Write(part);
+    context.TryCancel();
+    EXPECT_EQ(writer->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  }
+  server_->Drain(std::chrono::seconds(30));
+  EXPECT_EQ(Stored().source_count, 1u);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

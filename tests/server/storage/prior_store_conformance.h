@@ -1,0 +1,203 @@
+// What every prior store must do. prior_store_test.cc alone includes it and instantiates
+// PriorStoreConformance with a way to open one.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/priors/prior_store.h"
+#include "tests/server/storage/evidence_samples.h"
+
+namespace sweepstake::storage {
+
+using MakeStore = std::function<std::unique_ptr<PriorStore>()>;
+
+class PriorStoreConformance : public ::testing::TestWithParam<std::pair<std::string, MakeStore>> {
+ protected:
+  PriorStoreConformance() : store_(GetParam().second()) {}
+
+  absl::Status Commit(const std::vector<SourceUpdate>& updates) { return store_->Commit(updates); }
+  priors::PriorSums Sums(const std::vector<EvidenceKey>& keys) { return *store_->LoadPriors(keys); }
+  std::vector<PriorRecord> ExportAll() { return *store_->Export({}, std::nullopt, 1000); }
+
+  std::unique_ptr<PriorStore> store_;
+};
+
+TEST_P(PriorStoreConformance, AnEmptyStoreHasNoEvidence) {
+  const priors::PriorSums sums = Sums({Key("Grid"), Key("SAP")});
+  ASSERT_EQ(sums.sums.size(), 2u);
+  EXPECT_EQ(sums.sums[0].evidence, priors::Evidence{});
+  EXPECT_EQ(sums.source_count, 0u);
+  EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
+  EXPECT_TRUE(store_->List({}, std::nullopt, 10)->empty());
+  EXPECT_TRUE(ExportAll().empty());
+}
+
+TEST_P(PriorStoreConformance, EvidenceIsSummedOverSourcesAndKeptApartByKey) {
+  EvidenceKey other_version = Key("Grid");
+  other_version.backend_version = 2;
+  ASSERT_TRUE(
+      Commit({Update("a", 1, {Key("Grid")}), Update("b", 1, {Key("Grid"), Key("SAP")})}).ok());
+  ASSERT_TRUE(Commit({Update("a", 2, {Key("Grid"), other_version})}).ok());
+  const priors::PriorSums sums = Sums({Key("Grid"), Key("SAP"), other_version, Key("DBVT")});
+  EXPECT_EQ(sums.sums[0].evidence, (priors::Evidence{2.25, 0.75, 3, 6}));
+  EXPECT_EQ(sums.sums[0].source_count, 2u);
+  EXPECT_EQ(sums.sums[1].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
+  EXPECT_EQ(sums.sums[2].source_count, 1u);
+  EXPECT_EQ(sums.sums[3].source_count, 0u);
+  EXPECT_EQ(sums.source_count, 2u);
+}
+
+TEST_P(PriorStoreConformance, ACommitThatWasAppliedBeforeIsIgnored) {
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
+  ASSERT_TRUE(Commit({Update("a", 3, {Key("Grid")})}).ok());
+  ASSERT_TRUE(Commit({Update("a", 2, {Key("Grid")}), Update("a", 3, {Key("Grid")})}).ok());
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.window_count, 2u);
+  EXPECT_EQ((*store_->LoadSource("a"))->progress.commit_sequence, 3u);
+}
+
+TEST_P(PriorStoreConformance, AWrongUpdateLeavesNothingOfItsCommit) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double wrong : {-0.5, std::nan(""), infinity, -infinity, 1e15}) {
+    SourceUpdate bad = Update("b", 1, {Key("Grid")});
+    bad.increments[0].evidence.beta = wrong;
+    EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 1, {Key("Grid")}), bad}))) << wrong;
+  }
+  SourceUpdate nameless = Update("", 1, {});
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({nameless})));
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 0, {})})));
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 1, {Key(std::string(129, 'x'))})})));
+  EXPECT_EQ(Sums({Key("Grid")}).source_count, 0u);
+  EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
+}
+
+TEST_P(PriorStoreConformance, ASourceIsLoadedWithItsProgressAndItsOwnEvidence) {
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("SAP")}), Update("b", 1, {Key("Grid")})}).ok());
+  const SourceUpdate last = Update("a", 2, {Key("SAP"), Key("Grid")});
+  ASSERT_TRUE(Commit({last}).ok());
+  const auto source = *store_->LoadSource("a");
+  ASSERT_TRUE(source.has_value());
+  EXPECT_EQ(source->progress, last.progress);
+  EXPECT_THAT(source->evidence,
+              ::testing::ElementsAre(priors::KeyedEvidence{Key("Grid"), {0.75, 0.25, 1, 2}},
+                                     priors::KeyedEvidence{Key("SAP"), {1.5, 0.5, 2, 4}}));
+}
+
+TEST_P(PriorStoreConformance, ProgressWithoutEvidenceIsKept) {
+  ASSERT_TRUE(Commit({Update("a", 1, {})}).ok());
+  ASSERT_TRUE((*store_->LoadSource("a")).has_value());
+  EXPECT_EQ((*store_->LoadSource("a"))->progress.message_sequence, 10u);
+  EXPECT_TRUE(store_->List({}, std::nullopt, 10)->empty());
+}
+
+TEST_P(PriorStoreConformance, ScenesAreListedInPagesAndByFilter) {
+  for (const char* scene : {"c", "a", "d", "b"}) {
+    ASSERT_TRUE(
+        Commit({Update(std::string("source ") + scene, 1, {Key("SAP", scene), Key("Grid", scene)})})
+            .ok());
+  }
+  const auto first = *store_->List({}, std::nullopt, 3);
+  ASSERT_EQ(first.size(), 3u);
+  EXPECT_EQ(first[0].key.scene, "a");
+  EXPECT_EQ(first[2].key.scene, "c");
+  EXPECT_EQ(first[0].source_count, 1u);
+  ASSERT_EQ(first[0].arms.size(), 2u);
+  EXPECT_EQ(first[0].arms[0].name, "Grid");
+  const auto second = *store_->List({}, first[2].key, 3);
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_EQ(second[0].key.scene, "d");
+  EXPECT_EQ(store_->List({"game", "b"}, std::nullopt, 3)->size(), 1u);
+  EXPECT_TRUE(store_->List({"other game", ""}, std::nullopt, 3)->empty());
+}
+
+TEST_P(PriorStoreConformance, AnUnknownSceneIsAbsent) {
+  EXPECT_EQ(store_->LoadScene({"game", "nowhere", "desktop", 1})->has_value(), false);
+}
+
+TEST_P(PriorStoreConformance, NamesAreTextWhateverTheySay) {
+  const std::string scene = "'; DROP TABLE evidence; -- \xc3\xa9\xe2\x82\xac";
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("<script>", scene)})}).ok());
+  const auto loaded = *store_->LoadScene({"game", scene, "desktop", 1});
+  ASSERT_TRUE(loaded.has_value());
+  EXPECT_EQ(loaded->arms[0].name, "<script>");
+}
+
+TEST_P(PriorStoreConformance, RecordsAreExportedInPagesAndByFilter) {
+  ASSERT_TRUE(Commit({Update("b", 1, {Key("Grid"), Key("SAP")}),
+                      Update("a", 1, {Key("Grid", "abbey"), Key("Grid")})})
+                  .ok());
+  const auto all = ExportAll();
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_EQ(all[0].key, Key("Grid", "abbey"));
+  EXPECT_EQ(all[1].source_id, "a");
+  EXPECT_EQ(all[2].source_id, "b");
+  EXPECT_EQ(all[2].source_sequence, 1u);
+  std::vector<PriorRecord> paged;
+  while (true) {
+    const auto page =
+        *store_->Export({}, paged.empty() ? std::nullopt : std::optional(paged.back()), 1);
+    if (page.empty()) break;
+    paged.push_back(page[0]);
+  }
+  EXPECT_EQ(paged, all);
+  EXPECT_EQ(store_->Export({"game", "abbey"}, std::nullopt, 10)->size(), 1u);
+}
+
+TEST_P(PriorStoreConformance, WhatIsExportedCanBeImportedElsewhereOnce) {
+  ASSERT_TRUE(
+      Commit({Update("a", 1, {Key("Grid")}), Update("b", 4, {Key("Grid"), Key("SAP")})}).ok());
+  const std::unique_ptr<PriorStore> other = GetParam().second();
+  const auto first = other->Import(ExportAll());
+  ASSERT_TRUE(first.ok());
+  EXPECT_EQ(first->applied_count, 3u);
+  const auto second = other->Import(ExportAll());
+  EXPECT_EQ(second->applied_count, 0u);
+  EXPECT_EQ(second->unchanged_count, 3u);
+  EXPECT_EQ(*other->Export({}, std::nullopt, 10), ExportAll());
+}
+
+TEST_P(PriorStoreConformance, AnImportReplacesOlderRecordsAndIgnoresOlderOnes) {
+  ASSERT_TRUE(store_->Import(std::vector{Record("a", 5, Key("Grid"), 4)}).ok());
+  EXPECT_EQ(store_->Import(std::vector{Record("a", 4, Key("Grid"), 100)})->unchanged_count, 1u);
+  EXPECT_EQ(store_->Import(std::vector{Record("a", 6, Key("Grid"), 7)})->applied_count, 1u);
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{7, 0.5, 3, 0}));
+}
+
+TEST_P(PriorStoreConformance, AWrongRecordLeavesNothingOfItsImport) {
+  PriorRecord bad = Record("b", 1, Key("Grid"), std::nan(""));
+  const auto result = store_->Import(std::vector{Record("a", 1, Key("Grid"), 1), bad});
+  ASSERT_TRUE(absl::IsInvalidArgument(result.status()));
+  EXPECT_THAT(std::string(result.status().message()), ::testing::HasSubstr("record 1"));
+  EXPECT_TRUE(ExportAll().empty());
+}
+
+TEST_P(PriorStoreConformance, AnImportedSourceIsNoSessionToResume) {
+  ASSERT_TRUE(store_->Import(std::vector{Record("a", 5, Key("Grid"), 4)}).ok());
+  EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
+}
+
+TEST_P(PriorStoreConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysAway) {
+  ASSERT_TRUE(
+      Commit({Update("a", 1, {Key("Grid"), Key("SAP")}), Update("b", 1, {Key("Grid")})}).ok());
+  EXPECT_EQ(*store_->Revoke("a"), 2u);
+  EXPECT_EQ(Sums({Key("Grid"), Key("SAP")}).source_count, 1u);
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{0.75, 0.25, 1, 2}));
+  EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
+  ASSERT_TRUE(Commit({Update("a", 2, {Key("Grid")})}).ok());
+  EXPECT_EQ(store_->Import(std::vector{Record("a", 9, Key("Grid"), 4)})->unchanged_count, 1u);
+  EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
+  EXPECT_EQ(*store_->Revoke("a"), 0u);
+  EXPECT_EQ(*store_->Revoke("never seen"), 0u);
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,60 @@
+// Every store passes the conformance suite.
+#include <cstdlib>
+
+#include "server/storage/memory_prior_store.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "tests/server/storage/prior_store_conformance.h"
+#include "tests/server/storage/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+// Keeps its directory as long as the store.
+class TemporarySqliteStore final : public PriorStore {
+ public:
+  absl::Status Commit(std::span<const SourceUpdate> updates) override {
+    return store_->Commit(updates);
+  }
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
+    return store_->LoadPriors(keys);
+  }
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
+      const std::string& source_id) override {
+    return store_->LoadSource(source_id);
+  }
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(const priors::SceneFilter& filter,
+                                                          const std::optional<SceneKey>& after,
+                                                          uint32_t limit) override {
+    return store_->List(filter, after, limit);
+  }
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(const SceneKey& key) override {
+    return store_->LoadScene(key);
+  }
+  absl::StatusOr<std::vector<PriorRecord>> Export(const priors::SceneFilter& filter,
+                                                  const std::optional<PriorRecord>& after,
+                                                  uint32_t limit) override {
+    return store_->Export(filter, after, limit);
+  }
+  absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override {
+    return store_->Import(records);
+  }
+  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
+    return store_->Revoke(source_id);
+  }
+
+ private:
+  TemporaryDirectory directory_;
+  std::unique_ptr<PriorStore> store_ = *OpenSqlitePriorStore(directory_.path() / "priors.db");
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Stores, PriorStoreConformance,
+    ::testing::Values(
+        std::pair<std::string, MakeStore>("Memory",
+                                          [] { return std::make_unique<MemoryPriorStore>(); }),
+        std::pair<std::string, MakeStore>("Sqlite",
+                                          [] { return std::make_unique<TemporarySqliteStore>(); })),
+    [](const auto& instance) { return instance.param.first; });
+
+}  // namespace
+}  // namespace sweepstake::storage

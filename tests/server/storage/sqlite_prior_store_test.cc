@@ -1,0 +1,161 @@
+// What is special about the store on SQLite: the file.
+#include "server/storage/sqlite_prior_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "server/storage/data_directory.h"
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_schema.h"
+#include "tests/server/storage/evidence_samples.h"
+#include "tests/server/storage/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SqlitePriorStoreTest : public ::testing::Test {
+ protected:
+  std::string OpenError() { return std::string(OpenSqlitePriorStore(path_).status().message()); }
+  void Execute(const std::string& sql) {
+    auto database = SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kCreate);
+    ASSERT_TRUE(database.ok());
+    ASSERT_TRUE(database->Execute(sql).ok());
+  }
+  int64_t QueryInteger(const std::string& sql) {
+    return *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting)
+                ->QueryInteger(sql);
+  }
+
+  TemporaryDirectory directory_;
+  std::filesystem::path path_ = directory_.path() / "priors.db";
+};
+
+TEST_F(SqlitePriorStoreTest, EvidenceIsThereAfterReopening) {
+  {
+    auto store = *OpenSqlitePriorStore(path_);
+    ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  }
+  auto store = *OpenSqlitePriorStore(path_);
+  ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 1u);
+}
+
+TEST_F(SqlitePriorStoreTest, ANewFileIsMarkedAsOurs) {
+  ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
+  EXPECT_EQ(QueryInteger("PRAGMA application_id"), kSqliteApplicationId);
+  EXPECT_EQ(QueryInteger("PRAGMA user_version"), SqliteSchemaVersion());
+}
+
+TEST_F(SqlitePriorStoreTest, AnEmptyFileIsNeitherAdoptedNorChanged) {
+  std::ofstream(path_).close();
+  EXPECT_TRUE(absl::IsDataLoss(OpenSqlitePriorStore(path_).status()));
+  EXPECT_THAT(OpenError(), HasSubstr("exists but is empty"));
+  EXPECT_EQ(std::filesystem::file_size(path_), 0u);
+}
+
+TEST_F(SqlitePriorStoreTest, AFileThatIsNoDatabaseIsRefused) {
+  std::ofstream(path_) << std::string(5000, 'x');
+  EXPECT_THAT(OpenError(), HasSubstr("is not a Sweepstake database"));
+  EXPECT_EQ(std::filesystem::file_size(path_), 5000u);
+}
+
+TEST_F(SqlitePriorStoreTest, AnotherProgramsDatabaseIsRefused) {
+  Execute("CREATE TABLE evidence (x)");
+  EXPECT_THAT(OpenError(), HasSubstr("is not a Sweepstake database"));
+}
+
+TEST_F(SqlitePriorStoreTest, AFileOfANewerDaemonIsRefused) {
+  ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
+  Execute("PRAGMA user_version = 1000");
+  EXPECT_TRUE(absl::IsFailedPrecondition(OpenSqlitePriorStore(path_).status()));
+  EXPECT_THAT(OpenError(), HasSubstr("newer daemon (schema 1000"));
+}
+
+TEST_F(SqlitePriorStoreTest, ALogWithoutItsFileIsRefused) {
+  std::ofstream(path_.string() + "-wal") << "something";
+  EXPECT_THAT(OpenError(), HasSubstr("is missing but its log"));
+  EXPECT_FALSE(std::filesystem::exists(path_));
+}
+
+TEST_F(SqlitePriorStoreTest, WhatIsLeftOfAnUnfinishedCreationIsReplaced) {
+  std::ofstream(path_.string() + ".new") << "half a file";
+  EXPECT_TRUE(OpenSqlitePriorStore(path_).ok());
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + ".new"));
+}
+
+TEST_F(SqlitePriorStoreTest, ADamagedFileIsRefused) {
+  {
+    auto store = *OpenSqlitePriorStore(path_);
+    ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  }
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(4096);
+  file << std::string(4096, '\x5a');
+  file.close();
+  EXPECT_TRUE(absl::IsDataLoss(OpenSqlitePriorStore(path_).status())) << OpenError();
+}
+
+TEST_F(SqlitePriorStoreTest, AMissingDirectoryIsNamed) {
+  path_ = directory_.path() / "nowhere" / "priors.db";
+  EXPECT_TRUE(absl::IsUnavailable(OpenSqlitePriorStore(path_).status()));
+  EXPECT_THAT(OpenError(), HasSubstr("nowhere"));
+}
+
+TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
+  ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
+  auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
+  ASSERT_TRUE(database
+                  .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0);"
+                           "INSERT INTO evidence_key VALUES (1, 'p', 's', '', 'Grid', 1, '', 1);")
+                  .ok());
+  for (const char* wrong : {"-1", "9e999", "1e15", "NULL", "'text'"}) {
+    const std::string sql =
+        std::string("INSERT INTO evidence VALUES (1, 1, 1, ") + wrong + ", 1, 1, 0)";
+    EXPECT_TRUE(absl::IsInvalidArgument(database.Execute(sql))) << wrong;
+  }
+}
+
+TEST_F(SqlitePriorStoreTest, ACommitThatFailsHalfwayLeavesNothing) {
+  auto store = *OpenSqlitePriorStore(path_);
+  // The second table is gone: the first statement of the commit still works.
+  Execute("DROP TABLE evidence");
+  EXPECT_FALSE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM source"), 0);
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM evidence_key"), 0);
+}
+
+TEST_F(SqlitePriorStoreTest, ADatabaseThatSomebodyElseWritesIsReportedAsUnavailable) {
+  auto store = *OpenSqlitePriorStore(path_);
+  auto other = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
+  ASSERT_TRUE(other.Execute("BEGIN IMMEDIATE").ok());
+  EXPECT_TRUE(absl::IsUnavailable(store->Commit(std::vector{Update("a", 1, {Key("Grid")})})));
+  ASSERT_TRUE(other.Execute("ROLLBACK").ok());
+  EXPECT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+}
+
+TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
+  const TemporaryDirectory temporary;
+  const auto path = temporary.path() / "data";
+  {
+    auto first = DataDirectory::Open(path);
+    ASSERT_TRUE(first.ok()) << first.status();
+    EXPECT_EQ(first->database(), path / "priors.db");
+    const absl::Status second = DataDirectory::Open(path).status();
+    EXPECT_TRUE(absl::IsUnavailable(second));
+    EXPECT_THAT(std::string(second.message()), HasSubstr("another daemon"));
+  }
+  EXPECT_TRUE(DataDirectory::Open(path).ok());
+}
+
+TEST(DataDirectoryTest, AFileInItsPlaceIsAnError) {
+  const TemporaryDirectory temporary;
+  std::ofstream(temporary.path() / "data") << "x";
+  EXPECT_TRUE(absl::IsUnavailable(DataDirectory::Open(temporary.path() / "data").status()));
+}
+
+}  // namespace
+}  // namespace sweepstake::storage

@@ -1,0 +1,162 @@
+// Group commits: who is told what, and when.
+#include "server/storage/store_thread.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "server/storage/memory_prior_store.h"
+#include "tests/server/storage/evidence_samples.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Counts commits, and fails those the test wants to fail. On the store's thread, or before it
+// starts.
+class CountingStore final : public priors::PriorStore {
+ public:
+  explicit CountingStore(std::vector<size_t>& group_sizes, bool& failing)
+      : group_sizes_(group_sizes), failing_(failing) {}
+
+  absl::Status Commit(std::span<const SourceUpdate> updates) override {
+    if (failing_) return absl::UnavailableError("the disk is full");
+    group_sizes_.push_back(updates.size());
+    return memory_.Commit(updates);
+  }
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
+    return memory_.LoadPriors(keys);
+  }
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
+      const std::string& source_id) override {
+    return memory_.LoadSource(source_id);
+  }
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(const priors::SceneFilter& filter,
+                                                          const std::optional<SceneKey>& after,
+                                                          uint32_t limit) override {
+    return memory_.List(filter, after, limit);
+  }
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(const SceneKey& key) override {
+    return memory_.LoadScene(key);
+  }
+  absl::StatusOr<std::vector<PriorRecord>> Export(const priors::SceneFilter& filter,
+                                                  const std::optional<PriorRecord>& after,
+                                                  uint32_t limit) override {
+    return memory_.Export(filter, after, limit);
+  }
+  absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override {
+    return memory_.Import(records);
+  }
+  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
+    return memory_.Revoke(source_id);
+  }
+
+ private:
+  std::vector<size_t>& group_sizes_;
+  bool& failing_;
+  MemoryPriorStore memory_;
+};
+
+class StoreThreadTest : public ::testing::Test {
+ protected:
+  void Start(StoreThreadOptions options) {
+    thread_ = std::make_unique<StoreThread>(std::make_unique<CountingStore>(group_sizes_, failing_),
+                                            options);
+  }
+  // Keeps the thread busy until the returned promise is set.
+  std::shared_ptr<std::promise<void>> Occupy() {
+    auto release = std::make_shared<std::promise<void>>();
+    auto started = std::make_shared<std::promise<void>>();
+    thread_->Submit([release, started](PriorStore&) {
+      started->set_value();
+      release->get_future().wait();
+    });
+    started->get_future().wait();
+    return release;
+  }
+  std::future<absl::Status> Commit(const SourceUpdate& update) {
+    auto promise = std::make_shared<std::promise<absl::Status>>();
+    thread_->Commit(update, [promise](const absl::Status& status) { promise->set_value(status); });
+    return promise->get_future();
+  }
+
+  std::vector<size_t> group_sizes_;
+  bool failing_ = false;
+  std::unique_ptr<StoreThread> thread_;
+};
+
+TEST_F(StoreThreadTest, UpdatesThatComeTogetherShareACommit) {
+  Start({.group_interval = milliseconds(0)});
+  const auto release = Occupy();
+  auto a = Commit(Update("a", 1, {Key("Grid")}));
+  auto b = Commit(Update("b", 1, {Key("Grid")}));
+  release->set_value();
+  EXPECT_TRUE(a.get().ok());
+  EXPECT_TRUE(b.get().ok());
+  thread_->Close();
+  EXPECT_THAT(group_sizes_, ::testing::ElementsAre(2));
+}
+
+TEST_F(StoreThreadTest, AFullGroupDoesNotWaitForItsInterval) {
+  Start({.group_interval = std::chrono::hours(1), .group_rows = 2});
+  EXPECT_TRUE(Commit(Update("a", 1, {Key("Grid")})).get().ok());
+}
+
+TEST_F(StoreThreadTest, AJobSeesTheCommitsOfferedBeforeIt) {
+  Start({.group_interval = std::chrono::hours(1)});
+  Commit(Update("a", 1, {Key("Grid")}));
+  std::promise<uint64_t> seen;
+  thread_->Submit([&](PriorStore& store) {
+    seen.set_value(store.LoadPriors(std::vector{Key("Grid")})->source_count);
+  });
+  EXPECT_EQ(seen.get_future().get(), 1u);
+}
+
+TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {
+  Start({.group_interval = milliseconds(0)});
+  const auto release = Occupy();
+  auto good = Commit(Update("a", 1, {Key("Grid")}));
+  auto wrong = Commit(Update("b", 0, {Key("Grid")}));
+  release->set_value();
+  EXPECT_TRUE(good.get().ok());
+  EXPECT_TRUE(absl::IsInvalidArgument(wrong.get()));
+  EXPECT_TRUE(thread_->healthy());
+}
+
+TEST_F(StoreThreadTest, AFullDiskIsUnhealthyUntilACommitSucceeds) {
+  failing_ = true;
+  Start({.group_interval = milliseconds(0)});
+  EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
+  EXPECT_FALSE(thread_->healthy());
+  std::promise<void> mended;
+  thread_->Submit([&](PriorStore&) {
+    failing_ = false;
+    mended.set_value();
+  });
+  mended.get_future().wait();
+  EXPECT_TRUE(Commit(Update("a", 1, {})).get().ok());
+  EXPECT_TRUE(thread_->healthy());
+}
+
+TEST_F(StoreThreadTest, AFullQueueRefusesAtOnce) {
+  Start({.group_interval = milliseconds(0), .max_queued = 1});
+  const auto release = Occupy();
+  auto queued = Commit(Update("a", 1, {}));
+  EXPECT_TRUE(absl::IsResourceExhausted(Commit(Update("b", 1, {})).get()));
+  EXPECT_FALSE(thread_->Submit([](PriorStore&) {}));
+  release->set_value();
+  EXPECT_TRUE(queued.get().ok());
+}
+
+TEST_F(StoreThreadTest, ClosingCommitsWhatIsQueuedAndRefusesTheRest) {
+  Start({.group_interval = std::chrono::hours(1)});
+  auto queued = Commit(Update("a", 1, {}));
+  thread_->Close();
+  EXPECT_TRUE(queued.get().ok());
+  EXPECT_TRUE(absl::IsResourceExhausted(Commit(Update("b", 1, {})).get()));
+}
+
+}  // namespace
+}  // namespace sweepstake::storage
