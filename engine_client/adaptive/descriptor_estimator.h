@@ -29,7 +29,7 @@ namespace sweepstake {
 
 class DescriptorEstimator {
  public:
-  static constexpr uint32_t kObjectsPerStep = 4;
+  static constexpr uint32_t kObjectsPerStep = 2;
   static constexpr uint32_t kSampleCount = 256;
   static constexpr uint32_t kPeriodFrames = 2 * kSampleCount / kObjectsPerStep;
 

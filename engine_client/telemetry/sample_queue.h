@@ -28,7 +28,7 @@ using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, Mod
 
 class SampleQueue final : public FrameSink {
  public:
-  // Notes kept. A scene makes one descriptor per 128 frames and a switch per many, so that they
+  // Notes kept. A scene makes one descriptor per 256 frames and a switch per many, so that they
   // outlast the frames.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kFrameCapacityMax = 1 << 20;

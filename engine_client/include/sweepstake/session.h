@@ -55,12 +55,15 @@ struct SessionOptions {
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses
 
-  uint32_t queue_frames = 4096;      // power of two
-  uint32_t batch_interval_ms = 250;  // whichever comes first of these three
-  uint32_t batch_frames = 30;
-  uint32_t batch_bytes = 16 * 1024;
-  uint32_t unacknowledged_messages = 64;  // then sending pauses, and the queue drops its oldest
-  uint32_t backoff_min_ms = 100;          // doubles up to the maximum, full jitter
+  uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
+  // A batch goes out after whichever of these three comes first. The daemon's welcome replaces the
+  // interval and may lower the others.
+  uint32_t batch_interval_ms = 250;  // 1–10,000
+  uint32_t batch_frames = 30;        // 1–240
+  uint32_t batch_bytes = 16 * 1024;  // 512–262,144
+  // 1–4096; then sending pauses, and the queue drops its oldest.
+  uint32_t unacknowledged_messages = 64;
+  uint32_t backoff_min_ms = 100;  // doubles up to the maximum, full jitter
   uint32_t backoff_max_ms = 10'000;
 };
 

@@ -261,7 +261,7 @@ TEST_F(AdaptiveBroadPhaseTest, GivesASampleWithoutDetectionForAFrameWithoutSearc
 }
 
 TEST_F(AdaptiveBroadPhaseTest, DescribesTheSceneFromTimeToTime) {
-  for (int i = 0; i < 300; ++i) Frame();
+  for (int i = 0; i < 600; ++i) Frame();
   ASSERT_EQ(sink_.descriptors.size(), 2U);
   EXPECT_EQ(sink_.descriptors[0].object_count, 4);
 }
