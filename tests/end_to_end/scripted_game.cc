@@ -8,7 +8,7 @@
 #include "sweepstake/scene.h"
 #include "tests/support/wait_counter.h"
 
-namespace sweepstake::testing {
+namespace sweepstake::test_support {
 namespace {
 
 // Frames run between two looks at the session.
@@ -62,8 +62,7 @@ void ScriptedGame::RunFrame() {
   clock_->SetStep(static_cast<uint64_t>(cost_ms * 1e6));
   adaptive_->FindPairs(boxes_);
   ++frames_per_arm_[adaptive_->active_arm()];
-  adaptive_->EndFrame(
-      {.frame_time_ns = static_cast<uint64_t>((cost_ms + kRestOfFrameMs) * 1e6)});
+  adaptive_->EndFrame({.frame_time_ns = static_cast<uint64_t>((cost_ms + kRestOfFrameMs) * 1e6)});
   wait_count_ += waits.count();
   ++frame_count_;
 }
@@ -96,4 +95,4 @@ double LearntEvidence(const SessionStats& stats) {
   return evidence;
 }
 
-}  // namespace sweepstake::testing
+}  // namespace sweepstake::test_support

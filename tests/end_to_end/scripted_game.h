@@ -1,7 +1,8 @@
 // A game whose arms cost what a script says, connected to a real daemon.
 //
-// The backends, the frame path, the session and the stream are real; only the time a frame takes is scripted: the clock
-// moves by the active arm's cost, so that which arm is best does not depend on the machine.
+// The backends, the frame path, the session and the stream are real; only the time a frame takes is
+// scripted: the clock moves by the active arm's cost, so that which arm is best does not depend on
+// the machine.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/session.h"
 
-namespace sweepstake::testing {
+namespace sweepstake::test_support {
 
 // Arms in the order of AdaptiveBroadPhase::arms(), detection per frame.
 using ArmCostsMs = std::vector<double>;
@@ -23,9 +24,11 @@ class ScriptedGame {
   ScriptedGame(const std::string& address, SessionOptions options, ArmCostsMs costs_ms);
   ~ScriptedGame();
 
-  // Runs frames until `done` says so or `frame_limit` frames have run; true when `done` did. Waits for the sender between
-  // frames, never inside one, so that the queue drops nothing while the daemon is there.
-  bool RunUntil(const std::function<bool(const SessionStats&)>& done, uint64_t frame_limit = 5'000'000);
+  // Runs frames until `done` says so or `frame_limit` frames have run; true when `done` did. Waits
+  // for the sender between frames, never inside one, so that the queue drops nothing while the
+  // daemon is there.
+  bool RunUntil(const std::function<bool(const SessionStats&)>& done,
+                uint64_t frame_limit = 5'000'000);
   // Runs `count` frames without looking at the session at all.
   void RunFrames(uint64_t count);
   void Stop();
@@ -52,7 +55,7 @@ class ScriptedGame {
   uint64_t wait_count_ = 0;
 };
 
-// Evidence learnt in this session: the sum of α + β − 2 over arms.
+// Evidence in the latest snapshot, priors from the store included: the sum of α + β − 2 over arms.
 double LearntEvidence(const SessionStats& stats);
 
-}  // namespace sweepstake::testing
+}  // namespace sweepstake::test_support

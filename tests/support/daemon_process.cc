@@ -14,7 +14,7 @@
 
 extern char** environ;
 
-namespace sweepstake::testing {
+namespace sweepstake::test_support {
 namespace {
 
 std::string ReadFile(const std::filesystem::path& path) {
@@ -101,4 +101,4 @@ int DaemonProcess::Terminate() {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-}  // namespace sweepstake::testing
+}  // namespace sweepstake::test_support

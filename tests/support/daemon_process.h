@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace sweepstake::testing {
+namespace sweepstake::test_support {
 
 // A directory that goes away with the object.
 class TemporaryDirectory {
@@ -45,4 +45,4 @@ class DaemonProcess {
   std::string address_;
 };
 
-}  // namespace sweepstake::testing
+}  // namespace sweepstake::test_support

@@ -1,0 +1,107 @@
+// What a game and its evidence go through when the daemon is absent, killed or told to stop.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/end_to_end/scripted_game.h"
+#include "tests/end_to_end/store_reader.h"
+#include "tests/support/daemon_process.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+using ::testing::Ge;
+using ::testing::Gt;
+using ::testing::HasSubstr;
+
+const ArmCostsMs kCosts = {40, 25, 2, 30, 20, 35, 8};
+
+SessionOptions FastOptions() {
+  SessionOptions options;
+  options.project = "end-to-end";
+  options.scene = "scripted";
+  options.seed = 7;
+  options.time_scale = 200;
+  options.backoff_min_ms = 5;
+  options.backoff_max_ms = 50;
+  return options;
+}
+
+// α + β counts one per window and ten per bail-out: an increment applied twice would show.
+void ExpectConsistent(const decision::SourceState& source) {
+  const decision::Evidence total = TotalEvidence(source);
+  EXPECT_NEAR(total.alpha + total.beta,
+              static_cast<double>(total.window_count + 10 * total.bail_out_count), 1e-6);
+  EXPECT_LE(total.window_count, source.progress.decision_count);
+}
+
+TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
+  const TemporaryDirectory data;
+  auto daemon = std::make_unique<DaemonProcess>(data.path());
+  const std::string address = daemon->address();
+  ScriptedGame game(address, FastOptions(), kCosts);
+
+  decision::SourceProgress before;
+  for (uint64_t kills = 0; kills < 5; ++kills) {
+    const uint64_t acknowledged = game.stats().acknowledged_sequence;
+    ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
+      return stats.connection_count == kills + 1 &&
+             stats.acknowledged_sequence >= acknowledged + 40;
+    })) << game.stats().last_error;
+    const SessionStats at_kill = game.stats();
+    daemon->Kill();
+    const decision::SourceState source = ReadSource(data.path(), at_kill.session_id);
+    EXPECT_THAT(source.progress.message_sequence, Ge(at_kill.acknowledged_sequence));
+    EXPECT_THAT(source.progress.commit_sequence, Gt(before.commit_sequence));
+    ExpectConsistent(source);
+    before = source.progress;
+    game.RunFrames(2'000);  // Nobody is there; the frames go on.
+    daemon = std::make_unique<DaemonProcess>(data.path(), address);
+  }
+
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.connection_count == 6; }));
+  game.Stop();
+  const SessionStats stats = game.stats();
+  EXPECT_EQ(stats.resumed_count, 5U);
+  EXPECT_THAT(stats.resent_message_count, Gt(0U));
+  EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence) << "goodbye waits for the disk";
+  EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
+  EXPECT_EQ(daemon->Terminate(), 0);
+
+  const decision::SourceState source = ReadSource(data.path(), stats.session_id);
+  EXPECT_EQ(source.progress.message_sequence, stats.sent_sequence);
+  ExpectConsistent(source);
+}
+
+TEST(RestartTest, ADaemonThatComesLateIsFound) {
+  const TemporaryDirectory data;
+  std::string address;
+  {
+    const DaemonProcess first(data.path());  // Only to learn a free port.
+    address = first.address();
+  }
+  ScriptedGame game(address, FastOptions(), kCosts);
+  game.RunFrames(20'000);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.last_error.empty(); }));
+  EXPECT_THAT(game.stats().last_error, HasSubstr(address));
+  const DaemonProcess daemon(data.path(), address);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 5; }));
+  EXPECT_EQ(game.wait_count(), 0U);
+}
+
+TEST(RestartTest, ADrainedDaemonEndsCleanlyAndTheSessionGoesOnWithTheNext) {
+  const TemporaryDirectory data;
+  auto daemon = std::make_unique<DaemonProcess>(data.path());
+  const std::string address = daemon->address();
+  ScriptedGame game(address, FastOptions(), kCosts);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 10; }));
+  EXPECT_EQ(daemon->Terminate(), 0);
+  daemon = std::make_unique<DaemonProcess>(data.path(), address);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.resumed_count == 1; }))
+      << game.stats().last_error;
+  game.Stop();
+  EXPECT_EQ(daemon->Terminate(), 0);
+  ExpectConsistent(ReadSource(data.path(), game.stats().session_id));
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support

@@ -1,0 +1,18 @@
+// What a daemon that is not running has left on disk.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "server/decision/prior_store.h"
+
+namespace sweepstake::test_support {
+
+// State of one source in the store under the daemon's data directory; fails the test when it cannot
+// be read or is not there.
+decision::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id);
+
+// Evidence of a source, summed over arms.
+decision::Evidence TotalEvidence(const decision::SourceState& source);
+
+}  // namespace sweepstake::test_support
