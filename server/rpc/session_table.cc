@@ -40,7 +40,7 @@ void SessionTable::Detach(GameSession& session, SessionLink& link) {
   const auto count = active_counts_.find(session.identity().scene);
   if (--count->second == 0) active_counts_.erase(count);
   session.Detach(link);
-  if (session.ended()) {
+  if (session.ended() && session.settled()) {
     Remove(std::string(found->first));
   } else {
     Lose(found->second);

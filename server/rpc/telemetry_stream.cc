@@ -137,6 +137,8 @@ absl::Status TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool r
 }
 
 void TelemetryStream::OnHalfClose() {
+  // After a goodbye the session closes the stream itself, once everything is on disk.
+  if (session_ && session_->ended()) return;
   LeaveSession();
   if (!end_) Close(absl::OkStatus());
 }

@@ -27,8 +27,8 @@ SessionOptions FastOptions() {
 }
 
 // α + β counts one per window and ten per bail-out: an increment applied twice would show.
-void ExpectConsistent(const decision::SourceState& source) {
-  const decision::Evidence total = TotalEvidence(source);
+void ExpectConsistent(const priors::SourceState& source) {
+  const priors::Evidence total = TotalEvidence(source);
   EXPECT_NEAR(total.alpha + total.beta,
               static_cast<double>(total.window_count + 10 * total.bail_out_count), 1e-6);
   EXPECT_LE(total.window_count, source.progress.decision_count);
@@ -40,7 +40,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   const std::string address = daemon->address();
   ScriptedGame game(address, FastOptions(), kCosts);
 
-  decision::SourceProgress before;
+  priors::SourceProgress before;
   for (uint64_t kills = 0; kills < 5; ++kills) {
     const uint64_t acknowledged = game.stats().acknowledged_sequence;
     ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
@@ -49,7 +49,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
     })) << game.stats().last_error;
     const SessionStats at_kill = game.stats();
     daemon->Kill();
-    const decision::SourceState source = ReadSource(data.path(), at_kill.session_id);
+    const priors::SourceState source = ReadSource(data.path(), at_kill.session_id);
     EXPECT_THAT(source.progress.message_sequence, Ge(at_kill.acknowledged_sequence));
     EXPECT_THAT(source.progress.commit_sequence, Gt(before.commit_sequence));
     ExpectConsistent(source);
@@ -63,11 +63,11 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   const SessionStats stats = game.stats();
   EXPECT_EQ(stats.resumed_count, 5U);
   EXPECT_THAT(stats.resent_message_count, Gt(0U));
-  EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence) << "goodbye waits for the disk";
+  EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence) << "goodbye waits for the disk: " << stats.last_error;
   EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
   EXPECT_EQ(daemon->Terminate(), 0);
 
-  const decision::SourceState source = ReadSource(data.path(), stats.session_id);
+  const priors::SourceState source = ReadSource(data.path(), stats.session_id);
   EXPECT_EQ(source.progress.message_sequence, stats.sent_sequence);
   ExpectConsistent(source);
 }

@@ -15,7 +15,7 @@ namespace {
 
 }  // namespace
 
-decision::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id) {
+priors::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id) {
   auto store = storage::OpenSqlitePriorStore(data / "priors.db");
   if (!store.ok()) Die(store.status().ToString());
   auto source = (*store)->LoadSource(source_id);
@@ -24,9 +24,9 @@ decision::SourceState ReadSource(const std::filesystem::path& data, const std::s
   return **source;
 }
 
-decision::Evidence TotalEvidence(const decision::SourceState& source) {
-  decision::Evidence total;
-  for (const decision::KeyedEvidence& entry : source.evidence) total += entry.evidence;
+priors::Evidence TotalEvidence(const priors::SourceState& source) {
+  priors::Evidence total;
+  for (const priors::KeyedEvidence& entry : source.evidence) total += entry.evidence;
   return total;
 }
 

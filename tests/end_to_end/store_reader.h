@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <string>
 
-#include "server/decision/prior_store.h"
+#include "server/priors/prior_store.h"
 
 namespace sweepstake::test_support {
 
 // State of one source in the store under the daemon's data directory; fails the test when it cannot
 // be read or is not there.
-decision::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id);
+priors::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id);
 
 // Evidence of a source, summed over arms.
-decision::Evidence TotalEvidence(const decision::SourceState& source);
+priors::Evidence TotalEvidence(const priors::SourceState& source);
 
 }  // namespace sweepstake::test_support
