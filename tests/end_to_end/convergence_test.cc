@@ -14,19 +14,6 @@ namespace {
 using ::testing::Gt;
 using ::testing::Lt;
 
-// BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy, KDTree: SAP is the best, KDTree the next.
-const ArmCostsMs kCosts = {40, 25, 2, 30, 20, 35, 8};
-constexpr uint32_t kBest = 2;
-
-SessionOptions FastOptions() {
-  SessionOptions options;
-  options.project = "end-to-end";
-  options.scene = "scripted";
-  options.seed = 7;
-  options.time_scale = 200;  // a decision every 10 ms, a cooldown of 200 ms
-  return options;
-}
-
 uint32_t HighestMean(const SessionStats& stats) {
   const auto mean = [](const ArmBelief& belief) {
     return belief.alpha / (belief.alpha + belief.beta);
@@ -40,7 +27,7 @@ uint32_t HighestMean(const SessionStats& stats) {
 TEST(ConvergenceTest, LearnsTheBestArmAndRunsItMost) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
-  ScriptedGame game(daemon.address(), FastOptions(), kCosts);
+  ScriptedGame game(daemon.address(), FastOptions());
 
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 150; }))
       << game.stats().last_error;
@@ -49,13 +36,13 @@ TEST(ConvergenceTest, LearnsTheBestArmAndRunsItMost) {
       game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 450; }));
 
   const SessionStats stats = game.stats();
-  EXPECT_EQ(HighestMean(stats), kBest);
+  EXPECT_EQ(HighestMean(stats), kScriptedBest);
   std::vector<double> evidence;
   for (const ArmBelief& belief : stats.beliefs) evidence.push_back(belief.alpha + belief.beta);
-  EXPECT_EQ(std::max_element(evidence.begin(), evidence.end()) - evidence.begin(), kBest);
+  EXPECT_EQ(std::max_element(evidence.begin(), evidence.end()) - evidence.begin(), kScriptedBest);
   std::vector<uint64_t> later = game.frames_per_arm();
   for (size_t arm = 0; arm < later.size(); ++arm) later[arm] -= halfway[arm];
-  EXPECT_EQ(std::max_element(later.begin(), later.end()) - later.begin(), kBest);
+  EXPECT_EQ(std::max_element(later.begin(), later.end()) - later.begin(), kScriptedBest);
   EXPECT_THAT(stats.command_count, Gt(6U)) << "the exploration commands every other arm once";
   EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
   game.Stop();
@@ -67,32 +54,32 @@ TEST(ConvergenceTest, TheSecondRunStartsFromThePriorsOfTheFirst) {
   const auto enough = [](const SessionStats& stats) { return LearntEvidence(stats) >= 60; };
   {
     DaemonProcess daemon(data.path());
-    ScriptedGame game(daemon.address(), FastOptions(), kCosts);
+    ScriptedGame game(daemon.address(), FastOptions());
     ASSERT_TRUE(game.RunUntil(enough)) << game.stats().last_error;
     EXPECT_EQ(game.stats().prior_source_count, 0U);
     game.Stop();
     EXPECT_EQ(daemon.Terminate(), 0);
   }
   DaemonProcess daemon(data.path());
-  ScriptedGame game(daemon.address(), FastOptions(), kCosts);
+  ScriptedGame game(daemon.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.beliefs.empty(); }));
   EXPECT_EQ(game.stats().prior_source_count, 1U);
   EXPECT_THAT(LearntEvidence(game.stats()), Gt(50));
-  EXPECT_EQ(HighestMean(game.stats()), kBest);
+  EXPECT_EQ(HighestMean(game.stats()), kScriptedBest);
 }
 
 TEST(ConvergenceTest, IgnoringPriorsStartsFlat) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());
   {
-    ScriptedGame game(daemon.address(), FastOptions(), kCosts);
+    ScriptedGame game(daemon.address(), FastOptions());
     ASSERT_TRUE(
         game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 30; }));
     game.Stop();
   }
   SessionOptions options = FastOptions();
   options.ignore_priors = true;
-  ScriptedGame game(daemon.address(), options, kCosts);
+  ScriptedGame game(daemon.address(), options);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.beliefs.empty(); }));
   EXPECT_EQ(game.stats().prior_source_count, 0U);
   EXPECT_THAT(LearntEvidence(game.stats()), Lt(20));

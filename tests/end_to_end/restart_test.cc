@@ -13,19 +13,6 @@ using ::testing::Ge;
 using ::testing::Gt;
 using ::testing::HasSubstr;
 
-const ArmCostsMs kCosts = {40, 25, 2, 30, 20, 35, 8};
-
-SessionOptions FastOptions() {
-  SessionOptions options;
-  options.project = "end-to-end";
-  options.scene = "scripted";
-  options.seed = 7;
-  options.time_scale = 200;
-  options.backoff_min_ms = 5;
-  options.backoff_max_ms = 50;
-  return options;
-}
-
 // α + β counts one per window and ten per bail-out: an increment applied twice would show.
 void ExpectConsistent(const priors::SourceState& source) {
   const priors::Evidence total = TotalEvidence(source);
@@ -38,7 +25,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());
   const std::string address = daemon->address();
-  ScriptedGame game(address, FastOptions(), kCosts);
+  ScriptedGame game(address, FastOptions());
 
   priors::SourceProgress before;
   for (uint64_t kills = 0; kills < 5; ++kills) {
@@ -47,6 +34,10 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
       return stats.connection_count == kills + 1 &&
              stats.acknowledged_sequence >= acknowledged + 40;
     })) << game.stats().last_error;
+    daemon->Pause();  // So that something is under way when it dies.
+    ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) {
+      return stats.sent_sequence >= stats.acknowledged_sequence + 5;
+    }));
     const SessionStats at_kill = game.stats();
     daemon->Kill();
     const priors::SourceState source = ReadSource(data.path(), at_kill.session_id);
@@ -63,13 +54,28 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   const SessionStats stats = game.stats();
   EXPECT_EQ(stats.resumed_count, 5U);
   EXPECT_THAT(stats.resent_message_count, Gt(0U));
-  EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence) << "goodbye waits for the disk: " << stats.last_error;
+  EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence)
+      << "goodbye waits for the disk: " << stats.last_error;
   EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
   EXPECT_EQ(daemon->Terminate(), 0);
 
   const priors::SourceState source = ReadSource(data.path(), stats.session_id);
   EXPECT_EQ(source.progress.message_sequence, stats.sent_sequence);
   ExpectConsistent(source);
+}
+
+TEST(RestartTest, ADaemonThatHangsCostsSamplesAndNoFrame) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  SessionOptions options = FastOptions();
+  options.queue_frames = 1024;
+  ScriptedGame game(daemon.address(), options);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 10; }));
+  daemon.Pause();
+  game.RunFrames(100'000);
+  EXPECT_THAT(game.stats().dropped_frame_count, Gt(0U)) << "a full queue drops its oldest";
+  EXPECT_EQ(game.wait_count(), 0U) << "the frame thread must never wait";
+  game.Stop(100);
 }
 
 TEST(RestartTest, ADaemonThatComesLateIsFound) {
@@ -79,7 +85,7 @@ TEST(RestartTest, ADaemonThatComesLateIsFound) {
     const DaemonProcess first(data.path());  // Only to learn a free port.
     address = first.address();
   }
-  ScriptedGame game(address, FastOptions(), kCosts);
+  ScriptedGame game(address, FastOptions());
   game.RunFrames(20'000);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.last_error.empty(); }));
   EXPECT_THAT(game.stats().last_error, HasSubstr(address));
@@ -92,7 +98,7 @@ TEST(RestartTest, ADrainedDaemonEndsCleanlyAndTheSessionGoesOnWithTheNext) {
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());
   const std::string address = daemon->address();
-  ScriptedGame game(address, FastOptions(), kCosts);
+  ScriptedGame game(address, FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 10; }));
   EXPECT_EQ(daemon->Terminate(), 0);
   daemon = std::make_unique<DaemonProcess>(data.path(), address);

@@ -28,6 +28,17 @@ T Must(Result<T> result) {
 
 }  // namespace
 
+SessionOptions FastOptions() {
+  SessionOptions options;
+  options.project = "end-to-end";
+  options.scene = "scripted";
+  options.seed = 7;
+  options.time_scale = 200;
+  options.backoff_min_ms = 5;
+  options.backoff_max_ms = 50;
+  return options;
+}
+
 // Moves by half of the active arm's cost at every second look: FindPairs reads it before and after.
 class ScriptedGame::ScriptedClock final : public Clock {
  public:
@@ -87,7 +98,7 @@ bool ScriptedGame::RunUntil(const std::function<bool(const SessionStats&)>& done
   return false;
 }
 
-void ScriptedGame::Stop() { session_->Stop(5'000); }
+void ScriptedGame::Stop(uint32_t deadline_ms) { session_->Stop(deadline_ms); }
 
 double LearntEvidence(const SessionStats& stats) {
   double evidence = 0;

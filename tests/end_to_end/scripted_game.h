@@ -19,9 +19,17 @@ namespace sweepstake::test_support {
 // Arms in the order of AdaptiveBroadPhase::arms(), detection per frame.
 using ArmCostsMs = std::vector<double>;
 
+// SAP, arm 2, is the best; KDTree the next.
+inline const ArmCostsMs kScriptedCosts = {40, 25, 2, 30, 20, 35, 8};
+inline constexpr uint32_t kScriptedBest = 2;
+
+// A time scale of 200: a decision every 10 ms, a cooldown of 200 ms. Reconnects fast.
+SessionOptions FastOptions();
+
 class ScriptedGame {
  public:
-  ScriptedGame(const std::string& address, SessionOptions options, ArmCostsMs costs_ms);
+  ScriptedGame(const std::string& address, SessionOptions options,
+               ArmCostsMs costs_ms = kScriptedCosts);
   ~ScriptedGame();
 
   // Runs frames until `done` says so or `frame_limit` frames have run; true when `done` did. Waits
@@ -31,7 +39,7 @@ class ScriptedGame {
                 uint64_t frame_limit = 5'000'000);
   // Runs `count` frames without looking at the session at all.
   void RunFrames(uint64_t count);
-  void Stop();
+  void Stop(uint32_t deadline_ms = 5'000);
 
   SessionStats stats() const { return session_->stats(); }
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }

@@ -87,6 +87,8 @@ DaemonProcess::~DaemonProcess() {
   if (pid_ > 0) Kill();
 }
 
+void DaemonProcess::Pause() { kill(pid_, SIGSTOP); }
+
 void DaemonProcess::Kill() {
   kill(pid_, SIGKILL);
   waitpid(pid_, nullptr, 0);

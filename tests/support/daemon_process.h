@@ -35,6 +35,8 @@ class DaemonProcess {
 
   const std::string& address() const { return address_; }
   pid_t pid() const { return pid_; }
+  // Stops running without ending: connections stay open, nothing is read or answered any more.
+  void Pause();
   // kill -9, and waits for the end.
   void Kill();
   // SIGTERM; the exit code, or -1 when a signal ended it.
