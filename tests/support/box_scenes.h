@@ -1,53 +1,12 @@
-// Moving boxes for tests: ordinary, degenerate and broken ones, and seeded mixtures of them all.
-//
-// The same kind, count and seed give the same boxes. Not thread-safe. Lengths in world units;
-// unless a kind says otherwise the world holds one object per unit of volume and half extents are
-// 0.145 to 0.725.
+// The product's box scenes under the name that tests know them by.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <string_view>
-#include <vector>
-
-#include "sweepstake/aabb.h"
+#include "engine_client/scene/box_scenes.h"
 
 namespace sweepstake::test_support {
 
-// splitmix64: the same everywhere, unlike the distributions of the standard library.
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  uint64_t Next();
-  // Uniform in [0, 1), in steps of 2^-24.
-  float Unit();
-  float Between(float low, float high) { return low + (high - low) * Unit(); }
-  // Uniform in [0, count). REQUIRES: count > 0.
-  size_t Below(size_t count) { return static_cast<size_t>(Next() % count); }
-
- private:
-  uint64_t state_;
-};
-
-// brownian, nearly-resting, falling, all-coincident, all-disjoint, touching-faces, zero-size,
-// one-huge, coordinates-1e30, float-limits, signed-zeros, teleporting, broken-boxes, long-thin,
-// clusters, planar, sizes-1-to-1000, mixture (every box of a kind of its own).
-std::span<const std::string_view> BoxSceneKinds();
-
-class BoxScene {
- public:
-  // REQUIRES: `kind` is one of BoxSceneKinds().
-  BoxScene(std::string_view kind, size_t count, uint64_t seed);
-
-  std::span<const Aabb> boxes() const { return boxes_; }
-  void Step();
-
- private:
-  std::vector<Aabb> boxes_;
-  std::vector<size_t> kinds_;  // of each box
-  Random random_;
-  uint64_t frame_ = 0;
-};
+using sweepstake::BoxScene;
+using sweepstake::BoxSceneKinds;
+using sweepstake::Random;
 
 }  // namespace sweepstake::test_support

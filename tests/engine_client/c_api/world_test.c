@@ -68,6 +68,7 @@ static void check_backend(const char* backend, const char* scene_name, uint32_t 
 }
 
 void test_worlds(void) {
+  CHECK(swp_backend_count() == 7);
   for (uint32_t i = 0; i < swp_backend_count(); ++i) {
     check_backend(swp_backend_name(i), "suite-b", 500);
     check_backend(swp_backend_name(i), "hurricane", 700);
