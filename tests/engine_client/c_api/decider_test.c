@@ -52,11 +52,12 @@ static game start_game(void) {
   return played;
 }
 
-/* The exploration gives each arm 6 s, here a quarter of it. */
+/* The exploration gives each arm 6 s, here a quarter of it, and what is left until the next
+ * decision. */
 static void check_exploration(game* played) {
   uint32_t visited = 0;
   uint32_t epoch = 99;
-  for (int frame = 0; frame < 12 * 60; ++frame) {
+  for (int frame = 0; frame < 20 * 60; ++frame) {
     uint32_t arm = 99;
     run_frame(played, kFrameNs);
     CHECK_OK(swp_session_active_arm(played->session, &arm));
