@@ -11,8 +11,8 @@
 // Kept between frames: lists, cell ranges, boxes, the grid. The grid is laid out anew (as in Build)
 // before an Update when the checks above those of the cheapest frame since it was laid out add up
 // to 256 per object. Cost: Build O(n log n); a frame O(n + entries + boxes that share a cell and
-// overlap on the sweep axis + large · n). Memory: about 32 bytes per object and 15 per entry (1.5
-// to 3 per object), and 28 per object where boxes are large.
+// overlap on the sweep axis + large · n). Memory: 72 bytes per object and 15 per
+// entry; an object has 1.5 to 3 entries.
 #pragma once
 
 #include <memory>
