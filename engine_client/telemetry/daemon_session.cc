@@ -332,7 +332,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   if (link.redirect && ValidateDaemonAddress(link.redirect->address()).ok()) {
     next_address_ = link.redirect->address();
   }
-  last_error_ = Describe(status, link.address, delay_ms);
+  const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
+  if (!asked_for) last_error_ = Describe(status, link.address, delay_ms);
 }
 
 uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns) {

@@ -163,6 +163,7 @@ TEST_F(DaemonSessionTest, SendsEveryFrameOnceInOrderAndSaysGoodbye) {
   EXPECT_EQ(stats.sent_frame_count, frame_count_);
   EXPECT_EQ(stats.dropped_frame_count, 0U);
   EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence);
+  EXPECT_EQ(stats.last_error, "");
   EXPECT_EQ(wait_count_, 0U);
 }
 
