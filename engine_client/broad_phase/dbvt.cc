@@ -26,6 +26,9 @@ constexpr float kMarginFrames = 4;
 constexpr size_t kBulkDivisor = 20;
 // Refitted moves per object after which the tree is split anew.
 constexpr size_t kMovesPerRebuild = 8;
+// A box that goes further than this many typical sides at once counts as kMovesPerRebuild moves:
+// its place in the tree is void.
+constexpr float kFarSides = 8;
 // Enough for a median that only scales a margin.
 constexpr size_t kSideSample = 512;
 
@@ -105,7 +108,8 @@ class Dbvt final : public BroadPhase {
   std::vector<uint8_t> is_moved_;
   std::vector<float> sides_;
   float typical_side_ = 0;
-  size_t refitted_moves_ = 0;
+  size_t refitted_moves_ = 0;  // since the tree was split anew
+  size_t far_moves_ = 0;       // in the latest Update
   uint64_t update_checks_ = 0;
   uint64_t pair_checks_ = 0;
 };
@@ -170,6 +174,7 @@ void Dbvt::Update(std::span<const Aabb> boxes) {
 void Dbvt::CollectMoved(std::span<const Aabb> boxes) {
   moved_.clear();
   margins_.clear();
+  far_moves_ = 0;
   for (uint32_t i = 0; i < boxes.size(); ++i) Take(i, boxes[i]);
 }
 
@@ -181,6 +186,7 @@ void Dbvt::Take(uint32_t object, const Aabb& box) {
     if (!was_present) return;
   } else {
     const float motion = Motion(exact, box);
+    if (typical_side_ > 0 && motion > kFarSides * typical_side_) ++far_moves_;
     exact = Pack(box);
     ++update_checks_;
     if (was_present && IsInside(box, tree_.nodes()[object])) return;
@@ -205,7 +211,7 @@ void Dbvt::MoveInBulk(std::span<const Aabb> boxes) {
     any_added |= !tree_.Contains(object);
     tree_.SetBox(object, Enlarged(boxes[object], margins_[k]));
   }
-  refitted_moves_ += moved_.size();
+  refitted_moves_ += moved_.size() + kMovesPerRebuild * far_moves_;
   if (any_added || refitted_moves_ > kMovesPerRebuild * boxes.size()) {
     MeasureTypicalSide(boxes);
     tree_.Rebuild();
