@@ -27,7 +27,7 @@ inline swp_result WritePairs(std::span<const OverlapPair> found, swp_pair* pairs
   if (found.size() > capacity) {
     return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer pairs than there are");
   }
-  if (!found.empty()) std::memcpy(pairs, found.data(), found.size_bytes());
+  if (!found.empty() && pairs != nullptr) std::memcpy(pairs, found.data(), found.size_bytes());
   return SWP_OK;
 }
 

@@ -19,6 +19,7 @@ enum class FramePhase { kBetween, kBegun, kSearched };
 
 }  // namespace sweepstake::c_api
 
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): grouped by thread, one per game.
 struct swp_session {
   explicit swp_session(uint32_t queue_frames) : queue(queue_frames) {}
 

@@ -6,7 +6,6 @@
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
 
-using sweepstake::Aabb;
 using sweepstake::BroadPhase;
 using sweepstake::BroadPhaseNames;
 using sweepstake::PairBuffer;

@@ -29,6 +29,8 @@
 extern "C" {
 #endif
 
+/* NOLINTBEGIN(modernize-use-using): C has none. */
+
 /* Raised by every change that an already compiled caller could notice. */
 #define SWP_ABI_VERSION 1U
 
@@ -374,6 +376,8 @@ SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* b
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
 /* Sources in the priors it started from; 0: Beta(1,1). */
 SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
+
+/* NOLINTEND(modernize-use-using) */
 
 #ifdef __cplusplus
 }
