@@ -20,7 +20,7 @@ thread_local constinit bool counting = false;
 thread_local constinit uint64_t call_count = 0;
 thread_local constinit const char* latest_call = "";
 
-void Count(const char* name) {
+[[maybe_unused]] void Count(const char* name) {
   if (!counting) return;
   ++call_count;
   latest_call = name;
@@ -29,7 +29,7 @@ void Count(const char* name) {
 // The function this one stands in front of. Looked up at each call: a static would need a guard,
 // which may lock.
 template <typename Function>
-Function* Next(const char* name) {
+[[maybe_unused]] Function* Next(const char* name) {
   void* next = dlsym(RTLD_NEXT, name);
   if (next == nullptr) std::abort();
   return reinterpret_cast<Function*>(next);
@@ -45,10 +45,20 @@ WaitCounter::WaitCounter() {
   counting = true;
 }
 WaitCounter::~WaitCounter() { counting = false; }
+bool WaitCounter::Works() {
+#ifdef __SANITIZE_THREAD__
+  return false;
+#else
+  return true;
+#endif
+}
 uint64_t WaitCounter::count() const { return call_count; }
 const char* WaitCounter::last_call() const { return latest_call; }
 
 }  // namespace sweepstake::test_support
+
+// ThreadSanitizer stands in front of the same functions, and must know who called them.
+#ifndef __SANITIZE_THREAD__
 
 // Each definition takes the place of the C library's for the whole program.
 #define SWEEPSTAKE_INTERPOSE(result, name, parameters, arguments)            \
@@ -103,3 +113,5 @@ extern "C" __attribute__((visibility("default"), no_sanitize("address"))) long s
   return Next<long(long, ...)>("syscall")(number, argument[0], argument[1], argument[2],
                                           argument[3], argument[4], argument[5]);
 }
+
+#endif

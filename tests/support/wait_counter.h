@@ -22,6 +22,9 @@ class WaitCounter {
   WaitCounter(const WaitCounter&) = delete;
   WaitCounter& operator=(const WaitCounter&) = delete;
 
+  // False in programs with ThreadSanitizer, where nothing is counted.
+  static bool Works();
+
   uint64_t count() const;
   // Name of the latest counted function; empty: none.
   const char* last_call() const;

@@ -100,6 +100,7 @@ INSTANTIATE_TEST_SUITE_P(EveryArm, FramePathCost,
                          [](const auto& arm) { return std::string(arm.param); });
 
 TEST(WaitCounterTest, SeesLocksSleepsAndFutexes) {
+  if (!WaitCounter::Works()) GTEST_SKIP() << "not with ThreadSanitizer";
   std::mutex mutex;
   std::atomic<int> word{1};
   {
