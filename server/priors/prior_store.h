@@ -29,6 +29,7 @@ struct EvidenceKey {
   std::string machine_class;  // empty: the unknown class
   uint32_t reward_version = 1;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const EvidenceKey&, const EvidenceKey&) = default;
 };
 
@@ -102,6 +103,7 @@ struct SceneKey {
   std::string machine_class;
   uint32_t reward_version = 1;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const SceneKey&, const SceneKey&) = default;
 };
 
