@@ -13,8 +13,8 @@ namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
-using ::sweepstake::testing::DaemonProcess;
-using ::sweepstake::testing::TemporaryDirectory;
+using ::sweepstake::test_support::DaemonProcess;
+using ::sweepstake::test_support::TemporaryDirectory;
 using ::testing::HasSubstr;
 
 constexpr char kNobody[] = "127.0.0.1:1";
