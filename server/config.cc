@@ -360,6 +360,7 @@ absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environ
 absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config) {
   const std::vector<Setting> settings = Settings();
   std::vector<std::string> keys;
+  keys.reserve(settings.size());
   for (const Setting& setting : settings) keys.push_back(setting.key);
   for (const auto& [key, value] : assignments) {
     const auto found = std::find(keys.begin(), keys.end(), key);
