@@ -93,6 +93,7 @@ Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64
   if (!scene.ok()) return scene.status();
   choice.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
   std::vector<std::unique_ptr<BroadPhase>> backends;
+  backends.reserve(arms.size());
   for (const std::string& arm : arms) backends.push_back(std::move(*MakeBroadPhase(arm)));
   const std::string label = choice.name + ", " + std::to_string(choice.object_count) + " objects";
   const uint64_t first = rows.size() / arms.size() * (frames + 1);

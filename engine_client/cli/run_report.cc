@@ -50,6 +50,7 @@ struct ArmRow {
 
 std::vector<ArmRow> ArmRows(const GameRun& run, const SessionStats& stats) {
   std::vector<ArmRow> rows;
+  rows.reserve(run.activities().size());
   for (size_t i = 0; i < run.activities().size(); ++i) {
     rows.push_back({run.adaptive().arms()[i], {}, run.activities()[i]});
     if (i < stats.beliefs.size()) rows.back().belief = stats.beliefs[i];

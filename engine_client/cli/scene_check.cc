@@ -38,6 +38,7 @@ std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr
                                    uint64_t step_count,
                                    const std::function<void(uint64_t)>& on_frame) {
   std::vector<Candidate> candidates;
+  candidates.reserve(arms.size());
   for (const auto& arm : arms)
     candidates.push_back({*arm, {std::string(arm->name()), 0, 0, {}}, {}});
   PairOracle oracle;
@@ -56,6 +57,7 @@ std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr
     on_frame(frame + 1);
   }
   std::vector<ArmVerdict> verdicts;
+  verdicts.reserve(candidates.size());
   for (Candidate& candidate : candidates) verdicts.push_back(std::move(candidate.verdict));
   return verdicts;
 }
