@@ -245,6 +245,7 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
     const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
     FrameSink* sink, Clock& clock) {
   std::vector<std::string> arms;
+  arms.reserve(backends.size());
   for (const auto& backend : backends) arms.emplace_back(backend->name());
   if (Status status = ValidateArms(arms); !status.ok()) return status;
   if (Status status = ValidateOptions(options); !status.ok()) return status;

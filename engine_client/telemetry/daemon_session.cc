@@ -103,6 +103,17 @@ uint64_t NowNs() { return SteadyClock().NowNs(); }
 // by it.
 uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs(); }
 
+// The connection under way or open.
+struct Link {
+  std::unique_ptr<DaemonConnection> stream;
+  std::string address;
+  uint64_t deadline_ns = 0;  // for the daemon's answer to what we last asked for
+  std::optional<uint64_t> online_since_ns;
+  std::optional<v1::ReconnectElsewhere> redirect;
+  bool goodbye_sent = false;
+  bool half_closed = false;
+};
+
 class DaemonSession final : public Session {
  public:
   DaemonSession(std::string address, const SessionOptions& options)
@@ -119,17 +130,6 @@ class DaemonSession final : public Session {
   SessionStats stats() const override;
 
  private:
-  // The connection under way or open.
-  struct Link {
-    std::unique_ptr<DaemonConnection> stream;
-    std::string address;
-    uint64_t deadline_ns = 0;  // for the daemon's answer to what we last asked for
-    std::optional<uint64_t> online_since_ns;
-    std::optional<v1::ReconnectElsewhere> redirect;
-    bool goodbye_sent = false;
-    bool half_closed = false;
-  };
-
   bool Step(bool stopping);
   void Connect(uint64_t now_ns);
   void Converse(uint64_t now_ns);
