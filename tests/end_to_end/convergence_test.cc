@@ -29,11 +29,11 @@ TEST(ConvergenceTest, LearnsTheBestArmAndRunsItMost) {
   DaemonProcess daemon(data.path());
   ScriptedGame game(daemon.address(), FastOptions());
 
-  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 150; }))
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 80; }))
       << game.stats().last_error;
   const std::vector<uint64_t> halfway = game.frames_per_arm();
   ASSERT_TRUE(
-      game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 450; }));
+      game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 240; }));
 
   const SessionStats stats = game.stats();
   EXPECT_EQ(HighestMean(stats), kScriptedBest);
