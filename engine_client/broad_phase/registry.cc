@@ -21,12 +21,8 @@ struct Family {
 
 // The paper's order (Table 1).
 constexpr std::array kFamilies = {
-    Family{"BruteForce", MakeBruteForce},
-    Family{"Grid", MakeGrid},
-    Family{"SAP", MakeSap},
-    Family{"AxisSweep", MakeAxisSweep},
-    Family{"DBVT", MakeDbvt},
-    Family{"Tracy", MakeTracy},
+    Family{"BruteForce", MakeBruteForce}, Family{"Grid", MakeGrid}, Family{"SAP", MakeSap},
+    Family{"AxisSweep", MakeAxisSweep},   Family{"DBVT", MakeDbvt}, Family{"Tracy", MakeTracy},
     Family{"KDTree", MakeKdTree},
 };
 
