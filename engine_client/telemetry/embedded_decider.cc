@@ -120,7 +120,8 @@ void EmbeddedDecider::Impl::Fold() {
 // arm has settled and adds the reason; an outcome of an epoch that has ended meanwhile would turn
 // the session back.
 void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns) {
-  if (outcome.executed == 0 || outcome.switch_epoch < latest_epoch_) return;
+  if (outcome.executed == 0) return session_.ObserveRefusal(outcome.command_id);
+  if (outcome.switch_epoch < latest_epoch_) return;
   if (outcome.arm >= session_.arms().size()) return;
   latest_epoch_ = outcome.switch_epoch;
   const auto reason = static_cast<decision::SwitchReason>(outcome.reason);

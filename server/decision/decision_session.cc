@@ -45,6 +45,7 @@ class DecisionSession::Impl {
   void ObserveFrame(const Frame& frame);
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
+  void ObserveRefusal(uint64_t command_id);
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
   Decision Tick(int64_t now_ns);
 
@@ -184,6 +185,10 @@ void DecisionSession::Impl::Activate(const ArmRun& run, SwitchReason reason, int
   runs_.Activate(run);
 }
 
+void DecisionSession::Impl::ObserveRefusal(uint64_t command_id) {
+  if (command_id == command_count_) gate_.OnRefused();
+}
+
 void DecisionSession::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   assert(active_arm < setup_.arms.size());
   AdoptLaterRun(now_ns);
@@ -199,7 +204,7 @@ Decision DecisionSession::Impl::Tick(int64_t now_ns) {
   assert(now_ns >= next_tick_ns_);
   ScheduleNextTick(now_ns);
   AdoptLaterRun(now_ns);
-  gate_.OnTick(runs_.active_frames_seen());
+  gate_.OnTick(runs_.active_frames_seen(), now_ns);
   Decision decision = Open(now_ns);
   if (mode_ == Mode::kManual) {
     decision.record.outcome = Outcome::kManual;
@@ -271,7 +276,7 @@ void DecisionSession::Impl::Command(Decision& decision, uint32_t arm, SwitchReas
   decision.command = SwitchCommand{.command_id = ++command_count_, .arm = arm, .reason = reason};
   decision.record.reason = reason;
   commanded_reason_ = reason;
-  gate_.OnCommand();
+  gate_.OnCommand(decision.record.time_ns);
 }
 
 void DecisionSession::Impl::Explore(Decision& decision) {
@@ -362,6 +367,7 @@ void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchR
                                     int64_t now_ns) {
   impl_->ObserveSwitch(arm, switch_epoch, reason, now_ns);
 }
+void DecisionSession::ObserveRefusal(uint64_t command_id) { impl_->ObserveRefusal(command_id); }
 void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   impl_->SetMode(mode, active_arm, now_ns);
 }

@@ -16,9 +16,11 @@
 //   report. It was executed that much frame time ago, though not before the last event on
 //   now_ns; the cooldown and active time count from then.
 // - A command that nobody answers. While it is under way no other is issued, but for a
-//   bail-out. It counts as lost at the second or a later tick after it whose own interval
-//   brought frames of the old epoch; the candidate of that tick, or the exploration's arm, may be
-//   commanded then. An arm of the exploration is passed over after three lost commands.
+//   bail-out. It counts as lost at the second or a later tick after it, and not before 4 s have
+//   passed (SwitchGate::kCommandPatienceNs, whatever the time scale), whose own interval brought
+//   frames of the old epoch; the candidate of that tick, or the exploration's arm, may be
+//   commanded then. A refused command ends at once. An arm of the exploration is passed over
+//   after three commands in vain.
 // - The first command. Where no switch was executed yet there is no cooldown to wait for; a
 //   session that goes on after a restart (decision_count > 0) does not know when the last one
 //   was, and counts from start_ns.
@@ -96,6 +98,10 @@ class DecisionSession {
   // this epoch on. To be called for executed switches only. A report of what is active already, or
   // of an earlier epoch, changes nothing. REQUIRES: arm < arms.
   void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
+
+  // The client did not execute this command. Only the latest one matters: the next tick may command
+  // again.
+  void ObserveRefusal(uint64_t command_id);
 
   // The window begins anew; the exploration goes on where it was.
   // REQUIRES: arm < arms.

@@ -3,6 +3,16 @@
 #include <algorithm>
 
 namespace sweepstake::decision {
+namespace {
+
+bool HasPassed(int64_t interval_ns, int64_t since_ns, int64_t now_ns) {
+  if (now_ns < since_ns) return false;
+  // Unsigned, since the two may be further apart than an int64_t holds.
+  return static_cast<uint64_t>(now_ns) - static_cast<uint64_t>(since_ns) >=
+         static_cast<uint64_t>(interval_ns);
+}
+
+}  // namespace
 
 bool IsOverBailOutLimit(const Frame& frame, int64_t bail_out_ns) {
   return frame.frame_time_ns > static_cast<uint64_t>(bail_out_ns) ||
@@ -17,11 +27,12 @@ bool BlamesArm(const Frame& frame, int64_t bail_out_ns) {
 }
 
 bool SwitchGate::CooldownPassed(int64_t now_ns) const {
-  if (!last_switch_ns_) return true;
-  if (now_ns < *last_switch_ns_) return false;
-  // Unsigned, since the two may be further apart than an int64_t holds.
-  const uint64_t passed = static_cast<uint64_t>(now_ns) - static_cast<uint64_t>(*last_switch_ns_);
-  return passed >= static_cast<uint64_t>(cooldown_ns_);
+  return !last_switch_ns_ || HasPassed(cooldown_ns_, *last_switch_ns_, now_ns);
+}
+
+void SwitchGate::OnCommand(int64_t now_ns) {
+  ticks_since_command_ = 0;
+  commanded_ns_ = now_ns;
 }
 
 void SwitchGate::OnExecuted(int64_t executed_ns) {
@@ -29,10 +40,12 @@ void SwitchGate::OnExecuted(int64_t executed_ns) {
   ticks_since_command_.reset();
 }
 
-void SwitchGate::OnTick(bool old_epoch_frames_seen) {
+void SwitchGate::OnTick(bool old_epoch_frames_seen, int64_t now_ns) {
   if (!ticks_since_command_) return;
   ++*ticks_since_command_;
-  if (*ticks_since_command_ >= 2 && old_epoch_frames_seen) ticks_since_command_.reset();
+  const bool lost = *ticks_since_command_ >= 2 && old_epoch_frames_seen &&
+                    HasPassed(kCommandPatienceNs, commanded_ns_, now_ns);
+  if (lost) ticks_since_command_.reset();
 }
 
 }  // namespace sweepstake::decision

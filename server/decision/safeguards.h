@@ -28,19 +28,25 @@ class SwitchGate {
 
   bool CooldownPassed(int64_t now_ns) const;
 
-  // A command is under way from when it is issued until a switch is executed or it counts as lost:
-  // at the first tick after the next one whose own interval brought frames of the old epoch and
-  // none of a later one. The client refused it or never got it; the next candidate that differs is
-  // commanded anew.
-  void OnCommand() { ticks_since_command_ = 0; }
+  // How long a command may travel to the client and its first frame back: two of the paper's
+  // decision intervals. A time scale does not shorten it, since it does not shorten the way.
+  static constexpr int64_t kCommandPatienceNs = 4'000'000'000;
+
+  // A command is under way from when it is issued until a switch is executed, the client refuses
+  // it, or it counts as lost: at the second or a later tick after it, once kCommandPatienceNs have
+  // passed, whose own interval brought frames of the old epoch and none of a later one. The client
+  // never got it; the next candidate that differs is commanded anew.
+  void OnCommand(int64_t now_ns);
   void OnExecuted(int64_t executed_ns);
-  void OnTick(bool old_epoch_frames_seen);
+  void OnRefused() { ticks_since_command_.reset(); }
+  void OnTick(bool old_epoch_frames_seen, int64_t now_ns);
   bool switch_under_way() const { return ticks_since_command_.has_value(); }
 
  private:
   int64_t cooldown_ns_;
   std::optional<int64_t> last_switch_ns_;
   std::optional<uint32_t> ticks_since_command_;
+  int64_t commanded_ns_ = 0;  // while ticks_since_command_ is there
 };
 
 }  // namespace sweepstake::decision

@@ -104,7 +104,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
   if (unanswered_ && outcome.command_id() == unanswered_->command_id) unanswered_.reset();
   if (!outcome.executed()) {
     ++context_.counters.refused_switch_count;
-    return;
+    return decisions_.ObserveRefusal(outcome.command_id());
   }
   // Sent again from before the state that the client's Hello described.
   if (IsEarlier(outcome.switch_epoch(), switch_epoch_)) return;

@@ -100,6 +100,28 @@ TEST(Command, ThatIsNeverAnsweredIsIssuedAgainUnderANewNumber) {
   EXPECT_EQ(client.commands[1].arm, 1u);
 }
 
+TEST(Command, HasItsFullWayToGoWhateverTheTimeScale) {
+  SessionSetup setup = SetupThatWantsArmOne();
+  setup.options = setup.options.Scaled(100);  // a tick every 20 ms
+  ScriptedClient client(setup);
+  client.obedient = false;
+  while (client.commands.empty()) client.RunToTick();
+  const int64_t commanded_ns = client.now_ns;
+  while (client.commands.size() < 2) client.RunToTick();
+  EXPECT_GE(client.now_ns - commanded_ns, 4 * kSecond);
+}
+
+TEST(Command, ThatIsRefusedIsOverAtOnce) {
+  ScriptedClient client(SetupThatWantsArmOne());
+  client.obedient = false;
+  client.Settle();
+  ASSERT_EQ(client.commands.size(), 1u);
+  client.session.ObserveRefusal(client.commands[0].command_id + 1);  // of no command
+  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kHeldSettling);
+  client.session.ObserveRefusal(client.commands[0].command_id);
+  EXPECT_EQ(client.RunToTick().record.outcome, Outcome::kSwitched);
+}
+
 TEST(Command, IsNotRepeatedWhileNoFramesCome) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;
