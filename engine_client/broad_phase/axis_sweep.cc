@@ -92,6 +92,7 @@ void AxisSweep::Build(std::span<const Aabb> boxes) {
   Refresh();
   calm_ = false;
   pause_frames_ = 0;
+  checks_ = 0;
   PrepareSweep(boxes);
 }
 

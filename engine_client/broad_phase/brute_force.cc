@@ -27,8 +27,8 @@ class BruteForce final : public BroadPhase {
  public:
   std::string_view name() const override { return "BruteForce"; }
   uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb> boxes) override { boxes_.Gather(boxes); }
-  void Update(std::span<const Aabb> boxes) override { boxes_.Gather(boxes); }
+  void Build(std::span<const Aabb> boxes) override { Take(boxes); }
+  void Update(std::span<const Aabb> boxes) override { Take(boxes); }
   void FindPairs(PairBuffer& out) override {
     checks_ = HWY_DYNAMIC_DISPATCH(TestAllPairs)(boxes_.Lanes(), out);
   }
@@ -36,6 +36,11 @@ class BruteForce final : public BroadPhase {
   size_t native_bytes() const override { return boxes_.native_bytes(); }
 
  private:
+  void Take(std::span<const Aabb> boxes) {
+    checks_ = 0;
+    boxes_.Gather(boxes);
+  }
+
   SoaBoxes boxes_;
   uint64_t checks_ = 0;
 };

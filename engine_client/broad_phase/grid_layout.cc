@@ -84,7 +84,8 @@ constexpr size_t kCornerSample = 128;
 constexpr double kCellSlack = 1.0001;
 // Keeps the scale finite.
 constexpr double kLeastCell = 1e-36;
-constexpr size_t kMostCells = size_t{1} << 28;
+// Border included: the cells on one axis stay below 2^24, which a float holds exactly.
+constexpr size_t kMostCells = size_t{1} << 27;
 
 struct Bounds {
   double low[3];

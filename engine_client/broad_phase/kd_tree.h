@@ -3,8 +3,8 @@
 //
 // The order costs several times as much as finding the pairs in it, so it is kept while it is good:
 // each frame only the bounds of leaves and nodes are refitted. The boxes are split anew before an
-// Update when the checks made above those of the first frame after the last split add up to 128 per
-// object, about what a split costs: every 8 frames or so where everything moves, never where
+// Update when the checks made above those of the cheapest frame since the last split add up to 128
+// per object, about what a split costs: every 8 frames or so where everything moves, never where
 // everything rests.
 //
 // Kept between frames: the order. Cost: Build O(n log n); a frame O(n + leaves · log n +

@@ -32,6 +32,7 @@ class Sap final : public BroadPhase {
 };
 
 void Sap::Update(std::span<const Aabb> boxes) {
+  checks_ = 0;
   axis_ = AxisOfLargestSpread(boxes);
   SortByLowerFace(boxes);
   boxes_.Gather(boxes, {order_.data(), boxes.size()});

@@ -75,6 +75,26 @@ TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
   }
 }
 
+TEST_P(EveryBackendInEveryScene, CountsItsChecksAfreshWithEachBuildAndUpdate) {
+  const auto fresh = MakeOrThrow(std::get<0>(GetParam()));
+  PairBuffer fresh_pairs;
+  BoxScene scene(kind_, 200, 21);
+  for (int frame = 0; frame < 4; ++frame) {
+    backend_->Build(scene.boxes());
+    backend_->FindPairs(pairs_);
+    scene.Step();
+    backend_->Update(scene.boxes());
+    backend_->FindPairs(pairs_);
+    scene.Step();
+  }
+  backend_->Build(scene.boxes());
+  fresh->Build(scene.boxes());
+  EXPECT_EQ(backend_->aabb_check_count(), fresh->aabb_check_count());
+  backend_->FindPairs(pairs_);
+  fresh->FindPairs(fresh_pairs);
+  EXPECT_EQ(backend_->aabb_check_count(), fresh->aabb_check_count());
+}
+
 TEST_P(EveryBackendInEveryScene, GivesTheSameSequenceForTheSameHistory) {
   const auto twin = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer twin_pairs;
