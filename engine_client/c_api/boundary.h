@@ -21,8 +21,16 @@ swp_result ToResult(const Status& status) noexcept;
 // "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// Checks the first member of an options struct.
+// "struct_size of NAME is … and must be …", where it is not so.
 swp_result CheckStructSize(std::string_view name, uint32_t given, size_t expected) noexcept;
+
+// Checks the first member of an options struct; NULL is right. To be called before anything else of
+// the struct is read: a caller compiled against another version may own fewer bytes.
+template <typename Options>
+swp_result CheckStruct(std::string_view name, const Options* options) noexcept {
+  if (options == nullptr) return SWP_OK;
+  return CheckStructSize(name, options->struct_size, sizeof(Options));
+}
 
 // Runs `body`, which returns a swp_result, and turns an exception into one.
 template <typename Body>

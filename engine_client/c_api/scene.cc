@@ -61,10 +61,8 @@ swp_result swp_scene_options_init(swp_scene_options* options) {
 
 swp_result swp_scene_create(const char* scene, const swp_scene_options* options, swp_scene** out) {
   if (scene == nullptr || out == nullptr) return NullArgument("scene and out");
-  if (options != nullptr) {
-    const swp_result wrong =
-        CheckStructSize("swp_scene_options", options->struct_size, sizeof(swp_scene_options));
-    if (wrong != SWP_OK) return wrong;
+  if (const swp_result wrong = CheckStruct("swp_scene_options", options); wrong != SWP_OK) {
+    return wrong;
   }
   return Guard([&] {
     auto made = sweepstake::MakeScene(

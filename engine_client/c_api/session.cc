@@ -41,10 +41,8 @@ swp_result CheckArms(const swp_session_options& options) {
   return SWP_OK;
 }
 
+// REQUIRES: the struct has our size.
 swp_result CheckOptions(const swp_session_options& options) {
-  const swp_result wrong =
-      CheckStructSize("swp_session_options", options.struct_size, sizeof options);
-  if (wrong != SWP_OK) return wrong;
   if (!IsMode(options.mode)) {
     return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
   }
@@ -88,6 +86,9 @@ swp_result swp_session_options_init(swp_session_options* options) {
 swp_result swp_session_create(const swp_session_options* options, swp_session** session) {
   if (session == nullptr) return NullArgument("session");
   return Guard([&] {
+    if (const swp_result wrong = CheckStruct("swp_session_options", options); wrong != SWP_OK) {
+      return wrong;
+    }
     const swp_session_options given = options == nullptr ? DefaultOptions() : *options;
     const swp_result wrong = CheckOptions(given);
     return wrong != SWP_OK ? wrong : CreateSession(given, session);

@@ -1,6 +1,7 @@
 // What is behind a swp_session: the frame path, the queue it fills, and who empties the queue.
 #pragma once
 
+#include <atomic>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -33,7 +34,7 @@ struct swp_session {
 
   // Transport thread.
   std::deque<sweepstake::SwitchOutcome> outcomes;
-  uint64_t dropped_outcome_count = 0;
+  std::atomic<uint64_t> dropped_outcome_count = 0;  // read by any thread
   sweepstake::SceneDescriptor descriptor;
   std::unique_ptr<sweepstake::EmbeddedDecider> decider;
   std::vector<sweepstake::FrameSample> decider_frames;  // not yet observed

@@ -1,4 +1,5 @@
 // The embedded decider of a session: it takes the place of a transport.
+#include <algorithm>
 #include <variant>
 
 #include "engine_client/c_api/session.h"
@@ -62,6 +63,11 @@ void TellActiveArm(swp_session& session, uint64_t now_ns) {
       now_ns);
 }
 
+// The largest durations are cut to 2^63 ns, 292 years: a double near 2^64 fits no integer.
+uint64_t Scaled(uint64_t duration_ns, double time_scale) {
+  return static_cast<uint64_t>(std::min(static_cast<double>(duration_ns) / time_scale, 0x1p63));
+}
+
 swp_result Attach(swp_session& session, EmbeddedOptions options, uint64_t now_ns) {
   options.mode = session.adaptive->mode();
   auto decider = EmbeddedDecider::Create(options, session.adaptive->arms(),
@@ -71,8 +77,7 @@ swp_result Attach(swp_session& session, EmbeddedOptions options, uint64_t now_ns
   session.decider = std::move(*decider);
   TellActiveArm(session, now_ns);
   session.adaptive->SetDeciderPresent(true);
-  session.adaptive->SetSettling(
-      static_cast<uint64_t>(static_cast<double>(session.settling_ns) / options.time_scale));
+  session.adaptive->SetSettling(Scaled(session.settling_ns, options.time_scale));
   TellMeans(session);
   return SWP_OK;
 }
@@ -131,10 +136,11 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
     return Fail(SWP_FAILED_PRECONDITION, "a decider is attached already: detach it first");
   }
   return Guard([&] {
+    if (const swp_result wrong = CheckStruct("swp_decider_options", options); wrong != SWP_OK) {
+      return wrong;
+    }
     const swp_decider_options given = options == nullptr ? DefaultOptions() : *options;
-    const swp_result wrong =
-        CheckStructSize("swp_decider_options", given.struct_size, sizeof given);
-    return wrong != SWP_OK ? wrong : Attach(*session, ToEmbeddedOptions(given), now_ns);
+    return Attach(*session, ToEmbeddedOptions(given), now_ns);
   });
 }
 

@@ -3,12 +3,13 @@
  * Threads: distinct objects are independent. A world and a scene belong to one thread at a time. A
  * session has a frame thread and, where wished, one other thread; each function below says whose it
  * is. Nothing calls back. Ownership: what a _create function returns is ended by the matching
- * _destroy, which takes NULL as free() does. Memory that a function hands out belongs to the
- * library and is valid as long as its comment says. Units: lengths in world units of the caller,
- * times in nanoseconds, text in UTF-8 ending with NUL. Truth values are uint32_t, 0 or 1. Errors:
- * functions return a swp_result; other than SWP_OK, swp_last_error() says what to do. NULL where a
- * pointer is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs as they were,
- * unless its comment says more. No exception leaves the library.
+ * _destroy, which takes NULL as free() does; using it afterwards is undefined. Memory that a
+ * function hands out belongs to the library and is valid as long as its comment says. Units:
+ * lengths in world units of the caller, times in nanoseconds, text in UTF-8 ending with NUL. Truth
+ * values are uint32_t, 0 or 1. Errors: functions return a swp_result; other than SWP_OK,
+ * swp_last_error() says what to do. NULL where a pointer is needed is SWP_INVALID_ARGUMENT. A
+ * function that fails leaves its outputs as they were, unless its comment says more. No exception
+ * leaves the library.
  */
 #ifndef SWEEPSTAKE_C_API_H_
 #define SWEEPSTAKE_C_API_H_

@@ -1,4 +1,5 @@
 /* NULL and nonsense in every place give SWP_INVALID_ARGUMENT and a message, and change nothing. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"
@@ -70,6 +71,14 @@ static void check_scenes(void) {
   swp_scene_destroy(NULL);
 }
 
+/* Only the size of a struct that is too short is read: the rest is not the caller's. */
+static void refuse_short_options(swp_session** session) {
+  uint32_t* size = malloc(sizeof *size);
+  *size = sizeof *size;
+  REFUSED(swp_session_create((const swp_session_options*)(void*)size, session));
+  free(size);
+}
+
 static void check_session_options(void) {
   const char* twice[2] = {"SAP", "SAP"};
   const char* with_null[2] = {"SAP", NULL};
@@ -95,6 +104,7 @@ static void check_session_options(void) {
   WITH(queue_frames, 1U << 21);
   WITH(bail_out_ns, 0);
 #undef WITH
+  refuse_short_options(&session);
   CHECK_OK(swp_session_options_init(&options));
   options.arm_count = 2;
   options.arms = twice;
