@@ -29,8 +29,8 @@ struct Slot {
 
 struct BoxKind {
   std::string_view name;
-  Aabb (*spawn)(Random& random, const Slot& slot);
-  void (*step)(Random& random, const Slot& slot, Aabb& box);
+  Aabb (*spawn)(SequentialRandom& random, const Slot& slot);
+  void (*step)(SequentialRandom& random, const Slot& slot, Aabb& box);
 };
 
 // Rounding is monotonic: a box in order stays in order.
@@ -39,11 +39,11 @@ void Shift(Aabb& box, int axis, float distance) {
   box.max[axis] += distance;
 }
 
-void Jitter(Random& random, float distance, Aabb& box) {
+void Jitter(SequentialRandom& random, float distance, Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, random.Between(-distance, distance));
 }
 
-float HalfExtent(Random& random) {
+float HalfExtent(SequentialRandom& random) {
   return static_cast<float>(0.145 * portable::Pow(5.0, random.Unit()));
 }
 
@@ -56,7 +56,7 @@ Aabb Around(const float (&center)[3], const float (&half)[3]) {
   return box;
 }
 
-Aabb SpawnScattered(Random& random, const Slot& slot) {
+Aabb SpawnScattered(SequentialRandom& random, const Slot& slot) {
   float center[3];
   float half[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -66,23 +66,25 @@ Aabb SpawnScattered(Random& random, const Slot& slot) {
   return Around(center, half);
 }
 
-void StepBrownian(Random& random, const Slot&, Aabb& box) { Jitter(random, 0.1F, box); }
-void StepNearlyResting(Random& random, const Slot&, Aabb& box) { Jitter(random, 0.001F, box); }
+void StepBrownian(SequentialRandom& random, const Slot&, Aabb& box) { Jitter(random, 0.1F, box); }
+void StepNearlyResting(SequentialRandom& random, const Slot&, Aabb& box) {
+  Jitter(random, 0.001F, box);
+}
 
 // Everything falls and lands on one floor.
-void StepFalling(Random& random, const Slot& slot, Aabb& box) {
+void StepFalling(SequentialRandom& random, const Slot& slot, Aabb& box) {
   const float fall = 0.01F * static_cast<float>(slot.frame);
   Shift(box, 1, -std::min(fall, std::max(box.min[1], 0.0F)));
   Shift(box, 0, random.Between(-0.02F, 0.02F));
 }
 
-Aabb SpawnCoincident(Random&, const Slot&) { return {{1, 2, 3}, {2, 3, 4}}; }
-void StepCoincident(Random&, const Slot& slot, Aabb& box) {
+Aabb SpawnCoincident(SequentialRandom&, const Slot&) { return {{1, 2, 3}, {2, 3, 4}}; }
+void StepCoincident(SequentialRandom&, const Slot& slot, Aabb& box) {
   Shift(box, static_cast<int>(slot.frame % 3), 0.25F);
 }
 
 // Unit cells three apart leave a gap however much they jitter within theirs.
-Aabb SpawnDisjoint(Random& random, const Slot& slot) {
+Aabb SpawnDisjoint(SequentialRandom& random, const Slot& slot) {
   const auto side = static_cast<size_t>(slot.WorldSide()) + 1;
   const size_t cell[3] = {slot.index % side, slot.index / side % side, slot.index / side / side};
   Aabb box;
@@ -92,42 +94,42 @@ Aabb SpawnDisjoint(Random& random, const Slot& slot) {
   }
   return box;
 }
-void StepDisjoint(Random& random, const Slot& slot, Aabb& box) {
+void StepDisjoint(SequentialRandom& random, const Slot& slot, Aabb& box) {
   box = SpawnDisjoint(random, slot);
 }
 
 // Whole coordinates: faces, edges and corners meet exactly.
-Aabb SpawnTouching(Random& random, const Slot& slot) {
+Aabb SpawnTouching(SequentialRandom& random, const Slot& slot) {
   Aabb box;
   for (float& low : box.min) low = std::floor(random.Between(0, 2 * slot.WorldSide()));
   for (int axis = 0; axis < 3; ++axis) box.max[axis] = box.min[axis] + 1;
   return box;
 }
-void StepTouching(Random& random, const Slot&, Aabb& box) {
+void StepTouching(SequentialRandom& random, const Slot&, Aabb& box) {
   Shift(box, static_cast<int>(random.Below(3)), static_cast<float>(random.Below(3)) - 1.0F);
 }
 
 // Points on half units: on one another, on faces of their neighbours, and on boxes of the other
 // kinds.
-Aabb SpawnZeroSize(Random& random, const Slot& slot) {
+Aabb SpawnZeroSize(SequentialRandom& random, const Slot& slot) {
   Aabb box;
   for (float& low : box.min) low = 0.5F * std::floor(random.Between(0, 2 * slot.WorldSide()));
   std::copy(box.min, box.min + 3, box.max);
   if (random.Below(3) == 0) box.max[random.Below(3)] += 1;  // a line
   return box;
 }
-void StepZeroSize(Random& random, const Slot&, Aabb& box) {
+void StepZeroSize(SequentialRandom& random, const Slot&, Aabb& box) {
   Shift(box, static_cast<int>(random.Below(3)),
         0.5F * (static_cast<float>(random.Below(3)) - 1.0F));
 }
 
-Aabb SpawnOneHuge(Random& random, const Slot& slot) {
+Aabb SpawnOneHuge(SequentialRandom& random, const Slot& slot) {
   if (slot.index != slot.count / 2) return SpawnScattered(random, slot);
   const float side = slot.WorldSide();
   return {{-side, -side, -side}, {0.75F * side, 2 * side, 2 * side}};
 }
 
-Aabb SpawnFar(Random& random, const Slot&) {
+Aabb SpawnFar(SequentialRandom& random, const Slot&) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     box.min[axis] = 1e30F * (static_cast<float>(random.Below(5)) - 2.5F);
@@ -135,12 +137,12 @@ Aabb SpawnFar(Random& random, const Slot&) {
   }
   return box;
 }
-void StepFar(Random& random, const Slot&, Aabb& box) {
+void StepFar(SequentialRandom& random, const Slot&, Aabb& box) {
   const int axis = static_cast<int>(random.Below(3));
   Shift(box, axis, box.min[axis] > 0 ? -5e29F : 5e29F);
 }
 
-Aabb SpawnFloatLimits(Random& random, const Slot&) {
+Aabb SpawnFloatLimits(SequentialRandom& random, const Slot&) {
   constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
   const std::array kValues = {-kMax,
                               -std::nextafter(kMax, 0.0F),
@@ -162,12 +164,12 @@ Aabb SpawnFloatLimits(Random& random, const Slot&) {
   }
   return box;
 }
-void StepFloatLimits(Random& random, const Slot& slot, Aabb& box) {
+void StepFloatLimits(SequentialRandom& random, const Slot& slot, Aabb& box) {
   if (random.Below(4) == 0) box = SpawnFloatLimits(random, slot);
 }
 
 // Faces at −0 must touch faces at +0.
-Aabb SpawnSignedZeros(Random& random, const Slot&) {
+Aabb SpawnSignedZeros(SequentialRandom& random, const Slot&) {
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     const size_t shape = random.Below(3);
@@ -176,15 +178,15 @@ Aabb SpawnSignedZeros(Random& random, const Slot&) {
   }
   return box;
 }
-void StepSignedZeros(Random& random, const Slot& slot, Aabb& box) {
+void StepSignedZeros(SequentialRandom& random, const Slot& slot, Aabb& box) {
   box = SpawnSignedZeros(random, slot);
 }
 
-void StepTeleporting(Random& random, const Slot& slot, Aabb& box) {
+void StepTeleporting(SequentialRandom& random, const Slot& slot, Aabb& box) {
   if (random.Below(3) == 0) box = SpawnScattered(random, slot);
 }
 
-Aabb SpawnBroken(Random& random, const Slot& slot) {
+Aabb SpawnBroken(SequentialRandom& random, const Slot& slot) {
   Aabb box = SpawnScattered(random, slot);
   const size_t axis = random.Below(3);
   switch (random.Below(8)) {
@@ -211,19 +213,19 @@ Aabb SpawnBroken(Random& random, const Slot& slot) {
   }
   return box;
 }
-void StepBroken(Random& random, const Slot& slot, Aabb& box) {
+void StepBroken(SequentialRandom& random, const Slot& slot, Aabb& box) {
   if (random.Below(2) == 0) box = SpawnBroken(random, slot);
 }
 
-Aabb SpawnLongThin(Random& random, const Slot& slot) {
+Aabb SpawnLongThin(SequentialRandom& random, const Slot& slot) {
   Aabb box = SpawnScattered(random, slot);
   const size_t axis = random.Below(3);
   box.max[axis] = box.min[axis] + random.Between(0.5F, 1.0F) * slot.WorldSide();
   return box;
 }
 
-Aabb SpawnCluster(Random& random, const Slot& slot) {
-  Random cluster(slot.index % 7);  // seven centres, the same for each box of one cluster
+Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
+  SequentialRandom cluster(slot.index % 7);  // seven centres, the same for each box of one cluster
   float center[3];
   float half[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -232,25 +234,25 @@ Aabb SpawnCluster(Random& random, const Slot& slot) {
   }
   return Around(center, half);
 }
-void StepCluster(Random& random, const Slot& slot, Aabb& box) {
-  Random cluster(slot.index % 7 +
-                 1000 * (slot.frame / 8));  // a new common direction every 8 frames
+void StepCluster(SequentialRandom& random, const Slot& slot, Aabb& box) {
+  SequentialRandom cluster(slot.index % 7 +
+                           1000 * (slot.frame / 8));  // a new common direction every 8 frames
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, cluster.Between(-0.5F, 0.5F));
   Jitter(random, 0.05F, box);
 }
 
-Aabb SpawnPlanar(Random& random, const Slot& slot) {
+Aabb SpawnPlanar(SequentialRandom& random, const Slot& slot) {
   Aabb box = SpawnScattered(random, slot);
   box.min[1] = 0;
   box.max[1] = 1;
   return box;
 }
-void StepPlanar(Random& random, const Slot&, Aabb& box) {
+void StepPlanar(SequentialRandom& random, const Slot&, Aabb& box) {
   Shift(box, 0, random.Between(-0.1F, 0.1F));
   Shift(box, 2, random.Between(-0.1F, 0.1F));
 }
 
-Aabb SpawnMixedSizes(Random& random, const Slot& slot) {
+Aabb SpawnMixedSizes(SequentialRandom& random, const Slot& slot) {
   float center[3];
   float half[3];
   const auto size = static_cast<float>(0.005 * portable::Pow(1000.0, random.Unit()));
@@ -297,15 +299,6 @@ size_t KindIndex(std::string_view name) {
 }
 
 }  // namespace
-
-uint64_t Random::Next() {
-  uint64_t z = state_ += 0x9E3779B97F4A7C15U;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-  return z ^ (z >> 31);
-}
-
-float Random::Unit() { return static_cast<float>(Next() >> 40) * (1.0F / 16777216.0F); }
 
 std::span<const std::string_view> BoxSceneKinds() { return kNames; }
 

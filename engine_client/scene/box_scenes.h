@@ -12,24 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/scene/sequential_random.h"
 #include "sweepstake/aabb.h"
 
 namespace sweepstake {
-
-// splitmix64: the same everywhere, unlike the distributions of the standard library.
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  uint64_t Next();
-  // Uniform in [0, 1), in steps of 2^-24.
-  float Unit();
-  float Between(float low, float high) { return low + (high - low) * Unit(); }
-  // Uniform in [0, count). REQUIRES: count > 0.
-  size_t Below(size_t count) { return static_cast<size_t>(Next() % count); }
-
- private:
-  uint64_t state_;
-};
 
 // brownian, nearly-resting, falling, all-coincident, all-disjoint, touching-faces, zero-size,
 // one-huge, coordinates-1e30, float-limits, signed-zeros, teleporting, broken-boxes, long-thin,
@@ -47,7 +33,7 @@ class BoxScene {
  private:
   std::vector<Aabb> boxes_;
   std::vector<size_t> kinds_;  // of each box
-  Random random_;
+  SequentialRandom random_;
   uint64_t frame_ = 0;
 };
 

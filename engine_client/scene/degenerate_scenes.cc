@@ -48,7 +48,7 @@ class DegenerateScene : public Scene {
  private:
   std::string_view name_;
   BoxScene boxes_;
-  Random counts_;
+  SequentialRandom counts_;
   size_t shown_;
   uint64_t frame_index_ = 0;
 };

@@ -1,6 +1,5 @@
 #include "engine_client/scene/suite_scene.h"
 
-#include "engine_client/scene/counter_random.h"
 #include "engine_client/scene/portable_math.h"
 
 namespace sweepstake {
@@ -27,13 +26,6 @@ float ExpF(float x) { return static_cast<float>(portable::Exp(x)); }
 float PowF(float x, float y) { return static_cast<float>(portable::Pow(x, y)); }
 
 }  // namespace
-
-float SequentialRandom::Unit() {
-  state_ += kGoldenGamma;
-  return UnitFloat(Mix64(state_));
-}
-
-float SequentialRandom::Symmetric() { return Unit() * 2.0F - 1.0F; }
 
 SuiteScene::SuiteScene(std::string_view name, uint64_t variant, uint32_t object_count)
     : GeneratedScene(name,

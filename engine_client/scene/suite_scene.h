@@ -13,20 +13,9 @@
 #include <vector>
 
 #include "engine_client/scene/generated_scene.h"
+#include "engine_client/scene/sequential_random.h"
 
 namespace sweepstake {
-
-// splitmix64 as a sequence.
-class SequentialRandom {
- public:
-  explicit SequentialRandom(uint64_t seed) : state_(seed) {}
-
-  float Unit();       // in [0, 1)
-  float Symmetric();  // in [-1, 1)
-
- private:
-  uint64_t state_;
-};
 
 class SuiteScene : public GeneratedScene {
  protected:

@@ -7,6 +7,6 @@ namespace sweepstake::test_support {
 
 using sweepstake::BoxScene;
 using sweepstake::BoxSceneKinds;
-using sweepstake::Random;
+using Random = sweepstake::SequentialRandom;
 
 }  // namespace sweepstake::test_support
