@@ -1,4 +1,5 @@
 // The program `sweepstake`: wires its commands; each has a file pair of its own here.
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <exception>
@@ -16,6 +17,12 @@
 namespace sweepstake::cli {
 namespace {
 
+size_t ColumnsOfStderr() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
 // The parser's own message for an unknown command does not name it.
 Status CheckCommandName(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return {};
@@ -29,7 +36,8 @@ Status CheckCommandName(const CLI::App& app, int argc, char** argv) {
 }
 
 int Run(int argc, char** argv) {
-  Terminal terminal{std::cout, std::cerr, isatty(STDERR_FILENO) == 1};
+  const bool err_is_tty = isatty(STDERR_FILENO) == 1;
+  Terminal terminal{std::cout, std::cerr, err_is_tty, err_is_tty ? ColumnsOfStderr() : 0};
   CLI::App app("Sweepstake: adaptive broad-phase collision detection", "sweepstake");
   app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   app.require_subcommand(1);

@@ -1,5 +1,7 @@
 // The pairs that are right, found by a plain sorted sweep with the definition of overlap itself
-// (aabb.h): no vector code, no structure kept, nothing shared with the backends it judges.
+// (aabb.h): no vector code, no structure kept, nothing shared with the backends it judges. Sorted,
+// so that `sweepstake check` judges 3,000 objects over hundreds of frames in seconds; the tests
+// judge this oracle, too, by one that compares every two boxes (tests/support/pair_oracle.h).
 //
 // Not thread-safe; keeps its memory. Cost: a sort plus one test per two boxes whose x intervals
 // meet.

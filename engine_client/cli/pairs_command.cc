@@ -23,6 +23,8 @@ PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   arm.Build(scene.aabbs());
   size_t object_count = scene.aabbs().size();
   for (uint64_t i = 0; i < frame; ++i) {
+    arm.FindPairs(pairs);
+    pairs.Clear();
     scene.Step();
     if (scene.aabbs().size() == object_count) {
       arm.Update(scene.aabbs());

@@ -38,6 +38,7 @@ std::string ReasonName(v1::SwitchReason reason) {
 
 Interval ApproximateInterval(double alpha, double beta) {
   const double evidence = alpha + beta;
+  if (!(evidence > 0)) return {};
   const double mean = alpha / evidence;
   const double deviation = std::sqrt(mean * (1 - mean) / (evidence + 1));
   return {std::max(0.0, mean - 1.96 * deviation), std::min(1.0, mean + 1.96 * deviation)};
@@ -45,7 +46,8 @@ Interval ApproximateInterval(double alpha, double beta) {
 
 std::string IntervalBar(double mean, Interval interval, int width) {
   const auto column = [&](double value) {
-    return static_cast<size_t>(std::clamp(static_cast<int>(value * width), 0, width - 1));
+    return static_cast<size_t>(
+        std::min(static_cast<int>(std::clamp(value, 0.0, 1.0) * width), width - 1));
   };
   std::string bar(static_cast<size_t>(width), ' ');
   std::fill(bar.begin() + static_cast<std::ptrdiff_t>(column(interval.low)),

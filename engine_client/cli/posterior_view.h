@@ -14,7 +14,8 @@ struct Interval {
 };
 
 // 95 % of a Beta distribution by the normal approximation, mean ± 1.96 standard deviations, cut to
-// 0..1: good to 0.01 from some ten observations on, too narrow towards 0 and 1 before.
+// 0..1: good to 0.01 from some ten observations on, too narrow towards 0 and 1 before. All of 0..1
+// where there is no evidence at all.
 Interval ApproximateInterval(double alpha, double beta);
 
 // `width` characters from 0 to 1: '-' inside the interval, '|' the mean, ' ' outside.

@@ -133,7 +133,7 @@ class Player {
 
   void Play() {
     while (run_.elapsed_ns() < duration_ns_ && !StopRequested()) {
-      if (run_.Frame()) Say(SwitchText(run_.switches().back(), run_.adaptive()));
+      if (run_.Frame()) SaySwitch();
       log_.Write(run_.adaptive().last_sample(), run_.adaptive());
       if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) SayPriors();
       if (progress_.due()) ShowProgress();
@@ -151,12 +151,20 @@ class Player {
     priors_said_ = true;
   }
 
+  void SaySwitch() {
+    Say(SwitchText(run_.switches().back(), run_.adaptive()));
+    const std::string beliefs = BeliefsText(session_.stats().beliefs);
+    if (!beliefs.empty()) Say("       " + beliefs);
+  }
+
   void ShowProgress() {
     const FrameSample& sample = run_.adaptive().last_sample();
     const double fps = 1e9 / static_cast<double>(std::max<uint64_t>(sample.frame_time_ns, 1));
-    progress_.Show(run_.elapsed_ns() / 1'000'000, run_.adaptive().arms()[sample.arm] + ", " +
-                                                      Fixed(fps, 0) + " frames/s, " +
-                                                      StateText(session_.stats()));
+    const SessionStats stats = session_.stats();
+    const std::string beliefs = BeliefsText(stats.beliefs);
+    progress_.Show(run_.elapsed_ns() / 1'000'000,
+                   run_.adaptive().arms()[sample.arm] + ", " + Fixed(fps, 0) + " frames/s, " +
+                       StateText(stats) + (beliefs.empty() ? "" : "; " + beliefs));
   }
 
   void Say(const std::string& line) {

@@ -32,14 +32,17 @@ size_t SwitchCount(const GameRun& run, SwitchReason reason) {
                     [&](const SwitchEvent& event) { return event.reason == reason; }));
 }
 
+double Evidence(const ArmBelief& belief) { return belief.alpha + belief.beta; }
+double Mean(const ArmBelief& belief) { return belief.alpha / Evidence(belief); }
+
 // What is known about one arm in the end.
 struct ArmRow {
   std::string arm;
   ArmBelief belief;  // Beta(1,1) where nothing was heard
   ArmActivity activity;
 
-  double mean() const { return belief.alpha / (belief.alpha + belief.beta); }
-  double evidence() const { return belief.alpha + belief.beta; }
+  double mean() const { return Mean(belief); }
+  double evidence() const { return Evidence(belief); }
   double fps() const {
     return Ratio(static_cast<double>(activity.frame_count), Seconds(activity.active_ns));
   }
@@ -157,6 +160,25 @@ std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adapt
          ReasonName(event.reason) + ")";
 }
 
+std::string BeliefsText(std::span<const ArmBelief> beliefs) {
+  std::vector<ArmBelief> best_first(beliefs.begin(), beliefs.end());
+  std::stable_sort(best_first.begin(), best_first.end(),
+                   [](const ArmBelief& a, const ArmBelief& b) { return Mean(a) > Mean(b); });
+  std::string text;
+  for (const ArmBelief& belief : best_first) {
+    text += (text.empty() ? "" : " · ") + belief.arm + " " + Fixed(Mean(belief), 2) +
+            (text.empty() ? " (n " : " (") + Fixed(Evidence(belief), 0) + ")";
+  }
+  return text;
+}
+
+std::string DroppedText(uint64_t dropped_count, uint64_t frame_count) {
+  if (dropped_count == 0) return "no samples dropped";
+  return std::to_string(dropped_count) + " of " + std::to_string(frame_count) +
+         " samples were dropped because the queue was full (frames come faster than they are "
+         "sent): the evidence is thinner, the frames themselves were not affected";
+}
+
 void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStats& stats,
                     std::ostream& out) {
   const double active_s = Seconds(ActiveNs(run));
@@ -165,8 +187,8 @@ void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStat
   PrintArms(run, stats, out);
   if (stats.beliefs.empty()) out << "Nothing was learnt yet: these are Beta(1,1)\n";
   out << run.frame_count() << " frames in " << Fixed(active_s, 1) << " s, "
-      << Fixed(Ratio(static_cast<double>(run.frame_count()), active_s), 0) << " frames/s; "
-      << stats.dropped_frame_count << " samples dropped by the full queue\n";
+      << Fixed(Ratio(static_cast<double>(run.frame_count()), active_s), 0) << " frames/s\n"
+      << DroppedText(stats.dropped_frame_count, run.frame_count()) << '\n';
   PrintSwitches(run, out);
 }
 

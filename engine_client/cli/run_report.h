@@ -1,10 +1,10 @@
-// What `sweepstake run` says in the end: for people, as JSON, and as CSV files.
+// What `sweepstake run` says while it runs, and in the end: for people, as JSON, and as CSV files.
 #pragma once
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <ostream>
+#include <span>
 #include <string>
 
 #include "engine_client/cli/game_run.h"
@@ -24,6 +24,11 @@ struct RunSetup {
 std::string PriorsText(const SessionStats& stats);
 // "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive);
+// The posterior means, best first, with alpha + beta: "KDTree 0.81 (n 24) · Grid 0.73 (6)". Empty
+// when there are none yet.
+std::string BeliefsText(std::span<const ArmBelief> beliefs);
+// How many samples the full queue dropped, and what that means.
+std::string DroppedText(uint64_t dropped_count, uint64_t frame_count);
 
 void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStats& stats,
                     std::ostream& out);

@@ -26,6 +26,15 @@ int Fail(Terminal& terminal, const Status& status) {
   return status.code() == StatusCode::kInternal ? kCheckFailed : kBadUsage;
 }
 
+std::string CutToColumns(const std::string& text, size_t columns) {
+  size_t characters = 0;
+  for (size_t at = 0; at < text.size(); ++at) {
+    const bool starts_character = (static_cast<unsigned char>(text[at]) & 0xC0U) != 0x80U;
+    if (starts_character && ++characters > columns) return text.substr(0, at);
+  }
+  return text;
+}
+
 Progress::Progress(Terminal& terminal, std::string label, uint64_t total)
     : terminal_(terminal),
       label_(std::move(label)),
@@ -51,9 +60,12 @@ void Progress::Line(const std::string& text) {
 void Progress::Draw(uint64_t done, const std::string& text) {
   drawn_at_ = steady_clock::now();
   ClearBar();
-  terminal_.err << label_;
-  if (total_ > 0) terminal_.err << ' ' << Bar(done, total_);
-  if (!text.empty()) terminal_.err << ' ' << text;
+  std::string line = label_;
+  if (total_ > 0) line += ' ' + Bar(done, total_);
+  if (!text.empty()) line += ' ' + text;
+  // A line that wraps could not be cleared; one column stays free for the cursor.
+  if (terminal_.err_columns > 0) line = CutToColumns(line, terminal_.err_columns - 1);
+  terminal_.err << line;
   if (!terminal_.err_is_tty) terminal_.err << '\n';
   terminal_.err << std::flush;
   drawn_ = terminal_.err_is_tty;

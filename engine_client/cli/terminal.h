@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <ostream>
 #include <string>
@@ -17,14 +18,18 @@ struct Terminal {
   std::ostream& out;
   std::ostream& err;
   bool err_is_tty = false;
+  size_t err_columns = 0;  // 0: no terminal
 };
 
 // Prints "sweepstake: MESSAGE" and gives the exit code that fits: kUnreachable for kUnavailable,
 // kCheckFailed for kInternal, else kBadUsage.
 int Fail(Terminal& terminal, const Status& status);
 
-// How far long work has come, on `err`: a bar redrawn ten times a second at most, or, where `err`
-// is no terminal, a line per ten seconds. Not thread-safe.
+// The start of `text` (UTF-8) that fits into `columns`, a character in each.
+std::string CutToColumns(const std::string& text, size_t columns);
+
+// How far long work has come, on `err`: a bar redrawn ten times a second at most and cut to the
+// terminal's width, or, where `err` is no terminal, a line per ten seconds. Not thread-safe.
 class Progress {
  public:
   // `total` 0 shows no bar, only the text.

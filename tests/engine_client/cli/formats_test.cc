@@ -6,6 +6,8 @@
 
 #include "engine_client/cli/csv_file.h"
 #include "engine_client/cli/duration.h"
+#include "engine_client/cli/run_report.h"
+#include "engine_client/cli/terminal.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -24,6 +26,26 @@ TEST(ParseDuration, RefusesEverythingElseAndSaysWhatItTakes) {
     ASSERT_FALSE(duration.ok()) << text;
     EXPECT_NE(duration.status().message().find("15m"), std::string::npos) << text;
   }
+}
+
+TEST(BeliefsText, ListsTheArmsBestFirst) {
+  const ArmBelief beliefs[] = {{"SAP", 1, 1}, {"Grid", 4.5, 1.5}, {"KDTree", 19.5, 4.5}};
+  EXPECT_EQ(BeliefsText(beliefs), "KDTree 0.81 (n 24) · Grid 0.75 (6) · SAP 0.50 (2)");
+  EXPECT_EQ(BeliefsText({}), "");
+}
+
+TEST(DroppedText, SaysWhatALossMeans) {
+  EXPECT_EQ(DroppedText(0, 10), "no samples dropped");
+  const std::string text = DroppedText(3, 10);
+  EXPECT_NE(text.find("3 of 10 samples"), std::string::npos) << text;
+  EXPECT_NE(text.find("frames themselves were not affected"), std::string::npos) << text;
+}
+
+TEST(CutToColumns, CutsBetweenCharacters) {
+  EXPECT_EQ(CutToColumns("a · b", 9), "a · b");
+  EXPECT_EQ(CutToColumns("a · b", 3), "a ·");
+  EXPECT_EQ(CutToColumns("a · b", 2), "a ");
+  EXPECT_EQ(CutToColumns("a · b", 0), "");
 }
 
 TEST(QuoteCsv, QuotesCommasQuotesAndLineBreaksAsRfc4180Does) {

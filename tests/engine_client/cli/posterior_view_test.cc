@@ -37,6 +37,12 @@ TEST(ApproximateInterval, StaysWithinZeroAndOne) {
   EXPECT_EQ(unknown.high, 1);
 }
 
+TEST(ApproximateInterval, IsEverythingWithoutEvidence) {
+  const Interval nothing = ApproximateInterval(0, 0);
+  EXPECT_EQ(nothing.low, 0);
+  EXPECT_EQ(nothing.high, 1);
+}
+
 TEST(IntervalBar, MarksTheMeanWithinTheInterval) {
   EXPECT_EQ(IntervalBar(0.5, {0.25, 0.75}, 8), "  --|-- ");
   EXPECT_EQ(IntervalBar(1, {1, 1}, 4), "   |");

@@ -51,6 +51,7 @@ TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("no priors yet"));
   EXPECT_THAT(run.out, HasSubstr("(exploration)"));
+  EXPECT_THAT(run.out, HasSubstr("KDTree 0.")) << "the posteriors at a switch";
   EXPECT_THAT(run.out, HasSubstr("Posteriors learnt in suite-b with 100 objects"));
 }
 
