@@ -116,7 +116,7 @@ void Declare(CLI::App& command, BenchOptions& options) {
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
       ->capture_default_str();
   command.add_option("--warmup", options.warmup, "Frames before them")
-      ->check(CLI::Range(uint64_t{0}, uint64_t{1'000'000}))
+      ->check(WholeUpTo(1'000'000))
       ->capture_default_str();
   command.add_option("--seed", options.seed, "Seed of the scenes")->capture_default_str();
   command.add_option("--arms", options.arms, "all, or names of backends")

@@ -149,7 +149,7 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
             ->delimiter(',')
             ->capture_default_str();
         command.add_option("--frames", options.frames, "Steps after the first frame")
-            ->check(CLI::Range(uint64_t{0}, uint64_t{1'000'000}))
+            ->check(WholeUpTo(1'000'000))
             ->capture_default_str();
         command.add_option("--seed", options.seed, "Seed of the scenes")->capture_default_str();
         command.add_option("--arms", options.arms, "all, or names of backends")

@@ -12,6 +12,9 @@
 
 namespace sweepstake::cli {
 
+// Whole numbers from 0: the parser wraps "-1" around to the largest there is.
+inline CLI::Validator WholeUpTo(uint64_t most) { return CLI::Range(uint64_t{0}, most); }
+
 // Adds `name` with its `examples` (whole lines) at the end of the help; `run` is called with the
 // options that `declare` filled.
 template <typename Options>

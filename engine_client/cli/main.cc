@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <iostream>
+#include <span>
 #include <string>
 
 #include "engine_client/cli/bench_command.h"
@@ -23,16 +24,28 @@ size_t ColumnsOfStderr() {
   return known ? size.ws_col : 80;
 }
 
-// The parser's own message for an unknown command does not name it.
-Status CheckCommandName(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return {};
+// Without the program's name; a program may be started with no name at all.
+std::span<char* const> Words(int argc, char** argv) {
+  return argc < 1 ? std::span<char* const>()
+                  : std::span(argv, static_cast<size_t>(argc)).subspan(1);
+}
+
+// The parser's own message for a missing or unknown command names none. `given` are the words after
+// the one of `app`.
+Status CheckCommandName(const CLI::App& app, std::span<char* const> given) {
+  const auto commands = app.get_subcommands({});
+  if (commands.empty() || (!given.empty() && given.front()[0] == '-')) return {};
   std::string names;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_name() == argv[1]) return {};
+  for (const CLI::App* command : commands) {
+    if (!given.empty() && command->get_name() == given.front()) {
+      return CheckCommandName(*command, given.subspan(1));
+    }
     names += (names.empty() ? "" : ", ") + command->get_name();
   }
+  const std::string problem =
+      given.empty() ? "give a command" : "there is no command '" + std::string(given.front()) + "'";
   return {StatusCode::kInvalidArgument,
-          "there is no command '" + std::string(argv[1]) + "'; the commands are " + names};
+          problem + "; the commands of " + app.get_name() + " are " + names};
 }
 
 int Run(int argc, char** argv) {
@@ -54,7 +67,7 @@ int Run(int argc, char** argv) {
   AddRecordCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);
   AddPriorsCommand(app, terminal, exit_code);
-  if (const Status status = CheckCommandName(app, argc, argv); !status.ok()) {
+  if (const Status status = CheckCommandName(app, Words(argc, argv)); !status.ok()) {
     return Fail(terminal, status);
   }
   try {

@@ -77,7 +77,9 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
             ->capture_default_str();
         command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
             ->capture_default_str();
-        command.add_option("--frame", options.frame, "Frame to show")->required();
+        command.add_option("--frame", options.frame, "Frame to show")
+            ->check(WholeUpTo(1'000'000))
+            ->required();
         command.add_option("--arm", options.arm, "Backend that finds the pairs")->required();
         command.add_flag("--json", options.json, "One JSON document on stdout");
       },

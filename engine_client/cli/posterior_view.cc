@@ -60,7 +60,8 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
   std::ostringstream text;
   text << scene.project() << " / " << scene.scene();
   if (!scene.machine_class().empty()) text << " on " << scene.machine_class();
-  text << ": " << scene.active_session_count() << " sessions now, evidence of "
+  text << ": " << scene.active_session_count()
+       << (scene.active_session_count() == 1 ? " session" : " sessions") << " now, evidence of "
        << scene.source_count() << " in all\n";
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
                    "n", "windows", "bail-outs"});

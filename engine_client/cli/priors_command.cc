@@ -92,11 +92,11 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   priors->require_subcommand(1);
   priors->footer(
       "Examples:\n"
-      "  sweepstake priors list --daemon 127.0.0.1:7600\n"
-      "  sweepstake priors export --daemon 127.0.0.1:7600 --out priors.json");
+      "  sweepstake priors list --daemon 127.0.0.1:7433\n"
+      "  sweepstake priors export --daemon 127.0.0.1:7433 --out priors.json");
   AddCommand<PriorsOptions>(
       *priors, "list", "Show every scene's posteriors",
-      "  sweepstake priors list --daemon 127.0.0.1:7600 --project quickstart\n", exit_code,
+      "  sweepstake priors list --daemon 127.0.0.1:7433 --project quickstart\n", exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         DeclareFilter(command, options);
@@ -104,7 +104,7 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       [&terminal](const PriorsOptions& options) { return RunList(options, terminal); });
   AddCommand<PriorsOptions>(
       *priors, "export", "Write the evidence as a priors file, for games and other daemons",
-      "  sweepstake priors export --daemon 127.0.0.1:7600 --out priors.json\n"
+      "  sweepstake priors export --daemon 127.0.0.1:7433 --out priors.json\n"
       "  sweepstake run --scene hurricane --objects 3000 --embedded --priors priors.json\n",
       exit_code,
       [](CLI::App& command, PriorsOptions& options) {
@@ -115,7 +115,7 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       [&terminal](const PriorsOptions& options) { return RunExport(options, terminal); });
   AddCommand<PriorsOptions>(
       *priors, "import", "Add a priors file to a daemon's evidence; twice changes nothing",
-      "  sweepstake priors import --daemon 127.0.0.1:7600 --in priors.json\n", exit_code,
+      "  sweepstake priors import --daemon 127.0.0.1:7433 --in priors.json\n", exit_code,
       [](CLI::App& command, PriorsOptions& options) {
         DeclareCommon(command, options);
         command.add_option("--in", options.file, "File to read")->required();

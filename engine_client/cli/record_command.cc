@@ -1,5 +1,6 @@
 #include "engine_client/cli/record_command.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -15,10 +16,11 @@ struct RecordOptions {
   bool json = false;
 };
 
-// Shows how far the recording is: one Step is one frame written.
+// Shows how far the recording is, and notes the fullest frame: one Step is one frame written.
 class ObservedScene : public Scene {
  public:
-  ObservedScene(Scene& scene, Progress& progress) : scene_(scene), progress_(progress) {}
+  ObservedScene(Scene& scene, Progress& progress)
+      : scene_(scene), progress_(progress), most_objects_(scene.aabbs().size()) {}
 
   std::string_view name() const override { return scene_.name(); }
   Aabb world() const override { return scene_.world(); }
@@ -26,37 +28,42 @@ class ObservedScene : public Scene {
   std::span<const Aabb> aabbs() const override { return scene_.aabbs(); }
   void Step() override {
     scene_.Step();
+    most_objects_ = std::max(most_objects_, scene_.aabbs().size());
     progress_.Show(++steps_);
   }
+  size_t most_objects() const { return most_objects_; }
 
  private:
   Scene& scene_;
   Progress& progress_;
   uint64_t steps_ = 0;
+  size_t most_objects_;
 };
 
 int RunRecord(const RecordOptions& options, Terminal& terminal) {
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
+  size_t most_objects = 0;
   {
     Progress progress(terminal, "record", options.frames);
     ObservedScene observed(**scene, progress);
     const Status status = RecordScene(observed, options.frames, options.out);
     if (!status.ok()) return Fail(terminal, status);
+    most_objects = observed.most_objects();
   }
   const auto bytes = std::filesystem::file_size(options.out);
   if (options.json) {
     const nlohmann::ordered_json document = {{"command", "record"},
                                              {"scene", options.scene.name},
-                                             {"objects", (*scene)->aabbs().size()},
+                                             {"objects", most_objects},
                                              {"seed", options.scene.seed},
                                              {"frames", options.frames},
                                              {"out", options.out},
                                              {"bytes", bytes}};
     terminal.out << document.dump(2) << '\n';
   } else {
-    terminal.out << options.out << ": 1 + " << options.frames << " frames of "
-                 << (*scene)->aabbs().size() << " boxes, " << bytes << " bytes\n";
+    terminal.out << options.out << ": 1 + " << options.frames << " frames of " << most_objects
+                 << " boxes, " << bytes << " bytes\n";
   }
   return kDone;
 }
@@ -73,7 +80,9 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
         command.add_option("--objects", options.scene.object_count, "Object count")
             ->capture_default_str();
-        command.add_option("--frames", options.frames, "Frames after the spawn state")->required();
+        command.add_option("--frames", options.frames, "Frames after the spawn state")
+            ->check(WholeUpTo(2'147'483'647))
+            ->required();
         command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
             ->capture_default_str();
         command.add_option("--out", options.out, "File to write")->required();

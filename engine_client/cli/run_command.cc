@@ -158,13 +158,16 @@ class Player {
   }
 
   void ShowProgress() {
-    const FrameSample& sample = run_.adaptive().last_sample();
-    const double fps = 1e9 / static_cast<double>(std::max<uint64_t>(sample.frame_time_ns, 1));
+    const uint64_t now_ns = run_.elapsed_ns();
+    const double fps = 1e9 * static_cast<double>(run_.frame_count() - shown_frames_) /
+                       static_cast<double>(std::max<uint64_t>(now_ns - shown_ns_, 1));
+    shown_frames_ = run_.frame_count();
+    shown_ns_ = now_ns;
     const SessionStats stats = session_.stats();
     const std::string beliefs = BeliefsText(stats.beliefs);
-    progress_.Show(run_.elapsed_ns() / 1'000'000,
-                   run_.adaptive().arms()[sample.arm] + ", " + Fixed(fps, 0) + " frames/s, " +
-                       StateText(stats) + (beliefs.empty() ? "" : "; " + beliefs));
+    progress_.Show(now_ns / 1'000'000, run_.adaptive().arms()[run_.adaptive().active_arm()] + ", " +
+                                           Fixed(fps, 0) + " frames/s, " + StateText(stats) +
+                                           (beliefs.empty() ? "" : "; " + beliefs));
   }
 
   void Say(const std::string& line) {
@@ -184,6 +187,8 @@ class Player {
   const bool json_;
   Progress progress_;
   uint64_t next_look_ns_ = 0;
+  uint64_t shown_frames_ = 0;  // when the progress was shown last, and then
+  uint64_t shown_ns_ = 0;
   bool priors_said_ = false;
 };
 
@@ -201,9 +206,10 @@ int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
   }
   if (options.embedded || stats.connection_count > 0) return kDone;
   return Fail(terminal, Status(StatusCode::kUnavailable,
-                               "no daemon answered at " + options.daemon + " (" + stats.last_error +
-                                   "); the run went on without one. Start it with sweepstaked "
-                                   "--listen HOST:PORT, or use --embedded"));
+                               "got no session from " + options.daemon + ": " + stats.last_error +
+                                   ". The run went on without a decider. If no daemon is there, "
+                                   "start it with sweepstaked --listen HOST:PORT, or use "
+                                   "--embedded"));
 }
 
 Status CheckRun(const RunOptions& options) {
@@ -279,7 +285,7 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   AddCommand<RunOptions>(
       app, "run", "Run a scene on the frame path and let a decider choose the arm",
       "  sweepstake run --scene hurricane --objects 3000 --mode ai --embedded --duration 60s\n"
-      "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7600 --time-scale 4\n"
+      "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --time-scale 4\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
       "Frames are not paced: a frame takes as long as its work. Ctrl-C ends with the report.\n"
       "Exit code 3 when the daemon was never reached; the run goes on without it.",

@@ -121,9 +121,9 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
 void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   AddCommand<WatchOptions>(
       app, "watch", "Show a daemon's posteriors and decisions, live",
-      "  sweepstake watch --daemon 127.0.0.1:7600\n"
-      "  sweepstake watch --daemon 127.0.0.1:7600 --scene hurricane-3000\n"
-      "  sweepstake watch --daemon 127.0.0.1:7600 --json      once, for machines\n"
+      "  sweepstake watch --daemon 127.0.0.1:7433\n"
+      "  sweepstake watch --daemon 127.0.0.1:7433 --scene hurricane-3000\n"
+      "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for machines\n"
       "The 95 % interval is the normal approximation. Exit code 3 when no daemon answers.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {

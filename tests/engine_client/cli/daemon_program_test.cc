@@ -44,7 +44,7 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
   } cases[] = {
       {"watch", "--daemon"},
       {"watch --daemon nowhere", "nowhere"},
-      {"priors", "subcommand"},
+      {"priors", "the commands of priors are list, export, import"},
       {"priors import --daemon 127.0.0.1:1 --in no-such.json", "no-such.json"},
   };
   for (const auto& [arguments, said] : cases) {

@@ -47,8 +47,10 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string arguments;
     std::string said;
   } cases[] = {
-      {"", "subcommand"},
-      {"frobnicate", "the commands are run, check"},
+      {"", "the commands of sweepstake are run, check, "},
+      {"frobnicate", "the commands of sweepstake are run, check"},
+      {"pairs --scene suite-b --arm SAP --frame -3", "--frame"},
+      {"record --scene suite-b --frames -1 --out x.aabbs", "--frames"},
       {"check", "--scene"},
       {"check --scene nowhere", "suite-h"},
       {"check --scene suite-b --arms Octree", "AxisSweep"},

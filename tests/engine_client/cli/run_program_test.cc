@@ -84,7 +84,7 @@ TEST(RunProgram, GoesOnWithoutItsDaemonAndEndsWithThree) {
       RunProgram("run --scene suite-b --objects 100 --daemon 127.0.0.1:1 --duration 300ms --json");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_GT(json::parse(run.out)["frames"].get<uint64_t>(), 0U);
-  EXPECT_THAT(run.err, HasSubstr("no daemon answered at 127.0.0.1:1"));
+  EXPECT_THAT(run.err, HasSubstr("got no session from 127.0.0.1:1"));
 }
 
 TEST(RunProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
