@@ -71,16 +71,16 @@ TemporaryDirectory::~TemporaryDirectory() {
 }
 
 DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::string& listen,
-                             const std::vector<std::string>& more_arguments) {
+                             const std::vector<std::string>& more_arguments)
+    : log_(data / "log") {
   const std::filesystem::path port_file = data / "port";
-  const std::filesystem::path log = data / "log";
   std::filesystem::remove(port_file);
   std::vector<std::string> arguments = {SWEEPSTAKED_PATH,  "--listen",    listen,
                                         "--data",          data.string(), "--port-file",
                                         port_file.string()};
   arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
-  pid_ = Spawn(std::move(arguments), log);
-  address_ = "127.0.0.1:" + WaitForPort(pid_, port_file, log);
+  pid_ = Spawn(std::move(arguments), log_);
+  address_ = "127.0.0.1:" + WaitForPort(pid_, port_file, log_);
 }
 
 DaemonProcess::~DaemonProcess() {
@@ -100,6 +100,7 @@ int DaemonProcess::Terminate() {
   int status = 0;
   waitpid(pid_, &status, 0);
   pid_ = -1;
+  if (status != 0) std::fprintf(stderr, "The daemon's log:\n%s\n", ReadFile(log_).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 

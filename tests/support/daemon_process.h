@@ -39,10 +39,11 @@ class DaemonProcess {
   void Pause();
   // kill -9, and waits for the end.
   void Kill();
-  // SIGTERM; the exit code, or -1 when a signal ended it.
+  // SIGTERM; the exit code, or -1 when a signal ended it. Prints the daemon's log unless it is 0.
   int Terminate();
 
  private:
+  std::filesystem::path log_;
   pid_t pid_ = -1;
   std::string address_;
 };

@@ -1,0 +1,39 @@
+// Tells ThreadSanitizer what gRPC guarantees and it cannot see, since gRPC's and Abseil's libraries
+// are built without it: an operation is started before its reaction runs, so what was written
+// before StartRead, StartWrite or Finish is there in OnReadDone, OnWriteDone and OnDone. Nothing
+// else is ordered: what our own locks must guard is still seen.
+//
+// Stands in front of the C library underneath gRPC's headers, in programs that have this file among
+// their sources: they start a batch of operations, and let go of the call right before the
+// reaction.
+#include <dlfcn.h>
+#include <grpc/grpc.h>
+
+#include <cstdlib>
+
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+
+namespace {
+
+template <typename Function>
+Function* Next(const char* name) {
+  void* next = dlsym(RTLD_NEXT, name);
+  if (next == nullptr) std::abort();
+  return reinterpret_cast<Function*>(next);
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) grpc_call_error grpc_call_start_batch(
+    grpc_call* call, const grpc_op* ops, size_t count, void* tag, void* reserved) {
+  static auto* const next = Next<decltype(grpc_call_start_batch)>("grpc_call_start_batch");
+  __tsan_release(call);
+  return next(call, ops, count, tag, reserved);
+}
+
+extern "C" __attribute__((visibility("default"))) void grpc_call_unref(grpc_call* call) {
+  static auto* const next = Next<decltype(grpc_call_unref)>("grpc_call_unref");
+  __tsan_acquire(call);
+  next(call);
+}
