@@ -6,7 +6,8 @@
 // independent. Memory is bounded by the number of arms. Decision times come from the caller's
 // clock, settling and warm-up from the frames' own times.
 //
-// What decision.md §1 leaves open is settled so:
+// At a tick: update the posterior, then sample, then gate. What the paper leaves open is settled
+// so:
 // - Two clocks. Ticks, the cooldown and active time run on now_ns. Settling, warm-up and
 //   measuring run on frame time, counted from the end of the first frame of the new switch
 //   epoch; paused and loading frames do not count.
@@ -87,11 +88,10 @@ class DecisionSession {
   // settling (see above).
   void ObserveFrames(std::span<const Frame> frames);
 
-  // A frame over the limit, at once (decision.md §1 "bail-out"). Frames whose detection is under
-  // half of the frame, that are flagged paused or loading, or that are neither over
-  // options.bail_out_ns nor flagged kFrameBailOut, are recorded and not blamed: no increment, no
-  // command. At most one per frame index is the caller's to keep. The frame may come through
-  // ObserveFrames as well.
+  // A frame over the limit, at once (paper §6.3). Frames whose detection is under half of the
+  // frame, that are flagged paused or loading, or that are neither over options.bail_out_ns nor
+  // flagged kFrameBailOut, are recorded and not blamed: no increment, no command. At most one per
+  // frame index is the caller's to keep. The frame may come through ObserveFrames as well.
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
 
   // The client's answer to a command, or a local switch (command_id 0): the new arm is active from
@@ -110,8 +110,8 @@ class DecisionSession {
   // When the next tick is due: one decision interval after the last was due or, where that has
   // passed too, after the last.
   int64_t next_tick_ns() const;
-  // Update, then sample, then gate (decision.md §1 "order at a tick"). A late tick is one tick,
-  // never several. REQUIRES: now_ns >= next_tick_ns().
+  // Update, then sample, then gate. A late tick is one tick, never several.
+  // REQUIRES: now_ns >= next_tick_ns().
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const;

@@ -1,5 +1,5 @@
-// The recent range of frame rates that a window's frame rate is judged against (decision.md §1 "FPS
-// score").
+// The recent range of frame rates that a window's frame rate is judged against, with a floor for
+// near stalls (the paper's adaptive FPS normalisation, §4, whose numbers are fixed here).
 //
 // The last 30 windows of the run, over all arms and kept across switches, the one being judged
 // included. Fixed memory.

@@ -1,4 +1,4 @@
-// A window's metrics to one number in [0, 1] (paper §4 and §6.3; decision.md §1). Pure functions.
+// A window's metrics to one number in [0, 1] (paper §4 and §6.3). Pure functions.
 #pragma once
 
 #include <optional>

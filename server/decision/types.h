@@ -100,7 +100,8 @@ struct SessionCounts {
   uint64_t excused_bail_out_count = 0;  // recorded, not blamed
 };
 
-// The run since the exploration ended (decision.md §1 "active time", "post-exploration switches").
+// The run since the exploration ended: the paper's active time and post-exploration switches
+// (§6.2).
 class ObservationSummary {
  public:
   std::optional<int64_t> start_ns;  // absent: the exploration goes on
