@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/scene_choice.h"
 #include "engine_client/cli/scene_timing.h"
 #include "engine_client/cli/text_table.h"
@@ -98,7 +99,7 @@ int RunBench(const BenchOptions& options, Terminal& terminal) {
                      {"seed", options.seed},
                      {"rows", Json::array()}};
     for (const Row& row : rows) document["rows"].push_back(RowJson(row));
-    terminal.out << document.dump(2) << '\n';
+    PrintJson(document, terminal.out);
   } else {
     Print(rows, terminal.out);
   }

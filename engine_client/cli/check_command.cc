@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/scene_check.h"
 #include "engine_client/cli/scene_choice.h"
 #include "engine_client/cli/text_table.h"
@@ -121,7 +122,7 @@ int RunCheck(const CheckOptions& options, Terminal& terminal) {
   if (options.json) {
     Json document = {{"command", "check"}, {"passed", passed}, {"rows", Json::array()}};
     for (const Row& row : rows) document["rows"].push_back(RowJson(row));
-    terminal.out << document.dump(2) << '\n';
+    PrintJson(document, terminal.out);
   } else {
     Print(rows, terminal.out);
   }

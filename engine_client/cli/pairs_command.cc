@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/scene_choice.h"
 #include "sweepstake/broad_phase.h"
 
@@ -38,14 +39,14 @@ PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   return pairs;
 }
 
-void PrintJson(const PairsOptions& options, const PairBuffer& pairs, std::ostream& out) {
+void PrintPairsJson(const PairsOptions& options, const PairBuffer& pairs, std::ostream& out) {
   nlohmann::ordered_json document = {{"command", "pairs"},
                                      {"scene", options.scene.name},
                                      {"frame", options.frame},
                                      {"arm", options.arm},
                                      {"pairs", nlohmann::ordered_json::array()}};
   for (const OverlapPair& pair : pairs.pairs()) document["pairs"].push_back({pair.a, pair.b});
-  out << document.dump() << '\n';
+  PrintJson(document, out, -1);
 }
 
 int RunPairs(const PairsOptions& options, Terminal& terminal) {
@@ -55,7 +56,7 @@ int RunPairs(const PairsOptions& options, Terminal& terminal) {
   if (!scene.ok()) return Fail(terminal, scene.status());
   const PairBuffer pairs = FindPairsOfFrame(**scene, **arm, options.frame);
   if (options.json) {
-    PrintJson(options, pairs, terminal.out);
+    PrintPairsJson(options, pairs, terminal.out);
   } else {
     for (const OverlapPair& pair : pairs.pairs()) terminal.out << pair.a << ' ' << pair.b << '\n';
   }

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/posterior_listing.h"
 #include "engine_client/cli/posterior_view.h"
 #include "engine_client/cli/priors_transfer.h"
@@ -27,7 +28,7 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
     for (const v1::ScenePosterior& scene : *scenes) {
       document["scenes"].push_back(PosteriorJson(scene));
     }
-    terminal.out << document.dump(2) << '\n';
+    PrintJson(document, terminal.out);
     return kDone;
   }
   for (const v1::ScenePosterior& scene : *scenes) terminal.out << PosteriorText(scene) << '\n';
@@ -43,11 +44,9 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
   if (options.json) {
-    terminal.out << Json{{"command", "priors export"},
-                         {"file", options.file},
-                         {"records", records->size()}}
-                        .dump(2)
-                 << '\n';
+    PrintJson(
+        Json{{"command", "priors export"}, {"file", options.file}, {"records", records->size()}},
+        terminal.out);
   } else {
     terminal.out << options.file << ": " << records->size() << " records\n";
   }
@@ -60,13 +59,12 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   const auto result = ImportPriors(options.daemon, *records);
   if (!result.ok()) return Fail(terminal, result.status());
   if (options.json) {
-    terminal.out << Json{{"command", "priors import"},
-                         {"file", options.file},
-                         {"records", records->size()},
-                         {"applied", result->applied_count},
-                         {"unchanged", result->unchanged_count}}
-                        .dump(2)
-                 << '\n';
+    PrintJson(Json{{"command", "priors import"},
+                   {"file", options.file},
+                   {"records", records->size()},
+                   {"applied", result->applied_count},
+                   {"unchanged", result->unchanged_count}},
+              terminal.out);
   } else {
     terminal.out << options.file << ": " << result->applied_count << " of " << records->size()
                  << " records were new or newer, " << result->unchanged_count

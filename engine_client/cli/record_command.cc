@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/scene_choice.h"
 
 namespace sweepstake::cli {
@@ -60,7 +61,7 @@ int RunRecord(const RecordOptions& options, Terminal& terminal) {
                                              {"frames", options.frames},
                                              {"out", options.out},
                                              {"bytes", bytes}};
-    terminal.out << document.dump(2) << '\n';
+    PrintJson(document, terminal.out);
   } else {
     terminal.out << options.out << ": 1 + " << options.frames << " frames of " << most_objects
                  << " boxes, " << bytes << " bytes\n";

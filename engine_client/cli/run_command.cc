@@ -7,6 +7,7 @@
 #include "engine_client/cli/csv_file.h"
 #include "engine_client/cli/duration.h"
 #include "engine_client/cli/game_run.h"
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/machine_class.h"
 #include "engine_client/cli/run_report.h"
 #include "engine_client/cli/scene_choice.h"
@@ -195,7 +196,7 @@ class Player {
 int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
            const SessionStats& stats, FrameLog& log, Terminal& terminal) {
   if (options.json) {
-    terminal.out << RunReportJson(setup, run, stats).dump(2) << '\n';
+    PrintJson(RunReportJson(setup, run, stats), terminal.out);
   } else {
     PrintRunReport(setup, run, stats, terminal.out);
   }
@@ -233,14 +234,13 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   setup.scene.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
   auto session = MakeSession(options, SceneKey(options, setup.scene.object_count));
   if (!session.ok()) return Fail(terminal, session.status());
-  auto log = FrameLog::Create(options.csv);
-  if (!log.ok()) return Fail(terminal, log.status());
-
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
   if (!run.ok()) return Fail(terminal, run.status());
+  auto log = FrameLog::Create(options.csv);
+  if (!log.ok()) return Fail(terminal, log.status());
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "engine_client/cli/daemon_client.h"
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/posterior_listing.h"
 #include "engine_client/cli/posterior_view.h"
 #include "engine_client/cli/stop_signal.h"
@@ -40,7 +41,7 @@ int ShowOnce(const WatchOptions& options, Terminal& terminal) {
     for (const v1::ScenePosterior& scene : *scenes) {
       document["scenes"].push_back(PosteriorJson(scene));
     }
-    terminal.out << document.dump(2) << '\n';
+    PrintJson(document, terminal.out);
     return kDone;
   }
   for (const v1::ScenePosterior& scene : *scenes) terminal.out << PosteriorText(scene) << '\n';

@@ -2,10 +2,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine_client/cli/csv_file.h"
 #include "engine_client/cli/duration.h"
+#include "engine_client/cli/json_output.h"
 #include "engine_client/cli/run_report.h"
 #include "engine_client/cli/terminal.h"
 
@@ -26,6 +28,12 @@ TEST(ParseDuration, RefusesEverythingElseAndSaysWhatItTakes) {
     ASSERT_FALSE(duration.ok()) << text;
     EXPECT_NE(duration.status().message().find("15m"), std::string::npos) << text;
   }
+}
+
+TEST(PrintJson, ReplacesWhatIsNoUtf8) {
+  std::ostringstream out;
+  PrintJson({{"scene", "a\xff"}}, out, -1);
+  EXPECT_EQ(out.str(), "{\"scene\":\"a\uFFFD\"}\n");
 }
 
 TEST(BeliefsText, ListsTheArmsBestFirst) {
