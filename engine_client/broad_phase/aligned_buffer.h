@@ -12,6 +12,7 @@
 #include <memory>
 #include <new>
 #include <type_traits>
+#include <utility>
 
 namespace sweepstake {
 
@@ -21,6 +22,15 @@ class AlignedBuffer {
 
  public:
   static constexpr size_t kAlignment = 64;  // one cache line, one AVX-512 register
+
+  AlignedBuffer() = default;
+  // The two change places: what was moved from is a sound buffer, an empty one where this was new.
+  AlignedBuffer(AlignedBuffer&& other) noexcept { *this = std::move(other); }
+  AlignedBuffer& operator=(AlignedBuffer&& other) noexcept {
+    std::swap(storage_, other.storage_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
 
   T* data() { return storage_.get(); }
   const T* data() const { return storage_.get(); }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <utility>
 
 #include "sweepstake/aabb.h"
 
@@ -17,6 +18,16 @@ class PairBuffer {
   // Pairs that may be written past the size after EnsureRoom: a vector store may overrun by one
   // register.
   static constexpr size_t kSlack = 64;
+
+  PairBuffer() = default;
+  // The two change places: what was moved from is a sound buffer, an empty one where this was new.
+  PairBuffer(PairBuffer&& other) noexcept { *this = std::move(other); }
+  PairBuffer& operator=(PairBuffer&& other) noexcept {
+    std::swap(storage_, other.storage_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
 
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }

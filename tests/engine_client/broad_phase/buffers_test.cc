@@ -44,6 +44,27 @@ TEST(AlignedBuffer, GrowsSeldomWhenTheCountRisesByOne) {
   EXPECT_LT(growths, 30);
 }
 
+TEST(PairBuffer, IsASoundBufferAfterItWasMovedFrom) {
+  PairBuffer from;
+  from.Append({1, 2});
+  const PairBuffer to = std::move(from);
+  EXPECT_EQ(to.size(), 1U);
+  EXPECT_TRUE(from.empty());  // NOLINT(bugprone-use-after-move): that is what is tested
+  EXPECT_EQ(from.capacity_bytes(), 0U);
+  from.Append({3, 4});
+  EXPECT_EQ(from.pairs()[0], (OverlapPair{3, 4}));
+}
+
+TEST(AlignedBuffer, IsASoundBufferAfterItWasMovedFrom) {
+  AlignedBuffer<uint32_t> from;
+  from.EnsureDiscarding(8);
+  const AlignedBuffer<uint32_t> to = std::move(from);
+  EXPECT_EQ(to.capacity(), 8U);
+  EXPECT_EQ(from.capacity(), 0U);  // NOLINT(bugprone-use-after-move): that is what is tested
+  from.EnsureDiscarding(4);
+  EXPECT_NE(from.data(), nullptr);
+}
+
 TEST(PairCursor, WritesAllPairsThroughManyGrowths) {
   PairBuffer buffer;
   buffer.Append({1, 2});
