@@ -7,11 +7,12 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <set>
+#include <system_error>
 #include <utility>
 
 #include <toml++/toml.h>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
@@ -262,6 +263,14 @@ absl::Status UnknownName(std::string_view what, std::string_view name,
                                                  NearestName(name, known), "?"));
 }
 
+bool IsOfKubernetes(const std::string& variable) {
+  constexpr std::string_view kPort = "SWEEPSTAKE_PORT";
+  if (variable.starts_with("SWEEPSTAKE_SERVICE_") || variable == kPort) return true;
+  // Then an underscore and the port's number.
+  return variable.starts_with(kPort) && variable.size() > kPort.size() + 1 &&
+         absl::ascii_isdigit(static_cast<unsigned char>(variable[kPort.size() + 1]));
+}
+
 // A scalar as text; absent for tables and arrays.
 std::optional<std::string> ScalarText(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
@@ -320,7 +329,8 @@ std::vector<SettingDescription> DescribeSettings() {
 }
 
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
+  std::error_code unknown;  // what cannot be looked at is not there for us
+  if (!std::filesystem::exists(path, unknown))
     return absl::NotFoundError(absl::StrCat(path.string(), ": no such file"));
   toml::table table;
   try {
@@ -350,7 +360,7 @@ absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environ
     const std::string name = entry.substr(0, equals);
     if (const auto found = keys.find(name); found != keys.end()) {
       assignments[found->second] = entry.substr(equals + 1);
-    } else if (!name.starts_with("SWEEPSTAKE_SERVICE_") && !name.starts_with("SWEEPSTAKE_PORT")) {
+    } else if (!IsOfKubernetes(name)) {
       return UnknownName("environment variable", name, variables);
     }
   }

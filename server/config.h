@@ -47,8 +47,8 @@ using Assignments = std::map<std::string, std::string>;  // key to value
 // file).
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path);
 // From NAME=VALUE strings. Names that begin otherwise than with SWEEPSTAKE_ are not ours, nor are
-// the ones that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…,
-// SWEEPSTAKE_PORT…).
+// the ones that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT
+// and SWEEPSTAKE_PORT_7433_…).
 absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environment);
 
 // Sets what is assigned. `origin` is for messages: "config.toml", "environment", "command line".

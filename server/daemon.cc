@@ -2,7 +2,7 @@
 
 #include <spdlog/logger.h>
 
-#include <cstdio>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -31,6 +31,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   auto store = storage::OpenSqlitePriorStore(directory_.database());
   if (!store.ok()) return store.status();
   store_ = std::make_unique<storage::StoreThread>(*std::move(store));
+  RemovePortFile();
   auto server = rpc::RpcServer::Start(config_.listen, config_.rpc, clock, *store_, *log_);
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
@@ -43,17 +44,34 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
 absl::Status Daemon::WritePortFile() const {
   if (config_.port_file.empty()) return absl::OkStatus();
   const fs::path unfinished = config_.port_file.string() + ".new";
-  std::ofstream(unfinished) << rpc_->port() << '\n' << std::flush;
+  std::ofstream file(unfinished);
+  file << rpc_->port() << '\n';
+  file.close();
   std::error_code error;
-  fs::rename(unfinished, config_.port_file, error);
-  if (!error) return absl::OkStatus();
+  if (!file) {
+    error = std::error_code(errno, std::generic_category());
+  } else {
+    fs::rename(unfinished, config_.port_file, error);
+  }
+  if (file && !error) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat("cannot write the port file ",
-                                             config_.port_file.string(), ": ", error.message()));
+                                             config_.port_file.string(), ": ", error.message(),
+                                             "; name another with --port-file"));
+}
+
+void Daemon::RemovePortFile() const {
+  std::error_code ignored;
+  if (!config_.port_file.empty()) fs::remove(config_.port_file, ignored);
 }
 
 void Daemon::Drain(std::chrono::milliseconds patience) {
-  if (rpc_ != nullptr) rpc_->Drain(patience);
+  if (std::exchange(drained_, true)) return;
+  if (rpc_ != nullptr) {
+    log_->info("draining: clients are told to come back later");
+    rpc_->Drain(patience);
+  }
   if (store_ != nullptr) store_->Close();
+  if (rpc_ != nullptr) log_->info("drained: all that was acknowledged is on disk");
 }
 
 Daemon::~Daemon() {

@@ -36,12 +36,15 @@ class Daemon {
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
   absl::Status WritePortFile() const;
+  // Whoever waits for the file must not take an earlier daemon's for ours.
+  void RemovePortFile() const;
 
   const Config config_;
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<rpc::RpcServer> rpc_;
+  bool drained_ = false;
 };
 
 }  // namespace sweepstake::server

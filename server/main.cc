@@ -1,19 +1,21 @@
 // `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
 //
 // Exit codes: 0 done, 1 a configuration that was to be checked is wrong, 2 bad usage or
-// configuration, 3 could not start.
+// configuration, 3 could not start, 4 told to end and not done within nine seconds.
 #include <pthread.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
+#include <chrono>
+#include <csignal>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/config.h"
 #include "server/daemon.h"
+#include "server/exit_guard.h"
 #include "server/rpc/clock.h"
 
 namespace {
@@ -25,6 +27,9 @@ constexpr int kDone = 0;
 constexpr int kCheckFailed = 1;
 constexpr int kBadUsage = 2;
 constexpr int kCouldNotStart = 3;
+constexpr int kDidNotEnd = 4;
+
+constexpr std::chrono::seconds kEndPatience{9};
 
 struct CommandLine {
   Assignments flags;
@@ -123,11 +128,17 @@ sigset_t BlockEndSignals() {
 
 int Run(const Config& config) {
   const sigset_t signals = BlockEndSignals();
+  // A log that nobody reads any more is no reason to die.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
   sweepstake::rpc::SteadyClock clock;
   auto daemon = sweepstake::server::Daemon::Start(config, clock);
   if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
   int signal = 0;
   sigwait(&signals, &signal);
+  guard.emplace(kEndPatience, kDidNotEnd,
+                "sweepstaked: the disk does not answer; ended without it. What clients were not "
+                "told to be on disk, they send again");
   (*daemon)->Drain();
   return kDone;
 }

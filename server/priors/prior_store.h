@@ -66,6 +66,7 @@ struct SourceProgress {
   uint64_t message_sequence = 0;  // every client message up to it is included
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
+  uint64_t frame_count = 0;  // frames in those messages, learnt from or left out
   uint64_t seed = 0;
 
   friend bool operator==(const SourceProgress&, const SourceProgress&) = default;

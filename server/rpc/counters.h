@@ -10,6 +10,7 @@ namespace sweepstake::rpc {
 struct Counters {
   std::atomic<uint64_t> connected_stream_count{0};   // streams that got a welcome
   std::atomic<uint64_t> resumed_count{0};            // of those, resumed
+  std::atomic<uint64_t> goodbye_count{0};            // sessions that ended in order
   std::atomic<uint64_t> malformed_message_count{0};  // did not parse
   std::atomic<uint64_t> invalid_message_count{0};    // broke a rule of the contract
   std::atomic<uint64_t> replayed_message_count{0};   // sequence at or below one already applied

@@ -16,12 +16,11 @@ bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - e
 }  // namespace
 
 std::shared_ptr<GameSession> GameSession::Create(ServiceContext& context, SessionIdentity identity,
-                                                 decision::SessionSetup setup,
+                                                 const decision::SessionSetup& setup,
                                                  priors::SourceProgress progress,
                                                  uint64_t prior_source_count) {
-  std::shared_ptr<GameSession> session(new GameSession(context, std::move(identity),
-                                                       std::move(setup), progress.message_sequence,
-                                                       prior_source_count));
+  std::shared_ptr<GameSession> session(
+      new GameSession(context, std::move(identity), setup, progress, prior_source_count));
   session->ledger_ = std::make_shared<SessionLedger>(
       context.store, context.loop, context.counters, std::move(progress),
       [weak = session->weak_from_this()](const absl::Status& status) {
@@ -31,14 +30,15 @@ std::shared_ptr<GameSession> GameSession::Create(ServiceContext& context, Sessio
 }
 
 GameSession::GameSession(ServiceContext& context, SessionIdentity identity,
-                         decision::SessionSetup setup, uint64_t message_sequence,
-                         uint64_t prior_source_count)
+                         const decision::SessionSetup& setup,
+                         const priors::SourceProgress& progress, uint64_t prior_source_count)
     : context_(context),
       identity_(std::move(identity)),
       decisions_(setup),
       prior_source_count_(prior_source_count),
-      applied_sequence_(message_sequence),
-      acknowledged_sequence_(message_sequence),
+      applied_sequence_(progress.message_sequence),
+      frame_count_(progress.frame_count),
+      acknowledged_sequence_(progress.message_sequence),
       switch_epoch_(setup.switch_epoch) {}
 
 void GameSession::Attach(SessionLink& link) {
@@ -94,6 +94,7 @@ void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
     if (IsPlausible(frame)) frames_.push_back(frame);
   }
   const auto received = static_cast<uint64_t>(batch.frame_time_ns_size());
+  frame_count_ += received;
   context_.counters.accepted_frame_count += frames_.size();
   context_.counters.rejected_frame_count += received - frames_.size();
   context_.counters.dropped_frame_count += batch.dropped_frame_count();
@@ -151,8 +152,10 @@ void GameSession::OnTimer(uint64_t generation) {
 }
 
 void GameSession::Checkpoint() {
-  ledger_->Checkpoint(applied_sequence_, decisions_.explored_arm_count(),
-                      decisions_.decision_count());
+  ledger_->Checkpoint({.message_sequence = applied_sequence_,
+                       .explored_arm_count = decisions_.explored_arm_count(),
+                       .decision_count = decisions_.decision_count(),
+                       .frame_count = frame_count_});
 }
 
 void GameSession::OnCommitted(const absl::Status& status) {
@@ -181,6 +184,7 @@ void GameSession::CloseLink() {
 
 void GameSession::End() {
   ending_ = true;
+  ++context_.counters.goodbye_count;
   ++timer_generation_;
   Checkpoint();
   CloseIfSettled();
@@ -191,6 +195,8 @@ void GameSession::Drain() {
   ++timer_generation_;
   if (link_ == nullptr) return;
   link_->SendReconnect(context_.options.reconnect_delay_ms);
+  // What failed before would otherwise wait for a tick that does not come any more.
+  RetryCommit();
   CloseIfSettled();
 }
 

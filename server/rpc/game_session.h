@@ -36,7 +36,7 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
  public:
   // `progress` is what the store has of it. `prior_source_count` is for the welcome.
   static std::shared_ptr<GameSession> Create(ServiceContext& context, SessionIdentity identity,
-                                             decision::SessionSetup setup,
+                                             const decision::SessionSetup& setup,
                                              priors::SourceProgress progress,
                                              uint64_t prior_source_count);
 
@@ -59,6 +59,7 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
   // Nothing waits for the disk. Otherwise RetryCommit offers it again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
+  bool committing() const { return ledger_->committing(); }
 
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
@@ -66,8 +67,9 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
   uint64_t prior_source_count() const { return prior_source_count_; }
 
  private:
-  GameSession(ServiceContext& context, SessionIdentity identity, decision::SessionSetup setup,
-              uint64_t message_sequence, uint64_t prior_source_count);
+  GameSession(ServiceContext& context, SessionIdentity identity,
+              const decision::SessionSetup& setup, const priors::SourceProgress& progress,
+              uint64_t prior_source_count);
 
   void ApplyFrames(const v1::FrameBatch& batch);
   void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
@@ -92,6 +94,7 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
 
   SessionLink* link_ = nullptr;
   uint64_t applied_sequence_;
+  uint64_t frame_count_;            // in the messages up to it
   uint64_t acknowledged_sequence_;  // told to the client
   uint32_t switch_epoch_;           // latest that the client named outside of frames
   std::optional<uint64_t> last_bail_out_frame_;

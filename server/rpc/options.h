@@ -17,7 +17,7 @@ inline constexpr double kMaxTimeScale = 1000;             // a larger one is INV
 inline constexpr uint32_t kRecordsPerMessage =
     200;  // of export and import; more are INVALID_ARGUMENT
 inline constexpr uint32_t kMaxImportRecords =
-    200'000;                                        // of one import; more are RESOURCE_EXHAUSTED
+    200'000;  // of one import, and twice as many of all under way; more are RESOURCE_EXHAUSTED
 inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are not given
 inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
 

@@ -80,11 +80,13 @@ class PriorExport final : public grpc::ServerWriteReactor<v1::ExportPriorsRespon
 // One import. Reading is all on gRPC's reactions, one at a time; the store's job ends the call.
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  PriorImport(ServiceContext& context, grpc::CallbackServerContext& call,
-              grpc::ByteBuffer& response)
-      : context_(context), call_(call), response_(response) {
+  // `collected_count` is of all imports together.
+  PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
+              grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
+      : context_(context), collected_count_(collected_count), call_(call), response_(response) {
     StartRead(&bytes_);
   }
+  ~PriorImport() override { collected_count_ -= records_.size(); }
 
   void OnReadDone(bool ok) override {
     if (ok) {
@@ -119,11 +121,15 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
         return absl::ResourceExhaustedError(
             absl::StrCat("an import may hold ", kMaxImportRecords, " records; split it"));
       }
+      if (collected_count_ >= 2 * size_t{kMaxImportRecords}) {
+        return absl::ResourceExhaustedError("other imports are under way; import again later");
+      }
       if (const absl::Status status = CheckPriorRecord(record); !status.ok()) {
         return absl::InvalidArgumentError(
             absl::StrCat("record ", records_.size(), ": ", status.message()));
       }
       records_.push_back(RecordOf(record));
+      ++collected_count_;
     }
     return absl::OkStatus();
   }
@@ -140,6 +146,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   }
 
   ServiceContext& context_;
+  std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
   grpc::ByteBuffer bytes_;
@@ -156,7 +163,7 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
     grpc::CallbackServerContext* call, grpc::ByteBuffer* response) {
-  return new PriorImport(context_, *call, *response);
+  return new PriorImport(context_, collected_count_, *call, *response);
 }
 
 }  // namespace sweepstake::rpc

@@ -6,6 +6,8 @@
 // holds a wrong record changes nothing. Imported evidence reaches sessions that begin after it.
 #pragma once
 
+#include <atomic>
+
 #include "server/rpc/service_context.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
@@ -24,6 +26,7 @@ class PriorsService final
 
  private:
   ServiceContext& context_;
+  std::atomic<size_t> collected_count_{0};  // records that imports under way hold in memory
 };
 
 }  // namespace sweepstake::rpc

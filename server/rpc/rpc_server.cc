@@ -6,6 +6,7 @@
 #include <spdlog/logger.h>
 
 #include <future>
+#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr int kSecond = 1'000;
 constexpr int kMinute = 60 * kSecond;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
+constexpr std::chrono::milliseconds kCommitPollInterval{5};
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // Without a quota one connection can pin a gigabyte.
@@ -100,17 +102,34 @@ void RpcServer::WatchStore() {
 void RpcServer::Drain(std::chrono::milliseconds patience) {
   if (server_ == nullptr || drained_) return;
   drained_ = true;
+  const auto deadline = std::chrono::steady_clock::now() + patience;
   server_->GetHealthCheckService()->Shutdown();
-  std::promise<void> told;
-  loop_.Post([&] {
+  RunOnLoop([this] {
     draining_ = true;
     telemetry_.Drain();
     watchers_.Drain();
-    told.set_value();
+    sessions_.RetryCommits();
   });
-  told.get_future().wait();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
+  AwaitCommits(deadline);
+}
+
+void RpcServer::RunOnLoop(const std::function<void()>& task) {
+  std::promise<void> done;
+  loop_.Post([&] {
+    task();
+    done.set_value();
+  });
+  done.get_future().wait();
+}
+
+void RpcServer::AwaitCommits(std::chrono::steady_clock::time_point deadline) {
+  bool committing = true;
+  while (committing && std::chrono::steady_clock::now() < deadline) {
+    RunOnLoop([&] { committing = sessions_.committing(); });
+    if (committing) std::this_thread::sleep_for(kCommitPollInterval);
+  }
 }
 
 }  // namespace sweepstake::rpc

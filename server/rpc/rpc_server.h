@@ -9,6 +9,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -45,6 +46,10 @@ class RpcServer {
   absl::Status Listen(const std::string& address);
   // On the loop, once a second: a store that cannot write is not healthy.
   void WatchStore();
+  // Runs `task` on the loop and waits for it. Never on the loop.
+  void RunOnLoop(const std::function<void()>& task);
+  // Sessions that have no client any more have commits on their way, too.
+  void AwaitCommits(std::chrono::steady_clock::time_point deadline);
 
   const RpcOptions options_;
   Counters counters_;

@@ -18,14 +18,15 @@ void SessionLedger::Add(const priors::KeyedEvidence& increment) {
   waiting_[increment.key] += increment.evidence;
 }
 
-void SessionLedger::Checkpoint(uint64_t message_sequence, uint32_t explored_arm_count,
-                               uint64_t decision_count) {
+void SessionLedger::Checkpoint(const Position& position) {
   const bool unknown_to_store = progress_.commit_sequence == 0 && !offered_;
-  if (message_sequence > progress_.message_sequence || !waiting_.empty() || unknown_to_store)
+  if (position.message_sequence > progress_.message_sequence || !waiting_.empty() ||
+      unknown_to_store)
     checkpointed_ = true;
-  progress_.message_sequence = message_sequence;
-  progress_.explored_arm_count = explored_arm_count;
-  progress_.decision_count = decision_count;
+  progress_.message_sequence = position.message_sequence;
+  progress_.explored_arm_count = position.explored_arm_count;
+  progress_.decision_count = position.decision_count;
+  progress_.frame_count = position.frame_count;
   CommitNext();
 }
 

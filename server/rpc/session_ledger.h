@@ -33,15 +33,24 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
                 std::function<void(const absl::Status&)> on_committed);
 
   void Add(const priors::KeyedEvidence& increment);
-  // All evidence so far belongs to messages up to `message_sequence`, and nothing of them is still
+  // How far a session has come: what SourceProgress keeps of it.
+  struct Position {
+    uint64_t message_sequence = 0;
+    uint32_t explored_arm_count = 0;
+    uint64_t decision_count = 0;
+    uint64_t frame_count = 0;
+  };
+  // All evidence so far belongs to messages up to the position's, and nothing of them is still
   // outside.
-  void Checkpoint(uint64_t message_sequence, uint32_t explored_arm_count, uint64_t decision_count);
+  void Checkpoint(const Position& position);
   // Offers a failed update again.
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }
   // Nothing waits for the disk.
   bool settled() const { return !offered_ && !checkpointed_; }
+  // The store has an update and has not answered yet.
+  bool committing() const { return in_flight_; }
 
  private:
   void CommitNext();

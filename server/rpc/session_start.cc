@@ -136,13 +136,14 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(ServiceContext& context
         "session_id belongs to another scene; leave it absent to begin a new session");
   }
   SessionIdentity identity = IdentityOf(hello, start, context.options);
-  decision::SessionSetup setup = SetupOf(hello, identity, start, context.loop.clock().NowNs());
+  const decision::SessionSetup setup =
+      SetupOf(hello, identity, start, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup)) return absl::InvalidArgumentError(*problem);
   priors::SourceProgress progress;
   if (start.source) progress = start.source->progress;
   progress.source_id = identity.id;
   progress.seed = identity.seed;
-  return GameSession::Create(context, std::move(identity), std::move(setup), std::move(progress),
+  return GameSession::Create(context, std::move(identity), setup, std::move(progress),
                              start.priors.source_count);
 }
 

@@ -1,8 +1,15 @@
 #include "server/rpc/session_table.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace sweepstake::rpc {
+namespace {
+
+constexpr int64_t kSweepIntervalNs = 2'000'000'000;
+
+}  // namespace
 
 std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
   const auto found = entries_.find(id);
@@ -15,20 +22,29 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
         "this daemon has as many sessions as it may; try again later, or use another");
   }
   std::string id = session->identity().id;
-  entries_.emplace(std::move(id), Entry{.session = std::move(session)});
+  entries_[std::move(id)].session = std::move(session);
   return absl::OkStatus();
 }
 
 bool SessionTable::MakeRoom() {
-  if (lost_.empty()) return false;
-  Remove(std::string(lost_.begin()->second));
+  const std::string* unsettled = nullptr;
+  for (const auto& [key, id] : lost_) {
+    const GameSession& session = *entries_.at(id).session;
+    if (session.settled()) {
+      Remove(std::string(id));
+      return true;
+    }
+    if (unsettled == nullptr && !session.ended()) unsettled = &id;
+  }
+  if (unsettled == nullptr) return false;
+  Remove(std::string(*unsettled));
   return true;
 }
 
 void SessionTable::Attach(GameSession& session, SessionLink& link) {
   Entry& entry = entries_.at(session.identity().id);
   if (entry.link == nullptr) ++active_counts_[session.identity().scene];
-  if (entry.lost_order != 0) lost_.erase(std::exchange(entry.lost_order, 0));
+  if (entry.lost) lost_.erase(*std::exchange(entry.lost, std::nullopt));
   entry.link = &link;
   session.Attach(link);
 }
@@ -48,27 +64,64 @@ void SessionTable::Detach(GameSession& session, SessionLink& link) {
 }
 
 void SessionTable::Lose(Entry& entry) {
-  const std::string& id = entry.session->identity().id;
-  entry.lost_order = ++last_lost_order_;
-  lost_.emplace(entry.lost_order, id);
-  loop_.PostAt(loop_.clock().NowNs() + options_.resume_window_ns,
-               [this, id, order = entry.lost_order] { OnResumeWindowOver(id, order); });
+  const int64_t now_ns = loop_.clock().NowNs();
+  entry.resumable_until_ns = now_ns + options_.resume_window_ns;
+  LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
+              entry);
+  ScheduleSweep();
 }
 
-void SessionTable::OnResumeWindowOver(const std::string& id, uint64_t lost_order) {
-  const auto found = entries_.find(id);
-  if (found == entries_.end() || found->second.lost_order != lost_order) return;
-  if (found->second.session->settled()) return Remove(id);
+void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
+  entry.lost = LostKey{due_ns, ++last_lost_number_};
+  lost_.emplace(*entry.lost, entry.session->identity().id);
+}
+
+void SessionTable::ScheduleSweep() {
+  if (sweep_scheduled_ || lost_.empty()) return;
+  sweep_scheduled_ = true;
+  loop_.PostAt(loop_.clock().NowNs() + kSweepIntervalNs, [this] {
+    sweep_scheduled_ = false;
+    Sweep();
+  });
+}
+
+void SessionTable::Sweep() {
+  const int64_t now_ns = loop_.clock().NowNs();
+  std::vector<std::string> due;
+  for (const auto& [key, id] : lost_) {
+    if (key.first > now_ns) break;
+    due.push_back(id);
+  }
+  for (const std::string& id : due) LookAt(id);
+  ScheduleSweep();
+}
+
+void SessionTable::LookAt(const std::string& id) {
+  Entry& entry = entries_.at(id);
+  const int64_t now_ns = loop_.clock().NowNs();
+  const bool settled = entry.session->settled();
+  if (settled && (entry.session->ended() || now_ns >= entry.resumable_until_ns)) return Remove(id);
+  lost_.erase(*entry.lost);
+  LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
   // The disk was away: its evidence is only here.
-  found->second.session->RetryCommit();
-  lost_.erase(lost_order);
-  Lose(found->second);
+  if (!settled) entry.session->RetryCommit();
 }
 
 void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
-  if (found->second.lost_order != 0) lost_.erase(found->second.lost_order);
+  if (found->second.lost) lost_.erase(*found->second.lost);
   entries_.erase(found);
+}
+
+void SessionTable::RetryCommits() {
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.session->settled()) entry.session->RetryCommit();
+  }
+}
+
+bool SessionTable::committing() const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const auto& entry) { return entry.second.session->committing(); });
 }
 
 uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {

@@ -64,8 +64,9 @@ void TelemetryStream::OnMessage(bool parsed) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // While a session is being loaded nothing is read; after a goodbye nothing is expected.
-  if (session_ && !end_) StartRead(&read_bytes_);
+  // While a session is being loaded nothing is read, and nothing after a goodbye: the session then
+  // ends the stream itself, when everything is on disk.
+  if (session_ && !session_->ended() && !end_) StartRead(&read_bytes_);
 }
 
 absl::Status TelemetryStream::Dispatch() {
@@ -107,9 +108,11 @@ absl::Status TelemetryStream::Open(const v1::Hello& hello) {
 void TelemetryStream::OnLoaded(absl::StatusOr<StoredStart> start) {
   if (end_) return;
   if (!start.ok()) return Reject(start.status());
-  // Another connection may have resumed the same session meanwhile.
+  // Another connection may have resumed the same session meanwhile, with other arms perhaps.
   std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
-  if (!session) {
+  if (session) {
+    if (absl::Status status = CheckSame(*session, *hello_); !status.ok()) return Reject(status);
+  } else {
     auto made = MakeSession(context_, *hello_, *start);
     if (!made.ok()) return Reject(made.status());
     session = *std::move(made);
@@ -137,8 +140,6 @@ absl::Status TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool r
 }
 
 void TelemetryStream::OnHalfClose() {
-  // After a goodbye the session closes the stream itself, once everything is on disk.
-  if (session_ && session_->ended()) return;
   LeaveSession();
   if (!end_) Close(absl::OkStatus());
 }

@@ -16,10 +16,13 @@ namespace fs = std::filesystem;
 absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
   std::error_code error;
   fs::create_directory(path, error);
-  if (!fs::is_directory(path)) {
+  std::error_code unknown;  // where even that cannot be asked, it is none
+  if (!fs::is_directory(path, unknown)) {
     return absl::UnavailableError(absl::StrCat("cannot create the data directory ", path.string(),
                                                ": ",
-                                               error ? error.message() : "it is not a directory"));
+                                               error ? error.message() : "it is not a directory",
+                                               "; make its parent writable, or name another with "
+                                               "--data"));
   }
   const fs::path lock_path = path / "lock";
   const int lock = open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);

@@ -50,6 +50,7 @@ absl::string_view WrongUpdate(const priors::SourceUpdate& update) {
     wrong = "message_sequence must be below 2^63";
   if (wrong.empty() && progress.decision_count > kMaxCount)
     wrong = "decision_count must be below 2^63";
+  if (wrong.empty() && progress.frame_count > kMaxCount) wrong = "frame_count must be below 2^63";
   for (const auto& increment : update.increments) {
     if (wrong.empty()) wrong = WrongKey(increment.key);
     if (wrong.empty()) wrong = WrongEvidence(increment.evidence);

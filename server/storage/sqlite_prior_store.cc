@@ -30,16 +30,17 @@ struct StatementText {
 };
 
 // An upsert returns a row exactly when it changed something: that is how replays and revoked
-// sources are recognised.
+// sources are recognised. Counts are added by total(): sum() would make an error of an overflow,
+// and two imported records could make a scene unreadable.
 constexpr StatementText kStatements[] = {
     {&Statements::advance_source,
      "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
      "explored_arm_count,"
-     " decision_count, seed) VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6)"
+     " decision_count, frame_count, seed) VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7)"
      " ON CONFLICT (name) DO UPDATE SET is_session = 1, commit_sequence = ?2, message_sequence = "
      "?3,"
-     " explored_arm_count = ?4, decision_count = ?5, seed = ?6 WHERE revoked = 0 AND ?2 > "
-     "commit_sequence RETURNING id"},
+     " explored_arm_count = ?4, decision_count = ?5, frame_count = ?6, seed = ?7 WHERE revoked = 0"
+     " AND ?2 > commit_sequence RETURNING id"},
     {&Statements::find_key,
      "SELECT id FROM evidence_key WHERE project = ?1 AND scene = ?2 AND context_bucket = ?3 AND "
      "arm = ?4"
@@ -56,8 +57,8 @@ constexpr StatementText kStatements[] = {
     {&Statements::key_evidence,
      "SELECT source_id, alpha, beta, window_count, bail_out_count FROM evidence WHERE key_id = ?1"},
     {&Statements::load_source,
-     "SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count, seed FROM "
-     "source"
+     "SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count, "
+     "frame_count, seed FROM source"
      " WHERE name = ?1 AND is_session = 1 AND revoked = 0"},
     {&Statements::source_evidence,
      "SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
@@ -73,7 +74,8 @@ constexpr StatementText kStatements[] = {
      " AND EXISTS (SELECT 1 FROM evidence WHERE key_id = evidence_key.id) ORDER BY 1, 2, 3, 4 "
      "LIMIT ?7"},
     {&Statements::scene_arms,
-     "SELECT arm, backend_version, sum(alpha), sum(beta), sum(window_count), sum(bail_out_count)"
+     "SELECT arm, backend_version, sum(alpha), sum(beta), CAST(total(window_count) AS INTEGER),"
+     " CAST(total(bail_out_count) AS INTEGER)"
      " FROM evidence_key k JOIN evidence ON k.id = key_id"
      " WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4"
      " GROUP BY arm, backend_version ORDER BY arm, backend_version"},
@@ -93,7 +95,7 @@ constexpr StatementText kStatements[] = {
     {&Statements::touch_source,
      "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
      "explored_arm_count,"
-     " decision_count, seed) VALUES (?1, 0, 0, ?2, 0, 0, 0, 0)"
+     " decision_count, frame_count, seed) VALUES (?1, 0, 0, ?2, 0, 0, 0, 0, 0)"
      " ON CONFLICT (name) DO UPDATE SET commit_sequence = max(commit_sequence, ?2) WHERE revoked = "
      "0 RETURNING id"},
     {&Statements::import_evidence,
@@ -104,7 +106,8 @@ constexpr StatementText kStatements[] = {
     {&Statements::revoke_source,
      "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
      "explored_arm_count,"
-     " decision_count, seed) VALUES (?1, 0, 1, 0, 0, 0, 0, 0) ON CONFLICT (name) DO UPDATE SET "
+     " decision_count, frame_count, seed) VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0) ON CONFLICT (name) "
+     "DO UPDATE SET "
      "revoked = 1 RETURNING id"},
     {&Statements::delete_evidence, "DELETE FROM evidence WHERE source_id = ?1 RETURNING 1"},
 };
@@ -195,7 +198,7 @@ absl::Status SqlitePriorStore::Apply(const priors::SourceUpdate& update) {
   absl::Status status = statements_.advance_source.ForEachRow(
       [&](const SqliteRow& row) { source = row.Integer(0); }, progress.source_id,
       progress.commit_sequence, progress.message_sequence, progress.explored_arm_count,
-      progress.decision_count, progress.seed);
+      progress.decision_count, progress.frame_count, progress.seed);
   if (!status.ok() || source == 0) return status;
   for (const auto& [key, evidence] : update.increments) {
     auto key_id = FindOrAddKey(key);
@@ -254,9 +257,13 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
   absl::Status status = statements_.load_source.ForEachRow(
       [&](const SqliteRow& row) {
         id = row.Integer(0);
-        state.progress = {source_id,       row.Unsigned(1),
-                          row.Unsigned(2), static_cast<uint32_t>(row.Integer(3)),
-                          row.Unsigned(4), row.Unsigned(5)};
+        state.progress = {.source_id = source_id,
+                          .commit_sequence = row.Unsigned(1),
+                          .message_sequence = row.Unsigned(2),
+                          .explored_arm_count = static_cast<uint32_t>(row.Integer(3)),
+                          .decision_count = row.Unsigned(4),
+                          .frame_count = row.Unsigned(5),
+                          .seed = row.Unsigned(6)};
       },
       source_id);
   if (!status.ok()) return status;

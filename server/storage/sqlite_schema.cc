@@ -1,6 +1,10 @@
 #include "server/storage/sqlite_schema.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -24,6 +28,7 @@ constexpr std::array<const char*, 1> kMigrations = {R"sql(
     message_sequence INTEGER NOT NULL CHECK (message_sequence BETWEEN 0 AND 9223372036854775807),
     explored_arm_count INTEGER NOT NULL CHECK (explored_arm_count BETWEEN 0 AND 4294967295),
     decision_count INTEGER NOT NULL CHECK (decision_count BETWEEN 0 AND 9223372036854775807),
+    frame_count INTEGER NOT NULL CHECK (frame_count BETWEEN 0 AND 9223372036854775807),
     seed INTEGER NOT NULL
   ) STRICT;
 
@@ -86,9 +91,21 @@ absl::Status Migrate(SqliteDatabase& database, int64_t from) {
   return absl::OkStatus();
 }
 
+// A file that was renamed into its place is there after a power failure only once this is done.
+absl::Status SyncDirectory(const fs::path& path) {
+  const std::string name = path.empty() ? "." : path.string();
+  const int directory = open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool synced = directory >= 0 && fsync(directory) == 0;
+  const int why = errno;
+  if (directory >= 0) close(directory);
+  if (synced) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat(name, ": ", std::system_category().message(why)));
+}
+
 absl::Status CreateFile(const fs::path& path) {
   const fs::path log = path.string() + "-wal";
-  if (fs::exists(log)) {
+  std::error_code error;
+  if (fs::exists(log, error)) {
     return absl::DataLossError(
         absl::StrCat(path.string(), " is missing but its log ", log.filename().string(),
                      " is there; restore the file, or move the log away to start anew"));
@@ -106,10 +123,9 @@ absl::Status CreateFile(const fs::path& path) {
     if (status.ok()) status = Migrate(*database, 0);
     if (!status.ok()) return Explain(unfinished, status);
   }
-  std::error_code error;
   fs::rename(unfinished, path, error);
   if (error) return absl::UnavailableError(absl::StrCat(path.string(), ": ", error.message()));
-  return absl::OkStatus();
+  return SyncDirectory(path.parent_path());
 }
 
 // Never silently adopts what is not ours.

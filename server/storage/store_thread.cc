@@ -83,14 +83,20 @@ void StoreThread::Loop() {
     } else {
       WaitForGroup(lock);
       std::vector<PendingCommit> group = TakeGroup();
+      const bool closing = closing_;
       lock.unlock();
-      CommitGroup(std::move(group));
+      CommitGroup(std::move(group), closing);
     }
     lock.lock();
   }
 }
 
-void StoreThread::CommitGroup(std::vector<PendingCommit> group) {
+void StoreThread::CommitGroup(std::vector<PendingCommit> group, bool closing) {
+  if (closing && !healthy()) {
+    const absl::Status status = absl::UnavailableError("the prior store closes, and cannot write");
+    for (PendingCommit& commit : group) commit.done(status);
+    return;
+  }
   std::vector<priors::SourceUpdate> updates;
   updates.reserve(group.size());
   for (const PendingCommit& commit : group) updates.push_back(commit.update);

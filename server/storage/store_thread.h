@@ -4,7 +4,8 @@
 // Thread-safe. Owns the store; the destructor runs what is queued, then ends the thread. A commit
 // waits at most `group_interval` for company, and a job or the end of the queue's life sends it off
 // at once. A group that fails on one wrong update is committed again update by update, so that one
-// cannot block the others.
+// cannot block the others. Once it is closing, a disk that fails is not tried again: what is queued
+// then fails at once, so that an end takes no longer than one commit.
 #pragma once
 
 #include <atomic>
@@ -56,7 +57,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   void WaitForGroup(std::unique_lock<std::mutex>& lock);
   // The commits at the queue's front, as many as a group may have.
   std::vector<PendingCommit> TakeGroup();
-  void CommitGroup(std::vector<PendingCommit> group);
+  void CommitGroup(std::vector<PendingCommit> group, bool closing);
   void CommitOneByOne(std::vector<PendingCommit>& group);
   void Finish(PendingCommit& commit, const absl::Status& status);
 

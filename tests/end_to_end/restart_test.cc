@@ -61,6 +61,8 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
 
   const priors::SourceState source = ReadSource(data.path(), stats.session_id);
   EXPECT_EQ(source.progress.message_sequence, stats.sent_sequence);
+  EXPECT_EQ(source.progress.frame_count, stats.sent_frame_count)
+      << "every frame that was sent is in the store, once";
   ExpectConsistent(source);
 }
 

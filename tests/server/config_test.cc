@@ -77,6 +77,9 @@ TEST_F(ConfigTest, VariablesThatKubernetesMakesAreNotTakenForOurs) {
   const auto assignments = ReadEnvironment(environment);
   ASSERT_TRUE(assignments.ok()) << assignments.status();
   EXPECT_EQ(*assignments, (Assignments{{"port_file", "p"}}));
+  const std::vector<std::string> misspelt = {"SWEEPSTAKE_PORT_FLE=p"};
+  EXPECT_THAT(std::string(ReadEnvironment(misspelt).status().message()),
+              HasSubstr("SWEEPSTAKE_PORT_FILE"));
 }
 
 TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {

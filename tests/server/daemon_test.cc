@@ -95,6 +95,24 @@ TEST_F(DaemonTest, ThePortFileHoldsThePort) {
   EXPECT_EQ(port, daemon->port());
 }
 
+TEST_F(DaemonTest, APortFileThatCannotBeWrittenStopsTheStart) {
+  config_.port_file = directory_.path() / "nowhere" / "port";
+  const absl::Status status = Daemon::Start(config_, clock_).status();
+  EXPECT_TRUE(absl::IsUnavailable(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("cannot write the port file"));
+}
+
+TEST_F(DaemonTest, AStartThatFailsLeavesNoPortOfAnEarlierDaemon) {
+  const auto other = Start();
+  config_.listen = "127.0.0.1:" + std::to_string(other->port());
+  config_.data = directory_.path() / "other";
+  config_.port_file = directory_.path() / "stale";
+  std::ofstream(config_.port_file) << "1\n";
+  rpc::SteadyClock clock;
+  EXPECT_FALSE(Daemon::Start(config_, clock).ok());
+  EXPECT_FALSE(std::filesystem::exists(config_.port_file));
+}
+
 TEST_F(DaemonTest, WhatOneRunLearntIsThePriorOfTheNext) {
   {
     const auto daemon = Start();

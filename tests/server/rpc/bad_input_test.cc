@@ -76,6 +76,33 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
 }
 
+TEST_F(BadInputTest, TwoThatResumeASessionAtOnceMustAnnounceTheSameArms) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(client.Open(hello).session_id());
+    ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
+  }
+  RestartServer();
+  std::promise<void> release;
+  thread_.Submit([&](priors::PriorStore&) { release.get_future().wait(); });
+  const size_t jobs = store_.submit_count();
+  TelemetryClient first(channel_);
+  first.Send(Request(hello));
+  ASSERT_TRUE(Eventually([&] { return store_.submit_count() == jobs + 1; }));
+  v1::Hello other = hello;
+  other.add_arms()->set_name("DBVT");
+  other.mutable_arms(3)->set_backend_version(1);
+  other.set_active_arm(3);
+  other.set_mode(v1::MODE_MANUAL);
+  TelemetryClient second(channel_);
+  second.Send(Request(other));
+  ASSERT_TRUE(Eventually([&] { return store_.submit_count() == jobs + 2; }));
+  release.set_value();
+  EXPECT_TRUE(first.Await(v1::StreamTelemetryResponse::kWelcome).welcome().resumed());
+  EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
 TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
   const std::string whole = Request(HelloMessage()).SerializeAsString();
   RawClient raw(channel_);

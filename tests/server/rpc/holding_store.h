@@ -1,6 +1,7 @@
 // A store that keeps commits back until the test lets them through, or fails them.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <utility>
@@ -22,7 +23,11 @@ class HoldingStore final : public priors::AsyncPriorStore {
     }
     store_.Commit(std::move(update), std::move(done));
   }
-  bool Submit(Job job) override { return store_.Submit(std::move(job)); }
+  bool Submit(Job job) override {
+    const bool submitted = store_.Submit(std::move(job));
+    ++submit_count_;
+    return submitted;
+  }
   bool healthy() const override {
     const std::lock_guard lock(mutex_);
     return !failing_ && store_.healthy();
@@ -36,6 +41,8 @@ class HoldingStore final : public priors::AsyncPriorStore {
     const std::lock_guard lock(mutex_);
     failing_ = failing;
   }
+  // Jobs offered so far.
+  size_t submit_count() const { return submit_count_; }
   size_t held_count() const {
     const std::lock_guard lock(mutex_);
     return held_.size();
@@ -56,6 +63,7 @@ class HoldingStore final : public priors::AsyncPriorStore {
     CommitCallback done;
   };
   priors::AsyncPriorStore& store_;
+  std::atomic<size_t> submit_count_{0};
   mutable std::mutex mutex_;
   std::vector<Held> held_;  // guarded by mutex_
   bool holding_ = false;    // guarded by mutex_

@@ -35,6 +35,7 @@ inline SourceUpdate Update(const std::string& source, uint64_t n,
                      .message_sequence = 10 * n,
                      .explored_arm_count = static_cast<uint32_t>(n),
                      .decision_count = 100 * n,
+                     .frame_count = 1000 * n,
                      .seed = std::numeric_limits<uint64_t>::max()};
   for (const EvidenceKey& key : keys) {
     update.increments.push_back(

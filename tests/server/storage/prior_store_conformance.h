@@ -81,6 +81,32 @@ TEST_P(PriorStoreConformance, AWrongUpdateLeavesNothingOfItsCommit) {
   EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
 }
 
+TEST_P(PriorStoreConformance, FramesAreCountedWithTheCommitThatHoldsThemAndNotByItsReplay) {
+  SourceUpdate update = Update("a", 2, {Key("Grid")});
+  ASSERT_TRUE(Commit({Update("a", 1, {}), update}).ok());
+  EXPECT_EQ((*store_->LoadSource("a"))->progress.frame_count, 2000u);
+  update.progress.frame_count = 9999;
+  ASSERT_TRUE(Commit({update}).ok());
+  SourceUpdate wrong = Update("a", 3, {Key("Grid")});
+  wrong.increments[0].evidence.alpha = -1;
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({wrong})));
+  wrong = Update("a", 3, {});
+  wrong.progress.frame_count = 1ull << 63;
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({wrong})));
+  EXPECT_EQ((*store_->LoadSource("a"))->progress.frame_count, 2000u);
+}
+
+TEST_P(PriorStoreConformance, CountsThatAddUpToMoreThanFitsLeaveTheSceneReadable) {
+  PriorRecord record = Record("a", 1, Key("Grid"), 1);
+  record.evidence.window_count = record.evidence.bail_out_count = (1ull << 63) - 1;
+  PriorRecord other = record;
+  other.source_id = "b";
+  ASSERT_TRUE(store_->Import(std::vector{record, other}).ok());
+  const auto scenes = store_->List({}, std::nullopt, 10);
+  ASSERT_TRUE(scenes.ok()) << scenes.status();
+  EXPECT_GE(scenes->at(0).arms[0].evidence.window_count, record.evidence.window_count);
+}
+
 TEST_P(PriorStoreConformance, ASourceIsLoadedWithItsProgressAndItsOwnEvidence) {
   ASSERT_TRUE(Commit({Update("a", 1, {Key("SAP")}), Update("b", 1, {Key("Grid")})}).ok());
   const SourceUpdate last = Update("a", 2, {Key("SAP"), Key("Grid")});

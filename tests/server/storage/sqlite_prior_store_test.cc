@@ -109,7 +109,7 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   ASSERT_TRUE(database
-                  .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0);"
+                  .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0);"
                            "INSERT INTO evidence_key VALUES (1, 'p', 's', '', 'Grid', 1, '', 1);")
                   .ok());
   for (const char* wrong : {"-1", "9e999", "1e15", "NULL", "'text'"}) {
@@ -117,6 +117,7 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
         std::string("INSERT INTO evidence VALUES (1, 1, 1, ") + wrong + ", 1, 1, 0)";
     EXPECT_TRUE(absl::IsInvalidArgument(database.Execute(sql))) << wrong;
   }
+  EXPECT_TRUE(absl::IsInvalidArgument(database.Execute("UPDATE source SET frame_count = -1")));
 }
 
 TEST_F(SqlitePriorStoreTest, ACommitThatFailsHalfwayLeavesNothing) {

@@ -150,6 +150,23 @@ TEST_F(StoreThreadTest, AFullQueueRefusesAtOnce) {
   EXPECT_TRUE(queued.get().ok());
 }
 
+TEST_F(StoreThreadTest, ClosingDoesNotTryADiskThatFailsUpdateByUpdate) {
+  failing_ = true;
+  Start({.group_interval = milliseconds(0), .group_rows = 1});
+  EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
+  const auto release = Occupy();
+  failing_ = false;  // It would succeed now, had it been tried.
+  auto a = Commit(Update("a", 1, {}));
+  auto b = Commit(Update("b", 1, {}));
+  std::thread closer([&] { thread_->Close(); });
+  while (thread_->Submit([](PriorStore&) {})) std::this_thread::yield();
+  release->set_value();
+  closer.join();
+  EXPECT_TRUE(absl::IsUnavailable(a.get()));
+  EXPECT_TRUE(absl::IsUnavailable(b.get()));
+  EXPECT_TRUE(group_sizes_.empty());
+}
+
 TEST_F(StoreThreadTest, ClosingCommitsWhatIsQueuedAndRefusesTheRest) {
   Start({.group_interval = std::chrono::hours(1)});
   auto queued = Commit(Update("a", 1, {}));

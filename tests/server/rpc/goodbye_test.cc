@@ -1,0 +1,193 @@
+// What becomes of evidence that is not on disk yet when its client goes: goodbye, half-close, lost
+// connection, drain, a full table.
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using Response = v1::StreamTelemetryResponse;
+
+class GoodbyeTest : public RpcTest {
+ protected:
+  // A session that the store knows, with one message applied and not on disk, and a store that
+  // answers nothing from here on.
+  v1::Welcome OpenWithEvidence(TelemetryClient& client) {
+    const uint64_t commit_count = server_->counters().stored_commit_count;
+    const uint64_t message_count = server_->counters().applied_message_count;
+    const v1::Welcome welcome = client.Open(OneArmHello());
+    EXPECT_TRUE(
+        Eventually([&] { return server_->counters().stored_commit_count == commit_count + 1; }));
+    client.Send(Frames(1, 30));
+    EXPECT_TRUE(Applied(message_count + 1));
+    return welcome;
+  }
+  [[nodiscard]] bool Held(size_t count) {
+    return Eventually([&] { return store_.held_count() == count; });
+  }
+  // Frames of the session in the store.
+  uint64_t StoredFrames(const std::string& session_id) {
+    std::promise<uint64_t> frames;
+    thread_.Submit([&](priors::PriorStore& store) {
+      const auto source = *store.LoadSource(session_id);
+      frames.set_value(source ? source->progress.frame_count : 0);
+    });
+    return frames.get_future().get();
+  }
+  [[nodiscard]] bool ReachesTheStore(const std::string& session_id, uint64_t frame_count = 30) {
+    return Eventually([&] { return StoredFrames(session_id) == frame_count; });
+  }
+};
+
+TEST_F(GoodbyeTest, AHalfCloseAfterItLeavesTheStreamOpenUntilTheCommit) {
+  TelemetryClient client(channel_);
+  const std::string id = OpenWithEvidence(client).session_id();
+  store_.Hold();
+  client.Send(Goodbye());
+  client.HalfClose();
+  ASSERT_TRUE(Held(1));
+  // A stream that had ended with the half-close would have nothing to acknowledge.
+  store_.Release();
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(StoredFrames(id), 30u);
+}
+
+TEST_F(GoodbyeTest, ACommitBehindAnotherIsAwaitedToo) {
+  TelemetryClient client(channel_);
+  const std::string id = OpenWithEvidence(client).session_id();
+  store_.Hold();
+  Tick();
+  ASSERT_TRUE(Held(1));
+  client.Send(Frames(2, 30));
+  client.Send(Goodbye());
+  client.HalfClose();
+  ASSERT_TRUE(Applied(2));
+  store_.Release();
+  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(StoredFrames(id), 60u);
+}
+
+TEST_F(GoodbyeTest, AfterALostConnectionTheCommitStillReachesTheStore) {
+  TelemetryClient client(channel_);
+  const std::string id = OpenWithEvidence(client).session_id();
+  store_.Hold();
+  Tick();
+  ASSERT_TRUE(Held(1));
+  client.Send(Frames(2, 30));
+  client.Send(Goodbye());
+  ASSERT_TRUE(Eventually([&] { return server_->counters().goodbye_count == 1; }));
+  client.Cancel();
+  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::CANCELLED);
+  // The server has taken a later stream, and so this one's end too.
+  TelemetryClient other(channel_);
+  other.Open(OneArmHello());
+  ASSERT_TRUE(Held(2));
+  store_.Release();
+  EXPECT_TRUE(ReachesTheStore(id, 60));
+}
+
+TEST_F(GoodbyeTest, EvidenceThatADiskRefusedIsOfferedAgainSoonThoughNobodyIsThere) {
+  TelemetryClient client(channel_);
+  const std::string id = OpenWithEvidence(client).session_id();
+  store_.Fail(true);
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(StoredFrames(id), 0u);
+  store_.Fail(false);
+  clock_.Advance(2 * kSecondNs);
+  EXPECT_TRUE(ReachesTheStore(id));
+}
+
+TEST_F(GoodbyeTest, ADrainOffersWhatTheDiskRefusedOnceMoreAndWaitsForIt) {
+  TelemetryClient client(channel_);
+  const std::string id = OpenWithEvidence(client).session_id();
+  store_.Fail(true);
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  store_.Fail(false);
+  server_->Drain(std::chrono::minutes(10));
+  EXPECT_EQ(StoredFrames(id), 30u);
+}
+
+TEST_F(GoodbyeTest, ADrainWithADiskThatFailsLetsClientsGoAtOnce) {
+  TelemetryClient client(channel_);
+  OpenWithEvidence(client);
+  store_.Fail(true);
+  const uint64_t failed = server_->counters().failed_commit_count;
+  Tick();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count == failed + 1; }));
+  // Waiting for its patience would take the test's whole time.
+  server_->Drain(std::chrono::minutes(10));
+  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+}
+
+TEST_F(GoodbyeTest, AMessageAfterItIsNotTakenForItsEvidence) {
+  TelemetryClient client(channel_);
+  const std::string id = OpenWithEvidence(client).session_id();
+  store_.Hold();
+  client.Send(Goodbye());
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Held(1));
+  store_.Release();
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(StoredFrames(id), 30u);
+}
+
+class FullTableGoodbyeTest : public GoodbyeTest {
+ protected:
+  FullTableGoodbyeTest() { options_.max_sessions = 1; }
+};
+
+TEST_F(FullTableGoodbyeTest, ASessionThatIsTheOnlyOneToHaveItsEvidenceStays) {
+  std::string id;
+  {
+    TelemetryClient client(channel_);
+    id = OpenWithEvidence(client).session_id();
+    store_.Fail(true);
+    client.Send(Goodbye());
+    EXPECT_TRUE(client.Finish().ok());
+  }
+  TelemetryClient second(channel_);
+  second.Send(Request(OneArmHello()));
+  EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  store_.Fail(false);
+  clock_.Advance(2 * kSecondNs);
+  ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 2; }));
+  EXPECT_EQ(StoredFrames(id), 30u);
+  TelemetryClient third(channel_);
+  EXPECT_FALSE(third.Open(OneArmHello()).resumed());
+}
+
+TEST_F(FullTableGoodbyeTest, ALostSessionMakesRoomSinceItsClientSendsAgainWhatIsNotOnDisk) {
+  v1::Hello hello = OneArmHello();
+  {
+    TelemetryClient client(channel_);
+    hello.set_session_id(OpenWithEvidence(client).session_id());
+    store_.Fail(true);
+    const uint64_t failed = server_->counters().failed_commit_count;
+    Tick();
+    ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count > failed; }));
+    client.HalfClose();
+    EXPECT_TRUE(client.Finish().ok());
+  }
+  store_.Fail(false);
+  {
+    TelemetryClient second(channel_);
+    second.Open(OneArmHello());
+    second.HalfClose();
+    EXPECT_TRUE(second.Finish().ok());
+  }
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = client.Open(hello);
+  EXPECT_TRUE(welcome.resumed());
+  EXPECT_EQ(welcome.acknowledged_sequence(), 0u);
+  client.Send(Frames(1, 30));
+  client.Send(Goodbye());
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
+  EXPECT_EQ(StoredFrames(hello.session_id()), 30u);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
