@@ -292,6 +292,8 @@ void AdaptiveBroadPhase::SetSettling(uint64_t settling_ns) {
   impl_->switch_cost.SetSettling(settling_ns);
 }
 
+void AdaptiveBroadPhase::SetBailOutLimit(uint64_t limit_ns) { impl_->guard.SetLimit(limit_ns); }
+
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }
 Mode AdaptiveBroadPhase::mode() const { return impl_->mode.load(std::memory_order_relaxed); }
 uint32_t AdaptiveBroadPhase::active_arm() const { return impl_->arm(); }

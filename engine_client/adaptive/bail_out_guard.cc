@@ -21,6 +21,10 @@ BailOutGuard::BailOutGuard(uint64_t limit_ns, uint32_t arm_count)
   assert(limit_ns > 0 && arm_count >= 1 && arm_count <= kArmMax);
 }
 
+void BailOutGuard::SetLimit(uint64_t limit_ns) {
+  if (limit_ns > 0) limit_ns_.store(limit_ns, std::memory_order_relaxed);
+}
+
 void BailOutGuard::SetDeciderPresent(bool present) {
   decider_present_.store(present, std::memory_order_relaxed);
 }

@@ -23,11 +23,15 @@ class BailOutGuard {
   // REQUIRES: limit_ns > 0, 1 <= arm_count <= kArmMax.
   BailOutGuard(uint64_t limit_ns, uint32_t arm_count);
 
+  // 0 is ignored.
+  void SetLimit(uint64_t limit_ns);
   void SetDeciderPresent(bool present);
   // Takes the snapshot only when it has one finite mean per arm.
   void SetPosteriorMeans(std::span<const double> means);
 
-  bool Exceeds(uint64_t frame_time_ns) const { return frame_time_ns > limit_ns_; }
+  bool Exceeds(uint64_t frame_time_ns) const {
+    return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
+  }
 
   // The arm to switch to after this frame; absent when the frame is within the limit, was long for
   // another reason (detection under half of it, paused, loading), a decider is present, or there is
@@ -37,7 +41,7 @@ class BailOutGuard {
  private:
   uint32_t BestOther(uint32_t active) const;
 
-  const uint64_t limit_ns_;
+  std::atomic<uint64_t> limit_ns_;
   const uint32_t arm_count_;
   std::atomic<bool> decider_present_{false};
   std::atomic<bool> has_means_{false};

@@ -276,6 +276,7 @@ void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   intake_->SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors());
   adaptive.SetSettling(welcome.settling_ms() * kNsPerMs);
+  adaptive.SetBailOutLimit(welcome.bail_out_ms() * kNsPerMs);
   adaptive.SetDeciderPresent(true);
 }
 

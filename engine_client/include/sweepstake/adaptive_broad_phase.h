@@ -65,7 +65,10 @@ struct AdaptiveOptions {
   std::vector<std::string> arms;  // names from BroadPhaseNames(); empty: all seven. 1–32, unique.
   std::string initial_arm;        // empty: the first
   Mode mode = Mode::kAi;
-  uint64_t bail_out_ns = 5'000'000'000;  // paper §4; > 0
+  // A longer frame is a bail-out (paper §4); > 0. The daemon's welcome replaces it. With an
+  // embedded decider it stays, and the decider takes every frame that is flagged as over it for a
+  // bail-out.
+  uint64_t bail_out_ns = 5'000'000'000;
   // For the measured settling cost only; the daemon's welcome replaces it.
   uint64_t settling_ns = 2'000'000'000;
 };
@@ -109,6 +112,8 @@ class AdaptiveBroadPhase {
   void SetPosteriorMeans(std::span<const double> means);
   // The settling time in force, from the decider's welcome. Any thread.
   void SetSettling(uint64_t settling_ns);
+  // The bail-out limit in force, from the decider's welcome; 0 is ignored. Any thread.
+  void SetBailOutLimit(uint64_t limit_ns);
 
   SwitchMailbox& mailbox();
   // Any thread.

@@ -24,6 +24,14 @@ TEST(BailOutGuard, CountsOnlyFramesOverTheLimit) {
   EXPECT_TRUE(guard.Exceeds(kLimitNs + 1));
 }
 
+TEST(BailOutGuard, TakesANewLimitButNotNone) {
+  BailOutGuard guard(kLimitNs, 3);
+  guard.SetLimit(10);
+  guard.SetLimit(0);
+  EXPECT_FALSE(guard.Exceeds(10));
+  EXPECT_TRUE(guard.Exceeds(11));
+}
+
 TEST(BailOutGuard, TakesTheNextArmInOrderWithoutASnapshot) {
   const BailOutGuard guard(kLimitNs, 3);
   EXPECT_EQ(guard.LocalChoice(LongFrame(0)), 1U);

@@ -301,6 +301,17 @@ TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledAndCountsNothingTwice) {
   EXPECT_EQ(wait_count_, 0U);
 }
 
+TEST_F(DaemonSessionTest, TheDaemonsBailOutLimitIsTheFramePathsToo) {
+  FakeDaemon daemon;
+  daemon.SetScript([](auto& script) { script.welcome.set_bail_out_ms(100); });
+  StartAgainst(daemon);
+  RunUntilState(ConnectionState::kOnline);
+  Frame(100 * kMs);
+  EXPECT_EQ(adaptive_->last_sample().flags & kFrameBailOut, 0U);
+  Frame(101 * kMs);
+  EXPECT_NE(adaptive_->last_sample().flags & kFrameBailOut, 0U);
+}
+
 TEST_F(DaemonSessionTest, BeginsANewSessionWhenTheDaemonForgotTheOldOne) {
   FakeDaemon daemon;
   StartAgainst(daemon);
