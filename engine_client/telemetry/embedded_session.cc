@@ -151,6 +151,7 @@ void EmbeddedSession::PublishBeliefs() {
   published_decision_count_ = decider_->decision_count();
   std::vector<ArmBelief> beliefs = decider_->beliefs();
   std::vector<double> means;
+  means.reserve(beliefs.size());
   for (const ArmBelief& belief : beliefs)
     means.push_back(belief.alpha / (belief.alpha + belief.beta));
   adaptive_.load()->SetPosteriorMeans(means);

@@ -29,7 +29,7 @@ class AdaptiveBroadPhaseTest : public ::testing::Test {
  protected:
   void SetUp() override { Make({}); }
 
-  void Make(AdaptiveOptions options) {
+  void Make(const AdaptiveOptions& options) {
     std::vector<std::unique_ptr<BroadPhase>> backends;
     arms_.clear();
     for (const char* name : {"A", "B", "C"}) {

@@ -57,7 +57,7 @@ class Game {
   std::vector<uint64_t> frame_ms_;
 };
 
-std::unique_ptr<EmbeddedDecider> MakeDecider(EmbeddedOptions options = {}) {
+std::unique_ptr<EmbeddedDecider> MakeDecider(const EmbeddedOptions& options = {}) {
   auto made = EmbeddedDecider::Create(options, kArms, kVersions, 0);
   EXPECT_TRUE(made.ok()) << made.status().message();
   return std::move(*made);
