@@ -22,8 +22,8 @@ struct OverlapPair {
   uint32_t a;
   uint32_t b;
 
-  // NOLINTNEXTLINE(modernize-use-nullptr): the comparison of the result with 0 is the compiler's
-  // own.
+  // The comparison of the result with 0 is the compiler's own.
+  // NOLINTNEXTLINE(modernize-use-nullptr)
   friend auto operator<=>(const OverlapPair&, const OverlapPair&) = default;
 };
 static_assert(sizeof(OverlapPair) == 8);
