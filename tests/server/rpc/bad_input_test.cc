@@ -59,11 +59,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
-    client.Send(Frames(1, 30));
-    ASSERT_TRUE(Applied(1));
-    Tick();
-    client.AwaitAcknowledgement(1);
+    hello.set_session_id(LearnOneWindow(client, hello));
   }
   const priors::SceneEvidence before = Stored();
   RawClient raw(channel_);

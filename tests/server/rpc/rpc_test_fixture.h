@@ -191,6 +191,16 @@ class RpcTest : public ::testing::Test {
   [[nodiscard]] bool Applied(uint64_t count) {
     return Eventually([&] { return server_->counters().applied_message_count == count; });
   }
+  // Opens a session, teaches it one window of message 1, and returns its id when that is
+  // acknowledged. The first one of a server.
+  std::string LearnOneWindow(TelemetryClient& client, const v1::Hello& hello) {
+    std::string id = client.Open(hello).session_id();
+    client.Send(Frames(1, 30));
+    EXPECT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    return id;
+  }
   // One decision tick, and what it leads to is awaited by the caller.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }
 

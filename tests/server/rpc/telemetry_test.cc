@@ -99,11 +99,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
-    client.Send(Frames(1, 30));
-    ASSERT_TRUE(Applied(1));
-    Tick();
-    client.AwaitAcknowledgement(1);
+    hello.set_session_id(LearnOneWindow(client, hello));
     client.Send(Frames(2, 30));
     ASSERT_TRUE(Applied(2));
   }
@@ -125,11 +121,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
-    client.Send(Frames(1, 30));
-    ASSERT_TRUE(Applied(1));
-    Tick();
-    client.AwaitAcknowledgement(1);
+    hello.set_session_id(LearnOneWindow(client, hello));
     client.Send(Frames(2, 30));
     ASSERT_TRUE(Applied(2));
   }
@@ -166,11 +158,7 @@ TEST_F(TelemetryTest, ASessionThatSentNothingYetIsKnownAfterARestart) {
 TEST_F(TelemetryTest, ANewSessionStartsFromWhatOthersLearnt) {
   {
     TelemetryClient client(channel_);
-    client.Open(HelloMessage());
-    client.Send(Frames(1, 30));
-    ASSERT_TRUE(Applied(1));
-    Tick();
-    client.AwaitAcknowledgement(1);
+    LearnOneWindow(client, HelloMessage());
   }
   TelemetryClient second(channel_);
   const v1::Welcome welcome = second.Open(HelloMessage());
@@ -343,11 +331,7 @@ TEST_F(TelemetryTest, ASessionLeavesMemoryWhenItsWindowIsOverAndComesBackFromThe
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
-    client.Send(Frames(1, 30));
-    ASSERT_TRUE(Applied(1));
-    Tick();
-    client.AwaitAcknowledgement(1);
+    hello.set_session_id(LearnOneWindow(client, hello));
     client.HalfClose();
     EXPECT_TRUE(client.Finish().ok());
   }
