@@ -163,3 +163,12 @@ swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns) 
   session->adaptive->SetSettling(settling_ns);
   return SWP_OK;
 }
+
+swp_result swp_session_set_bail_out_limit(swp_session* session, uint64_t limit_ns) {
+  if (session == nullptr) return NullArgument("session");
+  if (limit_ns == 0) {
+    return Fail(SWP_INVALID_ARGUMENT, "limit_ns is 0; give the longest frame in ns");
+  }
+  session->adaptive->SetBailOutLimit(limit_ns);
+  return SWP_OK;
+}

@@ -79,13 +79,22 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
   return identity;
 }
 
+// Beta(1,1) plus the evidence; in its own proportion where so much was imported that a session
+// would not take it.
+BetaPosterior PriorOf(const priors::Evidence& evidence) {
+  constexpr double kMost = decision::kLargestEvidence / 2;
+  const double largest = std::max(evidence.alpha, evidence.beta);
+  const double scale = largest > kMost ? kMost / largest : 1;
+  return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
+}
+
 decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
                                const StoredStart& start, int64_t now_ns) {
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
   for (const priors::PriorSum& sum : start.priors.sums) {
-    setup.priors.push_back({1 + sum.evidence.alpha, 1 + sum.evidence.beta});
+    setup.priors.push_back(PriorOf(sum.evidence));
   }
   setup.seed = identity.seed;
   setup.mode = static_cast<decision::Mode>(hello.mode());

@@ -334,6 +334,8 @@ SWP_API swp_result swp_session_set_posterior_means(swp_session* session, const d
                                                    uint32_t count);
 /* The settling time in force, from the daemon's welcome. */
 SWP_API swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns);
+/* The bail-out limit in force, from the daemon's welcome; SWP_INVALID_ARGUMENT for 0. */
+SWP_API swp_result swp_session_set_bail_out_limit(swp_session* session, uint64_t limit_ns);
 
 /* ---- the embedded decider: "AI Decides" without a daemon ---- */
 

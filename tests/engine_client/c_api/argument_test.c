@@ -152,6 +152,7 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_set_decider_present(NULL, 1));
   REFUSED(swp_session_set_posterior_means(NULL, &mean, 1));
   REFUSED(swp_session_set_settling(NULL, 1));
+  REFUSED(swp_session_set_bail_out_limit(NULL, 1));
   REFUSED(swp_session_attach_decider(NULL, NULL, 0));
   REFUSED(swp_session_detach_decider(NULL));
   REFUSED(swp_session_poll_decider(NULL, 0, NULL, NULL));

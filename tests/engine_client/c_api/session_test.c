@@ -98,6 +98,16 @@ void test_frames(void) {
   swp_scene_destroy(scene);
 }
 
+static void check_bail_out_limit(swp_session* session, swp_scene* scene) {
+  swp_frame_sample sample;
+  uint32_t count = 0;
+  CHECK(swp_session_set_bail_out_limit(session, 0) == SWP_INVALID_ARGUMENT);
+  CHECK_OK(swp_session_set_bail_out_limit(session, 1)); /* every frame takes longer */
+  run_frame(session, scene);
+  CHECK_OK(swp_session_drain_samples(session, &sample, 1, &count));
+  CHECK(count == 1 && (sample.flags & SWP_FRAME_BAIL_OUT) != 0);
+}
+
 /* Returns the number of samples drained in portions of three; they must be in order. */
 static uint32_t drain(swp_session* session, uint64_t first_index) {
   uint32_t total = 0;
@@ -175,6 +185,7 @@ void test_transport(void) {
   CHECK_OK(swp_session_set_decider_present(session, 1));
   CHECK(swp_session_set_decider_present(session, 2) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_set_settling(session, 1000));
+  check_bail_out_limit(session, scene);
   swp_session_destroy(session);
   swp_scene_destroy(scene);
 }

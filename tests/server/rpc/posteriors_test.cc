@@ -226,6 +226,29 @@ TEST_F(PosteriorsTest, AnImportWithOneWrongRecordImportsNothingAndNamesIt) {
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
+TEST_F(PosteriorsTest, MoreEvidenceThanASessionTakesIsScaledDownInItsProportion) {
+  const v1::Hello hello = OneArmHello();
+  v1::PriorRecord record;
+  record.set_project(hello.project());
+  record.set_scene(hello.scene());
+  record.set_arm(hello.arms(0).name());
+  record.set_backend_version(hello.arms(0).backend_version());
+  record.set_machine_class(hello.machine_class());
+  record.set_reward_version(decision::kRewardVersion);
+  record.set_source_sequence(1);
+  record.set_alpha_increment(9e14);
+  record.set_beta_increment(3e14);
+  std::vector<v1::PriorRecord> records(2, record);
+  records[0].set_source_id("a");
+  records[1].set_source_id("b");
+  v1::ImportPriorsResponse response;
+  ASSERT_TRUE(Import(records, response).ok());
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = client.Open(hello);
+  ASSERT_EQ(welcome.priors_size(), 1);
+  EXPECT_DOUBLE_EQ(welcome.priors(0).alpha() / welcome.priors(0).beta(), 3);
+}
+
 TEST_F(PosteriorsTest, AnImportThatBreaksOffImportsNothing) {
   Store(Evidence("a", "harbour"));
   v1::PriorRecord record = Export()[0];
