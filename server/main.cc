@@ -145,6 +145,7 @@ int Run(const Config& config) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): only running out of memory, which may end the program.
 int main(int argc, char** argv) {
   CLI::App app(
       "The decision daemon of Sweepstake: learns which broad phase suits a scene, and tells "

@@ -246,7 +246,7 @@ TEST_F(PosteriorsTest, MoreEvidenceThanASessionTakesIsScaledDownInItsProportion)
   TelemetryClient client(channel_);
   const v1::Welcome welcome = client.Open(hello);
   ASSERT_EQ(welcome.priors_size(), 1);
-  EXPECT_DOUBLE_EQ(welcome.priors(0).alpha() / welcome.priors(0).beta(), 3);
+  EXPECT_NEAR(welcome.priors(0).alpha() / welcome.priors(0).beta(), 3, 1e-9);
 }
 
 TEST_F(PosteriorsTest, AnImportThatBreaksOffImportsNothing) {
