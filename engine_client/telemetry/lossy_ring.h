@@ -80,6 +80,7 @@ class LossyRing {
   }
 
  private:
+  // NOLINTNEXTLINE(bugprone-sizeof-expression): taken for a count of an array's elements.
   static constexpr size_t kWordCount = sizeof(T) / sizeof(uint64_t);
   using Words = std::array<uint64_t, kWordCount>;
 

@@ -73,7 +73,7 @@ grpc::Status FakeDaemon::StreamTelemetry(grpc::ServerContext* context, Stream* s
     ++open_stream_count;
     if (killed_) context->TryCancel();
   }
-  const grpc::Status status = Converse(stream);
+  grpc::Status status = Converse(stream);
   const std::lock_guard lock(mutex_);
   if (open_stream_ == stream) open_stream_ = nullptr;
   std::erase(contexts_, context);

@@ -60,12 +60,15 @@ const char* WaitCounter::last_call() const { return latest_call; }
 // ThreadSanitizer stands in front of the same functions, and must know who called them.
 #ifndef __SANITIZE_THREAD__
 
-// Each definition takes the place of the C library's for the whole program.
+// Each definition takes the place of the C library's for the whole program. The arguments of the
+// macro are types, names and lists that bring their own parentheses.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define SWEEPSTAKE_INTERPOSE(result, name, parameters, arguments)            \
   extern "C" __attribute__((visibility("default"))) result name parameters { \
     Count(#name);                                                            \
     return Next<result parameters>(#name) arguments;                         \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 SWEEPSTAKE_INTERPOSE(int, pthread_mutex_lock, (pthread_mutex_t * m), (m))
 SWEEPSTAKE_INTERPOSE(int, pthread_mutex_trylock, (pthread_mutex_t * m), (m))
