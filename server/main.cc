@@ -2,6 +2,7 @@
 //
 // Exit codes: 0 done, 1 a configuration that was to be checked is wrong, 2 bad usage or
 // configuration, 3 could not start, 4 told to end and not done within nine seconds.
+#include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -130,6 +131,8 @@ int Run(const Config& config) {
   const sigset_t signals = BlockEndSignals();
   // A log that nobody reads any more is no reason to die.
   std::signal(SIGPIPE, SIG_IGN);
+  // gRPC's own lines on stderr are no JSON; what it fails at, we say ourselves.
+  gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
   sweepstake::rpc::SteadyClock clock;
   auto daemon = sweepstake::server::Daemon::Start(config, clock);

@@ -3,7 +3,7 @@
 #
 #   tests/run.sh               the default suite (preset dev)
 #   tests/run.sh asan tsan     the same tests under AddressSanitizer + UBSan, then under ThreadSanitizer
-#   tests/run.sh dev -R grid   arguments from the first option on go to ctest
+#   tests/run.sh dev -R Grid   arguments from the first option on go to ctest
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -265,7 +265,9 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--duration", options.duration, "How long, as 500ms, 60s, 15m")
       ->capture_default_str();
   command.add_option("--policy", options.policy, "Policy (default: the decider's)");
-  command.add_option("--time-scale", options.time_scale, "Divides every interval of the decider")
+  command
+      .add_option("--time-scale", options.time_scale,
+                  "Divides every interval of the decider but the bail-out limit")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   command.add_option("--project", options.project, "Project the priors belong to")

@@ -28,7 +28,10 @@ if(WITH_PROGRAMS)
 endif()
 
 run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
-  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
+  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DWITH_TELEMETRY=${WITH_PROGRAMS})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/cxx_consumer)
 run(${WORK}/build/c_consumer)
+if(WITH_PROGRAMS)
+  run(${WORK}/build/session_consumer)
+endif()

@@ -1,8 +1,7 @@
 // The frame path: what an engine calls each frame. Steps 2–6 of the one path (README).
 //
 //   adaptive.BeginFrame();                     // executes a pending switch, only here
-//   auto pairs = adaptive.FindPairs(boxes);    // active backend: Build or Update, FindPairs,
-//   measured
+//   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches
 //   ... narrow phase, solver, rendering ...
 //   adaptive.EndFrame({.frame_time_ns = dt});  // makes the sample, guards, hands it to the sink
 //

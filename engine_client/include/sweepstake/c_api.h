@@ -348,7 +348,7 @@ typedef struct swp_decider_options {
   const char* machine_class; /* NULL: unknown */
   const char* priors_file;   /* as `sweepstake priors export` writes it; NULL: Beta(1,1) */
   uint64_t seed;
-  double time_scale; /* 1 to 1000: every interval is divided by it */
+  double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
 } swp_decider_options;
 
 /* A posterior of an arm's reward, Beta(alpha, beta). */

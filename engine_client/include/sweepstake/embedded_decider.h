@@ -27,7 +27,7 @@ struct EmbeddedOptions {
   std::string machine_class;
   std::filesystem::path priors_file;  // as written by `sweepstake priors export`; empty: Beta(1,1)
   uint64_t seed = 1;
-  double time_scale = 1;  // 1–1000: every interval is divided by it
+  double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
   Mode mode = Mode::kAi;
 };
 

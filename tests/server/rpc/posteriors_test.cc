@@ -1,6 +1,7 @@
 // Posteriors and priors, read, watched, carried away and brought in.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/health_check_service_interface.h>
 
 #include <utility>
@@ -66,6 +67,32 @@ class PosteriorsTest : public RpcTest {
   std::unique_ptr<v1::PosteriorsService::Stub> posteriors_;
   std::unique_ptr<v1::PriorsService::Stub> priors_;
 };
+
+// What a server answers to a call of the reflection service.
+grpc::StatusCode CallReflection(const std::shared_ptr<grpc::Channel>& channel) {
+  grpc::GenericStub stub(channel);
+  grpc::ClientContext context;
+  const grpc::Slice empty;
+  const grpc::ByteBuffer request(&empty, 1);
+  grpc::ByteBuffer response;
+  std::promise<grpc::StatusCode> code;
+  stub.UnaryCall(&context, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", {},
+                 &request, &response,
+                 [&](const grpc::Status& status) { code.set_value(status.error_code()); });
+  return code.get_future().get();
+}
+
+TEST_F(RpcTest, ReflectionIsOffUnlessAskedFor) {
+  EXPECT_EQ(CallReflection(channel_), grpc::StatusCode::UNIMPLEMENTED);
+  RpcOptions options = options_;
+  options.reflection = true;
+  ManualClock clock;
+  auto reflecting = RpcServer::Start("127.0.0.1:0", options, clock, store_, log_);
+  ASSERT_TRUE(reflecting.ok());
+  const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string((*reflecting)->port()),
+                                           grpc::InsecureChannelCredentials());
+  EXPECT_NE(CallReflection(channel), grpc::StatusCode::UNIMPLEMENTED);
+}
 
 TEST_F(PosteriorsTest, AreListedInPages) {
   for (const char* scene : {"b", "c", "a"}) Store(Evidence(std::string("source ") + scene, scene));
