@@ -141,6 +141,11 @@ class Player {
     }
   }
 
+  // After the session has stopped: a short run may have its answer only by then.
+  void End() {
+    if (!priors_said_) SayPriors();
+  }
+
  private:
   // Before the decider has answered there is nothing to say.
   void SayPriors() {
@@ -244,8 +249,10 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();
-  Player(**run, **session, *log, terminal, *duration_ns, options.json).Play();
+  Player player(**run, **session, *log, terminal, *duration_ns, options.json);
+  player.Play();
   (*session)->Stop(kStopDeadlineMs);
+  player.End();
   return Report(options, setup, **run, (*session)->stats(), *log, terminal);
 }
 
