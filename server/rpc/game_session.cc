@@ -72,7 +72,11 @@ void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
     return;
   }
   applied_sequence_ = request.sequence();
+  ApplyEvidence(request);
   ++context_.counters.applied_message_count;
+}
+
+void GameSession::ApplyEvidence(const v1::StreamTelemetryRequest& request) {
   switch (request.message_case()) {
     case v1::StreamTelemetryRequest::kFrameBatch:
       return ApplyFrames(request.frame_batch());

@@ -71,6 +71,7 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
               const decision::SessionSetup& setup, const priors::SourceProgress& progress,
               uint64_t prior_source_count);
 
+  void ApplyEvidence(const v1::StreamTelemetryRequest& request);
   void ApplyFrames(const v1::FrameBatch& batch);
   void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
   void ApplyBailOut(const v1::BailOut& bail_out);
