@@ -5,6 +5,7 @@
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/end_to_end/store_reader.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::test_support {
 namespace {

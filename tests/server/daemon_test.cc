@@ -10,7 +10,7 @@
 
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/rpc/health_client.h"
-#include "tests/server/storage/temporary_directory.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::server {
 namespace {
@@ -34,7 +34,7 @@ class DaemonTest : public ::testing::Test {
     return *std::move(daemon);
   }
 
-  storage::TemporaryDirectory directory_;
+  test_support::TemporaryDirectory directory_;
   Config config_;
   rpc::SteadyClock clock_;
 };

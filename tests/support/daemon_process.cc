@@ -59,17 +59,6 @@ std::string WaitForPort(pid_t pid, const std::filesystem::path& port_file,
 
 }  // namespace
 
-TemporaryDirectory::TemporaryDirectory() {
-  std::string name = (std::filesystem::temp_directory_path() / "sweepstake-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) Die("Cannot make a temporary directory: " + name);
-  path_ = name;
-}
-
-TemporaryDirectory::~TemporaryDirectory() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
 DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::string& listen,
                              const std::vector<std::string>& more_arguments)
     : log_(data / "log") {

@@ -9,19 +9,6 @@
 
 namespace sweepstake::test_support {
 
-// A directory that goes away with the object.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory();
-  ~TemporaryDirectory();
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 class DaemonProcess {
  public:
   // Starts the daemon and returns when it listens. `listen` may name a port to come back on after a

@@ -8,6 +8,7 @@
 
 #include "tests/engine_client/cli/program.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {

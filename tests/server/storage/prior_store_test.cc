@@ -4,7 +4,7 @@
 #include "server/storage/memory_prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/prior_store_conformance.h"
-#include "tests/server/storage/temporary_directory.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -43,7 +43,7 @@ class TemporarySqliteStore final : public PriorStore {
   }
 
  private:
-  TemporaryDirectory directory_;
+  test_support::TemporaryDirectory directory_;
   std::unique_ptr<PriorStore> store_ = *OpenSqlitePriorStore(directory_.path() / "priors.db");
 };
 

@@ -10,7 +10,7 @@
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
 #include "tests/server/storage/evidence_samples.h"
-#include "tests/server/storage/temporary_directory.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -30,7 +30,7 @@ class SqlitePriorStoreTest : public ::testing::Test {
                 ->QueryInteger(sql);
   }
 
-  TemporaryDirectory directory_;
+  test_support::TemporaryDirectory directory_;
   std::filesystem::path path_ = directory_.path() / "priors.db";
 };
 
@@ -139,7 +139,7 @@ TEST_F(SqlitePriorStoreTest, ADatabaseThatSomebodyElseWritesIsReportedAsUnavaila
 }
 
 TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
-  const TemporaryDirectory temporary;
+  const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";
   {
     auto first = DataDirectory::Open(path);
@@ -153,7 +153,7 @@ TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
 }
 
 TEST(DataDirectoryTest, AFileInItsPlaceIsAnError) {
-  const TemporaryDirectory temporary;
+  const test_support::TemporaryDirectory temporary;
   std::ofstream(temporary.path() / "data") << "x";
   EXPECT_TRUE(absl::IsUnavailable(DataDirectory::Open(temporary.path() / "data").status()));
 }

@@ -1,19 +1,24 @@
 // A directory of its own for a test, removed with everything in it.
 #pragma once
 
-#include <gtest/gtest.h>
+#include <stdlib.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 
-namespace sweepstake::storage {
+namespace sweepstake::test_support {
 
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {
-    std::string name = ::testing::TempDir() + "sweepstake-XXXXXX";
-    path_ = mkdtemp(name.data());
+    std::string name = (std::filesystem::temp_directory_path() / "sweepstake-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      std::fprintf(stderr, "Cannot make a temporary directory: %s\n", name.c_str());
+      std::abort();
+    }
+    path_ = name;
   }
   ~TemporaryDirectory() {
     std::error_code ignored;
@@ -28,4 +33,4 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-}  // namespace sweepstake::storage
+}  // namespace sweepstake::test_support
