@@ -103,7 +103,7 @@ class AdaptiveBroadPhase::Impl {
   Clock& clock_;
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // SelectArm or the guard, for the next frame
-  std::optional<size_t> built_count_;  // objects in the active structure; absent: none built
+  bool built_ = false;  // the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   DescriptorEstimator descriptors_;
   FrameSample sample_{};
@@ -149,7 +149,7 @@ void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);
   last_switch_reason = command.reason;
-  built_count_.reset();
+  built_ = false;
   Report(switch_cost.Begin(command, next_epoch));
 }
 
@@ -167,12 +167,14 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   UpdateStructure(boxes, start_ns);
   pairs_.Clear();
   backends_[sample_.arm]->FindPairs(pairs_);
+  built_ = true;
   MeasureDetection(boxes, start_ns);
   return std::as_const(pairs_).pairs();
 }
 
+// A backend that ran out of memory on the way is built anew in the next frame.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
-  if (built_count_ == boxes.size()) {
+  if (std::exchange(built_, false)) {
     backends_[sample_.arm]->Update(boxes);
   } else {
     Rebuild(boxes, start_ns);
@@ -180,9 +182,7 @@ void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint
 }
 
 void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t start_ns) {
-  built_count_.reset();  // Stays so if Build runs out of memory.
   backends_[sample_.arm]->Build(boxes);
-  built_count_ = boxes.size();
   sample_.flags |= kFrameRebuild;
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(clock_.NowNs() - start_ns);
 }
@@ -264,7 +264,8 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
   if (Status status = ValidateArms(arms); !status.ok()) return status;
   std::vector<std::unique_ptr<BroadPhase>> backends;
   for (const std::string& arm : arms) {
-    Result<std::unique_ptr<BroadPhase>> backend = MakeBroadPhase(arm);
+    Result<std::unique_ptr<BroadPhase>> backend =
+        MakeBroadPhase(arm, {.executor = options.executor});
     if (!backend.ok()) return backend.status();
     backends.push_back(std::move(*backend));
   }

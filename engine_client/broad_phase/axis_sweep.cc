@@ -53,6 +53,7 @@ OverlapPair Ordered(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a
 
 class AxisSweep final : public BroadPhase {
  public:
+  explicit AxisSweep(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "AxisSweep"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override;
@@ -97,6 +98,7 @@ void AxisSweep::Build(std::span<const Aabb> boxes) {
 }
 
 void AxisSweep::Update(std::span<const Aabb> boxes) {
+  if (boxes.size() != count_) return Build(boxes);
   TakeKeys(boxes);
   const size_t descents = Refresh();
   calm_ = pause_frames_ == 0 && IsLittleMotion(descents, 6 * count_);
@@ -192,6 +194,8 @@ void AxisSweep::AdoptPairs(std::span<const OverlapPair> pairs) {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeAxisSweep() { return std::make_unique<AxisSweep>(); }
+std::unique_ptr<BroadPhase> MakeAxisSweep(const BroadPhaseOptions& options) {
+  return std::make_unique<AxisSweep>(options);
+}
 
 }  // namespace sweepstake

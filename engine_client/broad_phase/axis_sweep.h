@@ -21,6 +21,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeAxisSweep();
+std::unique_ptr<BroadPhase> MakeAxisSweep(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

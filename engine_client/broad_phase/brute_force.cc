@@ -25,6 +25,7 @@ HWY_EXPORT(TestAllPairs);
 
 class BruteForce final : public BroadPhase {
  public:
+  explicit BruteForce(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "BruteForce"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override { Take(boxes); }
@@ -47,7 +48,9 @@ class BruteForce final : public BroadPhase {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeBruteForce() { return std::make_unique<BruteForce>(); }
+std::unique_ptr<BroadPhase> MakeBruteForce(const BroadPhaseOptions& options) {
+  return std::make_unique<BruteForce>(options);
+}
 
 }  // namespace sweepstake
 

@@ -11,6 +11,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeBruteForce();
+std::unique_ptr<BroadPhase> MakeBruteForce(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

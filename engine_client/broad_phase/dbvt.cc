@@ -72,6 +72,7 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 class Dbvt final : public BroadPhase {
  public:
+  explicit Dbvt(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "DBVT"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override;
@@ -160,6 +161,7 @@ void Dbvt::Build(std::span<const Aabb> boxes) {
 }
 
 void Dbvt::Update(std::span<const Aabb> boxes) {
+  if (boxes.size() != exact_.size()) return Build(boxes);
   update_checks_ = 0;
   pair_checks_ = 0;
   CollectMoved(boxes);
@@ -271,6 +273,8 @@ size_t Dbvt::native_bytes() const {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeDbvt() { return std::make_unique<Dbvt>(); }
+std::unique_ptr<BroadPhase> MakeDbvt(const BroadPhaseOptions& options) {
+  return std::make_unique<Dbvt>(options);
+}
 
 }  // namespace sweepstake

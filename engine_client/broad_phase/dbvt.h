@@ -24,6 +24,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeDbvt();
+std::unique_ptr<BroadPhase> MakeDbvt(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

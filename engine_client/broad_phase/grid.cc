@@ -124,6 +124,7 @@ HWY_EXPORT(ScanCells);
 
 class Grid final : public BroadPhase {
  public:
+  explicit Grid(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "Grid"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override { Take(boxes); }
@@ -190,7 +191,9 @@ size_t Grid::native_bytes() const {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeGrid() { return std::make_unique<Grid>(); }
+std::unique_ptr<BroadPhase> MakeGrid(const BroadPhaseOptions& options) {
+  return std::make_unique<Grid>(options);
+}
 
 }  // namespace sweepstake
 

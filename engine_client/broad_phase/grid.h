@@ -17,6 +17,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeGrid();
+std::unique_ptr<BroadPhase> MakeGrid(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

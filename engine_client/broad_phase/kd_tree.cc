@@ -16,6 +16,7 @@ constexpr uint64_t kChecksPerSplit = 128;
 
 class KdTree final : public BroadPhase {
  public:
+  explicit KdTree(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "KDTree"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override;
@@ -48,6 +49,7 @@ void KdTree::Build(std::span<const Aabb> boxes) {
 }
 
 void KdTree::Update(std::span<const Aabb> boxes) {
+  if (boxes.size() != sorted_.count()) return Build(boxes);
   if (excess_checks_ > kChecksPerSplit * boxes.size()) SplitAnew(boxes);
   Refit(boxes);
 }
@@ -72,6 +74,8 @@ void KdTree::FindPairs(PairBuffer& out) {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeKdTree() { return std::make_unique<KdTree>(); }
+std::unique_ptr<BroadPhase> MakeKdTree(const BroadPhaseOptions& options) {
+  return std::make_unique<KdTree>(options);
+}
 
 }  // namespace sweepstake

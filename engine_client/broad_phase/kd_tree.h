@@ -17,6 +17,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeKdTree();
+std::unique_ptr<BroadPhase> MakeKdTree(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

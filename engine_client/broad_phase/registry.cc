@@ -16,7 +16,7 @@ namespace {
 
 struct Family {
   std::string_view name;
-  std::unique_ptr<BroadPhase> (*make)();
+  std::unique_ptr<BroadPhase> (*make)(const BroadPhaseOptions&);
 };
 
 // The paper's order (Table 1).
@@ -45,9 +45,10 @@ Status UnknownName(std::string_view name) {
 
 std::span<const std::string_view> BroadPhaseNames() { return kNames; }
 
-Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name) {
+Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
+                                                   const BroadPhaseOptions& options) {
   for (const Family& family : kFamilies) {
-    if (family.name == name) return family.make();
+    if (family.name == name) return family.make(options);
   }
   return UnknownName(name);
 }

@@ -11,6 +11,7 @@ namespace {
 
 class Sap final : public BroadPhase {
  public:
+  explicit Sap(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "SAP"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override { Update(boxes); }
@@ -53,6 +54,8 @@ void Sap::SortByLowerFace(std::span<const Aabb> boxes) {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeSap() { return std::make_unique<Sap>(); }
+std::unique_ptr<BroadPhase> MakeSap(const BroadPhaseOptions& options) {
+  return std::make_unique<Sap>(options);
+}
 
 }  // namespace sweepstake

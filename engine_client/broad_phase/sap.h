@@ -13,6 +13,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeSap();
+std::unique_ptr<BroadPhase> MakeSap(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

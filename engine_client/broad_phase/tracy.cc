@@ -32,6 +32,7 @@ constexpr uint64_t kChecksPerLayout = 256;
 
 class Tracy final : public BroadPhase {
  public:
+  explicit Tracy(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "Tracy"; }
   uint32_t version() const override { return 1; }
   void Build(std::span<const Aabb> boxes) override;
@@ -130,6 +131,7 @@ void Tracy::FillLists() {
 }
 
 void Tracy::Update(std::span<const Aabb> boxes) {
+  if (boxes.size() != count_) return Build(boxes);
   checks_ = 0;
   if (excess_checks_ > kChecksPerLayout * count_) {
     Build(boxes);
@@ -204,6 +206,8 @@ size_t Tracy::native_bytes() const {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> MakeTracy() { return std::make_unique<Tracy>(); }
+std::unique_ptr<BroadPhase> MakeTracy(const BroadPhaseOptions& options) {
+  return std::make_unique<Tracy>(options);
+}
 
 }  // namespace sweepstake

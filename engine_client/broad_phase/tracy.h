@@ -21,6 +21,6 @@
 
 namespace sweepstake {
 
-std::unique_ptr<BroadPhase> MakeTracy();
+std::unique_ptr<BroadPhase> MakeTracy(const BroadPhaseOptions& options);
 
 }  // namespace sweepstake

@@ -84,11 +84,6 @@ swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t co
   if (world == nullptr) return NullArgument("world");
   if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
   if (!world->built) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first");
-  if (count != world->object_count) {
-    return Fail(
-        SWP_INVALID_ARGUMENT,
-        "an update takes as many boxes as were built: call swp_world_build for another count");
-  }
   return Guard([&] {
     TakeBoxes(*world, count, [&] { world->backend->Update(ToBoxes(boxes, count)); });
     return static_cast<swp_result>(SWP_OK);

@@ -22,17 +22,11 @@ struct PairsOptions {
 PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   PairBuffer pairs;
   arm.Build(scene.aabbs());
-  size_t object_count = scene.aabbs().size();
   for (uint64_t i = 0; i < frame; ++i) {
     arm.FindPairs(pairs);
     pairs.Clear();
     scene.Step();
-    if (scene.aabbs().size() == object_count) {
-      arm.Update(scene.aabbs());
-    } else {
-      arm.Build(scene.aabbs());
-    }
-    object_count = scene.aabbs().size();
+    arm.Update(scene.aabbs());
   }
   arm.FindPairs(pairs);
   std::sort(pairs.pairs().begin(), pairs.pairs().end());

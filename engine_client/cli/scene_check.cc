@@ -12,8 +12,8 @@ struct Candidate {
   PairBuffer pairs;
 };
 
-void Take(BroadPhase& backend, std::span<const Aabb> boxes, bool rebuild) {
-  if (rebuild) {
+void Take(BroadPhase& backend, std::span<const Aabb> boxes, bool first) {
+  if (first) {
     backend.Build(boxes);
   } else {
     backend.Update(boxes);
@@ -42,16 +42,13 @@ std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr
   for (const auto& arm : arms)
     candidates.push_back({*arm, {std::string(arm->name()), 0, 0, {}}, {}});
   PairOracle oracle;
-  size_t object_count = 0;
   for (uint64_t frame = 0; frame <= step_count; ++frame) {
     if (frame > 0) scene.Step();
     const std::span<const Aabb> boxes = scene.aabbs();
-    const bool rebuild = frame == 0 || boxes.size() != object_count;
-    object_count = boxes.size();
     const std::span<const OverlapPair> right = oracle.Find(boxes);
     for (Candidate& candidate : candidates) {
       if (candidate.verdict.first_difference) continue;
-      Take(candidate.backend, boxes, rebuild);
+      Take(candidate.backend, boxes, frame == 0);
       Judge(candidate, frame, right);
     }
     on_frame(frame + 1);

@@ -7,7 +7,8 @@
 //
 // All calls on one thread, the frame thread, but SwitchMailbox::Post and what says "any thread".
 // None of them waits, locks, or (between switches and while the object count is steady) allocates;
-// the only system call is the clock. Ownership: the sink and the clock must outlive the object.
+// the only system call is the clock. (With an executor the frame thread also waits for the parts of
+// its own search.) Ownership: the sink and the clock must outlive the object.
 // Memory: an arm that has been active keeps its buffers, so that switching back is cheap;
 // native_bytes counts the active one alone. Errors: std::bad_alloc from FindPairs when a backend
 // runs out of memory; the next one builds anew.
@@ -70,6 +71,9 @@ struct AdaptiveOptions {
   uint64_t bail_out_ns = 5'000'000'000;
   // For the measured settling cost only; the daemon's welcome replaces it.
   uint64_t settling_ns = 2'000'000'000;
+  // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: all
+  // work is done by the frame thread.
+  Executor* executor = nullptr;
 };
 
 // What the engine knows about the frame it ends.
@@ -90,8 +94,8 @@ class AdaptiveBroadPhase {
   // Executes a pending switch: SelectArm's or the guard's, before the mailbox's, which is then
   // refused.
   void BeginFrame();
-  // Pairs of these boxes, valid until the next call. A changed count rebuilds. Once per frame; a
-  // frame without it (a paused game) has a sample without detection time.
+  // Pairs of these boxes, valid until the next call. The count may change as in BroadPhase::Update.
+  // Once per frame; a frame without it (a paused game) has a sample without detection time.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   // Makes the sample and hands it to the sink.
   void EndFrame(const FrameEnd& frame);

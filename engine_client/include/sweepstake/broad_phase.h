@@ -1,10 +1,10 @@
 // The contract of the interchangeable broad phases (paper §3, Table 1).
 //
 // Call order: Build, then any number of (Update, FindPairs); Build may come at any time and
-// discards all state. One thread at a time per object; distinct objects are independent. The boxes
-// are read during the call only. Object id = index in the span. Units: world units of the caller.
-// Memory is kept for reuse until destruction. Errors: none; memory exhaustion throws
-// std::bad_alloc.
+// discards all state. One thread at a time per object; distinct objects are independent, unless
+// they share an Executor. The boxes are read during the call only. Object id = index in the span.
+// Units: world units of the caller. Memory is kept for reuse until destruction. Errors: none;
+// memory exhaustion throws std::bad_alloc, and the next call must be Build.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "sweepstake/aabb.h"
+#include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
 #include "sweepstake/status.h"
 
@@ -33,11 +34,13 @@ class BroadPhase {
   // Discards state and takes these boxes. Any count, 0 included, up to 2^31 − 1.
   virtual void Build(std::span<const Aabb> boxes) = 0;
 
-  // Takes the boxes of the next frame. REQUIRES: a Build before, with the same count.
+  // Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller
+  // one removes the last ones; the others keep their ids. REQUIRES: a Build before.
   virtual void Update(std::span<const Aabb> boxes) = 0;
 
   // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, a < b; the order is
-  // unspecified and the same for the same history of calls. May be called once per Build or Update.
+  // unspecified and the same for the same history of calls, whatever the number of threads. May be
+  // called once per Build or Update.
   virtual void FindPairs(PairBuffer& out) = 0;
 
   // AABB–AABB checks of the latest Build or Update and FindPairs. One lane of a vector comparison
@@ -51,7 +54,14 @@ class BroadPhase {
 // The seven families in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy, KDTree.
 std::span<const std::string_view> BroadPhaseNames();
 
+struct BroadPhaseOptions {
+  // Runs the parts of large searches (executor.h); borrowed, must outlive the backend. Null: all
+  // work is done by the calling thread.
+  Executor* executor = nullptr;
+};
+
 // kNotFound for an unknown name, with a message that lists the valid ones.
-Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name);
+Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
+                                                   const BroadPhaseOptions& options = {});
 
 }  // namespace sweepstake

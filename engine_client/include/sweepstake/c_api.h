@@ -119,8 +119,8 @@ SWP_API void swp_world_destroy(swp_world* world);
  * world must be built anew. */
 SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count);
 
-/* Takes the boxes of the next frame, as many as were built; SWP_FAILED_PRECONDITION before a build.
- */
+/* Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller one
+ * removes the last ones; the others keep their ids. SWP_FAILED_PRECONDITION before a build. */
 SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
 
 /* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number

@@ -123,6 +123,13 @@ INSTANTIATE_TEST_SUITE_P(
                            std::string(std::get<1>(test.param)));
     });
 
+std::vector<OverlapPair> PairsOfFrame(BroadPhase& backend, std::span<const Aabb> boxes, int frame) {
+  PairBuffer pairs;
+  frame == 0 ? backend.Build(boxes) : backend.Update(boxes);
+  backend.FindPairs(pairs);
+  return {pairs.pairs().begin(), pairs.pairs().end()};
+}
+
 TEST_P(EveryBackend, KnowsItsNameAndVersion) {
   EXPECT_EQ(backend_->name(), GetParam());
   EXPECT_GE(backend_->version(), 1U);
@@ -160,6 +167,36 @@ TEST_P(EveryBackend, IsRightOverALongRunOfThreeHundredFrames) {
     ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "") << "in frame " << frame;
     scene.Step();
     backend_->Update(scene.boxes());
+  }
+}
+
+TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
+  for (const std::string_view kind : BoxSceneKinds()) {
+    BoxScene scene(kind, 400, 5);
+    backend_->Build(scene.boxes().first(100));
+    for (const size_t count : {101, 100, 130, 130, 400, 399, 90, 0, 1, 17, 300, 0, 0, 250}) {
+      scene.Step();
+      backend_->Update(scene.boxes().first(count));
+      ASSERT_EQ(Verdict(*backend_, scene.boxes().first(count), pairs_), "")
+          << "in " << kind << " with " << count << " objects";
+    }
+  }
+}
+
+// By order too: what a game makes of the pairs then does not depend on the machine.
+TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
+  for (const std::string_view kind : {"brownian", "mixture", "clusters", "long-thin"}) {
+    BoxScene scene(kind, 9000, 6);
+    const auto pool_of_two = MakeThreadPool(2);
+    const auto pool_of_three = MakeThreadPool(3);
+    const auto with_two = std::move(*MakeBroadPhase(GetParam(), {pool_of_two.get()}));
+    const auto with_three = std::move(*MakeBroadPhase(GetParam(), {pool_of_three.get()}));
+    for (int frame = 0; frame < 4; ++frame, scene.Step()) {
+      const std::vector<OverlapPair> alone = PairsOfFrame(*backend_, scene.boxes(), frame);
+      EXPECT_FALSE(alone.empty());
+      EXPECT_EQ(PairsOfFrame(*with_two, scene.boxes(), frame), alone) << kind << frame;
+      EXPECT_EQ(PairsOfFrame(*with_three, scene.boxes(), frame), alone) << kind << frame;
+    }
   }
 }
 

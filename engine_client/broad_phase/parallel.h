@@ -1,0 +1,125 @@
+// A backend's loops in parts, with or without an Executor.
+//
+// Not thread-safe; what runs inside a part may touch nothing that another part writes. Errors: a
+// part that runs out of memory throws std::bad_alloc on the calling thread, after all parts have
+// ended.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <vector>
+
+#include "sweepstake/executor.h"
+#include "sweepstake/pair_buffer.h"
+
+namespace sweepstake {
+
+// fn(part) for each part in [0, part_count); without an executor one after the other.
+template <typename Fn>
+void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
+  if (executor == nullptr || part_count <= 1) {
+    for (size_t part = 0; part < part_count; ++part) fn(part);
+    return;
+  }
+  struct Context {
+    const Fn& fn;
+    std::atomic<bool> out_of_memory{false};
+  } context{fn};
+  executor->RunParts(
+      part_count,
+      [](void* opaque, size_t part) {
+        auto& shared = *static_cast<Context*>(opaque);
+        try {
+          shared.fn(part);
+        } catch (const std::bad_alloc&) {
+          shared.out_of_memory.store(true, std::memory_order_relaxed);
+        }
+      },
+      &context);
+  if (context.out_of_memory.load(std::memory_order_relaxed)) throw std::bad_alloc();
+}
+
+// [begin, end) of a part of `item_count` items; borders are multiples of `granule`.
+struct PartRange {
+  size_t begin;
+  size_t end;
+};
+inline PartRange RangeOfPart(size_t item_count, size_t part, size_t part_count, size_t granule) {
+  const auto border = [&](size_t k) {
+    return std::min(item_count, item_count * k / part_count / granule * granule);
+  };
+  return {border(part), part + 1 == part_count ? item_count : border(part + 1)};
+}
+
+// Parts that are worth it: none smaller than `least_items`, a few per thread so that uneven ones
+// even out.
+inline size_t PartCount(const Executor* executor, size_t item_count, size_t least_items) {
+  constexpr size_t kPartsPerThread = 4;
+  if (executor == nullptr || executor->thread_count() == 1) return 1;
+  return std::clamp<size_t>(item_count / std::max<size_t>(least_items, 1), 1,
+                            kPartsPerThread * executor->thread_count());
+}
+
+// Finds pairs in parts and joins what they found in the order of the parts, so that the order of
+// pairs does not depend on the number of threads. Owns one pair buffer per part, kept between
+// calls.
+class PairParts {
+ public:
+  // find(begin, end, pairs) -> AABB checks, for each part's items; appends to `pairs`, which is
+  // `out` itself for the first part. Returns the sum of the checks.
+  template <typename Find>
+  uint64_t Run(Executor* executor, size_t item_count, size_t least_items, size_t granule,
+               PairBuffer& out, const Find& find) {
+    const size_t part_count = PartCount(executor, item_count, least_items);
+    if (part_count == 1) return find(size_t{0}, item_count, out);
+    if (parts_.size() < part_count) parts_.resize(part_count);
+    RunParts(executor, part_count, [&](size_t part) {
+      PairBuffer& pairs = part == 0 ? out : parts_[part].pairs;
+      if (part != 0) pairs.Clear();
+      const PartRange range = RangeOfPart(item_count, part, part_count, granule);
+      parts_[part].checks = find(range.begin, range.end, pairs);
+    });
+    Join(executor, part_count, out);
+    uint64_t checks = 0;
+    for (size_t part = 0; part < part_count; ++part) checks += parts_[part].checks;
+    return checks;
+  }
+
+  size_t native_bytes() const {
+    size_t bytes = parts_.capacity() * sizeof(Part);
+    for (const Part& part : parts_) bytes += part.pairs.capacity_bytes();
+    return bytes;
+  }
+
+ private:
+  // A cache line each: threads that count on one line wait for one another.
+  struct alignas(64) Part {
+    PairBuffer pairs;
+    uint64_t checks = 0;
+    size_t offset = 0;
+  };
+
+  void Join(Executor* executor, size_t part_count, PairBuffer& out) {
+    constexpr size_t kWorthSpreading = 32'768;
+    size_t total = 0;
+    for (size_t part = 1; part < part_count; ++part) {
+      parts_[part].offset = total;
+      total += parts_[part].pairs.size();
+    }
+    if (total == 0) return;
+    OverlapPair* const end = out.EnsureRoom(total);
+    RunParts(total < kWorthSpreading ? nullptr : executor, part_count - 1, [&](size_t index) {
+      const Part& part = parts_[index + 1];
+      const auto pairs = part.pairs.pairs();
+      std::copy(pairs.begin(), pairs.end(), end + part.offset);
+    });
+    out.Advance(total);
+  }
+
+  std::vector<Part> parts_;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,116 @@
+// The pool of executor.h: one word says which job there is and how many of its parts are unclaimed.
+#include <atomic>
+#include <cassert>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "sweepstake/executor.h"
+
+#if defined(__x86_64__) || defined(_M_X64)
+#include <immintrin.h>
+#endif
+
+namespace sweepstake {
+namespace {
+
+// About 50 µs of looking: a frame's calls follow one another faster than a sleeping thread wakes.
+constexpr int kLooksBeforeSleep = 1500;
+
+void Pause() {
+#if defined(__x86_64__) || defined(_M_X64)
+  _mm_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+class ThreadPool final : public Executor {
+ public:
+  explicit ThreadPool(size_t thread_count) {
+    workers_.reserve(thread_count - 1);
+    for (size_t i = 1; i < thread_count; ++i) {
+      workers_.emplace_back([this](const std::stop_token& stop) { Work(stop); });
+    }
+  }
+  ~ThreadPool() override {
+    for (std::jthread& worker : workers_) worker.request_stop();
+    Publish(0);
+  }
+
+  size_t thread_count() const noexcept override { return workers_.size() + 1; }
+
+  void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
+    assert(part_count <= kUnclaimed);
+    if (part_count == 0) return;
+    part_count_ = part_count;
+    run_part_ = run_part;
+    context_ = context;
+    done_.store(0, std::memory_order_relaxed);
+    Publish(part_count);
+    while (RunOne()) {
+    }
+    for (int looks = 0; done_.load(std::memory_order_acquire) != part_count; ++looks) {
+      // The thread whose part it is may want this core.
+      looks < kLooksBeforeSleep ? Pause() : std::this_thread::yield();
+    }
+  }
+
+ private:
+  // Of job_: the lower half is the number of unclaimed parts, the upper the number of the job.
+  static constexpr uint64_t kUnclaimed = 0xFFFFFFFF;
+
+  void Publish(uint64_t part_count) noexcept {
+    const uint64_t number = (job_.load(std::memory_order_relaxed) >> 32) + 1;
+    job_.store(number << 32 | part_count, std::memory_order_release);
+    job_.notify_all();
+  }
+
+  // Claims a part and runs it; false when there is none. The job's fields are read only once a part
+  // is claimed: until that is done they do not change.
+  bool RunOne() noexcept {
+    uint64_t job = job_.load(std::memory_order_acquire);
+    do {
+      if ((job & kUnclaimed) == 0) return false;
+    } while (!job_.compare_exchange_weak(job, job - 1, std::memory_order_acquire));
+    run_part_(context_, part_count_ - (job & kUnclaimed));
+    done_.fetch_add(1, std::memory_order_release);
+    return true;
+  }
+
+  void Work(const std::stop_token& stop) noexcept {
+    while (!stop.stop_requested()) {
+      if (!LookForJob()) {
+        const uint64_t job = job_.load(std::memory_order_relaxed);
+        if ((job & kUnclaimed) == 0 && !stop.stop_requested()) job_.wait(job);
+      }
+      while (RunOne()) {
+      }
+    }
+  }
+
+  bool LookForJob() const noexcept {
+    for (int look = 0; look < kLooksBeforeSleep; ++look) {
+      if ((job_.load(std::memory_order_relaxed) & kUnclaimed) != 0) return true;
+      Pause();
+    }
+    return false;
+  }
+
+  // Apart: those who look do not slow down those who finish.
+  alignas(64) std::atomic<uint64_t> job_{0};
+  alignas(64) std::atomic<size_t> done_{0};
+  alignas(64) size_t part_count_ = 0;
+  RunPart run_part_ = nullptr;
+  void* context_ = nullptr;
+  std::vector<std::jthread> workers_;
+};
+
+}  // namespace
+
+std::unique_ptr<Executor> MakeThreadPool(size_t thread_count) {
+  assert(thread_count >= 1 && thread_count <= 256);
+  return std::make_unique<ThreadPool>(thread_count);
+}
+
+}  // namespace sweepstake

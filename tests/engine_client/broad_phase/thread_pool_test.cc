@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "engine_client/broad_phase/parallel.h"
+#include "gtest/gtest.h"
+#include "sweepstake/executor.h"
+
+namespace sweepstake {
+namespace {
+
+TEST(ThreadPoolTest, RunsEveryPartOnce) {
+  for (const size_t threads : {1, 2, 5}) {
+    const auto pool = MakeThreadPool(threads);
+    EXPECT_EQ(pool->thread_count(), threads);
+    for (size_t part_count = 0; part_count < 200; ++part_count) {
+      std::vector<int> runs(part_count);
+      RunParts(pool.get(), part_count, [&](size_t part) { ++runs[part]; });
+      EXPECT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<long>(part_count));
+    }
+  }
+}
+
+TEST(ThreadPoolTest, WakesThreadsThatWentToSleep) {
+  const auto pool = MakeThreadPool(3);
+  for (int round = 0; round < 20; ++round) {
+    // Three parts that wait for one another: only three threads together can end them.
+    std::atomic<int> begun{0};
+    RunParts(pool.get(), 3, [&](size_t) {
+      begun.fetch_add(1);
+      while (begun.load() < 3) std::this_thread::yield();
+    });
+    EXPECT_EQ(begun.load(), 3);
+    if (round % 5 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+
+TEST(RunPartsTest, ThrowsWhenAPartRunsOutOfMemoryAndStillEndsTheOthers) {
+  const auto pool = MakeThreadPool(2);
+  std::atomic<int> ended{0};
+  EXPECT_THROW(RunParts(pool.get(), 8,
+                        [&](size_t part) {
+                          if (part == 3) throw std::bad_alloc();
+                          ended.fetch_add(1);
+                        }),
+               std::bad_alloc);
+  EXPECT_EQ(ended.load(), 7);
+}
+
+TEST(RangeOfPartTest, CoversAllItemsInGranules) {
+  for (const size_t items : {0, 1, 15, 16, 17, 1000}) {
+    for (const size_t parts : {1, 2, 3, 8}) {
+      size_t next = 0;
+      for (size_t part = 0; part < parts; ++part) {
+        const PartRange range = RangeOfPart(items, part, parts, 16);
+        EXPECT_EQ(range.begin, next);
+        EXPECT_TRUE(range.begin % 16 == 0 || range.begin == items);
+        next = range.end;
+      }
+      EXPECT_EQ(next, items);
+    }
+  }
+}
+
+TEST(PairPartsTest, JoinsWhatThePartsFoundInTheirOrder) {
+  const auto pool = MakeThreadPool(2);
+  PairParts parts;
+  for (const uint32_t count : {10U, 4000U, 100'000U}) {
+    PairBuffer pairs;
+    pairs.Append({0, 0});
+    const uint64_t checks =
+        parts.Run(pool.get(), count, 100, 1, pairs, [](size_t begin, size_t end, PairBuffer& out) {
+          for (size_t i = begin; i < end; ++i) out.Append({0, static_cast<uint32_t>(i + 1)});
+          return uint64_t{end - begin};
+        });
+    EXPECT_EQ(checks, count);
+    ASSERT_EQ(pairs.size(), count + 1);
+    for (uint32_t i = 0; i <= count; ++i) EXPECT_EQ(pairs.pairs()[i].b, i);
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake
