@@ -107,7 +107,7 @@ Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64
 int RunCheck(const CheckOptions& options, Terminal& terminal) {
   const auto arms = ChooseArms(options.arms);
   if (!arms.ok()) return Fail(terminal, arms.status());
-  const auto scenes = ExpandScenes(options.scenes, options.object_counts, options.seed, true);
+  const auto scenes = ExpandScenes(options.scenes, options.object_counts, options.seed);
   std::vector<Row> rows;
   {
     Progress progress(terminal, "check", scenes.size() * (options.frames + 1));
@@ -138,7 +138,8 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake check --scene all --arms DBVT,KDTree\n"
       "  sweepstake check --scene degenerate --objects 300    empty, coincident, ±1e30, NaN, …\n"
       "  sweepstake check --scene mixtures --seed 7           ten mixtures, seeds 7 to 16\n"
-      "Exit code 1 when an arm differs; the first differing frame and pairs are shown.",
+      "Exit code 1 when an arm differs; the first differing frame and pairs are shown.\n" +
+          SceneHelp(),
       exit_code,
       [](CLI::App& command, CheckOptions& options) {
         command

@@ -57,8 +57,9 @@ int Run(int argc, char** argv) {
   app.footer(
       "SCENE is brownian, rotating-gravity, hurricane, free-fall, random-gravity, suite-b, "
       "suite-g,\n"
-      "suite-h or a FILE.aabbs. Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not\n"
-      "reach something. `sweepstake COMMAND --help` shows options and examples.");
+      "suite-h, one of the scenes that `sweepstake bench --help` lists besides, or a FILE.aabbs.\n"
+      "Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not reach something.\n"
+      "`sweepstake COMMAND --help` shows options and examples.");
   int exit_code = kDone;
   AddRunCommand(app, terminal, exit_code);
   AddCheckCommand(app, terminal, exit_code);

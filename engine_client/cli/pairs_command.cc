@@ -64,7 +64,8 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       app, "pairs", "Print the overlapping pairs of one frame, \"a b\" per line, sorted",
       "  sweepstake pairs --scene h.aabbs --frame 10 --arm Tracy\n"
       "  sweepstake pairs --scene suite-b --objects 1000 --frame 21 --arm BruteForce\n"
-      "Frame 0 is the spawn state. A recorded file starts again after its last frame.",
+      "Frame 0 is the spawn state. A recorded file starts again after its last frame.\n" +
+          SceneHelp(),
       exit_code,
       [](CLI::App& command, PairsOptions& options) {
         command.add_option("--scene", options.scene.name, ".aabbs file or scene")->required();

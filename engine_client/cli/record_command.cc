@@ -75,7 +75,8 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   AddCommand<RecordOptions>(
       app, "record", "Write a scene's boxes, frame by frame, as a .aabbs file",
       "  sweepstake record --scene hurricane --objects 3000 --frames 600 --seed 1 --out h.aabbs\n"
-      "The file holds the spawn state and then F frames; it appears whole or not at all.",
+      "The file holds the spawn state and then F frames; it appears whole or not at all.\n" +
+          SceneHelp(),
       exit_code,
       [](CLI::App& command, RecordOptions& options) {
         command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();

@@ -17,16 +17,16 @@ bool IsOneOf(std::string_view name, std::span<const std::string_view> names) {
 
 bool IsFile(std::string_view name) { return name.ends_with(".aabbs"); }
 
-std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed, bool degenerate) {
+std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed) {
   std::vector<SceneChoice> choices;
-  if (degenerate && name == "all") {
+  if (name == "all") {
     for (const std::string_view each : SceneNames())
       choices.push_back({std::string(each), 0, seed});
-  } else if (degenerate && name == "degenerate") {
+  } else if (name == "degenerate") {
     for (const std::string_view each : DegenerateSceneNames()) {
       if (each != kMixture) choices.push_back({std::string(each), 0, seed});
     }
-  } else if (degenerate && name == "mixtures") {
+  } else if (name == "mixtures") {
     for (uint64_t i = 0; i < kMixtureCount; ++i) {
       choices.push_back({std::string(kMixture), 0, seed + i});
     }
@@ -36,14 +36,50 @@ std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed, bool
   return choices;
 }
 
+// Names separated by commas, in lines of at most `columns` that start with `indent`.
+std::string WrapNames(std::span<const std::string_view> names, const std::string& indent,
+                      size_t columns) {
+  std::string text = indent;
+  size_t line = indent.size();
+  for (const std::string_view name : names) {
+    const bool first = name == names.front();
+    if (!first && line + name.size() + 3 > columns) {
+      text += ",\n" + indent;
+      line = indent.size();
+    } else if (!first) {
+      text += ", ";
+      line += 2;
+    }
+    text.append(name);
+    line += name.size();
+  }
+  return text;
+}
+
+Status UnknownScene(const std::string& name) {
+  std::string shown = name.substr(0, 200);
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  constexpr size_t kOneLine = 1'000'000;
+  return {StatusCode::kNotFound, "unknown scene '" + shown + "', must be one of " +
+                                     WrapNames(SceneNames(), "", kOneLine) + ", " +
+                                     WrapNames(DegenerateSceneNames(), "", kOneLine) +
+                                     " or the path of a .aabbs file"};
+}
+
 }  // namespace
 
+std::string SceneHelp() {
+  return "SCENE is a FILE.aabbs, a scenario or a member of the reference suite\n" +
+         WrapNames(SceneNames(), "  ", 80) + "\nor one that is hard on broad phases\n" +
+         WrapNames(DegenerateSceneNames(), "  ", 80) + ".\n";
+}
+
 std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
-                                      const std::vector<uint32_t>& object_counts, uint64_t seed,
-                                      bool degenerate) {
+                                      const std::vector<uint32_t>& object_counts, uint64_t seed) {
   std::vector<SceneChoice> choices;
   for (const std::string& name : names) {
-    for (SceneChoice& choice : ExpandName(name, seed, degenerate)) {
+    for (SceneChoice& choice : ExpandName(name, seed)) {
       for (const uint32_t object_count : object_counts) {
         choice.object_count = object_count;
         choices.push_back(choice);
@@ -55,7 +91,8 @@ std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
 }
 
 Result<std::unique_ptr<Scene>> OpenScene(const SceneChoice& choice) {
-  if (IsOneOf(choice.name, DegenerateSceneNames())) {
+  if (!IsOneOf(choice.name, SceneNames()) && !IsFile(choice.name)) {
+    if (!IsOneOf(choice.name, DegenerateSceneNames())) return UnknownScene(choice.name);
     return MakeDegenerateScene(choice.name, choice.object_count, choice.seed);
   }
   SceneOptions options;

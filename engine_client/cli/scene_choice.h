@@ -19,14 +19,15 @@ struct SceneChoice {
   uint64_t seed = 1;
 };
 
-// Scenes × object counts. Recorded files have their own count and come once. With `degenerate` the
-// words `all` (the eight scenes), `degenerate` and `mixtures` (ten, from ten seeds) and the names
-// of degenerate scenes count too.
+// Scenes × object counts. Recorded files have their own count and come once. The words `all` (the
+// eight scenes), `degenerate` and `mixtures` (ten, from ten seeds) stand for many.
 std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
-                                      const std::vector<uint32_t>& object_counts, uint64_t seed,
-                                      bool degenerate);
+                                      const std::vector<uint32_t>& object_counts, uint64_t seed);
 
-// The errors of MakeScene.
+// The names that a command's SCENE may have besides FILE.aabbs, in lines for its help.
+std::string SceneHelp();
+
+// The errors of MakeScene; for an unknown name one that lists the degenerate scenes too.
 Result<std::unique_ptr<Scene>> OpenScene(const SceneChoice& choice);
 
 // `all`, or names of backends, each once. kNotFound lists the backends.

@@ -71,6 +71,11 @@ void StepNearlyResting(SequentialRandom& random, const Slot&, Aabb& box) {
   Jitter(random, 0.001F, box);
 }
 
+// One box in a hundred moves, another one in each frame.
+void StepFewMoving(SequentialRandom& random, const Slot&, Aabb& box) {
+  if (random.Below(100) == 0) Jitter(random, 0.1F, box);
+}
+
 // Everything falls and lands on one floor.
 void StepFalling(SequentialRandom& random, const Slot& slot, Aabb& box) {
   const float fall = 0.01F * static_cast<float>(slot.frame);
@@ -224,12 +229,26 @@ Aabb SpawnLongThin(SequentialRandom& random, const Slot& slot) {
   return box;
 }
 
+// As many pairs per object at any count, unlike long-thin, whose lengths grow with the world.
+Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
+  float center[3];
+  float half[3];
+  const size_t length_axis = random.Below(3);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    center[axis] = random.Between(0, slot.WorldSide());
+    half[axis] = axis == length_axis ? random.Between(2, 8) : random.Between(0.05F, 0.2F);
+  }
+  return Around(center, half);
+}
+
+// Seven centres; eight objects per unit of volume around each.
 Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
-  SequentialRandom cluster(slot.index % 7);  // seven centres, the same for each box of one cluster
+  SequentialRandom cluster(slot.index % 7);  // the same for each box of one cluster
+  const float spread = 0.13F * slot.WorldSide();
   float center[3];
   float half[3];
   for (int axis = 0; axis < 3; ++axis) {
-    center[axis] = cluster.Between(0, 5 * slot.WorldSide()) + random.Between(-1, 1);
+    center[axis] = cluster.Between(0, 5 * slot.WorldSide()) + random.Between(-spread, spread);
     half[axis] = HalfExtent(random);
   }
   return Around(center, half);
@@ -241,11 +260,12 @@ void StepCluster(SequentialRandom& random, const Slot& slot, Aabb& box) {
   Jitter(random, 0.05F, box);
 }
 
+// One object per unit of area.
 Aabb SpawnPlanar(SequentialRandom& random, const Slot& slot) {
-  Aabb box = SpawnScattered(random, slot);
-  box.min[1] = 0;
-  box.max[1] = 1;
-  return box;
+  const float side = std::sqrt(static_cast<float>(slot.count));
+  const float center[3] = {random.Between(0, side), 0.5F, random.Between(0, side)};
+  const float half[3] = {HalfExtent(random), 0.5F, HalfExtent(random)};
+  return Around(center, half);
 }
 void StepPlanar(SequentialRandom& random, const Slot&, Aabb& box) {
   Shift(box, 0, random.Between(-0.1F, 0.1F));
@@ -266,6 +286,7 @@ Aabb SpawnMixedSizes(SequentialRandom& random, const Slot& slot) {
 constexpr std::array kKinds = {
     BoxKind{"brownian", SpawnScattered, StepBrownian},
     BoxKind{"nearly-resting", SpawnScattered, StepNearlyResting},
+    BoxKind{"few-moving", SpawnScattered, StepFewMoving},
     BoxKind{"falling", SpawnScattered, StepFalling},
     BoxKind{"all-coincident", SpawnCoincident, StepCoincident},
     BoxKind{"all-disjoint", SpawnDisjoint, StepDisjoint},
@@ -278,6 +299,7 @@ constexpr std::array kKinds = {
     BoxKind{"teleporting", SpawnScattered, StepTeleporting},
     BoxKind{"broken-boxes", SpawnBroken, StepBroken},
     BoxKind{"long-thin", SpawnLongThin, StepBrownian},
+    BoxKind{"beams", SpawnBeam, StepBrownian},
     BoxKind{"clusters", SpawnCluster, StepCluster},
     BoxKind{"planar", SpawnPlanar, StepPlanar},
     BoxKind{"sizes-1-to-1000", SpawnMixedSizes, StepBrownian},

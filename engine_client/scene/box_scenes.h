@@ -17,9 +17,11 @@
 
 namespace sweepstake {
 
-// brownian, nearly-resting, falling, all-coincident, all-disjoint, touching-faces, zero-size,
-// one-huge, coordinates-1e30, float-limits, signed-zeros, teleporting, broken-boxes, long-thin,
-// clusters, planar, sizes-1-to-1000, mixture (every box of a kind of its own).
+// brownian, nearly-resting (moves by ±0.001), few-moving (1 % of the boxes move in a frame),
+// falling, all-coincident, all-disjoint, touching-faces, zero-size, one-huge, coordinates-1e30,
+// float-limits, signed-zeros, teleporting, broken-boxes, long-thin (half the world and longer),
+// beams (1:10 to 1:160), clusters, planar, sizes-1-to-1000, mixture (every box of a kind of its
+// own).
 std::span<const std::string_view> BoxSceneKinds();
 
 class BoxScene {

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <string>
 #include <vector>
 
 #include "engine_client/scene/box_scenes.h"
+#include "engine_client/scene/scene_options.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr uint32_t kMaxObjects = 100'000;
+constexpr std::string_view kScenario = "brownian";  // the kind whose name a scenario has
 constexpr std::string_view kCountChanging = "count-changing";
+constexpr std::string_view kSpawning = "spawning";
 
 // A family besides the kinds: which kind it shows, and how many objects where that is fixed.
 struct Special {
@@ -21,11 +24,16 @@ struct Special {
 };
 constexpr uint32_t kAnyCount = std::numeric_limits<uint32_t>::max();
 constexpr Special kSpecials[] = {
-    {"empty", "brownian", 0},
-    {"one", "brownian", 1},
-    {"two", "touching-faces", 2},
-    {kCountChanging, "mixture", kAnyCount},
+    {"empty", "brownian", 0},           {"one", "brownian", 1},
+    {"two", "touching-faces", 2},       {kCountChanging, "mixture", kAnyCount},
+    {kSpawning, "brownian", kAnyCount},
 };
+
+// Up to `most` and down to its half, a 64th at a time.
+size_t SpawnedCount(size_t most, uint64_t frame) {
+  const uint64_t phase = frame % 64;
+  return most - most * (phase < 32 ? phase : 64 - phase) / 64;
+}
 
 class DegenerateScene : public Scene {
  public:
@@ -40,6 +48,7 @@ class DegenerateScene : public Scene {
   void Step() override {
     ++frame_index_;
     boxes_.Step();
+    if (name_ == kSpawning) shown_ = SpawnedCount(boxes_.boxes().size(), frame_index_);
     if (name_ == kCountChanging) {
       shown_ = frame_index_ % 7 == 3 ? 0 : counts_.Below(boxes_.boxes().size() + 1);
     }
@@ -56,7 +65,9 @@ class DegenerateScene : public Scene {
 std::vector<std::string_view> MakeNames() {
   std::vector<std::string_view> names;
   for (const Special& special : kSpecials) names.push_back(special.name);
-  names.insert(names.end(), BoxSceneKinds().begin(), BoxSceneKinds().end());
+  for (const std::string_view kind : BoxSceneKinds()) {
+    if (kind != kScenario) names.push_back(kind);
+  }
   return names;
 }
 
@@ -81,17 +92,20 @@ Result<std::unique_ptr<Scene>> MakeDegenerateScene(std::string_view name, uint32
   const auto names = DegenerateSceneNames();
   const auto known = std::find(names.begin(), names.end(), name);
   if (known == names.end()) return UnknownName(name);
-  if (object_count > kMaxObjects) {
-    return Status(StatusCode::kInvalidArgument, "a degenerate scene holds at most 100000 objects");
-  }
+  if (Status status = ValidateObjectCount(object_count); !status.ok()) return status;
   std::string_view kind = name;
   for (const Special& special : kSpecials) {
     if (special.name != name) continue;
     kind = special.kind;
     if (special.object_count != kAnyCount) object_count = special.object_count;
   }
-  return std::unique_ptr<Scene>(
-      std::make_unique<DegenerateScene>(*known, kind, object_count, seed));
+  try {
+    return std::unique_ptr<Scene>(
+        std::make_unique<DegenerateScene>(*known, kind, object_count, seed));
+  } catch (const std::bad_alloc&) {
+    return Status(StatusCode::kResourceExhausted,
+                  "not enough memory for the scene: choose a smaller object_count");
+  }
 }
 
 }  // namespace sweepstake

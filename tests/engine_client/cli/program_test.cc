@@ -56,9 +56,10 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"check --scene suite-b --arms Octree", "AxisSweep"},
       {"check --scene suite-b --objects -3", "--objects"},
       {"check --scene suite-b --objects 4000000000 --frames 1", "object_count"},
-      {"bench --scene suite-b --threads 2", "--threads takes 1"},
+      {"bench --scene suite-b --threads 0", "--threads"},
+      {"bench --scene suite-b --threads 257", "--threads"},
       {"bench --scene suite-b --frames 0", "--frames"},
-      {"bench --scene degenerate", "suite-h"},
+      {"bench --scene nowhere", "nearly-resting"},
       {"pairs --scene suite-b --frame 0 --arm Octree", "AxisSweep"},
       {"record --scene suite-b --frames 2 --out /nonexistent/x.aabbs", "/nonexistent"},
       {"bench --scene suite-b --colour", "--colour"},
@@ -104,6 +105,18 @@ TEST(Program, BenchPrintsARowPerSceneCountAndArmWithTheContractsColumns) {
   }
   EXPECT_EQ(rows[0]["pairs_mean"], rows[1]["pairs_mean"]);
   EXPECT_EQ(rows[0]["frames"], 10);
+}
+
+TEST(Program, BenchPrintsARowPerCountOfThreads) {
+  const ProgramRun run = RunProgram(
+      "bench --scene spawning --objects 3000 --frames 5 --arms Grid --threads 1,2,3 --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json rows = json::parse(run.out)["rows"];
+  ASSERT_EQ(rows.size(), 3U);
+  for (unsigned i = 0; i < 3; ++i) {
+    EXPECT_EQ(rows[i]["threads"], i + 1);
+    EXPECT_EQ(rows[i]["pairs_mean"], rows[0]["pairs_mean"]);
+  }
 }
 
 TEST(Program, BenchPrintsATableForPeople) {

@@ -124,21 +124,60 @@ TEST(CheckScene, FindsAnotherPairInPlaceOfTheRightOneThoughTheCountIsRight) {
 }
 
 TEST(ExpandScenes, MultipliesScenesByCountsAndTakesAFileOnce) {
-  const auto choices = ExpandScenes({"suite-b", "x.aabbs"}, {10, 20}, 3, false);
+  const auto choices = ExpandScenes({"suite-b", "x.aabbs"}, {10, 20}, 3);
   ASSERT_EQ(choices.size(), 3U);
   EXPECT_EQ(choices[1].name, "suite-b");
   EXPECT_EQ(choices[1].object_count, 20U);
   EXPECT_EQ(choices[2].name, "x.aabbs");
 }
 
-TEST(ExpandScenes, KnowsTheWordsForManyScenesOnlyWhereTheyAreMeant) {
-  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1, true).size(), SceneNames().size());
-  EXPECT_EQ(ExpandScenes({"degenerate"}, {10}, 1, true).size(), DegenerateSceneNames().size() - 1);
-  const auto mixtures = ExpandScenes({"mixtures"}, {10}, 7, true);
+TEST(ExpandScenes, KnowsTheWordsForManyScenes) {
+  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1).size(), SceneNames().size());
+  EXPECT_EQ(ExpandScenes({"degenerate"}, {10}, 1).size(), DegenerateSceneNames().size() - 1);
+  const auto mixtures = ExpandScenes({"mixtures"}, {10}, 7);
   ASSERT_EQ(mixtures.size(), 10U);
   EXPECT_EQ(mixtures.front().seed, 7U);
   EXPECT_EQ(mixtures.back().seed, 16U);
-  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1, false).front().name, "all");
+}
+
+TEST(OpenScene, PrefersTheScenarioWhereAKindOfBoxesHasItsName) {
+  const auto opened = std::move(*OpenScene({"brownian", 20, 1}));
+  const auto scenario = std::move(*MakeScene("brownian", {.object_count = 20}));
+  EXPECT_TRUE(std::ranges::equal(opened->aabbs(), scenario->aabbs()));
+}
+
+TEST(OpenScene, ListsEveryNameForAnUnknownOne) {
+  const auto scene = OpenScene({"no\nwhere", 20, 1});
+  ASSERT_FALSE(scene.ok());
+  EXPECT_EQ(scene.status().code(), StatusCode::kNotFound);
+  EXPECT_NE(scene.status().message().find("'no?where'"), std::string::npos);
+  for (const auto names : {SceneNames(), DegenerateSceneNames()}) {
+    for (const std::string_view name : names) {
+      EXPECT_NE(scene.status().message().find(name), std::string::npos) << name;
+      EXPECT_NE(SceneHelp().find(name), std::string::npos) << name;
+    }
+  }
+}
+
+TEST(OpenScene, SpawnsAndRemovesASixtyFourthPerFrame) {
+  const auto scene = std::move(*OpenScene({"spawning", 640, 1}));
+  EXPECT_EQ(scene->aabbs().size(), 640U);
+  scene->Step();
+  EXPECT_EQ(scene->aabbs().size(), 630U);
+  for (int step = 1; step < 32; ++step) scene->Step();
+  EXPECT_EQ(scene->aabbs().size(), 320U);
+  for (int step = 32; step < 64; ++step) scene->Step();
+  EXPECT_EQ(scene->aabbs().size(), 640U);
+}
+
+TEST(OpenScene, MovesOneObjectInAHundredInFewMoving) {
+  const auto scene = std::move(*OpenScene({"few-moving", 10'000, 1}));
+  const std::vector<Aabb> before(scene->aabbs().begin(), scene->aabbs().end());
+  scene->Step();
+  size_t moved = 0;
+  for (size_t i = 0; i < before.size(); ++i) moved += before[i] == scene->aabbs()[i] ? 0 : 1;
+  EXPECT_GT(moved, 50U);
+  EXPECT_LT(moved, 200U);
 }
 
 TEST(ChooseArms, ListsTheBackendsForAnUnknownName) {
