@@ -1,0 +1,117 @@
+// What one run of `sweepstake bench` found, as plain values: the machine, what was asked for, a
+// cell per scene and object count, a row per contestant in a cell, and the ratios and goals derived
+// from the rows. The commands' outputs are made from this and from nothing else.
+//
+// Times in milliseconds per frame, sizes in bytes. Optional values are absent where nobody knows
+// them or nothing was measured.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sweepstake::cli {
+
+struct BenchOptions {
+  std::vector<std::string> scenes;
+  std::vector<uint32_t> object_counts{1000};
+  uint64_t frames = 120;
+  uint64_t warmup = 20;
+  uint64_t seed = 1;
+  std::vector<std::string> arms{"all"};
+  std::vector<uint32_t> thread_counts{1};
+  bool peers = false;
+  double peer_cap_s = 5;  // of a peer's own time in a cell, before it is left out
+  bool json = false;
+};
+
+struct LibraryVersion {
+  std::string name;
+  std::string version;
+};
+
+// Where and with what the run was made.
+struct BenchMachine {
+  std::string date_utc;     // of the start, as 2026-01-31T12:00:00Z
+  std::string program;      // version of Sweepstake
+  std::string cpu;          // the processor's own name
+  uint32_t core_count = 0;  // hardware threads
+  std::string system;       // kernel and architecture
+  std::string compiler;
+  std::string simd_target;                // the one Highway chose on this machine
+  std::vector<LibraryVersion> libraries;  // Highway, then those of the peers that took part
+  std::vector<std::string> absent_peers;  // a line each: library, and the package that brings it
+};
+
+// A scene with one number of objects. All contestants of a cell saw the same frames.
+struct BenchCell {
+  std::string scene;
+  uint32_t object_count = 0;  // of the first frame
+  bool is_file = false;       // scene is the path of a recording
+};
+
+enum class ContestantKind { kArm, kPeer };
+
+// One contestant in one cell.
+struct BenchRow {
+  size_t cell = 0;  // index in BenchReport::cells
+  ContestantKind kind = ContestantKind::kArm;
+  std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
+  std::string name;    // of the arm or the peer
+  uint32_t thread_count = 1;
+  uint64_t frame_count = 0;  // measured; 0: it did not take part, and `note` says why
+  double ms_median = 0;
+  double ms_mean = 0;
+  double ms_min = 0;
+  double ms_p99 = 0;
+  double pairs_mean = 0;
+  std::optional<double> aabb_checks_mean;    // arms only
+  std::optional<uint64_t> bytes;             // arms only: the most held in a measured frame
+  std::optional<uint64_t> bytes_with_pairs;  // the same with the buffer that the pairs went into
+  std::string difference;                    // not empty: its pairs were wrong, and where
+  std::string note;                          // why there are fewer frames than asked for
+  uint64_t first_step = 0;                   // step of the scene that step_ms starts at
+  std::vector<double> step_ms;               // each step's time, those of the warm-up included
+};
+
+enum class RatioKind {
+  kFamily,   // an arm and the best peer of its family
+  kOverall,  // the best arm and the best of all peers
+  kGrowth,   // time per object at the largest count and at 10,000 objects
+  kThreads,  // one thread and several
+  kSpike,    // the 99th percentile frame and the median
+  kMemory,   // bytes with pairs and the goal's
+};
+// The word for it in JSON and tables.
+const char* RatioKindName(RatioKind kind);
+
+// A comparison that a goal may exist for. In kFamily, kOverall and kThreads `value` says how many
+// times faster `ours` is than `other` over the frames that both measured, by the median; in the
+// others it is a quotient that should be small.
+struct BenchRatio {
+  size_t cell = 0;
+  RatioKind kind = RatioKind::kFamily;
+  std::string family;  // of `ours`
+  std::string ours;    // arm
+  std::string other;   // peer, or what else is compared with
+  uint32_t thread_count = 1;
+  double value = 0;
+  std::optional<double> value_mean;  // by the mean in place of the median
+  std::optional<double> goal;        // absent: no goal for this
+  bool met = true;                   // false: there is a goal, and it is missed
+  // Not empty: `other` did not run here. Its time is that of this peer, measured here, times the
+  // quotient of their published figures (published_figures.h).
+  std::string derived_through;
+};
+
+struct BenchReport {
+  BenchMachine machine;
+  BenchOptions options;
+  std::vector<BenchCell> cells;
+  std::vector<BenchRow> rows;  // by cell, family, kind, name and threads
+  std::vector<BenchRatio> ratios;
+};
+
+}  // namespace sweepstake::cli
