@@ -18,7 +18,7 @@ class KdTree final : public BroadPhase {
  public:
   explicit KdTree(const BroadPhaseOptions& /*options*/) {}
   std::string_view name() const override { return "KDTree"; }
-  uint32_t version() const override { return 1; }
+  uint32_t version() const override { return 2; }
   void Build(std::span<const Aabb> boxes) override;
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;

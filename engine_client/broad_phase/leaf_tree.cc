@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine_client/broad_phase/leaf_pairs.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/leaf_tree.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
-#include "engine_client/broad_phase/overlap_kernel-inl.h"
+#include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes16 = hn::CappedTag<float, LeafTree::kWidth>;
 
@@ -42,123 +45,6 @@ void BoundGroups(const float* const* min, const float* const* max, const LeafTre
   }
 }
 
-// Which of the 16 entries from `base` on overlap `bounds`: their indices, if at least `from`, go to
-// `found`. Returns how many did; writes up to a register more.
-HWY_INLINE size_t CollectOverlapping(const Aabb& bounds, const BoxLanes& lanes, size_t base,
-                                     uint32_t from, uint32_t* found) {
-  const Lanes16 d;
-  const hn::RebindToUnsigned<decltype(d)> du;
-  size_t count = 0;
-  for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
-    const auto index = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(at)));
-    const auto earlier = hn::Lt(index, hn::Set(du, from));
-    const auto hits = hn::AndNot(earlier, hn::RebindMask(du, Hits(d, bounds, lanes, at)));
-    hn::StoreU(hn::Compress(index, hits), du, found + count);
-    count += hn::CountTrue(du, hits);
-  }
-  return count;
-}
-
-HWY_INLINE BoxLanes AsLanes(const LeafTree::Level& level) {
-  BoxLanes lanes{};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    lanes.min[axis] = level.min[axis];
-    lanes.max[axis] = level.max[axis];
-  }
-  lanes.count = level.count;
-  return lanes;
-}
-
-struct Found {
-  uint32_t* entries;  // one of the queues
-  size_t count;
-  uint64_t checks;
-};
-
-// From the top down to the boxes in later leaves that overlap the bounds of leaf `leaf`.
-HWY_INLINE Found Descend(const BoxLanes& boxes, const BoxLanes* levels, size_t level_count,
-                         uint32_t leaf, const Aabb& bounds, uint32_t* const* queues) {
-  size_t current = 0;
-  size_t count = 1;
-  uint64_t checks = 0;
-  queues[0][0] = 0;
-  for (size_t level = level_count + 1; level-- > 0;) {
-    // Level 0 of this loop are the boxes: those of later leaves; above it, nodes that hold later
-    // leaves.
-    const BoxLanes& lanes = level == 0 ? boxes : levels[level - 1];
-    const uint32_t from = level == 0 ? 0
-                          : level == 1
-                              ? leaf + 1
-                              : leaf >> (LeafTree::kWidthBits * static_cast<uint32_t>(level - 1));
-    const uint32_t* const parents = queues[current];
-    uint32_t* const found = queues[1 - current];
-    size_t found_count = 0;
-    for (size_t k = 0; k < count; ++k) {
-      found_count += CollectOverlapping(bounds, lanes, size_t{parents[k]} * LeafTree::kWidth, from,
-                                        found + found_count);
-    }
-    checks += count * LeafTree::kWidth;
-    current = 1 - current;
-    count = found_count;
-  }
-  return {queues[current], count, checks};
-}
-
-// One axis of boxes kept in registers against one box.
-template <class D>
-HWY_INLINE hn::Mask<D> AxisHitsOfHeld(D d, hn::Vec<D> min, hn::Vec<D> max, const BoxLanes& lanes,
-                                      size_t axis, size_t slot) {
-  return hn::And(hn::Le(min, hn::Set(d, lanes.max[axis][slot])),
-                 hn::Ge(max, hn::Set(d, lanes.min[axis][slot])));
-}
-
-// The leaf's boxes, as many of them at a time as a register holds, against each other and against
-// `found`.
-HWY_INLINE uint64_t TestLeaf(const BoxLanes& lanes, size_t first_slot, const Found& found,
-                             PairCursor& cursor) {
-  const Lanes16 d;
-  const size_t step = hn::Lanes(d);
-  for (size_t part = 0; part < LeafTree::kWidth; part += step) {
-    const size_t at = first_slot + part;
-    const auto min0 = hn::LoadU(d, lanes.min[0] + at);
-    const auto min1 = hn::LoadU(d, lanes.min[1] + at);
-    const auto min2 = hn::LoadU(d, lanes.min[2] + at);
-    const auto max0 = hn::LoadU(d, lanes.max[0] + at);
-    const auto max1 = hn::LoadU(d, lanes.max[1] + at);
-    const auto max2 = hn::LoadU(d, lanes.max[2] + at);
-    const auto test = [&](size_t slot, hn::Mask<Lanes16> asked) HWY_ATTR {
-      const auto hits = hn::And(hn::And(AxisHitsOfHeld(d, min0, max0, lanes, 0, slot),
-                                        AxisHitsOfHeld(d, min1, max1, lanes, 1, slot)),
-                                hn::And(AxisHitsOfHeld(d, min2, max2, lanes, 2, slot), asked));
-      cursor.Advance(StoreHits(d, hits, lanes.id[slot], lanes.id + at, cursor.Room(step)));
-    };
-    // Slot k of the leaf meets the lanes behind it.
-    for (size_t k = 0; k < part + step; ++k) {
-      test(first_slot + k, SlotsFrom(d, k < part ? 0 : k - part + 1, 0));
-    }
-    const auto all = hn::FirstN(d, step);
-    for (size_t k = 0; k < found.count; ++k) test(found.entries[k], all);
-  }
-  return (LeafTree::kWidth + found.count) * LeafTree::kWidth;
-}
-
-uint64_t LeafPairs(const BoxLanes& boxes, const LeafTree::Level* levels, size_t level_count,
-                   uint32_t* const* queues, PairBuffer& out) {
-  BoxLanes level_lanes[LeafTree::kMaxLevels];
-  for (size_t level = 0; level < level_count; ++level) level_lanes[level] = AsLanes(levels[level]);
-  const BoxLanes local = boxes;
-  PairCursor cursor(out);
-  uint64_t checks = 0;
-  for (uint32_t leaf = 0; leaf < level_lanes[0].count; ++leaf) {
-    const Aabb bounds = BoxAt(level_lanes[0], leaf);
-    const Found found = Descend(local, level_lanes, level_count, leaf, bounds, queues);
-    checks += found.checks;
-    checks += TestLeaf(local, size_t{leaf} * LeafTree::kWidth, found, cursor);
-  }
-  cursor.Flush();
-  return checks;
-}
-
 }  // namespace sweepstake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -167,7 +53,6 @@ HWY_AFTER_NAMESPACE();
 namespace sweepstake {
 
 HWY_EXPORT(BoundGroups);
-HWY_EXPORT(LeafPairs);
 
 namespace {
 
@@ -214,12 +99,14 @@ void LeafTree::Refit(const BoxLanes& lanes) {
   }
 }
 
-uint64_t LeafTree::FindPairs(const BoxLanes& lanes, PairBuffer& out) {
-  if (level_count_ == 0) return 0;
-  // At most every slot of every leaf, and a register over.
-  for (auto& queue : queues_) queue.EnsureDiscarding(lanes.count + 2 * kWidth);
-  uint32_t* const queues[2] = {queues_[0].data(), queues_[1].data()};
-  return HWY_DYNAMIC_DISPATCH(LeafPairs)(lanes, levels_.data(), level_count_, queues, out);
+uint64_t LeafTree::FindPairs(const BoxLanes& lanes, PairBuffer& out) const {
+  return FindPairs(lanes, 0, block_count(), out);
+}
+
+uint64_t LeafTree::FindPairs(const BoxLanes& lanes, size_t begin, size_t end,
+                             PairBuffer& out) const {
+  if (begin == end) return 0;
+  return FindLeafPairs(lanes, levels_.data(), level_count_, begin, end, out);
 }
 
 }  // namespace sweepstake
