@@ -3,35 +3,31 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "engine_client/cli/whole_file.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
 
 class CsvFile {
  public:
-  // Begins `path` with the header line. kInvalidArgument: cannot be written.
+  // Begins `path` with the header line. The errors of WholeFile::Create.
   static Result<std::unique_ptr<CsvFile>> Create(std::filesystem::path path,
                                                  std::initializer_list<std::string_view> header);
-  ~CsvFile();
-  CsvFile(const CsvFile&) = delete;
-  CsvFile& operator=(const CsvFile&) = delete;
 
   void Row(std::initializer_list<std::string_view> cells);
   // Gives the file its name; kInvalidArgument: could not be written.
-  Status Commit();
+  Status Commit() { return file_->Commit(); }
 
  private:
-  explicit CsvFile(std::filesystem::path path);
+  explicit CsvFile(std::unique_ptr<WholeFile> file) : file_(std::move(file)) {}
 
-  std::filesystem::path path_;
-  std::filesystem::path temporary_path_;
-  std::ofstream file_;
+  std::unique_ptr<WholeFile> file_;
 };
 
 // `cell` quoted where it holds a comma, a quote or a line break.
