@@ -1,14 +1,15 @@
-// Grid: a uniform grid, rebuilt each frame by a counting sort.
+// Grid: uniform grids, one per group of alike shapes, sorted anew each frame by a counting sort.
 //
-// A box belongs to the cell of its min corner, and cells are no smaller than an ordinary box, so
-// that partners are in the same or an adjacent cell; each box looks at half of those cells —
-// itself, and the five rows of cells behind it — and so meets every partner once. A box that
-// reaches beyond the next cell is "large" and tested against every box. The size up to which boxes
-// are ordinary is chosen each frame from the sizes there are, so that neither one huge box nor a
-// few outliers decide how the rest is divided.
+// A box is kept once, in the cell of its min corner in the grid of its group, and finds its
+// partners in the rows of cells around it: half of those of its own grid, so that a pair is found
+// once, and all of the other groups' where its group is the one to look. Boxes of one size are one
+// group and one grid. Where sizes differ, by levels or by axis, groups keep a few huge boxes from
+// making the cells of the small ones large, and let long thin boxes have long thin cells. Which
+// shapes share a group is chosen by estimated cost (grid_cost.h) from the boxes there are, so that
+// neither sizes nor outliers decide how the rest is divided.
 //
-// Kept between frames: nothing but memory. Cost: O(n + cells) for the sort and O(n · boxes around a
-// box + large · n) for the search; cells ≤ 8 n + 512. Memory: 65 bytes per object + 4 per cell.
+// Kept between frames: memory and the choice of groups. Cost: O(n + cells) for the sort and
+// O(n · boxes around a box) for the search; cells <= 4 n + 256 per group.
 #pragma once
 
 #include <memory>
