@@ -1,6 +1,8 @@
 #include <array>
 #include <filesystem>
 #include <new>
+#include <string>
+#include <system_error>
 
 #include "engine_client/scene/aabbs_format.h"
 #include "engine_client/scene/brownian_scene.h"
@@ -75,7 +77,7 @@ Result<ScenePointer> MakeNamedScene(std::string_view scene, const SceneOptions& 
   for (const SuiteMember& member : kSuite) {
     if (member.name == scene) return MakeSuiteMember(member, options.object_count);
   }
-  const std::filesystem::path path(scene);
+  const std::filesystem::path path(std::u8string(scene.begin(), scene.end()));
   if (path.extension() == ".aabbs") return RecordedScene::Open(path);
   return UnknownScene(scene);
 }
@@ -90,6 +92,8 @@ Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOpti
   } catch (const std::bad_alloc&) {
     return Status(StatusCode::kResourceExhausted,
                   "not enough memory for the scene: choose a smaller object_count or file");
+  } catch (const std::system_error&) {
+    return UnknownScene(scene);  // what is no UTF-8 names no file on Windows
   }
 }
 

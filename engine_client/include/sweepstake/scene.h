@@ -58,17 +58,19 @@ class Scene {
 // suite-b, suite-g, suite-h.
 std::span<const std::string_view> SceneNames();
 
-// `scene` is one of SceneNames() or the path of a .aabbs file (options then are not used). The
-// suite takes only object_count: it is fixed otherwise (scene/README.md). kNotFound lists the
-// names; kInvalidArgument names the option; kDataLoss says in one line what is broken in the file;
-// kResourceExhausted: more objects in the file than object_count may be, or no memory for them.
+// `scene` is one of SceneNames() or the path of a .aabbs file, in UTF-8 (options then are not
+// used). The suite takes only object_count: it is fixed otherwise (scene/README.md). kNotFound
+// lists the names; kInvalidArgument names the option; kDataLoss says in one line what is broken in
+// the file; kResourceExhausted: more objects in the file than object_count may be, or no memory for
+// them.
 Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOptions& options);
 
 // Steps `scene` `frame_count` times and writes it as Broadmark's .aabbs (1 + frame_count frames,
 // the state it is in first). The file appears whole or not at all; one that was there is replaced.
 // kInvalidArgument: a coordinate is not finite, no frame has an object, frame_count is over
 // 2^31 - 1, or `path` is no file name; kNotFound: no such directory; kUnavailable: the system's
-// reason. Takes 4 bytes of memory per frame besides one frame.
+// reason (Windows replaces no file that is open, a scene being replayed from it included). Takes 4
+// bytes of memory per frame besides one frame.
 Status RecordScene(Scene& scene, uint64_t frame_count, const std::filesystem::path& path);
 
 }  // namespace sweepstake

@@ -126,7 +126,14 @@ TEST_F(Recording, AFileCanBeRecordedOverWhileItIsReplayed) {
   const auto path = PathOf("scene.aabbs");
   ASSERT_TRUE(RecordScene(*MustMakeScene("suite-b", WithCount(20)), 9, path).ok());
   const std::string once = Read(path);
-  ASSERT_TRUE(RecordScene(*MustMakeScene(path.string(), {}), 9, path).ok());
+  const Status again = RecordScene(*MustMakeScene(path.string(), {}), 9, path);
+#if defined(_WIN32)
+  // There an open file cannot be replaced.
+  EXPECT_EQ(again.code(), StatusCode::kUnavailable);
+  EXPECT_EQ(FileCount(), 1U);
+#else
+  EXPECT_TRUE(again.ok()) << again.message();
+#endif
   EXPECT_EQ(Read(path), once);
 }
 

@@ -84,6 +84,21 @@ TEST_F(RecordedFile, AFileThatIsNotThereIsNotFound) {
   EXPECT_THAT(status.message(), HasSubstr("none.aabbs: no such file"));
 }
 
+TEST_F(RecordedFile, FileNamesAreUtf8) {
+  const std::u8string name = u8"K\u00F6rper \u7BB1 \U0001F4E6.aabbs";
+  const std::filesystem::path path = PathOf("") / std::filesystem::path(name);
+  std::ofstream(path, std::ios::binary) << FileBytes().Header(1, 0).Boxes(1).str();
+  const std::u8string text = path.u8string();
+  const Result<std::unique_ptr<Scene>> scene = MakeScene(std::string(text.begin(), text.end()), {});
+  ASSERT_TRUE(scene.ok()) << scene.status().message();
+  EXPECT_THAT((*scene)->aabbs(), ElementsAre(BoxAt(0)));
+}
+
+TEST_F(RecordedFile, ANameThatIsNoUtf8IsNotFound) {
+  const Status status = MakeScene(PathOf("").string() + "\xFF\xC0.aabbs", {}).status();
+  EXPECT_EQ(status.code(), StatusCode::kNotFound);
+}
+
 TEST_F(RecordedFile, ADirectoryIsNoFile) {
   std::filesystem::create_directory(PathOf("folder.aabbs"));
   const Status status = MakeScene(PathOf("folder.aabbs").string(), {}).status();
