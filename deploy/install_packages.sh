@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build and the tests need and is missing: with apt on Debian and Ubuntu, elsewhere lists it.
-# Does nothing, and needs no rights, when everything is there.
+# Does nothing, and needs no rights, when everything is there. Arguments: packages that are wanted besides.
 set -euo pipefail
 
 packages=(
@@ -9,6 +9,7 @@ packages=(
   libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev clang-format
 )
+packages+=("$@")
 # A Node.js that did not come from a package serves as well.
 command -v npm >/dev/null || packages+=(nodejs npm)
 

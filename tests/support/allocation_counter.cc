@@ -13,11 +13,27 @@ void* CountedAllocation(size_t bytes) noexcept {
   return std::malloc(bytes == 0 ? 1 : bytes);
 }
 
+#ifdef _WIN32
+
+// The Windows runtime has functions of its own, and memory from them is freed by another one.
+void* AlignedAllocation(size_t bytes, size_t alignment) {
+  return _aligned_malloc(bytes == 0 ? 1 : bytes, alignment);
+}
+void AlignedFree(void* memory) { _aligned_free(memory); }
+
+#else
+
+// aligned_alloc wants a multiple of the alignment.
+void* AlignedAllocation(size_t bytes, size_t alignment) {
+  return std::aligned_alloc(alignment, (bytes + alignment) / alignment * alignment);
+}
+void AlignedFree(void* memory) { std::free(memory); }
+
+#endif
+
 void* CountedAllocation(size_t bytes, std::align_val_t alignment) noexcept {
   ++thread_allocation_count;
-  const size_t unit = static_cast<size_t>(alignment);
-  // aligned_alloc wants a multiple of the alignment.
-  return std::aligned_alloc(unit, (bytes + unit) / unit * unit);
+  return AlignedAllocation(bytes, static_cast<size_t>(alignment));
 }
 
 void* OrThrow(void* memory) {
@@ -60,13 +76,13 @@ void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 void operator delete[](void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { AlignedFree(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { AlignedFree(memory); }
+void operator delete(void* memory, size_t, std::align_val_t) noexcept { AlignedFree(memory); }
+void operator delete[](void* memory, size_t, std::align_val_t) noexcept { AlignedFree(memory); }
 void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  AlignedFree(memory);
 }
 void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept {
-  std::free(memory);
+  AlignedFree(memory);
 }

@@ -1,11 +1,26 @@
-# cmake -DNM=… -DLIBRARY=… -P exports_test.cmake: fails unless every exported symbol is a function of the C ABI, and every
-# function of the header is exported.
+# cmake -DNM=… -DLIBRARY=… -DHEADER=… -P exports_test.cmake: fails unless every exported symbol is a function of the C ABI,
+# and every function of the header is exported. For a DLL -DOBJDUMP=… in the place of NM.
 cmake_minimum_required(VERSION 3.25)
-execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
-if(failed)
-  message(FATAL_ERROR "nm could not read ${LIBRARY}")
-endif()
-string(REGEX MATCHALL "[^\n]+" lines "${listing}")
+
+# Lines that end with the name of an exported symbol, each.
+function(exported_lines result)
+  if(OBJDUMP)
+    execute_process(COMMAND ${OBJDUMP} -p ${LIBRARY} OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
+    string(REGEX REPLACE "^.*Ordinal/Name Pointer\\][^\n]*\n" "" listing "${listing}")
+    string(REGEX REPLACE "\n\n.*$" "" listing "${listing}")
+    string(REPLACE "[" "(" listing "${listing}")  # brackets keep CMake from seeing where an element of a list ends
+    string(REPLACE "]" ")" listing "${listing}")
+  else()
+    execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
+  endif()
+  if(failed)
+    message(FATAL_ERROR "the exported symbols of ${LIBRARY} cannot be read")
+  endif()
+  string(REGEX MATCHALL "[^\n]+" lines "${listing}")
+  set(${result} "${lines}" PARENT_SCOPE)
+endfunction()
+
+exported_lines(lines)
 set(exported)
 foreach(line IN LISTS lines)
   string(REGEX REPLACE "^.* " "" symbol "${line}")

@@ -1,0 +1,225 @@
+#!/usr/bin/env bash
+# Builds the portable parts for other platforms, runs their tests there, and checks that one seed gives the same boxes and
+# the same pairs on all of them. Exit status: 0 all is well, 1 something failed or differs, 2 bad usage.
+#
+#   tests/cross.sh                  Linux aarch64 (run by qemu) and Windows x86-64 (run by wine)
+#   tests/cross.sh windows          only that one; the other name is aarch64
+#   tests/cross.sh --jobs 4         so many compilers and tests at a time (default: one per processor)
+#
+# Installs what is missing (Debian 12, root or sudo) and keeps everything else under build/cross-*: the libraries of the
+# other platforms are unpacked there, so that the package manager of this machine knows nothing of them. CCACHE_PROGRAM
+# names another ccache. What is run, and what cannot be: tests/cross/README.md.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+readonly root=$PWD packages=$PWD/build/cross-packages
+
+platforms=()
+jobs=$(nproc)
+while (($# > 0)); do
+  case $1 in
+    aarch64 | windows) platforms+=("$1") ;;
+    --jobs)
+      [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || { echo "--jobs takes a number." >&2; exit 2; }
+      jobs=$2
+      shift
+      ;;
+    --help)
+      sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
+      exit 0
+      ;;
+    *)
+      echo "Unknown platform '$1'. Platforms: aarch64 windows. Options: --jobs N, --help." >&2
+      exit 2
+      ;;
+  esac
+  shift
+done
+((${#platforms[@]} > 0)) || platforms=(aarch64 windows)
+
+# Its own world, and no windows.
+export WINEPREFIX=$root/build/cross-wine WINEARCH=win64 WINEDEBUG=-all
+unset DISPLAY
+trap 'if [[ -d $WINEPREFIX ]]; then wineserver -k || true; fi' EXIT
+
+launcher=()
+[[ -z ${CCACHE_PROGRAM:-} ]] || launcher=("-DCCACHE_PROGRAM=$CCACHE_PROGRAM")
+configuration=(-G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo
+  "-DCMAKE_C_FLAGS_RELWITHDEBINFO=-O2 -UNDEBUG" "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 -UNDEBUG")
+
+say() { printf '== %s\n' "$*"; }
+
+# quietly LOG COMMAND...: keeps the output in LOG and shows its end should the command fail.
+quietly() {
+  local log=$1
+  shift
+  mkdir -p "$(dirname "$log")"
+  "$@" >"$log" 2>&1 && return
+  tail -n 40 "$log" >&2
+  echo "Failed: $* (all of it: $log)" >&2
+  return 1
+}
+
+install_tools() {
+  local tools=()
+  local platform
+  for platform in "${platforms[@]}"; do
+    case $platform in
+      aarch64) tools+=(g++-aarch64-linux-gnu qemu-user-static) ;;
+      windows) tools+=(clang-19 lld-19 g++-mingw-w64-x86-64-posix wine wine64) ;;
+    esac
+  done
+  deploy/install_packages.sh dpkg-dev "${tools[@]}"
+}
+
+# "URI SUITE COMPONENT" of the archive this machine has Highway from.
+archive_of_highway() {
+  local found
+  found=$(apt-cache policy libhwy-dev | awk '$1 ~ /^[0-9]+$/ && $2 ~ /:\// { sub("/", " ", $3); print $2, $3; exit }')
+  # The lists of packages may have been deleted to save space.
+  [[ -n $found ]] || found="http://deb.debian.org/debian $(. /etc/os-release && echo "$VERSION_CODENAME") main"
+  echo "$found"
+}
+
+# apt-get with lists and sources of its own under build/cross-packages/apt, and for arm64.
+private_apt() {
+  local state=$packages/apt
+  mkdir -p "$state/lists/partial" "$state/cache/archives/partial"
+  apt-get -q -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none \
+    -o Acquire::IndexTargets::deb::DEP-11::DefaultEnabled=false -o Dir::Etc::SourceList="$state/sources.list" \
+    -o Dir::Etc::SourceParts=/dev/null -o Dir::State="$state" -o Dir::State::Lists="$state/lists" \
+    -o Dir::State::Status=/dev/null -o Dir::Cache="$state/cache" "$@"
+}
+
+download_libraries() {
+  local keys=/usr/share/keyrings/debian-archive-keyring.gpg
+  local signed=()
+  [[ ! -f $keys ]] || signed=(signed-by="$keys")
+  rm -rf "$packages"
+  mkdir -p "$packages/apt" "$packages/downloads"
+  local archive
+  archive=$(archive_of_highway)
+  printf '%s [%s] %s\n' deb "arch=arm64 ${signed[*]}" "$archive" deb-src "${signed[*]:-arch=arm64}" "$archive" \
+    >"$packages/apt/sources.list"
+  cd "$packages/downloads"
+  private_apt update &&
+    private_apt download libhwy-dev:arm64 libhwy1:arm64 libeigen3-dev nlohmann-json3-dev googletest &&
+    private_apt source --download-only highway &&
+    dpkg-source -x highway_*.dsc "$packages/highway" || return
+  rm -rf "$packages/apt"
+  touch "$packages/complete"
+}
+
+# build_library PLATFORM NAME SOURCE CMAKE_ARGUMENTS...: into the platform's tree of libraries.
+build_library() {
+  local tree=$packages/$1 name=$2 source=$3
+  local build=$tree/build-$name
+  cmake "${configuration[@]}" -S "$source" -B "$build" -DCMAKE_TOOLCHAIN_FILE="$root/tests/cross/$1.cmake" \
+    -DCROSS_ROOT="$tree" -DCMAKE_INSTALL_PREFIX="$tree/usr" "${@:4}" &&
+    cmake --build "$build" -j "$jobs" && cmake --install "$build"
+}
+
+build_libraries() {
+  local platform=$1 tree=$packages/$1 deb
+  [[ ! -f $tree/complete ]] || return 0
+  say "$platform: GoogleTest$([[ $platform == windows ]] && echo ' and Highway')"
+  rm -rf "$tree"
+  mkdir -p "$tree"
+  for deb in "$packages"/downloads/*_all.deb; do dpkg -x "$deb" "$tree"; done
+  quietly "$packages/$platform-googletest.log" build_library "$platform" googletest "$tree/usr/src/googletest" || return
+  case $platform in
+    aarch64) for deb in "$packages"/downloads/*_arm64.deb; do dpkg -x "$deb" "$tree"; done ;;
+    windows)
+      quietly "$packages/$platform-highway.log" build_library "$platform" highway "$packages/highway" \
+        -DBUILD_TESTING=OFF -DHWY_ENABLE_CONTRIB=OFF -DHWY_ENABLE_EXAMPLES=OFF || return
+      ;;
+  esac
+  touch "$tree/complete"
+}
+
+# configure_and_build NAME TARGETS CMAKE_ARGUMENTS...: build/cross-NAME.
+configure_and_build() {
+  local build=build/cross-$1 targets=$2
+  quietly "$build/configure.log" cmake "${configuration[@]}" "${launcher[@]}" -S . -B "$build" "${@:3}" || return
+  grep '^-- Left out' "$build/configure.log" || true
+  say "$1: compiles"
+  quietly "$build/build.log" cmake --build "$build" -j "$jobs" --target "$targets"
+}
+
+run_tests() {
+  say "$1: tests"
+  ctest --test-dir "build/cross-$1" -j "$jobs" --output-on-failure --no-tests=error
+}
+
+# on_platform PLATFORM PROGRAM...
+on_platform() {
+  case $1 in
+    native) "${@:2}" ;;
+    aarch64) qemu-aarch64-static -L /usr/aarch64-linux-gnu "${@:2}" ;;
+    windows) "$(command -v /usr/lib/wine/wine64 wine | head -n 1)" "${@:2}" ;;
+  esac
+}
+
+# same_fingerprint PLATFORM KIND: what KIND of its processors makes of the seed is what this machine makes of it.
+same_fingerprint() {
+  local build=build/cross-$1 program=fingerprint
+  [[ $1 != windows ]] || program=fingerprint.exe
+  on_platform "$1" "$build/bin/$program" "$build/fingerprint-$2.txt" || return
+  cmp "build/cross-native/fingerprint.txt" "$build/fingerprint-$2.txt" || {
+    diff "build/cross-native/fingerprint.txt" "$build/fingerprint-$2.txt" | head -n 10
+    return 1
+  }
+  say "$1, $2: the same boxes and pairs, $(wc -l <"$build/fingerprint-$2.txt") lines"
+}
+
+# NEON alone, then SVE2 with registers of 128, 256 and 512 bits.
+compare_aarch64() {
+  local failed=0 bytes
+  QEMU_CPU=neoverse-n1 same_fingerprint aarch64 neon || failed=1
+  for bytes in 16 32 64; do
+    QEMU_CPU=max,sve-default-vector-length=$bytes same_fingerprint aarch64 "sve2-$((bytes * 8))" || failed=1
+  done
+  return "$failed"
+}
+
+compare_windows() {
+  same_fingerprint windows x86-64
+}
+
+check_platform() {
+  local platform=$1
+  say "$platform"
+  build_libraries "$platform" || return
+  [[ $platform != windows ]] || quietly build/cross-wine.log wineboot -i || return
+  configure_and_build "$platform" all -DCMAKE_TOOLCHAIN_FILE="$root/tests/cross/$platform.cmake" \
+    -DCROSS_ROOT="$packages/$platform" || return
+  local failed=0
+  run_tests "$platform" || failed=1
+  "compare_$platform" || failed=1
+  return "$failed"
+}
+
+say "packages"
+install_tools
+if [[ ! -f $packages/complete ]]; then
+  say "libraries of the other platforms"
+  (quietly "$root/build/cross-download.log" download_libraries)
+fi
+
+say "this machine"
+configure_and_build native fingerprint
+build/cross-native/bin/fingerprint build/cross-native/fingerprint.txt
+
+failed=0
+summary=()
+for platform in "${platforms[@]}"; do
+  start=$SECONDS
+  if check_platform "$platform"; then
+    summary+=("$platform: passed, $((SECONDS - start)) s")
+  else
+    summary+=("$platform: FAILED, $((SECONDS - start)) s")
+    failed=1
+  fi
+done
+say "result"
+printf '%s\n' "${summary[@]}"
+exit "$failed"

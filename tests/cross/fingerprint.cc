@@ -1,0 +1,180 @@
+// Writes what must be the same on every platform: a line per scene, backend and frame with hashes
+// of the boxes' bits and of the sorted pairs, and for each scene a line with a hash of its
+// recording. tests/cross.sh compares what the platforms write, byte by byte.
+//
+//   fingerprint OUT
+//
+// Exit status 1: something could not be made or written; 2: bad usage.
+#include <algorithm>
+#include <bit>
+#include <cinttypes>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine_client/scene/degenerate_scenes.h"
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/executor.h"
+#include "sweepstake/scene.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr uint64_t kSeed = 7;
+constexpr size_t kPoolThreads = 3;
+
+// FNV-1a over words of 32 bits: the order of the bytes in memory is the machine's own.
+class Hash {
+ public:
+  void Add(uint32_t word) { value_ = (value_ ^ word) * 0x100000001B3ULL; }
+  uint64_t value() const { return value_; }
+
+ private:
+  uint64_t value_ = 0xCBF29CE484222325ULL;
+};
+
+template <typename T>
+T Need(Result<T> result) {
+  if (!result.ok()) {
+    std::fprintf(stderr, "fingerprint: %s\n", result.status().message().c_str());
+    std::exit(1);
+  }
+  return std::move(*result);
+}
+
+uint64_t BoxesHash(std::span<const Aabb> boxes) {
+  Hash hash;
+  for (const Aabb& box : boxes) {
+    for (const float value : box.min) hash.Add(std::bit_cast<uint32_t>(value));
+    for (const float value : box.max) hash.Add(std::bit_cast<uint32_t>(value));
+  }
+  return hash.value();
+}
+
+// Sorts them.
+uint64_t PairsHash(std::span<OverlapPair> pairs) {
+  std::ranges::sort(pairs);
+  Hash hash;
+  for (const OverlapPair& pair : pairs) {
+    hash.Add(pair.a);
+    hash.Add(pair.b);
+  }
+  return hash.value();
+}
+
+struct Backend {
+  std::unique_ptr<BroadPhase> broad_phase;
+  size_t thread_count;
+};
+
+// Every family, alone and with `pool`.
+std::vector<Backend> MakeBackends(Executor& pool) {
+  std::vector<Backend> backends;
+  for (const std::string_view name : BroadPhaseNames()) {
+    backends.push_back({Need(MakeBroadPhase(name)), 1});
+    backends.push_back({Need(MakeBroadPhase(name, {.executor = &pool})), kPoolThreads});
+  }
+  return backends;
+}
+
+class Fingerprint {
+ public:
+  Fingerprint(std::FILE* out, Executor& pool) : out_(out), pool_(pool) {}
+
+  void AddScene(Scene& scene, int frame_count) {
+    const std::vector<Backend> backends = MakeBackends(pool_);
+    for (int frame = 0; frame < frame_count; ++frame) {
+      if (frame > 0) scene.Step();
+      for (const Backend& backend : backends) AddFrame(scene, frame, backend);
+    }
+  }
+
+  void AddRecording(Scene& scene, int frame_count, const std::filesystem::path& path) {
+    const Status recorded = RecordScene(scene, static_cast<uint64_t>(frame_count), path);
+    if (!recorded.ok()) {
+      std::fprintf(stderr, "fingerprint: %s\n", recorded.message().c_str());
+      std::exit(1);
+    }
+    Hash hash;
+    std::ifstream file(path, std::ios::binary);
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) {
+      hash.Add(static_cast<unsigned char>(*byte));
+    }
+    file.close();
+    std::filesystem::remove(path);
+    std::fprintf(out_, "%s file %016" PRIx64 "\n", std::string(scene.name()).c_str(), hash.value());
+  }
+
+ private:
+  void AddFrame(const Scene& scene, int frame, const Backend& backend) {
+    const std::span<const Aabb> boxes = scene.aabbs();
+    BroadPhase& broad_phase = *backend.broad_phase;
+    if (frame == 0) {
+      broad_phase.Build(boxes);
+    } else {
+      broad_phase.Update(boxes);
+    }
+    pairs_.Clear();
+    broad_phase.FindPairs(pairs_);
+    std::fprintf(out_, "%s objects %zu frame %d boxes %016" PRIx64,
+                 std::string(scene.name()).c_str(), boxes.size(), frame, BoxesHash(boxes));
+    std::fprintf(out_, " %s threads %zu pairs %zu %016" PRIx64 "\n",
+                 std::string(broad_phase.name()).c_str(), backend.thread_count, pairs_.size(),
+                 PairsHash(pairs_.pairs()));
+  }
+
+  std::FILE* out_;
+  Executor& pool_;
+  PairBuffer pairs_;
+};
+
+std::unique_ptr<Scene> NamedScene(std::string_view name, uint32_t object_count) {
+  return Need(MakeScene(
+      name, {.object_count = object_count, .spawn_seed = kSeed, .motion_seed = kSeed + 1}));
+}
+
+void AddAll(Fingerprint& fingerprint, const std::filesystem::path& scratch) {
+  for (const std::string_view name : SceneNames()) {
+    fingerprint.AddScene(*NamedScene(name, 1000), 20);
+    fingerprint.AddRecording(*NamedScene(name, 100), 20, scratch);
+  }
+  // Enough objects for the parts of several threads.
+  for (const std::string_view name : {"suite-b", "suite-g"}) {
+    fingerprint.AddScene(*NamedScene(name, 10'000), 3);
+  }
+  for (const std::string_view name : DegenerateSceneNames()) {
+    fingerprint.AddScene(*Need(MakeDegenerateScene(name, 300, kSeed)), 8);
+  }
+}
+
+int Main(const char* path) {
+  std::FILE* out = std::fopen(path, "wb");
+  if (out == nullptr) {
+    std::fprintf(stderr, "fingerprint: cannot write %s\n", path);
+    return 1;
+  }
+  const std::unique_ptr<Executor> pool = MakeThreadPool(kPoolThreads);
+  Fingerprint fingerprint(out, *pool);
+  AddAll(fingerprint, std::string(path) + ".aabbs");
+  if (std::fclose(out) == 0) return 0;
+  std::fprintf(stderr, "fingerprint: cannot write %s\n", path);
+  return 1;
+}
+
+}  // namespace
+}  // namespace sweepstake
+
+int main(int argc, char** argv) {
+  if (argc == 2) return sweepstake::Main(argv[1]);
+  std::fprintf(stderr, "usage: fingerprint OUT\n");
+  return 2;
+}
