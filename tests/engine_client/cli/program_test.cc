@@ -59,6 +59,7 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"bench --scene suite-b --threads 0", "--threads"},
       {"bench --scene suite-b --threads 257", "--threads"},
       {"bench --scene suite-b --frames 0", "--frames"},
+      {"bench --scene suite-b --peers --peer-cap 0", "--peer-cap"},
       {"bench --scene nowhere", "nearly-resting"},
       {"pairs --scene suite-b --frame 0 --arm Octree", "AxisSweep"},
       {"record --scene suite-b --frames 2 --out /nonexistent/x.aabbs", "/nonexistent"},
@@ -116,6 +117,36 @@ TEST(Program, BenchPrintsARowPerCountOfThreads) {
   for (unsigned i = 0; i < 3; ++i) {
     EXPECT_EQ(rows[i]["threads"], i + 1);
     EXPECT_EQ(rows[i]["pairs_mean"], rows[0]["pairs_mean"]);
+  }
+}
+
+TEST(Program, BenchComparesWithPeersOnTheSamePairs) {
+  const ProgramRun run =
+      RunProgram("bench --peers --scene suite-b --objects 300 --frames 5 --warmup 1 --json");
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const json document = json::parse(run.out);
+  size_t peer_count = 0;
+  for (const json& row : document["rows"]) {
+    EXPECT_FALSE(row.contains("difference")) << row;
+    EXPECT_EQ(row["pairs_mean"], document["rows"][0]["pairs_mean"]) << row;
+    EXPECT_EQ(row["frames"], 5) << row;
+    peer_count += row["kind"] == "peer" ? 1 : 0;
+  }
+  const size_t library_count =
+      document["machine"]["libraries"].size() - 1 + document["machine"]["absent_peers"].size();
+  EXPECT_EQ(library_count, 6U);
+  EXPECT_GE(peer_count + document["machine"]["absent_peers"].size(), 6U);
+  EXPECT_EQ(document["ratios"].empty(), peer_count == 0);
+}
+
+TEST(Program, BenchStopsAPeerAtItsCapAndSaysSo) {
+  const ProgramRun run = RunProgram(
+      "bench --peers --peer-cap 0.001 --scene suite-b --objects 2000 --frames 3 --arms SAP --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const json& row : json::parse(run.out)["rows"]) {
+    if (row["kind"] == "arm") continue;
+    EXPECT_EQ(row["frames"], 1) << row;
+    EXPECT_THAT(row["note"].get<std::string>(), HasSubstr("cap")) << row;
   }
 }
 

@@ -25,20 +25,87 @@ TEST(Quantile, IsTheNearestRank) {
   EXPECT_EQ(Quantile({7}, 0.99), 7);
 }
 
+std::vector<Contestant> ContestantsOf(std::initializer_list<std::string_view> arms) {
+  std::vector<Contestant> contestants;
+  for (const std::string_view arm : arms) {
+    contestants.push_back({.broad_phase = std::move(*MakeBroadPhase(arm))});
+  }
+  return contestants;
+}
+
+double MeanOfPairs(const ContestantTiming& timing) {
+  double sum = 0;
+  for (const auto& pairs : std::span(timing.step_pairs).last(timing.measured_count)) {
+    sum += static_cast<double>(pairs.count);
+  }
+  return sum / static_cast<double>(timing.measured_count);
+}
+
 TEST(TimeScene, MeasuresTheFramesAfterTheWarmUpAndTheirPairs) {
   const auto scene = std::move(*OpenScene({"suite-b", 1000, 1}));
-  const auto arm = std::move(*MakeBroadPhase("BruteForce"));
-  uint64_t steps = 0;
-  const ArmTiming timing = TimeScene(*scene, *arm, 20, 120, [&](uint64_t step) { steps = step; });
-  EXPECT_EQ(steps, 140U);
+  const auto contestants = ContestantsOf({"BruteForce", "SAP"});
+  uint64_t steps[2] = {0, 0};
+  const auto timings = TimeScene(*scene, contestants, 20, 120,
+                                 [&](size_t index, uint64_t step) { steps[index] = step; });
   EXPECT_EQ(scene->frame_index(), 140U);
-  EXPECT_EQ(timing.frame_count, 120U);
-  // The reference suite's table: frames 21 to 140 of B at 1,000 objects.
-  EXPECT_NEAR(timing.pairs_mean, 1379, 0.5);
-  EXPECT_GT(timing.aabb_checks_mean, 0);
-  EXPECT_GT(timing.bytes, 0U);
-  EXPECT_LE(timing.ms_min, timing.ms_median);
-  EXPECT_LE(timing.ms_median, timing.ms_p99);
+  ASSERT_EQ(timings.size(), 2U);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(steps[i], 140U);
+    EXPECT_EQ(timings[i].step_ms.size(), 140U);
+    EXPECT_EQ(timings[i].measured_count, 120U);
+    // The reference suite's table: frames 21 to 140 of B at 1,000 objects.
+    EXPECT_NEAR(MeanOfPairs(timings[i]), 1379, 0.5);
+    EXPECT_GT(timings[i].aabb_checks_mean, 0);
+    EXPECT_GT(timings[i].bytes, 0U);
+    EXPECT_GE(timings[i].bytes_with_pairs, timings[i].bytes + 1379 * sizeof(OverlapPair));
+    EXPECT_FALSE(timings[i].capped);
+  }
+  EXPECT_EQ(timings[0].step_pairs, timings[1].step_pairs);
+}
+
+TEST(TimeScene, StopsAContestantAtItsCapAndMeasuresWhatItDid) {
+  const auto scene = std::move(*OpenScene({"suite-b", 300, 1}));
+  auto contestants = ContestantsOf({"SAP", "SAP"});
+  contestants[1].cap_s = 0;
+  const auto timings = TimeScene(*scene, contestants, 5, 5, [](size_t, uint64_t) {});
+  EXPECT_FALSE(timings[0].capped);
+  EXPECT_EQ(timings[0].measured_count, 5U);
+  EXPECT_TRUE(timings[1].capped);
+  EXPECT_EQ(timings[1].step_ms.size(), 1U);
+  EXPECT_EQ(timings[1].measured_count, 1U);
+  EXPECT_EQ(timings[1].step_pairs[0], timings[0].step_pairs[0]);
+}
+
+TEST(TimeScene, HidesBrokenBoxesFromThoseWhoCannotTakeThemAndRestoresTheIds) {
+  const auto scene = std::move(*OpenScene({"broken-boxes", 300, 1}));
+  auto contestants = ContestantsOf({"SAP", "SAP"});
+  contestants[1].sound_boxes_only = true;
+  const auto timings = TimeScene(*scene, contestants, 0, 30, [](size_t, uint64_t) {});
+  EXPECT_GT(timings[0].step_pairs.back().count, 0U);
+  EXPECT_EQ(timings[0].step_pairs, timings[1].step_pairs);
+  EXPECT_GT(timings[0].aabb_checks_mean, 0);
+}
+
+TEST(Summarize, TakesTimesInAnyOrder) {
+  const std::vector<double> times = {4, 1, 9, 2};
+  const TimeSummary summary = Summarize(times);
+  EXPECT_EQ(summary.ms_median, 3);
+  EXPECT_EQ(summary.ms_mean, 4);
+  EXPECT_EQ(summary.ms_min, 1);
+  EXPECT_EQ(summary.ms_p99, 9);
+}
+
+TEST(PairFingerprint, IsThatOfTheSetWhateverTheOrder) {
+  const std::vector<OverlapPair> pairs = {{1, 2}, {3, 4}, {1, 4}};
+  const std::vector<OverlapPair> shuffled = {{1, 4}, {1, 2}, {3, 4}};
+  EXPECT_EQ(FingerprintOf(pairs), FingerprintOf(shuffled));
+}
+
+TEST(PairFingerprint, TellsOtherPairsApartThoughTheirCountIsTheSame) {
+  const std::vector<OverlapPair> pairs = {{1, 2}, {3, 4}};
+  const std::vector<std::vector<OverlapPair>> others = {
+      {{1, 2}}, {{1, 4}, {3, 2}}, {{2, 1}, {3, 4}}, {{1, 2}, {1, 2}}, {{1, 2}, {3, 4}, {3, 4}}};
+  for (const auto& other : others) EXPECT_NE(FingerprintOf(pairs), FingerprintOf(other));
 }
 
 TEST(TextTable, AlignsNumbersToTheRightAndWordsToTheLeft) {

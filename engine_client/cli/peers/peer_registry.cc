@@ -1,0 +1,73 @@
+#include "engine_client/cli/peers/peer_registry.h"
+
+#include <limits>
+
+#ifdef SWEEPSTAKE_PEER_BULLET
+#include "engine_client/cli/peers/bullet_peers.h"
+#endif
+#ifdef SWEEPSTAKE_PEER_FCL
+#include "engine_client/cli/peers/fcl_peers.h"
+#endif
+#ifdef SWEEPSTAKE_PEER_ODE
+#include "engine_client/cli/peers/ode_peers.h"
+#endif
+#ifdef SWEEPSTAKE_PEER_EMBREE
+#include "engine_client/cli/peers/embree_peers.h"
+#endif
+#ifdef SWEEPSTAKE_PEER_BOOST
+#include "engine_client/cli/peers/boost_peers.h"
+#endif
+#ifdef SWEEPSTAKE_PEER_CGAL
+#include "engine_client/cli/peers/cgal_peers.h"
+#endif
+
+namespace sweepstake::cli {
+
+std::vector<PeerLibrary> PeerLibraries() {
+  std::vector<PeerLibrary> libraries = {
+      {"Bullet", "libbullet-dev", "zlib", "", {}},
+      {"FCL", "libfcl-dev", "BSD-3-Clause", "", {}},
+      {"ODE", "libode-dev", "BSD-3-Clause or LGPL-2.1+", "", {}},
+      {"Embree", "libembree-dev", "Apache-2.0", "", {}},
+      {"Boost.Geometry", "libboost-dev", "BSL-1.0", "", {}},
+      {"CGAL", "libcgal-dev", "GPL-3.0+", "", {}},
+  };
+#ifdef SWEEPSTAKE_PEER_BULLET
+  AddBulletPeers(libraries[0]);
+#endif
+#ifdef SWEEPSTAKE_PEER_FCL
+  AddFclPeers(libraries[1]);
+#endif
+#ifdef SWEEPSTAKE_PEER_ODE
+  AddOdePeers(libraries[2]);
+#endif
+#ifdef SWEEPSTAKE_PEER_EMBREE
+  AddEmbreePeers(libraries[3]);
+#endif
+#ifdef SWEEPSTAKE_PEER_BOOST
+  AddBoostPeers(libraries[4]);
+#endif
+#ifdef SWEEPSTAKE_PEER_CGAL
+  AddCgalPeers(libraries[5]);
+#endif
+  return libraries;
+}
+
+Aabb RoomyBounds(std::span<const Aabb> boxes) {
+  if (boxes.empty()) return {{0, 0, 0}, {1, 1, 1}};
+  Aabb bounds = boxes.front();
+  for (const Aabb& box : boxes) {
+    for (int axis = 0; axis < 3; ++axis) {
+      bounds.min[axis] = std::min(bounds.min[axis], box.min[axis]);
+      bounds.max[axis] = std::max(bounds.max[axis], box.max[axis]);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const float room = (bounds.max[axis] - bounds.min[axis]) / 4;
+    bounds.min[axis] -= room;
+    bounds.max[axis] += room;
+  }
+  return bounds;
+}
+
+}  // namespace sweepstake::cli

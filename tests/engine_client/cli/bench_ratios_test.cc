@@ -1,0 +1,274 @@
+// What a bench run concludes from its rows, on made-up times.
+#include "engine_client/cli/bench_ratios.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine_client/cli/bench_goals.h"
+#include "engine_client/cli/published_figures.h"
+#include "engine_client/cli/scene_timing.h"
+#include "sweepstake/broad_phase.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// A report of one thread with cells and rows as the test adds them.
+class Bench {
+ public:
+  Bench& Cell(const std::string& scene, uint32_t object_count) {
+    report_.cells.push_back({scene, object_count, false});
+    return *this;
+  }
+  Bench& Arm(const std::string& name, std::vector<double> step_ms, uint32_t threads = 1) {
+    Add(ContestantKind::kArm, name, name, std::move(step_ms), threads);
+    return *this;
+  }
+  Bench& Peer(const std::string& family, const std::string& name, std::vector<double> step_ms,
+              uint32_t threads = 1) {
+    Add(ContestantKind::kPeer, family, name, std::move(step_ms), threads);
+    return *this;
+  }
+  // The first `count` steps of the latest row were warm-up.
+  Bench& WarmUp(uint64_t count) {
+    report_.rows.back().frame_count -= count;
+    return *this;
+  }
+  Bench& Differs() {
+    report_.rows.back().difference = "step 1";
+    return *this;
+  }
+  Bench& Bytes(uint64_t bytes) {
+    report_.rows.back().bytes_with_pairs = bytes;
+    return *this;
+  }
+  Bench& Threads(std::vector<uint32_t> counts) {
+    report_.options.thread_counts = std::move(counts);
+    return *this;
+  }
+
+  // The ratios of one kind.
+  std::vector<BenchRatio> Ratios(RatioKind kind) const {
+    std::vector<BenchRatio> ratios = RatiosOf(report_);
+    std::erase_if(ratios, [&](const BenchRatio& ratio) { return ratio.kind != kind; });
+    return ratios;
+  }
+
+ private:
+  void Add(ContestantKind kind, const std::string& family, const std::string& name,
+           std::vector<double> step_ms, uint32_t threads) {
+    BenchRow row;
+    row.cell = report_.cells.size() - 1;
+    row.kind = kind;
+    row.family = family;
+    row.name = name;
+    row.thread_count = threads;
+    row.frame_count = step_ms.size();
+    row.first_step = 1;
+    const TimeSummary summary = Summarize(step_ms);
+    row.ms_median = summary.ms_median;
+    row.ms_p99 = summary.ms_p99;
+    row.step_ms = std::move(step_ms);
+    report_.rows.push_back(std::move(row));
+  }
+
+  BenchReport report_;
+};
+
+TEST(Ratios, CompareAnArmWithTheBestPeerOfItsFamilyOnly) {
+  const auto ratios = Bench()
+                          .Cell("suite-b", 500)
+                          .Arm("Grid", {1, 1, 4})
+                          .Peer("Grid", "Slow", {9, 9, 9})
+                          .Peer("Grid", "Quick", {7, 7, 1})
+                          .Peer("SAP", "Quickest", {2, 2, 2})
+                          .Ratios(RatioKind::kFamily);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_EQ(ratios[0].ours, "Grid");
+  EXPECT_EQ(ratios[0].other, "Quick");
+  EXPECT_DOUBLE_EQ(ratios[0].value, 7);
+  EXPECT_DOUBLE_EQ(*ratios[0].value_mean, 2.5);
+  EXPECT_EQ(ratios[0].goal, 6);
+  EXPECT_TRUE(ratios[0].met);
+}
+
+TEST(Ratios, CompareOurBestWithTheBestOfAllPeers) {
+  const auto ratios = Bench()
+                          .Cell("suite-b", 500)
+                          .Arm("Grid", {2})
+                          .Arm("SAP", {1})
+                          .Peer("Grid", "Slow", {9})
+                          .Peer("KDTree", "Quick", {4})
+                          .Ratios(RatioKind::kOverall);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_EQ(ratios[0].ours, "SAP");
+  EXPECT_EQ(ratios[0].other, "Quick");
+  EXPECT_DOUBLE_EQ(ratios[0].value, 4);
+  EXPECT_EQ(ratios[0].goal, 5);
+  EXPECT_FALSE(ratios[0].met);
+}
+
+TEST(Ratios, CompareOnTheFramesThatAPeerMeasuredBeforeItsCap) {
+  // The peer stopped after two steps, all of them within the warm-up of the arm.
+  const auto ratios = Bench()
+                          .Cell("suite-b", 500)
+                          .Arm("Grid", {1, 1, 10, 10})
+                          .WarmUp(2)
+                          .Peer("Grid", "Capped", {8, 8})
+                          .Ratios(RatioKind::kFamily);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_DOUBLE_EQ(ratios[0].value, 8);
+}
+
+TEST(Ratios, LeaveOutTheWarmUp) {
+  const auto ratios = Bench()
+                          .Cell("suite-b", 500)
+                          .Arm("Grid", {50, 1, 1})
+                          .WarmUp(1)
+                          .Peer("Grid", "Peer", {50, 3, 3})
+                          .WarmUp(1)
+                          .Ratios(RatioKind::kFamily);
+  EXPECT_DOUBLE_EQ(ratios.at(0).value, 3);
+  EXPECT_DOUBLE_EQ(ratios.at(0).value_mean.value(), 3);
+}
+
+TEST(Ratios, IgnoreAPeerWhosePairsAreWrong) {
+  const auto bench = Bench()
+                         .Cell("suite-b", 500)
+                         .Arm("Grid", {1})
+                         .Peer("Grid", "Wrong", {2})
+                         .Differs()
+                         .Peer("Grid", "Right", {5});
+  EXPECT_EQ(bench.Ratios(RatioKind::kFamily).at(0).other, "Right");
+  EXPECT_EQ(bench.Ratios(RatioKind::kOverall).at(0).other, "Right");
+}
+
+TEST(Ratios, ReachAPublishedPeerThroughEmbree) {
+  const auto ratios = Bench()
+                          .Cell("suite-b", 10'000)
+                          .Arm("SAP", {1})
+                          .Peer("KDTree", "Embree", {5})
+                          .Peer("DBVT", "BulletDbvtDeferred", {7})
+                          .Ratios(RatioKind::kFamily);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_EQ(ratios[0].other, "BroadmarkSap");
+  EXPECT_EQ(ratios[0].derived_through, "Embree");
+  EXPECT_DOUBLE_EQ(ratios[0].value, 5 * 2.39 / 2.50);
+}
+
+TEST(Ratios, ReachAPublishedPeerThroughBulletWithoutEmbree) {
+  const auto ratios = Bench()
+                          .Cell("suite-b", 10'000)
+                          .Arm("SAP", {1})
+                          .Peer("DBVT", "BulletDbvtDeferred", {7})
+                          .Ratios(RatioKind::kOverall);
+  ASSERT_EQ(ratios.size(), 2U);
+  EXPECT_EQ(ratios[1].other, "PhysxAbp");
+  EXPECT_EQ(ratios[1].derived_through, "BulletDbvtDeferred");
+  EXPECT_DOUBLE_EQ(ratios[1].value, 7 * 1.00 / 5.93);
+}
+
+TEST(Ratios, HaveNoPublishedPeersInOtherCells) {
+  const auto bench = [](const std::string& scene, uint32_t count) {
+    return Bench()
+        .Cell(scene, count)
+        .Arm("SAP", {1})
+        .Peer("KDTree", "Embree", {5})
+        .Ratios(RatioKind::kFamily);
+  };
+  EXPECT_TRUE(bench("suite-b", 2'000).empty());
+  EXPECT_TRUE(bench("planar", 10'000).empty());
+  // Broadmark's SAP has no figure for a million.
+  EXPECT_TRUE(bench("suite-b", 1'000'000).empty());
+}
+
+TEST(Ratios, CompareThreadsWithOneThreadAndPeersOfAsManyThreads) {
+  const auto bench = Bench()
+                         .Cell("suite-b", 10'000)
+                         .Threads({1, 2})
+                         .Arm("Grid", {4})
+                         .Arm("Grid", {2}, 2)
+                         .Peer("KDTree", "Embree", {8})
+                         .Peer("KDTree", "Embree", {6}, 2);
+  const auto threads = bench.Ratios(RatioKind::kThreads);
+  ASSERT_EQ(threads.size(), 1U);
+  EXPECT_DOUBLE_EQ(threads[0].value, 2);
+  EXPECT_EQ(threads[0].goal, 1.7);
+  const auto overall = bench.Ratios(RatioKind::kOverall);
+  ASSERT_EQ(overall.size(), 3U);
+  EXPECT_DOUBLE_EQ(overall[0].value, 2);  // one thread against one
+  EXPECT_EQ(overall[1].derived_through, "Embree");
+  EXPECT_EQ(overall[2].thread_count, 2U);
+  EXPECT_DOUBLE_EQ(overall[2].value, 3);
+}
+
+TEST(Ratios, MeasureGrowthPerObjectBetweenTenThousandAndAMillion) {
+  const auto ratios = Bench()
+                          .Cell("suite-b", 10'000)
+                          .Arm("Grid", {1})
+                          .Arm("SAP", {1})
+                          .Cell("suite-b", 1'000'000)
+                          .Arm("Grid", {250})
+                          .Arm("SAP", {250})
+                          .Ratios(RatioKind::kGrowth);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_EQ(ratios[0].ours, "Grid");
+  EXPECT_DOUBLE_EQ(ratios[0].value, 2.5);
+  EXPECT_FALSE(ratios[0].met);
+}
+
+TEST(Ratios, HoldMemoryAndSpikesAgainstTheirGoals) {
+  std::vector<double> times(100, 1.0);
+  times[50] = times[51] = 3;
+  const auto bench =
+      Bench().Cell("suite-b", 100'000).Arm("KDTree", times).Bytes(9'000'000).Arm("Grid", times);
+  const auto memory = bench.Ratios(RatioKind::kMemory);
+  ASSERT_EQ(memory.size(), 1U);
+  EXPECT_DOUBLE_EQ(memory[0].value, 0.75);
+  EXPECT_TRUE(memory[0].met);
+  const auto spikes = bench.Ratios(RatioKind::kSpike);
+  ASSERT_EQ(spikes.size(), 1U);
+  EXPECT_DOUBLE_EQ(spikes[0].value, 3);
+  EXPECT_FALSE(spikes[0].met);
+}
+
+TEST(Goals, DependOnTheSceneAndItsSize) {
+  BenchRatio overall;
+  overall.kind = RatioKind::kOverall;
+  EXPECT_EQ(GoalOf(overall, {"suite-b", 1'000, false}), 5);
+  EXPECT_EQ(GoalOf(overall, {"suite-h", 100'000, false}), 10);
+  EXPECT_EQ(GoalOf(overall, {"suite-g", 1'000, false}), 10);
+  EXPECT_EQ(GoalOf(overall, {"beams", 10'000, false}), 3);
+  EXPECT_EQ(GoalOf(overall, {"nearly-resting", 10'000, false}), std::nullopt);
+  BenchRatio family;
+  family.family = "DBVT";
+  EXPECT_EQ(GoalOf(family, {"suite-b", 1'000, false}), 7);
+  EXPECT_EQ(GoalOf(family, {"nearly-resting", 1'000, false}), 1.3);
+  EXPECT_EQ(GoalOf(family, {"beams", 1'000, false}), std::nullopt);
+  family.family = "Tracy";
+  EXPECT_EQ(GoalOf(family, {"suite-b", 1'000, false}), 20);
+  family.other = "PhysxMbp";
+  EXPECT_EQ(GoalOf(family, {"suite-b", 1'000, false}), 4);
+}
+
+TEST(Goals, ExistForEveryFamily) {
+  for (const std::string_view name : BroadPhaseNames()) {
+    BenchRatio ratio;
+    ratio.family = name;
+    EXPECT_TRUE(GoalOf(ratio, {"suite-b", 1'000, false})) << name;
+  }
+}
+
+TEST(PublishedPeers, BelongToFamiliesThatExistAndHaveFigures) {
+  const auto families = BroadPhaseNames();
+  for (const PublishedPeer& peer : PublishedPeers()) {
+    EXPECT_TRUE(PublishedFigure(peer.name, "suite-b", 10'000)) << peer.name;
+    EXPECT_TRUE(peer.family.empty() ||
+                std::find(families.begin(), families.end(), peer.family) != families.end())
+        << peer.name;
+  }
+  EXPECT_EQ(PublishedFigure("Octree", "suite-b", 10'000), std::nullopt);
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
