@@ -7,7 +7,7 @@ packages=(
   build-essential cmake ninja-build ccache pkg-config git python3 ca-certificates
   libgrpc++-dev protobuf-compiler-grpc protobuf-compiler libprotobuf-dev libabsl-dev
   libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev
-  libgtest-dev libgmock-dev clang-format
+  libgtest-dev libgmock-dev libbenchmark-dev clang-format
 )
 packages+=("$@")
 # A Node.js that did not come from a package serves as well.

@@ -41,7 +41,10 @@ ALLOWED = {
 PUBLIC_HEADERS = {
     "aabb.h": "engine_client/broad_phase",
     "broad_phase.h": "engine_client/broad_phase",
+    "executor.h": "engine_client/broad_phase",
     "pair_buffer.h": "engine_client/broad_phase",
+    "pair_sorter.h": "engine_client/broad_phase",
+    "proxy_set.h": "engine_client/broad_phase",
     "status.h": "engine_client/broad_phase",
     "scene.h": "engine_client/scene",
     "frame_sample.h": "engine_client/adaptive",
@@ -49,6 +52,7 @@ PUBLIC_HEADERS = {
     "embedded_decider.h": "engine_client/telemetry",
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",
+    "c_proxies.h": "engine_client/c_api",
 }
 PUBLIC_FOLDER = "engine_client/include/sweepstake"
 

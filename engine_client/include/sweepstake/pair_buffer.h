@@ -34,6 +34,8 @@ class PairBuffer {
   std::span<const OverlapPair> pairs() const { return {storage_.get(), size_}; }
   std::span<OverlapPair> pairs() { return {storage_.get(), size_}; }
   void Clear() { size_ = 0; }
+  // Keeps the first pairs. REQUIRES: size <= size().
+  void Truncate(size_t size) { size_ = size; }
   size_t capacity_bytes() const {
     return (capacity_ + (capacity_ ? kSlack : 0)) * sizeof(OverlapPair);
   }

@@ -1,0 +1,52 @@
+// A tree over one set of boxes that answers queries between changes: a kd order (kd_order.h), kept
+// while it serves, and bounds of 16 slots each (leaf_tree.h).
+//
+// Thread safety: const calls may run side by side; Update stands alone. Owns its memory. Units: the
+// boxes'. Cost: Update O(n), some 6 ns per box, and 75 ns more where the order is made anew: when
+// more than an eighth of the leaves have grown to twice what they were then. A query descends the
+// levels a register of nodes at a time. Memory: 50 bytes per box. Errors: std::bad_alloc from
+// Update, which must then be called again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine_client/broad_phase/aligned_buffer.h"
+#include "engine_client/broad_phase/kd_order.h"
+#include "engine_client/broad_phase/leaf_tree.h"
+#include "engine_client/broad_phase/soa_boxes.h"
+#include "engine_client/broad_phase/tree_walk.h"
+
+namespace sweepstake {
+
+class BoxTree {
+ public:
+  // Takes these boxes; box k has id k. Boxes that do not take part are never found.
+  void Update(std::span<const Aabb> boxes);
+
+  const TreeView& view() const { return view_; }
+
+  size_t native_bytes() const {
+    return splitter_.native_bytes() + order_.capacity_bytes() + sorted_.native_bytes() +
+           leaves_.native_bytes() + sorted_extents_.capacity_bytes();
+  }
+
+ private:
+  void Extend(size_t count);
+  void Sort(std::span<const Aabb> boxes);
+  void Refit(std::span<const Aabb> boxes);
+  bool IsWorn() const;
+  float ExtentOf(size_t leaf) const;
+
+  KdOrder splitter_;
+  AlignedBuffer<uint32_t> order_;
+  size_t ordered_count_ = 0;  // of order_
+  SoaBoxes sorted_;
+  LeafTree leaves_;
+  AlignedBuffer<float> sorted_extents_;  // of each leaf when the order was made
+  size_t sorted_leaf_count_ = 0;
+  TreeView view_;
+};
+
+}  // namespace sweepstake

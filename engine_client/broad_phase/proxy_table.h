@@ -1,0 +1,82 @@
+// The proxies of one kind, moving or static: what is known of each, by a place that does not move,
+// and who owned the place when.
+//
+// Not thread-safe. Owns its memory. Cost: O(1) per call unless its comment says more. Memory: 56
+// bytes per place. Errors: std::bad_alloc from Add, which then changes nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+
+class ProxyTable {
+ public:
+  static constexpr size_t kMaxPlaces = 0x7fffffff;
+
+  // The place of the new proxy: the one freed last, else a new one at the end.
+  uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user);
+
+  bool Holds(uint32_t place, uint32_t generation) const {
+    return place < generations_.size() && generations_[place] == generation && IsOdd(generation);
+  }
+
+  // REQUIRES of those that follow: `place` holds a proxy.
+  void Remove(uint32_t place);
+  void SetBox(uint32_t place, const Aabb& box) {
+    boxes_[place] = box;
+    changed_ = true;
+  }
+  void SetFilter(uint32_t place, const CollisionFilter& filter);
+  void SetUser(uint32_t place, uint64_t user) { users_[place] = user; }
+
+  uint64_t user(uint32_t place) const { return users_[place]; }
+  // 0 where the place is free, or is none.
+  uint32_t generation(uint32_t place) const {
+    return place < generations_.size() && IsOdd(generations_[place]) ? generations_[place] : 0;
+  }
+
+  // Of every place; a free one has a box that does not take part.
+  std::span<const Aabb> boxes() const { return boxes_; }
+  std::span<const CollisionFilter> filters() const { return filters_; }
+  size_t count() const { return boxes_.size() - free_.size(); }
+  // Whether every proxy has the default filter.
+  bool all_pass() const { return filtered_count_ == 0; }
+
+  // Whether a box has changed since MarkUnchanged.
+  bool changed() const { return changed_; }
+  void MarkUnchanged() { changed_ = false; }
+
+  // Owners now against those at the last MarkSeen. REQUIRES of HasNewOwner: the place was taken
+  // then and is taken now.
+  bool any_new_owner() const { return !new_owners_.empty(); }
+  bool HasNewOwner(uint32_t place) const { return seen_[place] != generations_[place]; }
+  uint32_t seen_generation(uint32_t place) const { return seen_[place]; }
+  // O(places with new owners).
+  void MarkSeen();
+
+  size_t native_bytes() const;
+
+ private:
+  // Generations count adds and removes: odd while the place is taken.
+  static bool IsOdd(uint32_t generation) { return (generation & 1) != 0; }
+
+  void EnsureRoomForOne();
+  uint32_t TakePlace();
+
+  std::vector<Aabb> boxes_;
+  std::vector<CollisionFilter> filters_;
+  std::vector<uint64_t> users_;
+  std::vector<uint32_t> generations_;
+  std::vector<uint32_t> seen_;
+  std::vector<uint32_t> free_;        // room for every place, so that Remove does not allocate
+  std::vector<uint32_t> new_owners_;  // each place once
+  size_t filtered_count_ = 0;
+  bool changed_ = false;
+};
+
+}  // namespace sweepstake

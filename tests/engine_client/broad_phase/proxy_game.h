@@ -1,0 +1,167 @@
+// A game in which proxies come, go, move, teleport, break and change their filters at random,
+// played on a ProxySet and on a list that is searched by the definitions alone.
+//
+// The same seed gives the same game. Not thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sweepstake/proxy_set.h"
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake::test_support {
+
+struct ListedProxy {
+  ProxyHandle handle;
+  Aabb box;
+  ProxyOptions options;
+};
+
+using ProxyPairs = std::set<ProxyPair>;
+
+inline ProxyPairs PairsByDefinition(std::span<const ListedProxy> listed) {
+  ProxyPairs pairs;
+  for (size_t i = 0; i < listed.size(); ++i) {
+    for (size_t k = i + 1; k < listed.size(); ++k) {
+      const ListedProxy& a = listed[i];
+      const ListedProxy& b = listed[k];
+      if (a.options.is_static && b.options.is_static) continue;
+      if (!Overlap(a.box, b.box) || !Passes(a.options.filter, b.options.filter)) continue;
+      pairs.insert({std::min(a.handle, b.handle), std::max(a.handle, b.handle)});
+    }
+  }
+  return pairs;
+}
+
+class ProxyGame {
+ public:
+  ProxyGame(const ProxySetOptions& options, uint64_t seed, float world = 8)
+      : proxies(options), random_(seed), world_(world) {}
+
+  void AddSome(size_t moving_count, size_t static_count) {
+    for (size_t k = 0; k < moving_count + static_count; ++k) Add(k >= moving_count);
+  }
+
+  // Changes between two frames.
+  void Step() {
+    for (size_t k = random_.Below(6); k > 0; --k) Add(random_.Below(3) == 0);
+    for (size_t k = random_.Below(4); k > 0 && !listed.empty(); --k) Remove();
+    for (ListedProxy& proxy : listed) {
+      const bool moves = proxy.options.is_static ? random_.Below(200) == 0 : random_.Below(4) != 0;
+      if (moves) MoveTo(proxy, Moved(proxy.box));
+    }
+    for (size_t k = random_.Below(3); k > 0 && !listed.empty(); --k) {
+      ListedProxy& proxy = listed[random_.Below(listed.size())];
+      proxy.options.filter = RandomFilter();
+      failed |= !proxies.SetFilter(proxy.handle, proxy.options.filter);
+    }
+  }
+
+  void Add(bool is_static) {
+    ListedProxy proxy;
+    proxy.box = RandomBox();
+    proxy.options = {RandomFilter(), is_static, random_.Next()};
+    proxy.handle = proxies.Add(proxy.box, proxy.options);
+    listed.push_back(proxy);
+  }
+
+  void Remove() {
+    const size_t place = random_.Below(listed.size());
+    failed |= !proxies.Remove(listed[place].handle);
+    gone.push_back(listed[place].handle);
+    listed[place] = listed.back();
+    listed.pop_back();
+  }
+
+  Aabb RandomBox() {
+    switch (random_.Below(60)) {
+      case 0:
+        return BrokenBox();
+      case 1:
+        return {{-1e30F, -1e30F, -1e30F}, {1e30F, 1e30F, 0}};
+      case 2:  // far away
+        return {{1e30F, 1e30F, 1e30F}, {1e30F, 2e30F, 3e30F}};
+      default:
+        return BoxAt(random_.Below(8) == 0 ? 0 : random_.Between(0.1F, 0.9F));
+    }
+  }
+
+  // Many share coordinates, so that faces touch.
+  Aabb BoxAt(float half_extent) {
+    Aabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      float center = random_.Between(0, world_);
+      if (random_.Below(2) == 0) center = static_cast<float>(static_cast<int>(center));
+      box.min[axis] = center - half_extent;
+      box.max[axis] = center + half_extent;
+    }
+    return box;
+  }
+
+  CollisionFilter RandomFilter() {
+    if (random_.Below(2) == 0) return {};
+    return {uint32_t{1} << random_.Below(3), static_cast<uint32_t>(random_.Below(8))};
+  }
+
+  Random& random() { return random_; }
+
+  ProxySet proxies;
+  std::vector<ListedProxy> listed;
+  std::vector<ProxyHandle> gone;
+  bool failed = false;  // a call refused a living handle
+
+ private:
+  Aabb BrokenBox() {
+    Aabb box = BoxAt(0.5F);
+    const size_t axis = random_.Below(3);
+    switch (random_.Below(3)) {
+      case 0:
+        box.min[axis] = std::numeric_limits<float>::quiet_NaN();
+        break;
+      case 1:
+        box.max[axis] = std::numeric_limits<float>::infinity();
+        break;
+      default:
+        std::swap(box.min[axis], box.max[axis]);
+    }
+    return box;
+  }
+
+  Aabb Moved(const Aabb& box) {
+    if (random_.Below(20) == 0) return RandomBox();
+    Aabb moved = box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float step = 0.1F * random_.Symmetric();
+      moved.min[axis] += step;
+      moved.max[axis] += step;
+    }
+    return moved;
+  }
+
+  void MoveTo(ListedProxy& proxy, const Aabb& box) {
+    proxy.box = box;
+    failed |= !proxies.Move(proxy.handle, box);
+  }
+
+  Random random_;
+  float world_;
+};
+
+// The pairs of Resolve as handles; `doubled` says whether one came twice or not as a < b.
+inline ProxyPairs AsHandles(const ProxySet& proxies, std::span<const OverlapPair> pairs,
+                            bool& doubled) {
+  ProxyPairs handles;
+  doubled = false;
+  for (const OverlapPair& pair : pairs) {
+    if (pair.a >= pair.b) doubled = true;
+    if (!handles.insert({proxies.handle(pair.a), proxies.handle(pair.b)}).second) doubled = true;
+  }
+  return handles;
+}
+
+}  // namespace sweepstake::test_support
