@@ -6,6 +6,7 @@
 #include <string>
 
 #include "engine_client/c_api/boxes.h"
+#include "engine_client/c_api/executor.h"
 
 using sweepstake::AdaptiveBroadPhase;
 using sweepstake::AdaptiveOptions;
@@ -29,7 +30,10 @@ swp_session_options DefaultOptions() {
           static_cast<swp_mode>(defaults.mode),
           kDefaultQueueFrames,
           defaults.bail_out_ns,
-          defaults.settling_ns};
+          defaults.settling_ns,
+          nullptr,
+          0,
+          0};
 }
 
 swp_result CheckArms(const swp_session_options& options) {
@@ -65,7 +69,11 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
 
 swp_result CreateSession(const swp_session_options& options, swp_session** session) {
   auto created = std::make_unique<swp_session>(options.queue_frames);
-  auto adaptive = AdaptiveBroadPhase::Create(ToAdaptiveOptions(options), &created->queue);
+  const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
+  if (wrong != SWP_OK) return wrong;
+  AdaptiveOptions chosen = ToAdaptiveOptions(options);
+  chosen.executor = created->executor.get();
+  auto adaptive = AdaptiveBroadPhase::Create(chosen, &created->queue);
   if (!adaptive.ok()) return ToResult(adaptive.status());
   created->adaptive = std::move(*adaptive);
   created->settling_ns = options.settling_ns;

@@ -25,7 +25,9 @@ struct swp_session {
   explicit swp_session(uint32_t queue_frames) : queue(queue_frames) {}
 
   sweepstake::SampleQueue queue;
-  std::unique_ptr<sweepstake::AdaptiveBroadPhase> adaptive;  // ends before the queue, its sink
+  std::unique_ptr<sweepstake::Executor> executor;
+  // Ends before the queue, its sink, and the executor.
+  std::unique_ptr<sweepstake::AdaptiveBroadPhase> adaptive;
   uint64_t settling_ns = 0;
 
   // Frame thread.

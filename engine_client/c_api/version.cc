@@ -75,6 +75,22 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_decider_options);
     case SWP_STRUCT_BELIEF:
       return sizeof(swp_belief);
+    case SWP_STRUCT_EXECUTOR:
+      return sizeof(swp_executor);
+    case SWP_STRUCT_WORLD_OPTIONS:
+      return sizeof(swp_world_options);
+    case SWP_STRUCT_PROXIES_OPTIONS:
+      return sizeof(swp_proxies_options);
+    case SWP_STRUCT_PROXY:
+      return sizeof(swp_proxy);
+    case SWP_STRUCT_PROXY_OPTIONS:
+      return sizeof(swp_proxy_options);
+    case SWP_STRUCT_PROXY_PAIR:
+      return sizeof(swp_proxy_pair);
+    case SWP_STRUCT_RAY:
+      return sizeof(swp_ray);
+    case SWP_STRUCT_RAY_HIT:
+      return sizeof(swp_ray_hit);
     default:
       return 0;
   }

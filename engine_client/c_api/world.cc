@@ -3,17 +3,22 @@
 
 #include "engine_client/c_api/boundary.h"
 #include "engine_client/c_api/boxes.h"
+#include "engine_client/c_api/executor.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
+#include "sweepstake/pair_sorter.h"
 
 using sweepstake::BroadPhase;
 using sweepstake::BroadPhaseNames;
 using sweepstake::PairBuffer;
+using sweepstake::PairSorter;
 using sweepstake::SteadyClock;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 struct swp_world {
+  std::unique_ptr<sweepstake::Executor> executor;  // outlives the backend
   std::unique_ptr<BroadPhase> backend;
+  std::unique_ptr<PairSorter> sorter;  // null: as the backend finds them
   PairBuffer pairs;
   bool built = false;
   bool searched = false;
@@ -42,9 +47,27 @@ void Search(swp_world& world) {
   world.built = false;
   const uint64_t start_ns = SteadyClock().NowNs();
   world.backend->FindPairs(world.pairs);
+  if (world.sorter) world.sorter->Sort(world.pairs.pairs());
   world.search_time_ns = SteadyClock().NowNs() - start_ns;
   world.built = true;
   world.searched = true;
+}
+
+swp_world_options DefaultOptions() { return {sizeof(swp_world_options), 0, nullptr, 0, 0}; }
+
+swp_result CreateWorld(const char* backend, const swp_world_options& options, swp_world** world) {
+  if (options.sorted_pairs > 1) {
+    return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1");
+  }
+  auto created = std::make_unique<swp_world>();
+  const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
+  if (wrong != SWP_OK) return wrong;
+  auto made = sweepstake::MakeBroadPhase(backend, {created->executor.get()});
+  if (!made.ok()) return ToResult(made.status());
+  created->backend = std::move(*made);
+  if (options.sorted_pairs != 0) created->sorter = std::make_unique<PairSorter>();
+  *world = created.release();
+  return SWP_OK;
 }
 
 }  // namespace
@@ -58,14 +81,22 @@ const char* swp_backend_name(uint32_t index) {
 }
 
 swp_result swp_world_create(const char* backend, swp_world** world) {
+  return swp_world_create_with(backend, nullptr, world);
+}
+
+swp_result swp_world_options_init(swp_world_options* options) {
+  if (options == nullptr) return NullArgument("options");
+  *options = DefaultOptions();
+  return SWP_OK;
+}
+
+swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
+                                 swp_world** world) {
   if (backend == nullptr || world == nullptr) return NullArgument("backend and world");
   return Guard([&] {
-    auto made = sweepstake::MakeBroadPhase(backend);
-    if (!made.ok()) return ToResult(made.status());
-    auto created = std::make_unique<swp_world>();
-    created->backend = std::move(*made);
-    *world = created.release();
-    return static_cast<swp_result>(SWP_OK);
+    const swp_result wrong = CheckStruct("swp_world_options", options);
+    if (wrong != SWP_OK) return wrong;
+    return CreateWorld(backend, options == nullptr ? DefaultOptions() : *options, world);
   });
 }
 

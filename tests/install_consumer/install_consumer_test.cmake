@@ -31,6 +31,7 @@ run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCM
   -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DWITH_TELEMETRY=${WITH_PROGRAMS})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/cxx_consumer)
+run(${WORK}/build/proxies_consumer)
 run(${WORK}/build/c_consumer)
 if(WITH_PROGRAMS)
   run(${WORK}/build/session_consumer)

@@ -2,14 +2,14 @@
  *
  * Threads: distinct objects are independent. A world and a scene belong to one thread at a time. A
  * session has a frame thread and, where wished, one other thread; each function below says whose it
- * is. Nothing calls back. Ownership: what a _create function returns is ended by the matching
- * _destroy, which takes NULL as free() does; using it afterwards is undefined. Memory that a
- * function hands out belongs to the library and is valid as long as its comment says. Units:
- * lengths in world units of the caller, times in nanoseconds, text in UTF-8 ending with NUL. Truth
- * values are uint32_t, 0 or 1. Errors: functions return a swp_result; other than SWP_OK,
- * swp_last_error() says what to do. NULL where a pointer is needed is SWP_INVALID_ARGUMENT. A
- * function that fails leaves its outputs as they were, unless its comment says more. No exception
- * leaves the library.
+ * is. Nothing calls back but parts of a search into an executor that was given. Ownership: what a
+ * _create function returns is ended by the matching _destroy, which takes NULL as free() does;
+ * using it afterwards is undefined. Memory that a function hands out belongs to the library and is
+ * valid as long as its comment says. Units: lengths in world units of the caller, times in
+ * nanoseconds, text in UTF-8 ending with NUL. Truth values are uint32_t, 0 or 1. Errors: functions
+ * return a swp_result; other than SWP_OK, swp_last_error() says what to do. NULL where a pointer is
+ * needed is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs as they were, unless its
+ * comment says more. No exception leaves the library.
  */
 #ifndef SWEEPSTAKE_C_API_H_
 #define SWEEPSTAKE_C_API_H_
@@ -33,7 +33,7 @@ extern "C" {
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
 /* Raised by every change that an already compiled caller could notice. */
-#define SWP_ABI_VERSION 1U
+#define SWP_ABI_VERSION 2U
 
 /* ---- results ---- */
 
@@ -41,7 +41,7 @@ typedef int32_t swp_result;
 enum {
   SWP_OK = 0,
   SWP_INVALID_ARGUMENT = 1,    /* a value of the caller is wrong */
-  SWP_NOT_FOUND = 2,           /* no such file or name */
+  SWP_NOT_FOUND = 2,           /* no such file, name or proxy */
   SWP_DATA_LOSS = 3,           /* a file exists and its content is broken */
   SWP_UNAVAILABLE = 4,         /* could not reach something; trying again may help */
   SWP_RESOURCE_EXHAUSTED = 5,  /* a buffer is too small, a bound was hit, or memory is out */
@@ -71,7 +71,15 @@ enum {
   SWP_STRUCT_SWITCH_COMMAND = 8,
   SWP_STRUCT_SWITCH_OUTCOME = 9,
   SWP_STRUCT_DECIDER_OPTIONS = 10,
-  SWP_STRUCT_BELIEF = 11
+  SWP_STRUCT_BELIEF = 11,
+  SWP_STRUCT_EXECUTOR = 12,
+  SWP_STRUCT_WORLD_OPTIONS = 13,
+  SWP_STRUCT_PROXIES_OPTIONS = 14,
+  SWP_STRUCT_PROXY = 15,
+  SWP_STRUCT_PROXY_OPTIONS = 16,
+  SWP_STRUCT_PROXY_PAIR = 17,
+  SWP_STRUCT_RAY = 18,
+  SWP_STRUCT_RAY_HIT = 19
 };
 
 /* Bytes of a struct below as the library has it, for bindings of other languages; 0 for an unknown
@@ -93,6 +101,27 @@ typedef struct swp_pair {
   uint32_t b;
 } swp_pair;
 
+/* ---- threads: large searches in parts ---- */
+
+/* One part of a search, for any thread of the caller. */
+typedef void (*swp_run_part)(void* job, uint64_t part);
+
+/* The caller's own job system. Copied by who takes it; what `user` points to must outlive that
+ * object. Filled by swp_executor_init, then run_parts is set. */
+typedef struct swp_executor {
+  uint32_t struct_size;  /* sizeof(swp_executor) */
+  uint32_t thread_count; /* that may run parts at the same time, the calling one included; 1 to 256
+                          */
+  /* Calls run_part(job, part) once for each part in [0, part_count), in any order and on any
+   * thread, and returns when all have returned. Called on the thread that is in a call of the
+   * library, which is why it should run parts itself. Nothing may leave it, run_part neither, but
+   * by returning. */
+  void (*run_parts)(void* user, uint64_t part_count, swp_run_part run_part, void* job);
+  void* user;
+} swp_executor;
+
+SWP_API swp_result swp_executor_init(swp_executor* executor);
+
 /* ---- worlds: one backend, driven by hand ---- */
 
 typedef struct swp_world swp_world;
@@ -112,6 +141,21 @@ SWP_API const char* swp_backend_name(uint32_t index);
 
 /* SWP_NOT_FOUND lists the backends. */
 SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
+
+/* Pairs do not depend on the threads, their order neither. */
+typedef struct swp_world_options {
+  uint32_t struct_size;  /* sizeof(swp_world_options) */
+  uint32_t thread_count; /* 0 or 1: the calling one alone; up to 256: with a pool of others */
+  const swp_executor* executor; /* instead of a pool; NULL: none */
+  uint32_t sorted_pairs;        /* 1: ascending, by a and then b, whatever the backend */
+  uint32_t reserved;            /* 0 */
+} swp_world_options;
+
+SWP_API swp_result swp_world_options_init(swp_world_options* options);
+/* `options` NULL takes the defaults, as swp_world_create does. SWP_RESOURCE_EXHAUSTED where the
+ * system has no more threads. */
+SWP_API swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
+                                         swp_world** world);
 SWP_API void swp_world_destroy(swp_world* world);
 
 /* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL where
@@ -211,6 +255,9 @@ typedef struct swp_session_options {
                             is dropped */
   uint64_t bail_out_ns;  /* a longer frame is a bail-out; > 0 */
   uint64_t settling_ns;  /* frames after a switch whose cost is measured as the switch's */
+  const swp_executor* executor; /* as in swp_world_options */
+  uint32_t thread_count;        /* as in swp_world_options */
+  uint32_t reserved;            /* 0 */
 } swp_session_options;
 
 /* What one frame cost. */
@@ -385,5 +432,8 @@ SWP_API swp_result swp_session_prior_source_count(const swp_session* session, ui
 #ifdef __cplusplus
 }
 #endif
+
+/* Objects by handle, filters, static objects, pair events and queries. */
+#include "sweepstake/c_proxies.h" /* IWYU pragma: export */
 
 #endif /* SWEEPSTAKE_C_API_H_ */

@@ -79,6 +79,126 @@ static void refuse_short_options(swp_session** session) {
   free(size);
 }
 
+static void run_nothing(void* user, uint64_t part_count, swp_run_part run_part, void* job) {
+  (void)user;
+  for (uint64_t part = 0; part < part_count; ++part) run_part(job, part);
+}
+
+static void check_executors(void) {
+  swp_executor executor;
+  swp_world_options options;
+  swp_world* world = NULL;
+  REFUSED(swp_executor_init(NULL));
+  REFUSED(swp_world_options_init(NULL));
+  REFUSED(swp_world_create_with("SAP", NULL, NULL));
+#define WITH(statement)                                      \
+  do {                                                       \
+    CHECK_OK(swp_executor_init(&executor));                  \
+    CHECK_OK(swp_world_options_init(&options));              \
+    executor.run_parts = run_nothing;                        \
+    options.executor = &executor;                            \
+    statement;                                               \
+    REFUSED(swp_world_create_with("SAP", &options, &world)); \
+  } while (0)
+  WITH(executor.run_parts = NULL);
+  WITH(executor.thread_count = 0);
+  WITH(executor.thread_count = 257);
+  WITH(executor.struct_size = 0);
+  WITH(options.struct_size = 0);
+  WITH(options.thread_count = 2);
+  WITH(options.thread_count = 257);
+  WITH(options.sorted_pairs = 2);
+#undef WITH
+  CHECK(world == NULL);
+}
+
+static void check_proxies_options(void) {
+  swp_proxies_options options;
+  swp_proxies* proxies = NULL;
+  REFUSED(swp_proxies_options_init(NULL));
+  REFUSED(swp_proxies_create(NULL, NULL));
+#define WITH(field, value)                           \
+  do {                                               \
+    CHECK_OK(swp_proxies_options_init(&options));    \
+    options.field = (value);                         \
+    REFUSED(swp_proxies_create(&options, &proxies)); \
+  } while (0)
+  WITH(struct_size, 0);
+  WITH(pair_events, 2);
+  WITH(sorted_pairs, 2);
+  WITH(thread_count, 257);
+#undef WITH
+  CHECK(proxies == NULL);
+}
+
+static void check_proxies_without_one(void) {
+  const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  const swp_aabb* boxes = NULL;
+  const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
+  const swp_filter filter = {1, 1};
+  swp_proxy proxy = {0, 1};
+  swp_ray_hit hit;
+  uint64_t count = 0;
+  uint32_t number = 0;
+  REFUSED(swp_proxies_add(NULL, &box, NULL, &proxy));
+  REFUSED(swp_proxies_remove(NULL, proxy));
+  REFUSED(swp_proxies_move(NULL, &proxy, &box, 1));
+  REFUSED(swp_proxies_set_filter(NULL, proxy, filter));
+  REFUSED(swp_proxies_set_user(NULL, proxy, 1));
+  REFUSED(swp_proxies_get(NULL, proxy, NULL, NULL));
+  REFUSED(swp_proxies_handle(NULL, 0, &proxy));
+  REFUSED(swp_proxies_counts(NULL, &number, &number, &count));
+  REFUSED(swp_proxies_moving_boxes(NULL, &boxes, &number));
+  REFUSED(swp_proxies_resolve(NULL, NULL, 0, NULL, 0, &count));
+  REFUSED(swp_proxies_copy_pairs(NULL, NULL, 0, &count));
+  REFUSED(swp_proxies_added(NULL, NULL, 0, &count));
+  REFUSED(swp_proxies_removed(NULL, NULL, 0, &count));
+  REFUSED(swp_proxies_query_box(NULL, &box, filter, NULL, 0, &count));
+  REFUSED(swp_proxies_cast_ray(NULL, &ray, filter, NULL, 0, &count));
+  REFUSED(swp_proxies_cast_ray_nearest(NULL, &ray, filter, &hit, &number));
+  swp_proxies_destroy(NULL);
+}
+
+static void check_proxies(void) {
+  const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  const swp_aabb* boxes = NULL;
+  const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
+  const swp_filter filter = {1, 1};
+  const swp_proxy_options half_static = {{1, 1}, 2, 0, 0};
+  const swp_pair wrong[4] = {{0, 1}, {0, 0}, {1, 0}, {0, 0x80000000U}};
+  swp_proxies* proxies = NULL;
+  swp_proxy proxy = {0, 1};
+  swp_ray_hit hit;
+  uint64_t count = 0;
+  uint32_t number = 0;
+  CHECK_OK(swp_proxies_create(NULL, &proxies));
+  REFUSED(swp_proxies_add(proxies, NULL, NULL, &proxy));
+  REFUSED(swp_proxies_add(proxies, &box, NULL, NULL));
+  REFUSED(swp_proxies_add(proxies, &box, &half_static, &proxy));
+  REFUSED(swp_proxies_move(proxies, NULL, &box, 1));
+  REFUSED(swp_proxies_move(proxies, &proxy, NULL, 1));
+  CHECK_OK(swp_proxies_move(proxies, NULL, NULL, 0));
+  REFUSED(swp_proxies_handle(proxies, 0, NULL));
+  CHECK_OK(swp_proxies_counts(proxies, NULL, NULL, NULL));
+  REFUSED(swp_proxies_moving_boxes(proxies, NULL, &number));
+  REFUSED(swp_proxies_moving_boxes(proxies, &boxes, NULL));
+  CHECK_OK(swp_proxies_add(proxies, &box, NULL, &proxy));
+  for (int i = 0; i < 4; ++i) REFUSED(swp_proxies_resolve(proxies, &wrong[i], 1, NULL, 0, &count));
+  REFUSED(swp_proxies_resolve(proxies, NULL, 1, NULL, 0, &count));
+  REFUSED(swp_proxies_resolve(proxies, NULL, 0, NULL, 1, &count));
+  REFUSED(swp_proxies_resolve(proxies, NULL, 0, NULL, 0, NULL));
+  REFUSED(swp_proxies_copy_pairs(proxies, NULL, 0, NULL));
+  REFUSED(swp_proxies_added(proxies, NULL, 1, &count));
+  REFUSED(swp_proxies_removed(proxies, NULL, 0, NULL));
+  REFUSED(swp_proxies_query_box(proxies, NULL, filter, NULL, 0, &count));
+  REFUSED(swp_proxies_query_box(proxies, &box, filter, NULL, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, NULL, filter, &hit, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, &ray, filter, NULL, 1, &count));
+  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, filter, NULL, &number));
+  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, filter, &hit, NULL));
+  swp_proxies_destroy(proxies);
+}
+
 static void check_session_options(void) {
   const char* twice[2] = {"SAP", "SAP"};
   const char* with_null[2] = {"SAP", NULL};
@@ -103,6 +223,7 @@ static void check_session_options(void) {
   WITH(queue_frames, 100);
   WITH(queue_frames, 1U << 21);
   WITH(bail_out_ns, 0);
+  WITH(thread_count, 257);
 #undef WITH
   refuse_short_options(&session);
   CHECK_OK(swp_session_options_init(&options));
@@ -205,6 +326,10 @@ void test_arguments(void) {
   REFUSED(swp_version(NULL, &number, &number));
   REFUSED(swp_decider_options_init(NULL));
   check_worlds();
+  check_executors();
+  check_proxies_options();
+  check_proxies_without_one();
+  check_proxies();
   check_scenes();
   check_session_options();
   check_sessions_without_one();

@@ -31,6 +31,8 @@ swp_scene* make_scene(const char* name, uint32_t object_count);
 void test_version(void);
 void test_worlds(void);
 void test_world_rules(void);
+void test_threads(void);
+void test_proxies(void);
 void test_scenes(void);
 void test_frames(void);
 void test_transport(void);

@@ -1,5 +1,5 @@
-# cmake -DNM=… -DLIBRARY=… -DHEADER=… -P exports_test.cmake: fails unless every exported symbol is a function of the C ABI,
-# and every function of the header is exported. For a DLL -DOBJDUMP=… in the place of NM.
+# cmake -DNM=… -DLIBRARY=… -DHEADERS=… -P exports_test.cmake: fails unless every exported symbol is a function of the C ABI,
+# and every function of the headers is exported. For a DLL -DOBJDUMP=… in the place of NM.
 cmake_minimum_required(VERSION 3.25)
 
 # Lines that end with the name of an exported symbol, each.
@@ -30,13 +30,17 @@ foreach(line IN LISTS lines)
   list(APPEND exported ${symbol})
 endforeach()
 
-file(READ ${HEADER} header)
-string(REGEX MATCHALL "SWP_API[^(]*swp_[a-z_]+\\(" declarations "${header}")
+set(declarations)
+foreach(name c_api.h c_proxies.h)
+  file(READ ${HEADERS}/${name} header)
+  string(REGEX MATCHALL "SWP_API[^(]*swp_[a-z_]+\\(" found "${header}")
+  list(APPEND declarations ${found})
+endforeach()
 foreach(declaration IN LISTS declarations)
   string(REGEX MATCH "swp_[a-z_]+\\($" name "${declaration}")
   string(REPLACE "(" "" name "${name}")
   if(NOT name IN_LIST exported)
-    message(SEND_ERROR "declared in the header, but not exported: ${name}")
+    message(SEND_ERROR "declared in a header, but not exported: ${name}")
   endif()
 endforeach()
 list(LENGTH declarations declared_count)

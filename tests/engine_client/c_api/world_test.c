@@ -25,6 +25,14 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_SWITCH_OUTCOME) == sizeof(swp_switch_outcome));
   CHECK(swp_struct_size(SWP_STRUCT_DECIDER_OPTIONS) == sizeof(swp_decider_options));
   CHECK(swp_struct_size(SWP_STRUCT_BELIEF) == sizeof(swp_belief));
+  CHECK(swp_struct_size(SWP_STRUCT_EXECUTOR) == sizeof(swp_executor));
+  CHECK(swp_struct_size(SWP_STRUCT_WORLD_OPTIONS) == sizeof(swp_world_options));
+  CHECK(swp_struct_size(SWP_STRUCT_PROXIES_OPTIONS) == sizeof(swp_proxies_options));
+  CHECK(swp_struct_size(SWP_STRUCT_PROXY) == sizeof(swp_proxy));
+  CHECK(swp_struct_size(SWP_STRUCT_PROXY_OPTIONS) == sizeof(swp_proxy_options));
+  CHECK(swp_struct_size(SWP_STRUCT_PROXY_PAIR) == sizeof(swp_proxy_pair));
+  CHECK(swp_struct_size(SWP_STRUCT_RAY) == sizeof(swp_ray));
+  CHECK(swp_struct_size(SWP_STRUCT_RAY_HIT) == sizeof(swp_ray_hit));
   CHECK(swp_struct_size(0) == 0 && swp_struct_size(999) == 0);
 }
 

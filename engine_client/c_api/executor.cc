@@ -1,0 +1,75 @@
+#include "engine_client/c_api/executor.h"
+
+#include <system_error>
+
+namespace sweepstake::c_api {
+namespace {
+
+constexpr uint32_t kMaxThreads = 256;
+
+// A part on its way back from the caller's thread.
+struct Job {
+  Executor::RunPart run_part;
+  void* context;
+};
+
+extern "C" {
+static void RunPartOfJob(void* job, uint64_t part) {
+  const auto& given = *static_cast<const Job*>(job);
+  given.run_part(given.context, static_cast<size_t>(part));
+}
+}
+
+class CallersExecutor final : public Executor {
+ public:
+  explicit CallersExecutor(const swp_executor& given) : given_(given) {}
+
+  size_t thread_count() const noexcept override { return given_.thread_count; }
+  void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
+    Job job{run_part, context};
+    given_.run_parts(given_.user, part_count, RunPartOfJob, &job);
+  }
+
+ private:
+  const swp_executor given_;
+};
+
+swp_result CheckExecutor(uint32_t thread_count, const swp_executor& given) {
+  if (const swp_result wrong = CheckStruct("swp_executor", &given); wrong != SWP_OK) return wrong;
+  if (thread_count > 1) {
+    return Fail(SWP_INVALID_ARGUMENT, "thread_count must be 0 or 1 where an executor is given");
+  }
+  if (given.thread_count < 1 || given.thread_count > kMaxThreads) {
+    return Fail(SWP_INVALID_ARGUMENT, "thread_count of swp_executor must be from 1 to 256");
+  }
+  return given.run_parts == nullptr ? NullArgument("run_parts") : SWP_OK;
+}
+
+}  // namespace
+
+swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
+                        std::unique_ptr<Executor>& executor) {
+  if (thread_count > kMaxThreads) {
+    return Fail(SWP_INVALID_ARGUMENT, "thread_count is over 256");
+  }
+  if (given != nullptr) {
+    const swp_result wrong = CheckExecutor(thread_count, *given);
+    if (wrong == SWP_OK) executor = std::make_unique<CallersExecutor>(*given);
+    return wrong;
+  }
+  if (thread_count <= 1) return SWP_OK;
+  try {
+    executor = MakeThreadPool(thread_count);
+    return SWP_OK;
+  } catch (const std::system_error&) {
+    return Fail(SWP_RESOURCE_EXHAUSTED, "the system has no more threads: ask for fewer");
+  }
+}
+
+}  // namespace sweepstake::c_api
+
+swp_result swp_executor_init(swp_executor* executor) {
+  if (executor == nullptr) return sweepstake::c_api::NullArgument("executor");
+  *executor = {sizeof(swp_executor), 1, nullptr, nullptr};
+  return SWP_OK;
+}
