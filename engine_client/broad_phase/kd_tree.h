@@ -1,14 +1,20 @@
-// KDTree: boxes in the order of recursive median splits, in leaves of one register, below an
-// implicit 16-wide tree.
+// KDTree: boxes in the order of recursive median splits, in leaves of sixteen, below an implicit
+// 16-wide tree.
 //
-// The order costs several times as much as finding the pairs in it, so it is kept while it is good:
-// each frame only the bounds of leaves and nodes are refitted. The boxes are split anew before an
-// Update when the checks made above those of the cheapest frame since the last split add up to 128
-// per object, about what a split costs: every 8 frames or so where everything moves, never where
-// everything rests.
+// The order costs twice as much as finding the pairs in it, so it is kept while it is good: each
+// frame only the bounds of leaves and nodes are refitted. A new split begins when the checks made
+// above those of the cheapest frame since the last one add up to 128 per box, about what a split
+// costs: every 30 frames or so in suite-b, never where everything rests. It is made beside the
+// searches of up to four frames, so that no frame costs twice the usual, and at once where a search
+// costs as much as a split. Where the leaves have grown to four times their volume since the last
+// split (everything has jumped), the boxes are split before the search.
 //
-// Kept between frames: the order. Cost: Build O(n log n); a frame O(n + leaves · log n +
-// candidates), and O(n log n) in frames that split. Memory: 55 bytes per object.
+// Boxes that are gone leave holes, new ones get leaves of their own behind the others; the next
+// split, due when they are a sixteenth of all, takes them in.
+//
+// Kept between frames: the order, and a split under way. Cost: Build O(n log n); a frame O(n +
+// leaves · log n + candidates + pairs). With an Executor gathering, refitting and the search run in
+// parts of 4096 and 1024 boxes, and a step of a split beside them.
 #pragma once
 
 #include <memory>

@@ -228,11 +228,37 @@ class BlockSearch {
 
   void Emit(size_t at, size_t count) {
     const Lanes16 d;
-    const uint32_t* const id = boxes_.id;
+    const hn::RebindToUnsigned<Lanes16> du;
+    const auto ids = hn::LoadU(du, boxes_.id + at);
     for (size_t k = 0; k < count; ++k) {
-      const auto hits = hn::LoadMaskBits(d, hit_lanes_ + k * kMaskBytes);
-      cursor_.Advance(StoreHits(d, hits, id[hit_slot_[k]], id + at, cursor_.Room(kWidth)));
+      const auto hits = hn::RebindMask(du, hn::LoadMaskBits(d, hit_lanes_ + k * kMaskBytes));
+      const auto others = hn::Compress(ids, hits);
+      const auto self = hn::Set(du, boxes_.id[hit_slot_[k]]);
+      const size_t hit_count = hn::CountTrue(du, hits);
+      StorePairs(du, hn::Min(self, others), hn::Max(self, others), hit_count, cursor_.Room(kWidth));
+      cursor_.Advance(hit_count);
     }
+  }
+
+  // The first `count` pairs, and up to a register more.
+  template <class D, class V>
+  static HWY_INLINE void StorePairs(D d, V first, V second, size_t count, OverlapPair* out) {
+#if HWY_TARGET == HWY_SCALAR
+    (void)count;
+    hn::StoreInterleaved2(first, second, d, &out->a);
+#else
+    // As words of 64 bits: seldom more than half the lanes have a pair.
+    const hn::Repartition<uint64_t, D> wide;
+    const hn::Half<D> half;
+    const auto low = hn::PromoteTo(wide, hn::LowerHalf(half, first));
+    const auto high = hn::PromoteTo(wide, hn::LowerHalf(half, second));
+    auto* const words = reinterpret_cast<uint64_t*>(out);
+    hn::StoreU(hn::Or(low, hn::ShiftLeft<32>(high)), wide, words);
+    if (HWY_LIKELY(count <= hn::Lanes(wide))) return;
+    const auto upper_low = hn::PromoteTo(wide, hn::UpperHalf(half, first));
+    const auto upper_high = hn::PromoteTo(wide, hn::UpperHalf(half, second));
+    hn::StoreU(hn::Or(upper_low, hn::ShiftLeft<32>(upper_high)), wide, words + hn::Lanes(wide));
+#endif
   }
 
   const BoxLanes boxes_;

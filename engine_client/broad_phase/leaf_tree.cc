@@ -36,9 +36,11 @@ HWY_INLINE float GreatestOf16(const float* values) {
   return hn::GetLane(hn::MaxOfLanes(d, greatest));
 }
 
-void BoundGroups(const float* const* min, const float* const* max, const LeafTree::Level& level) {
+// The nodes [begin, end) of a level, from what the level below holds.
+void BoundGroups(const float* const* min, const float* const* max, size_t begin, size_t end,
+                 const LeafTree::Level& level) {
   for (size_t axis = 0; axis < 3; ++axis) {
-    for (size_t node = 0; node < level.count; ++node) {
+    for (size_t node = begin; node < end; ++node) {
       level.min[axis][node] = LeastOf16(min[axis] + node * LeafTree::kWidth);
       level.max[axis][node] = GreatestOf16(max[axis] + node * LeafTree::kWidth);
     }
@@ -65,7 +67,7 @@ constexpr size_t PaddedColumn(size_t count) {
 
 }  // namespace
 
-void LeafTree::LayOutLevels(size_t box_count) {
+void LeafTree::LayOut(size_t box_count) {
   size_t floats = 0;
   level_count_ = 0;
   for (size_t count = Groups(box_count); count > 0; count = count == 1 ? 0 : Groups(count)) {
@@ -89,13 +91,21 @@ void LeafTree::LayOutLevels(size_t box_count) {
 }
 
 void LeafTree::Refit(const BoxLanes& lanes) {
-  LayOutLevels(lanes.count);
-  const float* const* min = lanes.min;
-  const float* const* max = lanes.max;
-  for (size_t index = 0; index < level_count_; ++index) {
-    HWY_DYNAMIC_DISPATCH(BoundGroups)(min, max, levels_[index]);
-    min = levels_[index].min;
-    max = levels_[index].max;
+  LayOut(lanes.count);
+  RefitLeaves(lanes, 0, leaf_count());
+  RefitNodes();
+}
+
+void LeafTree::RefitLeaves(const BoxLanes& lanes, size_t begin_leaf, size_t end_leaf) {
+  if (begin_leaf == end_leaf) return;
+  HWY_DYNAMIC_DISPATCH(BoundGroups)(lanes.min, lanes.max, begin_leaf, end_leaf, levels_[0]);
+}
+
+void LeafTree::RefitNodes() {
+  for (size_t index = 1; index < level_count_; ++index) {
+    const Level& below = levels_[index - 1];
+    HWY_DYNAMIC_DISPATCH(BoundGroups)
+    (below.min, below.max, 0, levels_[index].count, levels_[index]);
   }
 }
 

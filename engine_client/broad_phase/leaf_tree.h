@@ -36,6 +36,10 @@ class LeafTree {
   // Takes the bounds of these boxes. REQUIRES: the lanes stay as they are until the last FindPairs
   // on them.
   void Refit(const BoxLanes& lanes);
+  // The same in parts: LayOut, RefitLeaves for all leaves of `lanes`, any thread each, RefitNodes.
+  void LayOut(size_t box_count);
+  void RefitLeaves(const BoxLanes& lanes, size_t begin_leaf, size_t end_leaf);
+  void RefitNodes();
 
   // Appends every overlapping pair; returns the AABB checks. REQUIRES: `lanes` as in the latest
   // Refit.
@@ -43,17 +47,14 @@ class LeafTree {
   // The same in parts: those pairs whose earlier box is in the blocks [begin, end) of 256 boxes.
   // Any thread.
   uint64_t FindPairs(const BoxLanes& lanes, size_t begin, size_t end, PairBuffer& out) const;
-  size_t block_count() const {
-    return level_count_ == 0 ? 0 : (levels_[0].count + kWidth - 1) / kWidth;
-  }
+  size_t block_count() const { return (leaf_count() + kWidth - 1) / kWidth; }
 
+  size_t leaf_count() const { return level_count_ == 0 ? 0 : levels_[0].count; }
   size_t level_count() const { return level_count_; }
   const Level& level(size_t index) const { return levels_[index]; }
   size_t native_bytes() const { return bounds_.capacity_bytes(); }
 
  private:
-  void LayOutLevels(size_t box_count);
-
   AlignedBuffer<float> bounds_;
   std::array<Level, kMaxLevels> levels_{};
   size_t level_count_ = 0;
