@@ -1,80 +1,41 @@
 #include "engine_client/broad_phase/dbvt.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
+#include <numeric>
 #include <vector>
 
+#include "engine_client/broad_phase/dbvt_margins.h"
 #include "engine_client/broad_phase/dbvt_query.h"
 #include "engine_client/broad_phase/dbvt_tree.h"
-#include "engine_client/broad_phase/leaf_tree.h"
-#include "engine_client/broad_phase/soa_boxes.h"
+#include "engine_client/broad_phase/kd_order.h"
+#include "engine_client/broad_phase/parallel.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kLargest = std::numeric_limits<float>::max();
-
-// Margins as shares of the typical side, and in frames of motion.
-constexpr float kLeastMargin = 0.02F;
-constexpr float kMostMargin = 0.3F;
-constexpr float kMarginFrames = 4;
-// From this share of moved boxes on, one refit and one search for all is cheaper than reinsertions:
-// 0.9 us each against 60 ns per box at 10,000.
-constexpr size_t kBulkDivisor = 20;
-// Refitted moves per object after which the tree is split anew.
-constexpr size_t kMovesPerRebuild = 8;
-// A box that goes further than this many typical sides at once counts as kMovesPerRebuild moves:
-// its place in the tree is void.
-constexpr float kFarSides = 8;
-// Enough for a median that only scales a margin.
-constexpr size_t kSideSample = 512;
-
-constexpr PackedBox kAbsent = {{kInfinity, kInfinity, kInfinity, 0},
-                               {-kInfinity, -kInfinity, -kInfinity, 0}};
-
-PackedBox Pack(const Aabb& box) {
-  return {{box.min[0], box.min[1], box.min[2], 0}, {box.max[0], box.max[1], box.max[2], 0}};
-}
-
-bool IsInside(const Aabb& box, const DbvtNode& fat) {
-  bool inside = true;
-  for (int axis = 0; axis < 3; ++axis) {
-    inside &= box.min[axis] >= fat.min[axis];
-    inside &= box.max[axis] <= fat.max[axis];
-  }
-  return inside;
-}
-
-// May be infinite.
-float LongestSide(const Aabb& box) {
-  return std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
-}
-
-// Largest step on an axis; infinite when the box was absent.
-float Motion(const PackedBox& from, const Aabb& to) {
-  float motion = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    motion = std::max(motion, std::abs(to.min[axis] - from.min[axis]));
-  return motion;
-}
-
-Aabb Enlarged(const Aabb& box, float margin) {
-  Aabb fat = box;
-  for (int axis = 0; axis < 3; ++axis) {
-    fat.min[axis] = std::max(box.min[axis] - margin, -kLargest);
-    fat.max[axis] = std::min(box.max[axis] + margin, kLargest);
-  }
-  return fat;
-}
+// From this share of entries to put elsewhere on, the tree is built anew.
+constexpr size_t kMisplacedDivisor = 3;
+// The tree is built anew when the checks above those of the cheapest frame since add up to this
+// many per object: about what the order costs, so that neither costs more than twice the best.
+constexpr uint64_t kChecksPerSort = 128;
+// At rest: of the sampled objects at most this share goes further than a step a frame.
+constexpr size_t kRestlessDivisor = 32;
+// Candidates cost memory: no more pairs per object than this while they are kept.
+constexpr size_t kMostPairsPerObject = 16;
+// Calm frames before margins are taken. Twice as many each time that they held for less than
+// kShortRest frames.
+constexpr uint32_t kLeastPatience = 2;
+constexpr uint32_t kMostPatience = 256;
+constexpr uint32_t kShortRest = 32;
+// Lowest inner nodes to a part: some 1,500 objects.
+constexpr size_t kLeastGroups = 8;
 
 class Dbvt final : public BroadPhase {
  public:
-  explicit Dbvt(const BroadPhaseOptions& /*options*/) {}
+  explicit Dbvt(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "DBVT"; }
-  uint32_t version() const override { return 1; }
+  uint32_t version() const override { return 2; }
   void Build(std::span<const Aabb> boxes) override;
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;
@@ -82,193 +43,152 @@ class Dbvt final : public BroadPhase {
   size_t native_bytes() const override;
 
  private:
-  // A box that is no longer inside its leaf, or came or went.
-  struct Moved {
-    float margin;
-    bool takes_part;
-  };
+  void Sort(std::span<const Aabb> boxes);
+  void TakeCount(size_t count);
+  void Refit(std::span<const Aabb> boxes);
+  void CollectReturning(std::span<const Aabb> boxes);
+  void ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& motion);
+  void StopResting();
 
-  void MeasureTypicalSide(std::span<const Aabb> boxes);
-  float MarginFor(float motion) const;
-  void CollectMoved(std::span<const Aabb> boxes);
-  void Take(uint32_t object, const Aabb& box);
-  void MoveInBulk(std::span<const Aabb> boxes);
-  void MoveOneByOne(std::span<const Aabb> boxes);
-  void FindAllCandidates();
-  void DropCandidatesOfMoved();
-
+  Executor* executor_;
   DbvtTree tree_;
-  PairBuffer candidates_;
-  std::vector<PackedBox> exact_;
-  // The leaves once more, in the tree's order, for frames that look at them all.
-  std::vector<Aabb> fat_;
-  SoaBoxes leaves_;
-  LeafTree packed_;
-  std::vector<uint32_t> moved_;
-  std::vector<float> margins_;  // of moved_
-  std::vector<uint8_t> is_moved_;
-  std::vector<float> sides_;
-  float typical_side_ = 0;
-  size_t refitted_moves_ = 0;  // since the tree was split anew
-  size_t far_moves_ = 0;       // in the latest Update
+  DbvtMargins margins_;
+  KdOrder splitter_;
+  AlignedBuffer<uint32_t> order_;
+  // Objects whose boxes do not take part; not kept up to date while at rest.
+  std::vector<uint32_t> absent_;
+  std::vector<uint32_t> returning_;
+  PairParts parts_;
+  size_t pair_count_ = 0;  // found latest
+  bool is_at_rest_ = false;
+  uint64_t fewest_checks_ = 0;  // in a frame since the tree was built
+  uint64_t excess_checks_ = 0;  // above that, since then
+  uint32_t calm_frames_ = 0;
+  uint32_t resting_frames_ = 0;
+  uint32_t patience_ = kLeastPatience;
   uint64_t update_checks_ = 0;
   uint64_t pair_checks_ = 0;
 };
 
-// Median longest side of an even sample of the boxes that take part.
-void Dbvt::MeasureTypicalSide(std::span<const Aabb> boxes) {
-  sides_.clear();
-  const size_t stride = boxes.size() / kSideSample + 1;
-  for (size_t i = 0; i < boxes.size(); i += stride) {
-    if (TakesPart(boxes[i])) sides_.push_back(std::min(LongestSide(boxes[i]), kLargest));
-  }
-  if (sides_.empty()) {
-    typical_side_ = 0;
-    return;
-  }
-  const auto middle = sides_.begin() + static_cast<std::ptrdiff_t>(sides_.size() / 2);
-  std::nth_element(sides_.begin(), middle, sides_.end());
-  typical_side_ = *middle;
-}
-
-float Dbvt::MarginFor(float motion) const {
-  const float least = kLeastMargin * typical_side_;
-  const float most = kMostMargin * typical_side_;
-  if (motion > most) return least;
-  return std::clamp(kMarginFrames * motion, least, most);
-}
-
 void Dbvt::Build(std::span<const Aabb> boxes) {
-  tree_.Reset(boxes.size());
-  exact_.resize(boxes.size());
-  fat_.resize(boxes.size());
-  is_moved_.assign(boxes.size(), 0);
-  moved_.reserve(boxes.size());
-  margins_.reserve(boxes.size());
-  sides_.reserve(kSideSample + 1);
-  MeasureTypicalSide(boxes);
-  for (uint32_t i = 0; i < boxes.size(); ++i) {
-    exact_[i] = kAbsent;
-    if (!TakesPart(boxes[i])) continue;
-    exact_[i] = Pack(boxes[i]);
-    tree_.SetBox(i, Enlarged(boxes[i], MarginFor(0)));
-  }
-  tree_.Rebuild();
-  refitted_moves_ = 0;
+  Sort(boxes);
+  margins_.MeasureSide(boxes);
+  is_at_rest_ = false;
+  calm_frames_ = 0;
+  patience_ = kLeastPatience;
+  pair_count_ = 0;
   update_checks_ = 0;
   pair_checks_ = 0;
-  FindAllCandidates();
+}
+
+void Dbvt::Sort(std::span<const Aabb> boxes) {
+  order_.EnsureDiscarding(boxes.size());
+  const std::span<uint32_t> order{order_.data(), boxes.size()};
+  std::iota(order.begin(), order.end(), 0U);
+  splitter_.Sort(boxes, order);
+  // Those that do not take part are last.
+  size_t present = order.size();
+  while (present > 0 && !TakesPart(boxes[order[present - 1]])) --present;
+  tree_.Build(boxes, order.first(present), executor_);
+  absent_.assign(order.begin() + static_cast<std::ptrdiff_t>(present), order.end());
+  fewest_checks_ = std::numeric_limits<uint64_t>::max();
+  excess_checks_ = 0;
 }
 
 void Dbvt::Update(std::span<const Aabb> boxes) {
-  if (boxes.size() != exact_.size()) return Build(boxes);
+  const size_t old_count = tree_.object_count();
+  // Many at once are better sorted in than inserted one by one.
+  if (boxes.size() > old_count + old_count / 2) return Build(boxes);
   update_checks_ = 0;
   pair_checks_ = 0;
-  CollectMoved(boxes);
-  if (moved_.size() > boxes.size() / kBulkDivisor) {
-    MoveInBulk(boxes);
-  } else if (!moved_.empty()) {
-    MoveOneByOne(boxes);
+  if (is_at_rest_) {
+    ++resting_frames_;
+    if (margins_.Follow(boxes, tree_, executor_, update_checks_)) return;
+    StopResting();
   }
-  for (const uint32_t object : moved_) is_moved_[object] = 0;
+  TakeCount(boxes.size());
+  Refit(boxes);
 }
 
-void Dbvt::CollectMoved(std::span<const Aabb> boxes) {
-  moved_.clear();
-  margins_.clear();
-  far_moves_ = 0;
-  for (uint32_t i = 0; i < boxes.size(); ++i) Take(i, boxes[i]);
+// REQUIRES: not at rest.
+void Dbvt::TakeCount(size_t count) {
+  const size_t old_count = tree_.object_count();
+  if (count == old_count) return;
+  std::erase_if(absent_, [&](uint32_t object) { return object >= count; });
+  for (size_t object = count; object < old_count; ++object) {
+    if (tree_.Contains(static_cast<uint32_t>(object))) tree_.Remove(static_cast<uint32_t>(object));
+  }
+  tree_.Resize(count);
+  for (size_t object = old_count; object < count; ++object) {
+    absent_.push_back(static_cast<uint32_t>(object));
+  }
 }
 
-void Dbvt::Take(uint32_t object, const Aabb& box) {
-  PackedBox& exact = exact_[object];
-  const bool was_present = tree_.Contains(object);
-  if (!TakesPart(box)) {
-    exact = kAbsent;
-    if (!was_present) return;
+void Dbvt::Refit(std::span<const Aabb> boxes) {
+  if (excess_checks_ > kChecksPerSort * boxes.size()) return Sort(boxes);
+  CollectReturning(boxes);
+  const DbvtTree::Motion motion = tree_.Refit(boxes, margins_.Step(), executor_, absent_);
+  if (tree_.waiting_count() + returning_.size() > boxes.size() / kMisplacedDivisor) {
+    Sort(boxes);
   } else {
-    const float motion = Motion(exact, box);
-    if (typical_side_ > 0 && motion > kFarSides * typical_side_) ++far_moves_;
-    exact = Pack(box);
-    ++update_checks_;
-    if (was_present && IsInside(box, tree_.nodes()[object])) return;
-    margins_.push_back(MarginFor(motion));
-    moved_.push_back(object);
-    is_moved_[object] = 1;
-    return;
+    tree_.Settle();
+    for (const uint32_t object : returning_) tree_.Insert(object, boxes[object]);
   }
-  margins_.push_back(0);
-  moved_.push_back(object);
-  is_moved_[object] = 1;
+  ConsiderRest(boxes, motion);
 }
 
-void Dbvt::MoveInBulk(std::span<const Aabb> boxes) {
-  bool any_added = false;
-  for (size_t k = 0; k < moved_.size(); ++k) {
-    const uint32_t object = moved_[k];
-    if (!TakesPart(boxes[object])) {
-      tree_.Remove(object);
-      continue;
-    }
-    any_added |= !tree_.Contains(object);
-    tree_.SetBox(object, Enlarged(boxes[object], margins_[k]));
-  }
-  refitted_moves_ += moved_.size() + kMovesPerRebuild * far_moves_;
-  if (any_added || refitted_moves_ > kMovesPerRebuild * boxes.size()) {
-    MeasureTypicalSide(boxes);
-    tree_.Rebuild();
-    refitted_moves_ = 0;
-  } else {
-    tree_.Refit();
-  }
-  FindAllCandidates();
+void Dbvt::CollectReturning(std::span<const Aabb> boxes) {
+  returning_.clear();
+  std::erase_if(absent_, [&](uint32_t object) {
+    if (!TakesPart(boxes[object])) return false;
+    returning_.push_back(object);
+    return true;
+  });
 }
 
-void Dbvt::MoveOneByOne(std::span<const Aabb> boxes) {
-  for (size_t k = 0; k < moved_.size(); ++k) {
-    const uint32_t object = moved_[k];
-    const Aabb fat = Enlarged(boxes[object], margins_[k]);
-    if (!TakesPart(boxes[object])) {
-      tree_.Remove(object);
-    } else if (tree_.Contains(object)) {
-      tree_.Move(object, fat);
-    } else {
-      tree_.Insert(object, fat);
-    }
-  }
-  DropCandidatesOfMoved();
-  update_checks_ += FindLeafPairsOf(tree_, moved_, is_moved_.data(), candidates_);
+void Dbvt::ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& motion) {
+  const bool is_calm = motion.restless <= motion.sampled / kRestlessDivisor &&
+                       pair_count_ <= kMostPairsPerObject * boxes.size();
+  calm_frames_ = is_calm ? calm_frames_ + 1 : 0;
+  if (calm_frames_ < patience_) return;
+  margins_.MeasureSide(boxes);
+  margins_.Start(boxes, motion.mean, tree_, executor_);
+  is_at_rest_ = true;
+  resting_frames_ = 0;
 }
 
-// Sixteen leaves of the tree's order at a time: 5 to 10 times as fast as one by one from the root.
-void Dbvt::FindAllCandidates() {
-  for (const uint32_t leaf : tree_.order()) fat_[leaf] = tree_.box(leaf);
-  leaves_.Gather(fat_, tree_.order());
-  packed_.Refit(leaves_.Lanes());
-  candidates_.Clear();
-  update_checks_ += packed_.FindPairs(leaves_.Lanes(), candidates_);
-}
-
-void Dbvt::DropCandidatesOfMoved() {
-  const std::span<OverlapPair> candidates = candidates_.pairs();
-  size_t kept = 0;
-  for (const OverlapPair& pair : candidates) {
-    candidates[kept] = pair;
-    kept += (is_moved_[pair.a] | is_moved_[pair.b]) == 0 ? 1 : 0;
+void Dbvt::StopResting() {
+  is_at_rest_ = false;
+  calm_frames_ = 0;
+  patience_ =
+      resting_frames_ < kShortRest ? std::min(2 * patience_, kMostPatience) : kLeastPatience;
+  absent_.clear();
+  for (uint32_t object = 0; object < tree_.object_count(); ++object) {
+    if (!tree_.Contains(object)) absent_.push_back(object);
   }
-  candidates_.Clear();
-  candidates_.Advance(kept);
 }
 
 void Dbvt::FindPairs(PairBuffer& out) {
-  pair_checks_ = KeepOverlapping(candidates_.pairs(), exact_.data(), out);
+  const size_t before = out.size();
+  if (is_at_rest_) {
+    pair_checks_ = margins_.FindPairs(executor_, parts_, out);
+  } else {
+    const std::span<const uint32_t> groups = tree_.Groups();
+    pair_checks_ =
+        parts_.Run(executor_, groups.size(), kLeastGroups, 1, out,
+                   [&](size_t begin, size_t end, PairBuffer& pairs) {
+                     return FindGroupPairs(tree_, groups.subspan(begin, end - begin), pairs);
+                   });
+    fewest_checks_ = std::min(fewest_checks_, pair_checks_);
+    excess_checks_ += pair_checks_ - fewest_checks_;
+  }
+  pair_count_ = out.size() - before;
 }
 
 size_t Dbvt::native_bytes() const {
-  return tree_.native_bytes() + candidates_.capacity_bytes() +
-         exact_.capacity() * sizeof(PackedBox) + fat_.capacity() * sizeof(Aabb) +
-         leaves_.native_bytes() + packed_.native_bytes() + moved_.capacity() * sizeof(uint32_t) +
-         (margins_.capacity() + sides_.capacity()) * sizeof(float) + is_moved_.capacity();
+  return tree_.native_bytes() + margins_.native_bytes() + splitter_.native_bytes() +
+         order_.capacity_bytes() + parts_.native_bytes() +
+         (absent_.capacity() + returning_.capacity()) * sizeof(uint32_t);
 }
 
 }  // namespace

@@ -1,21 +1,20 @@
-// DBVT: a dynamic bounding volume tree with fattened leaves, kept between frames.
+// DBVT: a dynamic bounding volume tree with margins, sixteen wide and kept between frames.
 //
-// Every box sits in the tree enlarged by a margin, and the pairs of enlarged boxes that overlap
-// ("candidates") are kept as a list. A box that stays inside its enlarged one costs a comparison;
-// one that leaves it is reinserted near where it was and asked for its candidates anew. FindPairs
-// tests the exact boxes of the candidates, so the margin is never seen outside. Where more than a
-// twentieth of the boxes leave at once, the tree is refitted as a whole (after 8 such frames' worth
-// of moves split anew by medians) and all candidates are found afresh, sixteen leaves in the tree's
-// order at a time (leaf_tree.h).
+// While little moves, the tree holds every box enlarged by a margin, and the pairs of enlarged
+// boxes that overlap are kept: a frame costs what left its margins (dbvt_margins.h). While much
+// moves, the boxes of all objects are followed in place, every node has a margin by which it may
+// stretch, and what stretches it further is put where it fits better (dbvt_tree.h); pairs are found
+// leaf against tree, sixteen boxes at a time (dbvt_query.h). Which of the two it is follows from
+// what moved in the latest frames. Where moving has made the tree worse, it is built anew from the
+// order of recursive median splits (kd_order.h). Objects that come and go are inserted and removed;
+// only when a frame brings half as many again is the tree built anew.
 //
-// Margin: four frames of the box's own motion, at least 2 % and at most 30 % of the median longest
-// side of all boxes; a box that outruns the most in one frame gets the least, since no margin would
-// hold it.
+// Kept between frames: tree, and while little moves margins and candidate pairs, as long as there
+// are no more than 16 pairs per object.
 //
-// Kept between frames: tree, candidates, exact boxes. Cost: Build O(n log n + candidates); a frame
-// O(n) comparisons + O((log n + its candidates) per box that left) + O(candidates) exact tests. A
-// frame in which all move O(n log n + candidates). Memory: 205 bytes per object + 8 per candidate
-// (1 to 4 times the pairs).
+// Cost (one thread, suite-b at 10,000): 20 ns per object and frame where all move by a seventh of
+// their size, 5 ns where they move by a thousandth. Memory: 84 bytes per object; where little moves
+// 57 and 8 per candidate pair more.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,8 @@
-// Overlap queries on a DbvtTree: vector kernels chosen at run time once per call.
+// Searches in a DbvtTree: vector kernels chosen at run time once per call.
 //
-// Stateless; distinct outputs may be used by distinct threads. All append pairs of leaves, a < b,
-// in an order that depends on the tree alone, and return the number of AABB checks made: one per
-// node looked at or pair tested.
+// Stateless; distinct outputs may be used by distinct threads. All append pairs of objects, a < b,
+// in an order that depends on the tree alone, and return the AABB checks made: every lane of a
+// comparison is one.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,13 @@
 
 namespace sweepstake {
 
-// A box in two half registers; the fourth lanes are not looked at.
-struct alignas(32) PackedBox {
-  float min[4];
-  float max[4];
-};
+// The overlapping pairs of the leaves below these lowest inner nodes with themselves and all that
+// follow them in depth-first order. Over all of tree.Groups(): every overlapping pair once.
+uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out);
 
-// The overlapping pairs of boxes in the tree of which at least one is in `leaves`, once.
-// `is_listed` holds 1 for these leaves and 0 for the others.
-uint64_t FindLeafPairsOf(const DbvtTree& tree, std::span<const uint32_t> leaves,
-                         const uint8_t* is_listed, PairBuffer& out);
-
-// Appends those candidates whose exact boxes overlap.
-uint64_t KeepOverlapping(std::span<const OverlapPair> candidates, const PackedBox* boxes,
-                         PairBuffer& out);
+// The pairs of each listed object, whose box is fat[object], with the objects in the tree; of two
+// listed ones once. `is_listed` holds 1 for these objects and 0 for the others.
+uint64_t FindPairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
+                     const uint8_t* is_listed, PairBuffer& out);
 
 }  // namespace sweepstake

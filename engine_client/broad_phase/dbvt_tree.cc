@@ -4,327 +4,404 @@
 #include <array>
 #include <bit>
 #include <cassert>
-#include <limits>
+
+#include "engine_client/broad_phase/dbvt_refit.h"
+#include "engine_client/broad_phase/parallel.h"
 
 namespace sweepstake {
 namespace {
 
-// In double: the product of two extents of the largest floats is finite there.
-double SurfaceArea(const DbvtNode& box) {
-  const double x = static_cast<double>(box.max[0]) - box.min[0];
-  const double y = static_cast<double>(box.max[1]) - box.min[1];
-  const double z = static_cast<double>(box.max[2]) - box.min[2];
-  return x * y + y * z + z * x;
-}
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+// Leaves are full after Build and 11 of 16 full after a while of motion.
+constexpr size_t kObjectsPerNode = 9;
+// Of lowest inner nodes to a part: some 1,500 objects.
+constexpr size_t kLeastGroups = 10;
 
-DbvtNode Union(const DbvtNode& a, const DbvtNode& b) {
-  DbvtNode both = a;
-  for (int axis = 0; axis < 3; ++axis) {
-    both.min[axis] = std::min(a.min[axis], b.min[axis]);
-    both.max[axis] = std::max(a.max[axis], b.max[axis]);
+void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    node.min[axis][lane] = box.min[axis];
+    node.max[axis][lane] = box.max[axis];
   }
-  return both;
 }
 
-bool SameBox(const DbvtNode& a, const DbvtNode& b) {
-  return std::equal(a.min, a.min + 3, b.min) && std::equal(a.max, a.max + 3, b.max);
+Aabb BoxAt(const DbvtNode& node, uint32_t lane) {
+  return {{node.min[0][lane], node.min[1][lane], node.min[2][lane]},
+          {node.max[0][lane], node.max[1][lane], node.max[2][lane]}};
 }
 
-bool Covers(const DbvtNode& outer, const DbvtNode& inner) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (outer.min[axis] > inner.min[axis] || outer.max[axis] < inner.max[axis]) return false;
+bool Covers(const Aabb& outer, const Aabb& inner) {
+  bool covers = true;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    covers &= outer.min[axis] <= inner.min[axis] && outer.max[axis] >= inner.max[axis];
   }
-  return true;
+  return covers;
 }
 
-int WidestAxis(const float (&low)[3], const float (&high)[3]) {
-  int widest = 0;
-  for (int axis = 1; axis < 3; ++axis) {
-    // Halves: the difference of two finite floats need not be finite.
-    const float extent = high[axis] * 0.5F - low[axis] * 0.5F;
-    if (extent > high[widest] * 0.5F - low[widest] * 0.5F) widest = axis;
+float SumOfSides(const Aabb& box) {
+  return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
+}
+
+// How much a row of faces recedes when the outermost one goes, and whose that is. `sign` −1: the
+// highest face is the outermost.
+struct Outermost {
+  uint32_t lane;
+  float gain;
+};
+Outermost OutermostLane(const float* faces, uint32_t count, float sign) {
+  float least = kInfinity;
+  float second = kInfinity;
+  uint32_t lane = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    const float face = sign * faces[k];
+    second = std::min(second, std::max(face, least));
+    if (face < least) lane = k;
+    least = std::min(face, least);
   }
-  return widest;
+  return {lane, second - least};
+}
+
+// The lane without which the node shrinks most.
+uint32_t LaneToShed(const DbvtNode& node, uint32_t count) {
+  std::array<float, DbvtNode::kWidth> gains{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const Outermost low = OutermostLane(node.min[axis], count, 1);
+    const Outermost high = OutermostLane(node.max[axis], count, -1);
+    gains[low.lane] += low.gain;
+    gains[high.lane] += high.gain;
+  }
+  return static_cast<uint32_t>(std::max_element(gains.begin(), gains.begin() + count) -
+                               gains.begin());
 }
 
 }  // namespace
 
-uint32_t DbvtTree::MaxHeight(size_t leaf_count) {
-  return 2 * static_cast<uint32_t>(std::bit_width(leaf_count)) + 4;
-}
-
-void DbvtTree::Reset(size_t leaf_count) {
-  const size_t node_count = leaf_count == 0 ? 0 : 2 * leaf_count - 1;
-  leaf_count_ = leaf_count;
-  size_ = 0;
-  root_ = kNone;
-  free_ = kNone;
-  next_unused_ = static_cast<uint32_t>(leaf_count);
-  nodes_.resize(node_count);
-  parents_.assign(node_count, kNone);
-  heights_.assign(node_count, 0);
-  present_.assign(leaf_count, 0);
-  centers_.reserve(leaf_count);
-  order_.reserve(leaf_count);
-  inner_order_.reserve(leaf_count);
-}
-
-Aabb DbvtTree::box(uint32_t node) const {
-  const DbvtNode& from = nodes_[node];
-  return {{from.min[0], from.min[1], from.min[2]}, {from.max[0], from.max[1], from.max[2]}};
-}
-
-size_t DbvtTree::native_bytes() const {
-  return nodes_.capacity() * sizeof(DbvtNode) + parents_.capacity() * sizeof(uint32_t) +
-         heights_.capacity() * sizeof(uint32_t) + present_.capacity() +
-         centers_.capacity() * sizeof(Center) +
-         (order_.capacity() + inner_order_.capacity()) * sizeof(uint32_t);
-}
-
-uint32_t DbvtTree::AllocateNode() {
-  if (free_ == kNone) return next_unused_++;
-  const uint32_t node = free_;
-  free_ = nodes_[node].first;
+uint32_t DbvtTree::AllocateNode(uint32_t level) {
+  uint32_t node = free_;
+  if (node != kNone) {
+    free_ = links_[node].parent;
+  } else {
+    nodes_.EnsureKeeping(node_limit_ + 1, node_limit_);
+    links_.EnsureKeeping(node_limit_ + 1, node_limit_);
+    node = static_cast<uint32_t>(node_limit_++);
+  }
+  links_[node] = {kNone, 0, 0, static_cast<uint8_t>(level)};
+  DbvtNode& fresh = nodes_[node];
+  for (size_t axis = 0; axis < 3; ++axis) {
+    std::fill_n(fresh.min[axis], kWidth, kInfinity);
+    std::fill_n(fresh.max[axis], kWidth, -kInfinity);
+  }
+  std::fill_n(fresh.child, kWidth, 0U);
+  std::fill_n(fresh.reach, kWidth, kInfinity);
   return node;
 }
 
 void DbvtTree::FreeNode(uint32_t node) {
-  nodes_[node].first = free_;
+  links_[node].parent = free_;
   free_ = node;
 }
 
-void DbvtTree::SetBox(uint32_t leaf, const Aabb& box) {
-  DbvtNode& node = nodes_[leaf];
-  std::copy_n(box.min, 3, node.min);
-  std::copy_n(box.max, 3, node.max);
-  size_ += present_[leaf] == 0 ? 1 : 0;
-  present_[leaf] = 1;
-}
-
-void DbvtTree::Insert(uint32_t leaf, const Aabb& box) {
-  assert(!Contains(leaf));
-  SetBox(leaf, box);
-  Attach(leaf, root_);
-  BoundHeight();
-}
-
-void DbvtTree::Move(uint32_t leaf, const Aabb& box) {
-  assert(Contains(leaf));
-  const uint32_t near = Detach(leaf);
-  SetBox(leaf, box);
-  Attach(leaf, near == kNone ? root_ : LowestContaining(near, nodes_[leaf]));
-  BoundHeight();
-}
-
-void DbvtTree::Remove(uint32_t leaf) {
-  assert(Contains(leaf));
-  Detach(leaf);
-  present_[leaf] = 0;
-  --size_;
-  BoundHeight();
-}
-
-// Cost of a sibling: the area of the new parent, and what every ancestor grows by.
-uint32_t DbvtTree::ChooseSibling(const DbvtNode& box, uint32_t start) const {
-  uint32_t node = start;
-  while (!IsLeaf(node)) {
-    const double here = SurfaceArea(Union(nodes_[node], box));
-    const double inherited = here - SurfaceArea(nodes_[node]);
-    std::array<double, 2> below;
-    const std::array<uint32_t, 2> children = {nodes_[node].first, nodes_[node].second};
-    for (size_t i = 0; i < 2; ++i) {
-      const DbvtNode& child = nodes_[children[i]];
-      below[i] = SurfaceArea(Union(child, box)) + inherited;
-      if (!IsLeaf(children[i])) below[i] -= SurfaceArea(child);
-    }
-    if (here < below[0] && here < below[1]) break;
-    // Equal costs, as between coincident boxes: the lower side, or the tree becomes a list.
-    const bool second =
-        below[0] == below[1] ? heights_[children[1]] < heights_[children[0]] : below[1] < below[0];
-    node = children[second ? 1 : 0];
-  }
-  return node;
-}
-
-uint32_t DbvtTree::LowestContaining(uint32_t node, const DbvtNode& box) const {
-  while (parents_[node] != kNone && !Covers(nodes_[node], box)) node = parents_[node];
-  return node;
-}
-
-void DbvtTree::ReplaceChild(uint32_t parent, uint32_t old_child, uint32_t new_child) {
-  parents_[new_child] = parent;
-  if (parent == kNone) {
-    root_ = new_child;
-  } else if (nodes_[parent].first == old_child) {
-    nodes_[parent].first = new_child;
-  } else {
-    nodes_[parent].second = new_child;
-  }
-}
-
-void DbvtTree::Attach(uint32_t leaf, uint32_t start) {
-  if (root_ == kNone) {
-    root_ = leaf;
-    parents_[leaf] = kNone;
+void DbvtTree::LinkChild(uint32_t node, uint32_t lane, uint32_t child) {
+  nodes_[node].child[lane] = child;
+  nodes_[node].reach[lane] = kInfinity;
+  if (links_[node].level == 0) {
+    slots_[child] = node * kWidth + lane;
     return;
   }
-  const uint32_t sibling = ChooseSibling(nodes_[leaf], start);
-  const uint32_t joint = AllocateNode();
-  ReplaceChild(parents_[sibling], sibling, joint);
-  nodes_[joint].first = sibling;
-  nodes_[joint].second = leaf;
-  parents_[sibling] = joint;
-  parents_[leaf] = joint;
-  Pull(joint);
-  PullUpFrom(parents_[joint]);
+  links_[child].parent = node;
+  links_[child].lane = static_cast<uint8_t>(lane);
+  is_order_known_ = false;
 }
 
-// Returns a node near the place that the leaf left, kNone when no inner node is left there.
-uint32_t DbvtTree::Detach(uint32_t leaf) {
-  const uint32_t joint = parents_[leaf];
-  if (joint == kNone) {
-    root_ = kNone;
-    return kNone;
+void DbvtTree::SetLane(uint32_t node, uint32_t lane, const Entry& entry) {
+  SetBox(nodes_[node], lane, entry.box);
+  LinkChild(node, lane, entry.child);
+}
+
+DbvtTree::Entry DbvtTree::EntryAt(uint32_t node, uint32_t lane) const {
+  return {BoxAt(nodes_[node], lane), nodes_[node].child[lane], links_[node].level};
+}
+
+// The last lane takes its place.
+void DbvtTree::RemoveLane(uint32_t node, uint32_t lane) {
+  const uint32_t last = --links_[node].count;
+  const float reach = nodes_[node].reach[last];
+  if (lane != last) {
+    SetLane(node, lane, EntryAt(node, last));
+    nodes_[node].reach[lane] = reach;
   }
-  const uint32_t sibling = nodes_[joint].first == leaf ? nodes_[joint].second : nodes_[joint].first;
-  const uint32_t above = parents_[joint];
-  ReplaceChild(above, joint, sibling);
-  FreeNode(joint);
-  PullUpFrom(above);
-  return sibling;
+  SetBox(nodes_[node], last,
+         {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}});
+  is_order_known_ &= links_[node].level == 0;
 }
 
-// Box and height of an inner node from its children. Returns whether either changed.
-bool DbvtTree::Pull(uint32_t node) {
-  DbvtNode& at = nodes_[node];
-  DbvtNode joined = Union(nodes_[at.first], nodes_[at.second]);
-  joined.first = at.first;
-  joined.second = at.second;
-  const uint32_t height = 1 + std::max(heights_[at.first], heights_[at.second]);
-  const bool changed = height != heights_[node] || !SameBox(joined, at);
-  at = joined;
-  heights_[node] = height;
-  return changed;
+void DbvtTree::EvictLane(uint32_t node, uint32_t lane) {
+  waiting_.push_back(EntryAt(node, lane));
+  RemoveLane(node, lane);
 }
 
-// Where one child is higher by more than one, it takes the node's place and the node its lower
-// grandchild. Returns the node that now stands there.
-uint32_t DbvtTree::Rotate(uint32_t node) {
-  const uint32_t first = nodes_[node].first;
-  const uint32_t second = nodes_[node].second;
-  const uint32_t high = heights_[first] > heights_[second] ? first : second;
-  const uint32_t low = high == first ? second : first;
-  if (heights_[high] <= heights_[low] + 1) return node;
-
-  uint32_t stays = nodes_[high].first;
-  uint32_t moves = nodes_[high].second;
-  if (heights_[stays] < heights_[moves]) std::swap(stays, moves);
-  ReplaceChild(parents_[node], node, high);
-  ReplaceChild(node, high, moves);
-  nodes_[high].first = node;
-  nodes_[high].second = stays;
-  parents_[node] = high;
-  Pull(node);
-  Pull(high);
-  return high;
+// REQUIRES: not the root.
+void DbvtTree::Dissolve(uint32_t node) {
+  for (uint32_t lane = links_[node].count; lane-- > 0;) EvictLane(node, lane);
+  RemoveLane(links_[node].parent, links_[node].lane);
+  FreeNode(node);
 }
 
-void DbvtTree::PullUpFrom(uint32_t node) {
-  while (node != kNone) {
-    const bool changed = Pull(node);
-    const uint32_t top = Rotate(node);
-    if (!changed && top == node) return;
-    node = parents_[top];
+void DbvtTree::WriteBounds(uint32_t node) {
+  SetBox(nodes_[links_[node].parent], links_[node].lane, NodeBounds(nodes_[node]));
+}
+
+void DbvtTree::TightenUpFrom(uint32_t node) {
+  while (node != root_) {
+    const uint32_t parent = links_[node].parent;
+    links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
+    node = parent;
   }
 }
 
-void DbvtTree::BoundHeight() {
-  if (height() > MaxHeight(size_)) Rebuild();
-}
-
-void DbvtTree::CollectCenters() {
-  centers_.clear();
-  for (uint32_t leaf = 0; leaf < leaf_count_; ++leaf) {
-    if (!Contains(leaf)) continue;
-    const DbvtNode& box = nodes_[leaf];
-    Center center{{}, leaf};
-    for (int axis = 0; axis < 3; ++axis) {
-      center.at[axis] = box.min[axis] * 0.5F + box.max[axis] * 0.5F;
-    }
-    centers_.push_back(center);
-  }
-}
-
-// Orders the range around its median on its widest axis and returns the middle.
-uint32_t DbvtTree::SplitRange(const Range& range) {
-  float low[3] = {centers_[range.begin].at[0], centers_[range.begin].at[1],
-                  centers_[range.begin].at[2]};
-  float high[3] = {low[0], low[1], low[2]};
-  for (uint32_t i = range.begin + 1; i < range.end; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], centers_[i].at[axis]);
-      high[axis] = std::max(high[axis], centers_[i].at[axis]);
-    }
-  }
-  const int axis = WidestAxis(low, high);
-  const uint32_t middle = range.begin + (range.end - range.begin) / 2;
-  std::nth_element(centers_.begin() + range.begin, centers_.begin() + middle,
-                   centers_.begin() + range.end,
-                   [axis](const Center& a, const Center& b) { return a.at[axis] < b.at[axis]; });
-  return middle;
-}
-
-void DbvtTree::Rebuild() {
-  CollectCenters();
-  root_ = kNone;
+void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> order,
+                     Executor* executor) {
+  const size_t node_count = boxes.size() / kObjectsPerNode + 2 * kMaxLevels;
+  nodes_.EnsureDiscarding(node_count);
+  links_.EnsureDiscarding(node_count);
+  inner_.reserve(node_count / kLeastFill);
+  groups_.reserve(node_count / kLeastFill);
+  notes_.reserve(node_count / kLeastFill);
+  slots_.EnsureDiscarding(boxes.size());
+  std::fill_n(slots_.data(), boxes.size(), kNone);
+  object_count_ = boxes.size();
+  node_limit_ = 0;
   free_ = kNone;
-  next_unused_ = static_cast<uint32_t>(leaf_count_);
-  if (centers_.empty()) {
-    order_.clear();
-    return;
+  waiting_.clear();
+  is_order_known_ = false;
+
+  for (size_t k = 0; k < order.size(); ++k) AddToLast(0, order[k]);
+  size_t first = 0;
+  uint32_t level = 0;
+  do {
+    const size_t end = node_limit_;
+    AllocateNode(++level);
+    for (; first < end; ++first) AddToLast(level, static_cast<uint32_t>(first));
+  } while (node_limit_ - first > 1);
+  root_ = static_cast<uint32_t>(first);
+  TakeBoxes(boxes, executor);
+}
+
+// Of this level's nodes, the one allocated last, or one more.
+void DbvtTree::AddToLast(uint32_t level, uint32_t child) {
+  auto node = static_cast<uint32_t>(node_limit_ - 1);
+  if (node_limit_ == 0 || links_[node].count == kWidth) node = AllocateNode(level);
+  LinkChild(node, links_[node].count++, child);
+}
+
+void DbvtTree::Resize(size_t object_count) {
+  slots_.EnsureKeeping(object_count, std::min(object_count, object_count_));
+  for (size_t object = object_count_; object < object_count; ++object) slots_[object] = kNone;
+  object_count_ = object_count;
+}
+
+void DbvtTree::Insert(uint32_t object, const Aabb& box) {
+  assert(!Contains(object));
+  Attach({box, object, 0});
+}
+
+void DbvtTree::Remove(uint32_t object) {
+  assert(Contains(object));
+  const uint32_t leaf = slots_[object] / kWidth;
+  RemoveLane(leaf, slots_[object] % kWidth);
+  slots_[object] = kNone;
+  TightenUpFrom(leaf);
+  Settle();
+}
+
+void DbvtTree::Move(uint32_t object, const Aabb& box) {
+  const uint32_t leaf = slots_[object] / kWidth;
+  if (Covers(BoxAt(nodes_[links_[leaf].parent], links_[leaf].lane), box)) {
+    return SetBox(nodes_[leaf], slots_[object] % kWidth, box);
   }
-  std::array<Range, kStackSize> stack;
-  size_t waiting = 0;
-  stack[waiting++] = {0, static_cast<uint32_t>(centers_.size()), kNone, false};
-  while (waiting > 0) {
-    const Range range = stack[--waiting];
-    const bool is_leaf = range.end - range.begin == 1;
-    const uint32_t node = is_leaf ? centers_[range.begin].leaf : AllocateNode();
-    parents_[node] = range.parent;
-    if (range.parent == kNone)
-      root_ = node;
-    else
-      (range.is_second ? nodes_[range.parent].second : nodes_[range.parent].first) = node;
-    if (is_leaf) continue;
-    const uint32_t middle = SplitRange(range);
-    stack[waiting++] = {middle, range.end, node, true};
-    stack[waiting++] = {range.begin, middle, node, false};
+  Remove(object);
+  Insert(object, box);
+}
+
+void DbvtTree::Attach(const Entry& entry) {
+  if (links_[root_].count == 0) {
+    links_[root_].level = static_cast<uint8_t>(std::max(entry.level, 1U));
+    if (entry.level == 0) AddTo(root_, {entry.box, AllocateNode(0), 1});
   }
-  Refit();
+  AddTo(DescendWidening(nodes_.data(), links_.data(), root_, entry.level, entry.box), entry);
+}
+
+// REQUIRES: the boxes above cover the entry's.
+void DbvtTree::AddTo(uint32_t node, const Entry& entry) {
+  if (links_[node].count == kWidth) return Split(node, entry);
+  SetLane(node, links_[node].count++, entry);
+}
+
+// Two nodes for the entries of a full one and one more, parted at the median of the widest axis.
+void DbvtTree::Split(uint32_t node, const Entry& entry) {
+  std::array<Entry, kWidth + 1> entries;
+  for (uint32_t lane = 0; lane < kWidth; ++lane) entries[lane] = EntryAt(node, lane);
+  entries[kWidth] = entry;
+  // Of doubled centers, in double: the sum of two floats need not be finite.
+  const auto center = [](const Entry& of, int axis) {
+    return static_cast<double>(of.box.min[axis]) + of.box.max[axis];
+  };
+  int widest = 0;
+  double most = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::minmax_element(
+        entries.begin(), entries.end(),
+        [&](const Entry& a, const Entry& b) { return center(a, axis) < center(b, axis); });
+    const double extent = center(*high, axis) - center(*low, axis);
+    if (extent <= most) continue;
+    most = extent;
+    widest = axis;
+  }
+  std::nth_element(
+      entries.begin(), entries.begin() + kWidth / 2, entries.end(),
+      [&](const Entry& a, const Entry& b) { return center(a, widest) < center(b, widest); });
+
+  const uint32_t level = links_[node].level;
+  const uint32_t sibling = AllocateNode(level);
+  while (links_[node].count > 0) RemoveLane(node, links_[node].count - 1U);
+  for (size_t k = 0; k < entries.size(); ++k) {
+    const uint32_t half = k < kWidth / 2 ? node : sibling;
+    SetLane(half, links_[half].count++, entries[k]);
+  }
+  if (node == root_) {
+    root_ = AllocateNode(level + 1);
+    AddTo(root_, {NodeBounds(nodes_[node]), node, level + 1});
+  } else {
+    WriteBounds(node);
+  }
+  AddTo(links_[node].parent, {NodeBounds(nodes_[sibling]), sibling, level + 1});
+}
+
+void DbvtTree::Settle() {
+  // Subtrees before what goes into them.
+  for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
+    for (const Entry& entry : waiting_) {
+      if (entry.level == level) Attach(entry);
+    }
+  }
+  waiting_.clear();
+  while (links_[root_].level > 1 && links_[root_].count == 1) {
+    const uint32_t old_root = root_;
+    root_ = nodes_[old_root].child[0];
+    links_[root_].parent = kNone;
+    FreeNode(old_root);
+    is_order_known_ = false;
+  }
+}
+
+// Back within its reach, or dissolved.
+void DbvtTree::Shed(uint32_t node) {
+  const float reach = nodes_[links_[node].parent].reach[links_[node].lane];
+  while (links_[node].count >= kLeastFill) {
+    const Aabb bounds = NodeBounds(nodes_[node]);
+    if (!(SumOfSides(bounds) > reach)) {
+      SetBox(nodes_[links_[node].parent], links_[node].lane, bounds);
+      return;
+    }
+    EvictLane(node, LaneToShed(nodes_[node], links_[node].count));
+  }
+  Dissolve(node);
+}
+
+// From the highest lane down: a child that dissolves has its place taken by the last.
+void DbvtTree::ShedBelow(uint32_t node, uint32_t stretched) {
+  while (stretched != 0) {
+    const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;
+    stretched ^= 1U << lane;
+    Shed(nodes_[node].child[lane]);
+  }
+}
+
+void DbvtTree::RemoveBroken(uint32_t leaf, std::span<const Aabb> boxes,
+                            std::vector<uint32_t>& lost) {
+  for (uint32_t lane = links_[leaf].count; lane-- > 0;) {
+    const uint32_t object = nodes_[leaf].child[lane];
+    if (TakesPart(boxes[object])) continue;
+    slots_[object] = kNone;
+    lost.push_back(object);
+    RemoveLane(leaf, lane);
+  }
+}
+
+void DbvtTree::RefitGroups(std::span<const Aabb> boxes, float step, Executor* executor) {
+  CollectOrder();
+  notes_.resize(groups_.size());
+  const size_t part_count = PartCount(executor, groups_.size(), kLeastGroups);
+  RunParts(executor, part_count, [&](size_t part) {
+    const PartRange range = RangeOfPart(groups_.size(), part, part_count, 1);
+    for (size_t k = range.begin; k < range.end; ++k) {
+      notes_[k] = RefitGroup(nodes_.data(), links_.data(), groups_[k], boxes.data(), step);
+    }
+  });
+}
+
+void DbvtTree::TakeBoxes(std::span<const Aabb> boxes, Executor* executor) {
+  RefitGroups(boxes, 0, executor);
+  for (size_t k = inner_.size(); k-- > 0;) {
+    if (inner_[k] != root_) WriteBounds(inner_[k]);
+  }
+}
+
+DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Executor* executor,
+                                 std::vector<uint32_t>& lost) {
+  RefitGroups(boxes, step, executor);
+  Motion motion{0, 0, 0};
+  size_t group = groups_.size();
+  for (size_t k = inner_.size(); k-- > 0;) {
+    const uint32_t node = inner_[k];
+    if (links_[node].level > 1) {
+      ShedBelow(node, StretchedLanes(nodes_[node]));
+    } else {
+      const DbvtGroupNote& note = notes_[--group];
+      motion.sampled += links_[node].count;
+      motion.restless += note.restless;
+      motion.mean += note.motion;
+      for (uint32_t broken = note.broken; broken != 0; broken &= broken - 1) {
+        RemoveBroken(nodes_[node].child[std::countr_zero(broken)], boxes, lost);
+      }
+      ShedBelow(node, note.stretched | note.broken);
+    }
+    if (node != root_) links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
+  }
+  motion.mean /= static_cast<float>(std::max<size_t>(motion.sampled, 1));
+  return motion;
 }
 
 void DbvtTree::CollectOrder() {
-  order_.clear();
-  inner_order_.clear();
-  if (root_ == kNone) return;
-  std::array<uint32_t, kStackSize> stack;
+  if (is_order_known_) return;
+  inner_.clear();
+  groups_.clear();
+  std::array<uint32_t, kMaxLevels * kWidth> stack;
   size_t waiting = 0;
   stack[waiting++] = root_;
   while (waiting > 0) {
     const uint32_t node = stack[--waiting];
-    if (IsLeaf(node)) {
-      order_.push_back(node);
+    inner_.push_back(node);
+    if (links_[node].level == 1) {
+      groups_.push_back(node);
       continue;
     }
-    inner_order_.push_back(node);
-    stack[waiting++] = nodes_[node].second;
-    stack[waiting++] = nodes_[node].first;
+    for (uint32_t lane = links_[node].count; lane-- > 0;) {
+      stack[waiting++] = nodes_[node].child[lane];
+    }
   }
+  is_order_known_ = true;
 }
 
-void DbvtTree::Refit() {
+std::span<const uint32_t> DbvtTree::Groups() {
   CollectOrder();
-  for (auto node = inner_order_.rbegin(); node != inner_order_.rend(); ++node) Pull(*node);
+  return groups_;
+}
+
+size_t DbvtTree::native_bytes() const {
+  return nodes_.capacity_bytes() + links_.capacity_bytes() + slots_.capacity_bytes() +
+         waiting_.capacity() * sizeof(Entry) +
+         (inner_.capacity() + groups_.capacity()) * sizeof(uint32_t) +
+         notes_.capacity() * sizeof(DbvtGroupNote);
 }
 
 }  // namespace sweepstake

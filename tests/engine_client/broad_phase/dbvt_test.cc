@@ -1,7 +1,10 @@
-// What is DBVT's own: the tree stays a hierarchy and low, and cost follows motion.
+// What is DBVT's own: the tree stays a hierarchy, and cost follows motion.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,151 +32,257 @@ Aabb RandomBox(Random& random) {
   return box;
 }
 
-Aabb Joined(const Aabb& a, const Aabb& b) {
-  Aabb joined{};
-  for (int axis = 0; axis < 3; ++axis) {
-    joined.min[axis] = std::min(a.min[axis], b.min[axis]);
-    joined.max[axis] = std::max(a.max[axis], b.max[axis]);
-  }
-  return joined;
-}
+// The first thing that is wrong in a tree that ought to hold these objects with these boxes, empty
+// when nothing is.
+class TreeInspection {
+ public:
+  TreeInspection(const DbvtTree& tree, std::span<const Aabb> boxes) : tree_(tree), boxes_(boxes) {}
 
-// The first thing that is wrong below `node`, empty when nothing is; leaves met go to `leaves`.
-std::string FaultBelow(const DbvtTree& tree, uint32_t node, std::vector<uint32_t>& leaves) {
-  if (tree.IsLeaf(node)) {
-    leaves.push_back(node);
-    if (tree.height(node) != 0) return "a leaf has a height";
-    return tree.Contains(node) ? "" : "a leaf that was removed is linked";
-  }
-  const uint32_t children[2] = {tree.nodes()[node].first, tree.nodes()[node].second};
-  for (const uint32_t child : children) {
-    if (tree.parent(child) != node) return "a child has another parent";
-    std::string fault = FaultBelow(tree, child, leaves);
+  std::string Fault() {
+    if (tree_.links()[tree_.root()].level == 0) return "the root is a leaf";
+    if (tree_.links()[tree_.root()].parent != DbvtTree::kNone) return "the root has a parent";
+    std::string fault = FaultIn(tree_.root());
     if (!fault.empty()) return fault;
+    for (uint32_t object = 0; object < tree_.object_count(); ++object) {
+      if (tree_.Contains(object) != met_.contains(object)) return "an object is lost";
+    }
+    return "";
   }
-  if (!(tree.box(node) == Joined(tree.box(children[0]), tree.box(children[1])))) {
-    return "a box is not the union of its children's";
+  size_t size() const { return met_.size(); }
+  size_t leaf_count() const { return leaf_count_; }
+
+ private:
+  std::string FaultIn(uint32_t node) {
+    const DbvtLink link = tree_.links()[node];
+    leaf_count_ += link.level == 0 ? 1 : 0;
+    for (uint32_t lane = 0; lane < DbvtTree::kWidth; ++lane) {
+      std::string fault = lane >= link.count ? FaultInEmpty(node, lane)
+                          : link.level == 0  ? FaultInObject(node, lane)
+                                             : FaultInChild(node, lane);
+      if (!fault.empty()) return fault;
+    }
+    return "";
   }
-  const uint32_t below = std::max(tree.height(children[0]), tree.height(children[1]));
-  return tree.height(node) == below + 1 ? "" : "a height is wrong";
+
+  std::string FaultInEmpty(uint32_t node, uint32_t lane) const {
+    const Aabb box = BoxOf(node, lane);
+    return box.min[0] > box.max[0] ? "" : "a lane behind the last is not empty";
+  }
+
+  std::string FaultInObject(uint32_t node, uint32_t lane) {
+    const uint32_t object = tree_.nodes()[node].child[lane];
+    if (!met_.insert(object).second) return "an object is there twice";
+    return BoxOf(node, lane) == boxes_[object] ? "" : "an object has another box";
+  }
+
+  std::string FaultInChild(uint32_t node, uint32_t lane) {
+    const uint32_t child = tree_.nodes()[node].child[lane];
+    const DbvtLink link = tree_.links()[child];
+    if (link.parent != node || link.lane != lane) return "a child hangs elsewhere";
+    if (link.level + 1 != tree_.links()[node].level) return "leaves differ in depth";
+    if (link.count == 0) return "a node is empty";
+    const Aabb around = BoxOf(node, lane);
+    for (uint32_t k = 0; k < link.count; ++k) {
+      const Aabb inner = BoxOf(child, k);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (around.min[axis] > inner.min[axis] || around.max[axis] < inner.max[axis]) {
+          return "a box does not cover what is below";
+        }
+      }
+    }
+    return FaultIn(child);
+  }
+
+  Aabb BoxOf(uint32_t node, uint32_t lane) const {
+    const DbvtNode& at = tree_.nodes()[node];
+    return {{at.min[0][lane], at.min[1][lane], at.min[2][lane]},
+            {at.max[0][lane], at.max[1][lane], at.max[2][lane]}};
+  }
+
+  const DbvtTree& tree_;
+  std::span<const Aabb> boxes_;
+  std::set<uint32_t> met_;
+  size_t leaf_count_ = 0;
+};
+
+std::string FaultOf(const DbvtTree& tree, std::span<const Aabb> boxes) {
+  return TreeInspection(tree, boxes).Fault();
 }
 
-std::string FaultOf(const DbvtTree& tree) {
-  std::vector<uint32_t> leaves;
-  if (tree.root() == DbvtTree::kNone) return tree.size() == 0 ? "" : "a tree has lost its root";
-  if (tree.parent(tree.root()) != DbvtTree::kNone) return "the root has a parent";
-  std::string fault = FaultBelow(tree, tree.root(), leaves);
-  if (!fault.empty()) return fault;
-  std::sort(leaves.begin(), leaves.end());
-  if (std::adjacent_find(leaves.begin(), leaves.end()) != leaves.end()) return "a leaf is twice";
-  if (leaves.size() != tree.size()) return "leaves are missing";
-  return tree.height() <= DbvtTree::MaxHeight(tree.size()) ? "" : "the tree is too high";
+std::vector<Aabb> RandomBoxes(Random& random, size_t count) {
+  std::vector<Aabb> boxes(count);
+  for (Aabb& box : boxes) box = RandomBox(random);
+  return boxes;
 }
 
-TEST(DbvtTree, IsEmptyAfterReset) {
+std::vector<uint32_t> FirstNumbers(size_t count) {
+  std::vector<uint32_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0U);
+  return numbers;
+}
+
+std::vector<OverlapPair> AllPairs(DbvtTree& tree) {
+  PairBuffer pairs;
+  FindGroupPairs(tree, tree.Groups(), pairs);
+  return {pairs.pairs().begin(), pairs.pairs().end()};
+}
+
+TEST(DbvtTree, HoldsNothingWhenBuiltOfNothing) {
   DbvtTree tree;
-  tree.Reset(3);
-  EXPECT_EQ(tree.root(), DbvtTree::kNone);
-  EXPECT_EQ(tree.height(), 0U);
-  tree.Rebuild();
-  EXPECT_EQ(FaultOf(tree), "");
+  tree.Build({}, {});
+  EXPECT_EQ(FaultOf(tree, {}), "");
+  EXPECT_TRUE(AllPairs(tree).empty());
+  tree.Settle();
+  EXPECT_EQ(FaultOf(tree, {}), "");
+}
+
+TEST(DbvtTree, FillsItsLeavesWhenBuilt) {
+  Random random(1);
+  for (const size_t count : {1, 2, 16, 17, 255, 256, 257, 5000}) {
+    const std::vector<Aabb> boxes = RandomBoxes(random, count);
+    DbvtTree tree;
+    tree.Build(boxes, FirstNumbers(count));
+    TreeInspection inspection(tree, boxes);
+    EXPECT_EQ(inspection.Fault(), "") << count;
+    EXPECT_EQ(inspection.size(), count);
+    EXPECT_EQ(inspection.leaf_count(), (count + 15) / 16);
+  }
 }
 
 TEST(DbvtTree, StaysAHierarchyUnderRandomInsertionsMovesAndRemovals) {
   Random random(1);
+  std::vector<Aabb> boxes = RandomBoxes(random, 600);
   DbvtTree tree;
-  tree.Reset(200);
-  for (int step = 0; step < 5000; ++step) {
-    const auto leaf = static_cast<uint32_t>(random.Below(200));
-    if (!tree.Contains(leaf)) {
-      tree.Insert(leaf, RandomBox(random));
-    } else if (random.Below(3) == 0) {
-      tree.Remove(leaf);
+  tree.Build(boxes, FirstNumbers(200));
+  for (int step = 0; step < 6000; ++step) {
+    const auto object = static_cast<uint32_t>(random.Below(600));
+    if (!tree.Contains(object)) {
+      tree.Insert(object, boxes[object]);
+    } else if (random.Below(step < 4000 ? 3 : 1) == 0) {
+      tree.Remove(object);
     } else {
-      tree.Move(leaf, RandomBox(random));
+      boxes[object] = RandomBox(random);
+      tree.Move(object, boxes[object]);
     }
-    ASSERT_EQ(FaultOf(tree), "") << "after step " << step;
+    if (step % 16 == 0) {
+      ASSERT_EQ(FaultOf(tree, boxes), "") << "after step " << step;
+    }
   }
 }
 
-TEST(DbvtTree, StaysAHierarchyUnderBulkChanges) {
+TEST(DbvtTree, CanBeEmptiedAndFilledAgain) {
   Random random(2);
+  const std::vector<Aabb> boxes = RandomBoxes(random, 700);
   DbvtTree tree;
-  tree.Reset(300);
-  for (uint32_t leaf = 0; leaf < 250; ++leaf) tree.SetBox(leaf, RandomBox(random));
-  tree.Rebuild();
-  EXPECT_EQ(FaultOf(tree), "");
-  EXPECT_EQ(tree.height(), 8U) << "median splits of 250 leaves";
-  for (uint32_t leaf = 0; leaf < 250; ++leaf) tree.SetBox(leaf, RandomBox(random));
-  tree.Refit();
-  EXPECT_EQ(FaultOf(tree), "");
-  for (uint32_t leaf = 250; leaf < 300; ++leaf) tree.Insert(leaf, RandomBox(random));
-  EXPECT_EQ(FaultOf(tree), "");
-  EXPECT_EQ(tree.size(), 300U);
-}
-
-TEST(DbvtTree, StaysLowWhenAllBoxesCoincide) {
-  DbvtTree tree;
-  tree.Reset(4096);
-  const Aabb box{{1, 2, 3}, {4, 5, 6}};
-  for (uint32_t leaf = 0; leaf < 4096; ++leaf) tree.Insert(leaf, box);
-  EXPECT_EQ(FaultOf(tree), "");
-  EXPECT_LE(tree.height(), 18U) << "1.44 log2(n), as of a balanced tree";
-}
-
-TEST(DbvtTree, StaysLowWhenBoxesComeInARow) {
-  DbvtTree tree;
-  tree.Reset(4096);
-  for (uint32_t leaf = 0; leaf < 4096; ++leaf) {
-    const auto x = static_cast<float>(leaf);
-    tree.Insert(leaf, {{x, 0, 0}, {x + 0.5F, 0, 0}});
+  tree.Build(boxes, FirstNumbers(700));
+  for (int round = 0; round < 3; ++round) {
+    for (uint32_t object = 0; object < 700; ++object) tree.Remove(object);
+    ASSERT_EQ(FaultOf(tree, boxes), "");
+    for (uint32_t object = 0; object < 700; ++object) tree.Insert(object, boxes[object]);
+    ASSERT_EQ(FaultOf(tree, boxes), "");
+    EXPECT_EQ(AllPairs(tree).size(), ScalarPairs(boxes).size());
   }
-  EXPECT_EQ(FaultOf(tree), "");
-  EXPECT_LE(tree.height(), DbvtTree::MaxHeight(4096));
+}
+
+TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
+  BoxScene scene("brownian", 2000, 3);
+  std::vector<uint32_t> lost;
+  DbvtTree tree;
+  tree.Build(scene.boxes(), {});
+  for (uint32_t object = 0; object < 2000; ++object) tree.Insert(object, scene.boxes()[object]);
+  size_t moved_elsewhere = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    scene.Step();
+    tree.Refit(scene.boxes(), 0.1F, nullptr, lost);
+    moved_elsewhere += tree.waiting_count();
+    tree.Settle();
+    ASSERT_EQ(FaultOf(tree, scene.boxes()), "") << "in frame " << frame;
+    ASSERT_EQ(PairDifference(AllPairs(tree), ScalarPairs(scene.boxes())), "");
+  }
+  EXPECT_TRUE(lost.empty());
+  EXPECT_GT(moved_elsewhere, 0U);
+}
+
+TEST(DbvtTree, SaysHowMuchMoved) {
+  Random random(5);
+  std::vector<Aabb> boxes = RandomBoxes(random, 160);
+  std::vector<uint32_t> lost;
+  DbvtTree tree;
+  tree.Build(boxes, FirstNumbers(160));
+  for (Aabb& box : boxes) box.min[1] -= 0.5F;
+  const DbvtTree::Motion motion = tree.Refit(boxes, 1, nullptr, lost);
+  EXPECT_EQ(motion.sampled, 10U) << "one of each leaf";
+  EXPECT_EQ(motion.restless, 0U);
+  EXPECT_NEAR(motion.mean, 0.5F, 1e-5F);
+  for (Aabb& box : boxes) box.min[1] -= 2;
+  EXPECT_EQ(tree.Refit(boxes, 1, nullptr, lost).restless, 10U);
+}
+
+TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {
+  Random random(6);
+  std::vector<Aabb> boxes = RandomBoxes(random, 100);
+  std::vector<uint32_t> lost;
+  DbvtTree tree;
+  tree.Build(boxes, FirstNumbers(100));
+  for (size_t object = 0; object < 100; object += 3) boxes[object].max[2] = -1e9F;
+  tree.Refit(boxes, 1, nullptr, lost);
+  tree.Settle();
+  EXPECT_EQ(lost.size(), 34U);
+  EXPECT_EQ(FaultOf(tree, boxes), "");
+  EXPECT_FALSE(tree.Contains(99));
+  EXPECT_TRUE(tree.Contains(98));
+}
+
+TEST(DbvtTree, StaysAHierarchyWhenAllBoxesCoincideOrStandInARow) {
+  const Aabb box{{1, 2, 3}, {4, 5, 6}};
+  std::vector<Aabb> boxes(3000, box);
+  for (const float step : {0.0F, 1.0F}) {
+    for (size_t object = 0; object < boxes.size(); ++object) {
+      boxes[object].max[0] = 4 + step * static_cast<float>(object);
+    }
+    DbvtTree tree;
+    tree.Build(boxes, {});
+    for (uint32_t object = 0; object < 3000; ++object) tree.Insert(object, boxes[object]);
+    TreeInspection inspection(tree, boxes);
+    EXPECT_EQ(inspection.Fault(), "");
+    EXPECT_LE(inspection.leaf_count(), 3000U / 8) << "a split leaves eight in each half";
+  }
 }
 
 TEST(DbvtTree, TakesTheLargestFloats) {
   constexpr float kLargest = 3.4028235e38F;
-  DbvtTree tree;
-  tree.Reset(64);
-  for (uint32_t leaf = 0; leaf < 64; ++leaf) {
-    const float side = leaf % 2 == 0 ? kLargest : 1;
-    tree.Insert(leaf, {{-side, -side, -side}, {side, side, side}});
+  std::vector<Aabb> boxes;
+  for (int k = 0; k < 64; ++k) {
+    const float side = k % 2 == 0 ? kLargest : 1;
+    boxes.push_back({{-side, -side, -side}, {side, side, side}});
   }
-  EXPECT_EQ(FaultOf(tree), "");
-  tree.Rebuild();
-  EXPECT_EQ(FaultOf(tree), "");
+  std::vector<uint32_t> lost;
+  DbvtTree tree;
+  tree.Build(boxes, {});
+  for (uint32_t object = 0; object < 64; ++object) tree.Insert(object, boxes[object]);
+  EXPECT_EQ(FaultOf(tree, boxes), "");
+  tree.Refit(boxes, 1, nullptr, lost);
+  tree.Settle();
+  EXPECT_EQ(FaultOf(tree, boxes), "");
 }
 
-TEST(DbvtQuery, FindsThePairsOfSomeLeavesOnce) {
+TEST(DbvtQuery, FindsThePairsOfSomeObjectsOnce) {
   Random random(4);
-  std::vector<Aabb> boxes;
+  const std::vector<Aabb> boxes = RandomBoxes(random, 200);
   DbvtTree tree;
-  tree.Reset(200);
-  for (uint32_t leaf = 0; leaf < 200; ++leaf) {
-    boxes.push_back(RandomBox(random));
-    tree.Insert(leaf, boxes.back());
-  }
+  tree.Build(boxes, FirstNumbers(200));
   std::vector<uint32_t> listed;
   std::vector<uint8_t> is_listed(200, 0);
-  for (uint32_t leaf = 0; leaf < 200; leaf += 3) {
-    listed.push_back(leaf);
-    is_listed[leaf] = 1;
+  for (uint32_t object = 0; object < 200; object += 3) {
+    listed.push_back(object);
+    is_listed[object] = 1;
   }
   std::vector<OverlapPair> expected = ScalarPairs(boxes);
   std::erase_if(expected,
                 [](const OverlapPair& pair) { return pair.a % 3 != 0 && pair.b % 3 != 0; });
   PairBuffer pairs;
-  FindLeafPairsOf(tree, listed, is_listed.data(), pairs);
+  FindPairsOf(tree, listed, boxes.data(), is_listed.data(), pairs);
   EXPECT_EQ(PairDifference(pairs.pairs(), expected), "");
-}
-
-uint64_t ChecksOfFrame(BroadPhase& backend, BoxScene& scene) {
-  PairBuffer pairs;
-  scene.Step();
-  backend.Update(scene.boxes());
-  backend.FindPairs(pairs);
-  return backend.aabb_check_count();
 }
 
 TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
@@ -181,26 +290,60 @@ TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
   BoxScene scene("brownian", 1000, 8);
   PairBuffer pairs;
   backend->Build(scene.boxes());
-  backend->Update(scene.boxes());
-  backend->FindPairs(pairs);
+  for (int frame = 0; frame < 4; ++frame) {
+    pairs.Clear();
+    backend->Update(scene.boxes());
+    backend->FindPairs(pairs);
+  }
   // One comparison with each enlarged box, and the candidates: few more than the pairs.
   EXPECT_LE(backend->aabb_check_count(), 1000 + 2 * pairs.size());
 }
 
-TEST(Dbvt, CostsLessTheLessMoves) {
-  const auto moving = MakeOrThrow("DBVT");
-  const auto resting = MakeOrThrow("DBVT");
-  BoxScene much("brownian", 2000, 8);
-  BoxScene little("nearly-resting", 2000, 8);
-  moving->Build(much.boxes());
-  resting->Build(little.boxes());
-  uint64_t much_checks = 0;
-  uint64_t little_checks = 0;
-  for (int frame = 0; frame < 20; ++frame) {
-    much_checks += ChecksOfFrame(*moving, much);
-    little_checks += ChecksOfFrame(*resting, little);
+// Of 3,000 boxes each `stride`-th moves.
+uint64_t ChecksWhenSomeMove(size_t stride) {
+  const auto backend = MakeOrThrow("DBVT");
+  Random random(3);
+  const BoxScene scene("brownian", 3000, 8);
+  std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
+  backend->Build(boxes);
+  PairBuffer pairs;
+  for (int frame = 0; frame < 30; ++frame) {
+    for (size_t object = 0; object < boxes.size(); object += stride) {
+      const float step = random.Between(-0.1F, 0.1F);
+      boxes[object].min[0] += step;
+      boxes[object].max[0] += step;
+    }
+    backend->Update(boxes);
+    const std::string verdict = Verdict(*backend, boxes, pairs);
+    EXPECT_EQ(verdict, "") << "in frame " << frame;
   }
-  EXPECT_LT(little_checks * 3, much_checks);
+  return backend->aabb_check_count();
+}
+
+TEST(Dbvt, CostsLessTheLessMoves) {
+  const uint64_t all = ChecksWhenSomeMove(1);
+  const uint64_t some = ChecksWhenSomeMove(100);
+  EXPECT_LT(some * 8, all);
+  EXPECT_LE(ChecksWhenSomeMove(3000), some);
+}
+
+TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
+  const auto backend = MakeOrThrow("DBVT");
+  BoxScene lively("brownian", 400, 8);
+  BoxScene broken("broken-boxes", 400, 8);
+  backend->Build(lively.boxes());
+  PairBuffer pairs;
+  std::vector<Aabb> boxes;
+  for (int frame = 0; frame < 200; ++frame) {
+    if (frame % 20 < 5) lively.Step();
+    if (frame % 50 == 30) broken.Step();
+    boxes.assign(lively.boxes().begin(), lively.boxes().end());
+    // Objects that come and go, and some that break, while the others rest.
+    if (frame % 50 > 30) std::copy_n(broken.boxes().begin(), 10, boxes.begin());
+    boxes.resize(400 - static_cast<size_t>(frame % 7));
+    backend->Update(boxes);
+    ASSERT_EQ(Verdict(*backend, boxes, pairs), "") << "in frame " << frame;
+  }
 }
 
 TEST(Dbvt, ShowsNothingOfItsMargins) {
