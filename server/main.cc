@@ -111,7 +111,8 @@ int CheckConfig(const std::string& file) {
 }
 
 std::string UnknownFlag(const std::string& flag) {
-  std::vector<std::string> known = {"--config", "--print-config", "--help", "check-config"};
+  std::vector<std::string> known = {"--config", "--print-config", "--help", "--version",
+                                    "check-config"};
   for (const auto& setting : sweepstake::server::DescribeSettings()) known.push_back(setting.flag);
   return "unknown argument " + flag + "; did you mean " +
          sweepstake::server::NearestName(flag, known) + "?";
@@ -154,6 +155,7 @@ int main(int argc, char** argv) {
       "The decision daemon of Sweepstake: learns which broad phase suits a scene, and tells "
       "clients.",
       "sweepstaked");
+  app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   CommandLine line;
   AddOptions(app, line);
   try {

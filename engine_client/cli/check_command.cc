@@ -100,7 +100,11 @@ Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64
   const uint64_t first = rows.size() / arms.size() * (frames + 1);
   auto verdicts = CheckScene(**scene, backends, frames,
                              [&](uint64_t done) { progress.Show(first + done, label); });
-  for (ArmVerdict& verdict : verdicts) rows.push_back({choice, std::move(verdict)});
+  if (!verdicts.ok()) {
+    return {verdicts.status().code(),
+            label + ": " + verdicts.status().message() + "; take fewer objects"};
+  }
+  for (ArmVerdict& verdict : *verdicts) rows.push_back({choice, std::move(verdict)});
   return {};
 }
 
@@ -138,7 +142,9 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake check --scene all --arms DBVT,KDTree\n"
       "  sweepstake check --scene degenerate --objects 300    empty, coincident, ±1e30, NaN, …\n"
       "  sweepstake check --scene mixtures --seed 7           ten mixtures, seeds 7 to 16\n"
-      "Exit code 1 when an arm differs; the first differing frame and pairs are shown.\n" +
+      "Exit code 1 when an arm differs; the first differing frame and pairs are shown. A frame "
+      "with\n"
+      "more than 20,000,000 pairs is not checked: exit code 2.\n" +
           SceneHelp(),
       exit_code,
       [](CLI::App& command, CheckOptions& options) {
@@ -153,7 +159,9 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--frames", options.frames, "Steps after the first frame")
             ->check(WholeUpTo(1'000'000))
             ->capture_default_str();
-        command.add_option("--seed", options.seed, "Seed of the scenes")->capture_default_str();
+        command.add_option("--seed", options.seed, "Seed of the scenes")
+            ->check(NotNegative())
+            ->capture_default_str();
         command.add_option("--arms", options.arms, "all, or names of backends")
             ->delimiter(',')
             ->capture_default_str();

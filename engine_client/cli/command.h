@@ -15,6 +15,14 @@ namespace sweepstake::cli {
 // Whole numbers from 0: the parser wraps "-1" around to the largest there is.
 inline CLI::Validator WholeUpTo(uint64_t most) { return CLI::Range(uint64_t{0}, most); }
 
+// For numbers of which all are good: the parser would wrap a negative one around.
+inline CLI::Validator NotNegative() {
+  return {[](const std::string& text) {
+            return text.starts_with('-') ? text + " is negative" : std::string();
+          },
+          "UINT64"};
+}
+
 // Adds `name` with its `examples` (whole lines) at the end of the help; `run` is called with the
 // options that `declare` filled.
 template <typename Options>

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+#include <string>
 
 namespace sweepstake::cli {
 
-std::span<const OverlapPair> PairOracle::Find(std::span<const Aabb> boxes) {
+bool PairOracle::Sweep(size_t most_pairs, std::span<const Aabb> boxes) {
   pairs_.clear();
   order_.clear();
   for (uint32_t i = 0; i < boxes.size(); ++i) {
@@ -16,13 +18,25 @@ std::span<const OverlapPair> PairOracle::Find(std::span<const Aabb> boxes) {
   for (auto first = order_.begin(); first != order_.end(); ++first) {
     for (auto second = first + 1; second != order_.end(); ++second) {
       if (boxes[*second].min[0] > boxes[*first].max[0]) break;
-      if (Overlap(boxes[*first], boxes[*second])) {
-        pairs_.push_back({std::min(*first, *second), std::max(*first, *second)});
-      }
+      if (!Overlap(boxes[*first], boxes[*second])) continue;
+      if (pairs_.size() == most_pairs) return false;
+      pairs_.push_back({std::min(*first, *second), std::max(*first, *second)});
     }
   }
   std::sort(pairs_.begin(), pairs_.end());
+  return true;
+}
+
+std::span<const OverlapPair> PairOracle::Find(std::span<const Aabb> boxes) {
+  Sweep(std::numeric_limits<size_t>::max(), boxes);
   return pairs_;
+}
+
+Result<std::span<const OverlapPair>> PairOracle::FindUpTo(size_t most_pairs,
+                                                          std::span<const Aabb> boxes) {
+  if (Sweep(most_pairs, boxes)) return std::span<const OverlapPair>(pairs_);
+  return Status(StatusCode::kResourceExhausted,
+                "more than " + std::to_string(most_pairs) + " pairs overlap");
 }
 
 PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right) {

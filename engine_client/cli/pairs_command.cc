@@ -72,6 +72,7 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--objects", options.scene.object_count, "Object count, but for a file")
             ->capture_default_str();
         command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
+            ->check(NotNegative())
             ->capture_default_str();
         command.add_option("--frame", options.frame, "Frame to show")
             ->check(WholeUpTo(1'000'000))

@@ -86,6 +86,7 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
             ->check(WholeUpTo(2'147'483'647))
             ->required();
         command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
+            ->check(NotNegative())
             ->capture_default_str();
         command.add_option("--out", options.out, "File to write")->required();
         command.add_flag("--json", options.json, "One JSON document on stdout");

@@ -122,9 +122,10 @@ std::string StateText(const SessionStats& stats) {
 // The frame loop and what it tells while it runs.
 class Player {
  public:
-  Player(GameRun& run, const Session& session, FrameLog& log, Terminal& terminal,
-         uint64_t duration_ns, bool json)
-      : run_(run),
+  Player(const RunSetup& setup, GameRun& run, const Session& session, FrameLog& log,
+         Terminal& terminal, uint64_t duration_ns, bool json)
+      : setup_(setup),
+        run_(run),
         session_(session),
         log_(log),
         terminal_(terminal),
@@ -133,27 +134,31 @@ class Player {
         progress_(terminal, "run", duration_ns / 1'000'000) {}
 
   void Play() {
-    while (run_.elapsed_ns() < duration_ns_ && !StopRequested()) {
+    while (run_.elapsed_ns() < duration_ns_ && !StopRequested() && refusal_.empty()) {
       if (run_.Frame()) SaySwitch();
       log_.Write(run_.adaptive().last_sample(), run_.adaptive());
-      if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) SayPriors();
+      if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) LookForAnswer();
       if (progress_.due()) ShowProgress();
     }
   }
 
   // After the session has stopped: a short run may have its answer only by then.
   void End() {
-    if (!priors_said_) SayPriors();
+    if (!priors_said_) LookForAnswer();
   }
+
+  // Not empty: the daemon takes no session like this one, and why.
+  const std::string& refusal() const { return refusal_; }
 
  private:
   // Before the decider has answered there is nothing to say.
-  void SayPriors() {
+  void LookForAnswer() {
     constexpr uint64_t kLookIntervalNs = 50'000'000;
     next_look_ns_ = run_.elapsed_ns() + kLookIntervalNs;
     const SessionStats stats = session_.stats();
+    if (stats.connection_count == 0) refusal_ = stats.refusal;
     if (stats.state != ConnectionState::kEmbedded && stats.connection_count == 0) return;
-    Say(PriorsText(stats));
+    Say(PriorsText(setup_, stats));
     priors_said_ = true;
   }
 
@@ -185,6 +190,7 @@ class Player {
     }
   }
 
+  const RunSetup& setup_;
   GameRun& run_;
   const Session& session_;
   FrameLog& log_;
@@ -196,6 +202,7 @@ class Player {
   uint64_t shown_frames_ = 0;  // when the progress was shown last, and then
   uint64_t shown_ns_ = 0;
   bool priors_said_ = false;
+  std::string refusal_;
 };
 
 int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
@@ -235,9 +242,14 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!duration_ns.ok()) return Fail(terminal, duration_ns.status());
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
-  RunSetup setup{options.scene, options.mode, options.embedded ? "embedded" : options.daemon};
+  RunSetup setup{options.scene, options.mode, options.embedded ? "embedded" : options.daemon, "",
+                 ""};
   setup.scene.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
-  auto session = MakeSession(options, SceneKey(options, setup.scene.object_count));
+  const std::string scene_key = SceneKey(options, setup.scene.object_count);
+  if (!options.ignore_priors) setup.priors_file = options.priors;
+  setup.priors_key =
+      "project " + options.project + ", scene " + scene_key + ", machines " + options.machine_class;
+  auto session = MakeSession(options, scene_key);
   if (!session.ok()) return Fail(terminal, session.status());
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
@@ -249,10 +261,15 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();
-  Player player(**run, **session, *log, terminal, *duration_ns, options.json);
+  Player player(setup, **run, **session, *log, terminal, *duration_ns, options.json);
   player.Play();
   (*session)->Stop(kStopDeadlineMs);
   player.End();
+  if (!player.refusal().empty()) {
+    return Fail(terminal, Status(StatusCode::kInvalidArgument,
+                                 "the daemon at " + options.daemon +
+                                     " refuses the session: " + player.refusal()));
+  }
   return Report(options, setup, **run, (*session)->stats(), *log, terminal);
 }
 
@@ -261,6 +278,7 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--objects", options.scene.object_count, "Object count")
       ->capture_default_str();
   command.add_option("--seed", options.scene.seed, "Seed of the scene and of the decisions")
+      ->check(NotNegative())
       ->capture_default_str();
   command.add_option("--mode", options.mode, "ai: the decider chooses; manual: --arm stays")
       ->check(CLI::IsMember({"ai", "manual"}))
@@ -297,7 +315,9 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --time-scale 4\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
       "Frames are not paced: a frame takes as long as its work. Ctrl-C ends with the report.\n"
-      "Exit code 3 when the daemon was never reached; the run goes on without it.",
+      "Exit code 3 when the daemon was never reached; the run goes on without it. Exit code 2 when "
+      "it\n"
+      "refuses what was asked for, as a policy that it does not know.",
       exit_code, Declare,
       [&terminal](const RunOptions& options) { return RunRun(options, terminal); });
 }

@@ -148,7 +148,11 @@ Status WritePosteriors(const GameRun& run, const SessionStats& stats,
 
 }  // namespace
 
-std::string PriorsText(const SessionStats& stats) {
+std::string PriorsText(const RunSetup& setup, const SessionStats& stats) {
+  if (stats.prior_source_count == 0 && !setup.priors_file.empty()) {
+    return setup.priors_file + " has no priors of these backends for " + setup.priors_key +
+           ": every arm starts from Beta(1,1)";
+  }
   if (stats.prior_source_count == 0) return "no priors yet: every arm starts from Beta(1,1)";
   return "starts from priors of " + std::to_string(stats.prior_source_count) +
          (stats.prior_source_count == 1 ? " earlier session" : " earlier sessions");
@@ -183,7 +187,7 @@ void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStat
                     std::ostream& out) {
   const double active_s = Seconds(ActiveNs(run));
   out << "\nPosteriors learnt in " << setup.scene.name << " with " << setup.scene.object_count
-      << " objects (" << PriorsText(stats) << ")\n";
+      << " objects (" << PriorsText(setup, stats) << ")\n";
   PrintArms(run, stats, out);
   if (stats.beliefs.empty()) out << "Nothing was learnt yet: these are Beta(1,1)\n";
   out << run.frame_count() << " frames in " << Fixed(active_s, 1) << " s, "

@@ -17,11 +17,13 @@ namespace sweepstake::cli {
 struct RunSetup {
   SceneChoice scene;
   std::string mode;
-  std::string decider;  // HOST:PORT, or "embedded"
+  std::string decider;      // HOST:PORT, or "embedded"
+  std::string priors_file;  // empty: none
+  std::string priors_key;   // what priors were looked for under, in words
 };
 
-// "starts from priors of 3 earlier sessions", or that there are none.
-std::string PriorsText(const SessionStats& stats);
+// "starts from priors of 3 earlier sessions", or that there are none, and where there are none.
+std::string PriorsText(const RunSetup& setup, const SessionStats& stats);
 // "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive);
 // The posterior means, best first, with alpha + beta: "KDTree 0.81 (n 24) · Grid 0.73 (6)". Empty

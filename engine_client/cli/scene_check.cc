@@ -1,5 +1,6 @@
 #include "engine_client/cli/scene_check.h"
 
+#include <string>
 #include <utility>
 
 namespace sweepstake::cli {
@@ -34,9 +35,11 @@ void Judge(Candidate& candidate, uint64_t frame, std::span<const OverlapPair> ri
 
 }  // namespace
 
-std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr<BroadPhase>> arms,
-                                   uint64_t step_count,
-                                   const std::function<void(uint64_t)>& on_frame) {
+Result<std::vector<ArmVerdict>> CheckScene(Scene& scene,
+                                           std::span<const std::unique_ptr<BroadPhase>> arms,
+                                           uint64_t step_count,
+                                           const std::function<void(uint64_t)>& on_frame,
+                                           size_t most_pairs) {
   std::vector<Candidate> candidates;
   candidates.reserve(arms.size());
   for (const auto& arm : arms)
@@ -45,11 +48,16 @@ std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr
   for (uint64_t frame = 0; frame <= step_count; ++frame) {
     if (frame > 0) scene.Step();
     const std::span<const Aabb> boxes = scene.aabbs();
-    const std::span<const OverlapPair> right = oracle.Find(boxes);
+    const auto right = oracle.FindUpTo(most_pairs, boxes);
+    if (!right.ok()) {
+      return Status(right.status().code(),
+                    "frame " + std::to_string(frame) +
+                        " is too crowded to check: " + right.status().message());
+    }
     for (Candidate& candidate : candidates) {
       if (candidate.verdict.first_difference) continue;
       Take(candidate.backend, boxes, frame == 0);
-      Judge(candidate, frame, right);
+      Judge(candidate, frame, *right);
     }
     on_frame(frame + 1);
   }

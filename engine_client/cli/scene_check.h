@@ -13,6 +13,7 @@
 #include "engine_client/cli/pair_oracle.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/scene.h"
+#include "sweepstake/status.h"
 
 namespace sweepstake::cli {
 
@@ -28,10 +29,17 @@ struct ArmVerdict {
   std::optional<FirstDifference> first_difference;  // absent: the arm passed
 };
 
+// A frame may have so many pairs: the oracle and every arm hold 8 bytes and, while their buffers
+// grow, up to 24 for each, which is 2 to 4 GB for all arms.
+inline constexpr size_t kMostCheckedPairs = 20'000'000;
+
 // Checks the scene's present frame and `step_count` further ones. An arm that differed is left out
-// of what follows. `on_frame` hears the number of frames done.
-std::vector<ArmVerdict> CheckScene(Scene& scene, std::span<const std::unique_ptr<BroadPhase>> arms,
-                                   uint64_t step_count,
-                                   const std::function<void(uint64_t)>& on_frame);
+// of what follows. `on_frame` hears the number of frames done. kResourceExhausted: a frame has more
+// than `most_pairs`, of which no arm hears.
+Result<std::vector<ArmVerdict>> CheckScene(Scene& scene,
+                                           std::span<const std::unique_ptr<BroadPhase>> arms,
+                                           uint64_t step_count,
+                                           const std::function<void(uint64_t)>& on_frame,
+                                           size_t most_pairs = kMostCheckedPairs);
 
 }  // namespace sweepstake::cli

@@ -159,6 +159,7 @@ class DaemonSession final : public Session {
   std::string next_address_;
   uint64_t next_attempt_ns_ = 0;
   std::string last_error_;
+  std::string refusal_;
   std::vector<ArmBelief> beliefs_;
   uint64_t command_count_ = 0;
   uint64_t prior_source_count_ = 0;
@@ -272,6 +273,7 @@ void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   state_->OnWelcome(welcome);
   link_->online_since_ns = now_ns;
   last_error_.clear();
+  refusal_.clear();
   prior_source_count_ = welcome.prior_source_count();
   intake_->SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors());
@@ -334,6 +336,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
     next_address_ = link.redirect->address();
   }
   const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
+  const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT;
+  refusal_ = refused ? status.error_message() : "";
   if (!asked_for) last_error_ = Describe(status, link.address, delay_ms);
 }
 
@@ -379,6 +383,7 @@ void DaemonSession::Publish() {
                  : state_->online() ? ConnectionState::kOnline
                                     : ConnectionState::kConnecting;
   stats_.last_error = last_error_;
+  stats_.refusal = refusal_;
   stats_.session_id = state_->session_id();
   stats_.sent_frame_count = counts.sent_frame_count;
   stats_.dropped_frame_count = counts.discarded_frame_count;

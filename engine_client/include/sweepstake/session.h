@@ -32,6 +32,9 @@ enum class ConnectionState : uint32_t {
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
   std::string last_error;  // empty: none; what went wrong last and what to do
+  // The daemon's own words when it refused at the latest attempt what was asked for, as a policy
+  // that it does not know: trying again does not mend that. Empty: it did not.
+  std::string refusal;
   std::string session_id;  // empty before the first welcome
   uint64_t sent_frame_count = 0;
   uint64_t dropped_frame_count = 0;  // by the full queue

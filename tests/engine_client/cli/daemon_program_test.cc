@@ -65,6 +65,23 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
   }
 }
 
+TEST(DaemonProgram, VersionIsThatOfTheCommandLine) {
+  const ProgramRun run = RunDaemonProgram("--version");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.out, RunProgram("--version").out);
+}
+
+TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithTwoAndItsWords) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  const ProgramRun run =
+      RunProgram("run --scene suite-b --objects 100 --policy coin --duration 10m --daemon " +
+                 daemon.address());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("refuses the session: policy coin is unknown; there are: "));
+  EXPECT_EQ(run.out, "");
+}
+
 TEST(DaemonProgram, ARunLearnsOverTheStreamAndTheNextOneStartsFromItsPriors) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());

@@ -20,19 +20,24 @@ std::string TakeFile(const std::string& path) {
   return text.str();
 }
 
-}  // namespace
-
-ProgramRun RunProgram(const std::string& arguments) {
+ProgramRun Run(const std::string& program, const std::string& arguments) {
   const std::string out = TemporaryPath("stdout");
   const std::string err = TemporaryPath("stderr");
-  const std::string line =
-      std::string(SWEEPSTAKE_PROGRAM) + " " + arguments + " >'" + out + "' 2>'" + err + "'";
+  const std::string line = program + " " + arguments + " >'" + out + "' 2>'" + err + "'";
   const int status = std::system(line.c_str());
   ProgramRun run;
   if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
   run.out = TakeFile(out);
   run.err = TakeFile(err);
   return run;
+}
+
+}  // namespace
+
+ProgramRun RunProgram(const std::string& arguments) { return Run(SWEEPSTAKE_PROGRAM, arguments); }
+
+ProgramRun RunDaemonProgram(const std::string& arguments) {
+  return Run(SWEEPSTAKED_PATH, arguments);
 }
 
 std::string TemporaryPath(const std::string& name) {

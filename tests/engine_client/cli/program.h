@@ -14,6 +14,9 @@ struct ProgramRun {
 // `arguments` is a line for the shell.
 ProgramRun RunProgram(const std::string& arguments);
 
+// The same with `sweepstaked`.
+ProgramRun RunDaemonProgram(const std::string& arguments);
+
 // A path for a file of this test process that no other one uses.
 std::string TemporaryPath(const std::string& name);
 

@@ -55,6 +55,18 @@ TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
   EXPECT_THAT(run.out, HasSubstr("Posteriors learnt in suite-b with 100 objects"));
 }
 
+TEST(RunProgram, SaysWhenThePriorsFileHasNoneForIt) {
+  const std::string file = TemporaryPath("priors.json");
+  std::ofstream(file) << R"({"format":"sweepstake-priors","version":1,"records":[]})";
+  const ProgramRun run =
+      RunProgram(std::string(kSmallRun) + "--project p --machine-class m --json --priors " + file);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.err,
+              HasSubstr(file + " has no priors of these backends for project p, scene "
+                               "suite-b-100, machines m: every arm starts from Beta(1,1)"));
+  std::filesystem::remove(file);
+}
+
 TEST(RunProgram, ManualModeStaysOnItsArm) {
   const ProgramRun run =
       RunProgram(std::string(kSmallRun) + "--mode manual --arm SAP --time-scale 1000 --json");
@@ -99,6 +111,7 @@ TEST(RunProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"run --scene suite-b --embedded --priors no-such.json", "no-such.json"},
       {"run --scene suite-b --embedded --duration soon", "60s"},
       {"run --scene suite-b --embedded --arm Octree", "KDTree"},
+      {"run --scene suite-b --embedded --seed -1", "--seed: -1 is negative"},
       {"run --scene suite-b --embedded --mode auto", "manual"},
       {"run --scene suite-b --embedded --policy coin", "paper"},
       {"run --scene suite-b --embedded --time-scale 0", "--time-scale"},

@@ -51,7 +51,7 @@ ArmVerdict JudgeWrong(WrongBackend::Spoil spoil) {
   const auto scene = Brownian(200);
   std::vector<std::unique_ptr<BroadPhase>> arms;
   arms.push_back(std::make_unique<WrongBackend>(3, spoil));
-  return CheckScene(*scene, arms, 10, [](uint64_t) {}).front();
+  return CheckScene(*scene, arms, 10, [](uint64_t) {})->front();
 }
 
 TEST(PairOracle, AgreesWithTheDefinitionInEveryDegenerateSceneAndFrame) {
@@ -85,11 +85,25 @@ TEST(CheckScene, PassesABackendThatIsRightInEveryFrame) {
   std::vector<std::unique_ptr<BroadPhase>> arms;
   arms.push_back(std::make_unique<WrongBackend>(100, [](auto& pairs) { pairs.clear(); }));
   uint64_t heard = 0;
-  const auto verdicts = CheckScene(*scene, arms, 10, [&](uint64_t done) { heard = done; });
+  const auto verdicts = *CheckScene(*scene, arms, 10, [&](uint64_t done) { heard = done; });
   EXPECT_FALSE(verdicts.front().first_difference);
   EXPECT_EQ(verdicts.front().frame_count, 11U);
   EXPECT_GT(verdicts.front().pair_count, 0U);
   EXPECT_EQ(heard, 11U);
+}
+
+TEST(CheckScene, RefusesAFrameWithTooManyPairsBeforeAnyArmHearsOfIt) {
+  const auto scene = std::move(*MakeDegenerateScene("all-coincident", 101, 1));
+  std::vector<std::unique_ptr<BroadPhase>> arms;
+  arms.push_back(std::make_unique<WrongBackend>(0, [](auto& pairs) { pairs.clear(); }));
+  const auto verdicts = CheckScene(
+      *scene, arms, 10, [](uint64_t) {}, 5049);
+  EXPECT_EQ(verdicts.status().code(), StatusCode::kResourceExhausted);
+  EXPECT_NE(verdicts.status().message().find("frame 0"), std::string::npos);
+  EXPECT_NE(verdicts.status().message().find("5049"), std::string::npos);
+  EXPECT_TRUE(CheckScene(
+                  *scene, arms, 10, [](uint64_t) {}, 5050)
+                  .ok());
 }
 
 TEST(CheckScene, NamesTheFirstFrameWithAMissingPair) {
