@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "engine_client/cli/command_line.h"
 #include "engine_client/cli/csv_file.h"
 #include "engine_client/cli/duration.h"
 #include "engine_client/cli/json_output.h"
@@ -54,6 +55,14 @@ TEST(CutToColumns, CutsBetweenCharacters) {
   EXPECT_EQ(CutToColumns("a · b", 3), "a ·");
   EXPECT_EQ(CutToColumns("a · b", 2), "a ");
   EXPECT_EQ(CutToColumns("a · b", 0), "");
+}
+
+TEST(CommandLine, QuotesWhatAShellWouldReadOtherwise) {
+  std::string words[] = {"./sweepstake", "--scene=a,b", "", "my file", "it's", "$HOME"};
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  EXPECT_EQ(CommandLine(pointers), "./sweepstake --scene=a,b '' 'my file' 'it'\\''s' '$HOME'");
+  EXPECT_EQ(CommandLine({}), "");
 }
 
 TEST(QuoteCsv, QuotesCommasQuotesAndLineBreaksAsRfc4180Does) {
