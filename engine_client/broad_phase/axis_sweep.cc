@@ -1,61 +1,49 @@
 #include "engine_client/broad_phase/axis_sweep.h"
 
 #include <algorithm>
-#include <limits>
+#include <array>
+#include <cmath>
+#include <cstring>
 
-#include "engine_client/broad_phase/pair_set.h"
-#include "engine_client/broad_phase/soa_boxes.h"
+#include "engine_client/broad_phase/byte_scan.h"
+#include "engine_client/broad_phase/parallel.h"
 #include "engine_client/broad_phase/sorted_endpoints.h"
-#include "engine_client/broad_phase/sweep_axis.h"
-#include "engine_client/broad_phase/sweep_kernel.h"
+#include "engine_client/broad_phase/sorted_pairs.h"
 
 namespace sweepstake {
 namespace {
 
-// Motion is little while at most 9 of 20 neighbouring endpoints are out of order. Half of them are
-// in a random order, a quarter at 10,000 boxes of unit density that move by up to 0.001, where a
-// repair takes 0.43 ms and a sweep 0.95 ms.
-bool IsLittleMotion(size_t descents, size_t endpoints) { return 20 * descents <= 9 * endpoints; }
-
-// Passings that a repair may make before a sweep is the cheaper way: a passing takes as long as
-// about 100 lanes of a sweep (13 ns), and sorting anew as long as a third of a passing per
-// endpoint.
-size_t PassBudget(uint64_t sweep_checks, size_t endpoints) {
-  return static_cast<size_t>(sweep_checks / 100) + endpoints / 3;
-}
+// Fewer take less time than waking a thread.
+constexpr size_t kLeastRows = 1024;
+constexpr size_t kLeastBoxes = 4096;
 
 constexpr size_t kMostPairsPerBox = 32;
 // Frames without another try after a repair ran out of its budget: its work was lost.
 constexpr int kPauseFrames = 8;
+// Boxes whose motion is looked at before all are.
+constexpr size_t kMotionSample = 64;
 
-// A box that does not take part begins after everything and ends before everything: it overlaps
-// nothing.
-BoxKeys KeysOf(const Aabb& box) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const bool takes_part = TakesPart(box);
-  BoxKeys keys;
-  for (int axis = 0; axis < 3; ++axis) {
-    keys.face[axis] = SortableKey(takes_part ? box.min[axis] : kInfinity);
-    keys.face[axis + 3] = SortableKey(takes_part ? box.max[axis] : -kInfinity);
-  }
-  return keys;
+// Passings that a repair may make before a sweep is the cheaper way: one takes about 5 ns, sorting
+// anew and filling the lanes 30 ns per box, and 64 lanes of a sweep 1 ns.
+double PassBudget(uint64_t sweep_checks, size_t box_count) {
+  return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
 }
 
-bool KeysOverlap(const BoxKeys& a, const BoxKeys& b) {
-  bool overlap = true;
-  for (int axis = 0; axis < 3; ++axis) {
-    overlap = overlap && a.face[axis] <= b.face[axis + 3] && b.face[axis] <= a.face[axis + 3];
-  }
-  return overlap;
+// A box that takes part and is the same, by its bits.
+bool IsSame(const Aabb& box, const BoxRecord& record) {
+  return std::memcmp(box.min, record.min, sizeof(box.min)) == 0 &&
+         std::memcmp(box.max, record.max, sizeof(box.max)) == 0;
 }
 
-OverlapPair Ordered(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+bool OverlapOn(const BoxRecord& a, const BoxRecord& b, size_t axis) {
+  return a.min[axis] <= b.max[axis] && b.min[axis] <= a.max[axis];
+}
 
 class AxisSweep final : public BroadPhase {
  public:
-  explicit AxisSweep(const BroadPhaseOptions& /*options*/) {}
+  explicit AxisSweep(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "AxisSweep"; }
-  uint32_t version() const override { return 1; }
+  uint32_t version() const override { return 2; }
   void Build(std::span<const Aabb> boxes) override;
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;
@@ -63,22 +51,32 @@ class AxisSweep final : public BroadPhase {
   size_t native_bytes() const override;
 
  private:
-  void TakeKeys(std::span<const Aabb> boxes);
-  std::span<const BoxKeys> keys() const { return {keys_.data(), count_}; }
-  size_t Refresh();
-  bool Repair();
-  void Pass(uint64_t stayed, uint64_t moved);
-  void PrepareSweep(std::span<const Aabb> boxes);
+  std::span<const BoxRecord> records() const { return {records_.data(), count_}; }
+  size_t BoxParts() const { return PartCount(executor_, count_, kLeastBoxes); }
+  void TakeBoxes(std::span<const Aabb> boxes);
+  bool ChangeCount(std::span<const Aabb> boxes);
+  double ExpectedPasses(std::span<const Aabb> boxes) const;
+  bool RepairOrders(std::span<const Aabb> boxes);
+  size_t CollectMoved(std::span<const Aabb> boxes);
+  bool RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget);
+  void SortAxis(size_t axis, size_t room);
+  void SortAll();
+  void TakeSweepOrder();
+  void FillLanes(size_t part, size_t part_count);
+  void PrepareSweep();
   void CopyPairs(PairBuffer& out) const;
-  void AdoptPairs(std::span<const OverlapPair> pairs);
 
-  AlignedBuffer<BoxKeys> keys_;  // of the latest boxes
-  SortedEndpoints axes_[3];
-  RadixSort sort_;
-  AlignedBuffer<uint32_t> order_;
-  SoaBoxes swept_;
-  int sweep_axis_ = 0;
-  PairSet pairs_;
+  Executor* executor_;
+  AlignedBuffer<BoxRecord> records_;  // of the latest boxes by id, and one kAbsentBox
+  std::array<SortedEndpoints, 3> axes_{SortedEndpoints(0), SortedEndpoints(1), SortedEndpoints(2)};
+  std::array<EndpointRoom, 2> rooms_;  // of the threads that sort at a time
+  CoordinateRange range_;
+  ByteBoxes swept_;
+  PairParts parts_;
+  SortedPairs pairs_;
+  MovedBoxes moved_;
+  AlignedBuffer<uint32_t> moved_ids_;
+  size_t moved_count_ = 0;
   size_t count_ = 0;
   bool pairs_known_ = false;  // pairs_ holds the pairs of the latest boxes
   bool calm_ = false;         // the pairs of the next sweep are worth keeping
@@ -88,108 +86,196 @@ class AxisSweep final : public BroadPhase {
 };
 
 void AxisSweep::Build(std::span<const Aabb> boxes) {
-  TakeKeys(boxes);
-  for (SortedEndpoints& axis : axes_) axis.Reset(boxes.size());
-  Refresh();
+  count_ = boxes.size();
+  checks_ = 0;
   calm_ = false;
   pause_frames_ = 0;
-  checks_ = 0;
-  PrepareSweep(boxes);
+  TakeBoxes(boxes);
+  SortAll();
 }
 
 void AxisSweep::Update(std::span<const Aabb> boxes) {
-  if (boxes.size() != count_) return Build(boxes);
-  TakeKeys(boxes);
-  const size_t descents = Refresh();
-  calm_ = pause_frames_ == 0 && IsLittleMotion(descents, 6 * count_);
-  pause_frames_ = std::max(0, pause_frames_ - 1);
   checks_ = 0;
-  if (pairs_known_ && calm_ && Repair()) return;
-  PrepareSweep(boxes);
+  const bool in_order = ChangeCount(boxes);
+  calm_ =
+      in_order && pause_frames_ == 0 && ExpectedPasses(boxes) <= PassBudget(sweep_checks_, count_);
+  pause_frames_ = std::max(0, pause_frames_ - 1);
+  if (calm_ && RepairOrders(boxes)) {
+    if (!pairs_known_) PrepareSweep();
+    return;
+  }
+  if (calm_) pause_frames_ = kPauseFrames;
+  calm_ = false;
+  TakeBoxes(boxes);
+  SortAll();
 }
 
 void AxisSweep::FindPairs(PairBuffer& out) {
-  if (pairs_known_) {
-    CopyPairs(out);
-    return;
-  }
+  if (pairs_known_) return CopyPairs(out);
   const size_t before = out.size();
-  sweep_checks_ = SweepSorted(swept_.Lanes(sweep_axis_), out);
+  const ByteLanes lanes = swept_.Lanes();
+  sweep_checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+                             [&](size_t begin, size_t end, PairBuffer& pairs) {
+                               return FindPairsOfSwept(lanes, begin, end, pairs);
+                             });
   checks_ += sweep_checks_;
-  if (calm_) AdoptPairs(out.pairs().subspan(before));
+  const auto found = out.pairs().subspan(before);
+  pairs_known_ = calm_ && found.size() <= kMostPairsPerBox * count_;
+  if (pairs_known_) pairs_.Adopt(found, count_);
 }
 
 size_t AxisSweep::native_bytes() const {
-  size_t bytes = keys_.capacity_bytes() + sort_.native_bytes() + order_.capacity_bytes() +
-                 swept_.native_bytes() + pairs_.native_bytes();
+  size_t bytes = records_.capacity_bytes() + swept_.native_bytes() + parts_.native_bytes() +
+                 pairs_.native_bytes() + moved_.native_bytes() + moved_ids_.capacity_bytes();
   for (const SortedEndpoints& axis : axes_) bytes += axis.native_bytes();
+  for (const EndpointRoom& room : rooms_) bytes += room.native_bytes();
   return bytes;
 }
 
-void AxisSweep::TakeKeys(std::span<const Aabb> boxes) {
+void AxisSweep::TakeBoxes(std::span<const Aabb> boxes) {
+  range_ = CoordinateRange::Sample(boxes);
+  records_.EnsureDiscarding(count_ + 1);
+  const size_t part_count = BoxParts();
+  RunParts(executor_, part_count, [&](size_t part) {
+    const PartRange range = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
+    TakeRecords(boxes.subspan(range.begin, range.end - range.begin), records_.data() + range.begin);
+  });
+  records_[count_] = kAbsentBox;
+}
+
+// Adds or removes faces where the count has changed. False where sorting anew is the cheaper way.
+bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
+  const size_t before = count_;
   count_ = boxes.size();
-  keys_.EnsureDiscarding(count_);
-  std::transform(boxes.begin(), boxes.end(), keys_.data(), KeysOf);
-}
-
-size_t AxisSweep::Refresh() {
-  size_t descents = 0;
-  for (int axis = 0; axis < 3; ++axis) descents += axes_[axis].Refresh(keys(), axis);
-  return descents;
-}
-
-// False when that is too much work; the pairs are then unknown.
-bool AxisSweep::Repair() {
-  size_t budget = PassBudget(sweep_checks_, 6 * count_);
-  const auto on_pass = [this](uint64_t stayed, uint64_t moved) { Pass(stayed, moved); };
+  if (count_ == before) return true;
+  if (count_ > before + before / 8) return false;
+  if (count_ > before) pairs_known_ = false;
+  records_.EnsureKeeping(count_ + 1, std::min(before, count_));
+  for (size_t i = before; i < count_; ++i) records_[i] = RecordOf(boxes[i]);
+  records_[count_] = kAbsentBox;
+  pairs_.Truncate(count_);
   for (SortedEndpoints& axis : axes_) {
-    if (axis.Repair(budget, on_pass) && pairs_.size() <= kMostPairsPerBox * count_) continue;
-    calm_ = false;
-    pause_frames_ = kPauseFrames;
-    return false;
+    axis.Truncate(count_);
+    if (count_ > before) axis.Append(records(), before, rooms_[0]);
   }
   return true;
 }
 
-// `moved` is now below `stayed`. A pair that begins does so on some axis, where the final test sees
-// it; one that ends does so on some axis too, and no axis undoes the other because every test is
-// against the latest boxes.
-void AxisSweep::Pass(uint64_t stayed, uint64_t moved) {
-  if (IsUpperFace(stayed) == IsUpperFace(moved)) return;
-  const uint32_t a = EndpointOwner(stayed);
-  const uint32_t b = EndpointOwner(moved);
-  if (IsUpperFace(moved)) {
-    pairs_.Erase(Ordered(a, b));
-  } else if (a != b) {
-    ++checks_;
-    if (KeysOverlap(keys_[a], keys_[b])) pairs_.Insert(Ordered(a, b));
+// How many faces would be passed in a repair, by the motion of a few boxes.
+double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
+  if (count_ == 0) return 0;
+  const size_t stride = count_ / kMotionSample + 1;
+  double passes = 0;
+  size_t sampled = 0;
+  double density[3];
+  for (size_t axis = 0; axis < 3; ++axis) density[axis] = axes_[axis].Density(records());
+  for (size_t i = 0; i < count_; i += stride, ++sampled) {
+    if (IsSame(boxes[i], records_[i]) || !TakesPart(boxes[i])) continue;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double distance = std::abs(double{boxes[i].min[axis]} - records_[i].min[axis]) +
+                              std::abs(double{boxes[i].max[axis]} - records_[i].max[axis]);
+      passes += std::min(distance * density[axis], 2.0 * static_cast<double>(count_));
+    }
   }
+  return passes / static_cast<double>(sampled) * static_cast<double>(count_);
 }
 
-void AxisSweep::PrepareSweep(std::span<const Aabb> boxes) {
-  pairs_known_ = false;
-  for (SortedEndpoints& axis : axes_) axis.Resort(sort_);
-  sweep_axis_ = AxisOfLargestSpread(boxes);
-  order_.EnsureDiscarding(count_);
-  size_t slot = 0;
-  for (const uint64_t endpoint : axes_[sweep_axis_].endpoints()) {
-    if (!IsUpperFace(endpoint)) order_[slot++] = EndpointOwner(endpoint);
+// Brings orders and pairs up to date axis by axis. Between two axes the records are a mixture of
+// two frames, for which orders and pairs are right too: so a pair that has begun or ended since the
+// frame before has done so by a passing on some axis while it overlapped on the other two. False
+// when it is too much work; orders and pairs are then unknown.
+bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
+  moved_count_ = CollectMoved(boxes);
+  if (moved_count_ == 0) return true;
+  if (!pairs_known_) range_ = CoordinateRange::Sample(boxes);
+  auto budget = static_cast<size_t>(PassBudget(sweep_checks_, count_));
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (RepairAxis(boxes, axis, budget)) continue;
+    pairs_.ClearTouched();
+    return false;
   }
-  swept_.Gather(boxes, {order_.data(), count_});
+  if (!pairs_known_) return true;
+  pairs_.Settle([this](uint32_t a, uint32_t b) { return Overlap(records_[a], records_[b]); });
+  return true;
+}
+
+size_t AxisSweep::CollectMoved(std::span<const Aabb> boxes) {
+  moved_.Clear(count_);
+  moved_ids_.EnsureDiscarding(count_);
+  size_t moved_count = 0;
+  for (size_t i = 0; i < count_; ++i) {
+    moved_ids_[moved_count] = static_cast<uint32_t>(i);
+    moved_count += IsSame(boxes[i], records_[i]) ? 0 : 1;
+  }
+  for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k]);
+  return moved_count;
+}
+
+bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget) {
+  for (size_t k = 0; k < moved_count_; ++k) {
+    const uint32_t id = moved_ids_[k];
+    const BoxRecord record = RecordOf(boxes[id]);
+    records_[id].min[axis] = record.min[axis];
+    records_[id].max[axis] = record.max[axis];
+  }
+  if (!pairs_known_)
+    return axes_[axis].Repair(records(), moved_, budget, [](uint32_t, uint32_t) {});
+  const size_t second = (axis + 1) % 3;
+  const size_t third = (axis + 2) % 3;
+  return axes_[axis].Repair(records(), moved_, budget, [&](uint32_t a, uint32_t b) {
+    ++checks_;
+    if (OverlapOn(records_[a], records_[b], second) && OverlapOn(records_[a], records_[b], third))
+      pairs_.Touch(a, b);
+  });
+}
+
+void AxisSweep::SortAxis(size_t axis, size_t room) {
+  axes_[axis].Sort(records(), range_.low[axis], range_.high[axis], rooms_[room]);
+}
+
+// Two axes at a time where there are threads; the lanes are filled beside the third.
+void AxisSweep::SortAll() {
+  pairs_known_ = false;
+  const auto first = static_cast<size_t>(range_.sweep_axis);
+  const bool threads = BoxParts() > 1;
+  swept_.ResizeFor(records_.data(), count_);
+  RunParts(threads ? executor_ : nullptr, 2, [&](size_t part) {
+    SortAxis((first + part) % 3, threads ? part : 0);
+    if (part == 0) TakeSweepOrder();
+  });
+  const size_t fill_parts = BoxParts();
+  RunParts(executor_, 1 + fill_parts, [&](size_t part) {
+    part == 0 ? SortAxis((first + 2) % 3, 0) : FillLanes(part - 1, fill_parts);
+  });
+}
+
+// The slots of the sweep: lower faces in order.
+void AxisSweep::TakeSweepOrder() {
+  uint32_t* const ids = swept_.ids();
+  size_t slot = 0;
+  for (const Endpoint endpoint : axes_[static_cast<size_t>(range_.sweep_axis)].endpoints()) {
+    ids[slot] = EndpointOwner(endpoint);
+    slot += IsUpperFace(endpoint) ? 0 : 1;
+  }
+  ids[count_] = static_cast<uint32_t>(count_);  // the padding, where the last upper faces went
+}
+
+void AxisSweep::FillLanes(size_t part, size_t part_count) {
+  const PartRange slots = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
+  swept_.Fill(range_, slots.begin, slots.end);
+}
+
+void AxisSweep::PrepareSweep() {
+  swept_.ResizeFor(records_.data(), count_);
+  TakeSweepOrder();
+  const size_t part_count = BoxParts();
+  RunParts(executor_, part_count, [&](size_t part) { FillLanes(part, part_count); });
 }
 
 void AxisSweep::CopyPairs(PairBuffer& out) const {
   const std::span<const OverlapPair> pairs = pairs_.pairs();
   std::copy(pairs.begin(), pairs.end(), out.EnsureRoom(pairs.size()));
   out.Advance(pairs.size());
-}
-
-void AxisSweep::AdoptPairs(std::span<const OverlapPair> pairs) {
-  if (pairs.size() > kMostPairsPerBox * count_) return;
-  pairs_.Clear();
-  pairs_.Reserve(2 * pairs.size());
-  for (const OverlapPair pair : pairs) pairs_.Insert(pair);
-  pairs_known_ = true;
 }
 
 }  // namespace

@@ -1,50 +1,56 @@
 #include "engine_client/broad_phase/brute_force.h"
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine_client/broad_phase/brute_force.cc"
-#include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
-#include "engine_client/broad_phase/overlap_kernel-inl.h"
+#include <numeric>
 
-HWY_BEFORE_NAMESPACE();
-namespace sweepstake::HWY_NAMESPACE {
-
-uint64_t TestAllPairs(const BoxLanes& lanes, PairBuffer& out) {
-  return ScanAllTiles<FirstAxis::kBothSides>(lanes, out);
-}
-
-}  // namespace sweepstake::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
+#include "engine_client/broad_phase/byte_scan.h"
+#include "engine_client/broad_phase/parallel.h"
 
 namespace sweepstake {
 namespace {
 
-HWY_EXPORT(TestAllPairs);
+// Fewer rows take less time than waking a thread.
+constexpr size_t kLeastRows = 512;
+constexpr size_t kLeastBoxes = 8192;
 
 class BruteForce final : public BroadPhase {
  public:
-  explicit BruteForce(const BroadPhaseOptions& /*options*/) {}
+  explicit BruteForce(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "BruteForce"; }
-  uint32_t version() const override { return 1; }
+  uint32_t version() const override { return 2; }
   void Build(std::span<const Aabb> boxes) override { Take(boxes); }
   void Update(std::span<const Aabb> boxes) override { Take(boxes); }
-  void FindPairs(PairBuffer& out) override {
-    checks_ = HWY_DYNAMIC_DISPATCH(TestAllPairs)(boxes_.Lanes(), out);
-  }
+  void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
-  size_t native_bytes() const override { return boxes_.native_bytes(); }
+  size_t native_bytes() const override { return boxes_.native_bytes() + parts_.native_bytes(); }
 
  private:
-  void Take(std::span<const Aabb> boxes) {
-    checks_ = 0;
-    boxes_.Gather(boxes);
-  }
+  void Take(std::span<const Aabb> boxes);
 
-  SoaBoxes boxes_;
+  Executor* executor_;
+  ByteBoxes boxes_;  // slot = id
+  PairParts parts_;
   uint64_t checks_ = 0;
 };
+
+void BruteForce::Take(std::span<const Aabb> boxes) {
+  checks_ = 0;
+  boxes_.Resize(boxes.size(), false);
+  std::iota(boxes_.ids(), boxes_.ids() + boxes.size(), 0U);
+  const CoordinateRange range = CoordinateRange::Sample(boxes);
+  const size_t part_count = PartCount(executor_, boxes.size(), kLeastBoxes);
+  RunParts(executor_, part_count, [&](size_t part) {
+    const PartRange slots = RangeOfPart(boxes.size(), part, part_count, ByteBoxes::kGranule);
+    boxes_.Fill(boxes, range, {}, slots.begin, slots.end);
+  });
+}
+
+void BruteForce::FindPairs(PairBuffer& out) {
+  const ByteLanes lanes = boxes_.Lanes();
+  checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+                       [&](size_t begin, size_t end, PairBuffer& pairs) {
+                         return FindPairsOfAll(lanes, begin, end, pairs);
+                       });
+}
 
 }  // namespace
 
@@ -53,5 +59,3 @@ std::unique_ptr<BroadPhase> MakeBruteForce(const BroadPhaseOptions& options) {
 }
 
 }  // namespace sweepstake
-
-#endif  // HWY_ONCE

@@ -99,58 +99,6 @@ HWY_INLINE uint64_t ScanRange(D d, const Aabb& box, uint32_t id, const BoxLanes&
   return checks;
 }
 
-// The slots [row, row + 4) against themselves and all later ones: four boxes share each load. With
-// kSorted the lanes are in ascending order of min[0], and the scan ends where the last of the four
-// does.
-template <FirstAxis kFirst, class D>
-HWY_INLINE uint64_t ScanTile(D d, const BoxLanes& lanes, size_t row, PairCursor& cursor) {
-  const size_t step = hn::Lanes(d);
-  const Aabb box0 = BoxAt(lanes, row);
-  const Aabb box1 = BoxAt(lanes, row + 1);
-  const Aabb box2 = BoxAt(lanes, row + 2);
-  const Aabb box3 = BoxAt(lanes, row + 3);
-  const float end =
-      std::max(std::max(box0.max[0], box1.max[0]), std::max(box2.max[0], box3.max[0]));
-  const uint32_t* const id = lanes.id + row;
-  const auto store = [&](hn::Mask<D> hits, uint32_t self, size_t at) HWY_ATTR {
-    cursor.Advance(StoreHits(d, hits, self, lanes.id + at, cursor.Room(step)));
-  };
-  size_t at = row;
-  do {  // once, but where a register has fewer than four lanes
-    store(hn::And(SlotsFrom(d, row + 1, at), Hits<kFirst>(d, box0, lanes, at)), id[0], at);
-    store(hn::And(SlotsFrom(d, row + 2, at), Hits<kFirst>(d, box1, lanes, at)), id[1], at);
-    store(hn::And(SlotsFrom(d, row + 3, at), Hits<kFirst>(d, box2, lanes, at)), id[2], at);
-    store(hn::And(SlotsFrom(d, row + 4, at), Hits<kFirst>(d, box3, lanes, at)), id[3], at);
-    at += step;
-  } while (at < row + 4);
-  for (; kFirst == FirstAxis::kSorted ? lanes.min[0][at] <= end : at < lanes.count; at += step) {
-    const auto hits0 = Hits<kFirst>(d, box0, lanes, at);
-    const auto hits1 = Hits<kFirst>(d, box1, lanes, at);
-    const auto hits2 = Hits<kFirst>(d, box2, lanes, at);
-    const auto hits3 = Hits<kFirst>(d, box3, lanes, at);
-    if (hn::AllFalse(d, hn::Or(hn::Or(hits0, hits1), hn::Or(hits2, hits3)))) continue;
-    store(hits0, id[0], at);
-    store(hits1, id[1], at);
-    store(hits2, id[2], at);
-    store(hits3, id[3], at);
-  }
-  return 4 * (at - row);
-}
-
-// Every overlapping pair among the lanes.
-template <FirstAxis kFirst>
-HWY_INLINE uint64_t ScanAllTiles(const BoxLanes& lanes, PairBuffer& out) {
-  const HWY_FULL(float) d;
-  const BoxLanes local =
-      lanes;  // a copy no store can alias, so that the pointers stay in registers
-  PairCursor cursor(out);
-  uint64_t checks = 0;
-  for (size_t row = 0; row < local.count; row += 4)
-    checks += ScanTile<kFirst>(d, local, row, cursor);
-  cursor.Flush();
-  return checks;
-}
-
 }  // namespace sweepstake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -1,55 +1,137 @@
 #include "engine_client/broad_phase/sap.h"
 
-#include <limits>
+#include <algorithm>
+#include <utility>
 
+#include "engine_client/broad_phase/byte_scan.h"
+#include "engine_client/broad_phase/parallel.h"
 #include "engine_client/broad_phase/radix_sort.h"
-#include "engine_client/broad_phase/sweep_axis.h"
-#include "engine_client/broad_phase/sweep_kernel.h"
 
 namespace sweepstake {
 namespace {
 
+// Fewer take less time than waking a thread.
+constexpr size_t kLeastRows = 1024;
+constexpr size_t kLeastBoxes = 4096;
+
+// Boxes that share a step, in the mean over boxes, from which on sorting exactly pays: a sweep
+// compares one register more for each.
+constexpr uint64_t kCrowd = 64;
+
 class Sap final : public BroadPhase {
  public:
-  explicit Sap(const BroadPhaseOptions& /*options*/) {}
+  explicit Sap(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "SAP"; }
-  uint32_t version() const override { return 1; }
+  uint32_t version() const override { return 2; }
   void Build(std::span<const Aabb> boxes) override { Update(boxes); }
   void Update(std::span<const Aabb> boxes) override;
-  void FindPairs(PairBuffer& out) override { checks_ = SweepSorted(boxes_.Lanes(axis_), out); }
+  void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
-  size_t native_bytes() const override {
-    return boxes_.native_bytes() + sort_.native_bytes() + order_.capacity_bytes();
-  }
+  size_t native_bytes() const override;
 
  private:
-  void SortByLowerFace(std::span<const Aabb> boxes);
+  void CountSteps(std::span<const Aabb> boxes, size_t axis);
+  bool IsCrowded();
+  void SortBySteps();
+  void SortExactly(std::span<const Aabb> boxes, size_t axis);
+  size_t step_count() const { return static_cast<size_t>(sweep_.last) + 1; }
+  PartRange BoxesOfPart(size_t part) const {
+    return RangeOfPart(boxes_.count(), part, part_count_, ByteBoxes::kGranule);
+  }
 
+  Executor* executor_;
+  SweepAxis sweep_;
+  size_t part_count_ = 1;
+  AlignedBuffer<uint32_t> steps_;   // of each box
+  AlignedBuffer<uint32_t> starts_;  // per part and step: boxes, then the slot of the next one
   RadixSort sort_;
-  AlignedBuffer<uint32_t> order_;
-  SoaBoxes boxes_;  // ascending lower face on axis_
-  int axis_ = 0;
+  ByteBoxes boxes_;
+  PairParts parts_;
   uint64_t checks_ = 0;
 };
 
 void Sap::Update(std::span<const Aabb> boxes) {
   checks_ = 0;
-  axis_ = AxisOfLargestSpread(boxes);
-  SortByLowerFace(boxes);
-  boxes_.Gather(boxes, {order_.data(), boxes.size()});
+  const CoordinateRange range = CoordinateRange::Sample(boxes);
+  const auto axis = static_cast<size_t>(range.sweep_axis);
+  const auto steps = static_cast<float>(std::clamp<size_t>(boxes.size(), 1024, 65536));
+  sweep_ = {false, range.low[axis], steps / range.width(range.sweep_axis), steps - 1};
+  boxes_.Resize(boxes.size(), true);
+  part_count_ = PartCount(executor_, boxes.size(), kLeastBoxes);
+  CountSteps(boxes, axis);
+  sweep_.exact = IsCrowded();
+  sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
+  RunParts(executor_, part_count_, [&](size_t part) {
+    const PartRange slots = BoxesOfPart(part);
+    boxes_.Fill(boxes, range, sweep_, slots.begin, slots.end);
+  });
 }
 
-// Boxes that do not take part go last: the sweep never reaches them.
-void Sap::SortByLowerFace(std::span<const Aabb> boxes) {
-  const uint32_t last = SortableKey(std::numeric_limits<float>::infinity());
+// Boxes that do not take part go last.
+void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
+  steps_.EnsureDiscarding(boxes.size());
+  starts_.EnsureDiscarding(part_count_ * step_count());
+  RunParts(executor_, part_count_, [&](size_t part) {
+    uint32_t* const counts = starts_.data() + part * step_count();
+    std::fill_n(counts, step_count(), 0U);
+    const SweepAxis sweep = sweep_;
+    const PartRange range = BoxesOfPart(part);
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const Aabb& box = boxes[i];
+      const uint32_t step = sweep.Step(TakesPart(box) ? box.min[axis] : kFarthest);
+      steps_[i] = step;
+      ++counts[step];
+    }
+  });
+}
+
+bool Sap::IsCrowded() {
+  uint64_t neighbours = 0;
+  for (size_t step = 0; step < step_count(); ++step) {
+    uint64_t count = 0;
+    for (size_t part = 0; part < part_count_; ++part) count += starts_[part * step_count() + step];
+    neighbours += count * count;
+  }
+  return neighbours > kCrowd * boxes_.count();
+}
+
+// Boxes of one step in the order of their ids, however many parts there are.
+void Sap::SortBySteps() {
+  uint32_t sum = 0;
+  for (size_t step = 0; step < step_count(); ++step) {
+    for (size_t part = 0; part < part_count_; ++part)
+      sum += std::exchange(starts_[part * step_count() + step], sum);
+  }
+  RunParts(executor_, part_count_, [&](size_t part) {
+    uint32_t* const starts = starts_.data() + part * step_count();
+    uint32_t* const ids = boxes_.ids();
+    const PartRange range = BoxesOfPart(part);
+    for (size_t i = range.begin; i < range.end; ++i)
+      ids[starts[steps_[i]]++] = static_cast<uint32_t>(i);
+  });
+}
+
+void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
   const std::span<uint64_t> items = sort_.Items(boxes.size());
   for (size_t i = 0; i < boxes.size(); ++i) {
-    const uint32_t key = TakesPart(boxes[i]) ? SortableKey(boxes[i].min[axis_]) : last;
-    items[i] = PackSortItem(key, static_cast<uint32_t>(i));
+    const float position = TakesPart(boxes[i]) ? boxes[i].min[axis] : kFarthest;
+    items[i] = PackSortItem(SortableKey(position), static_cast<uint32_t>(i));
   }
-  order_.EnsureDiscarding(boxes.size());
-  size_t slot = 0;
-  for (const uint64_t item : sort_.Sort()) order_[slot++] = SortItemPayload(item);
+  const std::span<const uint64_t> sorted = sort_.Sort();
+  std::transform(sorted.begin(), sorted.end(), boxes_.ids(), SortItemPayload);
+}
+
+void Sap::FindPairs(PairBuffer& out) {
+  const ByteLanes lanes = boxes_.Lanes();
+  checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+                       [&](size_t begin, size_t end, PairBuffer& pairs) {
+                         return FindPairsOfSwept(lanes, begin, end, pairs);
+                       });
+}
+
+size_t Sap::native_bytes() const {
+  return steps_.capacity_bytes() + starts_.capacity_bytes() + sort_.native_bytes() +
+         boxes_.native_bytes() + parts_.native_bytes();
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "engine_client/broad_phase/sorted_endpoints.h"
-#include "engine_client/broad_phase/sweep_axis.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 
@@ -23,79 +22,111 @@ std::vector<Aabb> UnitBoxesInARow(size_t count, float distance) {
   return boxes;
 }
 
-std::vector<BoxKeys> KeysAlongX(std::initializer_list<float> positions) {
-  std::vector<BoxKeys> keys;
-  for (const float x : positions) {
-    keys.push_back({{SortableKey(x), SortableKey(0), SortableKey(0), SortableKey(x + 1),
-                     SortableKey(1), SortableKey(1)}});
-  }
-  return keys;
+std::vector<BoxRecord> RecordsAlongX(std::initializer_list<float> positions) {
+  std::vector<BoxRecord> records;
+  for (const float x : positions) records.push_back(RecordOf(UnitBoxAt(x)));
+  return records;
+}
+
+MovedBoxes AllMoved(size_t count) {
+  MovedBoxes moved;
+  moved.Clear(count);
+  for (size_t i = 0; i < count; ++i) moved.Add(i);
+  return moved;
 }
 
 // "L0 U0" as a string: the owners and faces in order.
 std::string OrderOf(const SortedEndpoints& axis) {
   std::string order;
-  for (const uint64_t endpoint : axis.endpoints()) {
+  for (const Endpoint endpoint : axis.endpoints()) {
     order += IsUpperFace(endpoint) ? 'U' : 'L';
     order += std::to_string(EndpointOwner(endpoint));
   }
   return order;
 }
 
-TEST(SortedEndpoints, PutLowerFacesBeforeUpperOnesThatTouchThem) {
-  SortedEndpoints axis;
-  RadixSort sort;
-  axis.Reset(2);
-  axis.Refresh(KeysAlongX({1, 0}), 0);
-  axis.Resort(sort);
-  EXPECT_EQ(OrderOf(axis), "L1L0U1U0");
+class FacesOnAnAxis : public testing::Test {
+ protected:
+  void Sort(std::span<const BoxRecord> records, float low = 0, float high = 10) {
+    axis_.Sort(records, low, high, room_);
+  }
+
+  SortedEndpoints axis_{0};
+  EndpointRoom room_;
+};
+
+TEST_F(FacesOnAnAxis, AreLowerBeforeUpperWhereTheyTouch) {
+  Sort(RecordsAlongX({1, 0}));
+  EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
 }
 
-TEST(SortedEndpoints, RepairReportsEachPassingOnce) {
-  SortedEndpoints axis;
-  RadixSort sort;
-  axis.Reset(2);
-  axis.Refresh(KeysAlongX({0, 5}), 0);
-  axis.Resort(sort);
-  EXPECT_EQ(axis.Refresh(KeysAlongX({5.5F, 5}), 0), 1U);
-  size_t budget = 10;
-  std::vector<std::pair<uint32_t, uint32_t>> passings;
-  EXPECT_TRUE(axis.Repair(budget, [&](uint64_t stayed, uint64_t moved) {
-    passings.emplace_back(EndpointOwner(stayed), EndpointOwner(moved));
-  }));
-  EXPECT_EQ(OrderOf(axis), "L1L0U1U0");
-  EXPECT_EQ(passings, (std::vector<std::pair<uint32_t, uint32_t>>{{0, 1}, {0, 1}, {0, 1}}));
-  EXPECT_EQ(budget, 7U);
-}
-
-TEST(SortedEndpoints, RepairStopsWhenTheBudgetIsSpent) {
-  SortedEndpoints axis;
-  RadixSort sort;
-  axis.Reset(3);
-  axis.Refresh(KeysAlongX({0, 5, 10}), 0);
-  axis.Resort(sort);
-  axis.Refresh(KeysAlongX({20, 15, 10}), 0);
-  size_t budget = 2;
-  EXPECT_FALSE(axis.Repair(budget, [](uint64_t, uint64_t) {}));
-  axis.Resort(sort);
-  EXPECT_EQ(OrderOf(axis), "L2U2L1U1L0U0");
-}
-
-TEST(SweepAxis, IsTheOneWithTheLargestSpread) {
-  for (int wide = 0; wide < 3; ++wide) {
-    std::vector<Aabb> boxes(10);
-    for (size_t i = 0; i < boxes.size(); ++i)
-      boxes[i].min[wide] = boxes[i].max[wide] = static_cast<float>(i);
-    EXPECT_EQ(AxisOfLargestSpread(boxes), wide);
-    boxes.push_back({{1e30F, 1e30F, 1e30F}, {-1e30F, 0, 0}});  // inverted: takes no part
-    EXPECT_EQ(AxisOfLargestSpread(boxes), wide);
+TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
+  std::vector<BoxRecord> records;
+  test_support::Random random(4);
+  for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(-50, 50))));
+  records.push_back(kAbsentBox);
+  Sort(records, -50, 50);
+  const std::string order = OrderOf(axis_);
+  for (const auto& [low, high] : {std::pair{0.0F, 0.0F}, {1e30F, 1e30F}, {-1e38F, 1e38F}}) {
+    Sort(records, low, high);
+    EXPECT_EQ(OrderOf(axis_), order);
   }
 }
 
-TEST(SweepAxis, IsDefinedForNoBoxesAndForTheLargestFloats) {
-  EXPECT_EQ(AxisOfLargestSpread({}), 0);
-  const Aabb boxes[] = {{{0, -3e38F, 0}, {0, -3e38F, 0}}, {{0, 3e38F, 0}, {0, 3e38F, 0}}};
-  EXPECT_EQ(AxisOfLargestSpread(boxes), 1);
+TEST_F(FacesOnAnAxis, TellEachPassingOfALowerAndAnUpperOneWhenRepaired) {
+  Sort(RecordsAlongX({0, 5}));
+  size_t budget = 10;
+  std::vector<std::pair<uint32_t, uint32_t>> passings;
+  EXPECT_TRUE(axis_.Repair(RecordsAlongX({5.5F, 5}), AllMoved(2), budget,
+                           [&](uint32_t a, uint32_t b) { passings.emplace_back(a, b); }));
+  EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
+  EXPECT_EQ(passings, (std::vector<std::pair<uint32_t, uint32_t>>{{0, 1}}));
+  EXPECT_EQ(budget, 7U);
+}
+
+TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
+  test_support::Random random(9);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<BoxRecord> records;
+    for (int i = 0; i < 40; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(0, 20))));
+    Sort(records);
+    MovedBoxes moved;
+    moved.Clear(records.size());
+    for (int change = 0; change < round % 8; ++change) {
+      const size_t i = random.Below(records.size());
+      records[i] = random.Below(5) == 0 ? kAbsentBox : RecordOf(UnitBoxAt(random.Between(0, 20)));
+      moved.Add(i);
+    }
+    size_t budget = 10'000;
+    EXPECT_TRUE(axis_.Repair(records, moved, budget, [](uint32_t, uint32_t) {}));
+    float before = -kFarthest;
+    for (const Endpoint endpoint : axis_.endpoints()) {
+      const BoxRecord& record = records[EndpointOwner(endpoint)];
+      const float at = IsUpperFace(endpoint) ? record.max[0] : record.min[0];
+      EXPECT_LE(before, at);
+      before = at;
+    }
+  }
+}
+
+TEST_F(FacesOnAnAxis, AreNotRepairedBeyondTheBudget) {
+  Sort(RecordsAlongX({0, 5, 10}), 0, 10);
+  const auto records = RecordsAlongX({20, 15, 10});
+  size_t budget = 2;
+  EXPECT_FALSE(axis_.Repair(records, AllMoved(3), budget, [](uint32_t, uint32_t) {}));
+  Sort(records);
+  EXPECT_EQ(OrderOf(axis_), "L2U2L1U1L0U0");
+}
+
+TEST_F(FacesOnAnAxis, ComeAndGoInPlace) {
+  auto records = RecordsAlongX({4, 0, 8});
+  Sort(records);
+  records.push_back(RecordOf(UnitBoxAt(2)));
+  records.push_back(RecordOf(UnitBoxAt(20)));
+  axis_.Append(records, 3, room_);
+  EXPECT_EQ(OrderOf(axis_), "L1U1L3U3L0U0L2U2L4U4");
+  axis_.Truncate(2);
+  EXPECT_EQ(OrderOf(axis_), "L1U1L0U0");
 }
 
 class AxisSweepOverFrames : public testing::Test {
@@ -151,6 +182,19 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
         boxes[i] = scene.boxes()[i];
       }
       Expect(boxes);
+    }
+  }
+}
+
+TEST_F(AxisSweepOverFrames, KeepsItsOrdersWhileTheCountChanges) {
+  for (const std::string_view kind : {"nearly-resting", "brownian", "broken-boxes", "long-thin"}) {
+    BoxScene scene(kind, 600, 3);
+    test_support::Random random(2);
+    backend_->Build(scene.boxes().first(500));
+    backend_->FindPairs(pairs_);
+    for (int frame = 0; frame < 40; ++frame) {
+      scene.Step();
+      Expect(scene.boxes().first(480 + random.Below(frame % 5 == 4 ? 120 : 20)));
     }
   }
 }

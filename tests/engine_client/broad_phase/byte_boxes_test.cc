@@ -1,0 +1,113 @@
+// The boxes in bytes: they must overlap wherever the boxes do, whatever the range.
+#include "engine_client/broad_phase/byte_boxes.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <vector>
+
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake {
+namespace {
+
+bool BytesOverlap(const ByteLanes& lanes, size_t a, size_t b) {
+  bool overlap = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    overlap = overlap && lanes.low[axis][a] <= lanes.high[axis][b] &&
+              lanes.low[axis][b] <= lanes.high[axis][a];
+  }
+  return overlap;
+}
+
+CoordinateRange RangeOf(float low, float high) {
+  CoordinateRange range;
+  for (int axis = 0; axis < 3; ++axis) {
+    range.low[axis] = low;
+    range.high[axis] = high;
+  }
+  return range;
+}
+
+TEST(ByteBoxes, OverlapWhereTheBoxesDo) {
+  ByteBoxes bytes;
+  for (const std::string_view kind : test_support::BoxSceneKinds()) {
+    const test_support::BoxScene scene(kind, 150, 3);
+    const auto boxes = scene.boxes();
+    for (const CoordinateRange& range :
+         {CoordinateRange::Sample(boxes), RangeOf(2, 3), RangeOf(0, 0), RangeOf(-1e38F, 1e38F)}) {
+      bytes.Resize(boxes.size(), false);
+      std::iota(bytes.ids(), bytes.ids() + boxes.size(), 0U);
+      bytes.Fill(boxes, range, {}, 0, boxes.size());
+      for (size_t a = 0; a < boxes.size(); ++a) {
+        EXPECT_EQ(bytes.Lanes().record[a], RecordOf(boxes[a]));
+        for (size_t b = 0; b < a; ++b) {
+          EXPECT_GE(BytesOverlap(bytes.Lanes(), a, b), Overlap(boxes[a], boxes[b])) << kind;
+        }
+      }
+    }
+  }
+}
+
+TEST(ByteBoxes, TellBoxesApartThatAreAPartOfTheRangeAway) {
+  const Aabb boxes[] = {{{0, 0, 0}, {1, 1, 1}}, {{1.2F, 0, 0}, {2, 1, 1}}, {{9, 9, 9}, {9, 9, 9}}};
+  ByteBoxes bytes;
+  bytes.Resize(3, false);
+  std::iota(bytes.ids(), bytes.ids() + 3, 0U);
+  bytes.Fill(boxes, RangeOf(0, 10), {}, 0, 3);
+  EXPECT_FALSE(BytesOverlap(bytes.Lanes(), 0, 1));
+  EXPECT_FALSE(BytesOverlap(bytes.Lanes(), 1, 2));
+}
+
+TEST(ByteBoxes, EndInBoxesThatTakeNoPart) {
+  ByteBoxes bytes;
+  for (const size_t count : {0, 1, 63, 64, 65}) {
+    const test_support::BoxScene scene("brownian", count, 8);
+    bytes.Resize(count, true);
+    std::iota(bytes.ids(), bytes.ids() + count, 0U);
+    bytes.Fill(scene.boxes(), CoordinateRange::Sample(scene.boxes()), {}, 0, count);
+    for (size_t slot = count; slot < (count / 64 + 1) * 64; ++slot)
+      EXPECT_EQ(bytes.Lanes().record[slot], kAbsentBox);
+  }
+}
+
+TEST(ByteBoxes, AreTheSameFromRecordsById) {
+  const test_support::BoxScene scene("broken-boxes", 100, 8);
+  const auto boxes = scene.boxes();
+  const CoordinateRange range = CoordinateRange::Sample(boxes);
+  std::vector<BoxRecord> records(101, kAbsentBox);
+  TakeRecords(boxes, records.data());
+  ByteBoxes own;
+  ByteBoxes borrowing;
+  own.Resize(100, true);
+  borrowing.ResizeFor(records.data(), 100);
+  for (ByteBoxes* each : {&own, &borrowing})
+    for (uint32_t slot = 0; slot < 100; ++slot) each->ids()[slot] = 99 - slot;
+  own.Fill(boxes, range, {}, 0, 100);
+  borrowing.Fill(range, 0, 100);
+  const ByteLanes a = own.Lanes();
+  const ByteLanes b = borrowing.Lanes();
+  for (size_t slot = 0; slot < 100; ++slot) {
+    EXPECT_EQ(a.record[slot], b.record[b.id[slot]]);
+    EXPECT_EQ(a.begin[slot], b.begin[slot]);
+    EXPECT_EQ(a.end[slot], b.end[slot]);
+    for (size_t axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(a.low[axis][slot], b.low[axis][slot]);
+      EXPECT_EQ(a.high[axis][slot], b.high[axis][slot]);
+    }
+  }
+}
+
+TEST(SweepAxis, HasStepsThatAscendWithThePosition) {
+  const SweepAxis axis{false, -5, 10, 99};
+  uint32_t before = 0;
+  for (float x = -20; x < 20; x += 0.01F) {
+    EXPECT_GE(axis.Step(x), before);
+    before = axis.Step(x);
+  }
+  EXPECT_EQ(axis.Step(-kFarthest), 0U);
+  EXPECT_EQ(axis.Step(kFarthest), 99U);
+}
+
+}  // namespace
+}  // namespace sweepstake

@@ -1,0 +1,64 @@
+#include "engine_client/broad_phase/sorted_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake {
+namespace {
+
+std::vector<OverlapPair> PairsOf(const SortedPairs& pairs) {
+  return {pairs.pairs().begin(), pairs.pairs().end()};
+}
+
+TEST(SortedPairs, AdoptPairsInAnyOrder) {
+  SortedPairs pairs;
+  const OverlapPair found[] = {{3, 4}, {0, 9}, {3, 5}, {0, 2}, {1, 2}};
+  pairs.Adopt(found, 10);
+  EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {0, 9}, {1, 2}, {3, 4}, {3, 5}}));
+}
+
+TEST(SortedPairs, AddAndDropWhatWasTouched) {
+  SortedPairs pairs;
+  const OverlapPair found[] = {{0, 2}, {1, 2}, {3, 4}};
+  pairs.Adopt(found, 6);
+  pairs.Touch(2, 1);  // ends
+  pairs.Touch(5, 0);  // begins
+  pairs.Touch(0, 5);
+  pairs.Touch(3, 4);  // stays
+  pairs.Touch(2, 3);  // was not and is not
+  pairs.Settle([](uint32_t a, uint32_t b) { return (a == 0 && b == 5) || a == 3; });
+  EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {0, 5}, {3, 4}}));
+}
+
+TEST(SortedPairs, DropThePairsOfObjectsThatAreGone) {
+  SortedPairs pairs;
+  const OverlapPair found[] = {{0, 2}, {1, 5}, {3, 4}};
+  pairs.Adopt(found, 6);
+  pairs.Truncate(5);
+  EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {3, 4}}));
+}
+
+TEST(SortedPairs, AgreeWithAnOrderedSetOverManyChanges) {
+  test_support::Random random(3);
+  SortedPairs pairs;
+  pairs.Adopt({}, 40);
+  std::set<OverlapPair> expected;
+  for (int frame = 0; frame < 2000; ++frame) {
+    for (size_t change = random.Below(30); change > 0; --change) {
+      const auto a = static_cast<uint32_t>(random.Below(39));
+      const auto b = a + 1 + static_cast<uint32_t>(random.Below(39 - a));
+      const OverlapPair pair{a, b};
+      if (!expected.erase(pair)) expected.insert(pair);
+      pairs.Touch(b, a);
+    }
+    pairs.Settle([&](uint32_t a, uint32_t b) { return expected.contains({a, b}); });
+    ASSERT_EQ(PairsOf(pairs), std::vector<OverlapPair>(expected.begin(), expected.end()));
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake
