@@ -14,7 +14,7 @@ namespace sweepstake {
 
 // Joins the known classes (a bit each) to at most as many groups as looks_into has room for, and
 // says of each group into which others its boxes look. Classes that are not known join the group of
-// the first. Returns the number of groups. REQUIRES: class 0 is known.
+// the first. Returns the number of groups. REQUIRES: a class is known.
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
                     std::array<uint32_t, 8>& looks_into);

@@ -134,7 +134,8 @@ bool GridPlan::Fits(const GridMeasure& measure) const {
 }
 
 void GridPlan::Plan(const CornerBounds& bounds, const GridMeasure& measure) {
-  known_classes_ |= Populated(measure) | 1;
+  known_classes_ |= Populated(measure);
+  if (known_classes_ == 0) known_classes_ = 1;
   std::array<uint32_t, kMostGroups>& looks_into = looks_into_;
   group_count_ = ChooseGroups(bounds, measure, known_classes_, choice_.group_of_class, looks_into);
 }

@@ -1,10 +1,8 @@
 #include "engine_client/broad_phase/grid_sort.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "engine_client/broad_phase/parallel.h"
-#include "hwy/cache_control.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid_sort.cc"
@@ -15,32 +13,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
-
-// Cell of each min corner.
-template <class D, class V>
-HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellOfCorner(D d, const GroupGrid& grid, V x, V y, V z) {
-  const hn::RebindToSigned<D> di;
-  const auto along = [&](size_t axis, auto corner) HWY_ATTR {
-    const auto stride = hn::Set(di, static_cast<int32_t>(grid.stride[axis]));
-    return hn::Mul(CellsAt(d, grid, axis, corner), stride);
-  };
-  const auto in_grid = hn::Add(along(0, x), hn::Add(along(1, y), along(2, z)));
-  return hn::Add(in_grid, hn::Set(di, static_cast<int32_t>(grid.first_cell)));
-}
-
-template <class D, class V>
-HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellInGroup(D d, std::span<const GroupGrid> grids,
-                                                      hn::Vec<hn::RebindToSigned<D>> groups, V x,
-                                                      V y, V z) {
-  const hn::RebindToSigned<D> di;
-  auto cells = hn::Zero(di);
-  for (size_t group = 0; group < grids.size(); ++group) {
-    const auto here = hn::Eq(groups, hn::Set(di, static_cast<int32_t>(group)));
-    if (hn::AllFalse(di, here)) continue;
-    cells = hn::IfThenElse(here, CellOfCorner(d, grids[group], x, y, z), cells);
-  }
-  return cells;
-}
 
 // Keys of the boxes, and how many boxes have each. Writes a register of keys at a time.
 void CountKeys(std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
@@ -89,18 +61,11 @@ constexpr size_t kMostParts = 8;
 constexpr size_t kLeastBoxesPerPart = 2048;
 // The room that a small scene takes at once.
 constexpr size_t kSpareCells = 2048;
-// Boxes ahead of the one being gathered: enough to hide the memory behind the last cache.
-constexpr size_t kAhead = 24;
 
 size_t PartsFor(const Executor* executor, size_t count) {
   if (executor == nullptr) return 1;
   const size_t most = std::min(executor->thread_count(), kMostParts);
   return std::clamp<size_t>(count / kLeastBoxesPerPart, 1, most);
-}
-
-// Behind the last box, for kernels that read a register past it.
-constexpr size_t Padded(size_t count) {
-  return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }
 
 }  // namespace
@@ -118,22 +83,15 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
     const size_t begin = FirstCellOfPart(part, parts);
     const size_t end = FirstCellOfPart(part + 1, parts);
     Place(begin, end);
-    Gather(boxes, starts_[begin], starts_[end]);
+    columns_.Gather(boxes, starts_[begin], starts_[end]);
   });
-  for (size_t column = 0; column < 6; ++column) {
-    float* const floats = floats_.data() + column * stride_;
-    std::fill(floats + count_, floats + stride_, std::numeric_limits<float>::quiet_NaN());
-  }
-  std::fill(order_.data() + count_, order_.data() + stride_, 0U);
 }
 
 void GridSort::MakeRoom(size_t parts) {
   // The number of cells follows the bounds: room for more, or it would take memory for long.
   const size_t cells = cells_ + cells_ / 4 + kSpareCells;
-  stride_ = Padded(count_);
-  keys_.EnsureDiscarding(stride_);
-  order_.EnsureDiscarding(stride_);
-  floats_.EnsureDiscarding(6 * stride_);
+  keys_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
+  columns_.Resize(count_);
   if (cells_ + 1 > starts_.capacity()) starts_.EnsureDiscarding(cells);
   if (parts * cells_ > part_counts_.capacity()) part_counts_.EnsureDiscarding(parts * cells);
 }
@@ -174,43 +132,24 @@ size_t GridSort::FirstCellOfPart(size_t part, size_t parts) const {
 // The boxes of the cells [begin, end) into their slots.
 void GridSort::Place(size_t begin, size_t end) {
   uint32_t* const next = part_counts_.data();
-  uint32_t* const order = order_.data();
+  uint32_t* const order = columns_.ids();
   const uint32_t* const keys = keys_.data();
   if (begin == 0 && end == cells_) {
     for (size_t i = 0; i < count_; ++i) order[next[keys[i]]++] = static_cast<uint32_t>(i);
     return;
   }
-  for (size_t i = 0; i < count_; ++i) {
-    if (keys[i] >= begin && keys[i] < end) order[next[keys[i]]++] = static_cast<uint32_t>(i);
-  }
-}
-
-void GridSort::Gather(std::span<const Aabb> boxes, size_t begin, size_t end) {
-  float* const columns[6] = {floats_.data(),
-                             floats_.data() + stride_,
-                             floats_.data() + 2 * stride_,
-                             floats_.data() + 3 * stride_,
-                             floats_.data() + 4 * stride_,
-                             floats_.data() + 5 * stride_};
-  for (size_t k = begin; k < end; ++k) {
-    hwy::Prefetch(&boxes[order_[std::min(k + kAhead, end - 1)]]);
-    const Aabb& box = boxes[order_[k]];
-    for (size_t axis = 0; axis < 3; ++axis) {
-      columns[axis][k] = box.min[axis];
-      columns[axis + 3][k] = box.max[axis];
+  // Listed before they are placed, since a branch on cells in no order is mispredicted.
+  constexpr size_t kListed = 256;
+  uint32_t listed[kListed];
+  for (size_t from = 0; from < count_; from += kListed) {
+    const size_t to = std::min(from + kListed, count_);
+    size_t count = 0;
+    for (size_t i = from; i < to; ++i) {
+      listed[count] = static_cast<uint32_t>(i);
+      count += keys[i] - begin < end - begin ? 1 : 0;
     }
+    for (size_t k = 0; k < count; ++k) order[next[keys[listed[k]]]++] = listed[k];
   }
-}
-
-BoxLanes GridSort::lanes() const {
-  BoxLanes lanes{};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    lanes.min[axis] = floats_.data() + axis * stride_;
-    lanes.max[axis] = floats_.data() + (axis + 3) * stride_;
-  }
-  lanes.id = order_.data();
-  lanes.count = count_;
-  return lanes;
 }
 
 }  // namespace sweepstake

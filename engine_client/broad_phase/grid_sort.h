@@ -11,6 +11,7 @@
 #include <span>
 
 #include "engine_client/broad_phase/aligned_buffer.h"
+#include "engine_client/broad_phase/grid_columns.h"
 #include "engine_client/broad_phase/grid_measure.h"
 #include "engine_client/broad_phase/group_grid.h"
 #include "engine_client/broad_phase/soa_boxes.h"
@@ -32,12 +33,12 @@ class GridSort {
             const GroupChoice& choice);
 
   // In the order of the cells; behind them boxes that do not take part, and room to read past.
-  BoxLanes lanes() const;
+  BoxLanes lanes() const { return columns_.lanes(); }
   // starts()[c] is the first slot of cell c; one more at the end.
   const uint32_t* starts() const { return starts_.data(); }
   size_t native_bytes() const {
-    return floats_.capacity_bytes() + order_.capacity_bytes() + keys_.capacity_bytes() +
-           starts_.capacity_bytes() + part_counts_.capacity_bytes();
+    return columns_.native_bytes() + keys_.capacity_bytes() + starts_.capacity_bytes() +
+           part_counts_.capacity_bytes();
   }
 
  private:
@@ -47,15 +48,12 @@ class GridSort {
   void SumCounts(size_t parts);
   size_t FirstCellOfPart(size_t part, size_t parts) const;
   void Place(size_t begin, size_t end);
-  void Gather(std::span<const Aabb> boxes, size_t begin, size_t end);
 
   AlignedBuffer<uint32_t> keys_;
   AlignedBuffer<uint32_t> starts_;
   AlignedBuffer<uint32_t> part_counts_;
-  AlignedBuffer<uint32_t> order_;
-  AlignedBuffer<float> floats_;  // min x y z, max x y z; stride_ floats each
+  GridColumns columns_;
   size_t count_ = 0;
-  size_t stride_ = 0;
   size_t cells_ = 0;  // and one for boxes that do not take part
 };
 

@@ -1,11 +1,17 @@
-// What is Grid's own: cells that neither a huge box nor an outlier can spoil.
+// What is Grid's own: groups of alike shapes, and cells that neither a huge box nor an outlier can
+// spoil.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <limits>
+#include <numeric>
 #include <vector>
 
-#include "engine_client/broad_phase/grid_layout.h"
-#include "engine_client/broad_phase/soa_boxes.h"
+#include "engine_client/broad_phase/grid_measure.h"
+#include "engine_client/broad_phase/grid_plan.h"
+#include "engine_client/broad_phase/grid_sort.h"
+#include "engine_client/broad_phase/group_grid.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 
@@ -14,30 +20,27 @@ namespace {
 
 using test_support::BoxScene;
 using test_support::MakeOrThrow;
+using test_support::Random;
 using test_support::Verdict;
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<Aabb> OrdinaryBoxes(size_t count) {
   const BoxScene scene("brownian", count, 7);
   return {scene.boxes().begin(), scene.boxes().end()};
 }
 
-struct Laid {
-  BoxSpread spread;
-  float side;
-  GridLayout layout;
-};
-
-Laid LayOut(const std::vector<Aabb>& boxes) {
-  SoaBoxes lanes;
-  lanes.Gather(boxes);
-  Laid laid;
-  MeasureSpread(lanes.Lanes(), laid.spread);
-  laid.side = ChooseOrdinarySide(laid.spread);
-  laid.layout = LayOutGrid(lanes.Lanes(), laid.spread, laid.side, 8 * boxes.size() + 512);
-  return laid;
+// Boxes of 0.1 × 0.1 × 10, along any axis.
+std::vector<Aabb> Needles(size_t count) {
+  std::vector<Aabb> boxes = OrdinaryBoxes(count);
+  for (size_t i = 0; i < count; ++i) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      boxes[i].max[axis] = boxes[i].min[axis] + (axis == i % 3 ? 10.0F : 0.1F);
+    }
+  }
+  return boxes;
 }
 
 uint64_t ChecksFor(const std::vector<Aabb>& boxes) {
@@ -48,80 +51,157 @@ uint64_t ChecksFor(const std::vector<Aabb>& boxes) {
   return grid->aabb_check_count();
 }
 
-TEST(BoxSpread, CountsOnlyBoxesThatTakePart) {
+GridPlan PlanFor(const std::vector<Aabb>& boxes) {
+  GridPlan plan;
+  plan.Reset();
+  plan.MakeGrids(nullptr, boxes);
+  return plan;
+}
+
+uint64_t CellsOf(const GridPlan& plan) { return plan.grids().back().last_cell(); }
+
+TEST(GridMeasure, CountsOnlyBoxesThatTakePart) {
   const std::vector<Aabb> boxes = {{{1, 2, 3}, {2, 4, 6}},
                                    {{-kInfinity, 0, 0}, {1, 1, 1}},
                                    {{5, 5, 5}, {4, 4, 4}},
+                                   {{0, kNan, 9}, {0, 9, 9}},
                                    {{0, 9, 9}, {0, 9, 9}}};
-  const Laid laid = LayOut(boxes);
-  EXPECT_EQ(laid.spread.count, 2U);
-  EXPECT_EQ(laid.spread.low[0], 0);
-  EXPECT_EQ(laid.spread.high[0], 1);
-  EXPECT_EQ(laid.spread.high[2], 9);
-  EXPECT_EQ(laid.spread.longest_side, 3);
-  size_t counted = 0;
-  for (const uint32_t count : laid.spread.side_counts) counted += count;
-  EXPECT_EQ(counted, 2U);
+  const GridMeasure measure = MeasureBoxes(boxes, {100});
+  EXPECT_EQ(measure.count(), 2U);
+  EXPECT_EQ(measure.low[0], 0) << "half coordinates";
+  EXPECT_EQ(measure.high[0], 0.5F);
+  EXPECT_EQ(measure.high[2], 4.5F);
+  EXPECT_EQ(measure.shapes[0].longest[2], 1.5F);
 }
 
-TEST(GridLayout, FitsTheLargestBoxWhereSizesAreAlike) {
-  const Laid laid = LayOut(OrdinaryBoxes(2000));
-  EXPECT_EQ(laid.side, laid.spread.longest_side);
-  EXPECT_GT(laid.layout.cells[0] * laid.layout.cells[1] * laid.layout.cells[2], 400U);
+TEST(GridMeasure, TellsShapesApartAxisByAxis) {
+  const GridMeasure measure = MeasureBoxes(Needles(300), {0.5F});
+  EXPECT_EQ(measure.count(), 300U);
+  for (const int axis : {0, 1, 2}) {
+    const uint32_t along = 2U << (ShapeClasses::kBitsPerAxis * axis);  // 5 > 4 · 0.5
+    EXPECT_EQ(measure.shapes[along].count, 100U);
+  }
 }
 
-TEST(GridLayout, IsNotCoarsenedByOneHugeBox) {
+TEST(GridMeasure, JoinsPartsToTheWhole) {
+  const std::vector<Aabb> boxes = Needles(333);
+  const GridMeasure whole = MeasureBoxes(boxes, {0.5F});
+  GridMeasure joined = MeasureBoxes(std::span(boxes).first(100), {0.5F});
+  joined.Join(MeasureBoxes(std::span(boxes).subspan(100), {0.5F}));
+  EXPECT_EQ(joined.low[1], whole.low[1]);
+  EXPECT_EQ(joined.high[2], whole.high[2]);
+  for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
+    EXPECT_EQ(joined.shapes[k].count, whole.shapes[k].count);
+    EXPECT_EQ(joined.shapes[k].longest[0], whole.shapes[k].longest[0]);
+  }
+}
+
+TEST(GroupGrid, HasCellsOfTheLongestBoxWhereThereIsRoomForThem) {
+  const CornerBounds bounds = {{0, 0, 0}, {10, 20, 10}};
+  const GroupGrid grid = MakeGroupGrid(bounds, {1000, {1, 2, 1}}, 100'000);
+  EXPECT_EQ(grid.cells[1], 10U);
+  EXPECT_EQ(grid.cells[2], 10U);
+  EXPECT_GE(grid.cells[0], 10U) << "finer along the rows";
+  EXPECT_GE(grid.reach[1], 2);
+}
+
+TEST(GroupGrid, KeepsToItsMostCellsWhateverTheExtent) {
+  for (const double extent : {1e-30, 1.0, 1e10, 1.7e38}) {
+    const CornerBounds bounds = {{-extent, 0, -extent}, {extent, 0, extent}};
+    const GroupGrid grid = MakeGroupGrid(bounds, {1000, {0, 0, 0}}, 4000);
+    EXPECT_LE(grid.cell_count(), 4000U) << extent;
+    EXPECT_GE(grid.cell_count(), 1000U) << extent;
+    EXPECT_EQ(grid.cells[1], 1U);
+  }
+}
+
+TEST(GroupGrid, LaysRowsAcrossLongBoxes) {
+  const CornerBounds bounds = {{0, 0, 0}, {100, 100, 100}};
+  EXPECT_EQ(MakeGroupGrid(bounds, {1000, {10, 1, 1}}, 4'000'000).row_axis, 1);
+  EXPECT_EQ(MakeGroupGrid(bounds, {1000, {1, 10, 1}}, 4'000'000).row_axis, 2);
+  EXPECT_EQ(MakeGroupGrid(bounds, {1000, {1, 1, 10}}, 4'000'000).row_axis, 0);
+  EXPECT_EQ(MakeGroupGrid(bounds, {1000, {20, 1, 20}}, 4'000'000).row_axis, 1) << "plates";
+}
+
+TEST(GridPlan, HasOneGridForBoxesOfOneSize) {
+  EXPECT_EQ(PlanFor(OrdinaryBoxes(2000)).grids().size(), 1U);
+  EXPECT_EQ(PlanFor({}).grids().size(), 1U);
+}
+
+TEST(GridPlan, GivesNeedlesOfEachDirectionAGridOfTheirOwn) {
+  const GridPlan plan = PlanFor(Needles(3000));
+  EXPECT_EQ(plan.grids().size(), 3U);
+  int looks = 0;
+  for (size_t g = 0; g < 3; ++g) looks += std::popcount(plan.looks_into()[g]);
+  EXPECT_EQ(looks, 3) << "of each two groups one looks";
+}
+
+TEST(GridPlan, IsNotCoarsenedByOneHugeBox) {
   std::vector<Aabb> boxes = OrdinaryBoxes(2000);
-  const Laid without = LayOut(boxes);
+  const uint64_t without = CellsOf(PlanFor(boxes));
   boxes.push_back({{-500, -500, -500}, {500, 500, 500}});
-  const Laid with = LayOut(boxes);
-  EXPECT_LE(with.side, without.side * 1.2F);
+  EXPECT_GE(2 * CellsOf(PlanFor(boxes)), without);
 }
 
-TEST(GridLayout, DividesTheBulkFinelyDespiteOutliers) {
+TEST(GridPlan, DividesTheBulkFinelyDespiteOutliers) {
   std::vector<Aabb> boxes = OrdinaryBoxes(2000);
-  const Laid without = LayOut(boxes);
+  const GridPlan without = PlanFor(boxes);
   for (const float far : {-1e30F, 1e30F, -kLargest, kLargest}) {
     boxes.push_back({{far, far, far}, {far, far, far}});
   }
-  const Laid with = LayOut(boxes);
+  const GridPlan with = PlanFor(boxes);
   for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_GE(with.layout.cells[axis] * 4, without.layout.cells[axis]);
+    EXPECT_GE(with.grids()[0].scale[axis] * 4, without.grids()[0].scale[axis]);
   }
-  EXPECT_LE(with.layout.bordered_cells(), 8 * boxes.size() + 512);
 }
 
-TEST(GridLayout, KeepsToItsMostCellsWhateverTheExtent) {
-  std::vector<Aabb> boxes;
-  for (int i = -500; i < 500; ++i) {
-    const float x = static_cast<float>(i) * (kLargest / 1000);
-    boxes.push_back({{x, 0, 0}, {x, 0, 0}});
-  }
-  const Laid laid = LayOut(boxes);
-  EXPECT_LE(laid.layout.bordered_cells(), 8 * boxes.size() + 512);
-  EXPECT_GT(laid.layout.cells[0], 100U);
+TEST(GridPlan, TakesInShapesItHasNotSeenBefore) {
+  std::vector<Aabb> boxes = OrdinaryBoxes(2000);
+  GridPlan plan = PlanFor(boxes);
+  const uint64_t before = CellsOf(plan);
+  boxes.push_back({{-500, -500, -500}, {500, 500, 500}});
+  plan.MakeGrids(nullptr, boxes);
+  EXPECT_EQ(plan.grids().size(), 2U);
+  EXPECT_GE(2 * CellsOf(plan), before);
 }
 
-TEST(GridLayout, NumbersCellsInTheOrderOfCoordinates) {
-  for (const Laid& laid :
-       {LayOut(OrdinaryBoxes(500)),
-        LayOut({{{-kLargest, 0, 0}, {kLargest, 1e-40F, 0}}, {{0, 0, 0}, {0, 0, 0}}}), LayOut({})}) {
-    uint32_t previous = 0;
-    for (const float x : {-kLargest, -1e30F, -100.0F, -1.0F, -1e-40F, 0.0F, 1e-40F, 0.5F, 3.0F,
-                          7.0F, 1e30F, kLargest}) {
-      const uint32_t cell = laid.layout.CellOf(x, 0);
-      EXPECT_GE(cell, previous) << "at " << x;
-      EXPECT_LT(cell, laid.layout.cells[0]);
-      previous = cell;
-    }
+TEST(GridSort, PutsEachBoxIntoTheCellOfItsMinCornerAndLeavesOutAbsentOnes) {
+  std::vector<Aabb> boxes = OrdinaryBoxes(500);
+  boxes[77].min[0] = kNan;
+  const GridPlan plan = PlanFor(boxes);
+  GridSort sort;
+  sort.Sort(nullptr, boxes, plan.grids(), plan.choice());
+  const size_t cells = plan.grids().back().last_cell();
+  EXPECT_EQ(sort.starts()[0], 0U);
+  EXPECT_EQ(sort.starts()[cells], 499U);
+  EXPECT_EQ(sort.lanes().id[499], 77U);
+  std::vector<uint32_t> ids(sort.lanes().id, sort.lanes().id + 500);
+  std::sort(ids.begin(), ids.end());
+  std::vector<uint32_t> all(500);
+  std::iota(all.begin(), all.end(), 0U);
+  EXPECT_EQ(ids, all);
+  for (size_t slot = 0; slot < 499; ++slot) {
+    EXPECT_EQ(sort.lanes().max[1][slot], boxes[sort.lanes().id[slot]].max[1]);
   }
+}
+
+TEST(GridSort, GivesTheSameOrderInParts) {
+  const std::vector<Aabb> boxes = Needles(20'000);
+  const GridPlan plan = PlanFor(boxes);
+  const auto pool = MakeThreadPool(3);
+  GridSort alone;
+  GridSort together;
+  alone.Sort(nullptr, boxes, plan.grids(), plan.choice());
+  together.Sort(pool.get(), boxes, plan.grids(), plan.choice());
+  EXPECT_TRUE(std::equal(alone.lanes().id, alone.lanes().id + boxes.size(), together.lanes().id));
+  EXPECT_TRUE(std::equal(alone.starts(), alone.starts() + CellsOf(plan) + 1, together.starts()));
 }
 
 TEST(Grid, ComparesLittleMoreForOneHugeBox) {
   std::vector<Aabb> boxes = OrdinaryBoxes(3000);
   const uint64_t without = ChecksFor(boxes);
   boxes.push_back({{-1e30F, -1e30F, -1e30F}, {1e30F, 1e30F, 1e30F}});
-  EXPECT_LE(ChecksFor(boxes), without + 3 * 3000);
+  EXPECT_LE(ChecksFor(boxes), without + 4 * 3000);
 }
 
 TEST(Grid, ComparesLittleMoreForOutliers) {
@@ -132,7 +212,16 @@ TEST(Grid, ComparesLittleMoreForOutliers) {
   EXPECT_LE(ChecksFor(boxes), 3 * without);
 }
 
-TEST(Grid, ComparesFarFewerThanAllPairs) { EXPECT_LE(ChecksFor(OrdinaryBoxes(3000)), 3000U * 200); }
+TEST(Grid, ComparesFarFewerThanAllPairs) { EXPECT_LE(ChecksFor(OrdinaryBoxes(3000)), 3000U * 100); }
+
+TEST(Grid, ComparesFarFewerThanAllPairsOfNeedles) {
+  EXPECT_LE(ChecksFor(Needles(3000)), 3000U * 200);
+}
+
+TEST(Grid, ComparesFarFewerThanAllPairsWhereSizesSpanThreeDecades) {
+  const BoxScene scene("sizes-1-to-1000", 3000, 7);
+  EXPECT_LE(ChecksFor({scene.boxes().begin(), scene.boxes().end()}), 3000U * 200);
+}
 
 TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
   // A small box in the middle, and one around each corner, edge and face of its cell's
@@ -144,6 +233,22 @@ TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
         boxes.push_back({{x, y, z}, {x + 0.75F, y + 0.75F, z + 0.75F}});
       }
     }
+  }
+  ChecksFor(boxes);
+}
+
+// Rounding there makes boxes reach further than the next cell.
+TEST(Grid, FindsPartnersFarFromTheOriginOfItsCells) {
+  Random random(3);
+  std::vector<Aabb> boxes;
+  for (int i = 0; i < 400; ++i) {
+    Aabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float base = i % 50 == 0 ? -1e9F : 1e9F;
+      box.min[axis] = base + 64 * static_cast<float>(random.Below(12));
+      box.max[axis] = box.min[axis] + 64 * static_cast<float>(random.Below(3));
+    }
+    boxes.push_back(box);
   }
   ChecksFor(boxes);
 }
