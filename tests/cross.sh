@@ -124,10 +124,10 @@ build_libraries() {
   say "$platform: GoogleTest$([[ $platform == windows ]] && echo ' and Highway')"
   rm -rf "$tree"
   mkdir -p "$tree"
-  for deb in "$packages"/downloads/*_all.deb; do dpkg -x "$deb" "$tree"; done
+  for deb in "$packages"/downloads/*_all.deb; do dpkg -x "$deb" "$tree" || return; done
   quietly "$packages/$platform-googletest.log" build_library "$platform" googletest "$tree/usr/src/googletest" || return
   case $platform in
-    aarch64) for deb in "$packages"/downloads/*_arm64.deb; do dpkg -x "$deb" "$tree"; done ;;
+    aarch64) for deb in "$packages"/downloads/*_arm64.deb; do dpkg -x "$deb" "$tree" || return; done ;;
     windows)
       quietly "$packages/$platform-highway.log" build_library "$platform" highway "$packages/highway" \
         -DBUILD_TESTING=OFF -DHWY_ENABLE_CONTRIB=OFF -DHWY_ENABLE_EXAMPLES=OFF || return
