@@ -242,7 +242,8 @@ class BlockSearch {
 
   // The first `count` pairs, and up to a register more.
   template <class D, class V>
-  static HWY_INLINE void StorePairs(D d, V first, V second, size_t count, OverlapPair* out) {
+  static HWY_INLINE void StorePairs([[maybe_unused]] D d, V first, V second, size_t count,
+                                    OverlapPair* out) {
 #if HWY_TARGET == HWY_SCALAR
     (void)count;
     hn::StoreInterleaved2(first, second, d, &out->a);
