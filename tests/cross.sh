@@ -142,7 +142,8 @@ configure_and_build() {
   quietly "$build/configure.log" cmake "${configuration[@]}" "${launcher[@]}" -S . -B "$build" "${@:3}" || return
   grep '^-- Left out' "$build/configure.log" || true
   say "$1: compiles"
-  quietly "$build/build.log" cmake --build "$build" -j "$jobs" --target "$targets"
+  # All faults in one run.
+  quietly "$build/build.log" cmake --build "$build" -j "$jobs" --target "$targets" -- -k 0
 }
 
 run_tests() {
