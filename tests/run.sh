@@ -25,7 +25,8 @@ if [[ ${1:-} == --help ]]; then
 fi
 ((${#presets[@]} > 0)) || presets=(dev)
 
-deploy/install_packages.sh
+# With the libraries that `sweepstake bench --peers` compares with.
+deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libboost-dev libcgal-dev
 (cd tests/proto && npm ci --no-audit --no-fund --silent)
 
 jobs=$(nproc)

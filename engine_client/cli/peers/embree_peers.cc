@@ -1,6 +1,10 @@
 #include "engine_client/cli/peers/embree_peers.h"
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <atomic>
 

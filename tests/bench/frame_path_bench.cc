@@ -1,0 +1,182 @@
+// What adaptation and telemetry cost the frame thread, the backend excluded: the frame path with a
+// backend that does nothing, its samples going nowhere, into a queue that nobody reads, or into one
+// that is read as a session reads it.
+//
+// Prints nanoseconds per frame (the goal is below 100) and, per frame and counted apart from the
+// timing: calls of operator new and malloc, calls that could make the thread wait (wait_counter.h
+// lists them), and system calls of any kind (system_call_counter.h), the clock's own included. Ends
+// with 1 when any of these is not zero.
+#include <benchmark/benchmark.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/scene/box_scenes.h"
+#include "engine_client/telemetry/sample_queue.h"
+#include "tests/bench/system_call_counter.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/malloc_counter.h"
+#include "tests/support/wait_counter.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr int kWarmUpFrames = 20'000;
+constexpr int kCountedFrames = 20'000;
+
+class NullBackend final : public BroadPhase {
+ public:
+  std::string_view name() const override { return "Null"; }
+  uint32_t version() const override { return 1; }
+  void Build(std::span<const Aabb>) override {}
+  void Update(std::span<const Aabb>) override {}
+  void FindPairs(PairBuffer&) override {}
+  uint64_t aabb_check_count() const override { return 0; }
+  size_t native_bytes() const override { return 0; }
+};
+
+// Empties the queue every millisecond until it goes.
+class Reader {
+ public:
+  explicit Reader(SampleQueue& queue)
+      : thread_([this, &queue] {
+          while (!stop_.load(std::memory_order_relaxed)) {
+            while (queue.Pop()) {
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          }
+        }) {}
+  ~Reader() {
+    stop_.store(true, std::memory_order_relaxed);
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+// The frame path and the scene it is shown.
+class FramePath {
+ public:
+  FramePath(FrameSink* sink, size_t object_count) : scene_("brownian", object_count, 11) {
+    std::vector<std::unique_ptr<BroadPhase>> backends;
+    backends.push_back(std::make_unique<NullBackend>());
+    adaptive_ = std::move(*AdaptiveFactory::Make({}, std::move(backends), sink, SteadyClock()));
+    for (int frame = 0; frame < kWarmUpFrames; ++frame) Frame();
+  }
+
+  void Frame() {
+    adaptive_->BeginFrame();
+    benchmark::DoNotOptimize(adaptive_->FindPairs(scene_.boxes()).data());
+    adaptive_->EndFrame({.frame_time_ns = 16'666'667});
+  }
+
+ private:
+  BoxScene scene_;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+};
+
+struct Faults {
+  uint64_t allocation_count = 0;
+  uint64_t wait_count = 0;
+  std::optional<uint64_t> system_call_count;  // absent: this system cannot count them
+};
+
+Faults CountFaults(FramePath& path) {
+  const auto run = [&] {
+    for (int frame = 0; frame < kCountedFrames; ++frame) path.Frame();
+  };
+  Faults faults;
+  const uint64_t before = test_support::ThreadAllocationCount() + test_support::ThreadMallocCount();
+  {
+    const test_support::WaitCounter waits;
+    run();
+    faults.wait_count = waits.count();
+  }
+  faults.allocation_count =
+      test_support::ThreadAllocationCount() + test_support::ThreadMallocCount() - before;
+  if (const auto calls = test_support::CountSystemCalls(run)) {
+    faults.system_call_count = calls->count;
+  }
+  return faults;
+}
+
+bool any_fault = false;  // what Google Benchmark has no return value for
+
+void Report(const Faults& faults, benchmark::State& state) {
+  const auto per_frame = [](uint64_t count) { return static_cast<double>(count) / kCountedFrames; };
+  state.counters["allocations"] = per_frame(faults.allocation_count);
+  state.counters["waits"] = per_frame(faults.wait_count);
+  state.counters["system_calls"] = per_frame(faults.system_call_count);
+  any_fault =
+      any_fault || faults.allocation_count + faults.wait_count > 0 || faults.system_call_count > 0;
+}
+
+void Measure(FrameSink* sink, benchmark::State& state) {
+  FramePath path(sink, static_cast<size_t>(state.range(0)));
+  for (auto _ : state) path.Frame();
+  Report(CountFaults(path), state);
+}
+
+void BM_FrameWithoutSink(benchmark::State& state) { Measure(nullptr, state); }
+
+void BM_FrameIntoAFullQueue(benchmark::State& state) {
+  SampleQueue queue(4096);
+  Measure(&queue, state);
+}
+
+// The filter of the count stops this thread only, so the reader goes first.
+void BM_FrameIntoAQueueThatIsRead(benchmark::State& state) {
+  SampleQueue queue(4096);
+  FramePath path(&queue, static_cast<size_t>(state.range(0)));
+  {
+    const Reader reader(queue);
+    for (auto _ : state) path.Frame();
+  }
+  Report(CountFaults(path), state);
+}
+
+BENCHMARK(BM_FrameWithoutSink)->Arg(1000)->Arg(100'000);
+BENCHMARK(BM_FrameIntoAFullQueue)->Arg(1000)->Arg(100'000);
+BENCHMARK(BM_FrameIntoAQueueThatIsRead)->Arg(1000)->Arg(100'000)->UseRealTime();
+
+// What the clock takes of it: two readings per frame.
+void BM_TwoReadingsOfTheClock(benchmark::State& state) {
+  Clock& clock = SteadyClock();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(clock.NowNs());
+    benchmark::DoNotOptimize(clock.NowNs());
+  }
+}
+BENCHMARK(BM_TwoReadingsOfTheClock);
+
+// A counter that sees nothing would praise everything.
+bool CounterSeesSystemCalls() {
+  const auto calls = test_support::CountSystemCalls([] { (void)syscall(SYS_getppid); });
+  return !calls || (calls->count == 1 && calls->last_number == SYS_getppid);
+}
+
+}  // namespace
+}  // namespace sweepstake
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  if (!sweepstake::CounterSeesSystemCalls()) {
+    std::fputs("The counter of system calls does not count.\n", stderr);
+    return 1;
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  if (sweepstake::any_fault)
+    std::fputs("The frame path allocated, waited or called the system.\n", stderr);
+  return sweepstake::any_fault ? 1 : 0;
+}

@@ -1,0 +1,101 @@
+#!/usr/bin/env bash
+# Measures the backends: see README.md beside this file, or --help.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+root=$(cd "$here/../.." && pwd)
+parts=(suite large million slow shapes coincident counts threads frame-path)
+
+usage() {
+  cat <<END
+Usage: tests/bench/run.sh [--quick] [--program PATH] [--out FOLDER] [--json] [PART…]
+
+Runs the parts (all of them by default): ${parts[*]}.
+Each part's table goes to stdout and to FOLDER/PART.txt; with --json its document to FOLDER/PART.json instead.
+  --quick         a few frames of small scenes, to see that everything works
+  --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
+  --out FOLDER    (default: build/bench)
+Ends with 1 when a backend or a peer found wrong pairs, or the frame path allocated or waited.
+Takes some 10 minutes on two cores, one minute with --quick; nothing else should run meanwhile.
+END
+}
+
+quick=0
+json=0
+program=$root/build/release/bin/sweepstake
+out=$root/build/bench
+chosen=()
+while (($# > 0)); do
+  case $1 in
+    --quick) quick=1 ;;
+    --json) json=1 ;;
+    --program) program=$2; shift ;;
+    --out) out=$2; shift ;;
+    -h | --help) usage; exit 0 ;;
+    -*) usage >&2; exit 2 ;;
+    *)
+      [[ " ${parts[*]} " == *" $1 "* ]] || { echo "There is no part '$1'; the parts are ${parts[*]}" >&2; exit 2; }
+      chosen+=("$1")
+      ;;
+  esac
+  shift
+done
+((${#chosen[@]} > 0)) || chosen=("${parts[@]}")
+[[ -x $program ]] || { echo "No program at $program: build it (cmake --workflow --preset release), or give --program" >&2; exit 2; }
+mkdir -p "$out"
+
+# bench SCENES COUNTS FRAMES WARMUP CAP_S ARGUMENT…: appends a run of the current part to its file.
+bench() {
+  local sized=(--scene "$1" --objects "$2" --frames "$3" --warmup "$4" --peer-cap "$5")
+  ((quick == 0)) || sized=(--scene "$1" --objects 200,400 --frames 4 --warmup 1 --peer-cap 0.2)
+  shift 5
+  if ((json)); then
+    "$program" bench --json "${sized[@]}" "$@" >>"$file"
+  else
+    "$program" bench "${sized[@]}" "$@" | tee -a "$file"
+  fi
+}
+
+# Brute force is quadratic: it is left out above 10,000 objects.
+fast=Grid,SAP,AxisSweep,DBVT,Tracy,KDTree
+suite=suite-b,suite-g,suite-h
+shapes=sizes-1-to-1000,beams,clusters,planar,teleporting,one-huge
+
+measure() {
+  case $1 in
+    suite) bench $suite 1000,3000,10000 120 20 2 --peers ;;
+    large) bench $suite 100000 20 20 5 --peers --arms $fast ;;
+    million) bench suite-b 10000,100000,1000000 8 8 5 --peers --arms Grid,DBVT,Tracy,KDTree ;;
+    slow) bench nearly-resting,few-moving 1000,10000 120 20 2 --peers ;;
+    shapes)
+      bench $shapes 1000,10000 60 20 1 --peers
+      bench long-thin 3000 60 20 1 --peers
+      ;;
+    coincident) bench all-coincident 500,1000 40 5 1 --peers ;;
+    counts) bench spawning 1000,10000 128 20 2 --peers ;;
+    threads) bench $suite 10000,100000 40 20 1 --arms $fast --threads 1,2 ;;
+    frame-path) frame_path ;;
+  esac
+}
+
+frame_path() {
+  local path_bench
+  path_bench=$(dirname "$program")/frame_path_bench
+  if [[ ! -x $path_bench ]]; then
+    echo "frame-path left out: $path_bench was not built (Google Benchmark: libbenchmark-dev)" | tee -a "$file"
+    return
+  fi
+  local options=()
+  ((quick == 0)) || options+=(--benchmark_min_time=0.01)
+  ((json == 0)) || options+=(--benchmark_format=json)
+  "$path_bench" "${options[@]}" | tee -a "$file"
+}
+
+failed=()
+for part in "${chosen[@]}"; do
+  file=$out/$part.$( ((json)) && echo json || echo txt)
+  : >"$file"
+  echo "== $part" >&2
+  measure "$part" || failed+=("$part")
+done
+((${#failed[@]} == 0)) || { echo "Failed: ${failed[*]}" >&2; exit 1; }
