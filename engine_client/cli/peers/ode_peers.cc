@@ -38,14 +38,6 @@ uint32_t IdOf(dGeomID geom) {
 
 dSpaceID MakeSimple(std::span<const Aabb>) { return dSimpleSpaceCreate(nullptr); }
 
-// Levels from the smallest box to the world: finer ones are of no use, and larger boxes meet
-// everything.
-dSpaceID MakeHash(std::span<const Aabb>) {
-  const dSpaceID space = dHashSpaceCreate(nullptr);
-  dHashSpaceSetLevels(space, -3, 10);
-  return space;
-}
-
 dSpaceID MakeSweep(std::span<const Aabb>) {
   return dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ);
 }
@@ -124,9 +116,9 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 
 void AddOdePeers(PeerLibrary& library) {
   library.version = SWEEPSTAKE_ODE_VERSION;  // ODE's headers do not say
+  // dHashSpace is left out: in 0.16.2 it misses pairs (one in frame 4 of 400 objects of spawning).
   library.kinds = {
       {"OdeSimpleSpace", "BruteForce", 20'000, false, Make<MakeSimple>},
-      {"OdeHashSpace", "Grid", 1'000'000, false, Make<MakeHash>},
       {"OdeSweepSpace", "SAP", 1'000'000, false, Make<MakeSweep>},
       {"OdeQuadtreeSpace", "DBVT", 100'000, false, Make<MakeQuadtree>},
   };

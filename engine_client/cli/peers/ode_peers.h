@@ -1,4 +1,4 @@
-// ODE: its collision spaces (simple, hash, sweep and prune, quadtree), on boxes in double
+// ODE: its collision spaces (simple, sweep and prune, quadtree), on boxes in double
 // precision.
 #pragma once
 
