@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "engine_client/broad_phase/dbvt_margins.h"
@@ -14,11 +13,16 @@
 namespace sweepstake {
 namespace {
 
-// From this share of entries to put elsewhere on, the tree is built anew.
-constexpr size_t kMisplacedDivisor = 3;
+// From this share of entries to put elsewhere on, at 0.2 us each, the tree is built anew at once.
+constexpr size_t kMisplacedDivisor = 8;
 // The tree is built anew when the checks above those of the cheapest frame since add up to this
-// many per object: about what the order costs, so that neither costs more than twice the best.
-constexpr uint64_t kChecksPerSort = 128;
+// many per object: 28 ns for the order and the tree at 0.27 ns per check, so that neither costs
+// more than twice the best.
+constexpr uint64_t kChecksPerSort = 100;
+// The order is made over so many frames that each costs about a third more.
+constexpr uint64_t kMostSortFrames = 6;
+constexpr uint64_t kSortSpread = 3;
+constexpr uint64_t kChecksPerPair = 8;  // what writing one costs
 // At rest: of the sampled objects at most this share goes further than a step a frame.
 constexpr size_t kRestlessDivisor = 32;
 // Candidates cost memory: no more pairs per object than this while they are kept.
@@ -44,9 +48,12 @@ class Dbvt final : public BroadPhase {
 
  private:
   void Sort(std::span<const Aabb> boxes);
+  void AdoptOrder(std::span<const Aabb> boxes);
+  bool AdvanceOrder(std::span<const Aabb> boxes);
+  uint64_t SortFrames(size_t object_count) const;
   void TakeCount(size_t count);
   void Refit(std::span<const Aabb> boxes);
-  void CollectReturning(std::span<const Aabb> boxes);
+  void InsertReturning(std::span<const Aabb> boxes);
   void ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& motion);
   void StopResting();
 
@@ -54,10 +61,11 @@ class Dbvt final : public BroadPhase {
   DbvtTree tree_;
   DbvtMargins margins_;
   KdOrder splitter_;
-  AlignedBuffer<uint32_t> order_;
+  AlignedBuffer<uint32_t> order_;  // the slots of the latest sort
+  size_t sorted_count_ = 0;        // objects there were when the latest sort began
+  bool is_sorting_ = false;
   // Objects whose boxes do not take part; not kept up to date while at rest.
   std::vector<uint32_t> absent_;
-  std::vector<uint32_t> returning_;
   PairParts parts_;
   size_t pair_count_ = 0;  // found latest
   bool is_at_rest_ = false;
@@ -66,6 +74,7 @@ class Dbvt final : public BroadPhase {
   uint32_t calm_frames_ = 0;
   uint32_t resting_frames_ = 0;
   uint32_t patience_ = kLeastPatience;
+  uint64_t latest_cost_ = 0;  // of the latest search, in checks
   uint64_t update_checks_ = 0;
   uint64_t pair_checks_ = 0;
 };
@@ -82,17 +91,48 @@ void Dbvt::Build(std::span<const Aabb> boxes) {
 }
 
 void Dbvt::Sort(std::span<const Aabb> boxes) {
-  order_.EnsureDiscarding(boxes.size());
-  const std::span<uint32_t> order{order_.data(), boxes.size()};
-  std::iota(order.begin(), order.end(), 0U);
-  splitter_.Sort(boxes, order);
-  // Those that do not take part are last.
-  size_t present = order.size();
-  while (present > 0 && !TakesPart(boxes[order[present - 1]])) --present;
-  tree_.Build(boxes, order.first(present), executor_);
-  absent_.assign(order.begin() + static_cast<std::ptrdiff_t>(present), order.end());
+  splitter_.Begin(boxes);
+  splitter_.Finish(executor_);
+  sorted_count_ = boxes.size();
+  AdoptOrder(boxes);
+}
+
+void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
+  order_.EnsureDiscarding(KdOrder::MostSlots(sorted_count_));
+  const std::span<uint32_t> slots{order_.data(), splitter_.slot_count()};
+  splitter_.TakeSlots(slots);
+  absent_.clear();
+  tree_.Build(boxes, slots, executor_, absent_);
+  for (size_t object = sorted_count_; object < boxes.size(); ++object) {
+    absent_.push_back(static_cast<uint32_t>(object));
+  }
+  InsertReturning(boxes);
+  is_sorting_ = false;
   fewest_checks_ = std::numeric_limits<uint64_t>::max();
   excess_checks_ = 0;
+}
+
+// As much of a sort as this frame is to bear. True: the tree was built anew.
+bool Dbvt::AdvanceOrder(std::span<const Aabb> boxes) {
+  if (!is_sorting_) {
+    if (excess_checks_ <= kChecksPerSort * boxes.size()) return false;
+    splitter_.Begin(boxes);
+    sorted_count_ = boxes.size();
+    is_sorting_ = true;
+  }
+  const uint64_t frames = SortFrames(boxes.size());
+  if (frames == 1) {
+    splitter_.Finish(executor_);
+  } else if (!splitter_.Advance(splitter_.work() / frames + 1)) {
+    return false;
+  }
+  AdoptOrder(boxes);
+  return true;
+}
+
+uint64_t Dbvt::SortFrames(size_t object_count) const {
+  return std::clamp(kSortSpread * kChecksPerSort * object_count / (latest_cost_ + 1), uint64_t{1},
+                    kMostSortFrames);
 }
 
 void Dbvt::Update(std::span<const Aabb> boxes) {
@@ -100,6 +140,7 @@ void Dbvt::Update(std::span<const Aabb> boxes) {
   // Many at once are better sorted in than inserted one by one.
   if (boxes.size() > old_count + old_count / 2) return Build(boxes);
   update_checks_ = 0;
+  latest_cost_ = pair_checks_ + kChecksPerPair * pair_count_;
   pair_checks_ = 0;
   if (is_at_rest_) {
     ++resting_frames_;
@@ -125,23 +166,20 @@ void Dbvt::TakeCount(size_t count) {
 }
 
 void Dbvt::Refit(std::span<const Aabb> boxes) {
-  if (excess_checks_ > kChecksPerSort * boxes.size()) return Sort(boxes);
-  CollectReturning(boxes);
+  if (AdvanceOrder(boxes)) return;
   const DbvtTree::Motion motion = tree_.Refit(boxes, margins_.Step(), executor_, absent_);
-  if (tree_.waiting_count() + returning_.size() > boxes.size() / kMisplacedDivisor) {
-    Sort(boxes);
-  } else {
-    tree_.Settle();
-    for (const uint32_t object : returning_) tree_.Insert(object, boxes[object]);
+  if (motion.is_upheaval || tree_.waiting_count() > boxes.size() / kMisplacedDivisor) {
+    return Sort(boxes);
   }
+  tree_.Settle();
+  InsertReturning(boxes);
   ConsiderRest(boxes, motion);
 }
 
-void Dbvt::CollectReturning(std::span<const Aabb> boxes) {
-  returning_.clear();
+void Dbvt::InsertReturning(std::span<const Aabb> boxes) {
   std::erase_if(absent_, [&](uint32_t object) {
     if (!TakesPart(boxes[object])) return false;
-    returning_.push_back(object);
+    tree_.Insert(object, boxes[object]);
     return true;
   });
 }
@@ -154,6 +192,7 @@ void Dbvt::ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& mot
   margins_.MeasureSide(boxes);
   margins_.Start(boxes, motion.mean, tree_, executor_);
   is_at_rest_ = true;
+  is_sorting_ = false;
   resting_frames_ = 0;
 }
 
@@ -187,8 +226,7 @@ void Dbvt::FindPairs(PairBuffer& out) {
 
 size_t Dbvt::native_bytes() const {
   return tree_.native_bytes() + margins_.native_bytes() + splitter_.native_bytes() +
-         order_.capacity_bytes() + parts_.native_bytes() +
-         (absent_.capacity() + returning_.capacity()) * sizeof(uint32_t);
+         order_.capacity_bytes() + parts_.native_bytes() + absent_.capacity() * sizeof(uint32_t);
 }
 
 }  // namespace

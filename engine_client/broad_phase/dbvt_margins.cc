@@ -266,15 +266,17 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   }
 }
 
+// Few are dropped: a branch that is foreseen lets the loop run four times as fast as a store whose
+// address waits for the flags.
 void DbvtMargins::DropCandidatesOfLeavers() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
-  size_t kept = 0;
+  OverlapPair* kept = candidates.data();
   for (const OverlapPair& pair : candidates) {
-    candidates[kept] = pair;
-    kept += (has_left_[pair.a] | has_left_[pair.b]) == 0 ? 1 : 0;
+    if ((has_left_[pair.a] | has_left_[pair.b]) != 0) continue;
+    *kept++ = pair;
   }
   candidates_.Clear();
-  candidates_.Advance(kept);
+  candidates_.Advance(static_cast<size_t>(kept - candidates.data()));
 }
 
 uint64_t DbvtMargins::FindPairs(Executor* executor, PairParts& parts, PairBuffer& out) {

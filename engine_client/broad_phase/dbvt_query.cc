@@ -7,6 +7,7 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/overlap_kernel-inl.h"
+#include "hwy/cache_control.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
@@ -123,8 +124,18 @@ HWY_INLINE void EmptySlotStore(LeafSearch& search) {
   search.slot_count = 0;
 }
 
+// Of large trees leaves are not in the cache.
+HWY_INLINE void FetchAhead(const DbvtNode& leaf) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    hwy::Prefetch(leaf.min[axis]);
+    hwy::Prefetch(leaf.max[axis]);
+  }
+  hwy::Prefetch(leaf.child);
+}
+
 HWY_INLINE void EmptyLeafStore(LeafSearch& search) {
   for (size_t k = 0; k < search.leaf_count; ++k) {
+    if (k + 3 < search.leaf_count) FetchAhead(search.nodes[search.leaves[k + 3]]);
     search.slot_count += CollectSlots(search.bounds, search.nodes, search.leaves[k],
                                       search.slots + search.slot_count);
     if (search.slot_count > LeafSearch::kSlotStore) EmptySlotStore(search);

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <limits>
 
 #include "engine_client/broad_phase/dbvt_refit.h"
 #include "engine_client/broad_phase/parallel.h"
@@ -12,10 +13,10 @@ namespace sweepstake {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Leaves are full after Build and 11 of 16 full after a while of motion.
-constexpr size_t kObjectsPerNode = 9;
+// Leaves are full after Build and 11 to 13 of 16 full after a while of motion.
+constexpr size_t kObjectsPerNode = 10;
 // Of lowest inner nodes to a part: some 1,500 objects.
-constexpr size_t kLeastGroups = 10;
+constexpr size_t kLeastGroups = 8;
 
 void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -29,12 +30,13 @@ Aabb BoxAt(const DbvtNode& node, uint32_t lane) {
           {node.max[0][lane], node.max[1][lane], node.max[2][lane]}};
 }
 
-bool Covers(const Aabb& outer, const Aabb& inner) {
-  bool covers = true;
+Aabb Union(const Aabb& a, const Aabb& b) {
+  Aabb both;
   for (size_t axis = 0; axis < 3; ++axis) {
-    covers &= outer.min[axis] <= inner.min[axis] && outer.max[axis] >= inner.max[axis];
+    both.min[axis] = std::min(a.min[axis], b.min[axis]);
+    both.max[axis] = std::max(a.max[axis], b.max[axis]);
   }
-  return covers;
+  return both;
 }
 
 float SumOfSides(const Aabb& box) {
@@ -158,39 +160,57 @@ void DbvtTree::TightenUpFrom(uint32_t node) {
   }
 }
 
-void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> order,
-                     Executor* executor) {
-  const size_t node_count = boxes.size() / kObjectsPerNode + 2 * kMaxLevels;
+void DbvtTree::Reserve(size_t object_count) {
+  const size_t node_count = object_count / kObjectsPerNode + 2 * kMaxLevels;
   nodes_.EnsureDiscarding(node_count);
   links_.EnsureDiscarding(node_count);
+  slots_.EnsureDiscarding(object_count);
   inner_.reserve(node_count / kLeastFill);
   groups_.reserve(node_count / kLeastFill);
   notes_.reserve(node_count / kLeastFill);
-  slots_.EnsureDiscarding(boxes.size());
-  std::fill_n(slots_.data(), boxes.size(), kNone);
+}
+
+void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots,
+                     Executor* executor, std::vector<uint32_t>& lost) {
+  Reserve(boxes.size());
   object_count_ = boxes.size();
+  std::fill_n(slots_.data(), object_count_, kNone);
   node_limit_ = 0;
   free_ = kNone;
   waiting_.clear();
   is_order_known_ = false;
-
-  for (size_t k = 0; k < order.size(); ++k) AddToLast(0, order[k]);
-  size_t first = 0;
+  for (size_t first = 0; first < slots.size(); first += kWidth) {
+    BuildLeaf(slots.subspan(first, std::min<size_t>(kWidth, slots.size() - first)));
+  }
+  uint32_t first = 0;
   uint32_t level = 0;
   do {
-    const size_t end = node_limit_;
-    AllocateNode(++level);
-    for (; first < end; ++first) AddToLast(level, static_cast<uint32_t>(first));
+    const auto end = static_cast<uint32_t>(node_limit_);
+    BuildLevel(++level, first, end);
+    first = end;
   } while (node_limit_ - first > 1);
-  root_ = static_cast<uint32_t>(first);
-  TakeBoxes(boxes, executor);
+  root_ = first;
+  // Boxes and bounds.
+  Refit(boxes, 0, executor, lost);
+  Settle();
 }
 
-// Of this level's nodes, the one allocated last, or one more.
-void DbvtTree::AddToLast(uint32_t level, uint32_t child) {
-  auto node = static_cast<uint32_t>(node_limit_ - 1);
-  if (node_limit_ == 0 || links_[node].count == kWidth) node = AllocateNode(level);
-  LinkChild(node, links_[node].count++, child);
+void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
+  uint32_t leaf = kNone;
+  for (const uint32_t object : objects) {
+    if (object >= object_count_) continue;
+    if (leaf == kNone) leaf = AllocateNode(0);
+    LinkChild(leaf, links_[leaf].count++, object);
+  }
+}
+
+// Nodes, at least one, above those of [first, end).
+void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
+  uint32_t node = AllocateNode(level);
+  for (uint32_t child = first; child < end; ++child) {
+    if (links_[node].count == kWidth) node = AllocateNode(level);
+    LinkChild(node, links_[node].count++, child);
+  }
 }
 
 void DbvtTree::Resize(size_t object_count) {
@@ -214,12 +234,33 @@ void DbvtTree::Remove(uint32_t object) {
 }
 
 void DbvtTree::Move(uint32_t object, const Aabb& box) {
+  assert(Contains(object));
   const uint32_t leaf = slots_[object] / kWidth;
-  if (Covers(BoxAt(nodes_[links_[leaf].parent], links_[leaf].lane), box)) {
-    return SetBox(nodes_[leaf], slots_[object] % kWidth, box);
+  if (FitsInReach(leaf, box)) {
+    SetBox(nodes_[leaf], slots_[object] % kWidth, box);
+    WidenUpFrom(leaf, box);
+  } else {
+    Remove(object);
+    Insert(object, box);
   }
-  Remove(object);
-  Insert(object, box);
+}
+
+// False as long as the reach is not known.
+bool DbvtTree::FitsInReach(uint32_t node, const Aabb& box) const {
+  const DbvtNode& parent = nodes_[links_[node].parent];
+  const uint32_t lane = links_[node].lane;
+  const float sides = SumOfSides(Union(BoxAt(parent, lane), box));
+  return sides <= parent.reach[lane] && parent.reach[lane] < kInfinity;
+}
+
+void DbvtTree::WidenUpFrom(uint32_t node, const Aabb& box) {
+  for (; node != root_; node = links_[node].parent) {
+    DbvtNode& parent = nodes_[links_[node].parent];
+    const Aabb around = BoxAt(parent, links_[node].lane);
+    const Aabb wider = Union(around, box);
+    if (wider == around) return;
+    SetBox(parent, links_[node].lane, wider);
+  }
 }
 
 void DbvtTree::Attach(const Entry& entry) {
@@ -346,10 +387,25 @@ void DbvtTree::TakeBoxes(std::span<const Aabb> boxes, Executor* executor) {
   }
 }
 
+DbvtTree::Motion DbvtTree::SumUpNotes() const {
+  Motion motion{};
+  size_t stretched = 0;
+  for (size_t k = 0; k < groups_.size(); ++k) {
+    motion.sampled += links_[groups_[k]].count;
+    motion.restless += notes_[k].restless;
+    motion.mean += notes_[k].motion;
+    stretched += static_cast<size_t>(std::popcount(notes_[k].stretched));
+  }
+  motion.mean /= static_cast<float>(std::max<size_t>(motion.sampled, 1));
+  motion.is_upheaval = 2 * stretched > motion.sampled;
+  return motion;
+}
+
 DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                                  std::vector<uint32_t>& lost) {
   RefitGroups(boxes, step, executor);
-  Motion motion{0, 0, 0};
+  const Motion motion = SumUpNotes();
+  if (motion.is_upheaval) return motion;
   size_t group = groups_.size();
   for (size_t k = inner_.size(); k-- > 0;) {
     const uint32_t node = inner_[k];
@@ -357,9 +413,6 @@ DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Execut
       ShedBelow(node, StretchedLanes(nodes_[node]));
     } else {
       const DbvtGroupNote& note = notes_[--group];
-      motion.sampled += links_[node].count;
-      motion.restless += note.restless;
-      motion.mean += note.motion;
       for (uint32_t broken = note.broken; broken != 0; broken &= broken - 1) {
         RemoveBroken(nodes_[node].child[std::countr_zero(broken)], boxes, lost);
       }
@@ -367,7 +420,6 @@ DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Execut
     }
     if (node != root_) links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
   }
-  motion.mean /= static_cast<float>(std::max<size_t>(motion.sampled, 1));
   return motion;
 }
 

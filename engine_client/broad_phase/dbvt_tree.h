@@ -16,7 +16,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -62,10 +61,11 @@ class DbvtTree {
   static constexpr size_t kMaxLevels = 17;
   static constexpr float kMargin = 1.35F;
 
-  // Discards all and takes the objects of `order`, which stand near their neighbours in space, with
-  // boxes[object]. Objects 0 … boxes.size() − 1 can be in the tree from now on.
-  void Build(std::span<const Aabb> boxes, std::span<const uint32_t> order,
-             Executor* executor = nullptr);
+  // Discards all and takes the objects in `slots`, of which each sixteen become a leaf, in their
+  // order; kNone and numbers that are no index of `boxes` leave a gap. Objects whose boxes do not
+  // take part go to `lost`. Objects 0 … boxes.size() − 1 can be in the tree from now on.
+  void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
+             std::vector<uint32_t>& lost);
   // Makes room for another number of objects. REQUIRES: those at and above it are not in the tree.
   void Resize(size_t object_count);
 
@@ -73,18 +73,20 @@ class DbvtTree {
   void Insert(uint32_t object, const Aabb& box);
   // REQUIRES: the object is in the tree.
   void Remove(uint32_t object);
-  // Gives the object another box, and another place where its leaf does not cover it. REQUIRES: as
-  // for Remove.
+  // Gives the object another box, and another place where that would stretch its leaf beyond its
+  // reach. REQUIRES: as for Remove.
   void Move(uint32_t object, const Aabb& box);
 
   struct Motion {
     size_t sampled;
     size_t restless;  // of these, moved further than the step
     float mean;       // of the samples, each cut off at the step
+    bool is_upheaval;
   };
   // Takes the objects' new boxes. Those that no longer take part leave the tree and go to `lost`;
   // what stretches its node too far leaves it and waits for Settle or Build. Searches before either
-  // would miss it.
+  // would miss it. An upheaval, where more than half of the leaves are stretched, asks for Build at
+  // once.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                std::vector<uint32_t>& lost);
   // Likewise, and everything stays where it is. REQUIRES: the boxes of all objects take part.
@@ -121,14 +123,19 @@ class DbvtTree {
   void Dissolve(uint32_t node);
   void WriteBounds(uint32_t node);
   void TightenUpFrom(uint32_t node);
+  bool FitsInReach(uint32_t node, const Aabb& box) const;
+  void WidenUpFrom(uint32_t node, const Aabb& box);
   void Shed(uint32_t node);
   void ShedBelow(uint32_t node, uint32_t stretched);
   void RemoveBroken(uint32_t leaf, std::span<const Aabb> boxes, std::vector<uint32_t>& lost);
   void Attach(const Entry& entry);
   void AddTo(uint32_t node, const Entry& entry);
   void Split(uint32_t node, const Entry& entry);
-  void AddToLast(uint32_t level, uint32_t child);
+  void Reserve(size_t object_count);
+  void BuildLeaf(std::span<const uint32_t> objects);
+  void BuildLevel(uint32_t level, uint32_t first, uint32_t end);
   void CollectOrder();
+  Motion SumUpNotes() const;
   void RefitGroups(std::span<const Aabb> boxes, float step, Executor* executor);
 
   AlignedBuffer<DbvtNode> nodes_;

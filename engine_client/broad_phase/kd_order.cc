@@ -120,6 +120,28 @@ void KdOrder::Begin(const BoxLanes& lanes, size_t box_count) {
   Reserve(box_count);
   present_count_ = CollectCenters(lanes, columns_[0], columns_[1]);
   CollectAbsent(lanes);
+  StartSplitting();
+}
+
+void KdOrder::Begin(std::span<const Aabb> boxes) {
+  Reserve(boxes.size());
+  for (size_t index = 0; index < boxes.size(); ++index) {
+    const Aabb& box = boxes[index];
+    if (!TakesPart(box)) {
+      result_[capacity_ - ++absent_count_] = static_cast<uint32_t>(index);
+      continue;
+    }
+    for (size_t axis = 0; axis < 3; ++axis) {
+      // Halves: the sum of two finite floats need not be finite.
+      columns_[0].center[axis][present_count_] = box.min[axis] * 0.5F + box.max[axis] * 0.5F;
+      columns_[1].center[axis][present_count_] = box.max[axis] - box.min[axis];
+    }
+    columns_[0].box[present_count_++] = static_cast<uint32_t>(index);
+  }
+  StartSplitting();
+}
+
+void KdOrder::StartSplitting() {
   whole_range_ = std::clamp(RoundUp(present_count_ / 32), size_t{64}, kWholeRange);
   if (present_count_ > 0) FormRuns();
 }

@@ -42,6 +42,8 @@ class KdOrder {
   // all is done, and TakeSlots has the result. The lanes need not stay. With an executor Finish
   // works in parts; the result is the same.
   void Begin(const BoxLanes& lanes, size_t box_count);
+  // Likewise for boxes that stand in no columns, all of them.
+  void Begin(std::span<const Aabb> boxes);
   bool Advance(size_t budget);
   void Finish(Executor* executor);
   size_t box_count() const { return present_count_ + absent_count_; }
@@ -74,6 +76,7 @@ class KdOrder {
 
   void Reserve(size_t count);
   void CollectAbsent(const BoxLanes& lanes);
+  void StartSplitting();
   void FormRuns();
   void MoveToClasses(std::span<const uint32_t> of_slots,
                      std::span<const size_t, SizeClasses::kCount> counts, double negligible);

@@ -121,6 +121,12 @@ std::vector<uint32_t> FirstNumbers(size_t count) {
   return numbers;
 }
 
+void BuildOf(DbvtTree& tree, std::span<const Aabb> boxes, std::span<const uint32_t> slots) {
+  std::vector<uint32_t> lost;
+  tree.Build(boxes, slots, nullptr, lost);
+  EXPECT_TRUE(lost.empty());
+}
+
 std::vector<OverlapPair> AllPairs(DbvtTree& tree) {
   PairBuffer pairs;
   FindGroupPairs(tree, tree.Groups(), pairs);
@@ -129,7 +135,7 @@ std::vector<OverlapPair> AllPairs(DbvtTree& tree) {
 
 TEST(DbvtTree, HoldsNothingWhenBuiltOfNothing) {
   DbvtTree tree;
-  tree.Build({}, {});
+  BuildOf(tree, {}, {});
   EXPECT_EQ(FaultOf(tree, {}), "");
   EXPECT_TRUE(AllPairs(tree).empty());
   tree.Settle();
@@ -141,19 +147,36 @@ TEST(DbvtTree, FillsItsLeavesWhenBuilt) {
   for (const size_t count : {1, 2, 16, 17, 255, 256, 257, 5000}) {
     const std::vector<Aabb> boxes = RandomBoxes(random, count);
     DbvtTree tree;
-    tree.Build(boxes, FirstNumbers(count));
+    BuildOf(tree, boxes, FirstNumbers(count));
     TreeInspection inspection(tree, boxes);
     EXPECT_EQ(inspection.Fault(), "") << count;
     EXPECT_EQ(inspection.size(), count);
-    EXPECT_EQ(inspection.leaf_count(), (count + 15) / 16);
+    EXPECT_GE(inspection.leaf_count(), (count + 15) / 16);
+    EXPECT_LE(inspection.leaf_count(), count / 12 + 2);
   }
+}
+
+TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart) {
+  Random random(1);
+  std::vector<Aabb> boxes = RandomBoxes(random, 40);
+  boxes[7].min[1] = 1e9F;
+  std::vector<uint32_t> slots(64, DbvtTree::kNone);
+  for (uint32_t object = 0; object < 30; ++object) slots[2 * object] = object;
+  slots[63] = 40;  // gone meanwhile
+  std::vector<uint32_t> lost;
+  DbvtTree tree;
+  tree.Build(boxes, slots, nullptr, lost);
+  TreeInspection inspection(tree, boxes);
+  EXPECT_EQ(inspection.Fault(), "");
+  EXPECT_EQ(inspection.size(), 29U);
+  EXPECT_EQ(lost, std::vector<uint32_t>{7});
 }
 
 TEST(DbvtTree, StaysAHierarchyUnderRandomInsertionsMovesAndRemovals) {
   Random random(1);
   std::vector<Aabb> boxes = RandomBoxes(random, 600);
   DbvtTree tree;
-  tree.Build(boxes, FirstNumbers(200));
+  BuildOf(tree, boxes, FirstNumbers(200));
   for (int step = 0; step < 6000; ++step) {
     const auto object = static_cast<uint32_t>(random.Below(600));
     if (!tree.Contains(object)) {
@@ -174,7 +197,7 @@ TEST(DbvtTree, CanBeEmptiedAndFilledAgain) {
   Random random(2);
   const std::vector<Aabb> boxes = RandomBoxes(random, 700);
   DbvtTree tree;
-  tree.Build(boxes, FirstNumbers(700));
+  BuildOf(tree, boxes, FirstNumbers(700));
   for (int round = 0; round < 3; ++round) {
     for (uint32_t object = 0; object < 700; ++object) tree.Remove(object);
     ASSERT_EQ(FaultOf(tree, boxes), "");
@@ -185,11 +208,11 @@ TEST(DbvtTree, CanBeEmptiedAndFilledAgain) {
 }
 
 TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
-  BoxScene scene("brownian", 2000, 3);
+  BoxScene scene("brownian", 600, 3);
   std::vector<uint32_t> lost;
   DbvtTree tree;
-  tree.Build(scene.boxes(), {});
-  for (uint32_t object = 0; object < 2000; ++object) tree.Insert(object, scene.boxes()[object]);
+  BuildOf(tree, scene.boxes(), {});
+  for (uint32_t object = 0; object < 600; ++object) tree.Insert(object, scene.boxes()[object]);
   size_t moved_elsewhere = 0;
   for (int frame = 0; frame < 40; ++frame) {
     scene.Step();
@@ -208,7 +231,7 @@ TEST(DbvtTree, SaysHowMuchMoved) {
   std::vector<Aabb> boxes = RandomBoxes(random, 160);
   std::vector<uint32_t> lost;
   DbvtTree tree;
-  tree.Build(boxes, FirstNumbers(160));
+  BuildOf(tree, boxes, FirstNumbers(160));
   for (Aabb& box : boxes) box.min[1] -= 0.5F;
   const DbvtTree::Motion motion = tree.Refit(boxes, 1, nullptr, lost);
   EXPECT_EQ(motion.sampled, 10U) << "one of each leaf";
@@ -223,7 +246,7 @@ TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {
   std::vector<Aabb> boxes = RandomBoxes(random, 100);
   std::vector<uint32_t> lost;
   DbvtTree tree;
-  tree.Build(boxes, FirstNumbers(100));
+  BuildOf(tree, boxes, FirstNumbers(100));
   for (size_t object = 0; object < 100; object += 3) boxes[object].max[2] = -1e9F;
   tree.Refit(boxes, 1, nullptr, lost);
   tree.Settle();
@@ -241,7 +264,7 @@ TEST(DbvtTree, StaysAHierarchyWhenAllBoxesCoincideOrStandInARow) {
       boxes[object].max[0] = 4 + step * static_cast<float>(object);
     }
     DbvtTree tree;
-    tree.Build(boxes, {});
+    BuildOf(tree, boxes, {});
     for (uint32_t object = 0; object < 3000; ++object) tree.Insert(object, boxes[object]);
     TreeInspection inspection(tree, boxes);
     EXPECT_EQ(inspection.Fault(), "");
@@ -258,7 +281,7 @@ TEST(DbvtTree, TakesTheLargestFloats) {
   }
   std::vector<uint32_t> lost;
   DbvtTree tree;
-  tree.Build(boxes, {});
+  BuildOf(tree, boxes, {});
   for (uint32_t object = 0; object < 64; ++object) tree.Insert(object, boxes[object]);
   EXPECT_EQ(FaultOf(tree, boxes), "");
   tree.Refit(boxes, 1, nullptr, lost);
@@ -270,7 +293,7 @@ TEST(DbvtQuery, FindsThePairsOfSomeObjectsOnce) {
   Random random(4);
   const std::vector<Aabb> boxes = RandomBoxes(random, 200);
   DbvtTree tree;
-  tree.Build(boxes, FirstNumbers(200));
+  BuildOf(tree, boxes, FirstNumbers(200));
   std::vector<uint32_t> listed;
   std::vector<uint8_t> is_listed(200, 0);
   for (uint32_t object = 0; object < 200; object += 3) {
@@ -299,24 +322,25 @@ TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
   EXPECT_LE(backend->aabb_check_count(), 1000 + 2 * pairs.size());
 }
 
-// Of 3,000 boxes each `stride`-th moves.
+// Of 2,000 boxes each `stride`-th moves.
 uint64_t ChecksWhenSomeMove(size_t stride) {
   const auto backend = MakeOrThrow("DBVT");
   Random random(3);
-  const BoxScene scene("brownian", 3000, 8);
+  const BoxScene scene("brownian", 2000, 8);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
   backend->Build(boxes);
   PairBuffer pairs;
-  for (int frame = 0; frame < 30; ++frame) {
+  for (int frame = 0; frame < 12; ++frame) {
     for (size_t object = 0; object < boxes.size(); object += stride) {
       const float step = random.Between(-0.1F, 0.1F);
       boxes[object].min[0] += step;
       boxes[object].max[0] += step;
     }
     backend->Update(boxes);
-    const std::string verdict = Verdict(*backend, boxes, pairs);
-    EXPECT_EQ(verdict, "") << "in frame " << frame;
+    pairs.Clear();
+    backend->FindPairs(pairs);
   }
+  EXPECT_EQ(PairDifference(pairs.pairs(), ScalarPairs(boxes)), "");
   return backend->aabb_check_count();
 }
 
@@ -324,7 +348,7 @@ TEST(Dbvt, CostsLessTheLessMoves) {
   const uint64_t all = ChecksWhenSomeMove(1);
   const uint64_t some = ChecksWhenSomeMove(100);
   EXPECT_LT(some * 8, all);
-  EXPECT_LE(ChecksWhenSomeMove(3000), some);
+  EXPECT_LE(ChecksWhenSomeMove(2000), some);
 }
 
 TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
