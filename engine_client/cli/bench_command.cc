@@ -1,19 +1,41 @@
 #include "engine_client/cli/bench_command.h"
 
+#include <memory>
+#include <sstream>
+
+#include "engine_client/cli/bench_html.h"
 #include "engine_client/cli/bench_output.h"
 #include "engine_client/cli/bench_run.h"
 #include "engine_client/cli/scene_choice.h"
+#include "engine_client/cli/whole_file.h"
 
 namespace sweepstake::cli {
 namespace {
 
-int Bench(const BenchOptions& options, Terminal& terminal) {
+std::string Json(const BenchReport& report) {
+  std::ostringstream json;
+  PrintBenchJson(report, json);
+  return json.str();
+}
+
+int Bench(const BenchOptions& options, const std::string& command_line, Terminal& terminal) {
+  std::unique_ptr<WholeFile> page;
+  if (options.report_file) {
+    auto file = WholeFile::Create(*options.report_file);
+    if (!file.ok()) return Fail(terminal, file.status());
+    page = std::move(*file);
+  }
   const auto report = RunBench(options, terminal);
   if (!report.ok()) return Fail(terminal, report.status());
   if (options.json) {
     PrintBenchJson(*report, terminal.out);
   } else {
     PrintBenchTables(*report, terminal.out);
+  }
+  if (page) {
+    page->Write(BenchHtml(*report, command_line, Json(*report)));
+    if (const Status status = page->Commit(); !status.ok()) return Fail(terminal, status);
+    terminal.err << "The report is in " << *options.report_file << '\n';
   }
   return AnyDiffers(*report) ? kCheckFailed : kDone;
 }
@@ -32,7 +54,9 @@ void Declare(CLI::App& command, BenchOptions& options) {
   command.add_option("--warmup", options.warmup, "Frames before them")
       ->check(WholeUpTo(1'000'000))
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of the scenes")->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of the scenes")
+      ->check(NotNegative())
+      ->capture_default_str();
   command.add_option("--arms", options.arms, "all, or names of backends")
       ->delimiter(',')
       ->capture_default_str();
@@ -48,21 +72,25 @@ void Declare(CLI::App& command, BenchOptions& options) {
       ->check(CLI::Range(0.001, 86'400.0))
       ->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on stdout");
+  command.add_option("--report", options.report_file,
+                     "Charts and tables as one HTML file that needs no network");
 }
 
 }  // namespace
 
-void AddBenchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
+                     int& exit_code) {
   AddCommand<BenchOptions>(
       app, "bench", "Time every arm on the same frames: take all boxes, find all pairs",
       "  sweepstake bench --scene suite-b,suite-g,suite-h --objects 1000,10000 --arms all\n"
       "  sweepstake bench --scene hurricane --objects 3000 --arms SAP,KDTree --json\n"
       "  sweepstake bench --scene nearly-resting,beams --objects 10000 --threads 1,2\n"
-      "  sweepstake bench --scene suite-b --objects 1000,10000 --peers\n"
+      "  sweepstake bench --scene suite-b --objects 1000,10000 --peers --report out.html\n"
       "Milliseconds per frame; pairs and AABB checks are means per frame, bytes the most held.\n" +
           SceneHelp(),
-      exit_code, Declare,
-      [&terminal](const BenchOptions& options) { return Bench(options, terminal); });
+      exit_code, Declare, [&terminal, command_line](const BenchOptions& options) {
+        return Bench(options, command_line, terminal);
+      });
 }
 
 }  // namespace sweepstake::cli

@@ -5,6 +5,8 @@
 
 namespace sweepstake::cli {
 
-void AddBenchCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+// `command_line` is shown in the page of --report.
+void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
+                     int& exit_code);
 
 }  // namespace sweepstake::cli

@@ -57,6 +57,8 @@ Markup WithTime(const BenchIndex& index, size_t cell, const std::string& name, u
 }
 
 Markup PeerName(const BenchIndex& index, const BenchRatio& ratio) {
+  // Against several threads of ours the peer may have had several, too.
+  if (ratio.derived_through.empty() && ratio.thread_count > 1) return ratio.other;
   if (ratio.derived_through.empty()) return WithTime(index, ratio.cell, ratio.other, 1);
   return Markup(ratio.other) +
          Element("small", {}, "not run here: by its published ratio to " + ratio.derived_through);
@@ -108,7 +110,7 @@ Markup MissedList(const BenchIndex& index, const std::vector<const BenchRatio*>&
                          html::Compact(*ratio->goal) + "×");
   }
   if (items.empty()) return Element("span", {{"class", "none"}}, "none");
-  return Element("details", {}, Element("summary", {}, "which") + Element("ul", {}, items));
+  return Element("details", {}, Element("summary", {}, "Show which") + Element("ul", {}, items));
 }
 
 std::vector<TableCell> GoalRow(const BenchIndex& index, const GoalKind& kind) {

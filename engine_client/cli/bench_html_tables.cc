@@ -99,7 +99,7 @@ html::Markup GrowthTable(const BenchIndex& index) {
                                FindRatio(index.report(), RatioKind::kGrowth, row);
                            Markup content = html::Significant(row.ms_median * 1e6 / objects, 3);
                            if (ratio != nullptr && row.kind == ContestantKind::kArm) {
-                             content += Small(Times(ratio->value) + " " + ratio->other);
+                             content += Small(Times(ratio->value) + " that at " + ratio->other);
                            }
                            return Judged(index.report(), RatioKind::kGrowth, row, content);
                          });

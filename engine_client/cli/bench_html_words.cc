@@ -19,7 +19,7 @@ constexpr std::array<Word, 5> kFamilyTitles{{{"BruteForce", "Brute force"},
                                              {"DBVT", "Dynamic tree (DBVT)"},
                                              {"KDTree", "KD-tree"}}};
 
-constexpr std::array<Word, 8> kSceneNotes{{
+constexpr std::array<Word, 19> kSceneNotes{{
     {"suite-b",
      "Brownian motion: every box jitters about its place. Evenly filled space, few pairs."},
     {"suite-g",
@@ -29,6 +29,18 @@ constexpr std::array<Word, 8> kSceneNotes{{
     {"rotating-gravity", "Boxes that fall towards a direction that turns."},
     {"hurricane", "Boxes that circle an axis."},
     {"free-fall", "Boxes that fall and rest."},
+    {"nearly-resting",
+     "Boxes that move by ±0.001 in a frame: what an incremental structure is for."},
+    {"few-moving", "One box in a hundred moves in a frame."},
+    {"beams", "Boxes ten to 160 times as long as they are thin."},
+    {"long-thin", "Boxes half as long as the world, and longer."},
+    {"clusters", "Moving clusters of boxes with empty space between them."},
+    {"planar", "All boxes near one plane."},
+    {"sizes-1-to-1000", "The largest box is a thousand times as large as the smallest."},
+    {"all-coincident", "Every box overlaps every other."},
+    {"teleporting", "Boxes that jump to other places."},
+    {"spawning", "Boxes come and go."},
+    {"count-changing", "Every frame has another number of boxes."},
     {"random-gravity", "Boxes that fall towards a direction that changes at random."},
 }};
 
@@ -79,8 +91,10 @@ bool LargeIsGood(RatioKind kind) {
 
 html::Markup Verdict(const BenchRatio& ratio) {
   if (!ratio.goal) return {};
-  const std::string goal =
-      (LargeIsGood(ratio.kind) ? " (≥ " : " (≤ ") + html::Compact(*ratio.goal) + "×)";
+  // Memory is held against bytes, which `other` names.
+  const std::string bound =
+      ratio.kind == RatioKind::kMemory ? ratio.other : html::Compact(*ratio.goal) + "×";
+  const std::string goal = (LargeIsGood(ratio.kind) ? " (≥ " : " (≤ ") + bound + ")";
   return html::Element("small", {{"class", ratio.met ? "verdict met" : "verdict missed"}},
                        (ratio.met ? "✓ met" : "✗ missed") + goal);
 }

@@ -25,6 +25,7 @@ struct BenchOptions {
   bool peers = false;
   double peer_cap_s = 5;  // of a peer's own time in a cell, before it is left out
   bool json = false;
+  std::optional<std::string> report_file;  // where the page goes
 };
 
 struct LibraryVersion {

@@ -9,6 +9,7 @@
 
 #include "engine_client/cli/bench_command.h"
 #include "engine_client/cli/check_command.h"
+#include "engine_client/cli/command_line.h"
 #include "engine_client/cli/pairs_command.h"
 #include "engine_client/cli/priors_command.h"
 #include "engine_client/cli/record_command.h"
@@ -24,10 +25,14 @@ size_t ColumnsOfStderr() {
   return known ? size.ws_col : 80;
 }
 
-// Without the program's name; a program may be started with no name at all.
+// With the program's name; a program may be started with no word at all.
+std::span<char* const> Program(int argc, char** argv) {
+  return argc < 1 ? std::span<char* const>() : std::span(argv, static_cast<size_t>(argc));
+}
+
+// Without the program's name.
 std::span<char* const> Words(int argc, char** argv) {
-  return argc < 1 ? std::span<char* const>()
-                  : std::span(argv, static_cast<size_t>(argc)).subspan(1);
+  return argc < 1 ? std::span<char* const>() : Program(argc, argv).subspan(1);
 }
 
 // The parser's own message for a missing or unknown command names none. `given` are the words after
@@ -63,7 +68,7 @@ int Run(int argc, char** argv) {
   int exit_code = kDone;
   AddRunCommand(app, terminal, exit_code);
   AddCheckCommand(app, terminal, exit_code);
-  AddBenchCommand(app, terminal, exit_code);
+  AddBenchCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);

@@ -139,7 +139,7 @@ TEST(BenchHtml, SaysInWordsWhichGoalsAreMet) {
   EXPECT_THAT(html, HasSubstr("16.7×</b><small class=\"verdict met\">✓ met (≥ 5×)"));
   EXPECT_THAT(html, HasSubstr("1.67×</b><small class=\"verdict missed\">✗ missed (≥ 5×)"));
   EXPECT_THAT(html, HasSubstr("✗ missed (≤ 2×)"));
-  EXPECT_THAT(html, HasSubstr("✓ met (≤ 1×)"));
+  EXPECT_THAT(html, HasSubstr("✓ met (≤ 12 MB)"));
   EXPECT_THAT(html, HasSubstr("✗ 2 of 3 met"));
 }
 

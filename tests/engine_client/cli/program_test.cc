@@ -12,6 +12,7 @@
 
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/scene.h"
+#include "tests/engine_client/cli/well_formed.h"
 #include "tests/support/pair_oracle.h"
 
 namespace sweepstake::cli {
@@ -63,6 +64,7 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"bench --scene suite-b --threads 0", "--threads"},
       {"bench --scene suite-b --threads 257", "--threads"},
       {"bench --scene suite-b --frames 0", "--frames"},
+      {"bench --scene suite-b --seed -1", "--seed: -1 is negative"},
       {"bench --scene suite-b --peers --peer-cap 0", "--peer-cap"},
       {"bench --scene nowhere", "nearly-resting"},
       {"pairs --scene suite-b --frame 0 --arm Octree", "AxisSweep"},
@@ -151,6 +153,33 @@ TEST(Program, BenchStopsAPeerAtItsCapAndSaysSo) {
     if (row["kind"] == "arm") continue;
     EXPECT_EQ(row["frames"], 1) << row;
     EXPECT_THAT(row["note"].get<std::string>(), HasSubstr("cap")) << row;
+  }
+}
+
+TEST(Program, BenchWritesItsReportAsOnePageWithTheRowsInIt) {
+  const TemporaryFile page("bench.html");
+  const ProgramRun run = RunProgram(
+      "bench --scene suite-b --objects 50,100 --frames 3 --arms SAP,Grid --json --report " +
+      page.path());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::stringstream text;
+  text << std::ifstream(page.path()).rdbuf();
+  const std::string html = text.str();
+  EXPECT_EQ(test_support::FirstFlaw(html), "");
+  EXPECT_THAT(html, HasSubstr("bench --scene suite-b --objects 50,100 --frames 3"));
+  const std::string start = "id=\"bench-json\">";
+  const size_t begin = html.find(start) + start.size();
+  EXPECT_EQ(json::parse(html.substr(begin, html.find("</script>", begin) - begin)),
+            json::parse(run.out));
+}
+
+TEST(Program, BenchRefusesAReportThatCannotBeWrittenBeforeItMeasures) {
+  for (const std::string path : {"/nonexistent/x.html", "/tmp", "''"}) {
+    const ProgramRun run =
+        RunProgram("bench --scene suite-b --objects 1000000 --frames 1000000 --report " + path);
+    EXPECT_EQ(run.exit_code, 2) << path;
+    EXPECT_THAT(run.err, HasSubstr("cannot be written")) << path;
+    EXPECT_EQ(run.out, "");
   }
 }
 
