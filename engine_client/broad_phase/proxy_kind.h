@@ -32,6 +32,7 @@ class ProxyKind {
   void RefreshTree();
 
   const TreeView& view() const { return tree_.view(); }
+  void NoteSearch(uint64_t checks) { tree_.NoteSearch(checks); }
   // Both append, in no order.
   void QueryBox(const Aabb& box, const CollisionFilter& filter,
                 std::vector<ProxyHandle>& out) const;

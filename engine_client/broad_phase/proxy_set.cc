@@ -119,7 +119,8 @@ void ProxySet::Impl::AppendStatic() {
   const auto find = [&](size_t begin, size_t end, PairBuffer& out) {
     return FindPairsBetween(leaves, begin, end, resting_.view(), kStaticProxyBit, out);
   };
-  parts_.Run(options_.executor, leaf_count, kLeavesPerPart, LeafTree::kWidth, next_, find);
+  moving_.NoteSearch(
+      parts_.Run(options_.executor, leaf_count, kLeavesPerPart, LeafTree::kWidth, next_, find));
   if (all_pass()) return;
   const std::span<OverlapPair> found = next_.pairs().subspan(first);
   const size_t kept = KeepPassing(found, moving_.table().filters().data(),

@@ -21,6 +21,8 @@ namespace sweepstake::HWY_NAMESPACE {
 constexpr size_t kGroup = LeafTree::kWidth;
 // Near leaves that are looked at together; usual are 40.
 constexpr size_t kNearRoom = 256;
+// Of a stored mask of up to 16 lanes.
+constexpr size_t kMaskBytes = 2;
 
 class TreeJoin {
  public:
@@ -142,16 +144,32 @@ class TreeJoin {
       const auto max0 = hn::LoadU(d, boxes.max[0] + at);
       const auto max1 = hn::LoadU(d, boxes.max[1] + at);
       const auto max2 = hn::LoadU(d, boxes.max[2] + at);
+      size_t hit_count = 0;
       for (size_t k = 0; k < found_count; ++k) {
         const size_t slot = found_[k];
         const auto hits = hn::And(hn::And(AxisHitsOfHeld(d, min0, max0, others, 0, slot),
                                           AxisHitsOfHeld(d, min1, max1, others, 1, slot)),
                                   AxisHitsOfHeld(d, min2, max2, others, 2, slot));
-        cursor_.Advance(
-            StoreHits(d, hits, other_bit_ | others.id[slot], boxes.id + at, cursor_.Room(step)));
+        hn::StoreMaskBits(d, hits, hit_lanes_ + hit_count * kMaskBytes);
+        hit_slot_[hit_count] = found_[k];
+        hit_count += hn::AllFalse(d, hits) ? 0 : 1;
       }
+      StorePairs(at, hit_count);
     }
     checks_ += found_count * kGroup;
+  }
+
+  // Apart from the tests: half the boxes found hit none of a register's boxes, and storing is what
+  // takes longest.
+  void StorePairs(size_t at, size_t hit_count) {
+    const GroupTag d;
+    const uint32_t* const other_ids = others_.id;
+    const uint32_t* const ids = boxes_.id;
+    for (size_t k = 0; k < hit_count; ++k) {
+      const auto hits = hn::LoadMaskBits(d, hit_lanes_ + k * kMaskBytes);
+      const uint32_t other = other_bit_ | other_ids[hit_slot_[k]];
+      cursor_.Advance(StoreHits(d, hits, other, ids + at, cursor_.Room(hn::Lanes(d))));
+    }
   }
 
   const BoxLanes boxes_;
@@ -168,6 +186,8 @@ class TreeJoin {
   uint32_t near_leaf_[kNearRoom + kGroup];
   uint32_t leaves_[kNearRoom + kGroup];
   uint32_t found_[kNearRoom * kGroup + kGroup];
+  uint32_t hit_slot_[kNearRoom * kGroup + kGroup];
+  uint8_t hit_lanes_[kMaskBytes * (kNearRoom * kGroup + kGroup)];
 };
 
 uint64_t JoinTrees(const TreeView& leaves, size_t begin, size_t end, const TreeView& tree,

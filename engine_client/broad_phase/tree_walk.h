@@ -49,7 +49,7 @@ bool FindNearestHit(const TreeView& tree, const Ray& ray, const IdPredicate& pre
                     NearestHit& hit);
 
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of
-// `leaves` that overlap boxes of `tree`. Returns the AABB checks. Keeps its lists on the stack (25
+// `leaves` that overlap boxes of `tree`. Returns the AABB checks. Keeps its lists on the stack (50
 // KiB). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
 uint64_t FindPairsBetween(const TreeView& leaves, size_t begin, size_t end, const TreeView& tree,
                           uint32_t other_bit, PairBuffer& out);
