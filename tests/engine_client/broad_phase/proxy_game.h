@@ -63,11 +63,13 @@ class ProxyGame {
   }
 
   void Add(bool is_static) {
-    ListedProxy proxy;
-    proxy.box = RandomBox();
-    proxy.options = {RandomFilter(), is_static, random_.Next()};
-    proxy.handle = proxies.Add(proxy.box, proxy.options);
-    listed.push_back(proxy);
+    const Aabb box = RandomBox();
+    const CollisionFilter filter = RandomFilter();
+    Add(box, {filter, is_static, random_.Next()});
+  }
+
+  void Add(const Aabb& box, const ProxyOptions& options) {
+    listed.push_back({proxies.Add(box, options), box, options});
   }
 
   void Remove() {
