@@ -2,10 +2,10 @@
 // while it serves, and bounds of 16 slots each (leaf_tree.h).
 //
 // Thread safety: const calls may run side by side; Update stands alone. Owns its memory. Units: the
-// boxes'. Cost: Update O(n), some 2 ns per box, and 75 ns more where the order is made anew: when
+// boxes'. Cost: Update O(n), some 2 ns per box, and 12 ns more where the order is made anew: when
 // more than an eighth of the leaves have grown to twice what they were then, or searches have lost
 // more to an old order than a new one takes. A query descends the levels a register of nodes at a
-// time. Memory: 50 bytes per box. Errors: std::bad_alloc from Update, which must then be called
+// time. Memory: 100 bytes per box. Errors: std::bad_alloc from Update, which must then be called
 // again.
 #pragma once
 
