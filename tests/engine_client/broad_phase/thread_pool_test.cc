@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <thread>
 #include <vector>
 
@@ -18,7 +19,7 @@ TEST(ThreadPoolTest, RunsEveryPartOnce) {
     for (size_t part_count = 0; part_count < 200; ++part_count) {
       std::vector<int> runs(part_count);
       RunParts(pool.get(), part_count, [&](size_t part) { ++runs[part]; });
-      EXPECT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<long>(part_count));
+      EXPECT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<ptrdiff_t>(part_count));
     }
   }
 }
