@@ -88,13 +88,13 @@ html::Markup Headline(const BenchIndex& index) {
     return WithoutPeers(index.report());
   }
   Markup headline = Big(Text(measured),
-                        "times the speed of the fastest peer: the best of Sweepstake’s backends "
+                        "the speed of the fastest peer: the best of Sweepstake’s backends "
                         "in each scene against the best of all other libraries that ran beside "
                         "it on the same frames.");
   if (const Span published = OverallSpan(index, true); published.count > 0) {
     headline += Element("p", {{"class", "soft"}},
                         Text(published) +
-                            " times the speed of the best library that did not run here, reckoned "
+                            " the speed of the best library that did not run here, reckoned "
                             "through published ratios to one that did.");
   }
   return headline;
@@ -169,7 +169,7 @@ html::Markup Method(const BenchReport& report) {
 }
 
 html::Markup Terms() {
-  constexpr std::array<std::array<const char*, 2>, 11> kTerms{{
+  constexpr std::array<std::array<const char*, 2>, 12> kTerms{{
       {"Scene, objects", "what moves, and how many boxes there are"},
       {"Family",
        "algorithms that work alike: a backend is compared with the best peer of its own family, "
@@ -186,6 +186,9 @@ html::Markup Terms() {
       {"Bytes",
        "the most memory that the backend itself held in a measured frame; “with pairs” adds the "
        "buffer of the pairs"},
+      {"Published",
+       "peers that Debian has no package of did not run: their time is that of one that ran, times "
+       "the quotient of their published times in the same scene"},
       {"Times faster", "the other’s time divided by ours, over the frames that both measured"},
       {"✓ met, ✗ missed", "whether the comparison reaches the project’s goal for it"},
   }};

@@ -7,6 +7,7 @@
 #include "engine_client/cli/bench_html_words.h"
 #include "engine_client/cli/html/numbers.h"
 #include "engine_client/cli/html/table.h"
+#include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -47,56 +48,103 @@ std::vector<const BenchRatio*> RatiosOf(const BenchReport& report, RatioKind kin
 Markup WithTime(const BenchIndex& index, size_t cell, const std::string& name, uint32_t threads) {
   const BenchRow* row = index.Find(cell, name, threads);
   Markup text = ContestantTitle(name, threads);
-  if (row != nullptr) {
-    text += Element(
-        "small", {},
-        Milliseconds(row->ms_median) + " ms" +
-            (row->note.empty() ? "" : " · " + std::to_string(row->frame_count) + " frames"));
-  }
+  if (row != nullptr) text += Element("small", {}, Milliseconds(row->ms_median) + " ms");
   return text;
 }
 
-Markup PeerName(const BenchIndex& index, const BenchRatio& ratio) {
-  // Against several threads of ours the peer may have had several, too.
-  if (ratio.derived_through.empty() && ratio.thread_count > 1) return ratio.other;
-  if (ratio.derived_through.empty()) return WithTime(index, ratio.cell, ratio.other, 1);
-  return Markup(ratio.other) +
-         Element("small", {}, "not run here: by its published ratio to " + ratio.derived_through);
+// How many times faster, whether that is enough, and than whom.
+TableCell Comparison(const BenchIndex& index, const BenchRatio& ratio) {
+  Markup other = ratio.other;
+  if (!ratio.derived_through.empty()) {
+    other += ", through " + ratio.derived_through;
+  } else if (const BenchRow* row = index.Find(ratio.cell, ratio.other, 1);
+             row != nullptr && ratio.thread_count == 1) {
+    // Against several threads of ours the peer may have had several, too.
+    // A peer that was stopped is compared over its own frames only, of which ours has another
+    // median.
+    other += row->note.empty() ? ", " + Milliseconds(row->ms_median) + " ms"
+                               : ", over its " + Grouped(row->frame_count) + " frames";
+  }
+  return {Element("b", {}, Times(ratio.value)) + Verdict(ratio) + Element("small", {}, other),
+          VerdictClass(ratio)};
 }
 
-std::vector<TableCell> OverallRow(const BenchIndex& index, const BenchRatio& ratio) {
-  const Markup value = Element("b", {}, Times(ratio.value));
-  const Markup mean = ratio.value_mean ? Markup(Times(*ratio.value_mean)) : Markup("–");
-  return {{Grouped(index.report().cells[ratio.cell].object_count)},
-          {value + Verdict(ratio), VerdictClass(ratio)},
-          {WithTime(index, ratio.cell, ratio.ours, ratio.thread_count), "text"},
-          {PeerName(index, ratio), "text"},
-          {mean}};
+// The cell's comparison of our best with so many threads; null when there is none.
+const BenchRatio* OverallRatio(const BenchIndex& index, size_t cell, uint32_t thread_count,
+                               bool published) {
+  for (const BenchRatio& ratio : index.report().ratios) {
+    if (ratio.kind == RatioKind::kOverall && ratio.cell == cell &&
+        ratio.thread_count == thread_count && ratio.derived_through.empty() != published) {
+      return &ratio;
+    }
+  }
+  return nullptr;
 }
 
-// One of our arms' comparison in one cell, for a row that belongs to the arm.
-Markup FamilyEntry(const BenchRatio& ratio) {
-  const std::string other = ratio.derived_through.empty()
-                                ? ratio.other
-                                : ratio.other + ", through " + ratio.derived_through;
-  return Times(ratio.value) + Element("small", {}, other) + Verdict(ratio);
+// The cells of a row of the overall table; none when there is nothing to compare.
+std::vector<TableCell> OverallRow(const BenchIndex& index, size_t cell, uint32_t thread_count) {
+  const BenchRatio* measured = OverallRatio(index, cell, thread_count, false);
+  const BenchRatio* published = OverallRatio(index, cell, thread_count, true);
+  const BenchRatio* any = measured != nullptr ? measured : published;
+  if (any == nullptr) return {};
+  const bool has_mean = measured != nullptr && measured->value_mean;
+  return {{Grouped(index.report().cells[cell].object_count)},
+          {WithTime(index, cell, any->ours, thread_count), "text"},
+          measured != nullptr ? Comparison(index, *measured) : NoValue(),
+          {has_mean ? Times(*measured->value_mean) : "–"},
+          published != nullptr ? Comparison(index, *published) : NoValue()};
+}
+
+// Comparisons of one of ours that make one row of the family table.
+struct FamilyLine {
+  std::string ours;
+  uint32_t thread_count;
+  std::string published;  // the peer that did not run; empty: the best of those that ran
+
+  bool Has(const BenchRatio& ratio) const {
+    return ratio.ours == ours && ratio.thread_count == thread_count &&
+           (ratio.derived_through.empty() ? "" : ratio.other) == published;
+  }
+};
+
+std::vector<FamilyLine> FamilyLines(const std::vector<const BenchRatio*>& ratios) {
+  std::vector<FamilyLine> lines;
+  for (const BenchRatio* ratio : ratios) {
+    const bool known = std::any_of(lines.begin(), lines.end(),
+                                   [&](const FamilyLine& line) { return line.Has(*ratio); });
+    if (known) continue;
+    lines.push_back(
+        {ratio->ours, ratio->thread_count, ratio->derived_through.empty() ? "" : ratio->other});
+  }
+  const auto known = BroadPhaseNames();
+  std::stable_sort(lines.begin(), lines.end(), [&](const FamilyLine& a, const FamilyLine& b) {
+    return std::find(known.begin(), known.end(), a.ours) <
+           std::find(known.begin(), known.end(), b.ours);
+  });
+  return lines;
 }
 
 TableCell FamilyCell(const std::vector<const BenchRatio*>& ratios, size_t cell,
-                     const BenchRatio& of) {
-  TableCell entries;
-  bool missed = false, judged = false;
+                     const FamilyLine& line) {
   for (const BenchRatio* ratio : ratios) {
-    if (ratio->cell != cell || ratio->ours != of.ours || ratio->thread_count != of.thread_count) {
-      continue;
-    }
-    entries.content += Element("div", {}, FamilyEntry(*ratio));
-    judged = judged || ratio->goal.has_value();
-    missed = missed || !ratio->met;
+    if (ratio->cell != cell || !line.Has(*ratio)) continue;
+    Markup content = Times(ratio->value) + Verdict(*ratio);
+    if (line.published.empty()) content += Element("small", {}, ratio->other);
+    return {content, VerdictClass(*ratio)};
   }
-  if (entries.content.empty()) return NoValue();
-  if (judged) entries.css_class = missed ? "missed" : "met";
-  return entries;
+  return NoValue();
+}
+
+std::vector<TableCell> FamilyRow(const BenchIndex& index,
+                                 const std::vector<const BenchRatio*>& ratios,
+                                 const FamilyLine& line) {
+  std::vector<TableCell> row{
+      {line.published.empty()
+           ? Markup("best peer that ran")
+           : Markup(line.published) + Element("small", {}, "did not run: by published ratios")}};
+  for (const size_t cell : index.cells()) row.push_back(FamilyCell(ratios, cell, line));
+  SeparateScenes(index, row);
+  return row;
 }
 
 Markup MissedList(const BenchIndex& index, const std::vector<const BenchRatio*>& ratios) {
@@ -133,21 +181,21 @@ std::vector<TableCell> GoalRow(const BenchIndex& index, const GoalKind& kind) {
 
 html::Markup OverallTable(const BenchIndex& index) {
   html::Table table{"overall",
-                    "The fastest of Sweepstake against the fastest peer of the same run, by the "
-                    "median frame.",
+                    "How many times faster the fastest of Sweepstake is than the fastest peer, by "
+                    "the median frame.",
                     {{{"Objects"},
-                      {"Times faster (goal)"},
                       {"Best of ours", "text"},
-                      {"Best peer", "text"},
-                      {"By the mean"}}},
+                      {"Than the peers that ran"},
+                      {"By the mean"},
+                      {"Than published ones"}}},
                     {}};
-  const auto ratios = RatiosOf(index.report(), RatioKind::kOverall);
   for (const SceneCells& scene : index.scenes()) {
     html::TableGroup group{SceneTitle(index.report(), index.report().cells[scene.cells.front()]),
                            {}};
     for (const size_t cell : scene.cells) {
-      for (const BenchRatio* ratio : ratios) {
-        if (ratio->cell == cell) group.rows.push_back(OverallRow(index, *ratio));
+      for (const uint32_t thread_count : index.thread_counts()) {
+        auto row = OverallRow(index, cell, thread_count);
+        if (!row.empty()) group.rows.push_back(std::move(row));
       }
     }
     if (!group.rows.empty()) table.groups.push_back(std::move(group));
@@ -192,22 +240,16 @@ html::Markup GoalsTable(const BenchIndex& index) {
 html::Markup FamilyTable(const BenchIndex& index) {
   const auto ratios = RatiosOf(index.report(), RatioKind::kFamily);
   html::Table table{"families",
-                    "How many times faster each of our backends is than the best peer of its "
-                    "family, by the median frame; the peer stands below.",
-                    CellHead(index, "Backend"),
-                    {{{}, {}}}};
-  std::vector<const BenchRatio*> seen;
-  for (const BenchRatio* ratio : ratios) {
-    const bool known = std::any_of(seen.begin(), seen.end(), [&](const BenchRatio* other) {
-      return other->ours == ratio->ours && other->thread_count == ratio->thread_count;
-    });
-    if (known) continue;
-    seen.push_back(ratio);
-    std::vector<TableCell> row{
-        {Element("b", {}, ContestantTitle(ratio->ours, ratio->thread_count))}};
-    for (const size_t cell : index.cells()) row.push_back(FamilyCell(ratios, cell, *ratio));
-    SeparateScenes(index, row);
-    table.groups.front().rows.push_back(std::move(row));
+                    "How many times faster each of our backends is than peers of its family, by "
+                    "the median frame.",
+                    CellHead(index, "Backend, and compared with"),
+                    {}};
+  std::string ours;
+  for (const FamilyLine& line : FamilyLines(ratios)) {
+    const std::string title = ContestantTitle(line.ours, line.thread_count);
+    if (title != ours) table.groups.push_back({title, {}});
+    ours = title;
+    table.groups.back().rows.push_back(FamilyRow(index, ratios, line));
   }
   return DrawTable(table);
 }

@@ -17,6 +17,7 @@ constexpr double kRight = 200;
 constexpr double kTop = 14;
 constexpr double kBottom = 52;
 constexpr double kNameHeight = 15;
+constexpr double kHeightPerSeries = 20;
 
 std::vector<double> Values(const LineChart& chart, double ChartPoint::*which) {
   std::vector<double> values;
@@ -41,8 +42,8 @@ class Picture {
       : chart_(chart),
         x_axis_(Values(chart, &ChartPoint::x), 1.25),
         y_axis_(Values(chart, &ChartPoint::y), 1.5),
-        bottom_(std::max(kHeight,
-                         kTop + kBottom + kNameHeight * static_cast<double>(chart.series.size())) -
+        bottom_(std::max(kHeight, kTop + kBottom +
+                                      kHeightPerSeries * static_cast<double>(chart.series.size())) -
                 kBottom) {}
 
   Markup Draw() const {
@@ -176,14 +177,12 @@ Markup LegendEntry(const ChartSeries& series, size_t index) {
 
 Markup Legend(const std::vector<ChartSeries>& series) {
   Markup legend;
-  for (size_t first = 0; first < series.size();) {
-    Markup group = Element("span", {{"class", "group"}}, series[first].group);
-    size_t i = first;
-    for (; i < series.size() && series[i].group == series[first].group; ++i) {
-      group += LegendEntry(series[i], i);
-    }
-    legend += Element("div", {}, group);
-    first = i;
+  for (size_t i = 0; i < series.size();) {
+    const std::string& group = series[i].group;
+    Markup entries;
+    for (; i < series.size() && series[i].group == group; ++i) entries += LegendEntry(series[i], i);
+    legend += Element("div", {},
+                      Element("span", {{"class", "group"}}, group) + Element("div", {}, entries));
   }
   return Element("fieldset", {{"class", "legend"}}, Element("legend", {}, "Show or hide") + legend);
 }

@@ -148,7 +148,7 @@ TEST(BenchHtml, HeadlineIsOfMeasuredPeersOnly) {
   report.ratios.back().value = 99;
   const std::string html = BenchHtml(report, "sweepstake bench", "{\"rows\":[]}");
   EXPECT_THAT(html, HasSubstr("<b>1.67–16.7×</b>"));
-  EXPECT_THAT(html, HasSubstr("not run here: by its published ratio to Bullet DBVT"));
+  EXPECT_THAT(html, HasSubstr("Published peer, through Bullet DBVT"));
 }
 
 TEST(BenchHtml, WarnsOfWrongPairsAndNamesWhoIsAbsent) {
