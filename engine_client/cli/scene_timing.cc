@@ -149,6 +149,7 @@ std::vector<ContestantTiming> TimeScene(Scene& scene, std::span<const Contestant
     }
   }
   std::vector<ContestantTiming> timings;
+  timings.reserve(runs.size());
   for (Run& run : runs) timings.push_back(run.Finish());
   return timings;
 }

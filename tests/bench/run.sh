@@ -11,7 +11,8 @@ usage() {
 Usage: tests/bench/run.sh [--quick] [--program PATH] [--out FOLDER] [--json] [PART…]
 
 Runs the parts (all of them by default): ${parts[*]}.
-Each part's table goes to stdout and to FOLDER/PART.txt; with --json its document to FOLDER/PART.json instead.
+Each part's table goes to stdout and to FOLDER/PART.txt; with --json its document to FOLDER/PART.json instead. Its page with
+charts is FOLDER/PART.html.
   --quick         a few frames of small scenes, to see that everything works
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --out FOLDER    (default: build/bench)
@@ -49,6 +50,7 @@ bench() {
   local sized=(--scene "$1" --objects "$2" --frames "$3" --warmup "$4" --peer-cap "$5")
   ((quick == 0)) || sized=(--scene "$1" --objects 200,400 --frames 4 --warmup 1 --peer-cap 0.2)
   shift 5
+  sized+=(--report "${file%.*}$([[ -s $file ]] && echo -2).html")
   if ((json)); then
     "$program" bench --json "${sized[@]}" "$@" >>"$file"
   else

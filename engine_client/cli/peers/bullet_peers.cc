@@ -8,6 +8,8 @@ namespace {
 
 btVector3 Corner(const float (&corner)[3]) { return {corner[0], corner[1], corner[2]}; }
 
+// Bullet's user pointer holds the id itself.
+// NOLINTNEXTLINE(performance-no-int-to-ptr)
 void* AsUserPointer(size_t id) { return reinterpret_cast<void*>(id); }
 
 uint32_t IdOf(const btBroadphaseProxy& proxy) {

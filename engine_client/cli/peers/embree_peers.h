@@ -1,4 +1,5 @@
-// Embree: rtcCollide of a scene of user geometry with itself, its BVH built anew every frame.
+// Embree: rtcCollide of a scene of user geometry with itself, its BVH built anew
+// every frame, or refitted.
 #pragma once
 
 #include "engine_client/cli/peers/peer.h"

@@ -55,8 +55,8 @@ bool Collect(Object* a, Object* b, void* out) {
   return false;  // go on
 }
 
-// The edge of a cell of the spatial hash: the mean box's longest edge, fastest of those tried
-// (half of it to four times it) in scenes of similar boxes.
+// The edge of a cell of the spatial hash: the mean box's longest edge. Twice that is slower by 40 %
+// at 10,000 objects of suite-b.
 double CellEdge(std::span<const Aabb> boxes) {
   double sum = 0;
   for (const Aabb& box : boxes) {

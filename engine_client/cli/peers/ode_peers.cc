@@ -88,6 +88,8 @@ class OdePeer final : public Peer {
  private:
   void Add(const Aabb& box) {
     const dGeomID geom = dCreateBox(nullptr, 1, 1, 1);
+    // ODE's user pointer holds the id itself.
+    // NOLINTNEXTLINE(performance-no-int-to-ptr)
     dGeomSetData(geom, reinterpret_cast<void*>(geoms_.size()));
     Take(geom, box);
     dSpaceAdd(space_, geom);
