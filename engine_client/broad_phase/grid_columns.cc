@@ -48,6 +48,12 @@ void GridColumns::Gather(std::span<const Aabb> boxes, size_t begin, size_t end) 
   }
 }
 
+void GridColumns::Blind(size_t slot) {
+  for (size_t column = 0; column < 6; ++column) {
+    floats_[column * stride_ + slot] = std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
 BoxLanes GridColumns::lanes() const {
   BoxLanes lanes{};
   for (size_t axis = 0; axis < 3; ++axis) {

@@ -25,6 +25,9 @@ class GridColumns {
   // The slots [begin, end) take boxes[id].
   void Gather(std::span<const Aabb> boxes, size_t begin, size_t end);
 
+  // The box of the slot then overlaps nothing.
+  void Blind(size_t slot);
+
   BoxLanes lanes() const;
   size_t native_bytes() const { return floats_.capacity_bytes() + ids_.capacity_bytes(); }
 

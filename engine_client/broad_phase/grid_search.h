@@ -30,8 +30,8 @@ struct GridView {
   const uint32_t* looks_into;
 };
 
-// Appends the pairs that the boxes in the slots [begin, end) find; returns the AABB checks.
-// REQUIRES: `begin` is a multiple of kBatch.
+// Appends the pairs that the boxes in the slots [begin, end) find; returns the AABB checks. Parts
+// that begin at multiples of kBatch give the pairs in the order of the whole.
 uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out);
 
 }  // namespace sweepstake

@@ -7,6 +7,7 @@
 #include "engine_client/broad_phase/grid_search.h"
 #include "engine_client/broad_phase/parallel.h"
 #include "engine_client/broad_phase/tracy_lists.h"
+#include "engine_client/broad_phase/tracy_rest.h"
 #include "engine_client/broad_phase/tracy_rows.h"
 
 namespace sweepstake {
@@ -22,6 +23,16 @@ constexpr uint32_t kFramesPerTrial = 64;
 // One box in so many may be too long for the cells it has, and some more.
 constexpr size_t kBoxesPerLongOne = 64;
 constexpr size_t kFewLongBoxes = 16;
+// Little moves when so few boxes cross into another list: one in so many.
+constexpr size_t kBoxesPerCrossing = 128;
+// Margins in cells: wide enough to hold slow boxes for many frames, and few more pairs to test.
+constexpr float kMarginsPerCell = 48;
+// Where there are more pairs, testing those kept costs as much as finding them.
+constexpr size_t kMostPairsPerBox = 8;
+// Frames for which margins have to hold to be worth it, and frames until they are tried again where
+// they did not, doubled each time.
+constexpr uint32_t kWorthwhileRest = 6;
+constexpr uint32_t kLongestWait = 256;
 // About 25 µs of work.
 constexpr size_t kLeastBoxesPerPart = 1024;
 
@@ -34,13 +45,25 @@ class Tracy final : public BroadPhase {
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
-  size_t native_bytes() const override { return lists_.native_bytes() + parts_.native_bytes(); }
+  size_t native_bytes() const override {
+    return lists_.native_bytes() + rest_.native_bytes() + parts_.native_bytes();
+  }
 
  private:
+  bool TakeAtRest(std::span<const Aabb> boxes);
+  void StartResting(std::span<const Aabb> boxes);
+  void TakeInMotion(std::span<const Aabb> boxes);
+
   Executor* executor_;
   GridPlan plan_;
   TracyLists lists_;
   PairParts parts_;
+  TracyRest rest_;
+  bool resting_ = false;
+  uint32_t rested_ = 0;  // frames since margins were last taken
+  uint32_t wait_ = 0;    // frames until they may be
+  uint32_t last_wait_ = 1;
+  size_t pair_count_ = 0;       // of the latest search
   uint32_t frames_ = 0;         // since the grids were laid out
   bool unfair_ = false;         // the latest search took more checks than it should
   uint64_t fewest_checks_ = 0;  // in a frame since the grids were laid out
@@ -58,11 +81,47 @@ void Tracy::Build(std::span<const Aabb> boxes) {
   excess_checks_ = 0;
   frames_ = 0;
   unfair_ = false;
+  resting_ = false;
 }
 
 void Tracy::Update(std::span<const Aabb> boxes) {
   checks_ = 0;
+  if (resting_ && TakeAtRest(boxes)) return;
+  if (wait_ == 0 && pair_count_ < kMostPairsPerBox * boxes.size() &&
+      lists_.moved_count() * kBoxesPerCrossing < boxes.size()) {
+    StartResting(boxes);
+  } else {
+    TakeInMotion(boxes);
+  }
+}
+
+// False: the margins no longer hold.
+bool Tracy::TakeAtRest(std::span<const Aabb> boxes) {
+  ++rested_;
+  if (rest_.Step(executor_, boxes, lists_, checks_)) return true;
+  resting_ = false;
+  if (rested_ >= kWorthwhileRest) {
+    last_wait_ = 1;
+    StartResting(boxes);
+    return true;
+  }
+  last_wait_ = std::min(2 * last_wait_, kLongestWait);
+  wait_ = last_wait_;
+  lists_.SetMargin(0);
+  return false;
+}
+
+void Tracy::StartResting(std::span<const Aabb> boxes) {
+  const float margin = lists_.narrowest_cell() / kMarginsPerCell;
+  lists_.SetMargin(margin);
+  checks_ += rest_.Start(executor_, boxes, margin, lists_);
+  resting_ = true;
+  rested_ = 0;
+}
+
+void Tracy::TakeInMotion(std::span<const Aabb> boxes) {
   ++frames_;
+  if (wait_ > 0) --wait_;
   const bool try_anew = unfair_ && frames_ >= kFramesPerTrial;
   if (try_anew || excess_checks_ > kChecksPerLayout * boxes.size()) return Build(boxes);
   lists_.Update(executor_, boxes);
@@ -70,6 +129,7 @@ void Tracy::Update(std::span<const Aabb> boxes) {
 }
 
 void Tracy::FindPairs(PairBuffer& out) {
+  if (resting_) return rest_.Append(out);
   const GridView view = lists_.View();
   const size_t before = out.size();
   checks_ = parts_.Run(executor_, lists_.size(), kLeastBoxesPerPart, GridView::kBatch, out,

@@ -10,10 +10,17 @@
 // longest box reaches. Boxes of unlike shapes have grids of their own (grid_plan.h). A box that has
 // outgrown its grid is tested against all.
 //
+// While little moves, the lists hold boxes enlarged by a margin, the pairs of those are kept, and a
+// frame costs what has left its margin besides a look at each box and each kept pair
+// (tracy_rest.h).
+//
 // Kept between frames: lists, the row of each box, the grids. The grids are laid out anew (as in
 // Build) when boxes outgrow them, when the checks above those of the cheapest frame since the last
 // time add up to 256 per object, and now and then while a search makes far more checks than pairs.
-// Cost: Build O(n log n); a frame O(n + boxes around a box + what has changed).
+// Cost: Build O(n log n); a frame O(n + boxes around a box + what has changed). In suite-b 23 ns
+// per box from 1,000 to 100,000 boxes and 41 ns at 1,000,000, in suite-h 25 to 33 ns; 6 ns where
+// boxes move by a thousandth. Two threads: 1.6 times as fast at 10,000 boxes, 1.9 times at 100,000.
+// Memory: 45 bytes per box and 4 per cell; while little moves 65 more.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,11 @@
 #include "engine_client/broad_phase/tracy_lists.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "engine_client/broad_phase/parallel.h"
+#include "engine_client/broad_phase/radix_sort.h"
 #include "engine_client/broad_phase/soa_boxes.h"
 #include "hwy/cache_control.h"
 
@@ -13,40 +16,33 @@ constexpr size_t kMostParts = 8;
 constexpr size_t kLeastBoxesPerPart = 2048;
 // Boxes whose rows are found at a time: they stay in the first cache.
 constexpr size_t kBatch = 512;
-// Shifts per entry after which a list counts as unsorted.
-constexpr size_t kShiftsPerEntry = 8;
-// Entries ahead of the one being read: enough to hide the memory behind the last cache.
+// Shifts per item after which a list counts as unsorted.
+constexpr size_t kShiftsPerItem = 8;
+// Items ahead of the one being read: enough to hide the memory behind the last cache.
 constexpr size_t kAhead = 16;
 
-template <typename Entry>
-bool Before(const Entry& a, const Entry& b) {
-  return a.key < b.key || (a.key == b.key && a.id < b.id);
-}
-
 // Insertion, since the list was in order a frame ago; it gives up where that is no longer so.
-template <typename Entry>
-void SortEntries(Entry* entries, size_t count) {
+void SortItems(uint64_t* items, size_t count) {
   size_t shifts = 0;
   for (size_t i = 1; i < count; ++i) {
-    const Entry entry = entries[i];
+    const uint64_t item = items[i];
     size_t at = i;
-    for (; at > 0 && Before(entry, entries[at - 1]); --at) entries[at] = entries[at - 1];
-    entries[at] = entry;
+    for (; at > 0 && item < items[at - 1]; --at) items[at] = items[at - 1];
+    items[at] = item;
     shifts += i - at;
-    if (shifts > kShiftsPerEntry * count) {
-      std::sort(entries, entries + count, Before<Entry>);
+    if (shifts > kShiftsPerItem * count) {
+      std::sort(items, items + count);
       return;
     }
   }
 }
 
 // Two sorted runs, of which the second is short, into one; `from` is a copy of the second.
-template <typename Entry>
-void MergeEntries(Entry* entries, size_t first, const Entry* from, size_t second) {
+void MergeItems(uint64_t* items, size_t first, const uint64_t* from, size_t second) {
   size_t to = first + second;
   while (second > 0) {
-    const bool later = first > 0 && Before(from[second - 1], entries[first - 1]);
-    entries[--to] = later ? entries[--first] : from[--second];
+    const bool later = first > 0 && from[second - 1] < items[first - 1];
+    items[--to] = later ? items[--first] : from[--second];
   }
 }
 
@@ -54,6 +50,7 @@ void MergeEntries(Entry* entries, size_t first, const Entry* from, size_t second
 
 void TracyLists::Reset(const RowGrids& grids) {
   grids_ = grids;
+  grids_without_margin_ = grids;
   count_ = 0;
   size_ = 0;
   first_slots_.EnsureDiscarding(grids_.row_count() + 1);
@@ -73,7 +70,7 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   arrived_.EnsureDiscarding(count + SoaBoxes::kPadding);
   old_slots_.EnsureDiscarding(rows + 1);
   arrivals_.EnsureDiscarding(rows);
-  starts_.EnsureDiscarding(cells + 1);
+  starts_.EnsureDiscarding(cells + 2);  // and the guests'
   if (parts_.size() < parts) parts_.resize(parts);
   for (size_t part = 0; part < parts; ++part) {
     parts_[part].change.EnsureDiscarding(rows);
@@ -90,7 +87,7 @@ void TracyLists::Forget(size_t count) {
   count_ = count;
 }
 
-void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes) {
+void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t guests) {
   const size_t parts = PartsFor(executor, boxes.size());
   // The lists as they are, before their places are taken by what they become.
   order_.EnsureDiscarding(std::max(boxes.size(), size_) + SoaBoxes::kPadding);
@@ -103,7 +100,7 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes) {
     MoveBoxes(boxes, parts_[index], range.end);
   });
   PlaceLists(parts);
-  columns_.Resize(size_);
+  columns_.Resize(size_ + guests);
   for (size_t index = 0; index < parts; ++index) {
     const Part& part = parts_[index];
     for (size_t k = part.begin; k < part.begin + part.arrived; ++k) {
@@ -121,6 +118,59 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes) {
     SweepRows(boxes, border(index), border(index + 1), parts_[index]);
   });
   starts_[grids_.grids[grids_.group_count - 1].last_cell()] = static_cast<uint32_t>(size_);
+}
+
+void TracyLists::SetMargin(float margin) {
+  constexpr float kRounding = 1.001F;
+  grids_ = grids_without_margin_;
+  if (margin == 0) return;
+  for (size_t group = 0; group + 1 < grids_.group_count; ++group) {
+    for (int axis = 0; axis < 3; ++axis) {
+      float& reach = grids_.grids[group].reach[axis];
+      reach = (reach + margin) * kRounding;  // half the margins of both sides
+      grids_.row_grids[group].reach[axis] = reach;
+    }
+  }
+}
+
+float TracyLists::narrowest_cell() const {
+  float narrowest = std::numeric_limits<float>::max();
+  for (size_t group = 0; group + 1 < grids_.group_count; ++group) {
+    const GroupGrid& grid = grids_.grids[group];
+    for (const int across : {1, 2}) {
+      narrowest = std::min(narrowest, 2 / grid.scale[grid.AxisOf(across)]);
+    }
+  }
+  return narrowest;
+}
+
+void TracyLists::Blind(uint32_t object) {
+  const uint32_t row = rows_[object];
+  if (row == kNoRow) return;
+  const uint32_t* const ids = columns_.ids();
+  const uint32_t* const slot =
+      std::find(ids + first_slots_[row], ids + first_slots_[row + 1], object);
+  columns_.Blind(static_cast<size_t>(slot - ids));
+}
+
+uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
+                               PairBuffer& out) {
+  // One more group of one cell, whose boxes look into all the others.
+  std::array<GroupGrid, RowGrids::kMostGroups + 1> grids;
+  std::array<uint32_t, RowGrids::kMostGroups + 1> looks_into;
+  std::copy_n(grids_.grids.begin(), grids_.group_count, grids.begin());
+  std::copy_n(grids_.looks_into.begin(), grids_.group_count, looks_into.begin());
+  grids[grids_.group_count] = grids[grids_.group_count - 1];
+  GroupGrid& guests = grids[grids_.group_count];
+  guests.first_cell = grids[grids_.group_count - 1].last_cell();
+  looks_into[grids_.group_count] = (1U << grids_.group_count) - 1;
+  const size_t end = size_ + ids.size();
+  std::copy(ids.begin(), ids.end(), columns_.ids() + size_);
+  columns_.Gather(boxes, size_, end);
+  starts_[guests.last_cell()] = static_cast<uint32_t>(end);
+  const GridView view{
+      columns_.lanes(), starts_.data(), {grids.data(), grids_.group_count + 1}, looks_into.data()};
+  return SearchGrids(view, size_, end, out);
 }
 
 // The boxes [part.begin, end): which have moved from list to list.
@@ -187,15 +237,15 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
   const uint32_t end = first_slots_[row + 1];
   const size_t count = end - begin;
   if (count > 0) {
-    const size_t stayed = TakeEntries(boxes, row, grid.AxisOf(0), part);
-    Entry* const entries = part.entries.data();
-    SortEntries(entries, stayed);
+    const size_t stayed = TakeItems(boxes, row, grid.AxisOf(0), part);
+    uint64_t* const items = part.items.data();
+    SortItems(items, stayed);
     if (stayed < count) {
-      SortEntries(entries + stayed, count - stayed);
-      std::copy(entries + stayed, entries + count, entries + count);
-      MergeEntries(entries, stayed, entries + count, count - stayed);
+      SortItems(items + stayed, count - stayed);
+      std::copy(items + stayed, items + count, items + count);
+      MergeItems(items, stayed, items + count, count - stayed);
     }
-    for (size_t k = 0; k < count; ++k) columns_.ids()[begin + k] = entries[k].id;
+    for (size_t k = 0; k < count; ++k) columns_.ids()[begin + k] = SortItemPayload(items[k]);
     columns_.Gather(boxes, begin, end);
   }
   const uint32_t row_cells = grid.cells[grid.AxisOf(0)];
@@ -204,26 +254,26 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
 
 // Those that have stayed, in the order of the list; behind them those that have come. Returns the
 // number of the former.
-size_t TracyLists::TakeEntries(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part) {
+size_t TracyLists::TakeItems(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part) {
   const size_t begin = first_slots_[row];
   const size_t count = first_slots_[row + 1] - begin;
   const size_t old_begin = old_slots_[row];
   const size_t old_end = old_slots_[row + 1];
-  part.entries.EnsureDiscarding(std::max(2 * count, old_end - old_begin) + 1);
-  Entry* const entries = part.entries.data();
+  part.items.EnsureDiscarding(std::max(2 * count, old_end - old_begin) + 1);
+  uint64_t* const items = part.items.data();
   const uint32_t* const order = order_.data();
   size_t stayed = 0;
   for (size_t k = old_begin; k < old_end; ++k) {
     hwy::Prefetch(&boxes[std::min<size_t>(order[k + kAhead], boxes.size() - 1)]);
     const uint32_t id = order[k];
     if (id >= boxes.size()) continue;
-    entries[stayed] = {boxes[id].min[axis], id};
+    items[stayed] = PackSortItem(SortableKey(boxes[id].min[axis]), id);
     stayed += rows_[id] == row ? 1 : 0;
   }
   const size_t arrivals = count - stayed;
   for (size_t k = 0; k < arrivals; ++k) {
     const uint32_t id = columns_.ids()[begin + stayed + k];
-    entries[stayed + k] = {boxes[id].min[axis], id};
+    items[stayed + k] = PackSortItem(SortableKey(boxes[id].min[axis]), id);
   }
   return stayed;
 }
@@ -257,7 +307,7 @@ size_t TracyLists::native_bytes() const {
                  parts_.capacity() * sizeof(Part);
   for (const Part& part : parts_) {
     bytes +=
-        part.change.capacity_bytes() + part.entries.capacity_bytes() + part.cells.capacity_bytes();
+        part.change.capacity_bytes() + part.items.capacity_bytes() + part.cells.capacity_bytes();
   }
   return bytes;
 }

@@ -28,8 +28,13 @@ class TracyLists {
   // Empty lists for these grids.
   void Reset(const RowGrids& grids);
   // Moves boxes to the rows they are in now, takes in those that are new and drops those that are
-  // no more, and restores the order.
-  void Update(Executor* executor, std::span<const Aabb> boxes);
+  // no more, and restores the order. Leaves room for `guests` of SearchFor.
+  void Update(Executor* executor, std::span<const Aabb> boxes, size_t guests = 0);
+
+  // Boxes that are enlarged by so much on each side still fit into their grids.
+  void SetMargin(float margin);
+  // Across the rows, the narrowest of all.
+  float narrowest_cell() const;
 
   GridView View() const {
     return {columns_.lanes(),
@@ -37,6 +42,12 @@ class TracyLists {
             {grids_.grids.data(), grids_.group_count},
             grids_.looks_into.data()};
   }
+  // Takes the box of an object out of the search until the next Update.
+  void Blind(uint32_t object);
+  // Appends the pairs of these boxes (slot k holds id ids[k]) with one another and with those in
+  // the lists; returns the AABB checks. REQUIRES: as many as Update left room for.
+  uint64_t SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids, PairBuffer& out);
+
   // Boxes in lists.
   size_t size() const { return size_; }
   // Those of them that are too long for the grid of their group.
@@ -46,14 +57,10 @@ class TracyLists {
   size_t native_bytes() const;
 
  private:
-  struct Entry {
-    float key;
-    uint32_t id;
-  };
   // What a part of the work needs for itself. A cache line each.
   struct alignas(64) Part {
     AlignedBuffer<int32_t> change;  // of the length of each list
-    AlignedBuffer<Entry> entries;   // of one list
+    AlignedBuffer<uint64_t> items;  // of one list (radix_sort.h)
     AlignedBuffer<uint32_t> cells;  // first slots of one row
     size_t begin = 0;               // boxes
     size_t arrived = 0;             // of them, listed in arrived_ from `begin` on
@@ -67,10 +74,11 @@ class TracyLists {
   void SweepRow(std::span<const Aabb> boxes, uint32_t row, const GroupGrid& grid, uint32_t grid_row,
                 Part& part);
   void SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part);
-  size_t TakeEntries(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part);
+  size_t TakeItems(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part);
   void MarkCells(const GroupGrid& grid, uint32_t first_cell, size_t begin, size_t end, Part& part);
 
   RowGrids grids_;
+  RowGrids grids_without_margin_;
   size_t count_ = 0;  // objects
   size_t size_ = 0;
   size_t moved_count_ = 0;

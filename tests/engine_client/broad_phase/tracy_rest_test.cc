@@ -1,0 +1,127 @@
+// What Tracy does while little moves: margins that hold, and boxes that leave them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "tests/engine_client/broad_phase/backend_under_test.h"
+#include "tests/support/box_scenes.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::BoxScene;
+using test_support::MakeOrThrow;
+using test_support::Verdict;
+
+constexpr size_t kCount = 1000;
+
+class RestingTracy : public testing::Test {
+ protected:
+  RestingTracy() : boxes_(scene_.boxes().begin(), scene_.boxes().end()) {
+    backend_->Build(boxes_);
+    for (int frame = 0; frame < 5; ++frame) StepAndCheck("as it comes to rest");
+    EXPECT_LT(ChecksPerBox(), 5U) << "it should be at rest";
+  }
+
+  // Moves all boxes but the first ten, which are the test's.
+  void Step() {
+    scene_.Step();
+    std::copy(scene_.boxes().begin() + 10, scene_.boxes().end(), boxes_.begin() + 10);
+  }
+  void Check(const std::string& when) {
+    backend_->Update(boxes_);
+    ASSERT_EQ(Verdict(*backend_, boxes_, pairs_), "") << when;
+  }
+  void StepAndCheck(const std::string& when) {
+    Step();
+    Check(when);
+  }
+  uint64_t ChecksPerBox() const { return backend_->aabb_check_count() / boxes_.size(); }
+
+  BoxScene scene_{"nearly-resting", kCount, 8};
+  std::vector<Aabb> boxes_;
+  std::unique_ptr<BroadPhase> backend_ = MakeOrThrow("Tracy");
+  PairBuffer pairs_;
+};
+
+TEST_F(RestingTracy, TestsLittleMoreThanThePairsThereAre) {
+  uint64_t checks = 0;
+  for (int frame = 0; frame < 50; ++frame) {
+    StepAndCheck("at rest");
+    checks += backend_->aabb_check_count();
+  }
+  EXPECT_LT(checks, 50U * 5 * kCount);
+}
+
+TEST_F(RestingTracy, FollowsAFewFastBoxesAndStaysAtRest) {
+  for (int frame = 0; frame < 30; ++frame) {
+    for (size_t i = 0; i < 10; ++i) {
+      const float at = 0.3F * static_cast<float>(frame) + static_cast<float>(i) * 0.4F;
+      boxes_[i] = {{at, at / 2, 3}, {at + 1, at / 2 + 1, 4}};
+    }
+    StepAndCheck("in frame " + std::to_string(frame));
+  }
+  EXPECT_LT(ChecksPerBox(), 40U);
+}
+
+TEST_F(RestingTracy, LetsABoxGoAndComeBack) {
+  const Aabb home = boxes_[4];
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Aabb& away :
+       {Aabb{{nan, 0, 0}, {1, 1, 1}}, Aabb{{1, 1, 1}, {0, 0, 0}},
+        Aabb{{-50, -50, -50}, {50, 50, 50}}, Aabb{{1e30F, 1e30F, 1e30F}, {2e30F, 2e30F, 2e30F}}}) {
+    boxes_[4] = away;
+    StepAndCheck("away");
+    StepAndCheck("still away");
+    boxes_[4] = home;
+    StepAndCheck("home");
+  }
+}
+
+TEST_F(RestingTracy, TakesObjectsThatComeAndGo) {
+  const std::vector<Aabb> all = boxes_;
+  for (const size_t count : {kCount - 1, kCount, kCount / 2, size_t{0}, kCount, kCount}) {
+    boxes_.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+    Check("with " + std::to_string(count));
+    Check("with as many again");
+    Check("and once more");
+  }
+}
+
+TEST_F(RestingTracy, WakesWhenEverythingMovesAndRestsAgain) {
+  for (int frame = 0; frame < 8; ++frame) {
+    for (Aabb& box : boxes_) {
+      box.min[0] += 0.2F;
+      box.max[0] += 0.2F;
+    }
+    Check("in motion");
+  }
+  for (int frame = 0; frame < 40; ++frame) Check("at rest again");
+  EXPECT_LT(ChecksPerBox(), 5U);
+}
+
+TEST(Tracy, FindsTheSamePairsAtRestForAnyNumberOfThreads) {
+  const auto pool = MakeThreadPool(3);
+  const auto together = std::move(*MakeBroadPhase("Tracy", {pool.get()}));
+  const auto alone = MakeOrThrow("Tracy");
+  BoxScene scene("nearly-resting", 20'000, 5);
+  alone->Build(scene.boxes());
+  together->Build(scene.boxes());
+  PairBuffer pairs;
+  PairBuffer pairs_together;
+  for (int frame = 0; frame < 6; ++frame, scene.Step()) {
+    pairs.Clear();
+    pairs_together.Clear();
+    alone->Update(scene.boxes());
+    together->Update(scene.boxes());
+    alone->FindPairs(pairs);
+    together->FindPairs(pairs_together);
+    ASSERT_TRUE(std::ranges::equal(pairs.pairs(), pairs_together.pairs())) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake
