@@ -43,6 +43,30 @@ float SumOfSides(const Aabb& box) {
   return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
 }
 
+// In double: the sum of two floats need not be finite.
+double DoubledCenter(const Aabb& box, int axis) {
+  return static_cast<double>(box.min[axis]) + box.max[axis];
+}
+
+// The axis on which the centers of these entries' boxes are spread widest.
+template <class Entries>
+int WidestAxis(const Entries& entries) {
+  int widest = 0;
+  double most = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    double low = DoubledCenter(entries[0].box, axis);
+    double high = low;
+    for (const auto& entry : entries) {
+      low = std::min(low, DoubledCenter(entry.box, axis));
+      high = std::max(high, DoubledCenter(entry.box, axis));
+    }
+    if (high - low <= most) continue;
+    most = high - low;
+    widest = axis;
+  }
+  return widest;
+}
+
 // How much a row of faces recedes when the outermost one goes, and whose that is. `sign` −1: the
 // highest face is the outermost.
 struct Outermost {
@@ -282,24 +306,11 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
   std::array<Entry, kWidth + 1> entries;
   for (uint32_t lane = 0; lane < kWidth; ++lane) entries[lane] = EntryAt(node, lane);
   entries[kWidth] = entry;
-  // Of doubled centers, in double: the sum of two floats need not be finite.
-  const auto center = [](const Entry& of, int axis) {
-    return static_cast<double>(of.box.min[axis]) + of.box.max[axis];
-  };
-  int widest = 0;
-  double most = -1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [low, high] = std::minmax_element(
-        entries.begin(), entries.end(),
-        [&](const Entry& a, const Entry& b) { return center(a, axis) < center(b, axis); });
-    const double extent = center(*high, axis) - center(*low, axis);
-    if (extent <= most) continue;
-    most = extent;
-    widest = axis;
-  }
-  std::nth_element(
-      entries.begin(), entries.begin() + kWidth / 2, entries.end(),
-      [&](const Entry& a, const Entry& b) { return center(a, widest) < center(b, widest); });
+  const int axis = WidestAxis(entries);
+  std::nth_element(entries.begin(), entries.begin() + kWidth / 2, entries.end(),
+                   [axis](const Entry& a, const Entry& b) {
+                     return DoubledCenter(a.box, axis) < DoubledCenter(b.box, axis);
+                   });
 
   const uint32_t level = links_[node].level;
   const uint32_t sibling = AllocateNode(level);
