@@ -15,25 +15,28 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes16 = hn::CappedTag<float, KdRange::kPart>;
 
 // Lanes of sentinels are left out.
-size_t Collect(const BoxLanes& lanes, const KdColumns& centers, const KdColumns& extents) {
+size_t Collect(const BoxGroups& groups, const KdColumns& centers, const KdColumns& extents) {
   const Lanes16 d;
   const hn::RebindToUnsigned<Lanes16> du;
   const auto half = hn::Set(d, 0.5F);
   const auto greatest = hn::Set(d, std::numeric_limits<float>::max());
   size_t count = 0;
-  for (size_t at = 0; at < lanes.count; at += hn::Lanes(d)) {
-    const auto present = hn::Le(hn::LoadU(d, lanes.min[0] + at), greatest);
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const auto min = hn::LoadU(d, lanes.min[axis] + at);
-      const auto max = hn::LoadU(d, lanes.max[axis] + at);
-      // Halves: the sum of two finite floats need not be finite.
-      const auto center = hn::Add(hn::Mul(min, half), hn::Mul(max, half));
-      hn::StoreU(hn::Compress(center, present), d, centers.center[axis] + count);
-      hn::StoreU(hn::Compress(hn::Sub(max, min), present), d, extents.center[axis] + count);
+  for (size_t group = 0; group < groups.count; ++group) {
+    for (size_t lane = 0; lane < BoxGroups::kWidth; lane += hn::Lanes(d)) {
+      const size_t at = group * groups.stride + lane;
+      const auto present = hn::Le(hn::LoadU(d, groups.min[0] + at), greatest);
+      for (size_t axis = 0; axis < 3; ++axis) {
+        const auto min = hn::LoadU(d, groups.min[axis] + at);
+        const auto max = hn::LoadU(d, groups.max[axis] + at);
+        // Halves: the sum of two finite floats need not be finite.
+        const auto center = hn::Add(hn::Mul(min, half), hn::Mul(max, half));
+        hn::StoreU(hn::Compress(center, present), d, centers.center[axis] + count);
+        hn::StoreU(hn::Compress(hn::Sub(max, min), present), d, extents.center[axis] + count);
+      }
+      const auto id = hn::LoadU(du, groups.id + at);
+      hn::StoreU(hn::Compress(id, hn::RebindMask(du, present)), du, centers.box + count);
+      count += hn::CountTrue(d, present);
     }
-    const auto id = hn::LoadU(du, lanes.id + at);
-    hn::StoreU(hn::Compress(id, hn::RebindMask(du, present)), du, centers.box + count);
-    count += hn::CountTrue(d, present);
   }
   return count;
 }
@@ -74,8 +77,8 @@ namespace sweepstake {
 HWY_EXPORT(Collect);
 HWY_EXPORT(Spread);
 
-size_t CollectCenters(const BoxLanes& lanes, const KdColumns& centers, const KdColumns& extents) {
-  return HWY_DYNAMIC_DISPATCH(Collect)(lanes, centers, extents);
+size_t CollectCenters(const BoxGroups& groups, const KdColumns& centers, const KdColumns& extents) {
+  return HWY_DYNAMIC_DISPATCH(Collect)(groups, centers, extents);
 }
 
 AxisSpread SpreadOf(const float* centers, const float* extents, size_t count) {

@@ -6,14 +6,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine_client/broad_phase/box_groups.h"
 #include "engine_client/broad_phase/kd_split.h"
-#include "engine_client/broad_phase/soa_boxes.h"
 
 namespace sweepstake {
 
 // The boxes that take part: centers and ids to `centers`, extents and nothing else to `extents`, in
-// the order of the lanes. Returns how many. Writes up to a register more.
-size_t CollectCenters(const BoxLanes& lanes, const KdColumns& centers, const KdColumns& extents);
+// their order. Returns how many. Writes up to a register more.
+size_t CollectCenters(const BoxGroups& groups, const KdColumns& centers, const KdColumns& extents);
 
 // Of one axis.
 struct AxisSpread {

@@ -52,11 +52,15 @@ void KdOrder::Reserve(size_t count) {
 }
 
 // Those that do not take part, holes excepted, from the end of the result downwards.
-void KdOrder::CollectAbsent(const BoxLanes& lanes) {
-  if (present_count_ == lanes.count) return;
-  for (size_t slot = 0; slot < lanes.count; ++slot) {
-    if (lanes.min[0][slot] <= lanes.max[0][slot] || lanes.id[slot] == kHole) continue;
-    result_[capacity_ - ++absent_count_] = lanes.id[slot];
+void KdOrder::CollectAbsent(const BoxGroups& groups, size_t box_count) {
+  if (present_count_ == box_count) return;
+  for (size_t group = 0; group < groups.count; ++group) {
+    for (size_t lane = 0; lane < BoxGroups::kWidth; ++lane) {
+      const size_t at = group * groups.stride + lane;
+      if (groups.min[0][at] <= groups.max[0][at] || groups.id[at] == kHole) continue;
+      if (present_count_ + absent_count_ == box_count) return;  // behind the last box
+      result_[capacity_ - ++absent_count_] = groups.id[at];
+    }
   }
 }
 
@@ -116,10 +120,10 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
   }
 }
 
-void KdOrder::Begin(const BoxLanes& lanes, size_t box_count) {
+void KdOrder::Begin(const BoxGroups& groups, size_t box_count) {
   Reserve(box_count);
-  present_count_ = CollectCenters(lanes, columns_[0], columns_[1]);
-  CollectAbsent(lanes);
+  present_count_ = CollectCenters(groups, columns_[0], columns_[1]);
+  CollectAbsent(groups, box_count);
   StartSplitting();
 }
 
@@ -220,7 +224,7 @@ void KdOrder::TakeSlots(std::span<uint32_t> slots) const {
 
 void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order) {
   boxes_.Gather(boxes, order);
-  Begin(boxes_.Lanes(), order.size());
+  Begin(GroupsOf(boxes_.Lanes()), order.size());
   Finish(nullptr);
   uint32_t* to = order.data();
   for (size_t k = 0; k < run_count_; ++k) {

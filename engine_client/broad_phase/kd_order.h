@@ -16,6 +16,7 @@
 #include <span>
 
 #include "engine_client/broad_phase/aligned_buffer.h"
+#include "engine_client/broad_phase/box_groups.h"
 #include "engine_client/broad_phase/kd_split.h"
 #include "engine_client/broad_phase/size_classes.h"
 #include "engine_client/broad_phase/soa_boxes.h"
@@ -37,12 +38,12 @@ class KdOrder {
   // go to the end.
   void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order);
 
-  // The same in steps, for `box_count` boxes in columns, where slots with id kHole are left out:
+  // The same in steps, for `box_count` boxes in groups, where slots with id kHole are left out:
   // Begin takes their centers, each Advance moves about `budget` centers once and returns whether
-  // all is done, and TakeSlots has the result. The lanes need not stay. With an executor Finish
+  // all is done, and TakeSlots has the result. The groups need not stay. With an executor Finish
   // works in parts; the result is the same.
-  void Begin(const BoxLanes& lanes, size_t box_count);
-  // Likewise for boxes that stand in no columns, all of them.
+  void Begin(const BoxGroups& groups, size_t box_count);
+  // Likewise for boxes that stand in no groups, all of them.
   void Begin(std::span<const Aabb> boxes);
   bool Advance(size_t budget);
   void Finish(Executor* executor);
@@ -75,8 +76,8 @@ class KdOrder {
   };
 
   void Reserve(size_t count);
-  void CollectAbsent(const BoxLanes& lanes);
   void StartSplitting();
+  void CollectAbsent(const BoxGroups& groups, size_t box_count);
   void FormRuns();
   void MoveToClasses(std::span<const uint32_t> of_slots,
                      std::span<const size_t, SizeClasses::kCount> counts, double negligible);

@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "engine_client/broad_phase/kd_order.h"
+#include "engine_client/broad_phase/leaf_boxes.h"
 #include "engine_client/broad_phase/leaf_tree.h"
 #include "engine_client/broad_phase/parallel.h"
-#include "engine_client/broad_phase/soa_boxes.h"
 
 namespace sweepstake {
 namespace {
@@ -26,8 +26,8 @@ constexpr double kSpoilt = 2;
 constexpr size_t kStrayShare = 16;
 // And that are worth splitting at once.
 constexpr size_t kUpheavalShare = 4;
-// For a thread to be called, in boxes and in blocks of 256.
-constexpr size_t kLeastBoxes = 4096;
+// For a thread to be called, in leaves and in blocks of 16 leaves.
+constexpr size_t kLeastLeaves = 256;
 constexpr size_t kLeastBlocks = 4;
 
 class KdTree final : public BroadPhase {
@@ -68,7 +68,7 @@ class KdTree final : public BroadPhase {
   size_t stray_begin_ = 0;
   size_t removed_count_ = 0;  // since the latest split
   size_t box_count_ = 0;
-  SoaBoxes sorted_;
+  LeafBoxes sorted_;
   LeafTree tree_;
   PairParts parts_;
   // A split under way, and the fewest boxes there have been since it began: what it says of others
@@ -164,14 +164,12 @@ void KdTree::Refresh(std::span<const Aabb> boxes) {
   checks_ = 0;
   sorted_.Resize(slot_count_);
   tree_.LayOut(slot_count_);
-  const BoxLanes lanes = sorted_.Lanes();
+  if (slot_count_ == 0) return;
   const std::span<const uint32_t> order(order_.data(), slot_count_);
-  const size_t part_count = PartCount(executor_, slot_count_, kLeastBoxes);
+  const size_t part_count = PartCount(executor_, tree_.leaf_count(), kLeastLeaves);
   RunParts(executor_, part_count, [&](size_t part) {
-    const PartRange range = RangeOfPart(slot_count_, part, part_count, SoaBoxes::kPadding);
-    sorted_.GatherRange(boxes, order, range.begin, range.end);
-    tree_.RefitLeaves(lanes, range.begin / LeafTree::kWidth,
-                      (range.end + LeafTree::kWidth - 1) / LeafTree::kWidth);
+    const PartRange leaves = RangeOfPart(tree_.leaf_count(), part, part_count, 1);
+    sorted_.GatherLeaves(boxes, order, leaves.begin, leaves.end, tree_.level(0));
   });
   tree_.RefitNodes();
 }
@@ -197,7 +195,7 @@ bool KdTree::SplitIsDue() const {
 }
 
 void KdTree::BeginSplit() {
-  splitter_.Begin(sorted_.Lanes(), box_count_);
+  splitter_.Begin(sorted_.Groups(), box_count_);
   lasting_count_ = box_count_;
   splitting_ = true;
 }
@@ -226,15 +224,14 @@ void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
 
 void KdTree::FindPairs(PairBuffer& out) {
   const size_t before = out.size();
-  const BoxLanes lanes = sorted_.Lanes();
   // The step of a split is the first item: it reads nothing that the others do.
   const size_t steps = splitting_ && !split_done_ ? 1 : 0;
   checks_ = parts_.Run(executor_, tree_.block_count() + steps, kLeastBlocks, 1, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          if (begin < steps)
                            split_done_ = splitter_.Advance(splitter_.work() / SplitFrames() + 1);
-                         return tree_.FindPairs(lanes, std::max(begin, steps) - steps, end - steps,
-                                                pairs);
+                         return tree_.FindPairs(sorted_.blocks(), std::max(begin, steps) - steps,
+                                                end - steps, pairs);
                        });
   CountCost(out.size() - before);
 }

@@ -9,6 +9,7 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/overlap_kernel-inl.h"
+#include "hwy/cache_control.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
@@ -20,6 +21,8 @@ constexpr size_t kWidth = LeafTree::kWidth;
 constexpr size_t kNearRoom = 256;
 // Boxes of those that overlap the bounds of one leaf.
 constexpr size_t kFoundRoom = kNearRoom * kWidth;
+// A box's place is its distance from the first one, in words.
+constexpr size_t kBlockWords = sizeof(LeafBlock) / sizeof(float);
 // Of a stored mask of up to 16 lanes.
 constexpr size_t kMaskBytes = 2;
 
@@ -45,9 +48,9 @@ HWY_INLINE hn::Mask<D> LanesAfter(D d, uint32_t index, size_t at) {
 
 class BlockSearch {
  public:
-  BlockSearch(const BoxLanes& boxes, const LeafTree::Level* levels, size_t level_count,
+  BlockSearch(const LeafBlock* leaves, const LeafTree::Level* levels, size_t level_count,
               PairBuffer& out)
-      : boxes_(boxes), levels_(levels), level_count_(level_count), cursor_(out) {}
+      : blocks_(leaves), levels_(levels), level_count_(level_count), cursor_(out) {}
 
   void Run(uint32_t block) {
     block_ = block;
@@ -104,6 +107,7 @@ class BlockSearch {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;
     const BoxLanes leaves = AsLanes(levels_[0]);
+    const size_t before = near_count_;
     checks_ += kWidth;
     for (size_t at = base; at < base + kWidth; at += hn::Lanes(d)) {
       const auto hits = Overlapping(d, bounds_, leaves, at);
@@ -116,6 +120,16 @@ class BlockSearch {
       const auto index = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(at)));
       hn::StoreU(hn::Compress(index, hn::RebindMask(du, hits)), du, near_leaf_ + near_count_);
       near_count_ += hn::CountTrue(d, hits);
+    }
+    if (base != size_t{block_} * kWidth) FetchLeaves(before, near_count_);
+  }
+
+  // In large scenes they are not in the cache.
+  void FetchLeaves(size_t begin, size_t end) const {
+    constexpr size_t kLine = 64;
+    for (size_t k = begin; k < end; ++k) {
+      const auto* const block = reinterpret_cast<const char*>(blocks_ + near_leaf_[k]);
+      for (size_t at = 0; at < sizeof(LeafBlock); at += kLine) hwy::Prefetch(block + at);
     }
   }
 
@@ -156,18 +170,18 @@ class BlockSearch {
     return count;
   }
 
-  // The slots of boxes in those leaves that overlap the bounds; how many.
+  // The places of boxes in those leaves that overlap the bounds; how many.
   size_t FindBoxes(const Aabb& bounds, size_t leaf_count) {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;
-    const BoxLanes boxes = boxes_;
     size_t count = 0;
     for (size_t k = 0; k < leaf_count; ++k) {
-      const size_t base = size_t{leaves_[k]} * kWidth;
-      for (size_t at = base; at < base + kWidth; at += hn::Lanes(d)) {
+      const size_t first = leaves_[k] * kBlockWords;
+      const BoxLanes boxes = LanesOf(blocks_[leaves_[k]]);
+      for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
         const auto hits = hn::RebindMask(du, Overlapping(d, bounds, boxes, at));
-        const auto slot = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(at)));
-        hn::StoreU(hn::Compress(slot, hits), du, found_ + count);
+        const auto place = hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(first + at)));
+        hn::StoreU(hn::Compress(place, hits), du, found_ + count);
         count += hn::CountTrue(du, hits);
       }
     }
@@ -178,62 +192,71 @@ class BlockSearch {
   // A register of the leaf's boxes against one another and the boxes found.
   void TestBoxes(uint32_t leaf, size_t part, size_t found_count) {
     const Lanes16 d;
-    const size_t first = size_t{leaf} * kWidth;
-    const size_t at = first + part;
-    const auto min0 = hn::LoadU(d, boxes_.min[0] + at);
-    const auto min1 = hn::LoadU(d, boxes_.min[1] + at);
-    const auto min2 = hn::LoadU(d, boxes_.min[2] + at);
-    const auto max0 = hn::LoadU(d, boxes_.max[0] + at);
-    const auto max1 = hn::LoadU(d, boxes_.max[1] + at);
-    const auto max2 = hn::LoadU(d, boxes_.max[2] + at);
-    const BoxLanes boxes = boxes_;
+    const BoxLanes own = LanesOf(blocks_[leaf]);
+    const auto min0 = hn::LoadU(d, own.min[0] + part);
+    const auto min1 = hn::LoadU(d, own.min[1] + part);
+    const auto min2 = hn::LoadU(d, own.min[2] + part);
+    const auto max0 = hn::LoadU(d, own.max[0] + part);
+    const auto max1 = hn::LoadU(d, own.max[1] + part);
+    const auto max2 = hn::LoadU(d, own.max[2] + part);
     size_t count = 0;
     if (own_leaves_pending_) {
-      for (size_t slot = first; slot < first + kWidth; ++slot) {
-        const auto hits = Both(LanesAfter(d, static_cast<uint32_t>(slot), at),
-                               HeldHits(d, min0, min1, min2, max0, max1, max2, boxes, slot));
-        count = Note(d, hits, static_cast<uint32_t>(slot), count);
+      const auto first = static_cast<uint32_t>(leaf * kBlockWords);
+      for (uint32_t lane = 0; lane < kWidth; ++lane) {
+        const auto hits = Both(LanesAfter(d, lane, part),
+                               HeldHits(d, min0, min1, min2, max0, max1, max2, first + lane));
+        count = Note(d, hits, first + lane, count);
       }
       checks_ += kWidth * hn::Lanes(d);
     }
     for (size_t k = 0; k < found_count; ++k) {
-      const uint32_t slot = found_[k];
-      const auto hits = HeldHits(d, min0, min1, min2, max0, max1, max2, boxes, slot);
-      count = Note(d, hits, slot, count);
+      const uint32_t place = found_[k];
+      const auto hits = HeldHits(d, min0, min1, min2, max0, max1, max2, place);
+      count = Note(d, hits, place, count);
     }
     checks_ += found_count * hn::Lanes(d);
-    Emit(at, count);
+    Emit(own.id + part, count);
   }
 
   // One box against those held.
   template <class D, class V>
-  static HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
-                                         const BoxLanes& lanes, size_t slot) {
-    const auto ends = hn::And(hn::And(hn::Le(min0, hn::Set(d, lanes.max[0][slot])),
-                                      hn::Le(min1, hn::Set(d, lanes.max[1][slot]))),
-                              hn::Le(min2, hn::Set(d, lanes.max[2][slot])));
-    const auto begins = hn::And(hn::And(hn::Ge(max0, hn::Set(d, lanes.min[0][slot])),
-                                        hn::Ge(max1, hn::Set(d, lanes.min[1][slot]))),
-                                hn::Ge(max2, hn::Set(d, lanes.min[2][slot])));
+  HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
+                                  uint32_t place) const {
+    const float* const min = blocks_[0].min[0] + place;
+    const float* const max = blocks_[0].max[0] + place;
+    const auto ends =
+        hn::And(hn::And(hn::Le(min0, hn::Set(d, max[0])), hn::Le(min1, hn::Set(d, max[kWidth]))),
+                hn::Le(min2, hn::Set(d, max[2 * kWidth])));
+    const auto begins =
+        hn::And(hn::And(hn::Ge(max0, hn::Set(d, min[0])), hn::Ge(max1, hn::Set(d, min[kWidth]))),
+                hn::Ge(max2, hn::Set(d, min[2 * kWidth])));
     return hn::And(ends, begins);
+  }
+
+  static HWY_INLINE BoxLanes LanesOf(const LeafBlock& block) {
+    return {{block.min[0], block.min[1], block.min[2]},
+            {block.max[0], block.max[1], block.max[2]},
+            block.id,
+            kWidth};
   }
 
   // Notes a test that hit, without a branch: more than a third of them do.
   template <class D>
-  HWY_INLINE size_t Note(D d, hn::Mask<D> hits, uint32_t slot, size_t count) {
+  HWY_INLINE size_t Note(D d, hn::Mask<D> hits, uint32_t place, size_t count) {
     hn::StoreMaskBits(d, hits, hit_lanes_ + count * kMaskBytes);
-    hit_slot_[count] = slot;
+    hit_place_[count] = place;
     return count + (hn::AllFalse(d, hits) ? 0 : 1);
   }
 
-  void Emit(size_t at, size_t count) {
+  // The pairs of `ids` with the boxes noted.
+  void Emit(const uint32_t* ids, size_t count) {
     const Lanes16 d;
     const hn::RebindToUnsigned<Lanes16> du;
-    const auto ids = hn::LoadU(du, boxes_.id + at);
+    const auto own = hn::LoadU(du, ids);
     for (size_t k = 0; k < count; ++k) {
       const auto hits = hn::RebindMask(du, hn::LoadMaskBits(d, hit_lanes_ + k * kMaskBytes));
-      const auto others = hn::Compress(ids, hits);
-      const auto self = hn::Set(du, boxes_.id[hit_slot_[k]]);
+      const auto others = hn::Compress(own, hits);
+      const auto self = hn::Set(du, blocks_[0].id[hit_place_[k]]);
       const size_t hit_count = hn::CountTrue(du, hits);
       StorePairs(du, hn::Min(self, others), hn::Max(self, others), hit_count, cursor_.Room(kWidth));
       cursor_.Advance(hit_count);
@@ -262,7 +285,7 @@ class BlockSearch {
 #endif
   }
 
-  const BoxLanes boxes_;
+  const LeafBlock* const blocks_;
   const LeafTree::Level* levels_;
   const size_t level_count_;
   PairCursor cursor_;
@@ -277,13 +300,13 @@ class BlockSearch {
   alignas(64) uint32_t near_leaf_[kNearRoom + kWidth];
   alignas(64) uint32_t leaves_[kNearRoom + kWidth];
   alignas(64) uint32_t found_[kFoundRoom + kWidth];
-  alignas(64) uint32_t hit_slot_[kFoundRoom + 2 * kWidth];
+  alignas(64) uint32_t hit_place_[kFoundRoom + 2 * kWidth];
   alignas(64) uint8_t hit_lanes_[kMaskBytes * (kFoundRoom + 2 * kWidth)];
 };
 
-uint64_t LeafPairs(const BoxLanes& boxes, const LeafTree::Level* levels, size_t level_count,
+uint64_t LeafPairs(const LeafBlock* leaves, const LeafTree::Level* levels, size_t level_count,
                    size_t begin, size_t end, PairBuffer& out) {
-  BlockSearch search(boxes, levels, level_count, out);
+  BlockSearch search(leaves, levels, level_count, out);
   for (size_t block = begin; block < end; ++block) search.Run(static_cast<uint32_t>(block));
   return search.Finish();
 }
@@ -297,9 +320,9 @@ namespace sweepstake {
 
 HWY_EXPORT(LeafPairs);
 
-uint64_t FindLeafPairs(const BoxLanes& boxes, const LeafTree::Level* levels, size_t level_count,
+uint64_t FindLeafPairs(const LeafBlock* leaves, const LeafTree::Level* levels, size_t level_count,
                        size_t begin, size_t end, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(LeafPairs)(boxes, levels, level_count, begin, end, out);
+  return HWY_DYNAMIC_DISPATCH(LeafPairs)(leaves, levels, level_count, begin, end, out);
 }
 
 }  // namespace sweepstake

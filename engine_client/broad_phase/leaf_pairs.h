@@ -12,8 +12,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine_client/broad_phase/leaf_boxes.h"
 #include "engine_client/broad_phase/leaf_tree.h"
-#include "engine_client/broad_phase/soa_boxes.h"
 #include "sweepstake/pair_buffer.h"
 
 namespace sweepstake {
@@ -21,7 +21,7 @@ namespace sweepstake {
 // Appends the pairs of the boxes in the blocks [begin, end) with one another and with those of
 // later blocks; returns the AABB checks. REQUIRES: `levels` are the bounds of `boxes`, at least one
 // level.
-uint64_t FindLeafPairs(const BoxLanes& boxes, const LeafTree::Level* levels, size_t level_count,
+uint64_t FindLeafPairs(const LeafBlock* leaves, const LeafTree::Level* levels, size_t level_count,
                        size_t begin, size_t end, PairBuffer& out);
 
 }  // namespace sweepstake

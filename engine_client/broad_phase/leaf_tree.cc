@@ -36,11 +36,10 @@ HWY_INLINE float GreatestOf16(const float* values) {
   return hn::GetLane(hn::MaxOfLanes(d, greatest));
 }
 
-// The nodes [begin, end) of a level, from what the level below holds.
-void BoundGroups(const float* const* min, const float* const* max, size_t begin, size_t end,
-                 const LeafTree::Level& level) {
+// The nodes of a level, from what the level below holds.
+void BoundGroups(const float* const* min, const float* const* max, const LeafTree::Level& level) {
   for (size_t axis = 0; axis < 3; ++axis) {
-    for (size_t node = begin; node < end; ++node) {
+    for (size_t node = 0; node < level.count; ++node) {
       level.min[axis][node] = LeastOf16(min[axis] + node * LeafTree::kWidth);
       level.max[axis][node] = GreatestOf16(max[axis] + node * LeafTree::kWidth);
     }
@@ -92,31 +91,23 @@ void LeafTree::LayOut(size_t box_count) {
 
 void LeafTree::Refit(const BoxLanes& lanes) {
   LayOut(lanes.count);
-  RefitLeaves(lanes, 0, leaf_count());
+  if (level_count_ == 0) return;
+  HWY_DYNAMIC_DISPATCH(BoundGroups)(lanes.min, lanes.max, levels_[0]);
   RefitNodes();
-}
-
-void LeafTree::RefitLeaves(const BoxLanes& lanes, size_t begin_leaf, size_t end_leaf) {
-  if (begin_leaf == end_leaf) return;
-  HWY_DYNAMIC_DISPATCH(BoundGroups)(lanes.min, lanes.max, begin_leaf, end_leaf, levels_[0]);
 }
 
 void LeafTree::RefitNodes() {
   for (size_t index = 1; index < level_count_; ++index) {
     const Level& below = levels_[index - 1];
     HWY_DYNAMIC_DISPATCH(BoundGroups)
-    (below.min, below.max, 0, levels_[index].count, levels_[index]);
+    (below.min, below.max, levels_[index]);
   }
 }
 
-uint64_t LeafTree::FindPairs(const BoxLanes& lanes, PairBuffer& out) const {
-  return FindPairs(lanes, 0, block_count(), out);
-}
-
-uint64_t LeafTree::FindPairs(const BoxLanes& lanes, size_t begin, size_t end,
+uint64_t LeafTree::FindPairs(const LeafBlock* leaves, size_t begin, size_t end,
                              PairBuffer& out) const {
   if (begin == end) return 0;
-  return FindLeafPairs(lanes, levels_.data(), level_count_, begin, end, out);
+  return FindLeafPairs(leaves, levels_.data(), level_count_, begin, end, out);
 }
 
 }  // namespace sweepstake

@@ -25,10 +25,10 @@ HWY_INLINE hn::Mask<D> AxisTakesPart(D d, const float* min, const float* max) {
 }
 
 // Boxes that do not take part are rare: the arrays are only written where there are some.
-void ReplaceAbsentBoxes(float* const* columns, size_t begin, size_t end) {
+void ReplaceAbsentBoxes(float* const* columns, size_t padded_count) {
   const HWY_FULL(float) d;
   const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
-  for (size_t i = begin; i < end; i += hn::Lanes(d)) {
+  for (size_t i = 0; i < padded_count; i += hn::Lanes(d)) {
     const auto present = hn::And(hn::And(AxisTakesPart(d, columns[0] + i, columns[3] + i),
                                          AxisTakesPart(d, columns[1] + i, columns[4] + i)),
                                  AxisTakesPart(d, columns[2] + i, columns[5] + i));
@@ -51,12 +51,6 @@ namespace sweepstake {
 
 HWY_EXPORT(ReplaceAbsentBoxes);
 
-namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-}  // namespace
-
 void SoaBoxes::Gather(std::span<const Aabb> boxes) {
   Resize(boxes.size());
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -68,29 +62,21 @@ void SoaBoxes::Gather(std::span<const Aabb> boxes) {
     }
   }
   for (size_t k = 0; k < boxes.size(); ++k) ids_[k] = static_cast<uint32_t>(k);
-  ReplaceAbsent(0, boxes.size());
+  Finish();
 }
 
 void SoaBoxes::Gather(std::span<const Aabb> boxes, std::span<const uint32_t> order) {
   Resize(order.size());
-  GatherRange(boxes, order, 0, order.size());
-}
-
-void SoaBoxes::GatherRange(std::span<const Aabb> boxes, std::span<const uint32_t> order,
-                           size_t begin, size_t end) {
-  static constexpr Aabb kAbsent = {{kInfinity, kInfinity, kInfinity},
-                                   {-kInfinity, -kInfinity, -kInfinity}};
   float* const columns[6] = {Column(0), Column(1), Column(2), Column(3), Column(4), Column(5)};
-  for (size_t k = begin; k < end; ++k) {
-    const Aabb& box = order[k] < boxes.size() ? boxes[order[k]] : kAbsent;
+  for (size_t k = 0; k < order.size(); ++k) {
+    const Aabb& box = boxes[order[k]];
     for (size_t axis = 0; axis < 3; ++axis) {
       columns[axis][k] = box.min[axis];
       columns[axis + 3][k] = box.max[axis];
     }
   }
-  std::copy(order.begin() + static_cast<ptrdiff_t>(begin),
-            order.begin() + static_cast<ptrdiff_t>(end), ids_.data() + begin);
-  ReplaceAbsent(begin, end);
+  std::copy(order.begin(), order.end(), ids_.data());
+  Finish();
 }
 
 BoxLanes SoaBoxes::Lanes(int first_axis) const {
@@ -111,18 +97,19 @@ void SoaBoxes::Resize(size_t count) {
   stride_ = (count + 2 * kPadding - 1) / kPadding * kPadding;
   floats_.EnsureDiscarding(6 * stride_);
   ids_.EnsureDiscarding(stride_);
+}
+
+// Replaces boxes that do not take part and fills the padding behind the last box.
+void SoaBoxes::Finish() {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (size_t axis = 0; axis < 3; ++axis) {
     std::fill(Column(axis) + count_, Column(axis) + stride_, kInfinity);
     std::fill(Column(axis + 3) + count_, Column(axis + 3) + stride_, -kInfinity);
   }
   std::fill(ids_.data() + count_, ids_.data() + stride_, 0U);
-}
-
-// Whole registers: behind the last box there are sentinels already.
-void SoaBoxes::ReplaceAbsent(size_t begin, size_t end) {
   float* const columns[6] = {Column(0), Column(1), Column(2), Column(3), Column(4), Column(5)};
-  HWY_DYNAMIC_DISPATCH(ReplaceAbsentBoxes)
-  (columns, begin, (end + kPadding - 1) / kPadding * kPadding);
+  const size_t used = (count_ + kPadding - 1) / kPadding * kPadding;
+  HWY_DYNAMIC_DISPATCH(ReplaceAbsentBoxes)(columns, used);
 }
 
 }  // namespace sweepstake

@@ -31,8 +31,7 @@ class SoaBoxes {
 
   // Slot k takes boxes[k] with id k.
   void Gather(std::span<const Aabb> boxes);
-  // Slot k takes boxes[order[k]] with id order[k]. An entry that is no index of `boxes` makes a
-  // sentinel.
+  // Slot k takes boxes[order[k]] with id order[k]. REQUIRES: every entry is an index of `boxes`.
   void Gather(std::span<const Aabb> boxes, std::span<const uint32_t> order);
   // Both: a box that does not take part (aabb.h) becomes a sentinel and keeps its slot and id.
 
@@ -40,14 +39,9 @@ class SoaBoxes {
   BoxLanes Lanes(int first_axis = 0) const;
   size_t native_bytes() const { return floats_.capacity_bytes() + ids_.capacity_bytes(); }
 
-  // Gather in parts, of any thread each: Resize to order.size(), then a GatherRange for each of the
-  // ranges that the slots are divided into at multiples of kPadding.
-  void Resize(size_t count);
-  void GatherRange(std::span<const Aabb> boxes, std::span<const uint32_t> order, size_t begin,
-                   size_t end);
-
  private:
-  void ReplaceAbsent(size_t begin, size_t end);
+  void Resize(size_t count);
+  void Finish();
   float* Column(size_t index) { return floats_.data() + index * stride_; }
 
   AlignedBuffer<float> floats_;  // min x y z, max x y z; stride_ floats each

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine_client/broad_phase/kd_order.h"
+#include "engine_client/broad_phase/leaf_boxes.h"
 #include "engine_client/broad_phase/leaf_tree.h"
 #include "engine_client/broad_phase/soa_boxes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
@@ -74,7 +75,7 @@ std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes, const Split& split) {
   SoaBoxes columns;
   columns.Gather(boxes);
   KdOrder splitter;
-  splitter.Begin(columns.Lanes(), boxes.size());
+  splitter.Begin(GroupsOf(columns.Lanes()), boxes.size());
   split(splitter);
   std::vector<uint32_t> slots(splitter.slot_count());
   splitter.TakeSlots(slots);
@@ -193,30 +194,57 @@ TEST(LeafTree, BoundsEverythingBelowEachNode) {
   }
 }
 
+// Slot k has box k.
+struct GatheredLeaves {
+  explicit GatheredLeaves(std::span<const Aabb> source) {
+    boxes.Resize(source.size());
+    tree.LayOut(source.size());
+    boxes.GatherLeaves(source, Identity(source.size()), 0, tree.leaf_count(), tree.level(0));
+    tree.RefitNodes();
+  }
+  LeafBoxes boxes;
+  LeafTree tree;
+};
+
+TEST(LeafBoxes, HaveTheBoundsThatTheTreeFindsItself) {
+  for (const std::string_view kind : {"mixture", "broken-boxes"}) {
+    const BoxScene scene(kind, 5000, 5);
+    const GatheredLeaves leaves(scene.boxes());
+    SoaBoxes columns;
+    columns.Gather(scene.boxes());
+    LeafTree tree;
+    tree.Refit(columns.Lanes());
+    ASSERT_EQ(leaves.tree.level_count(), tree.level_count());
+    for (size_t index = 0; index < tree.level_count(); ++index) {
+      const size_t count = tree.level(index).count;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_TRUE(std::equal(tree.level(index).min[axis], tree.level(index).min[axis] + count,
+                               leaves.tree.level(index).min[axis]));
+        EXPECT_TRUE(std::equal(tree.level(index).max[axis], tree.level(index).max[axis] + count,
+                               leaves.tree.level(index).max[axis]));
+      }
+    }
+  }
+}
+
 TEST(LeafTree, FindsAllPairsInAnyOrder) {
   const BoxScene scene("brownian", 1000, 5);
-  SoaBoxes boxes;
-  boxes.Gather(scene.boxes());  // unordered: slow, and right
-  LeafTree tree;
+  const GatheredLeaves leaves(scene.boxes());  // unordered: slow, and right
   PairBuffer pairs;
-  tree.Refit(boxes.Lanes());
-  tree.FindPairs(boxes.Lanes(), pairs);
+  leaves.tree.FindPairs(leaves.boxes.blocks(), 0, leaves.tree.block_count(), pairs);
   EXPECT_EQ(PairDifference(pairs.pairs(), ScalarPairs(scene.boxes())), "");
 }
 
 TEST(LeafTree, FindsTheSamePairsInParts) {
   const BoxScene scene("clusters", 3000, 5);
-  SoaBoxes boxes;
-  boxes.Gather(scene.boxes());
-  LeafTree tree;
-  tree.Refit(boxes.Lanes());
+  const GatheredLeaves leaves(scene.boxes());
   PairBuffer whole;
   PairBuffer parts;
-  tree.FindPairs(boxes.Lanes(), whole);
-  ASSERT_EQ(tree.block_count(), 12U);
-  for (const size_t border : {0, 5, 6}) {
-    tree.FindPairs(boxes.Lanes(), border, border == 0 ? 5 : border == 5 ? 6 : 12, parts);
-  }
+  ASSERT_EQ(leaves.tree.block_count(), 12U);
+  leaves.tree.FindPairs(leaves.boxes.blocks(), 0, 12, whole);
+  leaves.tree.FindPairs(leaves.boxes.blocks(), 0, 5, parts);
+  leaves.tree.FindPairs(leaves.boxes.blocks(), 5, 6, parts);
+  leaves.tree.FindPairs(leaves.boxes.blocks(), 6, 12, parts);
   EXPECT_TRUE(std::ranges::equal(whole.pairs(), parts.pairs()));
 }
 
