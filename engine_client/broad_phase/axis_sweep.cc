@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 #include "engine_client/broad_phase/byte_scan.h"
 #include "engine_client/broad_phase/parallel.h"
@@ -15,11 +14,13 @@ namespace {
 
 // Fewer take less time than waking a thread.
 constexpr size_t kLeastRows = 1024;
-constexpr size_t kLeastBoxes = 4096;
+constexpr size_t kLeastBoxes = 2048;
 
 constexpr size_t kMostPairsPerBox = 32;
 // Frames without another try after a repair ran out of its budget: its work was lost.
 constexpr int kPauseFrames = 8;
+// What the first repair after a Sort may need to put the faces of each step in order.
+constexpr size_t kPassesPerFace = 8;
 // Boxes whose motion is looked at before all are.
 constexpr size_t kMotionSample = 64;
 
@@ -27,12 +28,6 @@ constexpr size_t kMotionSample = 64;
 // anew and filling the lanes 30 ns per box, and 64 lanes of a sweep 1 ns.
 double PassBudget(uint64_t sweep_checks, size_t box_count) {
   return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
-}
-
-// A box that takes part and is the same, by its bits.
-bool IsSame(const Aabb& box, const BoxRecord& record) {
-  return std::memcmp(box.min, record.min, sizeof(box.min)) == 0 &&
-         std::memcmp(box.max, record.max, sizeof(box.max)) == 0;
 }
 
 bool OverlapOn(const BoxRecord& a, const BoxRecord& b, size_t axis) {
@@ -57,8 +52,9 @@ class AxisSweep final : public BroadPhase {
   bool ChangeCount(std::span<const Aabb> boxes);
   double ExpectedPasses(std::span<const Aabb> boxes) const;
   bool RepairOrders(std::span<const Aabb> boxes);
-  size_t CollectMoved(std::span<const Aabb> boxes);
+  void CollectMoved(std::span<const Aabb> boxes);
   bool RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget);
+  SweepAxis StepsOn(size_t axis) const;
   void SortAxis(size_t axis, size_t room);
   void SortAll();
   void TakeSweepOrder();
@@ -75,8 +71,7 @@ class AxisSweep final : public BroadPhase {
   PairParts parts_;
   SortedPairs pairs_;
   MovedBoxes moved_;
-  AlignedBuffer<uint32_t> moved_ids_;
-  size_t moved_count_ = 0;
+  AlignedBuffer<uint32_t> moved_ids_;  // as FindMoved gives them
   size_t count_ = 0;
   bool pairs_known_ = false;  // pairs_ holds the pairs of the latest boxes
   bool calm_ = false;         // the pairs of the next sweep are worth keeping
@@ -170,7 +165,7 @@ double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
   double density[3];
   for (size_t axis = 0; axis < 3; ++axis) density[axis] = axes_[axis].Density(records());
   for (size_t i = 0; i < count_; i += stride, ++sampled) {
-    if (IsSame(boxes[i], records_[i]) || !TakesPart(boxes[i])) continue;
+    if (!TakesPart(boxes[i]) || RecordOf(boxes[i]) == records_[i]) continue;
     for (size_t axis = 0; axis < 3; ++axis) {
       const double distance = std::abs(double{boxes[i].min[axis]} - records_[i].min[axis]) +
                               std::abs(double{boxes[i].max[axis]} - records_[i].max[axis]);
@@ -185,10 +180,12 @@ double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
 // frame before has done so by a passing on some axis while it overlapped on the other two. False
 // when it is too much work; orders and pairs are then unknown.
 bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
-  moved_count_ = CollectMoved(boxes);
-  if (moved_count_ == 0) return true;
+  CollectMoved(boxes);
+  const bool exact = axes_[0].is_exact() && axes_[1].is_exact() && axes_[2].is_exact();
+  if (moved_.count() == 0 && exact) return true;
   if (!pairs_known_) range_ = CoordinateRange::Sample(boxes);
   auto budget = static_cast<size_t>(PassBudget(sweep_checks_, count_));
+  if (!exact) budget += kPassesPerFace * 6 * count_;
   for (size_t axis = 0; axis < 3; ++axis) {
     if (RepairAxis(boxes, axis, budget)) continue;
     pairs_.ClearTouched();
@@ -199,38 +196,39 @@ bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   return true;
 }
 
-size_t AxisSweep::CollectMoved(std::span<const Aabb> boxes) {
-  moved_.Clear(count_);
+void AxisSweep::CollectMoved(std::span<const Aabb> boxes) {
   moved_ids_.EnsureDiscarding(count_);
-  size_t moved_count = 0;
-  for (size_t i = 0; i < count_; ++i) {
-    moved_ids_[moved_count] = static_cast<uint32_t>(i);
-    moved_count += IsSame(boxes[i], records_[i]) ? 0 : 1;
-  }
-  for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k]);
-  return moved_count;
+  moved_.Clear(count_);
+  const size_t moved_count = FindMoved(boxes, records_.data(), moved_ids_.data());
+  for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k] & ~kMovedAway);
 }
 
 bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget) {
-  for (size_t k = 0; k < moved_count_; ++k) {
-    const uint32_t id = moved_ids_[k];
-    const BoxRecord record = RecordOf(boxes[id]);
-    records_[id].min[axis] = record.min[axis];
-    records_[id].max[axis] = record.max[axis];
+  for (size_t k = 0; k < moved_.count(); ++k) {
+    const uint32_t id = moved_ids_[k] & ~kMovedAway;
+    const bool away = (moved_ids_[k] & kMovedAway) != 0;
+    records_[id].min[axis] = away ? kFarthest : boxes[id].min[axis];
+    records_[id].max[axis] = away ? -kFarthest : boxes[id].max[axis];
   }
   if (!pairs_known_)
-    return axes_[axis].Repair(records(), moved_, budget, [](uint32_t, uint32_t) {});
+    return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [](uint32_t, uint32_t) {});
   const size_t second = (axis + 1) % 3;
   const size_t third = (axis + 2) % 3;
-  return axes_[axis].Repair(records(), moved_, budget, [&](uint32_t a, uint32_t b) {
+  return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [&](uint32_t a, uint32_t b) {
     ++checks_;
     if (OverlapOn(records_[a], records_[b], second) && OverlapOn(records_[a], records_[b], third))
       pairs_.Touch(a, b);
   });
 }
 
+// Four faces share one in the mean: finer ones take longer to count than they save.
+SweepAxis AxisSweep::StepsOn(size_t axis) const {
+  const auto steps = static_cast<float>(std::clamp<size_t>(count_ / 2, 64, 65536));
+  return {false, range_.low[axis], steps / range_.width(static_cast<int>(axis)), steps - 1};
+}
+
 void AxisSweep::SortAxis(size_t axis, size_t room) {
-  axes_[axis].Sort(records(), range_.low[axis], range_.high[axis], rooms_[room]);
+  axes_[axis].Sort(records(), StepsOn(axis), rooms_[room]);
 }
 
 // Two axes at a time where there are threads; the lanes are filled beside the third.
@@ -262,7 +260,9 @@ void AxisSweep::TakeSweepOrder() {
 
 void AxisSweep::FillLanes(size_t part, size_t part_count) {
   const PartRange slots = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
-  swept_.Fill(range_, slots.begin, slots.end);
+  const auto axis = static_cast<size_t>(range_.sweep_axis);
+  const SweepAxis sweep = axes_[axis].is_exact() ? SweepAxis{} : StepsOn(axis);
+  swept_.Fill(range_, sweep, slots.begin, slots.end);
 }
 
 void AxisSweep::PrepareSweep() {

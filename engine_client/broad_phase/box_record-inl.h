@@ -21,9 +21,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-HWY_INLINE BoxRecord LoadRecord(const Aabb& box) { return RecordOf(box); }
+// Not by value: a record that goes over the stack is stored in halves and loaded whole, which waits
+// for the stores (5 ns).
+HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) { record = RecordOf(box); }
 
 HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) { return Overlap(a, b); }
+HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) { return a == b; }
 
 // Four coordinates to whole numbers in 0 to `last`: min(max((x − origin) · scale, 0), last).
 HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,
@@ -38,27 +41,32 @@ HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale
 
 using RecordHalf = hn::FixedTag<float, 4>;
 
-HWY_INLINE BoxRecord LoadRecord(const Aabb& box) {
+HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) {
   const RecordHalf d;
   const auto first_three = hn::FirstN(d, 3);
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
-  auto min = hn::IfThenElseZero(first_three, hn::LoadU(d, box.min));
+  const auto min = hn::IfThenElseZero(first_three, hn::LoadU(d, box.min));
   // From z of min on, so that nothing behind the box is read.
-  auto max = hn::ShiftRightLanes<1>(d, hn::LoadU(d, box.min + 2));
+  const auto max = hn::ShiftRightLanes<1>(d, hn::LoadU(d, box.min + 2));
   const auto finite = hn::And(hn::Ge(min, hn::Neg(limit)), hn::Le(max, limit));
-  BoxRecord record;
-  if (HWY_LIKELY(hn::AllTrue(d, hn::And(finite, hn::Le(min, max))))) {
-    hn::Store(min, d, record.min);
-    hn::Store(max, d, record.max);
-    return record;
+  if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(finite, hn::Le(min, max))))) {
+    record = kAbsentBox;
+    return;
   }
-  return kAbsentBox;
+  hn::Store(min, d, record.min);
+  hn::Store(max, d, record.max);
 }
 
 HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) {
   const RecordHalf d;
   return hn::AllTrue(d, hn::And(hn::Le(hn::Load(d, a.min), hn::Load(d, b.max)),
                                 hn::Le(hn::Load(d, b.min), hn::Load(d, a.max))));
+}
+
+HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) {
+  const RecordHalf d;
+  return hn::AllTrue(d, hn::And(hn::Eq(hn::Load(d, a.min), hn::Load(d, b.min)),
+                                hn::Eq(hn::Load(d, a.max), hn::Load(d, b.max))));
 }
 
 HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,

@@ -10,7 +10,18 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
 void LoadRecords(std::span<const Aabb> boxes, BoxRecord* records) {
-  for (size_t i = 0; i < boxes.size(); ++i) records[i] = LoadRecord(boxes[i]);
+  for (size_t i = 0; i < boxes.size(); ++i) StoreRecord(boxes[i], records[i]);
+}
+
+size_t CollectMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint32_t* moved) {
+  size_t count = 0;
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    BoxRecord record;
+    StoreRecord(boxes[i], record);
+    moved[count] = static_cast<uint32_t>(i) | (record.min[0] == kFarthest ? kMovedAway : 0);
+    count += RecordsAreEqual(record, records[i]) ? 0 : 1;
+  }
+  return count;
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE
@@ -21,9 +32,14 @@ HWY_AFTER_NAMESPACE();
 namespace sweepstake {
 
 HWY_EXPORT(LoadRecords);
+HWY_EXPORT(CollectMoved);
 
 void TakeRecords(std::span<const Aabb> boxes, BoxRecord* records) {
   HWY_DYNAMIC_DISPATCH(LoadRecords)(boxes, records);
+}
+
+size_t FindMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint32_t* moved) {
+  return HWY_DYNAMIC_DISPATCH(CollectMoved)(boxes, records, moved);
 }
 
 }  // namespace sweepstake

@@ -2,6 +2,8 @@
 // loads.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 
@@ -29,6 +31,11 @@ inline BoxRecord RecordOf(const Aabb& box) {
 
 // records[i] takes boxes[i]: 1 ns each.
 void TakeRecords(std::span<const Aabb> boxes, BoxRecord* records);
+
+// Of the boxes that are not the same as the record with their index: that index in `moved`, with
+// kMovedAway where the box does not take part. Returns how many; `moved` has room for all.
+inline constexpr uint32_t kMovedAway = 0x80000000;
+size_t FindMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint32_t* moved);
 
 inline bool Overlap(const BoxRecord& a, const BoxRecord& b) {
   bool overlap = true;

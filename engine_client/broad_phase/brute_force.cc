@@ -10,7 +10,7 @@ namespace {
 
 // Fewer rows take less time than waking a thread.
 constexpr size_t kLeastRows = 512;
-constexpr size_t kLeastBoxes = 8192;
+constexpr size_t kLeastBoxes = 2048;
 
 class BruteForce final : public BroadPhase {
  public:

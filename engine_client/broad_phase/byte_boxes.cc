@@ -42,8 +42,8 @@ void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const Sw
   const ByteLanes to = lanes;
   const size_t axis = scale.axis[0];
   for (size_t slot = begin; slot < end; ++slot) {
-    const BoxRecord record = LoadRecord(boxes[to.id[slot]]);
-    records[slot] = record;
+    BoxRecord& record = records[slot];
+    StoreRecord(boxes[to.id[slot]], record);
     PutBytes(local, record, to, slot);
     if (to.begin == nullptr) continue;
     to.begin[slot] = sweep.Position(record.min[axis]);
@@ -51,16 +51,16 @@ void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const Sw
   }
 }
 
-void FillFromRecords(const BoxRecord* records, const ByteScale& scale, const ByteLanes& lanes,
-                     size_t begin, size_t end) {
+void FillFromRecords(const BoxRecord* records, const ByteScale& scale, const SweepAxis& sweep,
+                     const ByteLanes& lanes, size_t begin, size_t end) {
   const ByteScale local = scale;
   const ByteLanes to = lanes;
   const size_t axis = scale.axis[0];
   for (size_t slot = begin; slot < end; ++slot) {
     const BoxRecord& record = records[to.id[slot]];
     PutBytes(local, record, to, slot);
-    to.begin[slot] = record.min[axis];
-    to.end[slot] = record.max[axis];
+    to.begin[slot] = sweep.Position(record.min[axis]);
+    to.end[slot] = sweep.Position(record.max[axis]);
   }
 }
 
@@ -131,8 +131,9 @@ void ByteBoxes::Fill(std::span<const Aabb> boxes, const CoordinateRange& range,
   (boxes, ScaleOf(range), axis, Lanes(), records_.data(), begin, end);
 }
 
-void ByteBoxes::Fill(const CoordinateRange& range, size_t begin, size_t end) {
-  HWY_DYNAMIC_DISPATCH(FillFromRecords)(borrowed_, ScaleOf(range), Lanes(), begin, end);
+void ByteBoxes::Fill(const CoordinateRange& range, const SweepAxis& axis, size_t begin,
+                     size_t end) {
+  HWY_DYNAMIC_DISPATCH(FillFromRecords)(borrowed_, ScaleOf(range), axis, Lanes(), begin, end);
 }
 
 ByteLanes ByteBoxes::Lanes() {

@@ -67,7 +67,7 @@ class ByteBoxes {
   // begin, and end unless it is the count, are multiples of kGranule.
   void Fill(std::span<const Aabb> boxes, const CoordinateRange& range, const SweepAxis& axis,
             size_t begin, size_t end);
-  void Fill(const CoordinateRange& range, size_t begin, size_t end);
+  void Fill(const CoordinateRange& range, const SweepAxis& axis, size_t begin, size_t end);
 
   size_t count() const { return count_; }
   // Valid until the next Resize.

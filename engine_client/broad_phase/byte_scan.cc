@@ -1,6 +1,7 @@
 #include "engine_client/broad_phase/byte_scan.h"
 
 #include <algorithm>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/byte_scan.cc"
@@ -20,56 +21,39 @@ struct Candidates {
   uint32_t row;
   uint32_t at;
 };
-// One of them: row << 32 | slot.
-using Candidate = uint64_t;
-
-// Candidates are collected before they are tested, and taken apart before that: which comparison
-// finds how many cannot be predicted, and a branch on it took four times as long as the tests.
+// They are collected before they are tested.
 constexpr size_t kCandidatesRoom = 256;
-constexpr size_t kCandidateRoom = 512;
 
-// Appends them to `list` and returns how many; may write three more.
-HWY_INLINE size_t TakeApart(const Candidates& candidates, Candidate* list) {
-  const Candidate base = Candidate{candidates.row} << 32 | candidates.at;
-  const size_t count = hwy::PopCount(candidates.bits);
-  uint64_t bits = candidates.bits;
-  for (size_t k = 0; k < 4; ++k, bits &= bits - 1)
-    list[k] = base + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits | uint64_t{1} << 63);
-  for (size_t k = 4; k < count; ++k, bits &= bits - 1)
-    list[k] = base + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-  return count;
-}
-
-// The exact test. A row's record is at its slot, or at its id with kById.
+// Tests them exactly. A box's record is at its slot, or at its id with kById. One loop over all
+// bits, without a branch on how many there are or which pass: neither can be predicted, and with
+// such branches a pair took four times as long. REQUIRES: two entries behind the last may be read.
 template <bool kById>
-HWY_INLINE void AppendPairs(const ByteLanes& lanes, const Candidate* list, size_t count,
-                            PairCursor& cursor) {
-  OverlapPair* const out = cursor.Room(count);
+HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, size_t count,
+                              PairCursor& cursor) {
+  size_t total = 0;
+  for (size_t k = 0; k < count; ++k) total += hwy::PopCount(all[k].bits);
+  if (total == 0) return;
+  OverlapPair* const out = cursor.Room(total);
   size_t found = 0;
-  for (size_t k = 0; k < count; ++k) {
-    const size_t row = list[k] >> 32;
-    const size_t slot = static_cast<uint32_t>(list[k]);
+  uint64_t bits = all[0].bits;
+  uint64_t next_bits = all[1].bits;  // loaded a turn ahead: the turns wait for one another here
+  for (size_t k = 0; k < total; ++k) {
+    const size_t row = all->row;
+    const size_t slot = all->at + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
     const uint32_t a = lanes.id[row];
     const uint32_t b = lanes.id[slot];
-    const uint32_t differing = (a ^ b) & (a > b ? ~0U : 0U);  // std::minmax jumps
-    out[found] = {a ^ differing, b ^ differing};
+    const uint32_t swapped = (a ^ b) & (a > b ? ~0U : 0U);  // std::minmax jumps
+    // As one word, or the compiler joins the two in a vector register.
+    const uint64_t pair = uint64_t{b ^ swapped} << 32 | (a ^ swapped);
+    std::memcpy(out + found, &pair, sizeof(pair));
     found += RecordsOverlap(lanes.record[kById ? a : row], lanes.record[kById ? b : slot]) ? 1 : 0;
+    bits &= bits - 1;
+    const uint64_t is_last = bits == 0 ? 1 : 0;
+    bits |= next_bits & (0 - is_last);
+    all += is_last;
+    next_bits = all[1].bits;
   }
   cursor.Advance(found);
-}
-
-template <bool kById>
-HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, size_t all_count,
-                              PairCursor& cursor) {
-  Candidate list[kCandidateRoom + ByteBoxes::kGranule];
-  size_t count = 0;
-  for (size_t k = 0; k < all_count; ++k) {
-    count += TakeApart(all[k], list + count);
-    if (count < kCandidateRoom - 3) continue;
-    AppendPairs<kById>(lanes, list, count, cursor);
-    count = 0;
-  }
-  AppendPairs<kById>(lanes, list, count, cursor);
 }
 
 HWY_INLINE uint64_t BitsOf(Bytes d, hn::Mask<Bytes> mask) {
@@ -125,7 +109,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
   const size_t step = hn::Lanes(d);
   const ByteLanes lanes = shared_lanes;
   PairCursor cursor(out);
-  Candidates candidates[kCandidatesRoom];
+  Candidates candidates[kCandidatesRoom + 2] = {};
   size_t count = 0;
   const auto add = [&](uint64_t bits, size_t row, size_t at) HWY_ATTR {
     candidates[count] = {bits, static_cast<uint32_t>(row), static_cast<uint32_t>(at)};

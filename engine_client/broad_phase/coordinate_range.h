@@ -11,7 +11,7 @@
 
 namespace sweepstake {
 
-// Cost of Sample: some 2 µs. Reads at most 128 boxes.
+// Cost of Sample: 2 to 4 µs. Reads at most 128 boxes.
 struct CoordinateRange {
   static constexpr float kNarrowest = 1e-30F;
 

@@ -12,11 +12,13 @@ namespace {
 
 // Fewer take less time than waking a thread.
 constexpr size_t kLeastRows = 1024;
-constexpr size_t kLeastBoxes = 4096;
+constexpr size_t kLeastBoxes = 2048;
 
 // Boxes that share a step, in the mean over boxes, from which on sorting exactly pays: a sweep
 // compares one register more for each.
 constexpr uint64_t kCrowd = 64;
+// In the mean: finer steps take longer to count than they save, as a box takes up dozens of them.
+constexpr size_t kBoxesPerStep = 8;
 
 class Sap final : public BroadPhase {
  public:
@@ -31,7 +33,7 @@ class Sap final : public BroadPhase {
 
  private:
   void CountSteps(std::span<const Aabb> boxes, size_t axis);
-  bool IsCrowded();
+  bool CountSlots();
   void SortBySteps();
   void SortExactly(std::span<const Aabb> boxes, size_t axis);
   size_t step_count() const { return static_cast<size_t>(sweep_.last) + 1; }
@@ -54,12 +56,13 @@ void Sap::Update(std::span<const Aabb> boxes) {
   checks_ = 0;
   const CoordinateRange range = CoordinateRange::Sample(boxes);
   const auto axis = static_cast<size_t>(range.sweep_axis);
-  const auto steps = static_cast<float>(std::clamp<size_t>(boxes.size(), 1024, 65536));
+  const auto steps =
+      static_cast<float>(std::clamp<size_t>(boxes.size() / kBoxesPerStep, 512, 65536));
   sweep_ = {false, range.low[axis], steps / range.width(range.sweep_axis), steps - 1};
   boxes_.Resize(boxes.size(), true);
   part_count_ = PartCount(executor_, boxes.size(), kLeastBoxes);
   CountSteps(boxes, axis);
-  sweep_.exact = IsCrowded();
+  sweep_.exact = !CountSlots();
   sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
   RunParts(executor_, part_count_, [&](size_t part) {
     const PartRange slots = BoxesOfPart(part);
@@ -85,23 +88,21 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
   });
 }
 
-bool Sap::IsCrowded() {
+// False where too many share a step.
+bool Sap::CountSlots() {
   uint64_t neighbours = 0;
+  uint32_t sum = 0;
   for (size_t step = 0; step < step_count(); ++step) {
-    uint64_t count = 0;
-    for (size_t part = 0; part < part_count_; ++part) count += starts_[part * step_count() + step];
-    neighbours += count * count;
+    const uint64_t before = sum;
+    for (size_t part = 0; part < part_count_; ++part)
+      sum += std::exchange(starts_[part * step_count() + step], sum);
+    neighbours += (sum - before) * (sum - before);
   }
-  return neighbours > kCrowd * boxes_.count();
+  return neighbours <= kCrowd * boxes_.count();
 }
 
 // Boxes of one step in the order of their ids, however many parts there are.
 void Sap::SortBySteps() {
-  uint32_t sum = 0;
-  for (size_t step = 0; step < step_count(); ++step) {
-    for (size_t part = 0; part < part_count_; ++part)
-      sum += std::exchange(starts_[part * step_count() + step], sum);
-  }
   RunParts(executor_, part_count_, [&](size_t part) {
     uint32_t* const starts = starts_.data() + part * step_count();
     uint32_t* const ids = boxes_.ids();

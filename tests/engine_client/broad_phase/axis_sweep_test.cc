@@ -47,8 +47,14 @@ std::string OrderOf(const SortedEndpoints& axis) {
 
 class FacesOnAnAxis : public testing::Test {
  protected:
+  // By steps, and then exactly.
   void Sort(std::span<const BoxRecord> records, float low = 0, float high = 10) {
-    axis_.Sort(records, low, high, room_);
+    constexpr float kSteps = 64;
+    axis_.Sort(records, {false, low, kSteps / std::max(high - low, 1e-30F), kSteps - 1}, room_);
+    size_t budget = 100'000;
+    ASSERT_TRUE(
+        axis_.Repair(records, AllMoved(records.size()), room_, budget, [](uint32_t, uint32_t) {}));
+    ASSERT_TRUE(axis_.is_exact());
   }
 
   SortedEndpoints axis_{0};
@@ -58,6 +64,22 @@ class FacesOnAnAxis : public testing::Test {
 TEST_F(FacesOnAnAxis, AreLowerBeforeUpperWhereTheyTouch) {
   Sort(RecordsAlongX({1, 0}));
   EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
+}
+
+TEST_F(FacesOnAnAxis, AreInStepAfterTheirSort) {
+  std::vector<BoxRecord> records;
+  test_support::Random random(4);
+  for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(0, 100))));
+  const SweepAxis steps{false, 0, 10, 999};
+  axis_.Sort(records, steps, room_);
+  EXPECT_FALSE(axis_.is_exact());
+  uint32_t before = 0;
+  for (const Endpoint face : axis_.endpoints()) {
+    const BoxRecord& record = records[EndpointOwner(face)];
+    const uint32_t step = steps.Step(IsUpperFace(face) ? record.max[0] : record.min[0]);
+    EXPECT_LE(before, step);
+    before = step;
+  }
 }
 
 TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
@@ -77,7 +99,7 @@ TEST_F(FacesOnAnAxis, TellEachPassingOfALowerAndAnUpperOneWhenRepaired) {
   Sort(RecordsAlongX({0, 5}));
   size_t budget = 10;
   std::vector<std::pair<uint32_t, uint32_t>> passings;
-  EXPECT_TRUE(axis_.Repair(RecordsAlongX({5.5F, 5}), AllMoved(2), budget,
+  EXPECT_TRUE(axis_.Repair(RecordsAlongX({5.5F, 5}), AllMoved(2), room_, budget,
                            [&](uint32_t a, uint32_t b) { passings.emplace_back(a, b); }));
   EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
   EXPECT_EQ(passings, (std::vector<std::pair<uint32_t, uint32_t>>{{0, 1}}));
@@ -98,7 +120,7 @@ TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
       moved.Add(i);
     }
     size_t budget = 10'000;
-    EXPECT_TRUE(axis_.Repair(records, moved, budget, [](uint32_t, uint32_t) {}));
+    EXPECT_TRUE(axis_.Repair(records, moved, room_, budget, [](uint32_t, uint32_t) {}));
     float before = -kFarthest;
     for (const Endpoint endpoint : axis_.endpoints()) {
       const BoxRecord& record = records[EndpointOwner(endpoint)];
@@ -113,7 +135,7 @@ TEST_F(FacesOnAnAxis, AreNotRepairedBeyondTheBudget) {
   Sort(RecordsAlongX({0, 5, 10}), 0, 10);
   const auto records = RecordsAlongX({20, 15, 10});
   size_t budget = 2;
-  EXPECT_FALSE(axis_.Repair(records, AllMoved(3), budget, [](uint32_t, uint32_t) {}));
+  EXPECT_FALSE(axis_.Repair(records, AllMoved(3), room_, budget, [](uint32_t, uint32_t) {}));
   Sort(records);
   EXPECT_EQ(OrderOf(axis_), "L2U2L1U1L0U0");
 }

@@ -84,7 +84,7 @@ TEST(ByteBoxes, AreTheSameFromRecordsById) {
   for (ByteBoxes* each : {&own, &borrowing})
     for (uint32_t slot = 0; slot < 100; ++slot) each->ids()[slot] = 99 - slot;
   own.Fill(boxes, range, {}, 0, 100);
-  borrowing.Fill(range, 0, 100);
+  borrowing.Fill(range, {}, 0, 100);
   const ByteLanes a = own.Lanes();
   const ByteLanes b = borrowing.Lanes();
   for (size_t slot = 0; slot < 100; ++slot) {
