@@ -10,7 +10,6 @@
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/proxy_set.h"
-#include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/engine_client/broad_phase/proxy_game.h"
 #include "tests/support/allocation_counter.h"
 
@@ -18,7 +17,6 @@ namespace sweepstake {
 namespace {
 
 using test_support::AsHandles;
-using test_support::MakeOrThrow;
 using test_support::PairsByDefinition;
 using test_support::ProxyGame;
 using test_support::ProxyPairs;
