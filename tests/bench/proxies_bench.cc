@@ -76,7 +76,7 @@ void Resolve(benchmark::State& state, const ProxySetOptions& options,
              const CollisionFilter& filter = {}) {
   Game game(options, static_cast<uint32_t>(state.range(0)), filter);
   size_t pair_count = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     game.Step();
     const auto found = game.FindPairs();
     TimeAlone(state, [&] { pair_count = game.proxies.Resolve(found).size(); });
@@ -125,14 +125,14 @@ BENCHMARK(ResolveOnTwoThreads)
 
 void MoveAll(benchmark::State& state) {
   Game game({}, 0, {});
-  for (auto _ : state) game.Step();
+  for ([[maybe_unused]] auto _ : state) game.Step();
 }
 BENCHMARK(MoveAll)->Unit(benchmark::kMicrosecond);
 
 // The first query after all moving ones moved, or after one static one did.
 void RefreshMoving(benchmark::State& state) {
   Game game({}, 0, {});
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     game.Step();
     TimeAlone(state, [&] { game.proxies.PrepareQueries(); });
   }
@@ -141,7 +141,7 @@ void RefreshStatic(benchmark::State& state) {
   Game game({}, kStatic, {});
   const ProxyHandle one = game.proxies.handle(kStaticProxyBit);
   const Aabb box = *game.proxies.box(one);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     game.proxies.Move(one, box);
     TimeAlone(state, [&] { game.proxies.PrepareQueries(); });
   }
@@ -152,7 +152,7 @@ BENCHMARK(RefreshStatic)->UseManualTime()->Iterations(kFrames)->Unit(benchmark::
 void SortPairs(benchmark::State& state) {
   Game game({}, 0, {});
   PairSorter sorter;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     game.Step();
     game.FindPairs();
     TimeAlone(state, [&] { sorter.Sort(game.pairs().pairs()); });
@@ -176,7 +176,7 @@ void QueryBox(benchmark::State& state) {
   SequentialRandom random(1);
   std::vector<ProxyHandle> found;
   size_t found_count = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     game.proxies.QueryBox(Anywhere(random, 0.5F), {}, found);
     found_count += found.size();
   }
@@ -201,7 +201,7 @@ void CastRay(benchmark::State& state) {
   SequentialRandom random(1);
   std::vector<RayHit> hits;
   size_t hit_count = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(game.proxies.CastRay(AnyRay(random, 20), {}, hits).ok());
     hit_count += hits.size();
   }
@@ -212,7 +212,7 @@ void CastRayNearest(benchmark::State& state) {
   Game game({}, kStatic, {});
   SequentialRandom random(1);
   RayHit hit;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(game.proxies.CastRayNearest(AnyRay(random, 20), {}, hit).ok());
   }
 }
