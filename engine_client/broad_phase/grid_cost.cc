@@ -7,8 +7,6 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kMostGroups = 8;
-
 // Nanoseconds, measured: a box looking into a grid, a row of cells, a box tested.
 constexpr double kLook = 4;
 constexpr double kRow = 3;
@@ -111,7 +109,7 @@ uint32_t FirstClass(const Group& group) {
 
 // The rarest class into the one most alike, until there are few enough to compare all.
 void JoinRarest(const CornerBounds& bounds, Groups& groups) {
-  while (groups.size() > kMostGroups) {
+  while (groups.size() > kMostGridGroups) {
     const auto rarest = std::min_element(
         groups.begin(), groups.end(),
         [](const Group& a, const Group& b) { return a.shape.count < b.shape.count; });
@@ -149,7 +147,7 @@ void JoinWhereItSaves(const CornerBounds& bounds, Groups& groups) {
 
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
-                    std::array<uint32_t, 8>& looks_into) {
+                    std::array<uint32_t, kMostGridGroups>& looks_into) {
   Groups groups;
   for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
     if ((known_classes >> k & 1) == 0) continue;

@@ -12,11 +12,13 @@
 
 namespace sweepstake {
 
-// Joins the known classes (a bit each) to at most as many groups as looks_into has room for, and
+constexpr size_t kMostGridGroups = 8;
+
+// Joins the known classes (a bit each) to at most kMostGridGroups groups, and
 // says of each group into which others its boxes look. Classes that are not known join the group of
 // the first. Returns the number of groups. REQUIRES: a class is known.
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
-                    std::array<uint32_t, 8>& looks_into);
+                    std::array<uint32_t, kMostGridGroups>& looks_into);
 
 }  // namespace sweepstake

@@ -99,45 +99,53 @@ void GridPlan::Reset() {
 
 void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes) {
   GridMeasure measure = MeasureInParts(executor, boxes, choice_.classes);
-  CornerBounds bounds = AllCorners(measure);
-  const bool crowded = measure.count() > 0;
-  if (crowded && frame_++ % kFramesPerLook == 0) {
-    const float wanted = WantedThreshold(MostCorners(boxes, bounds), measure);
-    const float kept = choice_.classes.threshold;
-    if (wanted < kept / 2 || wanted > 2 * kept) {
-      choice_.classes.threshold = wanted;
-      known_classes_ = 0;
-      measure = MeasureInParts(executor, boxes, choice_.classes);
-    }
+  if (WantsOtherClasses(boxes, measure)) {
+    measure = MeasureInParts(executor, boxes, choice_.classes);
   }
-  if (!Fits(measure)) Plan(bounds, measure);
-  std::array<GroupShape, kMostGroups> shapes{};
-  for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
-    shapes[choice_.group_of_class[k]].Add(measure.shapes[k]);
-  }
-  uint32_t first_cell = 0;
-  bool trimmed = false;
-  for (size_t g = 0; g < group_count_; ++g) {
-    const size_t most = MostCellsFor(shapes[g].count);
-    if (!trimmed && CellsWanted(bounds, shapes[g]) > static_cast<double>(most)) {
-      bounds = MostCorners(boxes, bounds);
-      trimmed = true;
-    }
-    grids_[g] = MakeGroupGrid(bounds, shapes[g], most);
-    grids_[g].first_cell = first_cell;
-    first_cell = grids_[g].last_cell();
-  }
+  if (!Fits(measure)) Plan(measure);
+  LayOut(boxes, measure);
+}
+
+// Now and then, since the scene may have become denser or emptier.
+bool GridPlan::WantsOtherClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
+  if (measure.count() == 0 || frame_++ % kFramesPerLook != 0) return false;
+  const float wanted = WantedThreshold(MostCorners(boxes, AllCorners(measure)), measure);
+  float& kept = choice_.classes.threshold;
+  if (wanted >= kept / 2 && wanted <= 2 * kept) return false;
+  kept = wanted;
+  known_classes_ = 0;
+  return true;
 }
 
 bool GridPlan::Fits(const GridMeasure& measure) const {
   return group_count_ > 0 && (Populated(measure) & ~known_classes_) == 0;
 }
 
-void GridPlan::Plan(const CornerBounds& bounds, const GridMeasure& measure) {
+void GridPlan::Plan(const GridMeasure& measure) {
   known_classes_ |= Populated(measure);
   if (known_classes_ == 0) known_classes_ = 1;
-  std::array<uint32_t, kMostGroups>& looks_into = looks_into_;
-  group_count_ = ChooseGroups(bounds, measure, known_classes_, choice_.group_of_class, looks_into);
+  group_count_ = ChooseGroups(AllCorners(measure), measure, known_classes_, choice_.group_of_class,
+                              looks_into_);
+}
+
+void GridPlan::LayOut(std::span<const Aabb> boxes, const GridMeasure& measure) {
+  std::array<GroupShape, kMostGroups> shapes{};
+  for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
+    shapes[choice_.group_of_class[k]].Add(measure.shapes[k]);
+  }
+  CornerBounds bounds = AllCorners(measure);
+  bool all_corners = true;
+  uint32_t first_cell = 0;
+  for (size_t g = 0; g < group_count_; ++g) {
+    const size_t most = MostCellsFor(shapes[g].count);
+    if (all_corners && CellsWanted(bounds, shapes[g]) > static_cast<double>(most)) {
+      bounds = MostCorners(boxes, bounds);
+      all_corners = false;
+    }
+    grids_[g] = MakeGroupGrid(bounds, shapes[g], most);
+    grids_[g].first_cell = first_cell;
+    first_cell = grids_[g].last_cell();
+  }
 }
 
 }  // namespace sweepstake

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 
+#include "engine_client/broad_phase/grid_cost.h"
 #include "engine_client/broad_phase/grid_measure.h"
 #include "engine_client/broad_phase/grid_sort.h"
 #include "engine_client/broad_phase/group_grid.h"
@@ -21,7 +22,7 @@ namespace sweepstake {
 
 class GridPlan {
  public:
-  static constexpr size_t kMostGroups = 8;
+  static constexpr size_t kMostGroups = kMostGridGroups;
 
   // Nothing planned: the next MakeGrids plans.
   void Reset();
@@ -34,8 +35,10 @@ class GridPlan {
   const uint32_t* looks_into() const { return looks_into_.data(); }
 
  private:
+  bool WantsOtherClasses(std::span<const Aabb> boxes, const GridMeasure& measure);
   bool Fits(const GridMeasure& measure) const;
-  void Plan(const CornerBounds& bounds, const GridMeasure& measure);
+  void Plan(const GridMeasure& measure);
+  void LayOut(std::span<const Aabb> boxes, const GridMeasure& measure);
 
   GroupChoice choice_{};
   uint64_t known_classes_ = 0;  // bit per class that the plan knows of

@@ -138,8 +138,8 @@ void Tracy::FindPairs(PairBuffer& out) {
                        });
   fewest_checks_ = std::min(fewest_checks_, checks_);
   excess_checks_ += checks_ - fewest_checks_;
-  unfair_ =
-      checks_ > kFairChecksPerBox * lists_.size() + kFairChecksPerPair * (out.size() - before);
+  pair_count_ = out.size() - before;
+  unfair_ = checks_ > kFairChecksPerBox * lists_.size() + kFairChecksPerPair * pair_count_;
 }
 
 }  // namespace

@@ -103,6 +103,19 @@ TEST_F(RestingTracy, WakesWhenEverythingMovesAndRestsAgain) {
   EXPECT_LT(ChecksPerBox(), 5U);
 }
 
+// To test half a million kept pairs costs as much as to find them.
+TEST(Tracy, KeepsNoPairsWhereTheyAreTooMany) {
+  BoxScene scene("all-coincident", kCount, 5);
+  const auto backend = MakeOrThrow("Tracy");
+  PairBuffer pairs;
+  backend->Build(scene.boxes());
+  for (int frame = 0; frame < 6; ++frame) {
+    EXPECT_EQ(Verdict(*backend, scene.boxes(), pairs), "");
+    backend->Update(scene.boxes());
+  }
+  EXPECT_LE(backend->native_bytes(), kCount * 500);
+}
+
 TEST(Tracy, FindsTheSamePairsAtRestForAnyNumberOfThreads) {
   const auto pool = MakeThreadPool(3);
   const auto together = std::move(*MakeBroadPhase("Tracy", {pool.get()}));
