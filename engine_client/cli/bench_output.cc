@@ -1,5 +1,6 @@
 #include "engine_client/cli/bench_output.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/json_output.h"
@@ -72,39 +73,60 @@ std::string OrDash(const std::optional<uint64_t>& value) {
   return value ? std::to_string(*value) : "-";
 }
 
+std::string Title(const BenchCell& cell) {
+  return cell.scene + ", " + std::to_string(cell.object_count) + " objects";
+}
+
+// With the pairs of an arm: one that was stopped early saw other frames.
+std::string TitleWithPairs(const BenchReport& report, size_t cell) {
+  const auto arm = std::find_if(report.rows.begin(), report.rows.end(), [&](const BenchRow& row) {
+    return row.cell == cell && row.kind == ContestantKind::kArm;
+  });
+  const std::string title = Title(report.cells[cell]);
+  if (arm == report.rows.end()) return title;
+  return title + ", " + Fixed(arm->pairs_mean, 1) + " pairs per frame";
+}
+
+// Narrow enough for a terminal: what is the same in all rows of a cell stands in its title, and
+// what only peers need is there only with peers.
 TextTable RowTable(const BenchReport& report) {
-  std::vector<std::string> header = {
-      "scene",   "objects", "arm",    "threads",    "frames",           "ms_median",
-      "ms_mean", "ms_min",  "ms_p99", "pairs_mean", "aabb_checks_mean", "bytes"};
-  if (report.options.peers) header.insert(header.begin() + 2, "family");
+  const bool peers = report.options.peers;
+  std::vector<std::string> header = {"arm",    "thr",    "ms_median",   "ms_mean",
+                                     "ms_min", "ms_p99", "aabb_checks", "bytes"};
+  if (peers) header.insert(header.begin(), "family");
+  if (peers) header.insert(header.begin() + 3, "frames");
   TextTable table(std::move(header));
+  const BenchRow* before = nullptr;
   for (const BenchRow& row : report.rows) {
-    const BenchCell& cell = report.cells[row.cell];
-    std::vector<std::string> cells = {cell.scene,
-                                      std::to_string(cell.object_count),
-                                      row.name,
+    if (before == nullptr || before->cell != row.cell)
+      table.AddTitle(TitleWithPairs(report, row.cell));
+    before = &row;
+    std::vector<std::string> cells = {row.name,
                                       std::to_string(row.thread_count),
-                                      std::to_string(row.frame_count),
                                       Fixed(row.ms_median, 4),
                                       Fixed(row.ms_mean, 4),
                                       Fixed(row.ms_min, 4),
                                       Fixed(row.ms_p99, 4),
-                                      Fixed(row.pairs_mean, 1),
                                       row.aabb_checks_mean ? Fixed(*row.aabb_checks_mean, 0) : "-",
                                       OrDash(row.bytes)};
-    if (report.options.peers) cells.insert(cells.begin() + 2, row.family);
+    if (peers) cells.insert(cells.begin(), row.family);
+    if (peers) cells.insert(cells.begin() + 3, std::to_string(row.frame_count));
     table.AddRow(std::move(cells));
   }
   return table;
 }
 
 TextTable RatioTable(const BenchReport& report) {
-  TextTable table({"scene", "objects", "threads", "compared", "ours", "with", "ratio", "mean",
-                   "goal", "result", "derived_through"});
+  TextTable table(
+      {"compared", "ours", "thr", "with", "ratio", "mean", "goal", "result", "through"});
+  const BenchRatio* before = nullptr;
   for (const BenchRatio& ratio : report.ratios) {
-    const BenchCell& cell = report.cells[ratio.cell];
-    table.AddRow({cell.scene, std::to_string(cell.object_count), std::to_string(ratio.thread_count),
-                  RatioKindName(ratio.kind), ratio.ours, ratio.other, Fixed(ratio.value, 2),
+    if (before == nullptr || before->cell != ratio.cell) {
+      table.AddTitle(Title(report.cells[ratio.cell]));
+    }
+    before = &ratio;
+    table.AddRow({RatioKindName(ratio.kind), ratio.ours, std::to_string(ratio.thread_count),
+                  ratio.other, Fixed(ratio.value, 2),
                   ratio.value_mean ? Fixed(*ratio.value_mean, 2) : "-",
                   ratio.goal ? Fixed(*ratio.goal, 1) : "-",
                   !ratio.goal ? "-"

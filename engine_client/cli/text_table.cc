@@ -17,10 +17,13 @@ TextTable::TextTable(std::vector<std::string> header) { rows_.push_back(std::mov
 
 void TextTable::AddRow(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
 
+void TextTable::AddTitle(std::string title) { rows_.push_back({std::move(title)}); }
+
 void TextTable::Print(std::ostream& out) const {
   std::vector<size_t> widths(rows_.front().size());
   std::vector<bool> right(widths.size(), rows_.size() > 1);
   for (size_t row = 0; row < rows_.size(); ++row) {
+    if (rows_[row].size() < widths.size()) continue;
     for (size_t column = 0; column < widths.size(); ++column) {
       const std::string& cell = rows_[row][column];
       widths[column] = std::max(widths[column], cell.size());
@@ -28,6 +31,10 @@ void TextTable::Print(std::ostream& out) const {
     }
   }
   for (const auto& row : rows_) {
+    if (row.size() < widths.size()) {
+      out << '\n' << row.front() << '\n';
+      continue;
+    }
     std::string line;
     for (size_t column = 0; column < widths.size(); ++column) {
       const std::string padding(widths[column] - row[column].size(), ' ');

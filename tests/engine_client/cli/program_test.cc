@@ -184,10 +184,13 @@ TEST(Program, BenchRefusesAReportThatCannotBeWrittenBeforeItMeasures) {
 }
 
 TEST(Program, BenchPrintsATableForPeople) {
-  const ProgramRun run = RunProgram("bench --scene suite-g --objects 50 --frames 3 --arms SAP");
+  const ProgramRun run =
+      RunProgram("bench --scene suite-g --objects 3000 --frames 3 --arms SAP,BruteForce");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.out, HasSubstr("ms_median"));
-  EXPECT_THAT(run.out, HasSubstr("suite-g"));
+  EXPECT_THAT(run.out, HasSubstr("suite-g, 3000 objects, "));
+  std::istringstream lines(run.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 
 TEST(Program, PairsOfARecordedFrameEqualBruteForceForEveryArm) {

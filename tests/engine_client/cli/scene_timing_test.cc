@@ -117,5 +117,14 @@ TEST(TextTable, AlignsNumbersToTheRightAndWordsToTheLeft) {
   EXPECT_EQ(out.str(), "arm           ms\nSAP         1.25\nAxisSweep  10.50\n");
 }
 
+TEST(TextTable, SetsATitleApartWithoutWideningAColumn) {
+  TextTable table({"arm", "ms"});
+  table.AddTitle("a long title");
+  table.AddRow({"SAP", "1.25"});
+  std::ostringstream out;
+  table.Print(out);
+  EXPECT_EQ(out.str(), "arm    ms\n\na long title\nSAP  1.25\n");
+}
+
 }  // namespace
 }  // namespace sweepstake::cli
