@@ -126,7 +126,7 @@ void Report(const Faults& faults, benchmark::State& state) {
 
 void Measure(FrameSink* sink, benchmark::State& state) {
   FramePath path(sink, static_cast<size_t>(state.range(0)));
-  for (auto _ : state) path.Frame();
+  while (state.KeepRunning()) path.Frame();
   Report(CountFaults(path), state);
 }
 
@@ -143,7 +143,7 @@ void BM_FrameIntoAQueueThatIsRead(benchmark::State& state) {
   FramePath path(&queue, static_cast<size_t>(state.range(0)));
   {
     const Reader reader(queue);
-    for (auto _ : state) path.Frame();
+    while (state.KeepRunning()) path.Frame();
   }
   Report(CountFaults(path), state);
 }
@@ -155,7 +155,7 @@ BENCHMARK(BM_FrameIntoAQueueThatIsRead)->Arg(1000)->Arg(100'000)->UseRealTime();
 // What the clock takes of it: two readings per frame.
 void BM_TwoReadingsOfTheClock(benchmark::State& state) {
   Clock& clock = SteadyClock();
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(clock.NowNs());
     benchmark::DoNotOptimize(clock.NowNs());
   }

@@ -188,7 +188,7 @@ void AddBulletPeers(PeerLibrary& library) {
   library.kinds = {
       {"BulletAxisSweep3", "AxisSweep", kMost16BitHandles, false, Make<AxisSweep16Peer>},
       {"Bullet32BitAxisSweep3", "AxisSweep", kMostInSweep, false, Make<AxisSweep32Peer>},
-      {"BulletDbvt", "DBVT", 1'000'000, false, Make<DbvtPeer>},
+      {"BulletDbvt", "DBVT", 200'000, false, Make<DbvtPeer>},
       {"BulletDbvtDeferred", "DBVT", 1'000'000, false, Make<DeferredDbvtPeer>},
   };
 }

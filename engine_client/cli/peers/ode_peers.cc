@@ -121,8 +121,8 @@ void AddOdePeers(PeerLibrary& library) {
   // dHashSpace is left out: in 0.16.2 it misses pairs (one in frame 4 of 400 objects of spawning).
   library.kinds = {
       {"OdeSimpleSpace", "BruteForce", 20'000, false, Make<MakeSimple>},
-      {"OdeSweepSpace", "SAP", 1'000'000, false, Make<MakeSweep>},
-      {"OdeQuadtreeSpace", "DBVT", 100'000, false, Make<MakeQuadtree>},
+      {"OdeSweepSpace", "SAP", 30'000, false, Make<MakeSweep>},
+      {"OdeQuadtreeSpace", "DBVT", 30'000, false, Make<MakeQuadtree>},
   };
 }
 
