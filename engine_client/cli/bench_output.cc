@@ -82,7 +82,7 @@ std::string TitleWithPairs(const BenchReport& report, size_t cell) {
   const auto arm = std::find_if(report.rows.begin(), report.rows.end(), [&](const BenchRow& row) {
     return row.cell == cell && row.kind == ContestantKind::kArm;
   });
-  const std::string title = Title(report.cells[cell]);
+  std::string title = Title(report.cells[cell]);
   if (arm == report.rows.end()) return title;
   return title + ", " + Fixed(arm->pairs_mean, 1) + " pairs per frame";
 }
