@@ -5,8 +5,8 @@
 // batch of boxes are listed first and then tested one after the other, so that which rows a box
 // reaches into costs no mispredicted branch.
 //
-// Not thread-safe. Borrows everything for the call. Cost: about 8 ns per box and 4 ns per register
-// of boxes tested. Memory: 16 KiB on the stack.
+// Not thread-safe. Borrows everything for the call. Cost: 14 ns per box in suite-b, where a box is
+// tested against 2.5 registers of 16 others. Memory: 34 KiB on the stack.
 #pragma once
 
 #include <cstddef>

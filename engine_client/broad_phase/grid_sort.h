@@ -2,8 +2,8 @@
 // threads.
 //
 // Boxes of one cell stay in the caller's order, so that the result does not depend on the parts.
-// Not thread-safe. Owns its memory. Cost: O(n + cells), about 5 ns per box. Memory: 36 bytes per
-// box, 4 per cell, and 4 more per cell and part where there are several.
+// Not thread-safe. Owns its memory. Cost: O(n + cells), 3 ns per box of suite-b. Memory: 36 bytes
+// per box, 4 per cell, and 4 more per cell and part where there are several.
 #pragma once
 
 #include <cstddef>
