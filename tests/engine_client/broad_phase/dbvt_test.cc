@@ -364,6 +364,14 @@ TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
     boxes.assign(lively.boxes().begin(), lively.boxes().end());
     // Objects that come and go, and some that break, while the others rest.
     if (frame % 50 > 30) std::copy_n(broken.boxes().begin(), 10, boxes.begin());
+    // And a swarm that flies through the others.
+    for (size_t object = 20; object < 28; ++object) {
+      const float way =
+          (0.1F + 0.01F * static_cast<float>(object)) * static_cast<float>(frame % 20);
+      boxes[object] = lively.boxes()[20];
+      boxes[object].min[0] += way;
+      boxes[object].max[0] += way;
+    }
     boxes.resize(400 - static_cast<size_t>(frame % 7));
     backend->Update(boxes);
     ASSERT_EQ(Verdict(*backend, boxes, pairs), "") << "in frame " << frame;
