@@ -12,7 +12,8 @@ namespace {
 
 // Fewer take less time than waking a thread.
 constexpr size_t kLeastRows = 1024;
-constexpr size_t kLeastBoxes = 2048;
+constexpr size_t kLeastFilled = 2048;
+constexpr size_t kLeastSorted = 16384;
 
 // Boxes that share a step, in the mean over boxes, from which on sorting exactly pays: a sweep
 // compares one register more for each.
@@ -43,7 +44,7 @@ class Sap final : public BroadPhase {
 
   Executor* executor_;
   SweepAxis sweep_;
-  size_t part_count_ = 1;
+  size_t part_count_ = 1;           // of sorting
   AlignedBuffer<uint32_t> steps_;   // of each box
   AlignedBuffer<uint32_t> starts_;  // per part and step: boxes, then the slot of the next one
   RadixSort sort_;
@@ -60,12 +61,13 @@ void Sap::Update(std::span<const Aabb> boxes) {
       static_cast<float>(std::clamp<size_t>(boxes.size() / kBoxesPerStep, 512, 65536));
   sweep_ = {false, range.low[axis], steps / range.width(range.sweep_axis), steps - 1};
   boxes_.Resize(boxes.size(), true);
-  part_count_ = PartCount(executor_, boxes.size(), kLeastBoxes);
+  part_count_ = PartCount(executor_, boxes.size(), kLeastSorted);
   CountSteps(boxes, axis);
   sweep_.exact = !CountSlots();
   sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
-  RunParts(executor_, part_count_, [&](size_t part) {
-    const PartRange slots = BoxesOfPart(part);
+  const size_t fill_parts = PartCount(executor_, boxes.size(), kLeastFilled);
+  RunParts(executor_, fill_parts, [&](size_t part) {
+    const PartRange slots = RangeOfPart(boxes.size(), part, fill_parts, ByteBoxes::kGranule);
     boxes_.Fill(boxes, range, sweep_, slots.begin, slots.end);
   });
 }
