@@ -19,8 +19,8 @@
 // time add up to 256 per object, and now and then while a search makes far more checks than pairs.
 // Cost: Build O(n log n); a frame O(n + boxes around a box + what has changed). In suite-b 23 ns
 // per box from 1,000 to 100,000 boxes and 41 ns at 1,000,000, in suite-h 25 to 33 ns, in
-// suite-g 39 to 53 ns; 6 ns where
-// boxes move by a thousandth. Two threads: 1.6 times as fast at 10,000 boxes, 1.9 times at 100,000.
+// suite-g 39 to 53 ns; 6 ns where boxes move by a thousandth. Two threads: 1.6 times as fast at
+// 10,000 boxes, 1.9 times at 100,000.
 // Memory: 45 bytes per box and 4 per cell; while little moves 65 more.
 #pragma once
 
