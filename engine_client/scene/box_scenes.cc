@@ -43,6 +43,14 @@ void Jitter(SequentialRandom& random, float distance, Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, random.Between(-distance, distance));
 }
 
+// Back, not at all or on, by `distance` on some axis. The draws are statements of their own:
+// compilers differ in the order in which they evaluate arguments.
+void ShiftByOneOfThree(SequentialRandom& random, float distance, Aabb& box) {
+  const float direction = static_cast<float>(random.Below(3)) - 1.0F;
+  const auto axis = static_cast<int>(random.Below(3));
+  Shift(box, axis, distance * direction);
+}
+
 float HalfExtent(SequentialRandom& random) {
   return static_cast<float>(0.145 * portable::Pow(5.0, random.Unit()));
 }
@@ -111,7 +119,7 @@ Aabb SpawnTouching(SequentialRandom& random, const Slot& slot) {
   return box;
 }
 void StepTouching(SequentialRandom& random, const Slot&, Aabb& box) {
-  Shift(box, static_cast<int>(random.Below(3)), static_cast<float>(random.Below(3)) - 1.0F);
+  ShiftByOneOfThree(random, 1.0F, box);
 }
 
 // Points on half units: on one another, on faces of their neighbours, and on boxes of the other
@@ -124,8 +132,7 @@ Aabb SpawnZeroSize(SequentialRandom& random, const Slot& slot) {
   return box;
 }
 void StepZeroSize(SequentialRandom& random, const Slot&, Aabb& box) {
-  Shift(box, static_cast<int>(random.Below(3)),
-        0.5F * (static_cast<float>(random.Below(3)) - 1.0F));
+  ShiftByOneOfThree(random, 0.5F, box);
 }
 
 Aabb SpawnOneHuge(SequentialRandom& random, const Slot& slot) {
