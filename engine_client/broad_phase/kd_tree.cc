@@ -27,7 +27,7 @@ constexpr size_t kStrayShare = 16;
 // And that are worth splitting at once.
 constexpr size_t kUpheavalShare = 4;
 // For a thread to be called, in leaves and in blocks of 16 leaves.
-constexpr size_t kLeastLeaves = 2048;
+constexpr size_t kLeastLeaves = 128;
 constexpr size_t kLeastBlocks = 4;
 
 class KdTree final : public BroadPhase {

@@ -57,7 +57,7 @@ inline PartRange RangeOfPart(size_t item_count, size_t part, size_t part_count, 
 // Parts that are worth it: none smaller than `least_items`, a few per thread so that uneven ones
 // even out.
 inline size_t PartCount(const Executor* executor, size_t item_count, size_t least_items) {
-  constexpr size_t kPartsPerThread = 4;
+  constexpr size_t kPartsPerThread = 8;
   if (executor == nullptr || executor->thread_count() == 1) return 1;
   return std::clamp<size_t>(item_count / std::max<size_t>(least_items, 1), 1,
                             kPartsPerThread * executor->thread_count());

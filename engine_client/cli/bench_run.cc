@@ -43,8 +43,9 @@ class CellRun {
 
   void AddArm(const std::string& name, uint32_t thread_count) {
     rows_.push_back(NewRow(ContestantKind::kArm, name, name, thread_count));
-    auto arm = MakeBroadPhase(name, {.executor = pools_.Of(thread_count)});
-    contestants_.push_back({.broad_phase = std::move(*arm)});
+    Executor* const executor = pools_.Of(thread_count);
+    auto arm = MakeBroadPhase(name, {.executor = executor});
+    contestants_.push_back({.broad_phase = std::move(*arm), .executor = executor});
   }
 
   void AddPeer(const PeerKind& peer, uint32_t thread_count) {

@@ -1,9 +1,11 @@
 #include "engine_client/cli/scene_timing.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <thread>
 
 namespace sweepstake::cli {
 namespace {
@@ -67,6 +69,23 @@ double MillisecondsSince(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
 }
 
+// Returns when all threads of the executor have begun a part at the same time.
+void Wake(Executor* executor) {
+  if (executor == nullptr) return;
+  struct Meeting {
+    const size_t expected;
+    std::atomic<size_t> arrived{0};
+  } meeting{executor->thread_count()};
+  executor->RunParts(
+      meeting.expected,
+      [](void* context, size_t) {
+        auto& shared = *static_cast<Meeting*>(context);
+        shared.arrived.fetch_add(1);
+        while (shared.arrived.load() < shared.expected) std::this_thread::yield();
+      },
+      &meeting);
+}
+
 // A contestant on its way through the scene.
 class Run {
  public:
@@ -86,6 +105,7 @@ class Run {
   void Step(std::span<const Aabb> boxes, bool measured) {
     shown_.Show(boxes, contestant_.sound_boxes_only);
     pairs_.Clear();
+    Wake(contestant_.executor);
     const auto start = steady_clock::now();
     contestant_.broad_phase->Update(shown_.boxes());
     contestant_.broad_phase->FindPairs(pairs_);

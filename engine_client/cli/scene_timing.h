@@ -3,7 +3,8 @@
 // All of them see the same frames in the same run. They take turns by blocks of up to 20 frames,
 // and who begins rotates from block to block: a disturbance of the machine hits all alike, yet each
 // runs with the warm caches that it would have alone, which at 1,000 objects is a factor of two.
-// Before each measured call its boxes are written to memory, as a game has just done.
+// Before each measured call its boxes are written to memory, as a game has just done, and the
+// threads of its executor are awake, as in a game whose jobs fill the frame.
 //
 // Not thread-safe. Times in milliseconds of the steady clock. Memory: up to 32 MiB of boxes, and
 // 32 bytes per frame and broad phase.
@@ -25,6 +26,7 @@ namespace sweepstake::cli {
 // A broad phase that takes part.
 struct Contestant {
   std::unique_ptr<BroadPhase> broad_phase;
+  Executor* executor = nullptr;  // the broad phase's own; null where it has none
   // Stops after the frame in which its own time, Build included, has passed this.
   double cap_s = std::numeric_limits<double>::infinity();
   // Is shown only boxes that take part (aabb.h); the ids of its pairs are put right afterwards.

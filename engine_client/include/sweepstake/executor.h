@@ -22,14 +22,14 @@ class Executor {
   // Threads that may run parts at the same time, the caller included; at least 1, always the same.
   virtual size_t thread_count() const noexcept = 0;
 
-  // Calls run_part(context, part) once for each part in [0, part_count), in any order, and returns
-  // when all have returned. What a part has written is visible to the caller afterwards. One call
-  // at a time per Executor.
+  // Calls run_part(context, part) once for each part in [0, part_count), at most 65,535, in any
+  // order, and returns when all have returned. What a part has written is visible to the caller
+  // afterwards. One call at a time per Executor.
   virtual void RunParts(size_t part_count, RunPart run_part, void* context) noexcept = 0;
 };
 
 // `thread_count` threads, of which the caller of RunParts is one: 1 starts none. Threads without
-// work look for it for some 50 µs and then sleep. REQUIRES: 1 <= thread_count <= 256. Throws
+// work look for it for some 200 µs and then sleep. REQUIRES: 1 <= thread_count <= 256. Throws
 // std::system_error when the system has no more threads.
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);
 
