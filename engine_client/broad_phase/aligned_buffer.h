@@ -49,6 +49,12 @@ class AlignedBuffer {
     capacity_ = grown;
   }
 
+  // The same for a count that wavers from frame to frame: growing takes room for more, or it would
+  // take memory again and again.
+  void EnsureWithSpare(size_t count) {
+    if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);
+  }
+
   // Room for `count` elements; the first `kept` ones stay. REQUIRES: kept <= capacity().
   void EnsureKeeping(size_t count, size_t kept) {
     if (count <= capacity_) return;

@@ -130,6 +130,9 @@ size_t AxisSweep::native_bytes() const {
 void AxisSweep::TakeBoxes(std::span<const Aabb> boxes) {
   range_ = CoordinateRange::Sample(boxes);
   records_.EnsureDiscarding(count_ + 1);
+  // For the repairs to come: a frame in the middle of a game is no time to take memory.
+  moved_ids_.EnsureDiscarding(count_);
+  moved_.Clear(count_);
   const size_t part_count = BoxParts();
   RunParts(executor_, part_count, [&](size_t part) {
     const PartRange range = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);

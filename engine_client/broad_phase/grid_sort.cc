@@ -59,8 +59,6 @@ namespace {
 // Each part has counts of its own, which cost as much as the boxes of a cell.
 constexpr size_t kMostParts = 8;
 constexpr size_t kLeastBoxesPerPart = 2048;
-// The room that a small scene takes at once.
-constexpr size_t kSpareCells = 2048;
 
 size_t PartsFor(const Executor* executor, size_t count) {
   if (executor == nullptr) return 1;
@@ -88,12 +86,11 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
 }
 
 void GridSort::MakeRoom(size_t parts) {
-  // The number of cells follows the bounds: room for more, or it would take memory for long.
-  const size_t cells = cells_ + cells_ / 4 + kSpareCells;
   keys_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   columns_.Resize(count_);
-  if (cells_ + 1 > starts_.capacity()) starts_.EnsureDiscarding(cells);
-  if (parts * cells_ > part_counts_.capacity()) part_counts_.EnsureDiscarding(parts * cells);
+  // The number of cells follows the bounds.
+  starts_.EnsureWithSpare(cells_ + 1);
+  part_counts_.EnsureWithSpare(parts * cells_);
 }
 
 void GridSort::CountInParts(Executor* executor, size_t parts, std::span<const Aabb> boxes,

@@ -53,7 +53,7 @@ void TracyLists::Reset(const RowGrids& grids) {
   grids_without_margin_ = grids;
   count_ = 0;
   size_ = 0;
-  first_slots_.EnsureDiscarding(grids_.row_count() + 1);
+  first_slots_.EnsureWithSpare(grids_.row_count() + 1);
   std::fill_n(first_slots_.data(), grids_.row_count() + 1, 0U);
 }
 
@@ -68,12 +68,12 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   const size_t cells = grids_.grids[grids_.group_count - 1].last_cell() + 1;
   rows_.EnsureKeeping(count + SoaBoxes::kPadding, count_);
   arrived_.EnsureDiscarding(count + SoaBoxes::kPadding);
-  old_slots_.EnsureDiscarding(rows + 1);
-  arrivals_.EnsureDiscarding(rows);
-  starts_.EnsureDiscarding(cells + 2);  // and the guests'
+  old_slots_.EnsureWithSpare(rows + 1);
+  arrivals_.EnsureWithSpare(rows);
+  starts_.EnsureWithSpare(cells + 2);  // and the guests'
   if (parts_.size() < parts) parts_.resize(parts);
   for (size_t part = 0; part < parts; ++part) {
-    parts_[part].change.EnsureDiscarding(rows);
+    parts_[part].change.EnsureWithSpare(rows);
     std::fill_n(parts_[part].change.data(), rows, 0);
   }
 }
@@ -198,7 +198,7 @@ void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end) 
 void TracyLists::PlaceLists(size_t parts) {
   std::swap(first_slots_, old_slots_);
   const uint32_t rows = grids_.row_count();
-  first_slots_.EnsureDiscarding(rows + 1);
+  first_slots_.EnsureWithSpare(rows + 1);
   std::fill_n(arrivals_.data(), rows, 0U);
   moved_count_ = 0;
   for (size_t index = 0; index < parts; ++index) {
@@ -283,7 +283,7 @@ void TracyLists::MarkCells(const GroupGrid& grid, uint32_t first_cell, size_t be
                            Part& part) {
   const size_t axis = grid.AxisOf(0);
   const uint32_t cells = grid.cells[axis];
-  part.cells.EnsureDiscarding(cells + 1);
+  part.cells.EnsureWithSpare(cells + 1);
   uint32_t* const behind = part.cells.data();
   std::fill_n(behind, cells + 1, static_cast<uint32_t>(begin));
   const float* const min = columns_.lanes().min[axis];
