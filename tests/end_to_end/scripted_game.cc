@@ -54,8 +54,7 @@ ScriptedGame::ScriptedGame(const std::string& address, SessionOptions options, A
     : costs_ms_(std::move(costs_ms)),
       clock_(std::make_unique<ScriptedClock>()),
       session_(Must(MakeDaemonSession(address, options))),
-      adaptive_(Must(AdaptiveBroadPhase::Create({}, &session_->sink(), *clock_))),
-      frames_per_arm_(adaptive_->arms().size()) {
+      adaptive_(Must(AdaptiveBroadPhase::Create({}, &session_->sink(), *clock_))) {
   const auto scene = Must(MakeScene("brownian", SceneOptions{.object_count = 16}));
   boxes_.assign(scene->aabbs().begin(), scene->aabbs().end());
   if (Status status = session_->Start(*adaptive_); !status.ok()) {
@@ -72,7 +71,6 @@ void ScriptedGame::RunFrame() {
   const double cost_ms = costs_ms_[adaptive_->active_arm()];
   clock_->SetStep(static_cast<uint64_t>(cost_ms * 1e6));
   adaptive_->FindPairs(boxes_);
-  ++frames_per_arm_[adaptive_->active_arm()];
   adaptive_->EndFrame({.frame_time_ns = static_cast<uint64_t>((cost_ms + kRestOfFrameMs) * 1e6)});
   wait_count_ += waits.count();
   ++frame_count_;

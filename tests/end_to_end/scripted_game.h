@@ -44,8 +44,6 @@ class ScriptedGame {
   SessionStats stats() const { return session_->stats(); }
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
   uint64_t frame_count() const { return frame_count_; }
-  // Frames run on each arm.
-  const std::vector<uint64_t>& frames_per_arm() const { return frames_per_arm_; }
   // Calls that can block, made on this thread inside BeginFrame, FindPairs and EndFrame.
   uint64_t wait_count() const { return wait_count_; }
 
@@ -59,7 +57,6 @@ class ScriptedGame {
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   std::vector<Aabb> boxes_;
   uint64_t frame_count_ = 0;
-  std::vector<uint64_t> frames_per_arm_;
   uint64_t wait_count_ = 0;
 };
 

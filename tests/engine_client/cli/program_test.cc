@@ -149,7 +149,8 @@ TEST(Program, BenchStopsAPeerAtItsCapAndSaysSo) {
   const ProgramRun run = RunProgram(
       "bench --peers --peer-cap 0.001 --scene suite-b --objects 2000 --frames 3 --arms SAP --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const json& row : json::parse(run.out)["rows"]) {
+  const json document = json::parse(run.out);
+  for (const json& row : document["rows"]) {
     if (row["kind"] == "arm") continue;
     EXPECT_EQ(row["frames"], 1) << row;
     EXPECT_THAT(row["note"].get<std::string>(), HasSubstr("cap")) << row;
