@@ -114,7 +114,9 @@ class TelemetryClient {
   bool Send(const v1::StreamTelemetryRequest& request) { return stream_->Write(request); }
   std::optional<Response> Read() {
     Response response;
-    return stream_->Read(&response) ? std::optional(response) : std::nullopt;
+    if (!stream_->Read(&response)) return std::nullopt;
+    if (response.has_acknowledgement()) acknowledged_ = response.acknowledgement().sequence();
+    return response;
   }
   // The next response of that kind; others are passed over. Fails the test when the stream ends.
   Response Await(Response::MessageCase kind) {
@@ -128,12 +130,13 @@ class TelemetryClient {
     Send(Request(hello));
     return Await(Response::kWelcome).welcome();
   }
+  // The sequence number acknowledged last, once it is at least `sequence`; one that Await passed
+  // over counts.
   uint64_t AwaitAcknowledgement(uint64_t sequence) {
-    uint64_t acknowledged = 0;
-    while (acknowledged < sequence && !::testing::Test::HasFailure()) {
-      acknowledged = Await(Response::kAcknowledgement).acknowledgement().sequence();
+    while (acknowledged_ < sequence && !::testing::Test::HasFailure()) {
+      Await(Response::kAcknowledgement);
     }
-    return acknowledged;
+    return acknowledged_;
   }
   // Reads to the end.
   grpc::Status Finish() {
@@ -145,6 +148,7 @@ class TelemetryClient {
   void Cancel() { context_.TryCancel(); }
 
  private:
+  uint64_t acknowledged_ = 0;
   grpc::ClientContext context_;
   std::unique_ptr<v1::TelemetryService::Stub> stub_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse>>
