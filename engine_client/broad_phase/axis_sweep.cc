@@ -85,6 +85,7 @@ void AxisSweep::Build(std::span<const Aabb> boxes) {
   checks_ = 0;
   calm_ = false;
   pause_frames_ = 0;
+  sweep_checks_ = 0;
   TakeBoxes(boxes);
   SortAll();
 }

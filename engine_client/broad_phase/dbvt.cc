@@ -197,7 +197,11 @@ void Dbvt::ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& mot
   calm_frames_ = is_calm ? calm_frames_ + 1 : 0;
   if (calm_frames_ < patience_) return;
   margins_.MeasureSide(boxes);
-  margins_.Start(boxes, motion.mean, tree_, executor_);
+  if (!margins_.Start(boxes, motion.mean, tree_, executor_)) {
+    calm_frames_ = 0;
+    patience_ = std::min(2 * patience_, kMostPatience);
+    return;
+  }
   is_at_rest_ = true;
   is_sorting_ = false;
   resting_frames_ = 0;

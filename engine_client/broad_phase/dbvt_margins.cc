@@ -28,9 +28,11 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
+// False for a box that does not take part, wherever it is.
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   bool inside = true;
   for (int axis = 0; axis < 3; ++axis) {
+    inside &= box.min[axis] <= box.max[axis];
     inside &= box.min[axis] >= fat.min[axis];
     inside &= box.max[axis] <= fat.max[axis];
   }
@@ -49,11 +51,15 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   return hn::AllTrue(d, hn::Or(overlap, hn::Not(hn::FirstN(d, 3))));
 }
 
+// False for a box that does not take part, wherever it is.
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   const Half d;
-  const auto low = hn::Ge(hn::LoadU(d, box.min), hn::LoadU(d, fat.min));
+  const auto min = hn::LoadU(d, box.min);
   // One lane early: nothing behind the last box may be read.
-  const auto high = hn::Le(hn::LoadU(d, box.min + 2), hn::LoadU(d, fat.min + 2));
+  const auto max = hn::LoadU(d, box.min + 2);
+  const auto ordered = hn::Le(min, hn::Shuffle0321(max));
+  const auto low = hn::And(ordered, hn::Ge(min, hn::LoadU(d, fat.min)));
+  const auto high = hn::Le(max, hn::LoadU(d, fat.min + 2));
   const auto not_low = hn::Not(hn::FirstN(d, 3));
   return hn::AllTrue(d, hn::And(hn::Or(low, not_low), hn::Or(high, hn::FirstN(d, 1))));
 }
@@ -105,6 +111,9 @@ constexpr float kMarginFrames = 8;
 // From this share of leavers on, one refit and one search for all is cheaper: 0.4 us each against
 // 20 ns per object at 10,000.
 constexpr size_t kLeaverDivisor = 20;
+// Half as many again as DBVT's pairs per object at most: beyond that, testing them takes longer
+// than the tree.
+constexpr size_t kMostCandidatesPerObject = 24;
 // Enough for a median that only scales a margin.
 constexpr size_t kSideSample = 512;
 // To a part of the work.
@@ -115,9 +124,13 @@ constexpr Aabb kAbsent = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfi
 
 bool IsAbsent(const Aabb& fat) { return fat.min[0] > fat.max[0]; }
 
-// May be infinite.
-float LongestSide(const Aabb& box) {
-  return std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
+// May be infinite. Of a long box it is a short one, for which a share of the longest would be too
+// much; of a flat one it is a long one, since the shortest would leave no margin.
+float MiddleSide(const Aabb& box) {
+  const float x = box.max[0] - box.min[0];
+  const float y = box.max[1] - box.min[1];
+  const float z = box.max[2] - box.min[2];
+  return std::max(std::min(x, y), std::min(std::max(x, y), z));
 }
 
 // Largest step on an axis; infinite when the box was absent.
@@ -141,13 +154,13 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 }  // namespace
 
-// The median longest side of an even sample of the boxes that take part.
+// The median middle side of an even sample of the boxes that take part.
 void DbvtMargins::MeasureSide(std::span<const Aabb> boxes) {
   sides_.reserve(kSideSample + 1);
   sides_.clear();
   const size_t stride = boxes.size() / kSideSample + 1;
   for (size_t i = 0; i < boxes.size(); i += stride) {
-    if (TakesPart(boxes[i])) sides_.push_back(std::min(LongestSide(boxes[i]), kLargest));
+    if (TakesPart(boxes[i])) sides_.push_back(std::min(MiddleSide(boxes[i]), kLargest));
   }
   side_ = 0;
   if (sides_.empty()) return;
@@ -173,7 +186,7 @@ void DbvtMargins::Reserve(size_t count, size_t kept) {
   count_ = count;
 }
 
-void DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree,
+bool DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree,
                         Executor* executor) {
   Reserve(boxes.size(), 0);
   const float margin = MarginFor(motion);
@@ -185,6 +198,13 @@ void DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tre
   tree.TakeBoxes({fat_.data(), count_}, executor);
   candidates_.Clear();
   FindGroupPairs(tree, tree.Groups(), candidates_);
+  if (AreWorthKeeping()) return true;
+  tree.TakeBoxes(boxes, executor);
+  return false;
+}
+
+bool DbvtMargins::AreWorthKeeping() const {
+  return candidates_.size() <= kMostCandidatesPerObject * count_;
 }
 
 void DbvtMargins::Resize(size_t count, DbvtTree& tree) {
@@ -218,7 +238,7 @@ bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* 
   DropCandidatesOfLeavers();
   checks += FindPairsOf(tree, left, fat_.data(), has_left_.data(), candidates_);
   for (const uint32_t object : left) has_left_[object] = 0;
-  return true;
+  return AreWorthKeeping();
 }
 
 void DbvtMargins::CollectLeavers(std::span<const Aabb> boxes, Executor* executor) {

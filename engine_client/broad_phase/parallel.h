@@ -1,15 +1,15 @@
 // A backend's loops in parts, with or without an Executor.
 //
-// Not thread-safe; what runs inside a part may touch nothing that another part writes. Errors: a
-// part that runs out of memory throws std::bad_alloc on the calling thread, after all parts have
-// ended.
+// Not thread-safe; what runs inside a part may touch nothing that another part writes. Errors: the
+// first exception of a part, as when memory runs out, is thrown again on the calling thread, after
+// all parts have ended.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <new>
+#include <exception>
 #include <vector>
 
 #include "sweepstake/executor.h"
@@ -26,7 +26,8 @@ void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   }
   struct Context {
     const Fn& fn;
-    std::atomic<bool> out_of_memory{false};
+    std::atomic<bool> has_failed{false};
+    std::exception_ptr error{};
   } context{fn};
   executor->RunParts(
       part_count,
@@ -34,12 +35,12 @@ void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
         auto& shared = *static_cast<Context*>(opaque);
         try {
           shared.fn(part);
-        } catch (const std::bad_alloc&) {
-          shared.out_of_memory.store(true, std::memory_order_relaxed);
+        } catch (...) {
+          if (!shared.has_failed.exchange(true)) shared.error = std::current_exception();
         }
       },
       &context);
-  if (context.out_of_memory.load(std::memory_order_relaxed)) throw std::bad_alloc();
+  if (context.has_failed) std::rethrow_exception(context.error);
 }
 
 // [begin, end) of a part of `item_count` items; borders are multiples of `granule`.
@@ -58,7 +59,7 @@ inline PartRange RangeOfPart(size_t item_count, size_t part, size_t part_count, 
 // even out.
 inline size_t PartCount(const Executor* executor, size_t item_count, size_t least_items) {
   constexpr size_t kPartsPerThread = 8;
-  if (executor == nullptr || executor->thread_count() == 1) return 1;
+  if (executor == nullptr || executor->thread_count() <= 1) return 1;
   return std::clamp<size_t>(item_count / std::max<size_t>(least_items, 1), 1,
                             kPartsPerThread * executor->thread_count());
 }

@@ -50,6 +50,7 @@ class Tracy final : public BroadPhase {
   }
 
  private:
+  void LayOut(std::span<const Aabb> boxes);
   bool TakeAtRest(std::span<const Aabb> boxes);
   void StartResting(std::span<const Aabb> boxes);
   void TakeInMotion(std::span<const Aabb> boxes);
@@ -72,6 +73,13 @@ class Tracy final : public BroadPhase {
 };
 
 void Tracy::Build(std::span<const Aabb> boxes) {
+  wait_ = 0;
+  last_wait_ = 1;
+  pair_count_ = 0;
+  LayOut(boxes);
+}
+
+void Tracy::LayOut(std::span<const Aabb> boxes) {
   checks_ = 0;
   plan_.Reset();
   plan_.MakeGrids(executor_, boxes);
@@ -123,9 +131,9 @@ void Tracy::TakeInMotion(std::span<const Aabb> boxes) {
   ++frames_;
   if (wait_ > 0) --wait_;
   const bool try_anew = unfair_ && frames_ >= kFramesPerTrial;
-  if (try_anew || excess_checks_ > kChecksPerLayout * boxes.size()) return Build(boxes);
+  if (try_anew || excess_checks_ > kChecksPerLayout * boxes.size()) return LayOut(boxes);
   lists_.Update(executor_, boxes);
-  if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kFewLongBoxes) Build(boxes);
+  if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kFewLongBoxes) LayOut(boxes);
 }
 
 void Tracy::FindPairs(PairBuffer& out) {

@@ -69,7 +69,7 @@ void Declare(CLI::App& command, BenchOptions& options) {
   command
       .add_option("--peer-cap", options.peer_cap_s,
                   "Seconds a peer may take in one scene with one count; it then stops")
-      ->check(CLI::Range(0.001, 86'400.0))
+      ->check(RealFrom(0.001, 86'400.0))
       ->capture_default_str();
   command.add_flag("--json", options.json, "One JSON document on stdout");
   command.add_option("--report", options.report_file,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +15,17 @@ namespace sweepstake::cli {
 
 // Whole numbers from 0: the parser wraps "-1" around to the largest there is.
 inline CLI::Validator WholeUpTo(uint64_t most) { return CLI::Range(uint64_t{0}, most); }
+
+// A number from `least` to `most`; NaN is not, whatever it is compared with.
+inline CLI::Validator RealFrom(double least, double most) {
+  CLI::Validator range = CLI::Range(least, most);
+  return {[=](std::string& text) {
+            double value = 0;
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            return is_number && std::isnan(value) ? text + " is no number" : range(text);
+          },
+          range.get_description()};
+}
 
 // For numbers of which all are good: the parser would wrap a negative one around.
 inline CLI::Validator NotNegative() {

@@ -293,7 +293,7 @@ void Declare(CLI::App& command, RunOptions& options) {
   command
       .add_option("--time-scale", options.time_scale,
                   "Divides every interval of the decider but the bail-out limit")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(RealFrom(1.0, 1000.0))
       ->capture_default_str();
   command.add_option("--project", options.project, "Project the priors belong to")
       ->capture_default_str();

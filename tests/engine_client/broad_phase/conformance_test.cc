@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <tuple>
 
@@ -197,6 +198,23 @@ TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
       EXPECT_EQ(PairsOfFrame(*with_two, scene.boxes(), frame), alone) << kind << frame;
       EXPECT_EQ(PairsOfFrame(*with_three, scene.boxes(), frame), alone) << kind << frame;
     }
+  }
+}
+
+// In place, while all else rests: what is kept of resting boxes must not be what answers.
+TEST_P(EveryBackend, IsRightWhenARestingBoxBreaksAndMends) {
+  const BoxScene scene("brownian", 300, 7);
+  std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
+  boxes[0] = {{-100, -100, -100}, {100, 100, 100}};
+  const Aabb whole = boxes[7];
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  backend_->Build(boxes);
+  for (int frame = 0; frame < 120; ++frame) {
+    boxes[7] = whole;
+    if (frame % 40 >= 20) std::swap(boxes[7].min[frame % 3], boxes[7].max[frame % 3]);
+    if (frame % 40 >= 30) boxes[7].max[1] = nan;
+    backend_->Update(boxes);
+    ASSERT_EQ(Verdict(*backend_, boxes, pairs_), "") << "in frame " << frame;
   }
 }
 
