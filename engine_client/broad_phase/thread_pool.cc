@@ -1,7 +1,9 @@
 // The pool of executor.h: one word says which job there is and which of its parts are unclaimed.
 #include <atomic>
 #include <cassert>
+#include <condition_variable>
 #include <cstdint>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -70,8 +72,20 @@ class ThreadPool final : public Executor {
 
   void Publish(uint64_t part_count) noexcept {
     const uint64_t number = (job_.load(std::memory_order_relaxed) >> 32) + 1;
-    job_.store(number << 32 | part_count, std::memory_order_release);
-    job_.notify_all();
+    job_.store(number << 32 | part_count);
+    if (sleeper_count_.load() == 0) return;
+    // A sleeper that has looked for the last time is waiting once the mutex is free.
+    { const std::scoped_lock lock(sleep_); }
+    wake_.notify_all();
+  }
+
+  // Until there is something to do. No std::atomic::wait: libstdc++ loses wake-ups where there is
+  // no futex, as on Windows. Either the sleeper sees the job or who publishes it sees the sleeper.
+  void Sleep(const std::stop_token& stop) noexcept {
+    std::unique_lock lock(sleep_);
+    sleeper_count_.fetch_add(1);
+    wake_.wait(lock, [&] { return HasUnclaimed(job_.load()) || stop.stop_requested(); });
+    sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
   // Claims a part and runs it; false when there is none. The job's fields are read only once a part
@@ -89,10 +103,7 @@ class ThreadPool final : public Executor {
 
   void Work(const std::stop_token& stop) noexcept {
     while (!stop.stop_requested()) {
-      if (!LookForJob()) {
-        const uint64_t job = job_.load(std::memory_order_relaxed);
-        if (!HasUnclaimed(job) && !stop.stop_requested()) job_.wait(job);
-      }
+      if (!LookForJob()) Sleep(stop);
       while (RunOne(End::kBack)) {
       }
     }
@@ -111,6 +122,9 @@ class ThreadPool final : public Executor {
   alignas(64) std::atomic<size_t> done_{0};
   alignas(64) RunPart run_part_ = nullptr;
   void* context_ = nullptr;
+  std::atomic<size_t> sleeper_count_{0};
+  std::mutex sleep_;
+  std::condition_variable wake_;
   std::vector<std::jthread> workers_;
 };
 

@@ -38,6 +38,17 @@ TEST(ThreadPoolTest, WakesThreadsThatWentToSleep) {
   }
 }
 
+TEST(ThreadPoolTest, EndsWhileItsThreadsGoToSleep) {
+  for (int round = 0; round < 300; ++round) {
+    const auto pool = MakeThreadPool(3);
+    std::atomic<int> ended{0};
+    RunParts(pool.get(), 3, [&](size_t) { ended.fetch_add(1); });
+    // From about when they begin to look for work to when all sleep.
+    for (int spins = round * 100; spins > 0; --spins) ended.load();
+    EXPECT_EQ(ended.load(), 3);
+  }
+}
+
 TEST(RunPartsTest, ThrowsWhenAPartRunsOutOfMemoryAndStillEndsTheOthers) {
   const auto pool = MakeThreadPool(2);
   std::atomic<int> ended{0};
