@@ -2,7 +2,7 @@
 //
 // All of them see the same frames in the same run. They take turns by blocks of up to 20 frames,
 // and who begins rotates from block to block: a disturbance of the machine hits all alike, yet each
-// runs with the warm caches that it would have alone, which at 1,000 objects is a factor of two.
+// runs with the warm caches that it would have alone.
 // Before each measured call its boxes are written to memory, as a game has just done, and the
 // threads of its executor are awake, as in a game whose jobs fill the frame.
 //
