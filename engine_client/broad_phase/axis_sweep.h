@@ -16,7 +16,7 @@
 // Cost, of the reference suite's Brownian scene: 0.022 ms with 1,000 boxes, 0.28 ms with 10,000 and
 // 6.4 ms with 100,000; with two threads 0.17 and 3.4 ms. Of 10,000 nearly resting boxes, ±0.001 per
 // frame: 0.36 ms when all move, 0.20 ms when 10 % do, 0.062 ms when 1 % do and 0.044 ms when 0.1 %
-// do, which is what finding out takes. Memory: 76 bytes per box, 100 once motion has been little,
+// do, which is what finding out takes. Memory: 80 bytes per box, 100 once motion has been little,
 // and 8 to 9 per pair while pairs are kept. Kept between frames:
 // the boxes, the three orders, the pairs. aabb_check_count: lanes of the sweep, and one per lower
 // face that passes an upper one.
