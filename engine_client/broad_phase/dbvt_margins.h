@@ -11,8 +11,7 @@
 //
 // Not thread-safe. Owns its memory, none before the first Start. Cost: Follow 2 ns per object and
 // 0.4 us per one that left; FindPairs 1 ns per candidate (at 10,000 objects). Memory: 53 bytes per
-// object and 8 per candidate, of which there are 1.1 to 1.7 times the pairs at 10,000 boxes of
-// suite-b; with more than 24 per object nothing rests.
+// object and 8 to 16 per candidate; with more than 24 of them per object nothing rests.
 #pragma once
 
 #include <cstddef>

@@ -7,25 +7,13 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/leaf_boxes.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
+#include "engine_client/broad_phase/leaf_bounds-inl.h"
+#include "engine_client/broad_phase/takes_part-inl.h"
 #include "hwy/cache_control.h"
-#include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes16 = hn::CappedTag<float, LeafTree::kWidth>;
-
-// Lanes whose box takes part on one axis. NaN fails every comparison; infinities fail the outer
-// two.
-template <class D>
-HWY_INLINE hn::Mask<D> AxisTakesPart(D d, const float* min, const float* max) {
-  const auto low = hn::LoadU(d, min);
-  const auto high = hn::LoadU(d, max);
-  const auto limit = hn::Set(d, std::numeric_limits<float>::max());
-  const auto finite = hn::And(hn::Ge(low, hn::Neg(limit)), hn::Le(high, limit));
-  return hn::And(finite, hn::Le(low, high));
-}
 
 HWY_INLINE void ReplaceAbsent(LeafBlock& block) {
   const Lanes16 d;
@@ -42,24 +30,6 @@ HWY_INLINE void ReplaceAbsent(LeafBlock& block) {
       hn::StoreU(hn::IfThenElse(present, hn::LoadU(d, max), hn::Neg(infinity)), d, max);
     }
   }
-}
-
-HWY_INLINE float LeastOf16(const float* values) {
-  const Lanes16 d;
-  auto least = hn::LoadU(d, values);
-  for (size_t at = hn::Lanes(d); at < LeafTree::kWidth; at += hn::Lanes(d)) {
-    least = hn::Min(least, hn::LoadU(d, values + at));
-  }
-  return hn::GetLane(hn::MinOfLanes(d, least));
-}
-
-HWY_INLINE float GreatestOf16(const float* values) {
-  const Lanes16 d;
-  auto greatest = hn::LoadU(d, values);
-  for (size_t at = hn::Lanes(d); at < LeafTree::kWidth; at += hn::Lanes(d)) {
-    greatest = hn::Max(greatest, hn::LoadU(d, values + at));
-  }
-  return hn::GetLane(hn::MaxOfLanes(d, greatest));
 }
 
 void FinishLeaves(LeafBlock* blocks, size_t begin, size_t end, const LeafTree::Level& leaves) {

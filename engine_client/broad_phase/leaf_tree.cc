@@ -9,32 +9,11 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/leaf_tree.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
-#include "hwy/highway.h"
+#include "engine_client/broad_phase/leaf_bounds-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes16 = hn::CappedTag<float, LeafTree::kWidth>;
-
-// The 16 values from `values` on, reduced to one.
-HWY_INLINE float LeastOf16(const float* values) {
-  const Lanes16 d;
-  auto least = hn::LoadU(d, values);
-  for (size_t at = hn::Lanes(d); at < LeafTree::kWidth; at += hn::Lanes(d)) {
-    least = hn::Min(least, hn::LoadU(d, values + at));
-  }
-  return hn::GetLane(hn::MinOfLanes(d, least));
-}
-
-HWY_INLINE float GreatestOf16(const float* values) {
-  const Lanes16 d;
-  auto greatest = hn::LoadU(d, values);
-  for (size_t at = hn::Lanes(d); at < LeafTree::kWidth; at += hn::Lanes(d)) {
-    greatest = hn::Max(greatest, hn::LoadU(d, values + at));
-  }
-  return hn::GetLane(hn::MaxOfLanes(d, greatest));
-}
 
 // The nodes of a level, from what the level below holds.
 void BoundGroups(const float* const* min, const float* const* max, const LeafTree::Level& level) {

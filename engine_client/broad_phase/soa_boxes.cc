@@ -7,22 +7,11 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/soa_boxes.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
-#include "hwy/highway.h"
+#include "engine_client/broad_phase/takes_part-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-// Lanes whose box takes part on one axis. NaN fails every comparison; infinities fail the outer
-// two.
-template <class D>
-HWY_INLINE hn::Mask<D> AxisTakesPart(D d, const float* min, const float* max) {
-  const auto low = hn::Load(d, min);
-  const auto high = hn::Load(d, max);
-  const auto limit = hn::Set(d, std::numeric_limits<float>::max());
-  const auto finite = hn::And(hn::Ge(low, hn::Neg(limit)), hn::Le(high, limit));
-  return hn::And(finite, hn::Le(low, high));
-}
 
 // Boxes that do not take part are rare: the arrays are only written where there are some.
 void ReplaceAbsentBoxes(float* const* columns, size_t padded_count) {

@@ -16,7 +16,7 @@
 namespace sweepstake {
 namespace {
 
-// About 200 µs of looking: a sleeping thread takes some 50 µs to wake, half a frame of 10,000
+// About 150 µs of looking: a sleeping thread takes some 50 µs to wake, half a frame of 10,000
 // boxes, and the parallel parts of a frame are not that far apart.
 constexpr int kLooksBeforeSleep = 6000;
 

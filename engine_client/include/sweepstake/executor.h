@@ -29,7 +29,7 @@ class Executor {
 };
 
 // `thread_count` threads, of which the caller of RunParts is one: 1 starts none. Threads without
-// work look for it for some 200 µs and then sleep. REQUIRES: 1 <= thread_count <= 256. Throws
+// work look for it for some 150 µs and then sleep. REQUIRES: 1 <= thread_count <= 256. Throws
 // std::system_error when the system has no more threads.
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);
 

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -59,6 +60,12 @@ TEST(RunPartsTest, ThrowsWhenAPartRunsOutOfMemoryAndStillEndsTheOthers) {
                         }),
                std::bad_alloc);
   EXPECT_EQ(ended.load(), 7);
+}
+
+TEST(RunPartsTest, HandsOnAnyExceptionOfAPart) {
+  const auto pool = MakeThreadPool(2);
+  EXPECT_THROW(RunParts(pool.get(), 4, [](size_t) { throw std::length_error("too long"); }),
+               std::length_error);
 }
 
 TEST(RangeOfPartTest, CoversAllItemsInGranules) {

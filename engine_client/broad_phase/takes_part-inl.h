@@ -1,0 +1,32 @@
+// Which lanes hold a box that takes part (aabb.h), for every target of Highway. Include after
+// hwy/foreach_target.h.
+#if defined(SWEEPSTAKE_TAKES_PART_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_TAKES_PART_INL_H_
+#undef SWEEPSTAKE_TAKES_PART_INL_H_
+#else
+#define SWEEPSTAKE_TAKES_PART_INL_H_
+#endif
+
+#include <limits>
+
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Lanes whose box takes part on one axis. NaN fails every comparison; infinities fail the outer
+// two.
+template <class D>
+HWY_INLINE hn::Mask<D> AxisTakesPart(D d, const float* min, const float* max) {
+  const auto low = hn::LoadU(d, min);
+  const auto high = hn::LoadU(d, max);
+  const auto limit = hn::Set(d, std::numeric_limits<float>::max());
+  const auto finite = hn::And(hn::Ge(low, hn::Neg(limit)), hn::Le(high, limit));
+  return hn::And(finite, hn::Le(low, high));
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
