@@ -7,7 +7,6 @@
 
 #include "server/decision/arm_runs.h"
 #include "server/decision/exploration.h"
-#include "server/decision/learner.h"
 #include "server/decision/observation.h"
 #include "server/decision/policy.h"
 #include "server/decision/safeguards.h"
@@ -34,6 +33,20 @@ std::optional<int64_t> LastSwitchOf(const SessionSetup& setup) {
   return setup.decision_count > 0 ? std::optional(setup.start_ns) : std::nullopt;
 }
 
+std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup) {
+  return MakePolicy({.options = setup.options,
+                     .arms = setup.arms,
+                     .priors = PriorsOf(setup),
+                     .has_priors = !setup.priors.empty()});
+}
+
+int64_t FirstTickOf(const SessionSetup& setup) {
+  const bool at_once =
+      PolicyKindOf(setup.options.policy).starts_from_priors && !setup.priors.empty();
+  return at_once ? setup.start_ns
+                 : SaturatingSum(setup.start_ns, setup.options.decision_interval_ns);
+}
+
 uint32_t ArmCount(const SessionSetup& setup) { return static_cast<uint32_t>(setup.arms.size()); }
 
 }  // namespace
@@ -44,14 +57,21 @@ class DecisionSession::Impl {
 
   void ObserveFrame(const Frame& frame);
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
-  void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
+  void ObserveShadow(const ShadowSample& sample);
+  void ObserveDescriptor(const SceneDescriptor& descriptor) { descriptor_ = descriptor; }
+  void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns,
+                     const SwitchCost& cost);
   void ObserveRefusal(uint64_t command_id);
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
   Decision Tick(int64_t now_ns);
 
-  bool exploring() const { return setup_.options.explore && !exploration_.done(); }
+  bool exploring() const {
+    return setup_.options.explore && policy_kind_.explores && !exploration_.done();
+  }
   const SessionSetup& setup() const { return setup_; }
-  const Learner& learner() const { return learner_; }
+  const Policy& policy() const { return *policy_; }
+  const PolicyKind& policy_kind() const { return policy_kind_; }
+  const Diagnosis& diagnosis() const { return diagnosis_; }
   const ArmRun& run() const { return runs_.active(); }
   Mode mode() const { return mode_; }
   const Exploration& exploration() const { return exploration_; }
@@ -76,17 +96,21 @@ class DecisionSession::Impl {
   void Explore(Decision& decision);
   void GoOnExploring(Decision& decision, SwitchReason reason);
   void EndSlot(int64_t now_ns);
+  void LearnScene(int64_t now_ns);
   std::optional<Outcome> Learn(Decision& decision);
-  void Choose(Decision& decision);
+  bool StartsFromPriors(const DecisionRecord& record) const;
+  std::optional<Outcome> Choose(DecisionRecord& record) const;
   void SampleAndGate(Decision& decision, std::optional<Outcome> hold);
-  Outcome Gate(const DecisionRecord& record, std::optional<Outcome> hold) const;
+  Outcome Gate(const DecisionRecord& record, std::optional<Outcome> hold,
+               std::optional<Outcome> own_hold) const;
   void Blame(const Frame& frame, Decision& decision);
   void Resample(Decision& decision);
   void Command(Decision& decision, uint32_t arm, SwitchReason reason);
 
   const SessionSetup setup_;
-  Learner learner_;
+  const PolicyKind& policy_kind_;
   const std::unique_ptr<Policy> policy_;
+  Diagnosis diagnosis_;
   Exploration exploration_;
   SwitchGate gate_;
   Observation observation_;
@@ -97,7 +121,11 @@ class DecisionSession::Impl {
   bool run_reported_ = true;  // by ObserveSwitch, or from the setup
   SwitchReason commanded_reason_ = SwitchReason::kPolicy;
 
+  std::vector<ShadowSample> shadow_samples_;   // since the last tick
+  std::optional<SceneDescriptor> descriptor_;  // the latest since then
+
   int64_t next_tick_ns_;
+  int64_t last_tick_ns_;
   int64_t last_event_ns_;
   uint64_t decision_count_;
   uint64_t command_count_;
@@ -105,14 +133,15 @@ class DecisionSession::Impl {
 
 DecisionSession::Impl::Impl(SessionSetup setup)
     : setup_(std::move(setup)),
-      learner_(setup_.options, PriorsOf(setup_)),
-      policy_(MakePolicy(setup_.options.policy)),
+      policy_kind_(PolicyKindOf(setup_.options.policy)),
+      policy_(PolicyOf(setup_)),
       exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
-      gate_(setup_.options.cooldown_ns, LastSwitchOf(setup_)),
+      gate_(LastSwitchOf(setup_)),
       observation_(setup_.arms.size(), setup_.active_arm),
       mode_(setup_.mode),
       runs_(ArmCount(setup_), ArmRun(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun())),
-      next_tick_ns_(SaturatingSum(setup_.start_ns, setup_.options.decision_interval_ns)),
+      next_tick_ns_(FirstTickOf(setup_)),
+      last_tick_ns_(setup_.start_ns),
       last_event_ns_(setup_.start_ns),
       decision_count_(setup_.decision_count),
       command_count_(setup_.decision_count) {
@@ -150,8 +179,14 @@ uint64_t DecisionSession::Impl::SettlingOfNewRun() const {
   return static_cast<uint64_t>(exploring() ? options.exploration_warm_up_ns : options.settling_ns);
 }
 
+void DecisionSession::Impl::ObserveShadow(const ShadowSample& sample) {
+  if (sample.arm >= setup_.arms.size() || sample.detection_time_ns == 0) return;
+  if (shadow_samples_.size() == kShadowSampleMax) shadow_samples_.erase(shadow_samples_.begin());
+  shadow_samples_.push_back(sample);
+}
+
 void DecisionSession::Impl::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
-                                          int64_t now_ns) {
+                                          int64_t now_ns, const SwitchCost& cost) {
   assert(arm < setup_.arms.size());
   AdoptLaterRun(now_ns);
   // An epoch that has ended already: frames of the one after it were faster than this report.
@@ -162,6 +197,7 @@ void DecisionSession::Impl::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, S
     Activate(ArmRun(arm, switch_epoch, SettlingOfNewRun()), reason, now_ns);
   }
   run_reported_ = true;
+  if (mode_ == Mode::kAi) policy_->LearnSwitchCost(arm, cost);
 }
 
 void DecisionSession::Impl::AdoptLaterRun(int64_t now_ns) {
@@ -208,14 +244,26 @@ Decision DecisionSession::Impl::Tick(int64_t now_ns) {
   Decision decision = Open(now_ns);
   if (mode_ == Mode::kManual) {
     decision.record.outcome = Outcome::kManual;
-  } else if (exploring()) {
-    Explore(decision);
   } else {
-    const std::optional<Outcome> hold = Learn(decision);
-    SampleAndGate(decision, hold);
+    LearnScene(now_ns);
+    if (exploring()) {
+      Explore(decision);
+    } else {
+      const std::optional<Outcome> hold = Learn(decision);
+      SampleAndGate(decision, hold);
+    }
   }
+  shadow_samples_.clear();
+  descriptor_.reset();
   runs_.ClearWindow();
+  last_tick_ns_ = now_ns;
   return Close(std::move(decision));
+}
+
+// What is known of the scene beyond the active arm's window.
+void DecisionSession::Impl::LearnScene(int64_t now_ns) {
+  if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
+  if (!shadow_samples_.empty()) policy_->LearnShadow(shadow_samples_, now_ns);
 }
 
 void DecisionSession::Impl::ScheduleNextTick(int64_t now_ns) {
@@ -233,43 +281,65 @@ Decision DecisionSession::Impl::Open(int64_t now_ns) {
 }
 
 Decision DecisionSession::Impl::Close(Decision decision) {
-  decision.record.posteriors = learner_.posteriors();
+  decision.record.posteriors = policy_->posteriors();
+  decision.record.context = policy_->context();
+  diagnosis_ = policy_->Diagnose();
+  decision.record.diagnosis = diagnosis_;
   return decision;
 }
 
 std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
-  if (run().window().empty())
+  if (run().window().empty()) {
+    if (StartsFromPriors(decision.record)) return std::nullopt;
     return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
-  decision.increment = learner_.LearnWindow(run().arm(), run().window());
-  if (!decision.increment) return Outcome::kRejected;
-  decision.record.reward = decision.increment->alpha;
+  }
+  const std::optional<Lesson> lesson = policy_->LearnWindow(
+      {.arm = run().arm(), .window = run().window(), .now_ns = decision.record.time_ns});
+  if (!lesson) return Outcome::kRejected;
+  decision.increment = lesson->increment;
+  decision.record.reward = lesson->reward;
   return std::nullopt;
 }
 
-void DecisionSession::Impl::Choose(Decision& decision) {
-  Choice choice = policy_->Choose({.posteriors = learner_.posteriors(),
-                                   .active_arm = run().arm(),
-                                   .seed = setup_.seed,
-                                   .decision_id = decision.record.decision_id});
-  decision.record.candidate = choice.candidate;
-  decision.record.draws = std::move(choice.draws);
+// The first decision of a session that knows something already waits for no frame.
+bool DecisionSession::Impl::StartsFromPriors(const DecisionRecord& record) const {
+  return policy_kind_.starts_from_priors && !setup_.priors.empty() &&
+         record.decision_id == setup_.decision_count + 1;
 }
 
-// `hold`: what keeps a candidate back whatever it is.
+// Returns why the policy itself would not switch to its candidate.
+std::optional<Outcome> DecisionSession::Impl::Choose(DecisionRecord& record) const {
+  Choice choice = policy_->Choose({.active_arm = run().arm(),
+                                   .seed = setup_.seed,
+                                   .decision_id = record.decision_id,
+                                   .now_ns = record.time_ns,
+                                   .last_tick_ns = last_tick_ns_,
+                                   .last_switch_ns = gate_.last_switch_ns()});
+  record.candidate = choice.candidate;
+  record.draws = std::move(choice.draws);
+  record.gate = choice.gate;
+  record.propensity = choice.propensity;
+  return choice.hold;
+}
+
+// `hold`: what keeps a candidate back whatever it is; `own_hold`: what the policy has against it.
 void DecisionSession::Impl::SampleAndGate(Decision& decision, std::optional<Outcome> hold) {
-  Choose(decision);
-  decision.record.outcome = Gate(decision.record, hold);
+  const std::optional<Outcome> own_hold = Choose(decision.record);
+  decision.record.outcome = Gate(decision.record, hold, own_hold);
   if (decision.record.outcome == Outcome::kSwitched) {
     Command(decision, *decision.record.candidate, SwitchReason::kPolicy);
   }
 }
 
-Outcome DecisionSession::Impl::Gate(const DecisionRecord& record,
-                                    std::optional<Outcome> hold) const {
+Outcome DecisionSession::Impl::Gate(const DecisionRecord& record, std::optional<Outcome> hold,
+                                    std::optional<Outcome> own_hold) const {
   if (hold) return *hold;
   if (record.candidate == run().arm()) return Outcome::kKept;
   if (gate_.switch_under_way()) return Outcome::kHeldSettling;
-  return gate_.CooldownPassed(record.time_ns) ? Outcome::kSwitched : Outcome::kHeldCooldown;
+  if (own_hold) return *own_hold;
+  const int64_t cooldown_ns = policy_->cooldown_ns().value_or(setup_.options.cooldown_ns);
+  return gate_.CooldownPassed(record.time_ns, cooldown_ns) ? Outcome::kSwitched
+                                                           : Outcome::kHeldCooldown;
 }
 
 void DecisionSession::Impl::Command(Decision& decision, uint32_t arm, SwitchReason reason) {
@@ -333,7 +403,7 @@ Decision DecisionSession::Impl::ObserveBailOut(const Frame& frame, int64_t now_n
 
 void DecisionSession::Impl::Blame(const Frame& frame, Decision& decision) {
   ++counts_.charged_bail_out_count;
-  decision.increment = learner_.LearnBailOut(frame.arm);
+  decision.increment = policy_->LearnBailOut(frame.arm);
   if (!runs_.IsActive(frame)) return;
   if (exploring()) {
     if (run().arm() == exploration_.slot_arm()) EndSlot(decision.record.time_ns);
@@ -343,7 +413,7 @@ void DecisionSession::Impl::Blame(const Frame& frame, Decision& decision) {
 }
 
 void DecisionSession::Impl::Resample(Decision& decision) {
-  Choose(decision);
+  Choose(decision.record);
   const uint32_t candidate = *decision.record.candidate;
   decision.record.outcome = candidate == run().arm() ? Outcome::kKept : Outcome::kSwitched;
   if (candidate != run().arm()) Command(decision, candidate, SwitchReason::kBailOut);
@@ -363,9 +433,15 @@ void DecisionSession::ObserveFrames(std::span<const Frame> frames) {
 Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
   return impl_->ObserveBailOut(frame, now_ns);
 }
+void DecisionSession::ObserveShadow(std::span<const ShadowSample> samples) {
+  for (const ShadowSample& sample : samples) impl_->ObserveShadow(sample);
+}
+void DecisionSession::ObserveDescriptor(const SceneDescriptor& descriptor) {
+  impl_->ObserveDescriptor(descriptor);
+}
 void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
-                                    int64_t now_ns) {
-  impl_->ObserveSwitch(arm, switch_epoch, reason, now_ns);
+                                    int64_t now_ns, const SwitchCost& cost) {
+  impl_->ObserveSwitch(arm, switch_epoch, reason, now_ns, cost);
 }
 void DecisionSession::ObserveRefusal(uint64_t command_id) { impl_->ObserveRefusal(command_id); }
 void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
@@ -374,8 +450,10 @@ void DecisionSession::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
 int64_t DecisionSession::next_tick_ns() const { return impl_->next_tick_ns(); }
 Decision DecisionSession::Tick(int64_t now_ns) { return impl_->Tick(now_ns); }
 std::span<const BetaPosterior> DecisionSession::posteriors() const {
-  return impl_->learner().posteriors();
+  return impl_->policy().posteriors();
 }
+const Diagnosis& DecisionSession::diagnosis() const { return impl_->diagnosis(); }
+std::string_view DecisionSession::policy() const { return impl_->policy_kind().name; }
 uint32_t DecisionSession::active_arm() const { return impl_->run().arm(); }
 Mode DecisionSession::mode() const { return impl_->mode(); }
 bool DecisionSession::exploring() const { return impl_->exploring(); }

@@ -37,6 +37,9 @@
 //   draw decides, and if it falls on the same arm that stays. A bail-out of an earlier epoch is
 //   charged to its arm and commands nothing. Frames over the limit are never in a window: ten
 //   observations of 0 are their charge, or none where the arm is excused.
+// - Policies differ in what they learn, how they choose and what cooldown they ask for (policy.h);
+//   all of the above holds for each of them. One that does not explore begins with an ordinary
+//   tick; one that starts from priors takes its first decision at start_ns.
 // - A rebuild for a changed object count settles again (not within exploration slots); how
 //   counts that change all the time are kept from starving learning is said in arm_run.h.
 #pragma once
@@ -46,6 +49,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/decision/options.h"
@@ -94,10 +98,20 @@ class DecisionSession {
   // frame index is the caller's to keep. The frame may come through ObserveFrames as well.
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
 
+  // What the shadow lane measured; learnt at the next tick, in AI mode. The latest kShadowSampleMax
+  // since the last tick are kept. Samples of an arm that is not there, or without a finite cost,
+  // are left out.
+  static constexpr size_t kShadowSampleMax = 256;
+  void ObserveShadow(std::span<const ShadowSample> samples);
+  // What the scene looks like; the latest since the last tick is learnt at the next one.
+  void ObserveDescriptor(const SceneDescriptor& descriptor);
+
   // The client's answer to a command, or a local switch (command_id 0): the new arm is active from
-  // this epoch on. To be called for executed switches only. A report of what is active already, or
-  // of an earlier epoch, changes nothing. REQUIRES: arm < arms.
-  void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns);
+  // this epoch on. To be called for executed switches only. A report of what is active already
+  // changes nothing but what the switch cost; one of an earlier epoch changes nothing.
+  // REQUIRES: arm < arms.
+  void ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason, int64_t now_ns,
+                     const SwitchCost& cost = {});
 
   // The client did not execute this command. Only the latest one matters: the next tick may command
   // again.
@@ -115,6 +129,10 @@ class DecisionSession {
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const;
+  // Of the latest tick.
+  const Diagnosis& diagnosis() const;
+  // The policy's own name, where "default" was asked for.
+  std::string_view policy() const;
   uint32_t active_arm() const;
   Mode mode() const;
   bool exploring() const;

@@ -12,7 +12,7 @@ Learner::Learner(const DecisionOptions& options, std::vector<BetaPosterior> prio
       bail_out_penalty_(options.bail_out_penalty),
       posteriors_(std::move(priors)) {}
 
-std::optional<Increment> Learner::LearnWindow(uint32_t arm, const Window& window) {
+std::optional<Lesson> Learner::LearnWindow(uint32_t arm, const Window& window) {
   const WindowMetrics metrics = window.Metrics();
   if (!metrics.IsFinite()) return std::nullopt;
   reference_.Add(metrics.fps);
@@ -20,7 +20,7 @@ std::optional<Increment> Learner::LearnWindow(uint32_t arm, const Window& window
   if (!reward) return std::nullopt;
   const Increment increment = WindowIncrement(arm, *reward);
   Apply(increment, posteriors_);
-  return increment;
+  return Lesson{.increment = increment, .reward = *reward};
 }
 
 Increment Learner::LearnBailOut(uint32_t arm) {

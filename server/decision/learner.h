@@ -10,6 +10,7 @@
 
 #include "server/decision/fps_reference.h"
 #include "server/decision/options.h"
+#include "server/decision/policy.h"
 #include "server/decision/types.h"
 #include "server/decision/window.h"
 
@@ -21,7 +22,7 @@ class Learner {
 
   // Window → reward → posterior of `arm`. Absent, and nothing changed, where a metric is not
   // finite. REQUIRES: !window.empty().
-  std::optional<Increment> LearnWindow(uint32_t arm, const Window& window);
+  std::optional<Lesson> LearnWindow(uint32_t arm, const Window& window);
   Increment LearnBailOut(uint32_t arm);
 
   const std::vector<BetaPosterior>& posteriors() const { return posteriors_; }

@@ -88,6 +88,8 @@ std::optional<std::string> Validate(const DecisionOptions& options) {
   if (!(options.bail_out_penalty >= 0 && options.bail_out_penalty <= kLargestPenalty)) {
     return "bail_out_penalty is negative, not finite or huge; use a number from 0 to 1000000";
   }
+  if (!(options.fps_floor >= 0 && options.fps_floor <= kLargestFpsFloor))
+    return "fps_floor is negative, not finite or huge; use a number from 0 to 1000";
   return std::nullopt;
 }
 

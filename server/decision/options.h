@@ -29,6 +29,7 @@ struct DecisionOptions {
   int64_t exploration_measure_ns = 4'000'000'000;  // per arm, > 0
   bool explore = true;                             // false: no initial exploration
   double bail_out_penalty = 10;                    // zero-reward observations, >= 0
+  double fps_floor = 30;  // below it even the best arm is a degraded scene, >= 0
 
   // Every interval but bail_out_ns divided by `time_scale`; one above 0 stays above 0. REQUIRES: 1
   // <= time_scale <= 1000.
@@ -38,11 +39,12 @@ struct DecisionOptions {
 // Bounds of what Validate lets through.
 inline constexpr int64_t kLongestIntervalNs = 8'640'000'000'000'000;  // 100 days
 inline constexpr double kLargestPenalty = 1e6;
+inline constexpr double kLargestFpsFloor = 1000;
 
 // Version of the reward; evidence of different versions is never merged.
 inline constexpr uint32_t kRewardVersion = 1;
 
-// Names of the policies: "paper".
+// Names of the policies; "default" stands for the one of "AI Decides".
 std::span<const std::string_view> PolicyNames();
 
 // What is wrong with the options and how to mend it, one line; absent when they are valid.

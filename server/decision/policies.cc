@@ -1,4 +1,5 @@
 // The registry of policies: names (options.h) and what they stand for (policy.h).
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <memory>
@@ -11,16 +12,49 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr std::array<std::string_view, 1> kPolicyNames = {"paper"};
+using Factory = std::unique_ptr<Policy> (*)(const PolicySetup&);
+
+template <typename Kind>
+std::unique_ptr<Policy> Make(const PolicySetup& setup) {
+  return std::make_unique<Kind>(setup);
+}
+
+struct Entry {
+  PolicyKind kind;
+  Factory make;
+};
+
+// The one called "default" is an entry as well, under its own name.
+constexpr std::string_view kDefaultPolicy = "paper";
+
+constexpr std::array kEntries = {
+    Entry{{.name = "paper"}, Make<ThompsonPolicy>},
+};
+
+constexpr auto kNames = [] {
+  std::array<std::string_view, kEntries.size() + 1> names = {"default"};
+  for (size_t i = 0; i < kEntries.size(); ++i) names[i + 1] = kEntries[i].kind.name;
+  return names;
+}();
+
+const Entry& EntryOf(std::string_view name) {
+  const std::string_view own = name == "default" ? kDefaultPolicy : name;
+  const auto entry = std::find_if(kEntries.begin(), kEntries.end(),
+                                  [&](const Entry& each) { return each.kind.name == own; });
+  assert(entry != kEntries.end() && "Validate(options) lets only known policies through");
+  return *entry;
+}
 
 }  // namespace
 
-std::span<const std::string_view> PolicyNames() { return kPolicyNames; }
+std::span<const std::string_view> PolicyNames() { return kNames; }
 
-std::unique_ptr<Policy> MakePolicy(std::string_view name) {
-  if (name == "paper") return std::make_unique<ThompsonPolicy>();
-  assert(false && "Validate(options) lets only known policies through");
-  return nullptr;
+Diagnosis Policy::Diagnose() const { return {}; }
+
+const PolicyKind& PolicyKindOf(std::string_view name) { return EntryOf(name).kind; }
+
+std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup) {
+  return EntryOf(setup.options.policy).make(setup);
 }
 
 }  // namespace sweepstake::decision

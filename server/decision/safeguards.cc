@@ -26,8 +26,8 @@ bool BlamesArm(const Frame& frame, int64_t bail_out_ns) {
   return detection_ns >= frame.frame_time_ns - detection_ns;
 }
 
-bool SwitchGate::CooldownPassed(int64_t now_ns) const {
-  return !last_switch_ns_ || HasPassed(cooldown_ns_, *last_switch_ns_, now_ns);
+bool SwitchGate::CooldownPassed(int64_t now_ns, int64_t cooldown_ns) const {
+  return !last_switch_ns_ || HasPassed(cooldown_ns, *last_switch_ns_, now_ns);
 }
 
 void SwitchGate::OnCommand(int64_t now_ns) {

@@ -23,10 +23,10 @@ bool BlamesArm(const Frame& frame, int64_t bail_out_ns);
 class SwitchGate {
  public:
   // `last_switch_ns` absent: no switch yet, so nothing to wait for.
-  SwitchGate(int64_t cooldown_ns, std::optional<int64_t> last_switch_ns)
-      : cooldown_ns_(cooldown_ns), last_switch_ns_(last_switch_ns) {}
+  explicit SwitchGate(std::optional<int64_t> last_switch_ns) : last_switch_ns_(last_switch_ns) {}
 
-  bool CooldownPassed(int64_t now_ns) const;
+  bool CooldownPassed(int64_t now_ns, int64_t cooldown_ns) const;
+  std::optional<int64_t> last_switch_ns() const { return last_switch_ns_; }
 
   // How long a command may travel to the client and its first frame back: two of the paper's
   // decision intervals. A time scale does not shorten it, since it does not shorten the way.
@@ -43,7 +43,6 @@ class SwitchGate {
   bool switch_under_way() const { return ticks_since_command_.has_value(); }
 
  private:
-  int64_t cooldown_ns_;
   std::optional<int64_t> last_switch_ns_;
   std::optional<uint32_t> ticks_since_command_;
   int64_t commanded_ns_ = 0;  // while ticks_since_command_ is there

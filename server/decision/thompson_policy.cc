@@ -9,10 +9,10 @@ namespace sweepstake::decision {
 
 Choice ThompsonPolicy::Choose(const ChoiceInput& input) const {
   Choice choice;
-  choice.draws.reserve(input.posteriors.size());
-  for (uint32_t arm = 0; arm < input.posteriors.size(); ++arm) {
+  choice.draws.reserve(posteriors().size());
+  for (uint32_t arm = 0; arm < posteriors().size(); ++arm) {
     RandomStream stream(input.seed, RandomPurpose::kChoice, input.decision_id, arm);
-    choice.draws.push_back(DrawBeta(input.posteriors[arm], stream));
+    choice.draws.push_back(DrawBeta(posteriors()[arm], stream));
   }
   const auto highest = std::max_element(choice.draws.begin(), choice.draws.end());
   choice.candidate = static_cast<uint32_t>(highest - choice.draws.begin());

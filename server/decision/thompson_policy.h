@@ -2,13 +2,14 @@
 // candidate.
 #pragma once
 
-#include "server/decision/policy.h"
+#include "server/decision/reward_policy.h"
 
 namespace sweepstake::decision {
 
 // Equal draws go to the arm that comes first.
-class ThompsonPolicy : public Policy {
+class ThompsonPolicy : public RewardPolicy {
  public:
+  using RewardPolicy::RewardPolicy;
   Choice Choose(const ChoiceInput& input) const override;
 };
 

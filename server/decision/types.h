@@ -32,6 +32,44 @@ struct Frame {
   uint32_t flags = 0;
 };
 
+// One visit of the shadow lane: what an arm cost off the frame thread, on copies of consecutive
+// frames' boxes. Visits with the same first_frame_index were measured on the same frames and form a
+// sweep; the arm that was active then is measured along with the others.
+struct ShadowSample {
+  uint64_t first_frame_index = 0;
+  uint64_t detection_time_ns = 0;  // median over the measured frames: update and search
+  uint64_t build_time_ns = 0;     // of the first frame, which builds the structure, with its search
+  uint64_t aabb_check_count = 0;  // mean over the measured frames
+  uint64_t native_bytes = 0;
+  uint32_t arm = 0;
+  uint32_t object_count = 0;
+  uint32_t frame_count = 0;  // measured frames, without the build and the warm-up after it
+  uint32_t flags = 0;        // bits of ShadowFlag
+};
+
+// Bits of ShadowSample::flags; the values of sweepstake.v1.ShadowFlag.
+enum ShadowFlag : uint32_t {
+  kShadowActive = 1,  // the arm that was active on the frame thread
+  kShadowCapped = 2,  // stopped at the lane's time cap: the times are those of what ran until then
+};
+
+// What the scene looks like to a broad phase (sweepstake.v1.SceneDescriptor); absent: not measured.
+struct SceneDescriptor {
+  std::optional<double> object_count;
+  std::optional<double> density_ratio;
+  std::optional<double> size_spread;
+  std::optional<double> speed_mean;
+  std::optional<double> speed_spread;
+  std::optional<double> clustering_ratio;
+  std::optional<double> static_ratio;
+};
+
+// What an executed switch cost, as the client measured it.
+struct SwitchCost {
+  uint64_t rebuild_time_ns = 0;   // building the structure on the frame thread; 0: built beforehand
+  uint64_t settling_cost_ns = 0;  // frame time above the settled mean, over the settling frames
+};
+
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
 
@@ -43,8 +81,40 @@ enum class Outcome : uint32_t {
   kHeldSettling = 4,  // settling frames only, nothing learnt; or a commanded switch is under way
   kNoFrames = 5,      // none to learn from since the last tick
   kManual = 6,
-  kExploring = 7,  // no candidate; a command there may be goes to the next arm of the order
-  kRejected = 8,   // a metric of the window is not finite
+  kExploring = 7,    // no candidate; a command there may be goes to the next arm of the order
+  kRejected = 8,     // a metric of the window is not finite
+  kHeldGate = 9,     // the gain expected is not worth the switch
+  kHeldGuard = 10,   // the scene changes faster than switching pays
+  kHeldUnsafe = 11,  // the candidate may stall the game
+  kHeldTie = 12,     // the candidate is not better by as much as matters
+};
+
+// What the beliefs say about the scene (paper §7.1: posteriors as a diagnosis).
+enum class Verdict : uint32_t {
+  kUnknown = 0,    // nothing learnt yet
+  kStable = 1,     // P(best) of the leader is 0.8 or more
+  kTie = 2,        // below, and choosing the leader loses 0.5 % or less
+  kAmbiguous = 3,  // below, and it may lose more
+  kDegraded = 4,   // even the leader misses the frame-rate floor
+};
+
+// How sure one is of the choice.
+struct Diagnosis {
+  std::vector<double> best_probability;  // per arm, sum 1; empty: nothing learnt yet
+  uint32_t leader = 0;                   // the arm with the highest
+  double expected_loss_ratio = 0;        // of choosing the leader, relative to the best arm's cost
+  double entropy = 0;                    // of best_probability, in nats
+  Verdict verdict = Verdict::kUnknown;
+};
+
+// The terms of the switch-cost gate for the candidate: it passes where
+// horizon_s · gain − cooldown_s · loss − cost_s > 0.
+struct GateTerms {
+  double gain = 0;  // E⁺ = E[max(d, 0)] of d, the log-cost of the active arm minus the candidate's
+  double loss = 0;  // E⁻ = E[max(−d, 0)]
+  double horizon_s = 0;
+  double cooldown_s = 0;
+  double cost_s = 0;  // of the switch, measured
 };
 
 // A Beta distribution of an arm's reward; both finite and > 0.
@@ -83,6 +153,10 @@ struct DecisionRecord {
   std::optional<double> reward;           // absent where the window taught nothing
   std::vector<double> draws;              // one per arm; empty where none was drawn
   std::vector<BetaPosterior> posteriors;  // after the update
+  std::string context;                    // bucket of the scene's descriptors; empty: none
+  std::optional<GateTerms> gate;          // absent where the policy has no gate
+  double propensity = 1;                  // probability with which the policy draws this candidate
+  Diagnosis diagnosis;
 };
 
 // Frames and bail-outs by what became of them, since the session began.

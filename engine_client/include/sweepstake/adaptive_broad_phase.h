@@ -28,14 +28,16 @@
 
 namespace sweepstake {
 
-// Takes what the frame path produces. Called on the frame thread: implementations must not wait,
-// lock or allocate.
+// Takes what the frame path produces. Called on the frame thread, but for OnShadow:
+// implementations must not wait, lock or allocate.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
   virtual void OnFrame(const FrameSample& sample) noexcept = 0;
   virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
+  // Called on the shadow lane's thread, one call at a time.
+  virtual void OnShadow(const ShadowSample& /*sample*/) noexcept {}
 };
 
 // One switch command on its way to the frame thread; the latest wins, an older one not yet taken is

@@ -41,6 +41,29 @@ struct SceneDescriptor {
   float static_ratio = -1;      // share of objects that did not move
 };
 
+// Bits of ShadowSample::flags; the same values as sweepstake.v1.ShadowFlag.
+enum ShadowFlag : uint32_t {
+  kShadowActive = 1,  // the arm that was active on the frame thread
+  kShadowCapped = 2,  // stopped at the lane's time cap: the times are those of what ran until then
+};
+
+// One visit of the shadow lane: what an arm cost off the frame thread, on copies of consecutive
+// frames' boxes. Visits with the same first_frame_index were measured on the same frames and form a
+// sweep; the arm that was active then is measured along with the others.
+struct ShadowSample {
+  uint64_t first_frame_index;
+  uint64_t detection_time_ns;  // median over the measured frames: update and search
+  uint64_t build_time_ns;      // of the first frame, which builds the structure, with its search
+  uint64_t aabb_check_count;   // mean over the measured frames
+  uint64_t native_bytes;
+  uint32_t arm;
+  uint32_t object_count;
+  uint32_t frame_count;  // measured frames, without the build and the warm-up after it
+  uint32_t flags;        // ShadowFlag bits
+};
+static_assert(sizeof(ShadowSample) == 56);
+static_assert(std::is_trivially_copyable_v<ShadowSample>);
+
 // Who decides which arm is active; the same values as sweepstake.v1.Mode.
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 
@@ -51,6 +74,15 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // 0: local
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
+};
+
+// What the decider's beliefs say about the scene; the same values as sweepstake.v1.Verdict.
+enum class Verdict : uint32_t {
+  kUnknown = 0,    // nothing learnt yet
+  kStable = 1,     // one arm is the best with a probability of 0.8 or more
+  kTie = 2,        // several arms are as good as equal: choosing the leader loses 0.5 % or less
+  kAmbiguous = 3,  // it is not known which arm is the best, and it matters
+  kDegraded = 4,   // even the best arm misses the frame-rate floor
 };
 
 // How a switch went.

@@ -1,0 +1,66 @@
+// What every arm costs on every frame of a scene: the full information that policies are judged
+// against (`sweepstake trace` measures it, `sweepstake replay` reads it). Plain data.
+//
+// Times are nanoseconds on the measuring machine. "Frame-major" columns hold frame_count ×
+// arm_count values: that of arm a in frame f is at f · arm_count + a. The arms of one frame were
+// measured in turn, the order rotating from frame to frame, so that what disturbs the machine hits
+// all alike.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake::cli {
+
+struct TracedArm {
+  std::string name;
+  uint32_t version = 0;
+};
+
+// A short visit to every arm by structures that do not run along with the scene: built on the
+// burst's first frame, updated on the frames after it. Says what a switch costs, and is what the
+// shadow lane of a game sees.
+struct TraceBurst {
+  uint32_t first_frame = 0;
+  // Arm-major: of arm a in the burst's frame k, at a · burst_frame_count + k. k = 0: Build and
+  // search; else Update and search.
+  std::vector<uint64_t> detection_ns;
+};
+
+struct TracedDescriptor {
+  uint32_t frame = 0;  // measured over the frames before it
+  SceneDescriptor descriptor;
+};
+
+struct CostTrace {
+  std::string scene;    // as given to --scene, without folders
+  uint64_t seed = 0;    // of the scene
+  std::string machine;  // class of the machine that measured
+  std::vector<TracedArm> arms;
+  uint32_t frame_count = 0;
+
+  // Per frame.
+  std::vector<uint32_t> object_count;
+  std::vector<uint32_t> pair_count;
+  std::vector<uint64_t> step_ns;     // the scene's own motion
+  std::vector<uint64_t> control_ns;  // a second structure of control_arm: the A/A control
+  // Frame-major.
+  std::vector<uint64_t> detection_ns;
+  std::vector<uint64_t> aabb_check_count;
+  std::vector<uint64_t> native_bytes;
+
+  uint32_t control_arm = 0;
+  uint32_t burst_frame_count = 0;             // frames of each burst
+  std::vector<TraceBurst> bursts;             // ordered by first_frame, at least one
+  std::vector<TracedDescriptor> descriptors;  // ordered by frame
+
+  uint32_t arm_count() const { return static_cast<uint32_t>(arms.size()); }
+  uint64_t detection(uint32_t frame, uint32_t arm) const {
+    return detection_ns[size_t{frame} * arms.size() + arm];
+  }
+};
+
+}  // namespace sweepstake::cli
