@@ -1,0 +1,129 @@
+// A trace made ready to be played as a game in virtual time.
+//
+// A game is a fixed amount of work: `frame_count` frames, whatever policy plays them. Game frame g
+// shows one frame of the trace; the trace's frames are spread evenly over the passes of the run, in
+// clips of kClipFrameCount consecutive frames that repeat until the next clip's turn comes. (One
+// frame held for as long as its share of the run lasts would make a measured disturbance of a
+// microsecond last for tens of game frames; consecutive frames are what a game shows, and disturb
+// one another as little as they do there.)
+//
+// Recorded times are multiplied by one factor, so that the mean frame of the best fixed arm, the
+// other work included, takes GameOptions::frame_ns: only ratios between arms are judged, and at 10
+// ms the paper's absolute scales mean something.
+//
+// Immutable once made; safe to share between threads. Borrows nothing of the trace. Times in
+// nanoseconds of virtual time. Memory: some 25 bytes per frame and arm.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/cost_trace.h"
+#include "server/decision/types.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake::cli {
+
+struct GameOptions {
+  uint64_t frame_ns = 10'000'000;     // mean frame of the best fixed arm
+  uint64_t run_ns = 900'000'000'000;  // the game lasts this long on it: the paper's window
+  uint64_t pass_ns = 0;               // one pass through the trace lasts this long; 0: the run
+  uint64_t other_work_ns = 0;         // of a frame, beside detection; < frame_ns
+};
+
+class ReplayScene {
+ public:
+  static constexpr uint32_t kClipFrameCount = 16;
+
+  // kInvalidArgument: the options or the trace make no game.
+  static Result<ReplayScene> Create(const CostTrace& trace, const GameOptions& options);
+
+  const GameOptions& options() const { return options_; }
+  const std::vector<std::string>& arms() const { return arms_; }
+  uint32_t arm_count() const { return static_cast<uint32_t>(arms_.size()); }
+  uint32_t frame_count() const { return frame_count_; }  // of the game
+  uint32_t trace_frame_count() const { return trace_frame_count_; }
+
+  // Of a frame of the trace.
+  double detection_ns(uint32_t trace_frame, uint32_t arm) const {
+    return detection_ns_[size_t{trace_frame} * arms_.size() + arm];
+  }
+  uint64_t aabb_check_count(uint32_t trace_frame, uint32_t arm) const {
+    return aabb_check_count_[size_t{trace_frame} * arms_.size() + arm];
+  }
+  uint64_t native_bytes(uint32_t trace_frame, uint32_t arm) const {
+    return native_bytes_[size_t{trace_frame} * arms_.size() + arm];
+  }
+  uint32_t object_count(uint32_t trace_frame) const { return object_count_[trace_frame]; }
+
+  // The descriptor that the client has sent last at this frame; null: the trace has none.
+  const decision::SceneDescriptor* descriptor(uint32_t trace_frame) const;
+
+  // What a freshly built structure of `arm` takes around this frame, from the nearest burst.
+  struct FreshArm {
+    std::span<const double> slowdown;  // per frame from the build on: its time ÷ the running arm's
+    double build_ns = 0;               // the first frame: build and search
+    double settled_ns = 0;             // median of the frames after the build and its warm-up
+    double visit_ns = 0;               // all frames of the burst together
+  };
+  FreshArm fresh_arm(uint32_t trace_frame, uint32_t arm) const;
+  uint32_t burst_frame_count() const { return burst_frame_count_; }
+  uint32_t settled_frame_count() const { return settled_frame_count_; }
+
+  // The same arm measured twice, relative difference of the means: what noise alone makes of a
+  // regret.
+  double control_regret() const { return control_regret_; }
+
+ private:
+  ReplayScene() = default;
+
+  struct Burst {
+    uint32_t first_frame = 0;
+    std::vector<double> slowdown;                        // arm-major, burst_frame_count_ each
+    std::vector<double> build_ns, settled_ns, visit_ns;  // per arm
+  };
+
+  GameOptions options_;
+  std::vector<std::string> arms_;
+  uint32_t frame_count_ = 0;
+  uint32_t trace_frame_count_ = 0;
+  uint32_t burst_frame_count_ = 0;
+  uint32_t settled_frame_count_ = 0;
+  double control_regret_ = 0;
+  std::vector<double> detection_ns_;
+  std::vector<uint64_t> aabb_check_count_;
+  std::vector<uint64_t> native_bytes_;
+  std::vector<uint32_t> object_count_;
+  std::vector<Burst> bursts_;
+  std::vector<uint32_t> nearest_burst_;  // per frame
+  std::vector<decision::SceneDescriptor> descriptors_;
+  std::vector<uint32_t> latest_descriptor_;  // per frame; empty: none
+};
+
+// Which frame of the trace each game frame shows, in order from the first. `offset` rotates where
+// the trace starts.
+class FrameOrder {
+ public:
+  FrameOrder(const ReplayScene& scene, uint32_t offset);
+
+  uint32_t Next();
+
+ private:
+  void BeginClip();
+
+  uint32_t trace_frame_count_;
+  double trace_frames_per_game_frame_;
+  double offset_;
+  uint64_t game_frame_ = 0;
+  uint64_t clip_end_ = 0;  // the game frame at which the next clip begins
+  uint32_t clip_begin_ = 0;
+  uint32_t clip_length_ = 1;
+  uint32_t at_ = 0;  // in the clip
+};
+
+// The start of a seed's game: evenly spread over the trace by the golden ratio.
+uint32_t OffsetOfSeed(const ReplayScene& scene, uint64_t seed);
+
+}  // namespace sweepstake::cli
