@@ -1,0 +1,106 @@
+// Which arms the shadow lane visits, and when: sweeps over the arms, spaced by a budget.
+//
+//   if (now_ns >= schedule.next_sweep_ns()) {
+//     schedule.Begin(now_ns, active_arm, object_count);
+//     while (const auto arm = schedule.NextArm()) schedule.OnVisit(/* what visiting it cost */);
+//   }
+//
+// The first sweep is due at once and visits every arm. From then on:
+// - The active arm is in every sweep, first: the others are compared with it.
+// - An arm within kContenderRatio of the cheapest known cost is in every sweep, one that costs r
+//   times as much in every r²-th, so that it takes 1/r of a cheap arm's share of the budget; at
+//   least in every kPeriodMax-th.
+// - Where the object count, or the cost of the active arm, has moved by more than kChangeRatio
+//   since every arm was visited, the scene is another one: the sweep takes in every arm again.
+// - An arm whose visits end at the time cap is visited half as often each time, down to every
+//   kPeriodMax-th sweep, until a visit does not or the object count has changed; but not where it
+//   is the active one, or within kContenderRatio all the same. One whose structure is over the
+//   memory cap likewise, and without these exceptions.
+// - Sweeps are spaced so that visits take duty_ratio of the time from the first one on.
+//
+// Pure and deterministic: time and costs come in as arguments. Not thread-safe. Times are ns of one
+// clock, from any origin, that does not go back.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace sweepstake {
+
+// Frames of a visit: the structure is built on the first, the next two show what a new structure
+// still costs more, the others are measured.
+inline constexpr uint32_t kShadowBurstFrames = 8;
+inline constexpr uint32_t kShadowWarmUpFrames = 2;
+
+struct ShadowScheduleOptions {
+  double duty_ratio = 0.15;                      // of one thread's time, (0, 1]
+  uint64_t visit_cap_ns = 250'000'000;           // a visit ends with the frame that reaches it
+  uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // of one arm's structure
+  // Decisions are seconds apart: more sweeps than these would tell the same again.
+  uint64_t sweep_interval_min_ns = 250'000'000;
+};
+
+// What visiting one arm cost.
+struct ShadowVisit {
+  uint32_t arm = 0;
+  uint32_t frame_count = 0;   // measured ones
+  uint64_t detection_ns = 0;  // median of them; where there is none, the fastest frame that ran
+  uint64_t build_ns = 0;      // the first frame
+  uint64_t busy_ns = 0;       // all frames
+  uint64_t native_bytes = 0;
+  bool capped = false;  // at the time cap, before the last frame
+};
+
+// The visit whose frames took `frame_ns`, as far as `cap_ns` lets it come; arm and native_bytes are
+// left to the caller. REQUIRES: 1 to kShadowBurstFrames frames.
+ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns);
+
+class ShadowSchedule {
+ public:
+  static constexpr double kContenderRatio = 1.5;
+  static constexpr double kChangeRatio = 0.25;
+  static constexpr uint32_t kPeriodMax = 64;
+
+  // REQUIRES: arm_count >= 1.
+  ShadowSchedule(const ShadowScheduleOptions& options, uint32_t arm_count);
+
+  const ShadowScheduleOptions& options() const { return options_; }
+
+  // When the next sweep may begin; 0 before the first.
+  uint64_t next_sweep_ns() const;
+
+  // Begins a sweep. REQUIRES: active_arm < arm_count.
+  void Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count);
+  // The arm to visit next in this sweep; absent: it is complete.
+  std::optional<uint32_t> NextArm() const;
+  // REQUIRES: visit.arm is NextArm().
+  void OnVisit(const ShadowVisit& visit);
+  // Other work of the thread that does the visits: it goes to the sweep's account.
+  void Spend(uint64_t busy_ns) { busy_ns_ += busy_ns; }
+
+ private:
+  struct Arm {
+    uint64_t cost_ns = 0;       // of the latest visit; 0: none yet
+    uint64_t reference_ns = 0;  // of the first visit since everything was anew
+    uint64_t last_sweep = 0;    // 0: none since everything was anew
+    uint32_t back_off = 0;      // sweeps between visits; 0: not over a cap
+    bool too_big = false;       // over the memory cap
+  };
+
+  void Renew(bool end_back_off);
+  uint64_t BestCost() const;
+  uint64_t Period(uint32_t arm, uint64_t best_ns) const;
+  bool Due(uint32_t arm, uint64_t best_ns) const;
+
+  const ShadowScheduleOptions options_;
+  std::vector<Arm> arms_;
+  uint64_t sweep_ = 0;  // number of the latest one
+  uint64_t begun_ns_ = 0;
+  uint64_t busy_ns_ = 0;  // since it began
+  uint32_t active_arm_ = 0;
+  uint64_t reference_count_ = 0;  // objects when everything was anew
+};
+
+}  // namespace sweepstake

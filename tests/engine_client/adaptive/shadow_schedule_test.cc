@@ -1,0 +1,187 @@
+#include "engine_client/adaptive/shadow_schedule.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace sweepstake {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr uint64_t kMs = 1'000'000;
+
+// Plays sweeps whose visits cost what `cost_ns` says, eight frames each.
+class ShadowScheduleTest : public ::testing::Test {
+ protected:
+  std::vector<uint32_t> Sweep(uint32_t active_arm = 0, uint32_t object_count = 1000) {
+    now_ns_ = std::max(now_ns_, schedule_.next_sweep_ns());
+    schedule_.Begin(now_ns_, active_arm, object_count);
+    std::vector<uint32_t> visited;
+    while (const auto arm = schedule_.NextArm()) {
+      visited.push_back(*arm);
+      Visit(*arm);
+    }
+    return visited;
+  }
+
+  void Visit(uint32_t arm) {
+    const std::vector<uint64_t> frames(kShadowBurstFrames, cost_ns_[arm]);
+    ShadowVisit visit = SummarizeVisit(frames, options_.visit_cap_ns);
+    visit.arm = arm;
+    visit.native_bytes = bytes_[arm];
+    now_ns_ += visit.busy_ns;
+    busy_ns_ += visit.busy_ns;
+    schedule_.OnVisit(visit);
+  }
+
+  // Visits of each arm in `count` sweeps.
+  std::map<uint32_t, int> CountVisits(int count, uint32_t active_arm = 0) {
+    std::map<uint32_t, int> visits;
+    for (int i = 0; i < count; ++i) {
+      for (const uint32_t arm : Sweep(active_arm)) ++visits[arm];
+    }
+    return visits;
+  }
+
+  ShadowScheduleOptions options_{.memory_cap_bytes = 1000};
+  std::vector<uint64_t> cost_ns_{1 * kMs, 1 * kMs, 1 * kMs};
+  std::vector<uint64_t> bytes_{0, 0, 0};
+  ShadowSchedule schedule_{options_, 3};
+  uint64_t now_ns_ = 5 * kMs;
+  uint64_t busy_ns_ = 0;
+};
+
+TEST_F(ShadowScheduleTest, BeginsAtOnceWithEveryArmTheActiveOneFirst) {
+  cost_ns_[0] = 100 * kMs;
+  EXPECT_EQ(schedule_.next_sweep_ns(), 0U);
+  EXPECT_THAT(Sweep(2), ElementsAre(2, 0, 1));
+}
+
+TEST_F(ShadowScheduleTest, VisitsContendersInEverySweepAndOthersByTheSquareOfTheirCost) {
+  cost_ns_ = {1 * kMs, 14 * kMs / 10, 3 * kMs};
+  Sweep();
+  const std::map<uint32_t, int> visits = CountVisits(90);
+  EXPECT_EQ(visits.at(0), 90);
+  EXPECT_EQ(visits.at(1), 90);
+  EXPECT_EQ(visits.at(2), 10);
+}
+
+TEST_F(ShadowScheduleTest, VisitsEvenAHopelessArmFromTimeToTime) {
+  cost_ns_[2] = 20 * kMs;
+  Sweep();
+  EXPECT_EQ(CountVisits(3 * ShadowSchedule::kPeriodMax).at(2), 3);
+}
+
+TEST_F(ShadowScheduleTest, MeasuresTheActiveArmInEverySweepHoweverSlowItIs) {
+  cost_ns_[2] = 20 * kMs;
+  Sweep(2);
+  EXPECT_EQ(CountVisits(20, 2).at(2), 20);
+}
+
+TEST_F(ShadowScheduleTest, KeepsWithinItsShareOfTheTime) {
+  cost_ns_ = {30 * kMs, 40 * kMs, 90 * kMs};
+  const uint64_t begun_ns = now_ns_;
+  CountVisits(500);
+  const double share =
+      static_cast<double>(busy_ns_) / static_cast<double>(schedule_.next_sweep_ns() - begun_ns);
+  EXPECT_LE(share, options_.duty_ratio + 1e-9);
+  EXPECT_GT(share, options_.duty_ratio * 0.99);
+}
+
+TEST_F(ShadowScheduleTest, CountsOtherWorkOfItsThread) {
+  Sweep();
+  const uint64_t before_ns = schedule_.next_sweep_ns();
+  schedule_.Spend(300 * kMs);
+  EXPECT_GE(schedule_.next_sweep_ns(), before_ns + 1900 * kMs);
+}
+
+TEST_F(ShadowScheduleTest, DoesNotRepeatCheapSweepsWithoutNeed) {
+  cost_ns_ = {1000, 1000, 1000};
+  const uint64_t begun_ns = now_ns_;
+  Sweep();
+  EXPECT_EQ(schedule_.next_sweep_ns(), begun_ns + options_.sweep_interval_min_ns);
+}
+
+TEST_F(ShadowScheduleTest, VisitsEveryArmAnewWhenTheActiveOnesCostOrTheObjectCountMoves) {
+  cost_ns_[2] = 20 * kMs;
+  Sweep();
+  EXPECT_THAT(Sweep(), ElementsAre(0, 1));
+  cost_ns_[0] = 124 * kMs / 100;
+  EXPECT_THAT(Sweep(), ElementsAre(0, 1));
+  cost_ns_[0] = 126 * kMs / 100;
+  EXPECT_THAT(Sweep(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(0, 1));
+  EXPECT_THAT(Sweep(0, 1240), ElementsAre(0, 1));
+  EXPECT_THAT(Sweep(0, 1260), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Sweep(0, 1260), ElementsAre(0, 1));
+}
+
+TEST_F(ShadowScheduleTest, NoticesACostThatDriftsAwayInSmallSteps) {
+  cost_ns_[2] = 20 * kMs;
+  Sweep();
+  int full_sweeps = 0;
+  for (int step = 0; step < 12; ++step) {
+    cost_ns_[0] = cost_ns_[0] * 106 / 100;
+    if (Sweep().size() == 3) ++full_sweeps;
+  }
+  EXPECT_EQ(full_sweeps, 3);
+}
+
+TEST_F(ShadowScheduleTest, BacksOffExponentiallyFromAnArmOverTheTimeCap) {
+  cost_ns_[2] = options_.visit_cap_ns + 1;
+  cost_ns_[0] = cost_ns_[1] = options_.visit_cap_ns * 10 / 18;  // Its r² alone would be 3.
+  std::vector<int> sweeps_of_arm_2;
+  for (int sweep = 1; sweep <= 160; ++sweep) {
+    const std::vector<uint32_t> visited = Sweep();
+    if (std::count(visited.begin(), visited.end(), 2U) > 0) sweeps_of_arm_2.push_back(sweep);
+  }
+  EXPECT_THAT(sweeps_of_arm_2, ElementsAre(1, 4, 8, 16, 32, 64, 128));
+}
+
+TEST_F(ShadowScheduleTest, ComparesContendersThoughAllAreOverTheTimeCap) {
+  cost_ns_ = {300 * kMs, 310 * kMs, 320 * kMs};
+  CountVisits(5);
+  EXPECT_THAT(Sweep(), ElementsAre(0, 1, 2));
+}
+
+TEST_F(ShadowScheduleTest, LeavesAnArmOverTheMemoryCapOutForAWhileEvenTheActiveOne) {
+  bytes_[0] = 1001;
+  Sweep();
+  EXPECT_THAT(Sweep(), ElementsAre(1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(Sweep(), ElementsAre(1, 2));
+  EXPECT_THAT(Sweep(0, 100), ElementsAre(0, 1, 2));
+}
+
+TEST(SummarizeVisit, TakesTheMedianWithoutTheBuildAndTheFramesAfterIt) {
+  const std::vector<uint64_t> frames{90, 1, 2, 14, 13, 12, 11, 10};
+  const ShadowVisit visit = SummarizeVisit(frames, 1000);
+  EXPECT_EQ(visit.detection_ns, 12U);
+  EXPECT_EQ(visit.build_ns, 90U);
+  EXPECT_EQ(visit.busy_ns, 153U);
+  EXPECT_EQ(visit.frame_count, 5U);
+  EXPECT_FALSE(visit.capped);
+}
+
+TEST(SummarizeVisit, EndsWithTheFrameThatReachesTheCap) {
+  const std::vector<uint64_t> frames{90, 5, 4, 14, 13, 12, 11, 10};
+  ShadowVisit visit = SummarizeVisit(frames, 113);
+  EXPECT_TRUE(visit.capped);
+  EXPECT_EQ(visit.busy_ns, 113U);
+  EXPECT_EQ(visit.frame_count, 1U);
+  EXPECT_EQ(visit.detection_ns, 14U);
+  visit = SummarizeVisit(frames, 95);
+  EXPECT_TRUE(visit.capped);
+  EXPECT_EQ(visit.frame_count, 0U);
+  EXPECT_EQ(visit.detection_ns, 5U);
+}
+
+TEST(SummarizeVisit, IsNotCappedByItsLastFrame) {
+  const std::vector<uint64_t> frames{1, 1, 1, 1, 1, 1, 1, 100};
+  EXPECT_FALSE(SummarizeVisit(frames, 50).capped);
+}
+
+}  // namespace
+}  // namespace sweepstake
