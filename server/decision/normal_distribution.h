@@ -1,0 +1,19 @@
+// The standard normal distribution, with the same bits on every platform (portable_math.h).
+//
+// Pure functions, thread-safe. NaN gives NaN. Cost: some 20 ns for the density, up to 400 ns for
+// the distribution.
+#pragma once
+
+namespace sweepstake::decision {
+
+// φ(z).
+double NormalDensity(double z);
+
+// Φ(z), within 1e-13 of the true value, relatively so in the lower tail; 0 below −38.
+double NormalCdf(double z);
+
+// E[max(x, 0)] of a normal x with this mean and standard deviation: the expected gain of "expected
+// improvement" (J. Mockus, 1978). >= 0. REQUIRES: deviation >= 0.
+double ExpectedGain(double mean, double deviation);
+
+}  // namespace sweepstake::decision
