@@ -78,8 +78,12 @@ decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const
 
 class EmbeddedDecider::Impl {
  public:
-  Impl(decision::SessionSetup setup, uint64_t prior_source_count)
-      : session_(std::move(setup)), prior_source_count_(prior_source_count) {}
+  using OnDecision = std::function<void(const decision::Decision&)>;
+
+  Impl(decision::SessionSetup setup, uint64_t prior_source_count, OnDecision on_decision)
+      : session_(std::move(setup)),
+        prior_source_count_(prior_source_count),
+        on_decision_(std::move(on_decision)) {}
 
   void Observe(std::span<const FrameSample> frames, int64_t now_ns);
   void Observe(const SwitchOutcome& outcome, int64_t now_ns);
@@ -95,6 +99,7 @@ class EmbeddedDecider::Impl {
 
   decision::DecisionSession session_;
   const uint64_t prior_source_count_;
+  const OnDecision on_decision_;
   uint32_t latest_epoch_ = 0;         // of all frames
   std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
   std::optional<decision::SwitchCommand> pending_command_;
@@ -145,6 +150,7 @@ std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
 
 // The latest command wins.
 void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
+  if (on_decision_) on_decision_(decision);
   if (decision.command) pending_command_ = decision.command;
 }
 
@@ -166,7 +172,7 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
   if (const std::optional<std::string> complaint = decision::Validate(setup)) {
     return Status(StatusCode::kInvalidArgument, *complaint);
   }
-  auto impl = std::make_unique<Impl>(std::move(setup), priors.sources.size());
+  auto impl = std::make_unique<Impl>(std::move(setup), priors.sources.size(), options.on_decision);
   return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
 }
 

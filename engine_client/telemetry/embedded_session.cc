@@ -115,6 +115,9 @@ bool EmbeddedSession::Step(bool stopping) {
 void EmbeddedSession::TakeQueue(uint64_t now_ns) {
   while (const std::optional<QueuedItem> item = queue_.Pop()) Take(*item, now_ns);
   ObserveRun(now_ns);
+  const uint64_t end_ns = SteadyClock().NowNs();
+  const std::lock_guard lock(stats_mutex_);
+  stats_.intake_time_ns += end_ns - now_ns;
 }
 
 void EmbeddedSession::Take(const QueuedItem& item, uint64_t now_ns) {
@@ -139,11 +142,15 @@ void EmbeddedSession::ObserveRun(uint64_t now_ns) {
 }
 
 void EmbeddedSession::Decide(uint64_t now_ns) {
+  const uint64_t start_ns = SteadyClock().NowNs();
   const std::optional<SwitchCommand> command = decider_->Poll(now_ns);
-  if (!command) return;
-  adaptive_.load()->mailbox().Post(*command);
+  if (command) adaptive_.load()->mailbox().Post(*command);
+  if (decider_->decision_count() == published_decision_count_) return;
+  const uint64_t spent_ns = SteadyClock().NowNs() - start_ns;
   const std::lock_guard lock(stats_mutex_);
-  ++stats_.command_count;
+  stats_.decision_time_ns += spent_ns;
+  stats_.longest_decision_ns = std::max(stats_.longest_decision_ns, spent_ns);
+  if (command) ++stats_.command_count;
 }
 
 void EmbeddedSession::PublishBeliefs() {

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -19,6 +20,10 @@
 
 namespace sweepstake {
 
+namespace decision {
+struct Decision;  // server/decision/types.h
+}
+
 struct EmbeddedOptions {
   std::string policy = "paper";
   std::string project =
@@ -29,6 +34,8 @@ struct EmbeddedOptions {
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
   Mode mode = Mode::kAi;
+  // Is told every decision as it is made, on the thread that drives the decider; must not call it.
+  std::function<void(const decision::Decision&)> on_decision = nullptr;
 };
 
 // A posterior of an arm's reward.

@@ -45,7 +45,11 @@ struct SessionStats {
   uint64_t resent_message_count = 0;
   uint64_t command_count = 0;       // switch commands received
   uint64_t prior_source_count = 0;  // sources in the priors the session started from
-  std::vector<ArmBelief> beliefs;   // latest posterior snapshot; empty: none yet
+  // Time of the sender thread with an embedded decider; 0 with a daemon, which decides elsewhere.
+  uint64_t intake_time_ns = 0;    // taking the queue and folding it into the decider's window
+  uint64_t decision_time_ns = 0;  // deciding, all ticks together
+  uint64_t longest_decision_ns = 0;
+  std::vector<ArmBelief> beliefs;  // latest posterior snapshot; empty: none yet
 };
 
 struct SessionOptions {

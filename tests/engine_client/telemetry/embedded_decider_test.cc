@@ -5,6 +5,7 @@
 
 #include "engine_client/telemetry/priors_file.h"
 #include "server/decision/options.h"
+#include "server/decision/types.h"
 
 namespace sweepstake {
 namespace {
@@ -97,6 +98,20 @@ TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
   for (size_t i = 0; i < first.commands.size(); ++i) {
     EXPECT_EQ(first.commands[i].arm, second.commands[i].arm);
   }
+}
+
+TEST(EmbeddedDecider, TellsEveryDecisionInOrder) {
+  std::vector<uint64_t> told;
+  EmbeddedOptions options;
+  options.on_decision = [&](const decision::Decision& decision) {
+    told.push_back(decision.record.decision_id);
+  };
+  const auto decider = MakeDecider(options);
+  Game game({30, 60, 15});
+  game.RunFor(*decider, 100'000);
+  ASSERT_GT(told.size(), 10U);
+  ASSERT_EQ(told.size(), decider->decision_count());
+  for (size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], i + 1);
 }
 
 TEST(EmbeddedDecider, AnswersABailOutAtOnce) {

@@ -71,6 +71,9 @@ TEST_F(EmbeddedSessionTest, SwitchesArmsAndTellsItsBeliefs) {
   EXPECT_EQ(stats.state, ConnectionState::kClosed);
   EXPECT_GE(stats.command_count, 2U);
   EXPECT_EQ(stats.beliefs[1].arm, "Fast");
+  EXPECT_GT(stats.intake_time_ns, 0U);
+  EXPECT_GT(stats.longest_decision_ns, 0U);
+  EXPECT_GE(stats.decision_time_ns, stats.longest_decision_ns);
 }
 
 TEST_F(EmbeddedSessionTest, TakesEveryFrameOffTheQueueBeforeItStops) {

@@ -1,0 +1,39 @@
+// Tables 3 and 4 of the paper as printed (section 7), to stand beside what an experiment finds.
+// Constants; safe from any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace sweepstake::cli {
+
+struct PaperFigure {
+  double mean = 0;
+  double deviation = 0;  // sample standard deviation
+};
+
+// A cell of the paper's grid: 5 runs of 15 minutes.
+struct PaperCell {
+  std::string_view scene;  // as --scene takes it
+  uint32_t object_count = 0;
+  std::string_view dominance;       // Table 3's column, as "KDTree 3/5; AxisSweep 2/5"
+  std::string_view interpretation;  // Table 3's
+  std::string_view dominant;        // Table 4: the most frequent dominant arm
+  uint32_t dominant_run_count = 0;  // of kPaperRunCount
+  PaperFigure switches;             // after the exploration, over all runs
+  PaperFigure active_percent;       // over the dominant runs, as are the next two
+  PaperFigure posterior_mean;       // μ* = α ÷ (α + β)
+  PaperFigure evidence;             // n* = α + β
+};
+
+inline constexpr uint32_t kPaperRunCount = 5;
+
+// In the paper's order.
+std::span<const PaperCell> PaperCells();
+
+// Null for a cell that the paper has not.
+const PaperCell* FindPaperCell(std::string_view scene, uint32_t object_count);
+
+}  // namespace sweepstake::cli
