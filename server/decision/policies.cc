@@ -5,6 +5,7 @@
 #include <memory>
 #include <string_view>
 
+#include "server/decision/adaptive_policy.h"
 #include "server/decision/options.h"
 #include "server/decision/policy.h"
 #include "server/decision/thompson_policy.h"
@@ -28,6 +29,8 @@ struct Entry {
 constexpr std::string_view kDefaultPolicy = "paper";
 
 constexpr std::array kEntries = {
+    Entry{{.name = "adaptive", .reward_version = 2, .explores = false, .starts_from_priors = true},
+          Make<AdaptivePolicy>},
     Entry{{.name = "paper"}, Make<ThompsonPolicy>},
 };
 

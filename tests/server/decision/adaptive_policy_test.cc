@@ -1,0 +1,225 @@
+// The policy of "AI Decides" in whole sessions of a scripted game, with the shadow lane and
+// without.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "server/decision/decision_session.h"
+#include "server/decision/sampling.h"
+#include "tests/server/decision/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+SessionSetup AdaptiveSetup(uint32_t arm_count) {
+  SessionSetup setup = PlainSetup(arm_count);
+  setup.options.policy = "adaptive";
+  return setup;
+}
+
+// Beta priors of reward version 2 with these costs, as a store sums them up.
+std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
+  std::vector<BetaPosterior> priors;
+  for (const double cost : cost_us) {
+    const double reward = 1 - std::log(cost) / std::log(5e6);
+    priors.push_back({1e7 * reward, 1e7 * (1 - reward)});
+  }
+  return priors;
+}
+
+// A game all of whose frame time is detection.
+class Game {
+ public:
+  explicit Game(std::vector<double> costs_us, bool lane = true)
+      : Game(AdaptiveSetup(static_cast<uint32_t>(costs_us.size())), costs_us, lane) {}
+  Game(const SessionSetup& setup, std::vector<double> costs_us, bool lane = true)
+      : client(setup), cost_us(std::move(costs_us)), lane_on(lane) {}
+
+  Decision RunToTick() {
+    SetFrame();
+    if (lane_on) Sweep();
+    return client.RunToTick();
+  }
+  void RunTicks(int count) {
+    for (int i = 0; i < count; ++i) RunToTick();
+  }
+  // Ticks of the next `count` after which this arm is active.
+  int TicksOn(uint32_t arm, int count) {
+    int ticks = 0;
+    for (int i = 0; i < count; ++i) {
+      RunToTick();
+      ticks += client.arm == arm ? 1 : 0;
+    }
+    return ticks;
+  }
+
+  ScriptedClient client;
+  std::vector<double> cost_us;
+  bool lane_on;
+
+ private:
+  // 100 frames per interval, each a little different.
+  void SetFrame() {
+    const double cost = cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
+    client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
+    client.frame.frame_time_ns = client.frame.detection_time_ns;
+  }
+
+  void Sweep() {
+    ++sweep_;
+    for (uint32_t arm = 0; arm < cost_us.size(); ++arm) {
+      const double cost = 1.1 * cost_us[arm] * std::exp(0.03 * DrawNormal(random_));
+      const ShadowSample sample{.first_frame_index = sweep_,
+                                .detection_time_ns = static_cast<uint64_t>(cost * 1e3),
+                                .arm = arm,
+                                .object_count = 1'000,
+                                .frame_count = 5};
+      client.session.ObserveShadow({&sample, 1});
+    }
+  }
+
+  RandomStream random_{3, RandomPurpose::kChoice, 0, 0};
+  uint64_t sweep_ = 0;
+};
+
+TEST(AdaptivePolicy, IsOnTheCheapestArmAfterTheFirstSweep) {
+  Game game({90'000, 12'000, 10'000, 20'000});
+  game.RunTicks(2);  // the first one has settling frames only
+  EXPECT_EQ(game.client.arm, 2u);
+  EXPECT_GE(game.TicksOn(2, 100), 90);
+}
+
+TEST(AdaptivePolicy, NeverRunsAnArmThatTheLaneShowsToBeFarWorse) {
+  Game game({90'000, 12'000, 10'000, 80'000});
+  game.RunTicks(100);
+  for (const SwitchCommand& command : game.client.commands) EXPECT_NE(command.arm % 3, 0u);
+}
+
+TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
+  Game game({10'000, 12'000, 30'000});
+  game.RunTicks(30);
+  ASSERT_EQ(game.client.arm, 0u);
+  game.cost_us = {14'000, 11'000, 30'000};
+  game.RunTicks(6);
+  EXPECT_EQ(game.client.arm, 1u);
+}
+
+TEST(AdaptivePolicy, WithoutALaneTriesEachArmLiveAndEndsOnTheCheapest) {
+  Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
+  game.RunTicks(40);
+  std::vector<uint32_t> tried;
+  for (const SwitchCommand& command : game.client.commands) tried.push_back(command.arm);
+  for (const uint32_t arm : {1u, 2u, 3u})
+    EXPECT_NE(std::find(tried.begin(), tried.end(), arm), tried.end()) << arm;
+  EXPECT_GE(game.TicksOn(2, 100), 90);
+}
+
+TEST(AdaptivePolicy, TakesUpALaneThatAppearsLate) {
+  Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
+  game.RunTicks(3);
+  game.lane_on = true;
+  game.RunTicks(20);
+  EXPECT_EQ(game.client.arm, 2u);
+}
+
+TEST(AdaptivePolicy, AnArmThatMayStallTheGameIsNotTriedLive) {
+  Game game({3'500'000, 10'000});
+  game.client.Execute(1, SwitchReason::kManual);
+  game.RunTicks(10);
+  game.cost_us[1] = 4'500'000;  // now the other one would be better
+  game.RunTicks(20);
+  EXPECT_TRUE(game.client.commands.empty());
+}
+
+TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
+  Game game({10'000, 12'000, 30'000});
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.arm, 0u);
+  const Frame stall{.frame_time_ns = 6'000'000'000,
+                    .detection_time_ns = 6'000'000'000,
+                    .object_count = 1'000,
+                    .arm = 0,
+                    .switch_epoch = game.client.epoch};
+  const Decision decision = game.client.session.ObserveBailOut(stall, game.client.now_ns);
+  ASSERT_TRUE(decision.command);
+  EXPECT_EQ(decision.command->arm, 1u);
+  EXPECT_EQ(decision.increment->bail_out_count, 1u);
+}
+
+TEST(AdaptivePolicy, APriorOfThisMachineDecidesBeforeTheFirstFrame) {
+  SessionSetup setup = AdaptiveSetup(4);
+  setup.priors = PriorsOf({9'000, 1'200, 1'000, 3'000});  // of a faster machine
+  Game game(setup, {90'000, 12'000, 10'000, 30'000});
+  EXPECT_EQ(game.client.session.Tick(game.client.now_ns).command->arm, 2u);
+}
+
+TEST(AdaptivePolicy, AWrongPriorIsDroppedAtTheFirstSweep) {
+  SessionSetup setup = AdaptiveSetup(4);
+  setup.priors = PriorsOf({1'000, 12'000, 10'000, 3'000});
+  Game game(setup, {90'000, 12'000, 10'000, 30'000});
+  game.RunTicks(3);
+  EXPECT_EQ(game.client.arm, 2u);
+  EXPECT_GE(game.TicksOn(2, 50), 45);
+}
+
+TEST(AdaptivePolicy, AWrongPriorIsFoundOutWithoutALaneToo) {
+  SessionSetup setup = AdaptiveSetup(3);
+  setup.priors = PriorsOf({1'000, 2'000, 4'000});
+  Game game(setup, {30'000, 20'000, 10'000}, /*lane=*/false);
+  game.RunTicks(50);
+  EXPECT_EQ(game.client.arm, 2u);
+}
+
+TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
+  SessionSetup setup = AdaptiveSetup(3);
+  Game game(setup, {30'000, 12'000, 10'000});
+  setup.options = setup.options.Scaled(10);
+  Game fast(setup, {3'000, 1'200, 1'000});
+  for (int i = 0; i < 60; ++i) {
+    const Decision slow_decision = game.RunToTick();
+    const Decision fast_decision = fast.RunToTick();
+    ASSERT_EQ(fast_decision.record.outcome, slow_decision.record.outcome) << i;
+    ASSERT_EQ(fast_decision.record.candidate, slow_decision.record.candidate) << i;
+  }
+}
+
+TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
+  const auto cooldown_s = [](uint64_t cost_ns) {
+    Game game({20'000, 10'000, 10'500});
+    game.RunToTick();
+    const SwitchCost cost{.rebuild_time_ns = cost_ns};
+    for (int i = 0; i < 20; ++i) {
+      game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
+                                        game.client.now_ns, cost);
+    }
+    game.RunToTick();
+    game.RunToTick();
+    return game.RunToTick().record.gate->cooldown_s;
+  };
+  EXPECT_EQ(cooldown_s(1'000'000), 4);           // settling and a window
+  EXPECT_NEAR(cooldown_s(500'000'000), 7, 0.1);  // the latest switches count most
+  EXPECT_EQ(cooldown_s(kSecond * 100), 40);      // never longer than the paper's
+}
+
+TEST(AdaptivePolicy, TheSpreadOfTheShownBeliefsNarrowsWithEvidence) {
+  Game game({10'000, 12'000});
+  const double early = game.client.session.posteriors()[1].evidence();
+  game.RunTicks(50);
+  EXPECT_GT(game.client.session.posteriors()[1].evidence(), 2 * early);
+}
+
+TEST(AdaptivePolicy, StoresWhatALiveWindowSaysAsABetaOfItsWidth) {
+  Game game({10'000, 12'000}, /*lane=*/false);
+  game.RunTicks(4);
+  const Decision decision = game.RunToTick();
+  ASSERT_TRUE(decision.increment);
+  const double evidence = decision.increment->alpha + decision.increment->beta;
+  const double reward = 1 - std::log(game.cost_us[decision.increment->arm]) / std::log(5e6);
+  EXPECT_NEAR(decision.increment->alpha / evidence, reward, 0.01);
+  EXPECT_GT(evidence, 1'000);  // noise of a few % of the cost is a few ‰ of the reward
+}
+
+}  // namespace
+}  // namespace sweepstake::decision

@@ -1,0 +1,147 @@
+#include "server/decision/relative_cost_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "server/decision/sampling.h"
+
+namespace sweepstake::decision {
+namespace {
+
+// Arms of known costs, seen through a lane with biases, in a scene whose load moves all of them.
+class FilterTest : public testing::Test {
+ protected:
+  static constexpr uint32_t kArms = 4;
+
+  double Noise(double deviation) { return deviation * DrawNormal(random_); }
+
+  // One decision interval: load, a sweep, a live window of the active arm.
+  void RunInterval(RelativeCostFilter& filter, uint32_t active) {
+    load_ += Noise(load_step_);
+    filter.Advance(1);
+    if (with_lane_) Sweep(filter, active);
+    filter.ObserveLive(active, cost_[active] + load_ + Noise(0.01));
+  }
+
+  void Sweep(RelativeCostFilter& filter, uint32_t active) {
+    ++sweep_;
+    const double offset = 0.2 + Noise(0.03);
+    Visit(filter, active, offset);
+    for (uint32_t arm = 0; arm < kArms; ++arm) {
+      if (arm != active) Visit(filter, arm, offset);
+    }
+  }
+
+  void Visit(RelativeCostFilter& filter, uint32_t arm, double offset) {
+    filter.ObserveShadow(arm, sweep_, cost_[arm] + bias_[arm] + load_ + offset + Noise(0.03));
+  }
+
+  static double Deviation(const NormalBelief& belief) { return std::sqrt(belief.variance); }
+
+  RandomStream random_{7, RandomPurpose::kChoice, 0, 0};
+  std::vector<double> cost_ = {5, 5.1, 5.4, 8.5};
+  std::vector<double> bias_ = std::vector<double>(kArms, 0.0);
+  double load_ = 0;
+  double load_step_ = 0.05;
+  bool with_lane_ = true;
+  uint64_t sweep_ = 0;
+};
+
+TEST_F(FilterTest, KnowsNothingAtFirst) {
+  const RelativeCostFilter filter(kArms);
+  EXPECT_EQ(filter.Difference(0, 3).mean, 0);
+  EXPECT_GT(Deviation(filter.Difference(0, 3)), 1);
+}
+
+TEST_F(FilterTest, SweepsTellTheDifferencesWithinTheirOwnWidth) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  for (uint32_t arm = 1; arm < kArms; ++arm) {
+    const NormalBelief difference = filter.Difference(arm, 0);
+    EXPECT_LT(Deviation(difference), 0.2) << arm;
+    EXPECT_NEAR(difference.mean, cost_[arm] - cost_[0], 3 * Deviation(difference)) << arm;
+  }
+}
+
+TEST_F(FilterTest, ASwingingLoadLeavesTheDifferencesAlone) {
+  RelativeCostFilter filter(kArms);
+  load_step_ = 0.3;
+  for (int i = 0; i < 30; ++i) RunInterval(filter, 0);
+  EXPECT_GT(std::abs(load_), 0.3);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.05);
+  EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.1);
+}
+
+TEST_F(FilterTest, RunningAnArmLiveRevealsWhatTheLaneGetsWrong) {
+  RelativeCostFilter filter(kArms);
+  bias_[1] = -0.2;  // the lane shows arm 1 ahead of arm 0, which it is not
+  for (int i = 0; i < 10; ++i) RunInterval(filter, 0);
+  EXPECT_LT(filter.Difference(1, 0).mean, 0);
+  EXPECT_GT(Deviation(filter.Difference(1, 0)), 0.05);
+  for (int i = 0; i < 5; ++i) RunInterval(filter, 1);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.05);
+  EXPECT_LT(Deviation(filter.Difference(1, 0)), 0.05);
+}
+
+TEST_F(FilterTest, OneOutlierMovesLittleAndAChangeIsFollowedAtItsSecondSight) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  const double before = filter.Difference(1, 0).mean;
+  cost_[1] += 1;
+  RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, before, 0.3);
+  RunInterval(filter, 0);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, before + 1, 0.2);
+}
+
+TEST_F(FilterTest, WithoutALaneLiveWindowsOfEachArmTellTheDifference) {
+  RelativeCostFilter filter(kArms);
+  with_lane_ = false;
+  load_step_ = 0;
+  for (const uint32_t active : {0, 3, 1, 0}) {
+    for (int i = 0; i < 3; ++i) RunInterval(filter, active);
+  }
+  EXPECT_NEAR(filter.Difference(3, 0).mean, 3.5, 0.3);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.1);
+  EXPECT_GT(Deviation(filter.Difference(2, 0)), 0.5);  // never seen
+}
+
+TEST_F(FilterTest, ThePriorIsAboutDifferencesNotAboutTheLevel) {
+  RelativeCostFilter filter(kArms);
+  filter.SetPrior(0, {.mean = 2, .variance = 0.02});
+  filter.SetPrior(1, {.mean = 3, .variance = 0.02});
+  EXPECT_NEAR(Deviation(filter.Difference(1, 0)), 0.2, 1e-9);
+  filter.ObserveLive(0, 5);
+  EXPECT_NEAR(filter.LogCost(1).mean, 6, 0.1);
+}
+
+TEST_F(FilterTest, AnAssumedCostStandsUntilTheArmIsSeenAgain) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  filter.Assume(0, 15);
+  EXPECT_EQ(filter.LogCost(0).mean, 15);
+  EXPECT_NEAR(filter.LogCost(1).mean, cost_[1] + load_, 0.2);
+}
+
+TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
+  RelativeCostFilter filter(kArms);
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 2'000; ++i) {
+    filter.Advance(i % 100 == 0 ? 1e6 : 1);
+    const double cost = i % 3 == 0 ? infinity : i % 3 == 1 ? -infinity : std::nan("");
+    filter.ObserveShadow(static_cast<uint32_t>(i) % kArms, static_cast<uint64_t>(i / 7), cost);
+    filter.ObserveLive(static_cast<uint32_t>(i / 5) % kArms, cost);
+    for (uint32_t arm = 0; arm < kArms; ++arm) {
+      ASSERT_GE(filter.LogCost(arm).mean, kLeastLogCost);
+      ASSERT_LE(filter.LogCost(arm).mean, kMostLogCost);
+      ASSERT_TRUE(filter.Difference(arm, 0).variance < 1e9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::decision
