@@ -66,7 +66,7 @@ PLATFORM_HEADER = re.compile(
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
 DECISION_HEADERS = re.compile(
-    r"^(Eigen/.*|algorithm|array|bit|cassert|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
+    r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
     r"type_traits|unordered_map|utility|variant|vector)$")
 # sqrt, fabs, floor, ceil, trunc, ldexp, frexp and fmin/fmax are exact everywhere; these are not.

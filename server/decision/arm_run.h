@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 
 #include "server/decision/types.h"
 #include "server/decision/window.h"
@@ -39,6 +40,16 @@ class ArmRun {
   const Window& window() const { return window_; }
   // Whether frames of the running tick were left out since they settle.
   bool settling_frames_seen() const { return settling_frames_seen_; }
+
+  // References to every member of an ArmRun or const ArmRun, for the audit log.
+  template <typename Self>
+  static auto Fields(Self& run) {
+    auto& [arm, switch_epoch, started, settling_frames_seen, elapsed_ns, settling_end_ns,
+           measured_ns, window] = run;
+    return std::tuple_cat(std::tie(arm, switch_epoch, started, settling_frames_seen, elapsed_ns,
+                                   settling_end_ns, measured_ns),
+                          Window::Fields(window));
+  }
 
  private:
   bool SettlesAgain(const Frame& frame, uint64_t rebuild_settling_ns) const;

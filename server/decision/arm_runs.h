@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <tuple>
 
 #include "server/decision/arm_run.h"
 #include "server/decision/types.h"
@@ -37,6 +38,14 @@ class ArmRuns {
   void ClearWindow();
   // Whether the running tick has seen frames of the active run, measured or left out.
   bool active_frames_seen() const { return active_frames_seen_; }
+
+  // References to every member of ArmRuns or const ArmRuns but the number of arms, for the audit
+  // log.
+  template <typename Self>
+  static auto Fields(Self& runs) {
+    auto& [arm_count, active, later, active_frames_seen] = runs;
+    return std::tie(active, later, active_frames_seen);
+  }
 
  private:
   uint32_t arm_count_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/decision/arm_runs.h"
+#include "server/decision/audit_recorder.h"
 #include "server/decision/exploration.h"
 #include "server/decision/observation.h"
 #include "server/decision/policy.h"
@@ -55,6 +56,10 @@ class DecisionSession::Impl {
  public:
   explicit Impl(SessionSetup setup);
 
+  void StartAudit(AuditSink& sink, AuditOrigin origin) {
+    audit_ = std::make_unique<AuditRecorder>(sink, std::move(origin), setup_);
+  }
+  bool RestoreRuns(const ArmRuns& runs);
   void ObserveFrame(const Frame& frame);
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
   void ObserveShadow(const ShadowSample& sample);
@@ -106,7 +111,10 @@ class DecisionSession::Impl {
   void Blame(const Frame& frame, Decision& decision);
   void Resample(Decision& decision);
   void Command(Decision& decision, uint32_t arm, SwitchReason reason);
+  void RecordTick(int64_t now_ns);
 
+  // Whatever frames change here and decisions depend on is in runs_, which is what the audit log
+  // holds of them.
   const SessionSetup setup_;
   const PolicyKind& policy_kind_;
   const std::unique_ptr<Policy> policy_;
@@ -129,6 +137,7 @@ class DecisionSession::Impl {
   int64_t last_event_ns_;
   uint64_t decision_count_;
   uint64_t command_count_;
+  std::unique_ptr<AuditRecorder> audit_;  // null: nobody asked for a log
 };
 
 DecisionSession::Impl::Impl(SessionSetup setup)
@@ -146,6 +155,13 @@ DecisionSession::Impl::Impl(SessionSetup setup)
       decision_count_(setup_.decision_count),
       command_count_(setup_.decision_count) {
   if (!exploring()) observation_.Start(setup_.start_ns);
+}
+
+bool DecisionSession::Impl::RestoreRuns(const ArmRuns& runs) {
+  const ArmRun& active = runs.active();
+  if (active.arm() != run().arm() || active.switch_epoch() != run().switch_epoch()) return false;
+  runs_ = runs;
+  return true;
 }
 
 void DecisionSession::Impl::ObserveFrame(const Frame& frame) {
@@ -188,6 +204,7 @@ void DecisionSession::Impl::ObserveShadow(const ShadowSample& sample) {
 void DecisionSession::Impl::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchReason reason,
                                           int64_t now_ns, const SwitchCost& cost) {
   assert(arm < setup_.arms.size());
+  if (audit_) audit_->RecordSwitch(arm, switch_epoch, reason, now_ns, cost, runs_);
   AdoptLaterRun(now_ns);
   // An epoch that has ended already: frames of the one after it were faster than this report.
   if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
@@ -222,11 +239,13 @@ void DecisionSession::Impl::Activate(const ArmRun& run, SwitchReason reason, int
 }
 
 void DecisionSession::Impl::ObserveRefusal(uint64_t command_id) {
+  if (audit_) audit_->RecordRefusal(command_id);
   if (command_id == command_count_) gate_.OnRefused();
 }
 
 void DecisionSession::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   assert(active_arm < setup_.arms.size());
+  if (audit_) audit_->RecordMode(mode, active_arm, now_ns, runs_);
   AdoptLaterRun(now_ns);
   mode_ = mode;
   runs_.ClearWindow();
@@ -238,6 +257,7 @@ void DecisionSession::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_
 
 Decision DecisionSession::Impl::Tick(int64_t now_ns) {
   assert(now_ns >= next_tick_ns_);
+  if (audit_) RecordTick(now_ns);
   ScheduleNextTick(now_ns);
   AdoptLaterRun(now_ns);
   gate_.OnTick(runs_.active_frames_seen(), now_ns);
@@ -258,6 +278,14 @@ Decision DecisionSession::Impl::Tick(int64_t now_ns) {
   runs_.ClearWindow();
   last_tick_ns_ = now_ns;
   return Close(std::move(decision));
+}
+
+void DecisionSession::Impl::RecordTick(int64_t now_ns) {
+  if (mode_ == Mode::kAi) {
+    audit_->BeginTick(now_ns, runs_, shadow_samples_, descriptor_);
+  } else {
+    audit_->BeginTick(now_ns, runs_, {}, std::nullopt);
+  }
 }
 
 // What is known of the scene beyond the active arm's window.
@@ -285,6 +313,7 @@ Decision DecisionSession::Impl::Close(Decision decision) {
   decision.record.context = policy_->context();
   diagnosis_ = policy_->Diagnose();
   decision.record.diagnosis = diagnosis_;
+  if (audit_) audit_->EndDecision(decision);
   return decision;
 }
 
@@ -387,6 +416,7 @@ void DecisionSession::Impl::EndSlot(int64_t now_ns) {
 }
 
 Decision DecisionSession::Impl::ObserveBailOut(const Frame& frame, int64_t now_ns) {
+  if (audit_) audit_->BeginBailOut(frame, now_ns, runs_);
   runs_.Find(frame, SettlingOfNewRun());  // begins a later run where the frame shows one
   AdoptLaterRun(now_ns);
   Decision decision = Open(now_ns);
@@ -427,6 +457,10 @@ DecisionSession::~DecisionSession() = default;
 DecisionSession::DecisionSession(DecisionSession&&) noexcept = default;
 DecisionSession& DecisionSession::operator=(DecisionSession&&) noexcept = default;
 
+void DecisionSession::StartAudit(AuditSink& sink, AuditOrigin origin) {
+  impl_->StartAudit(sink, std::move(origin));
+}
+bool DecisionSession::RestoreRuns(const ArmRuns& runs) { return impl_->RestoreRuns(runs); }
 void DecisionSession::ObserveFrames(std::span<const Frame> frames) {
   for (const Frame& frame : frames) impl_->ObserveFrame(frame);
 }

@@ -52,10 +52,13 @@
 #include <string_view>
 #include <vector>
 
+#include "server/decision/audit_log.h"
 #include "server/decision/options.h"
 #include "server/decision/types.h"
 
 namespace sweepstake::decision {
+
+class ArmRuns;
 
 inline constexpr uint32_t kMaxArms = 32;
 inline constexpr double kLargestEvidence = 1e15;  // of a prior's alpha and beta
@@ -85,6 +88,14 @@ class DecisionSession {
   ~DecisionSession();
   DecisionSession(DecisionSession&&) noexcept;
   DecisionSession& operator=(DecisionSession&&) noexcept;
+
+  // From here on the sink gets a row per event and decision, beginning with the setup's
+  // (audit_log.h). It must outlive the session. Without it nothing is made. Cost: some 6 µs a
+  // decision with 7 arms. REQUIRES: nothing was observed yet.
+  void StartAudit(AuditSink& sink, AuditOrigin origin);
+  // In the place of the frames since the last event, where a log is derived again. False, and
+  // nothing changed: another arm or switch epoch is active. REQUIRES: of this session's arms.
+  bool RestoreRuns(const ArmRuns& runs);
 
   // Folds frames into the window of the running tick. Frames of another switch epoch or arm than
   // the active one, settling frames, frames flagged paused or loading, and frames over the bail-out

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 
 #include "server/decision/types.h"
 
@@ -33,6 +34,15 @@ class Window {
   uint64_t frame_count() const { return frame_count_; }
   // REQUIRES: !empty().
   WindowMetrics Metrics() const;
+
+  // References to every member of a Window or const Window, for the audit log.
+  template <typename Self>
+  static auto Fields(Self& window) {
+    auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, rebuild_detection_ns,
+           check_count, pair_count, peak_bytes] = window;
+    return std::tie(frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns,
+                    rebuild_detection_ns, check_count, pair_count, peak_bytes);
+  }
 
  private:
   uint64_t frame_count_ = 0;
