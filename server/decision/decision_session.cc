@@ -104,7 +104,7 @@ class DecisionSession::Impl {
   void LearnScene(int64_t now_ns);
   std::optional<Outcome> Learn(Decision& decision);
   bool StartsFromPriors(const DecisionRecord& record) const;
-  std::optional<Outcome> Choose(DecisionRecord& record) const;
+  std::optional<Outcome> Choose(DecisionRecord& record, bool bailed_out) const;
   void SampleAndGate(Decision& decision, std::optional<Outcome> hold);
   Outcome Gate(const DecisionRecord& record, std::optional<Outcome> hold,
                std::optional<Outcome> own_hold) const;
@@ -337,13 +337,16 @@ bool DecisionSession::Impl::StartsFromPriors(const DecisionRecord& record) const
 }
 
 // Returns why the policy itself would not switch to its candidate.
-std::optional<Outcome> DecisionSession::Impl::Choose(DecisionRecord& record) const {
+std::optional<Outcome> DecisionSession::Impl::Choose(DecisionRecord& record,
+                                                     bool bailed_out) const {
   Choice choice = policy_->Choose({.active_arm = run().arm(),
                                    .seed = setup_.seed,
                                    .decision_id = record.decision_id,
                                    .now_ns = record.time_ns,
                                    .last_tick_ns = last_tick_ns_,
-                                   .last_switch_ns = gate_.last_switch_ns()});
+                                   .last_switch_ns = gate_.last_switch_ns(),
+                                   .start_ns = setup_.start_ns,
+                                   .bailed_out = bailed_out});
   record.candidate = choice.candidate;
   record.draws = std::move(choice.draws);
   record.gate = choice.gate;
@@ -353,7 +356,7 @@ std::optional<Outcome> DecisionSession::Impl::Choose(DecisionRecord& record) con
 
 // `hold`: what keeps a candidate back whatever it is; `own_hold`: what the policy has against it.
 void DecisionSession::Impl::SampleAndGate(Decision& decision, std::optional<Outcome> hold) {
-  const std::optional<Outcome> own_hold = Choose(decision.record);
+  const std::optional<Outcome> own_hold = Choose(decision.record, false);
   decision.record.outcome = Gate(decision.record, hold, own_hold);
   if (decision.record.outcome == Outcome::kSwitched) {
     Command(decision, *decision.record.candidate, SwitchReason::kPolicy);
@@ -443,7 +446,7 @@ void DecisionSession::Impl::Blame(const Frame& frame, Decision& decision) {
 }
 
 void DecisionSession::Impl::Resample(Decision& decision) {
-  Choose(decision.record);
+  Choose(decision.record, true);
   const uint32_t candidate = *decision.record.candidate;
   decision.record.outcome = candidate == run().arm() ? Outcome::kKept : Outcome::kSwitched;
   if (candidate != run().arm()) Command(decision, candidate, SwitchReason::kBailOut);

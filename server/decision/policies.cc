@@ -6,9 +6,16 @@
 #include <string_view>
 
 #include "server/decision/adaptive_policy.h"
+#include "server/decision/discounted_policy.h"
+#include "server/decision/epsilon_greedy_policy.h"
+#include "server/decision/lin_ts_policy.h"
+#include "server/decision/one_draw_policy.h"
 #include "server/decision/options.h"
 #include "server/decision/policy.h"
+#include "server/decision/random_policy.h"
 #include "server/decision/thompson_policy.h"
+#include "server/decision/thresholds_policy.h"
+#include "server/decision/ucb1_policy.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -32,6 +39,13 @@ constexpr std::array kEntries = {
     Entry{{.name = "adaptive", .reward_version = 2, .explores = false, .starts_from_priors = true},
           Make<AdaptivePolicy>},
     Entry{{.name = "paper"}, Make<ThompsonPolicy>},
+    Entry{{.name = "paper-one-draw"}, Make<OneDrawPolicy>},
+    Entry{{.name = "random", .explores = false}, Make<RandomPolicy>},
+    Entry{{.name = "thresholds", .explores = false}, Make<ThresholdsPolicy>},
+    Entry{{.name = "ucb1"}, Make<Ucb1Policy>},
+    Entry{{.name = "epsilon-greedy"}, Make<EpsilonGreedyPolicy>},
+    Entry{{.name = "discounted-ts"}, Make<DiscountedPolicy>},
+    Entry{{.name = "lin-ts"}, Make<LinTsPolicy>},
 };
 
 constexpr auto kNames = [] {

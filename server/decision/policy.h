@@ -38,8 +38,10 @@ struct ChoiceInput {
   uint64_t seed = 0;
   uint64_t decision_id = 0;  // with the seed, all the randomness there is
   int64_t now_ns = 0;
-  int64_t last_tick_ns = 0;
+  int64_t last_tick_ns = 0;               // start_ns where there was none yet
   std::optional<int64_t> last_switch_ns;  // executed, of any reason; absent: none yet
+  int64_t start_ns = 0;                   // of the session
+  bool bailed_out = false;  // asked at once, outside the ticks, since the active arm was blamed
 };
 
 struct Choice {

@@ -1,13 +1,16 @@
-// Random sequences of calls with absurd values, from seeds: whatever comes, the invariants hold.
+// Random sequences of calls with absurd values, from seeds: whatever comes, and whatever the
+// policy, the invariants hold.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include "server/decision/decision_session.h"
+#include "server/decision/policy.h"
 #include "server/decision/random.h"
 #include "tests/server/decision/scripted_client.h"
 
@@ -43,7 +46,37 @@ class Fuzzer {
     setup.switch_epoch = OneIn(3) ? ~0u - 3 : Below(5);
     setup.active_arm = Below(static_cast<uint32_t>(setup.arms.size()));
     setup.mode = OneIn(6) ? Mode::kManual : Mode::kAi;
+    setup.options.policy = PolicyNames()[seed % PolicyNames().size()];
+    if (OneIn(3)) setup.priors = AnyPriors(setup.arms.size());
     return setup;
+  }
+
+  std::vector<BetaPosterior> AnyPriors(size_t arm_count) {
+    std::vector<BetaPosterior> priors(arm_count);
+    for (BetaPosterior& prior : priors) prior = {AnyPseudoCount(), AnyPseudoCount()};
+    return priors;
+  }
+
+  double AnyPseudoCount() {
+    constexpr std::array<double, 5> kCounts = {1, 5e-324, 0.3, 40, kLargestEvidence / 2};
+    return kCounts[Below(kCounts.size())];
+  }
+
+  std::optional<double> AnyDescription() {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    constexpr std::array<double, 7> kValues = {0, 0.4, 3'000, -1, 1.7e308, kInfinity, std::nan("")};
+    if (OneIn(3)) return std::nullopt;
+    return kValues[Below(kValues.size())];
+  }
+
+  SceneDescriptor AnyDescriptor() {
+    return {.object_count = AnyDescription(),
+            .density_ratio = AnyDescription(),
+            .size_spread = AnyDescription(),
+            .speed_mean = AnyDescription(),
+            .speed_spread = AnyDescription(),
+            .clustering_ratio = AnyDescription(),
+            .static_ratio = AnyDescription()};
   }
 
   uint64_t AnyNumber() {
@@ -86,6 +119,9 @@ class Fuzzer {
       case 3:
       case 4:
         if (pending_) Switch(*pending_);
+        break;
+      case 5:
+        session_.ObserveDescriptor(AnyDescriptor());
         break;
       default:
         ObserveSome(Below(5));
@@ -132,8 +168,13 @@ class Fuzzer {
       ASSERT_GE(*record.reward, 0);
       ASSERT_LE(*record.reward, 1);
     }
-    for (const double draw : record.draws) ASSERT_TRUE(draw >= 0 && draw <= 1);
-    ASSERT_EQ(record.candidate.has_value(), !record.draws.empty());
+    for (const double draw : record.draws) ASSERT_TRUE(std::isfinite(draw));
+    if (!record.draws.empty()) {
+      ASSERT_EQ(record.draws.size(), setup_.arms.size());
+      ASSERT_TRUE(record.candidate);
+    }
+    ASSERT_LT(record.candidate.value_or(0), setup_.arms.size());
+    ASSERT_TRUE(record.propensity > 0 && record.propensity <= 1);
     if (session_.mode() == Mode::kManual) {
       ASSERT_FALSE(decision.increment || decision.command);
     }
@@ -146,10 +187,17 @@ class Fuzzer {
     ASSERT_LT(decision.command->arm, setup_.arms.size());
     ASSERT_NE(decision.command->arm, session_.active_arm());
     ASSERT_EQ(decision.command->reason == SwitchReason::kBailOut, bail_out);
-    if (decision.command->reason == SwitchReason::kPolicy && last_switch_ns_) {
+    if (decision.command->reason == SwitchReason::kPolicy && last_switch_ns_ && !OwnCooldown()) {
       ASSERT_GE(now_ns_ - *last_switch_ns_, setup_.options.cooldown_ns);
     }
     pending_ = decision.command->arm;
+  }
+
+  // Whether the policy asks for another cooldown than the options'.
+  bool OwnCooldown() const {
+    PolicySetup setup{.options = setup_.options, .arms = setup_.arms, .priors = {}};
+    setup.priors.resize(setup.arms.size());
+    return MakePolicy(setup)->cooldown_ns().has_value();
   }
 
   RandomStream random_;
@@ -167,7 +215,8 @@ class Fuzzer {
 
 TEST(Fuzz, InvariantsHoldUnderRandomCallSequences) {
   for (uint64_t seed = 1; seed <= 400 && !testing::Test::HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", policy " +
+                 std::string(PolicyNames()[seed % PolicyNames().size()]));
     Fuzzer(seed).Run(1'500);
   }
 }

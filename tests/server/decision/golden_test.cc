@@ -2,7 +2,8 @@
 // costs, with bail-outs, a stall that is nobody's fault, a changed object count, a pause and an
 // excursion to manual mode.
 //
-// golden/whole_run.log holds one line per decision, numbers as hexadecimal floats. To write it anew
+// golden/whole_run.log holds one line per decision of the policy `paper`, numbers as hexadecimal
+// floats; golden/baselines.log one line per run of each baseline. To write them anew
 // after a change that is meant to change decisions, run this program once with
 // SWEEPSTAKE_UPDATE_GOLDEN=1 in the environment.
 #include <gtest/gtest.h>
@@ -32,15 +33,21 @@ std::string Hex(double value) {
   return {text.data(), end.ptr};
 }
 
-// FNV-1a over the bits of the draws.
-uint64_t HashOf(const std::vector<double>& draws) {
+// FNV-1a.
+uint64_t HashOf(std::string_view bytes) {
   uint64_t hash = 0xcbf29ce484222325;
+  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+  return hash;
+}
+
+// Of the draws' bits, little-endian.
+uint64_t HashOf(const std::vector<double>& draws) {
+  std::string bytes;
   for (const double draw : draws) {
     const auto bits = std::bit_cast<uint64_t>(draw);
-    for (int shift = 0; shift < 64; shift += 8)
-      hash = (hash ^ ((bits >> shift) & 0xff)) * 0x100000001b3;
+    for (int shift = 0; shift < 64; shift += 8) bytes += static_cast<char>((bits >> shift) & 0xff);
   }
-  return hash;
+  return HashOf(bytes);
 }
 
 std::string LineOf(const Decision& decision) {
@@ -68,7 +75,7 @@ std::string LineOf(const Decision& decision) {
 // do.
 class ScriptedGame {
  public:
-  ScriptedGame() : session_(Setup()) {}
+  explicit ScriptedGame(std::string_view policy = "paper") : session_(Setup(policy)) {}
 
   std::string Run() {
     while (now_ns_ < kRunTime) Step();
@@ -82,10 +89,11 @@ class ScriptedGame {
   int64_t now_ns() const { return now_ns_; }
 
  private:
-  static SessionSetup Setup() {
+  static SessionSetup Setup(std::string_view policy) {
     SessionSetup setup;
     setup.arms = {"BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"};
     setup.seed = 20260101;
+    setup.options.policy = policy;
     return setup;
   }
 
@@ -95,6 +103,7 @@ class ScriptedGame {
     const Frame frame = NextFrame();
     now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
     session_.ObserveFrames({&frame, 1});
+    session_.ObserveDescriptor(DescriptorOf(frame));
     if (frame.frame_time_ns > 5'000'000'000) Take(session_.ObserveBailOut(frame, now_ns_));
     ReportSwitch(frame);
     if (now_ns_ >= session_.next_tick_ns()) Take(session_.Tick(now_ns_));
@@ -152,6 +161,15 @@ class ScriptedGame {
     return frame;
   }
 
+  // The scene grows denser until the tree overtakes.
+  SceneDescriptor DescriptorOf(const Frame& frame) const {
+    SceneDescriptor descriptor;
+    descriptor.object_count = frame.object_count;
+    descriptor.density_ratio = static_cast<double>(now_ns_ / kSecond) * 0x1p-10;
+    descriptor.speed_mean = 0.25;
+    return descriptor;
+  }
+
   uint64_t Noisy(uint64_t value) {
     return value - value / 8 + value / 4 * noise_.NextBelow(1'024) / 1'024;
   }
@@ -199,15 +217,31 @@ std::string FirstDifference(const std::string& expected, const std::string& actu
   return "one log is longer than the other";
 }
 
-TEST(GoldenLog, OfAWholeRunReplaysBitForBit) {
-  const std::string path = std::string(SWEEPSTAKE_GOLDEN_DIR) + "/whole_run.log";
-  const std::string actual = ScriptedGame().Run();
+void ExpectGolden(const std::string& file, const std::string& actual) {
+  const std::string path = std::string(SWEEPSTAKE_GOLDEN_DIR) + "/" + file;
   if (const char* update = std::getenv("SWEEPSTAKE_UPDATE_GOLDEN");
       update && std::string_view(update) == "1") {
     std::ofstream(path, std::ios::binary) << actual;
   }
   const std::string expected = ReadFile(path);
   EXPECT_TRUE(expected == actual) << FirstDifference(expected, actual);
+}
+
+TEST(GoldenLog, OfAWholeRunReplaysBitForBit) {
+  ExpectGolden("whole_run.log", ScriptedGame().Run());
+}
+
+// One line per policy: how many decisions the same run had, and the hash of their lines.
+TEST(GoldenLog, OfEveryBaselineReplaysBitForBit) {
+  std::ostringstream lines;
+  for (const char* policy : {"paper-one-draw", "random", "thresholds", "ucb1", "epsilon-greedy",
+                             "discounted-ts", "lin-ts"}) {
+    ScriptedGame game(policy);
+    const std::string log = game.Run();
+    lines << policy << ' ' << game.session().decision_count() << ' ' << std::hex << HashOf(log)
+          << std::dec << '\n';
+  }
+  ExpectGolden("baselines.log", lines.str());
 }
 
 TEST(GoldenLog, ContainsEveryKindOfEvent) {
