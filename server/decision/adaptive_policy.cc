@@ -4,18 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "server/decision/log_cost.h"
 #include "server/decision/normal_distribution.h"
-#include "server/decision/portable_math.h"
 #include "server/decision/posterior_update.h"
 
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kLogStall = 0x1.ed992d88db147p+3;  // ln(5 s in µs): reward 0
-constexpr double kUnsafeShare = 0.6;                // of the bail-out limit: 3 s of 5
-constexpr double kUnsafeDeviations = 2.326;         // P = 1 %
-constexpr double kPriorVariance = 0.15 * 0.15;      // a prior is not believed closer than this
-constexpr double kFlatShare = 0.2;                  // of what a prior may be altogether wrong
+constexpr double kUnsafeShare = 0.6;            // of the bail-out limit: 3 s of 5
+constexpr double kUnsafeDeviations = 2.326;     // P = 1 %
+constexpr double kPriorVariance = 0.15 * 0.15;  // a prior is not believed closer than this
+constexpr double kFlatShare = 0.2;              // of what a prior may be altogether wrong
 constexpr double kUnknownDeviation = 0.8;
 constexpr double kFlatEvidence = 2.5;  // Beta(1,1) and hardly more
 constexpr double kContradiction = 3;   // standard deviations of a visit's noise
@@ -24,27 +23,11 @@ constexpr double kHorizonCooldowns = 5;
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // of the settling time
 constexpr double kCostRate = 0.3;
-constexpr double kTie = 0.001;
+constexpr double kTie = 0.005;
 constexpr double kLongestAdvance = 30;  // decision intervals
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 constexpr double Square(double x) { return x * x; }
-
-double LogCostOf(double detection_us) { return PortableLog(std::clamp(detection_us, 1e-3, 9e9)); }
-
-double RewardOf(double log_cost) { return std::clamp(1 - log_cost / kLogStall, 0.0, 1.0); }
-
-// Evidence of the Beta with this mean and this variance of its reward.
-double EvidenceOf(double reward, double log_variance) {
-  const double variance = std::max(log_variance / Square(kLogStall), 1e-12);
-  return std::clamp(reward * (1 - reward) / variance, 1.0, 1e12);
-}
-
-BetaPosterior BetaOf(const NormalBelief& log_cost) {
-  const double mean = std::clamp(RewardOf(log_cost.mean), 1e-6, 1 - 1e-6);
-  const double evidence = EvidenceOf(mean, log_cost.variance);
-  return {mean * evidence, (1 - mean) * evidence};
-}
 
 bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidence; }
 
@@ -66,19 +49,16 @@ void AdaptivePolicy::TakePriors(const PolicySetup& setup) {
   double count = 0;
   for (const BetaPosterior& prior : setup.priors) {
     if (IsFlat(prior)) continue;
-    sum += (1 - prior.mean()) * kLogStall;
+    sum += BeliefOf(prior).mean;
     ++count;
   }
   if (count == 0) return;
   for (uint32_t arm = 0; arm < setup.priors.size(); ++arm) {
-    const BetaPosterior& prior = setup.priors[arm];
-    has_prior_[arm] = !IsFlat(prior);
-    const double reward_variance = prior.mean() * (1 - prior.mean()) / (prior.evidence() + 1);
-    filter_.SetPrior(
-        arm, has_prior_[arm]
-                 ? NormalBelief{(1 - prior.mean()) * kLogStall,
-                                std::max(reward_variance * Square(kLogStall), kPriorVariance)}
-                 : NormalBelief{sum / count, Square(kUnknownDeviation)});
+    has_prior_[arm] = !IsFlat(setup.priors[arm]);
+    NormalBelief belief{sum / count, Square(kUnknownDeviation)};
+    if (has_prior_[arm]) belief = BeliefOf(setup.priors[arm]);
+    belief.variance = std::max(belief.variance, kPriorVariance);
+    filter_.SetPrior(arm, belief);
   }
 }
 
@@ -138,12 +118,9 @@ std::optional<Lesson> AdaptivePolicy::LearnWindow(const WindowObservation& obser
       (share - detection_share_) / static_cast<double>(std::min<uint64_t>(window_count_, 10));
   ShowBeliefs();
   const double reward = RewardOf(log_cost);
-  const double evidence = EvidenceOf(reward, filter_.live_noise_variance());
-  return Lesson{.increment = {.arm = observation.arm,
-                              .alpha = evidence * reward,
-                              .beta = evidence * (1 - reward),
-                              .window_count = 1},
-                .reward = reward};
+  return Lesson{
+      .increment = LogCostIncrement(observation.arm, reward, filter_.live_noise_variance()),
+      .reward = reward};
 }
 
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {

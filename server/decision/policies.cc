@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/decision/adaptive_policy.h"
+#include "server/decision/calibrated_policy.h"
 #include "server/decision/discounted_policy.h"
 #include "server/decision/epsilon_greedy_policy.h"
 #include "server/decision/lin_ts_policy.h"
@@ -36,6 +37,7 @@ struct Entry {
 constexpr std::string_view kDefaultPolicy = "paper";
 
 constexpr std::array kEntries = {
+    Entry{{.name = "calibrated", .reward_version = 2}, Make<CalibratedPolicy>},
     Entry{{.name = "adaptive", .reward_version = 2, .explores = false, .starts_from_priors = true},
           Make<AdaptivePolicy>},
     Entry{{.name = "paper"}, Make<ThompsonPolicy>},

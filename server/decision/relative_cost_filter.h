@@ -23,15 +23,9 @@
 #include <optional>
 #include <vector>
 
+#include "server/decision/log_cost.h"
+
 namespace sweepstake::decision {
-
-inline constexpr double kLeastLogCost = -7;  // of a cost in µs: 1 ns
-inline constexpr double kMostLogCost = 23;   // some 3 hours
-
-struct NormalBelief {
-  double mean = 0;
-  double variance = 0;
-};
 
 class RelativeCostFilter {
  public:

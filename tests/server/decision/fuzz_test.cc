@@ -123,6 +123,10 @@ class Fuzzer {
       case 5:
         session_.ObserveDescriptor(AnyDescriptor());
         break;
+      case 6:
+      case 7:
+        ObserveShadow(Below(4));
+        break;
       default:
         ObserveSome(Below(5));
     }
@@ -133,6 +137,19 @@ class Fuzzer {
     for (uint32_t i = 0; i < count; ++i) {
       const Frame frame = AnyFrame();
       session_.ObserveFrames({&frame, 1});
+    }
+  }
+
+  void ObserveShadow(uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) {
+      const ShadowSample sample{.first_frame_index = AnyNumber(),
+                                .detection_time_ns = AnyNumber(),
+                                .build_time_ns = AnyNumber(),
+                                .arm = OneIn(10) ? 77 : AnyArm(),
+                                .object_count = Below(5'000),
+                                .frame_count = Below(6),
+                                .flags = Below(4)};
+      session_.ObserveShadow({&sample, 1});
     }
   }
 
@@ -150,7 +167,8 @@ class Fuzzer {
   }
 
   void Switch(uint32_t arm) {
-    session_.ObserveSwitch(arm, ++epoch_, static_cast<SwitchReason>(Below(7)), now_ns_);
+    session_.ObserveSwitch(arm, ++epoch_, static_cast<SwitchReason>(Below(7)), now_ns_,
+                           {.rebuild_time_ns = AnyNumber(), .settling_cost_ns = AnyNumber()});
     pending_.reset();
     NoteSwitch();
   }
@@ -175,6 +193,12 @@ class Fuzzer {
     }
     ASSERT_LT(record.candidate.value_or(0), setup_.arms.size());
     ASSERT_TRUE(record.propensity > 0 && record.propensity <= 1);
+    if (record.gate) {
+      const GateTerms& gate = *record.gate;
+      ASSERT_TRUE(std::isfinite(gate.gain) && gate.gain >= 0);
+      ASSERT_TRUE(std::isfinite(gate.loss) && gate.loss >= 0);
+      ASSERT_TRUE(std::isfinite(gate.horizon_s + gate.cooldown_s + gate.cost_s));
+    }
     if (session_.mode() == Mode::kManual) {
       ASSERT_FALSE(decision.increment || decision.command);
     }

@@ -1,0 +1,59 @@
+#include "server/decision/log_cost.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace sweepstake::decision {
+namespace {
+
+TEST(LogCost, AMicrosecondIsAllOfTheRewardAndAStallOfFiveSecondsNoneOfIt) {
+  EXPECT_NEAR(RewardOf(LogCostOf(1)), 1, 1e-12);
+  EXPECT_NEAR(RewardOf(LogCostOf(std::sqrt(5e6))), 0.5, 1e-12);
+  EXPECT_NEAR(RewardOf(LogCostOf(5e6)), 0, 1e-12);
+  EXPECT_EQ(RewardOf(LogCostOf(1e9)), 0);
+  EXPECT_EQ(RewardOf(LogCostOf(0.1)), 1);
+}
+
+TEST(LogCost, EqualRatiosOfCostAreEqualDifferencesOfReward) {
+  EXPECT_NEAR(RewardOf(LogCostOf(10)) - RewardOf(LogCostOf(11)),
+              RewardOf(LogCostOf(10'000)) - RewardOf(LogCostOf(11'000)), 1e-12);
+}
+
+TEST(LogCost, ABeliefSurvivesBeingShownAsABetaDistribution) {
+  const NormalBelief belief{.mean = 6.2, .variance = 0.0004};
+  const NormalBelief back = BeliefOf(BetaOf(belief));
+  EXPECT_NEAR(back.mean, belief.mean, 1e-9);
+  EXPECT_NEAR(back.variance, belief.variance, 1e-8);
+}
+
+TEST(LogCost, AWindowCountsAsMuchAsItsNoiseWarrants) {
+  const double reward = 0.6;
+  const Increment sharp = LogCostIncrement(2, reward, 0.01 * 0.01);
+  const Increment blurred = LogCostIncrement(2, reward, 0.1 * 0.1);
+  EXPECT_NEAR(sharp.alpha / blurred.alpha, 100, 1e-9);
+  EXPECT_NEAR(sharp.alpha / (sharp.alpha + sharp.beta), reward, 1e-12);
+  EXPECT_EQ(sharp.arm, 2u);
+  EXPECT_EQ(sharp.window_count, 1u);
+}
+
+TEST(LogCost, NothingIsInfiniteOrNaN) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double cost_us : {0.0, -1.0, 5e-324, 1e300, infinity, std::nan("")}) {
+    EXPECT_GE(LogCostOf(cost_us), kLeastLogCost);
+    EXPECT_LE(LogCostOf(cost_us), kMostLogCost);
+  }
+  for (const double mean : {-100.0, 0.0, 100.0}) {
+    for (const double variance : {0.0, 1e-300, 1e9}) {
+      const BetaPosterior shown = BetaOf({mean, variance});
+      EXPECT_TRUE(std::isfinite(shown.alpha) && shown.alpha > 0) << mean << ' ' << variance;
+      EXPECT_TRUE(std::isfinite(shown.beta) && shown.beta > 0) << mean << ' ' << variance;
+    }
+  }
+  EXPECT_EQ(EvidenceOf(0, 0.01), 1);
+  EXPECT_EQ(EvidenceOf(1, 0), 1e12);
+}
+
+}  // namespace
+}  // namespace sweepstake::decision
