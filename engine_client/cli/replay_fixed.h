@@ -1,8 +1,8 @@
 // What a traced scene costs without a policy: each arm alone, and oracles that know everything.
 //
-// Pure; safe from any thread with one scene. Nanoseconds of virtual time. All of them play the very
-// frames that Replay plays with the same seed, and pay neither for an exploration nor for building
-// their first structure.
+// Pure; safe from any thread. Borrows the scene. Nanoseconds of virtual time. All of them play the
+// very frames that Replay plays with the same seed, and pay neither for an exploration nor for
+// building their first structure.
 #pragma once
 
 #include <cstdint>
@@ -12,33 +12,33 @@
 
 namespace sweepstake::cli {
 
-struct OracleCost {
-  double frame_ns = 0;        // the best arm of each frame, switching for nothing
-  double regime_ns = 0;       // the best sequence of arms that pays for each switch
-  uint32_t switch_count = 0;  // of the latter
-};
-
 // The frames of one seed's game.
 class FixedCosts {
  public:
   FixedCosts(const ReplayScene& scene, uint64_t seed);
 
-  // Of all frames from `first_frame` on, per arm.
+  // Of the frames from `first_frame` on, per arm.
   std::vector<double> TotalsFrom(uint32_t first_frame) const;
-  // The arm with the smallest total.
-  static uint32_t Best(const std::vector<double>& totals);
+
+  struct OracleCost {
+    double frame_ns = 0;        // the best arm of each frame, switching for nothing
+    double regime_ns = 0;       // the cheapest sequence of arms that pays for its switches
+    uint32_t switch_count = 0;  // of the latter
+  };
+  // The latter may switch once per `interval_ns` of the best arm's frames, as a policy may at
+  // ticks; `warm`: at the cost of a switch that the shadow lane prepared, else of a cold one. Found
+  // by dynamic programming in O(frames × arms).
+  OracleCost Oracle(int64_t interval_ns, bool warm) const;
 
  private:
   static constexpr uint32_t kBlock = 1024;
 
-  const ReplayScene& scene_;
-  uint64_t seed_;
-  std::vector<double> from_block_;  // block-major: totals of the frames from this block's first on
-};
+  double FrameNs(uint32_t game_frame, uint32_t arm) const;
+  double SwitchNs(uint32_t game_frame, uint32_t arm, bool warm) const;
 
-// Frames may be switched at every decision interval, as a policy might at most; `warm`: at the cost
-// of a switch that the shadow lane prepared, else of a cold one. Dynamic programming, O(frames ×
-// arms).
-OracleCost Oracle(const ReplayScene& scene, uint64_t seed, bool warm);
+  const ReplayScene& scene_;
+  std::vector<uint32_t> order_;     // the trace frame of each game frame
+  std::vector<double> from_block_;  // block-major: totals from this block's first frame on
+};
 
 }  // namespace sweepstake::cli

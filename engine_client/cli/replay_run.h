@@ -29,8 +29,8 @@ struct ReplaySetup {
   decision::DecisionOptions options;
   uint64_t seed =
       1;  // of the session; rotates the initial arm and where in the trace the game starts
-  std::optional<bool> shadow_lane;              // absent: where the policy learns from it
-  std::vector<decision::BetaPosterior> priors;  // one per arm; empty: none
+  std::optional<bool> shadow_lane;                // absent: where the policy learns from it
+  std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
   bool keep_timeline = false;
 };
 

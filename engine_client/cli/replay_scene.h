@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "engine_client/cli/cost_trace.h"
-#include "server/decision/types.h"
+#include "server/decision/decision_session.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
@@ -37,7 +37,8 @@ class ReplayScene {
  public:
   static constexpr uint32_t kClipFrameCount = 16;
 
-  // kInvalidArgument: the options or the trace make no game.
+  // REQUIRES: a sound trace, as ReadCosts gives. kInvalidArgument: the options make no game, or the
+  // trace has more arms than a session.
   static Result<ReplayScene> Create(const CostTrace& trace, const GameOptions& options);
 
   const GameOptions& options() const { return options_; }
@@ -61,16 +62,13 @@ class ReplayScene {
   // The descriptor that the client has sent last at this frame; null: the trace has none.
   const decision::SceneDescriptor* descriptor(uint32_t trace_frame) const;
 
-  // What a freshly built structure of `arm` takes around this frame, from the nearest burst.
+  // A freshly built structure of `arm` around this frame, from the nearest burst; from the frame on
+  // that builds it.
   struct FreshArm {
-    std::span<const double> slowdown;  // per frame from the build on: its time ÷ the running arm's
-    double build_ns = 0;               // the first frame: build and search
-    double settled_ns = 0;             // median of the frames after the build and its warm-up
-    double visit_ns = 0;               // all frames of the burst together
+    std::span<const uint64_t> detection_ns;
+    std::span<const double> slowdown;  // the same ÷ what a running structure takes there
   };
   FreshArm fresh_arm(uint32_t trace_frame, uint32_t arm) const;
-  uint32_t burst_frame_count() const { return burst_frame_count_; }
-  uint32_t settled_frame_count() const { return settled_frame_count_; }
 
   // The same arm measured twice, relative difference of the means: what noise alone makes of a
   // regret.
@@ -78,11 +76,15 @@ class ReplayScene {
 
  private:
   ReplayScene() = default;
+  void TakeFrames(const CostTrace& trace, double scale);
+  void TakeBursts(const CostTrace& trace, double scale);
+  void FindNearestBursts(const CostTrace& trace);
+  void TakeDescriptors(const CostTrace& trace);
 
+  // Arm-major, burst_frame_count_ values each.
   struct Burst {
-    uint32_t first_frame = 0;
-    std::vector<double> slowdown;                        // arm-major, burst_frame_count_ each
-    std::vector<double> build_ns, settled_ns, visit_ns;  // per arm
+    std::vector<uint64_t> detection_ns;
+    std::vector<double> slowdown;
   };
 
   GameOptions options_;
@@ -90,7 +92,6 @@ class ReplayScene {
   uint32_t frame_count_ = 0;
   uint32_t trace_frame_count_ = 0;
   uint32_t burst_frame_count_ = 0;
-  uint32_t settled_frame_count_ = 0;
   double control_regret_ = 0;
   std::vector<double> detection_ns_;
   std::vector<uint64_t> aabb_check_count_;

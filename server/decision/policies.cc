@@ -38,7 +38,11 @@ constexpr std::string_view kDefaultPolicy = "paper";
 
 constexpr std::array kEntries = {
     Entry{{.name = "calibrated", .reward_version = 2}, Make<CalibratedPolicy>},
-    Entry{{.name = "adaptive", .reward_version = 2, .explores = false, .starts_from_priors = true},
+    Entry{{.name = "adaptive",
+           .reward_version = 2,
+           .explores = false,
+           .starts_from_priors = true,
+           .uses_shadow = true},
           Make<AdaptivePolicy>},
     Entry{{.name = "paper"}, Make<ThompsonPolicy>},
     Entry{{.name = "paper-one-draw"}, Make<OneDrawPolicy>},

@@ -83,6 +83,7 @@ struct PolicyKind {
   uint32_t reward_version = 1;      // evidence of different versions is never merged
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
   bool starts_from_priors = false;  // where there are priors, decides before the first frame
+  bool uses_shadow = false;         // learns from the shadow lane
 };
 
 // REQUIRES: PolicyNames() (options.h) has it, or it is "default".
