@@ -1,5 +1,6 @@
 #include "engine_client/cli/game_run.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace sweepstake::cli {
@@ -43,12 +44,22 @@ Result<std::unique_ptr<GameRun>> GameRun::Create(const AdaptiveOptions& options,
 bool GameRun::Frame() {
   const uint64_t begin_ns = SteadyClock().NowNs();
   scene_.Step();
+  const uint64_t stepped_ns = SteadyClock().NowNs();
   adaptive_->BeginFrame();
   adaptive_->FindPairs(scene_.aabbs());
   const uint64_t work_end_ns = SteadyClock().NowNs();
   adaptive_->EndFrame({.frame_time_ns = work_end_ns - begin_ns + end_cost_ns_});
   end_cost_ns_ = SteadyClock().NowNs() - work_end_ns;
+  Account(stepped_ns - begin_ns, work_end_ns - stepped_ns, adaptive_->last_sample());
   return Note(adaptive_->last_sample());
+}
+
+void GameRun::Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample) {
+  profile_.step_ns += step_ns;
+  const bool rebuilt = (sample.flags & kFrameRebuild) != 0;
+  (rebuilt ? profile_.rebuild_ns : profile_.detection_ns) += sample.detection_time_ns;
+  profile_.around_ns += path_ns - std::min(path_ns, sample.detection_time_ns);
+  profile_.end_ns += end_cost_ns_;
 }
 
 uint64_t GameRun::elapsed_ns() const { return SteadyClock().NowNs() - start_ns_; }

@@ -32,6 +32,15 @@ struct ArmActivity {
   uint64_t detection_ns = 0;  // of these, the broad phase's
 };
 
+// Where the frames' time went, all frames together. The parts add up to it.
+struct FrameProfile {
+  uint64_t step_ns = 0;       // the scene's motion
+  uint64_t detection_ns = 0;  // update and search of a standing structure
+  uint64_t rebuild_ns = 0;    // the same of frames that built the structure anew
+  uint64_t around_ns = 0;     // the rest up to EndFrame: pending switch, box copies, descriptors
+  uint64_t end_ns = 0;        // EndFrame: sample, sink, bail-out guard
+};
+
 class GameRun final : private FrameSink {
  public:
   // `sink` takes what the frame path produces; borrowed. The errors of AdaptiveBroadPhase::Create.
@@ -50,6 +59,7 @@ class GameRun final : private FrameSink {
   // In the order of arms.
   const std::vector<ArmActivity>& activities() const { return activities_; }
   const std::vector<SwitchEvent>& switches() const { return switches_; }
+  const FrameProfile& profile() const { return profile_; }
   // How switches went, as they settled. At most 65,536 are kept.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
 
@@ -60,6 +70,7 @@ class GameRun final : private FrameSink {
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
   bool Note(const FrameSample& sample);
+  void Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample);
 
   Scene& scene_;
   FrameSink& sink_;
@@ -68,6 +79,7 @@ class GameRun final : private FrameSink {
   uint64_t end_cost_ns_ = 0;  // of the last EndFrame; belongs to the next frame's time
   uint64_t frame_count_ = 0;
   uint32_t arm_ = 0;
+  FrameProfile profile_;
   std::vector<ArmActivity> activities_;
   std::vector<SwitchEvent> switches_;
   std::vector<SwitchOutcome> outcomes_;

@@ -10,6 +10,7 @@
 #include "engine_client/cli/bench_command.h"
 #include "engine_client/cli/check_command.h"
 #include "engine_client/cli/command_line.h"
+#include "engine_client/cli/experiment_command.h"
 #include "engine_client/cli/pairs_command.h"
 #include "engine_client/cli/priors_command.h"
 #include "engine_client/cli/record_command.h"
@@ -69,6 +70,7 @@ int Run(int argc, char** argv) {
   AddRunCommand(app, terminal, exit_code);
   AddCheckCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
+  AddExperimentCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine_client/cli/csv_file.h"
 #include "engine_client/cli/duration.h"
+#include "engine_client/cli/frame_log.h"
 #include "engine_client/cli/game_run.h"
 #include "engine_client/cli/json_output.h"
 #include "engine_client/cli/machine_class.h"
@@ -68,40 +68,17 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   return MakeEmbeddedSession(embedded, session);
 }
 
-// One row per frame, written between the frames, outside of what they measure.
-class FrameLog {
- public:
-  static Result<FrameLog> Create(const std::string& folder) {
-    if (folder.empty()) return FrameLog(nullptr);
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (error) {
-      return Status(StatusCode::kInvalidArgument,
-                    folder + " cannot be made a folder: " + error.message());
-    }
-    auto csv = CsvFile::Create(
-        std::filesystem::path(folder) / "frames.csv",
-        {"frame", "arm", "switch_epoch", "frame_time_ns", "detection_time_ns", "aabb_check_count",
-         "pair_count", "object_count", "native_bytes", "flags"});
-    if (!csv.ok()) return csv.status();
-    return FrameLog(std::move(*csv));
+// frames.csv in `folder`, which is made; null where none is asked for.
+Result<std::unique_ptr<FrameLog>> MakeFrameLog(const std::string& folder) {
+  if (folder.empty()) return std::unique_ptr<FrameLog>();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    return Status(StatusCode::kInvalidArgument,
+                  folder + " cannot be made a folder: " + error.message());
   }
-
-  void Write(const FrameSample& sample, const AdaptiveBroadPhase& adaptive) {
-    if (csv_ == nullptr) return;
-    csv_->Row({std::to_string(sample.frame_index), adaptive.arms()[sample.arm],
-               std::to_string(sample.switch_epoch), std::to_string(sample.frame_time_ns),
-               std::to_string(sample.detection_time_ns), std::to_string(sample.aabb_check_count),
-               std::to_string(sample.pair_count), std::to_string(sample.object_count),
-               std::to_string(sample.native_bytes), std::to_string(sample.flags)});
-  }
-
-  Status Commit() { return csv_ == nullptr ? Status() : csv_->Commit(); }
-
- private:
-  explicit FrameLog(std::unique_ptr<CsvFile> csv) : csv_(std::move(csv)) {}
-  std::unique_ptr<CsvFile> csv_;
-};
+  return FrameLog::Create(std::filesystem::path(folder) / "frames.csv");
+}
 
 std::string StateText(const SessionStats& stats) {
   switch (stats.state) {
@@ -122,7 +99,7 @@ std::string StateText(const SessionStats& stats) {
 // The frame loop and what it tells while it runs.
 class Player {
  public:
-  Player(const RunSetup& setup, GameRun& run, const Session& session, FrameLog& log,
+  Player(const RunSetup& setup, GameRun& run, const Session& session, FrameLog* log,
          Terminal& terminal, uint64_t duration_ns, bool json)
       : setup_(setup),
         run_(run),
@@ -136,7 +113,7 @@ class Player {
   void Play() {
     while (run_.elapsed_ns() < duration_ns_ && !StopRequested() && refusal_.empty()) {
       if (run_.Frame()) SaySwitch();
-      log_.Write(run_.adaptive().last_sample(), run_.adaptive());
+      if (log_ != nullptr) log_->Write(run_.adaptive().last_sample(), run_.adaptive());
       if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) LookForAnswer();
       if (progress_.due()) ShowProgress();
     }
@@ -193,7 +170,7 @@ class Player {
   const RunSetup& setup_;
   GameRun& run_;
   const Session& session_;
-  FrameLog& log_;
+  FrameLog* const log_;
   Terminal& terminal_;
   const uint64_t duration_ns_;
   const bool json_;
@@ -206,14 +183,14 @@ class Player {
 };
 
 int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
-           const SessionStats& stats, FrameLog& log, Terminal& terminal) {
+           const SessionStats& stats, FrameLog* log, Terminal& terminal) {
   if (options.json) {
     PrintJson(RunReportJson(setup, run, stats), terminal.out);
   } else {
     PrintRunReport(setup, run, stats, terminal.out);
   }
-  if (!options.csv.empty()) {
-    Status status = log.Commit();
+  if (log != nullptr) {
+    Status status = log->Commit();
     if (status.ok()) status = WriteRunReportCsv(run, stats, options.csv);
     if (!status.ok()) return Fail(terminal, status);
   }
@@ -256,12 +233,12 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
   if (!run.ok()) return Fail(terminal, run.status());
-  auto log = FrameLog::Create(options.csv);
+  auto log = MakeFrameLog(options.csv);
   if (!log.ok()) return Fail(terminal, log.status());
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();
-  Player player(setup, **run, **session, *log, terminal, *duration_ns, options.json);
+  Player player(setup, **run, **session, log->get(), terminal, *duration_ns, options.json);
   player.Play();
   (*session)->Stop(kStopDeadlineMs);
   player.End();
@@ -270,7 +247,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
                                  "the daemon at " + options.daemon +
                                      " refuses the session: " + player.refusal()));
   }
-  return Report(options, setup, **run, (*session)->stats(), *log, terminal);
+  return Report(options, setup, **run, (*session)->stats(), log->get(), terminal);
 }
 
 void Declare(CLI::App& command, RunOptions& options) {

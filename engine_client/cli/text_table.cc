@@ -11,6 +11,13 @@ bool IsNumber(const std::string& cell) {
   return !cell.empty() && cell.find_first_not_of("+-.0123456789e%") == std::string::npos;
 }
 
+// Characters of UTF-8, which take a column each.
+size_t Columns(const std::string& cell) {
+  return static_cast<size_t>(std::count_if(cell.begin(), cell.end(), [](char byte) {
+    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+  }));
+}
+
 }  // namespace
 
 TextTable::TextTable(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
@@ -26,7 +33,7 @@ void TextTable::Print(std::ostream& out) const {
     if (rows_[row].size() < widths.size()) continue;
     for (size_t column = 0; column < widths.size(); ++column) {
       const std::string& cell = rows_[row][column];
-      widths[column] = std::max(widths[column], cell.size());
+      widths[column] = std::max(widths[column], Columns(cell));
       if (row > 0 && !IsNumber(cell)) right[column] = false;
     }
   }
@@ -37,7 +44,7 @@ void TextTable::Print(std::ostream& out) const {
     }
     std::string line;
     for (size_t column = 0; column < widths.size(); ++column) {
-      const std::string padding(widths[column] - row[column].size(), ' ');
+      const std::string padding(widths[column] - Columns(row[column]), ' ');
       line += right[column] ? padding + row[column] : row[column] + padding;
       line += "  ";
     }

@@ -1,0 +1,203 @@
+#include "engine_client/cli/experiment_command.h"
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "engine_client/cli/bench_machine.h"
+#include "engine_client/cli/experiment_csv.h"
+#include "engine_client/cli/experiment_folder.h"
+#include "engine_client/cli/experiment_grid.h"
+#include "engine_client/cli/experiment_summary.h"
+#include "engine_client/cli/experiment_tables.h"
+#include "engine_client/cli/json_output.h"
+#include "engine_client/cli/stop_signal.h"
+#include "engine_client/cli/whole_file.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CommandOptions {
+  ExperimentOptions experiment;
+  std::string out;
+  std::string resume;
+  bool json = false;
+};
+
+// What is under way: a new experiment, or the one in the folder.
+struct Opened {
+  ExperimentFolder folder;
+  ExperimentPlan plan;
+  std::vector<ExperimentSitting> sittings;
+};
+
+Result<Opened> OpenExperiment(const CommandOptions& options) {
+  if (options.out.empty() == options.resume.empty()) {
+    return Status(StatusCode::kInvalidArgument,
+                  "give either --out DIR for a new experiment, or --resume DIR to go on with one");
+  }
+  const ExperimentFolder folder(options.out.empty() ? options.resume : options.out);
+  ExperimentManifest manifest{options.experiment, {}};
+  if (!options.resume.empty()) {
+    auto read = folder.ReadManifest();
+    if (!read.ok()) return read.status();
+    manifest = std::move(*read);
+  }
+  auto plan = MakePlan(manifest.options);
+  if (!plan.ok()) return plan.status();
+  if (options.resume.empty()) {
+    if (Status status = folder.Create(); !status.ok()) return status;
+  }
+  return Opened{folder, std::move(*plan), std::move(manifest.sittings)};
+}
+
+Status WriteText(const std::string& text, const std::filesystem::path& path) {
+  auto file = WholeFile::Create(path);
+  if (!file.ok()) return file.status();
+  (*file)->Write(text);
+  return (*file)->Commit();
+}
+
+Json SpreadJson(const Spread& spread) {
+  return {{"mean", spread.mean}, {"sd", spread.deviation}, {"runs", spread.count}};
+}
+
+Json SummaryJson(const Opened& opened, const std::vector<CellSummary>& cells,
+                 size_t finished_count) {
+  Json document = {{"command", "experiment"},
+                   {"folder", opened.folder.path().string()},
+                   {"complete", finished_count == opened.plan.runs.size()},
+                   {"finished_runs", finished_count},
+                   {"planned_runs", opened.plan.runs.size()},
+                   {"time_scale", opened.plan.options.time_scale},
+                   {"cells", Json::array()}};
+  for (const CellSummary& cell : cells) {
+    Json dominance = Json::object();
+    for (const auto& [arm, count] : cell.dominance) dominance[arm] = count;
+    document["cells"].push_back({{"policy", cell.policy},
+                                 {"scene", cell.cell.scene},
+                                 {"objects", cell.cell.object_count},
+                                 {"runs", cell.runs.size()},
+                                 {"dominance", dominance},
+                                 {"verdict", VerdictName(cell.verdict)},
+                                 {"switches", SpreadJson(cell.switches)},
+                                 {"active_percent", SpreadJson(cell.active_percent)},
+                                 {"mu", SpreadJson(cell.posterior_mean)},
+                                 {"n", SpreadJson(cell.evidence)}});
+  }
+  return document;
+}
+
+// All that is made of the runs that are there.
+Status WriteResults(const Opened& opened, const std::vector<RunRecord>& records,
+                    const std::vector<CellSummary>& cells, const std::string& tables) {
+  const std::filesystem::path& path = opened.folder.path();
+  if (Status status = WriteTables(cells, path); !status.ok()) return status;
+  if (Status status = WriteText(tables, path / "tables.txt"); !status.ok()) return status;
+  return WriteRawCsv(records, path);
+}
+
+int Finish(const CommandOptions& options, Opened& opened, Terminal& terminal) {
+  const std::vector<RunRecord> records = opened.folder.ReadRecords(opened.plan);
+  const std::vector<CellSummary> cells = SummarizeCells(opened.plan, records);
+  const bool complete = records.size() == opened.plan.runs.size();
+  std::ostringstream tables;
+  if (!complete) {
+    tables << "PARTIAL: " << records.size() << " of " << opened.plan.runs.size()
+           << " runs; --resume " << opened.folder.path().string() << " goes on with it\n";
+  }
+  PrintTables(cells, tables);
+  opened.sittings.back().end_utc = DescribeMachine({}).date_utc;
+  Status status = WriteResults(opened, records, cells, tables.str());
+  if (status.ok()) {
+    status =
+        opened.folder.WriteManifest(ManifestJson(opened.plan, opened.sittings, records.size()));
+  }
+  if (!status.ok()) return Fail(terminal, status);
+  if (options.json) {
+    PrintJson(SummaryJson(opened, cells, records.size()), terminal.out);
+  } else {
+    terminal.out << tables.str();
+  }
+  terminal.err << "Everything is in " << opened.folder.path().string() << '\n';
+  return complete ? kDone : kCheckFailed;
+}
+
+int RunExperiment(const CommandOptions& options, const std::string& command_line,
+                  Terminal& terminal) {
+  auto opened = OpenExperiment(options);
+  if (!opened.ok()) return Fail(terminal, opened.status());
+  opened->sittings.push_back({command_line, DescribeMachine({}).date_utc, ""});
+  // Written before the first run, so that an experiment that is killed can be gone on with.
+  Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sittings, 0));
+  if (!status.ok()) return Fail(terminal, status);
+  InstallStopSignal();
+  status = PlayGrid(opened->plan, opened->folder, terminal);
+  if (!status.ok()) return Fail(terminal, status);
+  return Finish(options, *opened, terminal);
+}
+
+void Declare(CLI::App& command, CommandOptions& options) {
+  ExperimentOptions& experiment = options.experiment;
+  command.add_option("--out", options.out, "Folder for everything; made where it is not there");
+  command.add_option("--resume", options.resume,
+                     "Folder of an experiment that was ended: goes on with what is missing, as it "
+                     "was asked for");
+  command
+      .add_option("--time-scale", experiment.time_scale,
+                  "Divides the window and every interval of the decider but the bail-out limit")
+      ->check(RealFrom(1.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--runs", experiment.run_count, "Runs of each cell and policy (default: 5)")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{1000}));
+  command
+      .add_option("--scenes", experiment.scenes,
+                  "Scenes or .aabbs files (default: brownian,rotating-gravity,hurricane)")
+      ->delimiter(',');
+  command
+      .add_option("--objects", experiment.object_counts, "Object counts (default: 1000,2000,3000)")
+      ->delimiter(',');
+  command
+      .add_option("--sizes-beyond", experiment.large_object_counts,
+                  "More object counts, beyond the paper's (default: 10000,50000; none where "
+                  "--objects is given)")
+      ->delimiter(',');
+  command.add_option("--policies", experiment.policies, "Policies (default: paper,default)")
+      ->delimiter(',');
+  command.add_option("--window", experiment.window,
+                     "Observed after the exploration, before the scale (default: 15m)");
+  command.add_option("--seed", experiment.seed, "All seeds come from this one")
+      ->check(NotNegative())
+      ->capture_default_str();
+  command.add_flag("--quick", experiment.quick,
+                   "Six cells (1000 and 3000 objects) and one run of each, to see that it works");
+  command.add_flag("--frames", experiment.frames, "Keep every frame's metrics, some GB");
+  command.add_flag("--json", options.json, "One JSON document on stdout");
+}
+
+}  // namespace
+
+void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
+                          int& exit_code) {
+  AddCommand<CommandOptions>(
+      app, "experiment", "Play the paper's grid live and write its tables, raw data and a report",
+      "  sweepstake experiment --time-scale 60 --out results\n"
+      "  sweepstake experiment --time-scale 60 --quick --out quick\n"
+      "  sweepstake experiment --scenes hurricane --objects 3000,10000 --policies paper --out h\n"
+      "  sweepstake experiment --resume results\n"
+      "3 scenes × (1000, 2000, 3000, 10000, 50000 objects) × 2 policies × 5 runs of exploration "
+      "and "
+      "15 minutes,\n"
+      "divided by the time scale, with seeds that are fixed. Ctrl-C ends with what is there, "
+      "marked "
+      "as partial, and\n"
+      "exit code 1; each finished run is on disk, and --resume goes on. Leave the machine alone "
+      "meanwhile: what\n"
+      "disturbs it disturbs the figures.",
+      exit_code, Declare, [&terminal, command_line](const CommandOptions& options) {
+        return RunExperiment(options, command_line, terminal);
+      });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,17 @@
+// Live runs made up for tests: three arms, an exploration of 6 s and a window of 100 s.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/experiment_record.h"
+
+namespace sweepstake::test_support {
+
+inline const std::vector<std::string> kRecordArms{"SAP", "KDTree", "Grid"};
+
+// After the exploration `arm` runs for `share_percent` of the window and the next arm for the rest.
+cli::RunRecord MakeRecord(const cli::ExperimentCell& cell, const std::string& policy, uint32_t run,
+                          uint32_t arm, double share_percent);
+
+}  // namespace sweepstake::test_support
