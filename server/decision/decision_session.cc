@@ -8,6 +8,7 @@
 #include "server/decision/arm_runs.h"
 #include "server/decision/audit_recorder.h"
 #include "server/decision/exploration.h"
+#include "server/decision/frame_rate_floor.h"
 #include "server/decision/observation.h"
 #include "server/decision/policy.h"
 #include "server/decision/safeguards.h"
@@ -98,6 +99,7 @@ class DecisionSession::Impl {
   void ScheduleNextTick(int64_t now_ns);
   Decision Open(int64_t now_ns);
   Decision Close(Decision decision);
+  void Diagnose(std::optional<double> fps);
   void Explore(Decision& decision);
   void GoOnExploring(Decision& decision, SwitchReason reason);
   void EndSlot(int64_t now_ns);
@@ -119,6 +121,7 @@ class DecisionSession::Impl {
   const PolicyKind& policy_kind_;
   const std::unique_ptr<Policy> policy_;
   Diagnosis diagnosis_;
+  FrameRateFloor frame_rate_floor_;
   Exploration exploration_;
   SwitchGate gate_;
   Observation observation_;
@@ -144,6 +147,7 @@ DecisionSession::Impl::Impl(SessionSetup setup)
     : setup_(std::move(setup)),
       policy_kind_(PolicyKindOf(setup_.options.policy)),
       policy_(PolicyOf(setup_)),
+      frame_rate_floor_(setup_.options.fps_floor),
       exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
       gate_(LastSwitchOf(setup_)),
       observation_(setup_.arms.size(), setup_.active_arm),
@@ -273,6 +277,7 @@ Decision DecisionSession::Impl::Tick(int64_t now_ns) {
       SampleAndGate(decision, hold);
     }
   }
+  Diagnose(run().window().empty() ? std::nullopt : std::optional(run().window().Metrics().fps));
   shadow_samples_.clear();
   descriptor_.reset();
   runs_.ClearWindow();
@@ -311,10 +316,17 @@ Decision DecisionSession::Impl::Open(int64_t now_ns) {
 Decision DecisionSession::Impl::Close(Decision decision) {
   decision.record.posteriors = policy_->posteriors();
   decision.record.context = policy_->context();
-  diagnosis_ = policy_->Diagnose();
   decision.record.diagnosis = diagnosis_;
   if (audit_) audit_->EndDecision(decision);
   return decision;
+}
+
+// `fps`: of the active arm, where there is something new.
+void DecisionSession::Impl::Diagnose(std::optional<double> fps) {
+  diagnosis_ = policy_->Diagnose();
+  if (diagnosis_.best_probability.empty()) return;
+  if (fps) frame_rate_floor_.Observe(*fps, run().arm() == diagnosis_.leader);
+  if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;
 }
 
 std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
@@ -431,6 +443,8 @@ Decision DecisionSession::Impl::ObserveBailOut(const Frame& frame, int64_t now_n
   } else {
     ++counts_.excused_bail_out_count;
   }
+  const bool charged = decision.increment && runs_.IsActive(frame);
+  Diagnose(charged ? std::optional(0.0) : std::nullopt);
   return Close(std::move(decision));
 }
 

@@ -140,7 +140,8 @@ class DecisionSession {
   Decision Tick(int64_t now_ns);
 
   std::span<const BetaPosterior> posteriors() const;
-  // Of the latest tick.
+  // Of the latest tick or bail-out; the policy's, and kDegraded where the frame rate says so
+  // (frame_rate_floor.h).
   const Diagnosis& diagnosis() const;
   // The policy's own name, where "default" was asked for.
   std::string_view policy() const;

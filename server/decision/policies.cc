@@ -7,6 +7,7 @@
 
 #include "server/decision/adaptive_policy.h"
 #include "server/decision/calibrated_policy.h"
+#include "server/decision/diagnosis.h"
 #include "server/decision/discounted_policy.h"
 #include "server/decision/epsilon_greedy_policy.h"
 #include "server/decision/lin_ts_policy.h"
@@ -72,7 +73,7 @@ const Entry& EntryOf(std::string_view name) {
 
 std::span<const std::string_view> PolicyNames() { return kNames; }
 
-Diagnosis Policy::Diagnose() const { return {}; }
+Diagnosis Policy::Diagnose() const { return decision::Diagnose(posteriors()); }
 
 const PolicyKind& PolicyKindOf(std::string_view name) { return EntryOf(name).kind; }
 

@@ -89,4 +89,17 @@ double PortableLog(double x) {
   return k * kLn2High + (LogOfMantissa(m) + k * kLn2Low);
 }
 
+double PortableExpm1(double x) {
+  // There the reduction of PortableExp has nothing to do, and its leading 1 is left out.
+  if (x > -0.34 && x < 0.34) return x + x * x * Polynomial(kInverseFactorials, x);
+  return PortableExp(x) - 1;
+}
+
+double PortableLog1p(double x) {
+  const double sum = 1 + x;
+  if (sum == 1) return x;
+  // What the sum lost in rounding, W. Kahan's correction: ln(s) / (s − 1) varies slowly.
+  return sum < kInfinity && sum > 0 ? PortableLog(sum) * (x / (sum - 1)) : PortableLog(sum);
+}
+
 }  // namespace sweepstake::decision

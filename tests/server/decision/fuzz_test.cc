@@ -42,12 +42,12 @@ class Fuzzer {
     setup.options.cooldown_ns = static_cast<int64_t>(Below(60)) * kSecond;
     setup.options.settling_ns = static_cast<int64_t>(Below(4)) * kSecond;
     setup.options.exploration_warm_up_ns = static_cast<int64_t>(Below(3)) * kSecond;
+    if (OneIn(3)) setup.priors = AnyPriors(setup.arms.size());
     setup.start_ns = OneIn(3) ? -1'000 * kSecond : static_cast<int64_t>(Below(1'000'000));
     setup.switch_epoch = OneIn(3) ? ~0u - 3 : Below(5);
     setup.active_arm = Below(static_cast<uint32_t>(setup.arms.size()));
     setup.mode = OneIn(6) ? Mode::kManual : Mode::kAi;
     setup.options.policy = PolicyNames()[seed % PolicyNames().size()];
-    if (OneIn(3)) setup.priors = AnyPriors(setup.arms.size());
     return setup;
   }
 
@@ -202,8 +202,23 @@ class Fuzzer {
     if (session_.mode() == Mode::kManual) {
       ASSERT_FALSE(decision.increment || decision.command);
     }
+    CheckDiagnosis(record.diagnosis);
     if (decision.command) CheckCommand(decision, bail_out);
     ASSERT_GT(session_.next_tick_ns(), bail_out ? std::numeric_limits<int64_t>::min() : now_ns_);
+  }
+
+  void CheckDiagnosis(const Diagnosis& diagnosis) {
+    ASSERT_EQ(diagnosis.best_probability.empty(), diagnosis.verdict == Verdict::kUnknown);
+    if (diagnosis.best_probability.empty()) return;
+    ASSERT_EQ(diagnosis.best_probability.size(), setup_.arms.size());
+    double sum = 0;
+    for (const double p : diagnosis.best_probability) {
+      ASSERT_TRUE(p >= 0 && p <= diagnosis.best_probability[diagnosis.leader]);
+      sum += p;
+    }
+    ASSERT_NEAR(sum, 1, 1e-9);
+    ASSERT_TRUE(diagnosis.expected_loss_ratio >= 0 && std::isfinite(diagnosis.expected_loss_ratio));
+    ASSERT_TRUE(diagnosis.entropy >= 0 && std::isfinite(diagnosis.entropy));
   }
 
   void CheckCommand(const Decision& decision, bool bail_out) {

@@ -33,6 +33,8 @@ uint64_t WorstOverGrid(double low, double step, int count, Ours ours, Theirs the
 
 double LibraryExp(double x) { return std::exp(x); }
 double LibraryLog(double x) { return std::log(x); }
+double LibraryExpm1(double x) { return std::expm1(x); }
+double LibraryLog1p(double x) { return std::log1p(x); }
 
 TEST(PortableMath, ExpIsWithinTwoUlpOfTheLibraryOverItsWholeRange) {
   EXPECT_LE(WorstOverGrid(-708, 0.00937, 151'000, PortableExp, LibraryExp), 2u);
@@ -64,7 +66,22 @@ TEST(PortableMath, LogIsWithinTwoUlpOfTheLibraryAroundOne) {
   EXPECT_LE(worst, 2u);
 }
 
+TEST(PortableMath, ExpMinusOneIsWithinSixUlpOfTheLibrary) {
+  EXPECT_LE(WorstOverGrid(-40, 0.00137, 500'000, PortableExpm1, LibraryExpm1), 6u);
+  EXPECT_LE(WorstOverGrid(-1e-3, 1.3e-8, 150'000, PortableExpm1, LibraryExpm1), 6u);
+}
+
+TEST(PortableMath, LogOfOnePlusIsWithinSixUlpOfTheLibrary) {
+  EXPECT_LE(WorstOverGrid(-0.9999, 1.7e-5, 900'000, PortableLog1p, LibraryLog1p), 6u);
+  EXPECT_LE(WorstOverGrid(-1e-3, 1.3e-8, 150'000, PortableLog1p, LibraryLog1p), 6u);
+}
+
 TEST(PortableMath, SpecialValuesAreThoseOfC) {
+  EXPECT_EQ(PortableExpm1(1e-300), 1e-300);
+  EXPECT_EQ(PortableExpm1(-kInfinity), -1);
+  EXPECT_EQ(PortableLog1p(-1), -kInfinity);
+  EXPECT_EQ(PortableLog1p(kInfinity), kInfinity);
+  EXPECT_TRUE(std::isnan(PortableLog1p(-2)));
   EXPECT_EQ(PortableExp(0), 1);
   EXPECT_EQ(PortableExp(-kInfinity), 0);
   EXPECT_EQ(PortableExp(kInfinity), kInfinity);

@@ -1,0 +1,84 @@
+// The verdict that takes the frame rate: the leader runs and misses the floor.
+#include <gtest/gtest.h>
+
+#include "server/decision/frame_rate_floor.h"
+#include "tests/server/decision/scripted_client.h"
+
+namespace sweepstake::decision {
+namespace {
+
+void Observe(FrameRateFloor& floor, double fps, int count, bool of_leader = true) {
+  for (int i = 0; i < count; ++i) floor.Observe(fps, of_leader);
+}
+
+TEST(FrameRateFloor, TakesThreeWindowsInARowToSaySo) {
+  FrameRateFloor floor(30);
+  Observe(floor, 29, 2);
+  Observe(floor, 31, 1);
+  Observe(floor, 29, 2);
+  EXPECT_FALSE(floor.degraded());
+  Observe(floor, 29, 1);
+  EXPECT_TRUE(floor.degraded());
+}
+
+TEST(FrameRateFloor, TakesThreeWindowsInARowToTakeItBack) {
+  FrameRateFloor floor(30);
+  Observe(floor, 10, 3);
+  Observe(floor, 60, 2);
+  Observe(floor, 10, 1);
+  Observe(floor, 30, 2);
+  EXPECT_TRUE(floor.degraded());
+  Observe(floor, 30, 1);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, LearnsFromAnotherArmOnlyThatTheFloorIsMet) {
+  FrameRateFloor floor(30);
+  Observe(floor, 10, 9, false);
+  EXPECT_FALSE(floor.degraded());
+  Observe(floor, 10, 3);
+  EXPECT_TRUE(floor.degraded());
+  Observe(floor, 60, 3, false);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, OfZeroIsNeverMissed) {
+  FrameRateFloor floor(0);
+  Observe(floor, 0, 9);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(Verdict, IsUnknownUntilAWindowTaughtSomething) {
+  ScriptedClient client(PlainSetup(2));
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kUnknown);
+  client.Settle();
+  client.RunTicks(2);
+  EXPECT_NE(client.session.diagnosis().verdict, Verdict::kUnknown);
+}
+
+TEST(Verdict, IsDegradedWhileTheOnlyArmMissesTheFloor) {
+  ScriptedClient client(PlainSetup(1));
+  client.Settle();
+  client.frame.frame_time_ns = 50 * kMillisecond;
+  client.RunTicks(2);
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kStable);
+  EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kDegraded);
+  client.frame.frame_time_ns = 10 * kMillisecond;
+  EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kDegraded);
+  EXPECT_EQ(client.RunTicks(2).record.diagnosis.verdict, Verdict::kStable);
+}
+
+TEST(Verdict, IsDegradedByBailOutsThatLeaveNoWindow) {
+  ScriptedClient client(PlainSetup(1));
+  client.Settle();
+  client.RunTicks(2);
+  const Frame stall{.frame_time_ns = 6'000'000'000, .detection_time_ns = 5'900'000'000};
+  client.session.ObserveBailOut(stall, client.now_ns);
+  client.session.ObserveBailOut(stall, client.now_ns);
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kStable);
+  client.session.ObserveBailOut(stall, client.now_ns);
+  EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kDegraded);
+}
+
+}  // namespace
+}  // namespace sweepstake::decision
