@@ -42,7 +42,8 @@ int Bench(const BenchOptions& options, const std::string& command_line, Terminal
 
 void Declare(CLI::App& command, BenchOptions& options) {
   command
-      .add_option("--scene", options.scenes, "Scenes or .aabbs files, or all, degenerate, mixtures")
+      .add_option("--scene", options.scenes,
+                  "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
       ->delimiter(',')
       ->required();
   command.add_option("--objects", options.object_counts, "Object counts")

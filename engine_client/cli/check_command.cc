@@ -150,7 +150,7 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       [](CLI::App& command, CheckOptions& options) {
         command
             .add_option("--scene", options.scenes,
-                        "Scenes or .aabbs files, or all, degenerate, mixtures")
+                        "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
             ->delimiter(',')
             ->required();
         command.add_option("--objects", options.object_counts, "Object counts")

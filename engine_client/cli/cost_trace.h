@@ -2,9 +2,8 @@
 // against (`sweepstake trace` measures it, `sweepstake replay` reads it). Plain data.
 //
 // Times are nanoseconds on the measuring machine. "Frame-major" columns hold frame_count ×
-// arm_count values: that of arm a in frame f is at f · arm_count + a. The arms of one frame were
-// measured in turn, the order rotating from frame to frame, so that what disturbs the machine hits
-// all alike.
+// arm_count values: that of arm a in frame f is at f · arm_count + a. How they were measured:
+// trace_run.h.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +21,8 @@ struct TracedArm {
 
 // A short visit to every arm by structures that do not run along with the scene: built on the
 // burst's first frame, updated on the frames after it. Says what a switch costs, and is what the
-// shadow lane of a game sees.
+// shadow lane of a game sees. An arm that is held in the burst's first frame ran frames 0 and 1 at
+// most; its last measured time stands for the others.
 struct TraceBurst {
   uint32_t first_frame = 0;
   // Arm-major: of arm a in the burst's frame k, at a · burst_frame_count + k. k = 0: Build and
@@ -41,6 +41,7 @@ struct CostTrace {
   std::string machine;  // class of the machine that measured
   std::vector<TracedArm> arms;
   uint32_t frame_count = 0;
+  uint32_t repeat_count = 1;  // runs of the scene; every time is the median over them
 
   // Per frame.
   std::vector<uint32_t> object_count;
@@ -51,6 +52,8 @@ struct CostTrace {
   std::vector<uint64_t> detection_ns;
   std::vector<uint64_t> aabb_check_count;
   std::vector<uint64_t> native_bytes;
+  // 1: a very slow arm was not measured in this frame; what is here was measured on another one.
+  std::vector<uint8_t> held;
 
   uint32_t control_arm = 0;
   uint32_t burst_frame_count = 0;             // frames of each burst

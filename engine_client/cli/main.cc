@@ -15,6 +15,7 @@
 #include "engine_client/cli/priors_command.h"
 #include "engine_client/cli/record_command.h"
 #include "engine_client/cli/run_command.h"
+#include "engine_client/cli/trace_command.h"
 #include "engine_client/cli/watch_command.h"
 
 namespace sweepstake::cli {
@@ -73,6 +74,7 @@ int Run(int argc, char** argv) {
   AddExperimentCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
+  AddTraceCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);
   AddPriorsCommand(app, terminal, exit_code);
   if (const Status status = CheckCommandName(app, Words(argc, argv)); !status.ok()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine_client/scene/changing_scenes.h"
 #include "engine_client/scene/degenerate_scenes.h"
 #include "sweepstake/broad_phase.h"
 
@@ -21,6 +22,9 @@ std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed) {
   std::vector<SceneChoice> choices;
   if (name == "all") {
     for (const std::string_view each : SceneNames())
+      choices.push_back({std::string(each), 0, seed});
+  } else if (name == "changing") {
+    for (const std::string_view each : ChangingSceneNames())
       choices.push_back({std::string(each), 0, seed});
   } else if (name == "degenerate") {
     for (const std::string_view each : DegenerateSceneNames()) {
@@ -61,17 +65,19 @@ Status UnknownScene(const std::string& name) {
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   constexpr size_t kOneLine = 1'000'000;
-  return {StatusCode::kNotFound, "unknown scene '" + shown + "', must be one of " +
-                                     WrapNames(SceneNames(), "", kOneLine) + ", " +
-                                     WrapNames(DegenerateSceneNames(), "", kOneLine) +
-                                     " or the path of a .aabbs file"};
+  return {StatusCode::kNotFound,
+          "unknown scene '" + shown + "', must be one of " + WrapNames(SceneNames(), "", kOneLine) +
+              ", " + WrapNames(ChangingSceneNames(), "", kOneLine) + ", " +
+              WrapNames(DegenerateSceneNames(), "", kOneLine) + " or the path of a .aabbs file"};
 }
 
 }  // namespace
 
 std::string SceneHelp() {
   return "SCENE is a FILE.aabbs, a scenario or a member of the reference suite\n" +
-         WrapNames(SceneNames(), "  ", 80) + "\nor one that is hard on broad phases\n" +
+         WrapNames(SceneNames(), "  ", 80) +
+         "\nor one in which the cheapest broad phase changes\n" +
+         WrapNames(ChangingSceneNames(), "  ", 80) + "\nor one that is hard on broad phases\n" +
          WrapNames(DegenerateSceneNames(), "  ", 80) + ".\n";
 }
 
@@ -91,6 +97,9 @@ std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
 }
 
 Result<std::unique_ptr<Scene>> OpenScene(const SceneChoice& choice) {
+  if (IsOneOf(choice.name, ChangingSceneNames())) {
+    return MakeChangingScene(choice.name, choice.object_count, choice.seed);
+  }
   if (!IsOneOf(choice.name, SceneNames()) && !IsFile(choice.name)) {
     if (!IsOneOf(choice.name, DegenerateSceneNames())) return UnknownScene(choice.name);
     return MakeDegenerateScene(choice.name, choice.object_count, choice.seed);

@@ -7,38 +7,12 @@
 #include <numeric>
 #include <thread>
 
+#include "engine_client/cli/frame_block.h"
+
 namespace sweepstake::cli {
 namespace {
 
 using std::chrono::steady_clock;
-
-constexpr size_t kMostStepsInBlock = 20;
-constexpr size_t kMostBlockBytes = size_t{32} << 20;
-
-// The boxes of the next few steps of a scene.
-class FrameBlock {
- public:
-  // At least one step, at most `step_count`.
-  void Fill(Scene& scene, uint64_t step_count) {
-    boxes_.clear();
-    ends_.clear();
-    while (ends_.size() < std::min<uint64_t>(step_count, kMostStepsInBlock) &&
-           boxes_.size() * sizeof(Aabb) < kMostBlockBytes) {
-      scene.Step();
-      boxes_.insert(boxes_.end(), scene.aabbs().begin(), scene.aabbs().end());
-      ends_.push_back(boxes_.size());
-    }
-  }
-  size_t step_count() const { return ends_.size(); }
-  std::span<const Aabb> BoxesOf(size_t step) const {
-    const size_t begin = step == 0 ? 0 : ends_[step - 1];
-    return std::span(boxes_).subspan(begin, ends_[step] - begin);
-  }
-
- private:
-  std::vector<Aabb> boxes_;
-  std::vector<size_t> ends_;
-};
 
 // The boxes of a frame as one contestant is shown them.
 class ShownBoxes {
