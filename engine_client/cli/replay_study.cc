@@ -83,7 +83,7 @@ class SeedGames {
       case ReplayPlayer::Kind::kFixed:
         return Fixed(player.arm);
       case ReplayPlayer::Kind::kOracle:
-        return Judged(oracle_.regime_ns, {.switch_count = oracle_.switch_count});
+        return Judged(oracle_.regime_ns, StudyGame{.switch_count = oracle_.switch_count});
       case ReplayPlayer::Kind::kPolicy:
         break;
     }
@@ -91,11 +91,15 @@ class SeedGames {
   }
 
  private:
-  StudyGame Judged(double total_ns, StudyGame game) const {
+  void Judge(double total_ns, StudyGame& game) const {
     game.regret_best_fixed = total_ns / best_ns_ - 1;
     game.regret_oracle = total_ns / oracle_.regime_ns - 1;
     game.headroom = 1 - oracle_.regime_ns / best_ns_;
     game.frame_headroom = 1 - oracle_.frame_ns / best_ns_;
+  }
+  StudyGame Judged(double total_ns, const StudyGame& unjudged) const {
+    StudyGame game = unjudged;
+    Judge(total_ns, game);
     return game;
   }
 
@@ -111,7 +115,8 @@ class SeedGames {
         static_cast<uint32_t>(std::min<uint64_t>(start_up, scene_.frame_count()));
     StudyGame game{.dominant_arm = arm};
     game.regret_after_start_up = RegretFrom(first_frame, fixed_.TotalsFrom(first_frame)[arm]);
-    return Judged(totals_[arm], game);
+    Judge(totals_[arm], game);
+    return game;
   }
 
   ReplaySetup SetupOf(const std::string& policy, uint64_t seed) const {
