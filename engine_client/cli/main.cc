@@ -14,6 +14,7 @@
 #include "engine_client/cli/pairs_command.h"
 #include "engine_client/cli/priors_command.h"
 #include "engine_client/cli/record_command.h"
+#include "engine_client/cli/replay_command.h"
 #include "engine_client/cli/run_command.h"
 #include "engine_client/cli/trace_command.h"
 #include "engine_client/cli/watch_command.h"
@@ -74,6 +75,7 @@ int Run(int argc, char** argv) {
   AddExperimentCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
+  AddReplayCommand(app, terminal, exit_code);
   AddTraceCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);
   AddPriorsCommand(app, terminal, exit_code);

@@ -81,7 +81,8 @@ std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
 }  // namespace
 
 std::string Percent(double ratio) {
-  const std::string text = Fixed(100 * ratio, 2);
+  std::string text = Fixed(100 * ratio, 2);
+  if (text == "-0.00") text = "0.00";
   return (text.starts_with('-') ? "" : "+") + text + "%";
 }
 
@@ -111,11 +112,17 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
          "time. Noise floor: the same arm measured twice.\n";
 }
 
+Json RowsJson(const ReplayReport& report) {
+  Json rows = Json::array();
+  for (const StudyRow& row : report.rows) rows.push_back(RowJson(report, row));
+  return rows;
+}
+
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
   Json document = {{"command", "replay"},
                    {"seeds", report.options.seed_count},
                    {"scenes", Json::array()},
-                   {"rows", Json::array()}};
+                   {"rows", RowsJson(report)}};
   for (const StudyScene& each : report.scenes) {
     const GameOptions& game = each.scene.options();
     document["scenes"].push_back({{"costs", each.name},
@@ -128,7 +135,6 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
                                   {"other_work_ns", game.other_work_ns},
                                   {"control_regret", each.scene.control_regret()}});
   }
-  for (const StudyRow& row : report.rows) document["rows"].push_back(RowJson(report, row));
   PrintJson(document, out);
 }
 

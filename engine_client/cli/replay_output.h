@@ -2,8 +2,11 @@
 // every game.
 #pragma once
 
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <ostream>
 #include <span>
+#include <string>
 
 #include "engine_client/cli/csv_file.h"
 #include "engine_client/cli/replay_study.h"
@@ -17,6 +20,8 @@ struct ReplayReport {
 };
 
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
+// The rows alone, an array.
+nlohmann::ordered_json RowsJson(const ReplayReport& report);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 
 // One row per game. The errors of CsvFile.

@@ -12,25 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/replay_players.h"
 #include "engine_client/cli/replay_run.h"
 #include "engine_client/cli/replay_scene.h"
 #include "engine_client/cli/statistics.h"
-#include "sweepstake/status.h"
 
 namespace sweepstake::cli {
-
-// Who plays.
-struct ReplayPlayer {
-  enum class Kind { kPolicy, kFixed, kOracle };
-  std::string name;  // "paper", "fixed:SAP", "oracle"
-  Kind kind = Kind::kPolicy;
-  uint32_t arm = 0;  // of kFixed
-};
-
-// `words`: names of policies, `fixed` for every arm, `fixed:ARM`, `oracle`. kInvalidArgument lists
-// what is valid.
-Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
-                                                std::span<const std::string> arms);
 
 enum class ReplayPriors {
   kNone,

@@ -19,6 +19,7 @@ CostTrace MakeTrace(const SyntheticTrace& synthetic) {
       trace.detection_ns.push_back(synthetic.detection_ns(frame, arm));
       trace.aabb_check_count.push_back(2000);
       trace.native_bytes.push_back(4096);
+      trace.held.push_back(0);
       // HELD
     }
   }
