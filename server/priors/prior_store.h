@@ -16,6 +16,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "server/priors/audit_rows.h"
 
 namespace sweepstake::priors {
 
@@ -76,12 +77,14 @@ struct SourceProgress {
 struct SourceUpdate {
   SourceProgress progress;
   std::vector<KeyedEvidence> increments;  // may be empty; a key occurs once
+  AuditRows audit;
 };
 
 // What is kept of a source.
 struct SourceState {
   SourceProgress progress;
   std::vector<KeyedEvidence> evidence;  // ordered by key
+  uint32_t audit_segment = 0;           // the last one stored; 0: none
 };
 
 // Evidence of one key, summed over sources.
@@ -152,6 +155,10 @@ class PriorStore {
 
   // Applies all updates or none. An update whose commit sequence is at or below the source's stored
   // one was applied before and is ignored, as is one of a revoked source. Durable on return.
+  //
+  // Audit rows are kept as far as the limits allow and as they go on from what is stored of their
+  // segment: what is stored is always its beginning. Rows that do not are left out; they never make
+  // a commit fail.
   virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
 
   virtual absl::StatusOr<PriorSums> LoadPriors(std::span<const EvidenceKey> keys) = 0;
@@ -181,6 +188,16 @@ class PriorStore {
   // Takes out exactly the source's evidence, and keeps the source from coming back by a commit or
   // an import. Returns the number of records removed; 0 for an unknown source, which is barred too.
   virtual absl::StatusOr<uint64_t> Revoke(const std::string& source_id) = 0;
+
+  // Up to `limit` segments of the audit log with ids above `after`, in the order of their ids.
+  virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
+                                                              uint64_t after, uint32_t limit) = 0;
+
+  // Rows of a segment from number `first_row` (from 1) on: up to `limit`, and no more after
+  // `max_bytes` have been read. Empty: there are none. REQUIRES: limit > 0.
+  virtual absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id,
+                                                             uint64_t first_row, uint32_t limit,
+                                                             size_t max_bytes) = 0;
 };
 
 // A PriorStore behind a thread of its own. Thread-safe. Callbacks run on that thread, must not wait

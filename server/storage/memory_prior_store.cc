@@ -46,6 +46,7 @@ void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
     entry.sequence = update.progress.commit_sequence;
     entry.evidence += increment.evidence;
   }
+  audit_.Append(update.progress.source_id, update.audit);
 }
 
 absl::StatusOr<priors::PriorSums> MemoryPriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
@@ -71,7 +72,9 @@ absl::StatusOr<std::optional<priors::SourceState>> MemoryPriorStore::LoadSource(
   const auto found = sources_.find(source_id);
   if (found == sources_.end() || !found->second.is_session || found->second.revoked)
     return std::nullopt;
-  priors::SourceState state{.progress = found->second.progress, .evidence = {}};
+  priors::SourceState state{.progress = found->second.progress,
+                            .evidence = {},
+                            .audit_segment = audit_.LastSegment(source_id)};
   for (const auto& [key, entries] : evidence_) {
     if (const auto entry = entries.find(source_id); entry != entries.end()) {
       state.evidence.push_back({key, entry->second.evidence});
@@ -161,6 +164,18 @@ absl::StatusOr<uint64_t> MemoryPriorStore::Revoke(const std::string& source_id) 
     entries = entries->second.empty() ? evidence_.erase(entries) : std::next(entries);
   }
   return removed;
+}
+
+absl::StatusOr<std::vector<priors::AuditSegment>> MemoryPriorStore::ListAudit(
+    const priors::AuditFilter& filter, uint64_t after, uint32_t limit) {
+  return audit_.List(filter, after, limit);
+}
+
+absl::StatusOr<std::vector<std::string>> MemoryPriorStore::LoadAudit(uint64_t segment_id,
+                                                                     uint64_t first_row,
+                                                                     uint32_t limit,
+                                                                     size_t max_bytes) {
+  return audit_.Load(segment_id, first_row, limit, max_bytes);
 }
 
 }  // namespace sweepstake::storage

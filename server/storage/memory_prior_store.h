@@ -6,11 +6,14 @@
 #include <string>
 
 #include "server/priors/prior_store.h"
+#include "server/storage/memory_audit_log.h"
 
 namespace sweepstake::storage {
 
 class MemoryPriorStore final : public priors::PriorStore {
  public:
+  explicit MemoryPriorStore(const priors::AuditLimits& audit_limits = {}) : audit_(audit_limits) {}
+
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override;
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
@@ -26,6 +29,11 @@ class MemoryPriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override;
+  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                     uint32_t limit, size_t max_bytes) override;
 
  private:
   struct Source {
@@ -45,6 +53,7 @@ class MemoryPriorStore final : public priors::PriorStore {
 
   std::map<std::string, Source> sources_;
   std::map<priors::EvidenceKey, EntriesBySource> evidence_;
+  MemoryAuditLog audit_;
 };
 
 }  // namespace sweepstake::storage

@@ -1,5 +1,6 @@
 #include "server/storage/record_limits.h"
 
+#include <algorithm>
 #include <string>
 
 #include "absl/strings/string_view.h"
@@ -81,6 +82,21 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
     if (!wrong.empty()) return absl::InvalidArgumentError(absl::StrCat("record ", i, ": ", wrong));
   }
   return absl::OkStatus();
+}
+
+uint64_t AuditRoom(const priors::AuditLimits& limits, uint64_t stored_row_count) {
+  const uint64_t most = std::min(limits.rows_per_session, limits.rows);
+  return most > stored_row_count ? most - stored_row_count : 0;
+}
+
+size_t StorableAuditRows(const priors::AuditRows& rows, uint64_t room) {
+  if (!IsName(rows.project) || !IsName(rows.scene) || rows.segment == 0) return 0;
+  size_t count = 0;
+  while (count < rows.rows.size() && count < room && !rows.rows[count].empty() &&
+         rows.rows[count].size() <= priors::kMaxAuditRowBytes) {
+    ++count;
+  }
+  return count;
 }
 
 }  // namespace sweepstake::storage

@@ -17,4 +17,10 @@ inline constexpr size_t kMaxNameBytes = 128;
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 
+// How many more rows of a session's audit log may be stored.
+uint64_t AuditRoom(const priors::AuditLimits& limits, uint64_t stored_row_count);
+// How many of the rows, from the first on, are fit to be stored: at most `room`, up to the first
+// one that is too long; 0 where the names are.
+size_t StorableAuditRows(const priors::AuditRows& rows, uint64_t room);
+
 }  // namespace sweepstake::storage

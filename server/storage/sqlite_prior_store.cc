@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/storage/record_limits.h"
+#include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
 
@@ -133,7 +134,7 @@ class SqlitePriorStore final : public priors::PriorStore {
  public:
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
-  absl::Status Prepare();
+  absl::Status Prepare(const priors::AuditLimits& audit_limits);
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override;
@@ -148,12 +149,22 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                   uint32_t limit) override;
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override {
+    return audit_->List(filter, after, limit);
+  }
+  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                     uint32_t limit, size_t max_bytes) override {
+    return audit_->Load(segment_id, first_row, limit, max_bytes);
+  }
 
  private:
   // All of `body` or nothing.
   template <typename Body>
   absl::Status InTransaction(Body body);
-  absl::Status Apply(const priors::SourceUpdate& update);
+  // False: it was applied before, or its source is revoked.
+  absl::StatusOr<bool> Apply(const priors::SourceUpdate& update);
   absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result);
   // 0: no such key.
   absl::StatusOr<int64_t> FindKey(const EvidenceKey& key);
@@ -161,15 +172,19 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status LoadArms(SceneEvidence& scene);
 
   SqliteDatabase database_;
-  Statements statements_;  // after database_: destroyed before it
+  Statements statements_;                // after database_: destroyed before it, as the log's are
+  std::optional<SqliteAuditLog> audit_;  // from Prepare on
 };
 
-absl::Status SqlitePriorStore::Prepare() {
+absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
   for (const StatementText& text : kStatements) {
     auto statement = database_.Prepare(text.sql);
     if (!statement.ok()) return statement.status();
     statements_.*text.statement = *std::move(statement);
   }
+  auto audit = SqliteAuditLog::Open(database_, audit_limits);
+  if (!audit.ok()) return audit.status();
+  audit_ = *std::move(audit);
   return absl::OkStatus();
 }
 
@@ -184,22 +199,31 @@ absl::Status SqlitePriorStore::InTransaction(Body body) {
 
 absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
   if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
-  return InTransaction([&] {
+  bool audited = false;
+  absl::Status status = InTransaction([&] {
+    std::vector<const priors::SourceUpdate*> applied;
     for (const auto& update : updates) {
-      if (absl::Status status = Apply(update); !status.ok()) return status;
+      const auto is_new = Apply(update);
+      if (!is_new.ok()) return is_new.status();
+      if (*is_new && !update.audit.rows.empty()) applied.push_back(&update);
     }
+    // The log must not cost evidence: without its rows the commit goes on.
+    audited = !applied.empty() && audit_->Append(database_, applied).ok();
     return absl::OkStatus();
   });
+  if (status.ok() && audited) audit_->Committed();
+  return status;
 }
 
-absl::Status SqlitePriorStore::Apply(const priors::SourceUpdate& update) {
+absl::StatusOr<bool> SqlitePriorStore::Apply(const priors::SourceUpdate& update) {
   const auto& progress = update.progress;
   int64_t source = 0;
   absl::Status status = statements_.advance_source.ForEachRow(
       [&](const SqliteRow& row) { source = row.Integer(0); }, progress.source_id,
       progress.commit_sequence, progress.message_sequence, progress.explored_arm_count,
       progress.decision_count, progress.frame_count, progress.seed);
-  if (!status.ok() || source == 0) return status;
+  if (!status.ok()) return status;
+  if (source == 0) return false;
   for (const auto& [key, evidence] : update.increments) {
     auto key_id = FindOrAddKey(key);
     if (!key_id.ok()) return key_id.status();
@@ -208,7 +232,7 @@ absl::Status SqlitePriorStore::Apply(const priors::SourceUpdate& update) {
                                      evidence.beta, evidence.window_count, evidence.bail_out_count);
     if (!status.ok()) return status;
   }
-  return absl::OkStatus();
+  return true;
 }
 
 absl::StatusOr<int64_t> SqlitePriorStore::FindKey(const EvidenceKey& key) {
@@ -274,6 +298,9 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
       },
       id);
   if (!status.ok()) return status;
+  const auto segment = audit_->LastSegment(source_id);
+  if (!segment.ok()) return segment.status();
+  state.audit_segment = *segment;
   return state;
 }
 
@@ -383,11 +410,11 @@ absl::StatusOr<uint64_t> SqlitePriorStore::Revoke(const std::string& source_id) 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
-    const std::filesystem::path& path) {
+    const std::filesystem::path& path, const priors::AuditLimits& audit_limits) {
   auto database = OpenPriorDatabase(path);
   if (!database.ok()) return database.status();
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
-  if (absl::Status status = store->Prepare(); !status.ok()) return status;
+  if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;
   return store;
 }
 

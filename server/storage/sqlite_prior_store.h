@@ -13,6 +13,6 @@ namespace sweepstake::storage {
 
 // Errors as in OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
-    const std::filesystem::path& path);
+    const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {});
 
 }  // namespace sweepstake::storage

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Step i leads from version i to i + 1. Steps are never changed once released. Bounds have two
 // sides: `alpha >= 0` alone lets +Inf through.
-constexpr std::array<const char*, 1> kMigrations = {R"sql(
+constexpr std::array<const char*, 2> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -56,6 +56,25 @@ constexpr std::array<const char*, 1> kMigrations = {R"sql(
   ) STRICT, WITHOUT ROWID;
 
   CREATE INDEX evidence_by_source ON evidence (source_id);
+)sql",
+                                                    R"sql(
+  CREATE TABLE audit_segment (
+    id INTEGER PRIMARY KEY,
+    session TEXT NOT NULL CHECK (length(CAST(session AS BLOB)) BETWEEN 1 AND 128),
+    segment INTEGER NOT NULL CHECK (segment BETWEEN 1 AND 4294967295),
+    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
+    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
+    unix_start_ms INTEGER NOT NULL,
+    row_count INTEGER NOT NULL CHECK (row_count BETWEEN 1 AND 9223372036854775807),
+    UNIQUE (session, segment)
+  ) STRICT;
+
+  CREATE TABLE audit_row (
+    segment_id INTEGER NOT NULL REFERENCES audit_segment (id),
+    number INTEGER NOT NULL CHECK (number BETWEEN 1 AND 9223372036854775807),
+    text TEXT NOT NULL CHECK (length(CAST(text AS BLOB)) BETWEEN 1 AND 65536),
+    UNIQUE (segment_id, number)
+  ) STRICT;
 )sql"};
 
 absl::Status Explain(const fs::path& path, const absl::Status& status) {

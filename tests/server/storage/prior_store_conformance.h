@@ -19,6 +19,9 @@
 
 namespace sweepstake::storage {
 
+// What the stores are made with.
+inline constexpr priors::AuditLimits kConformanceAuditLimits{.rows_per_session = 6, .rows = 10};
+
 using MakeStore = std::function<std::unique_ptr<PriorStore>()>;
 
 class PriorStoreConformance : public ::testing::TestWithParam<std::pair<std::string, MakeStore>> {

@@ -3,6 +3,7 @@
 
 #include "server/storage/memory_prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
+#include "tests/server/storage/audit_conformance.h"
 #include "tests/server/storage/prior_store_conformance.h"
 #include "tests/support/temporary_directory.h"
 
@@ -41,20 +42,34 @@ class TemporarySqliteStore final : public PriorStore {
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
     return store_->Revoke(source_id);
   }
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override {
+    return store_->ListAudit(filter, after, limit);
+  }
+  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                     uint32_t limit, size_t max_bytes) override {
+    return store_->LoadAudit(segment_id, first_row, limit, max_bytes);
+  }
 
  private:
   test_support::TemporaryDirectory directory_;
-  std::unique_ptr<PriorStore> store_ = *OpenSqlitePriorStore(directory_.path() / "priors.db");
+  std::unique_ptr<PriorStore> store_ =
+      *OpenSqlitePriorStore(directory_.path() / "priors.db", kConformanceAuditLimits);
 };
 
-INSTANTIATE_TEST_SUITE_P(
-    Stores, PriorStoreConformance,
-    ::testing::Values(
-        std::pair<std::string, MakeStore>("Memory",
-                                          [] { return std::make_unique<MemoryPriorStore>(); }),
-        std::pair<std::string, MakeStore>("Sqlite",
-                                          [] { return std::make_unique<TemporarySqliteStore>(); })),
-    [](const auto& instance) { return instance.param.first; });
+const auto kStores = ::testing::Values(
+    std::pair<std::string, MakeStore>(
+        "Memory", [] { return std::make_unique<MemoryPriorStore>(kConformanceAuditLimits); }),
+    std::pair<std::string, MakeStore>("Sqlite",
+                                      [] { return std::make_unique<TemporarySqliteStore>(); }));
+
+std::string NameOf(const ::testing::TestParamInfo<std::pair<std::string, MakeStore>>& instance) {
+  return instance.param.first;
+}
+
+INSTANTIATE_TEST_SUITE_P(Stores, PriorStoreConformance, kStores, NameOf);
+INSTANTIATE_TEST_SUITE_P(Stores, AuditConformance, kStores, NameOf);
 
 }  // namespace
 }  // namespace sweepstake::storage

@@ -138,6 +138,68 @@ TEST_F(SqlitePriorStoreTest, ADatabaseThatSomebodyElseWritesIsReportedAsUnavaila
   EXPECT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
 }
 
+SourceUpdate Audited(const std::string& session, uint64_t n, uint64_t first_row, uint64_t count) {
+  SourceUpdate update = Update(session, n, {Key("Grid")});
+  update.audit = {.segment = 1,
+                  .project = "game",
+                  .scene = "harbour",
+                  .unix_start_ms = 0,
+                  .first_row = first_row,
+                  .rows = std::vector<std::string>(count, "row")};
+  return update;
+}
+
+TEST_F(SqlitePriorStoreTest, AFileFromBeforeTheAuditLogGetsOneAndKeepsItsEvidence) {
+  {
+    auto store = *OpenSqlitePriorStore(path_);
+    ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  }
+  Execute("DROP TABLE audit_row; DROP TABLE audit_segment; PRAGMA user_version = 1");
+  auto store = OpenSqlitePriorStore(path_);
+  ASSERT_TRUE(store.ok()) << store.status();
+  EXPECT_EQ(QueryInteger("PRAGMA user_version"), SqliteSchemaVersion());
+  ASSERT_TRUE((*store)->Commit(std::vector{Audited("a", 2, 1, 3)}).ok());
+  EXPECT_EQ((*store)->ListAudit({}, 0, 9)->size(), 1u);
+  EXPECT_EQ((*store)->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
+}
+
+TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidence) {
+  auto store = *OpenSqlitePriorStore(path_);
+  ASSERT_TRUE(store->Commit(std::vector{Audited("a", 1, 1, 2)}).ok());
+  Execute("DROP TABLE audit_row");
+  const absl::Status status = store->Commit(std::vector{Audited("a", 2, 3, 2)});
+  EXPECT_TRUE(status.ok()) << status;
+  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
+  EXPECT_EQ(QueryInteger("SELECT row_count FROM audit_segment"), 2);
+}
+
+TEST_F(SqlitePriorStoreTest, TheBoundOfAuditRowsHoldsAfterReopening) {
+  const priors::AuditLimits limits{.rows_per_session = 5, .rows = 8};
+  ASSERT_TRUE((*OpenSqlitePriorStore(path_, limits))
+                  ->Commit(std::vector{Audited("a", 1, 1, 5), Audited("b", 1, 1, 3)})
+                  .ok());
+  auto store = *OpenSqlitePriorStore(path_, limits);
+  ASSERT_TRUE(store->Commit(std::vector{Audited("b", 2, 4, 1)}).ok());
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 4);
+  EXPECT_EQ(QueryInteger("SELECT sum(row_count) FROM audit_segment"), 4);
+}
+
+TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
+  ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
+  auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
+  const std::string segment = "INSERT INTO audit_segment VALUES ";
+  ASSERT_TRUE(database.Execute(segment + "(1, 'a', 1, 'p', 's', 0, 1)").ok());
+  for (const char* wrong :
+       {"(2, '', 1, 'p', 's', 0, 1)", "(2, 'a', 0, 'p', 's', 0, 1)", "(2, 'a', 2, '', 's', 0, 1)",
+        "(2, 'a', 2, 'p', 's', 0, 0)", "(2, 'a', 1, 'p', 's', 0, 1)"}) {
+    EXPECT_FALSE(database.Execute(segment + wrong).ok()) << wrong;
+  }
+  for (const char* wrong : {"(1, 0, 'x')", "(1, 1, '')", "(1, 1, NULL)"}) {
+    EXPECT_FALSE(database.Execute(std::string("INSERT INTO audit_row VALUES ") + wrong).ok())
+        << wrong;
+  }
+}
+
 TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
   const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";

@@ -52,6 +52,15 @@ class CountingStore final : public priors::PriorStore {
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
     return memory_.Revoke(source_id);
   }
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override {
+    return memory_.ListAudit(filter, after, limit);
+  }
+  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                     uint32_t limit, size_t max_bytes) override {
+    return memory_.LoadAudit(segment_id, first_row, limit, max_bytes);
+  }
 
  private:
   std::vector<size_t>& group_sizes_;

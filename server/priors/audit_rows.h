@@ -1,0 +1,51 @@
+// A session's audit log as it is stored: rows of text, in segments (server/decision/audit_log.h).
+// Plain values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sweepstake::priors {
+
+// Rows that go on from those stored before.
+struct AuditRows {
+  uint32_t segment = 1;  // from 1
+  std::string project;   // 1 to 128 bytes, as the scene
+  std::string scene;
+  int64_t unix_start_ms = 0;      // when the segment began
+  uint64_t first_row = 1;         // number of rows[0] in the segment, from 1
+  std::vector<std::string> rows;  // each 1 to kMaxAuditRowBytes bytes; may be empty
+};
+
+inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row ends its segment's log
+
+// What a store keeps. A row of 7 arms has some 1 kB.
+struct AuditLimits {
+  // Of one session, over all its segments; then its log ends. 11 hours at a row in two seconds.
+  uint64_t rows_per_session = 20'000;
+  // In all; beyond it the segments that began first are removed, each as a whole. 0: nothing is
+  // kept.
+  uint64_t rows = 200'000;
+};
+
+struct AuditSegment {
+  uint64_t id = 0;  // of the store's own; ascending as they begin
+  std::string session_id;
+  uint32_t segment = 1;
+  std::string project;
+  std::string scene;
+  int64_t unix_start_ms = 0;
+  uint64_t row_count = 0;
+
+  friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
+};
+
+// Empty fields match everything.
+struct AuditFilter {
+  std::string session_id;
+  std::string project;
+  std::string scene;
+};
+
+}  // namespace sweepstake::priors
