@@ -178,6 +178,13 @@ std::vector<Setting> DaemonSettings() {
           "memory_quota_mb", 8, 1 << 20, 1 << 20,
           [](Config & c) -> auto& { return c.rpc.memory_quota_bytes; },
           "memory of all connections' buffers"),
+      Whole(
+          "audit_rows", 0, 1'000'000'000, 1, [](Config & c) -> auto& { return c.rpc.audit.rows; },
+          "rows of the audit log, some 1 kB each; beyond it the oldest go; 0 keeps none"),
+      Whole(
+          "audit_rows_per_session", 0, 1'000'000'000, 1,
+          [](Config & c) -> auto& { return c.rpc.audit.rows_per_session; },
+          "rows of one session's audit log; then it ends"),
   };
 }
 

@@ -28,7 +28,7 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
     : config_(config), log_(MakeLog(config.log_level)), directory_(std::move(directory)) {}
 
 absl::Status Daemon::Open(rpc::Clock& clock) {
-  auto store = storage::OpenSqlitePriorStore(directory_.database());
+  auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit);
   if (!store.ok()) return store.status();
   store_ = std::make_unique<storage::StoreThread>(*std::move(store));
   RemovePortFile();

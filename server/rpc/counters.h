@@ -23,6 +23,8 @@ struct Counters {
   std::atomic<uint64_t> refused_switch_count{0};  // commands a client did not execute
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
+  // Audit logs that ended before their session since the disk did not keep up.
+  std::atomic<uint64_t> cut_audit_log_count{0};
 };
 
 }  // namespace sweepstake::rpc

@@ -1,6 +1,7 @@
 #include "server/rpc/game_session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "server/rpc/message_validation.h"
@@ -26,6 +27,7 @@ std::shared_ptr<GameSession> GameSession::Create(ServiceContext& context, Sessio
       [weak = session->weak_from_this()](const absl::Status& status) {
         if (const auto self = weak.lock()) self->OnCommitted(status);
       });
+  if (context.options.audit.rows > 0) session->StartAudit();
   return session;
 }
 
@@ -40,6 +42,26 @@ GameSession::GameSession(ServiceContext& context, SessionIdentity identity,
       frame_count_(progress.frame_count),
       acknowledged_sequence_(progress.message_sequence),
       switch_epoch_(setup.switch_epoch) {}
+
+void GameSession::StartAudit() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch);
+  const priors::SceneKey& scene = identity_.scene;
+  ledger_->StartAudit({.segment = identity_.audit_segment,
+                       .project = scene.project,
+                       .scene = scene.scene,
+                       .unix_start_ms = now.count(),
+                       .first_row = 1,
+                       .rows = {}});
+  decisions_.StartAudit(*this, {.session_id = identity_.id,
+                                .segment = identity_.audit_segment,
+                                .project = scene.project,
+                                .scene = scene.scene,
+                                .machine_class = scene.machine_class,
+                                .program_version = context_.options.daemon_version,
+                                .backend_versions = identity_.backend_versions,
+                                .unix_start_ms = now.count()});
+}
 
 void GameSession::Attach(SessionLink& link) {
   if (link_ != nullptr) {

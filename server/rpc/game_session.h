@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/decision/decision_session.h"
@@ -30,9 +31,10 @@ struct SessionIdentity {
   std::vector<uint32_t> backend_versions;  // as many as arms
   uint64_t seed = 0;
   decision::DecisionOptions decision;  // time scale applied
+  uint32_t audit_segment = 1;          // of the session's audit log
 };
 
-class GameSession : public std::enable_shared_from_this<GameSession> {
+class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
  public:
   // `progress` is what the store has of it. `prior_source_count` is for the welcome.
   static std::shared_ptr<GameSession> Create(ServiceContext& context, SessionIdentity identity,
@@ -70,6 +72,9 @@ class GameSession : public std::enable_shared_from_this<GameSession> {
   GameSession(ServiceContext& context, SessionIdentity identity,
               const decision::SessionSetup& setup, const priors::SourceProgress& progress,
               uint64_t prior_source_count);
+
+  void StartAudit();
+  void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
 
   void ApplyEvidence(const v1::StreamTelemetryRequest& request);
   void ApplyFrames(const v1::FrameBatch& batch);

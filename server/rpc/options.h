@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/decision/options.h"
+#include "server/priors/audit_rows.h"
 
 namespace sweepstake::rpc {
 
@@ -18,12 +19,20 @@ inline constexpr uint32_t kRecordsPerMessage =
     200;  // of export and import; more are INVALID_ARGUMENT
 inline constexpr uint32_t kMaxImportRecords =
     200'000;  // of one import, and twice as many of all under way; more are RESOURCE_EXHAUSTED
+inline constexpr uint32_t kAuditSegmentsPerMessage = 100;  // of a listing
+inline constexpr uint32_t kAuditRowsPerPage = 500;         // of an export
+// An export's message is sent once it has this many bytes of rows, and may exceed it by one row.
+inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
+// Audit rows of one session that wait for the disk; then the log of this session ends, since one
+// with a gap could not be derived again. 64 of 7 arms: two minutes.
+inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024;
 inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are not given
 inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
 
 struct RpcOptions {
   decision::DecisionOptions decision;
   std::string daemon_version = "0.1.0";
+  priors::AuditLimits audit;  // of the store; with 0 rows in all no rows are made
 
   // Sessions in memory, connected or resumable. At the bound the one that was lost longest ago
   // leaves memory (it can still be resumed from the store); when all are connected a new one is

@@ -62,6 +62,7 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
       telemetry_(context_),
       posteriors_(context_),
       priors_(context_),
+      audit_(context_),
       loop_(clock) {}
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
@@ -84,6 +85,7 @@ absl::Status RpcServer::Listen(const std::string& address) {
   builder.RegisterService(&telemetry_);
   builder.RegisterService(&posteriors_);
   builder.RegisterService(&priors_);
+  builder.RegisterService(&audit_);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr || port_ <= 0) {
     return absl::UnavailableError(

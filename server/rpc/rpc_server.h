@@ -14,6 +14,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "server/rpc/audit_service.h"
 #include "server/rpc/decision_loop.h"
 #include "server/rpc/posteriors_service.h"
 #include "server/rpc/priors_service.h"
@@ -59,6 +60,7 @@ class RpcServer {
   TelemetryService telemetry_;
   PosteriorsService posteriors_;
   PriorsService priors_;
+  AuditService audit_;
   bool serving_ = true;    // what health says; on the loop
   bool draining_ = false;  // on the loop
   bool drained_ = false;   // of Drain's caller

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/rpc/options.h"
+
 namespace sweepstake::rpc {
 
 SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
@@ -18,10 +20,21 @@ void SessionLedger::Add(const priors::KeyedEvidence& increment) {
   waiting_[increment.key] += increment.evidence;
 }
 
+void SessionLedger::AddAuditRow(std::string_view row) {
+  if (audit_cut_) return;
+  if (audit_bytes_ + row.size() > kMaxWaitingAuditBytes) {
+    audit_cut_ = true;
+    ++counters_.cut_audit_log_count;
+    return;
+  }
+  audit_.rows.emplace_back(row);
+  audit_bytes_ += row.size();
+}
+
 void SessionLedger::Checkpoint(const Position& position) {
   const bool unknown_to_store = progress_.commit_sequence == 0 && !offered_;
   if (position.message_sequence > progress_.message_sequence || !waiting_.empty() ||
-      unknown_to_store)
+      !audit_.rows.empty() || unknown_to_store)
     checkpointed_ = true;
   progress_.message_sequence = position.message_sequence;
   progress_.explored_arm_count = position.explored_arm_count;
@@ -35,7 +48,10 @@ void SessionLedger::CommitNext() {
   if (!offered_) {
     if (!checkpointed_) return;
     ++progress_.commit_sequence;
-    offered_ = priors::SourceUpdate{.progress = progress_, .increments = {}};
+    offered_ = priors::SourceUpdate{.progress = progress_, .increments = {}, .audit = audit_};
+    audit_.first_row += audit_.rows.size();
+    audit_.rows.clear();
+    audit_bytes_ = 0;
     for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
     waiting_.clear();
     checkpointed_ = false;

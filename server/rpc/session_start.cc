@@ -74,7 +74,10 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
   }
   // The order of exploration follows from the seed: it stays with the session.
   identity.seed = hello.seed() != 0 ? hello.seed() : RandomBits();
-  if (start.source) identity.seed = start.source->progress.seed;
+  if (start.source) {
+    identity.seed = start.source->progress.seed;
+    identity.audit_segment = start.source->audit_segment + 1;
+  }
   identity.decision = OptionsOf(hello, options);
   return identity;
 }
