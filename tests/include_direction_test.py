@@ -72,7 +72,8 @@ DECISION_HEADERS = re.compile(
 # sqrt, fabs, floor, ceil, trunc, ldexp, frexp and fmin/fmax are exact everywhere; these are not.
 INEXACT = r"(?:exp2?|expm1|log(?:2|10|1p)?|pow|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|cbrt|hypot|[lt]gamma|erfc?)f?"
 INEXACT_CALL = re.compile(r"(?:\bstd::%s\b|(?<![\w:.>])%s\s*\(|\.%s\(\))" % (INEXACT, INEXACT, INEXACT))
-DISTRIBUTION = re.compile(r"\b(\w+_distribution|mt19937\w*|random_device|random_shuffle)\b")
+# Of the standard library: each has its own algorithm for them.
+DISTRIBUTION = re.compile(r"\bstd::\w+_distribution\b|\b(?:mt19937\w*|random_device|random_shuffle)\b")
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
