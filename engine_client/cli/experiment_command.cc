@@ -4,11 +4,14 @@
 #include <sstream>
 
 #include "engine_client/cli/bench_machine.h"
+#include "engine_client/cli/experiment_assessment.h"
 #include "engine_client/cli/experiment_csv.h"
 #include "engine_client/cli/experiment_folder.h"
 #include "engine_client/cli/experiment_grid.h"
-#include "engine_client/cli/experiment_summary.h"
+#include "engine_client/cli/experiment_html.h"
+#include "engine_client/cli/experiment_report.h"
 #include "engine_client/cli/experiment_tables.h"
+#include "engine_client/cli/experiment_truth_output.h"
 #include "engine_client/cli/json_output.h"
 #include "engine_client/cli/stop_signal.h"
 #include "engine_client/cli/whole_file.h"
@@ -59,69 +62,92 @@ Status WriteText(const std::string& text, const std::filesystem::path& path) {
   return (*file)->Commit();
 }
 
-Json SpreadJson(const Spread& spread) {
-  return {{"mean", spread.mean}, {"sd", spread.deviation}, {"runs", spread.count}};
+// A flat row per cell and policy.
+Json CellJson(const ExperimentReport& report, const CellSummary& cell) {
+  Json row = {{"policy", cell.policy},
+              {"scene", cell.cell.scene},
+              {"objects", cell.cell.object_count},
+              {"runs", cell.runs.size()},
+              {"dominance", cell.DominanceText()},
+              {"dominant", cell.dominance.front().first},
+              {"verdict", VerdictName(cell.verdict)},
+              {"switches", cell.switches.mean},
+              {"switches_sd", cell.switches.deviation},
+              {"active_percent", cell.active_percent.mean},
+              {"active_percent_sd", cell.active_percent.deviation},
+              {"mu", cell.posterior_mean.mean},
+              {"mu_sd", cell.posterior_mean.deviation},
+              {"n", cell.evidence.mean},
+              {"n_sd", cell.evidence.deviation}};
+  const CellTruth* truth = report.TruthOf(cell.cell);
+  if (truth == nullptr) return row;
+  row["truly_fastest"] = truth->ranking.front().arm;
+  for (const ReplayedPlayer& player : truth->players) {
+    if (player.name == OwnPolicyName(cell.policy)) row["replay_regret"] = player.regret;
+  }
+  for (const Agreement& each : truth->agreements) {
+    if (each.policy != cell.policy) continue;
+    row["live_regret"] = each.regret;
+    row["live_regret_agrees"] = each.regret_agrees();
+    row["active_share_agrees"] = each.share_agrees();
+  }
+  return row;
 }
 
-Json SummaryJson(const Opened& opened, const std::vector<CellSummary>& cells,
-                 size_t finished_count) {
+Json SummaryJson(const ExperimentFolder& folder, const ExperimentReport& report) {
   Json document = {{"command", "experiment"},
-                   {"folder", opened.folder.path().string()},
-                   {"complete", finished_count == opened.plan.runs.size()},
-                   {"finished_runs", finished_count},
-                   {"planned_runs", opened.plan.runs.size()},
-                   {"time_scale", opened.plan.options.time_scale},
-                   {"cells", Json::array()}};
-  for (const CellSummary& cell : cells) {
-    Json dominance = Json::object();
-    for (const auto& [arm, count] : cell.dominance) dominance[arm] = count;
-    document["cells"].push_back({{"policy", cell.policy},
-                                 {"scene", cell.cell.scene},
-                                 {"objects", cell.cell.object_count},
-                                 {"runs", cell.runs.size()},
-                                 {"dominance", dominance},
-                                 {"verdict", VerdictName(cell.verdict)},
-                                 {"switches", SpreadJson(cell.switches)},
-                                 {"active_percent", SpreadJson(cell.active_percent)},
-                                 {"mu", SpreadJson(cell.posterior_mean)},
-                                 {"n", SpreadJson(cell.evidence)}});
-  }
+                   {"folder", folder.path().string()},
+                   {"complete", report.complete()},
+                   {"finished_runs", report.records.size()},
+                   {"planned_runs", report.plan.runs.size()},
+                   {"time_scale", report.plan.options.time_scale},
+                   {"rows", Json::array()}};
+  for (const CellSummary& cell : report.cells) document["rows"].push_back(CellJson(report, cell));
   return document;
 }
 
 // All that is made of the runs that are there.
-Status WriteResults(const Opened& opened, const std::vector<RunRecord>& records,
-                    const std::vector<CellSummary>& cells, const std::string& tables) {
-  const std::filesystem::path& path = opened.folder.path();
-  if (Status status = WriteTables(cells, path); !status.ok()) return status;
-  if (Status status = WriteText(tables, path / "tables.txt"); !status.ok()) return status;
-  return WriteRawCsv(records, path);
+Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& report,
+                    const std::string& text, const std::string& json) {
+  const std::filesystem::path& path = folder.path();
+  Status status = WriteTables(report.cells, path);
+  if (status.ok()) status = WriteText(text, path / "tables.txt");
+  if (status.ok()) status = WriteRawCsv(report.records, path);
+  if (status.ok()) status = WriteTruthCsv(report, path);
+  if (status.ok()) status = WriteText(ExperimentHtml(report, json), path / "report.html");
+  if (!status.ok()) return status;
+  return folder.WriteManifest(ManifestJson(report.plan, report.sittings, report.records.size()));
 }
 
-int Finish(const CommandOptions& options, Opened& opened, Terminal& terminal) {
-  const std::vector<RunRecord> records = opened.folder.ReadRecords(opened.plan);
-  const std::vector<CellSummary> cells = SummarizeCells(opened.plan, records);
-  const bool complete = records.size() == opened.plan.runs.size();
-  std::ostringstream tables;
-  if (!complete) {
-    tables << "PARTIAL: " << records.size() << " of " << opened.plan.runs.size()
-           << " runs; --resume " << opened.folder.path().string() << " goes on with it\n";
+std::string Text(const ExperimentFolder& folder, const ExperimentReport& report) {
+  std::ostringstream text;
+  if (!report.complete()) {
+    text << "PARTIAL: " << report.records.size() << " of " << report.plan.runs.size()
+         << " runs; --resume " << folder.path().string() << " goes on with it\n";
   }
-  PrintTables(cells, tables);
-  opened.sittings.back().end_utc = DescribeMachine({}).date_utc;
-  Status status = WriteResults(opened, records, cells, tables.str());
-  if (status.ok()) {
-    status =
-        opened.folder.WriteManifest(ManifestJson(opened.plan, opened.sittings, records.size()));
-  }
+  PrintTables(report.cells, text);
+  PrintTruth(report, text);
+  return text.str();
+}
+
+int Finish(const CommandOptions& options, Opened opened, Terminal& terminal) {
+  ExperimentReport report;
+  report.machine = DescribeMachine({});
+  report.records = opened.folder.ReadRecords(opened.plan);
+  report.cells = SummarizeCells(opened.plan, report.records);
+  report.plan = std::move(opened.plan);
+  report.sittings = std::move(opened.sittings);
+  Status status = Assess(opened.folder, terminal, report);
+  report.sittings.back().end_utc = DescribeMachine({}).date_utc;
+  const std::string text = Text(opened.folder, report);
+  std::ostringstream json;
+  PrintJson(SummaryJson(opened.folder, report), json);
+  if (status.ok()) status = WriteResults(opened.folder, report, text, json.str());
   if (!status.ok()) return Fail(terminal, status);
-  if (options.json) {
-    PrintJson(SummaryJson(opened, cells, records.size()), terminal.out);
-  } else {
-    terminal.out << tables.str();
-  }
-  terminal.err << "Everything is in " << opened.folder.path().string() << '\n';
-  return complete ? kDone : kCheckFailed;
+  terminal.out << (options.json ? json.str() : text);
+  terminal.err << "The report is " << (opened.folder.path() / "report.html").string()
+               << "; all else lies beside it\n";
+  return report.complete() ? kDone : kCheckFailed;
 }
 
 int RunExperiment(const CommandOptions& options, const std::string& command_line,
@@ -133,9 +159,10 @@ int RunExperiment(const CommandOptions& options, const std::string& command_line
   Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sittings, 0));
   if (!status.ok()) return Fail(terminal, status);
   InstallStopSignal();
-  status = PlayGrid(opened->plan, opened->folder, terminal);
+  status = TraceCells(opened->plan, opened->folder, terminal);
+  if (status.ok()) status = PlayGrid(opened->plan, opened->folder, terminal);
   if (!status.ok()) return Fail(terminal, status);
-  return Finish(options, *opened, terminal);
+  return Finish(options, std::move(*opened), terminal);
 }
 
 void Declare(CLI::App& command, CommandOptions& options) {
@@ -167,6 +194,14 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->delimiter(',');
   command.add_option("--window", experiment.window,
                      "Observed after the exploration, before the scale (default: 15m)");
+  command
+      .add_option("--trace-frames", experiment.trace_frame_count,
+                  "Frames of each scene on which every arm is timed (default: 600)")
+      ->check(CLI::Range(uint32_t{64}, uint32_t{100'000}));
+  command
+      .add_option("--replay-seeds", experiment.replay_seed_count,
+                  "Games of each policy on each trace (default: 30)")
+      ->check(CLI::Range(uint32_t{2}, uint32_t{10'000}));
   command.add_option("--seed", experiment.seed, "All seeds come from this one")
       ->check(NotNegative())
       ->capture_default_str();

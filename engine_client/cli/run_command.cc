@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine_client/cli/decision_log.h"
 #include "engine_client/cli/duration.h"
 #include "engine_client/cli/frame_log.h"
 #include "engine_client/cli/game_run.h"
@@ -46,9 +45,8 @@ std::string SceneKey(const RunOptions& options, size_t object_count) {
          std::to_string(object_count);
 }
 
-// `decisions` gets every decision that is taken in this process; null: nobody does.
 Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
-                                             const std::string& scene_key, DecisionLog* decisions) {
+                                             const std::string& scene_key) {
   SessionOptions session;
   session.project = options.project;
   session.scene = scene_key;
@@ -67,43 +65,19 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   embedded.seed = options.scene.seed;
   embedded.time_scale = options.time_scale;
   embedded.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
-  if (decisions != nullptr) {
-    embedded.on_audit_row = [decisions](std::string_view row) { decisions->WriteLine(row); };
-  }
   return MakeEmbeddedSession(embedded, session);
 }
 
-// What --csv writes while the run goes on; null where it is not asked for.
-struct RunLogs {
-  std::unique_ptr<FrameLog> frames;
-  std::unique_ptr<DecisionLog> decisions;  // of an embedded run: a daemon keeps its own
-
-  Status Commit() {
-    if (frames == nullptr) return {};
-    Status status = frames->Commit();
-    return status.ok() && decisions != nullptr ? decisions->Commit() : status;
-  }
-};
-
-// frames.csv and decisions.csv in the folder of --csv, which is made.
-Result<RunLogs> MakeLogs(const RunOptions& options) {
-  RunLogs logs;
-  if (options.csv.empty()) return logs;
-  const std::filesystem::path folder = options.csv;
+// frames.csv in `folder`, which is made; null where none is asked for.
+Result<std::unique_ptr<FrameLog>> MakeFrameLog(const std::string& folder) {
+  if (folder.empty()) return std::unique_ptr<FrameLog>();
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
     return Status(StatusCode::kInvalidArgument,
-                  options.csv + " cannot be made a folder: " + error.message());
+                  folder + " cannot be made a folder: " + error.message());
   }
-  auto frames = FrameLog::Create(folder / "frames.csv");
-  if (!frames.ok()) return frames.status();
-  logs.frames = std::move(*frames);
-  if (!options.embedded) return logs;
-  auto decisions = DecisionLog::Create(folder / "decisions.csv");
-  if (!decisions.ok()) return decisions.status();
-  logs.decisions = std::move(*decisions);
-  return logs;
+  return FrameLog::Create(std::filesystem::path(folder) / "frames.csv");
 }
 
 std::string StateText(const SessionStats& stats) {
@@ -209,14 +183,14 @@ class Player {
 };
 
 int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
-           const SessionStats& stats, RunLogs& logs, Terminal& terminal) {
+           const SessionStats& stats, FrameLog* log, Terminal& terminal) {
   if (options.json) {
     PrintJson(RunReportJson(setup, run, stats), terminal.out);
   } else {
     PrintRunReport(setup, run, stats, terminal.out);
   }
-  if (!options.csv.empty()) {
-    Status status = logs.Commit();
+  if (log != nullptr) {
+    Status status = log->Commit();
     if (status.ok()) status = WriteRunReportCsv(run, stats, options.csv);
     if (!status.ok()) return Fail(terminal, status);
   }
@@ -252,20 +226,19 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!options.ignore_priors) setup.priors_file = options.priors;
   setup.priors_key =
       "project " + options.project + ", scene " + scene_key + ", machines " + options.machine_class;
-  // The session must not outlive what it writes to.
-  auto logs = MakeLogs(options);
-  if (!logs.ok()) return Fail(terminal, logs.status());
-  auto session = MakeSession(options, scene_key, logs->decisions.get());
+  auto session = MakeSession(options, scene_key);
   if (!session.ok()) return Fail(terminal, session.status());
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
   if (!run.ok()) return Fail(terminal, run.status());
+  auto log = MakeFrameLog(options.csv);
+  if (!log.ok()) return Fail(terminal, log.status());
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();
-  Player player(setup, **run, **session, logs->frames.get(), terminal, *duration_ns, options.json);
+  Player player(setup, **run, **session, log->get(), terminal, *duration_ns, options.json);
   player.Play();
   (*session)->Stop(kStopDeadlineMs);
   player.End();
@@ -274,7 +247,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
                                  "the daemon at " + options.daemon +
                                      " refuses the session: " + player.refusal()));
   }
-  return Report(options, setup, **run, (*session)->stats(), *logs, terminal);
+  return Report(options, setup, **run, (*session)->stats(), log->get(), terminal);
 }
 
 void Declare(CLI::App& command, RunOptions& options) {
@@ -306,9 +279,7 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--machine-class", options.machine_class, "Machines with comparable timings")
       ->capture_default_str();
   command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");
-  command.add_option(
-      "--csv", options.csv,
-      "Folder for frames.csv, switches.csv, posteriors.csv and, embedded, decisions.csv");
+  command.add_option("--csv", options.csv, "Folder for frames.csv, switches.csv, posteriors.csv");
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 

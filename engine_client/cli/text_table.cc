@@ -4,18 +4,13 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine_client/cli/html/numbers.h"
+
 namespace sweepstake::cli {
 namespace {
 
 bool IsNumber(const std::string& cell) {
   return !cell.empty() && cell.find_first_not_of("+-.0123456789e%") == std::string::npos;
-}
-
-// Characters of UTF-8, which take a column each.
-size_t Columns(const std::string& cell) {
-  return static_cast<size_t>(std::count_if(cell.begin(), cell.end(), [](char byte) {
-    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
-  }));
 }
 
 }  // namespace
@@ -33,7 +28,7 @@ void TextTable::Print(std::ostream& out) const {
     if (rows_[row].size() < widths.size()) continue;
     for (size_t column = 0; column < widths.size(); ++column) {
       const std::string& cell = rows_[row][column];
-      widths[column] = std::max(widths[column], Columns(cell));
+      widths[column] = std::max(widths[column], html::LetterCount(cell));
       if (row > 0 && !IsNumber(cell)) right[column] = false;
     }
   }
@@ -44,7 +39,7 @@ void TextTable::Print(std::ostream& out) const {
     }
     std::string line;
     for (size_t column = 0; column < widths.size(); ++column) {
-      const std::string padding(widths[column] - Columns(row[column]), ' ');
+      const std::string padding(widths[column] - html::LetterCount(row[column]), ' ');
       line += right[column] ? padding + row[column] : row[column] + padding;
       line += "  ";
     }

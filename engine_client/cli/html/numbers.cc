@@ -72,4 +72,10 @@ std::string Bytes(double bytes) {
   return Significant(bytes / std::pow(1000, steps), 3) + kUnits[static_cast<size_t>(steps)];
 }
 
+size_t LetterCount(std::string_view text) {
+  return static_cast<size_t>(std::count_if(text.begin(), text.end(), [](char byte) {
+    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+  }));
+}
+
 }  // namespace sweepstake::cli::html

@@ -2,8 +2,10 @@
 // "–".
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace sweepstake::cli::html {
 
@@ -20,5 +22,8 @@ std::string Compact(double value);
 
 // "512 B", "11.2 kB", "3.40 MB": powers of 1000.
 std::string Bytes(double bytes);
+
+// Characters of UTF-8 text.
+size_t LetterCount(std::string_view text);
 
 }  // namespace sweepstake::cli::html

@@ -19,7 +19,8 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 constexpr char kTiny[] =
-    "experiment --scenes brownian --objects 60 --policies paper --time-scale 1000 --window 3m ";
+    "experiment --scenes brownian --objects 60 --policies paper --time-scale 1000 --window 3m "
+    "--trace-frames 64 --replay-seeds 2 ";
 
 std::string FileText(const std::filesystem::path& path) {
   std::stringstream text;
@@ -40,12 +41,29 @@ TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json document = json::parse(run.out);
   EXPECT_EQ(document["complete"], true);
-  ASSERT_EQ(document["cells"].size(), 1U);
-  EXPECT_EQ(document["cells"][0]["runs"], 2);
-  for (const char* name : {"manifest.json", "tables.txt", "table3.csv", "table4.csv",
-                           "activations.csv", "switches.csv", "decisions.csv", "posteriors.csv",
-                           "final.csv", "metrics.csv", "time.csv", "runs/brownian-60-paper-1.json",
-                           "runs/brownian-60-paper-2.json", "frames/brownian-60-paper-1.csv"}) {
+  ASSERT_EQ(document["rows"].size(), 1U);
+  EXPECT_EQ(document["rows"][0]["runs"], 2);
+  EXPECT_TRUE(document["rows"][0].contains("replay_regret"));
+  for (const char* name : {"manifest.json",
+                           "tables.txt",
+                           "table3.csv",
+                           "table4.csv",
+                           "activations.csv",
+                           "switches.csv",
+                           "decisions.csv",
+                           "posteriors.csv",
+                           "final.csv",
+                           "metrics.csv",
+                           "time.csv",
+                           "ranking.csv",
+                           "regret.csv",
+                           "agreement.csv",
+                           "comparisons.csv",
+                           "report.html",
+                           "traces/brownian-60.costs",
+                           "runs/brownian-60-paper-1.json",
+                           "runs/brownian-60-paper-2.json",
+                           "frames/brownian-60-paper-1.csv"}) {
     EXPECT_GT(FileText(folder_ / name).size(), 60U) << name;
   }
   const json manifest = json::parse(FileText(folder_ / "manifest.json"));

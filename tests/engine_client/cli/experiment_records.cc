@@ -16,7 +16,7 @@ RecordedDecision Decision(double time_s, uint32_t active, uint32_t best) {
   decision.time_s = time_s;
   decision.active_arm = active;
   decision.candidate = best;
-  decision.outcome = 1;
+  decision.outcome = active == best ? 1 : 3;  // kept, or held back by the cooldown
   decision.reward = 0.9;
   decision.leader = best;
   decision.expected_loss_ratio = 0.001;

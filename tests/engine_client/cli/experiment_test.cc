@@ -272,9 +272,11 @@ TEST(RawCsv, HasEveryRunAndQuotesWhatNeedsIt) {
               HasSubstr("\r\nbrownian-1000-paper-1,66.000000,70,KDTree,Grid,policy,1,1000,10"));
   EXPECT_THAT(FileText(folder.path() / "activations.csv"),
               HasSubstr("\r\nbrownian-1000-paper-1,KDTree,6.000000,66.000000,policy,1"));
-  EXPECT_THAT(FileText(folder.path() / "decisions.csv"),
-              HasSubstr("\r\nbrownian-1000-paper-1,105.000000,Grid,KDTree,kept,,0.900000000,KDTree,"
-                        "0.900000000,0.001000000,stable"));
+  EXPECT_THAT(
+      FileText(folder.path() / "decisions.csv"),
+      HasSubstr(
+          "\r\nbrownian-1000-paper-1,105.000000,Grid,KDTree,held-cooldown,,0.900000000,KDTree,"
+          "0.900000000,0.001000000,stable"));
 }
 
 TEST(MetricWindowMeter, ClosesAWindowPerIntervalAndPerArm) {

@@ -1,0 +1,227 @@
+// The page of `sweepstake experiment` and its truth, made of a report with all that can occur in
+// it.
+#include "engine_client/cli/experiment_html.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "engine_client/cli/experiment_truth_output.h"
+#include "tests/engine_client/cli/experiment_records.h"
+#include "tests/engine_client/cli/well_formed.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using test_support::FirstFlaw;
+using test_support::MakeRecord;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr uint32_t kFrames = 400;
+
+// KDTree takes 20 µs, SAP 30, Grid 60; each frame a little more or less.
+CostTrace Trace() {
+  CostTrace trace;
+  trace.scene = "brownian";
+  trace.arms = {{"SAP", 1}, {"KDTree", 1}, {"Grid", 1}};
+  trace.frame_count = kFrames;
+  trace.control_arm = 1;
+  trace.burst_frame_count = 8;
+  const uint64_t costs_ns[] = {30'000, 20'000, 60'000};
+  for (uint32_t frame = 0; frame < kFrames; ++frame) {
+    trace.object_count.push_back(1000);
+    trace.pair_count.push_back(10);
+    trace.step_ns.push_back(5000);
+    trace.control_ns.push_back(20'200);
+    for (const uint64_t cost_ns : costs_ns) {
+      trace.detection_ns.push_back(cost_ns + frame % 7 * 10);
+      trace.aabb_check_count.push_back(1000);
+      trace.native_bytes.push_back(4096);
+    }
+  }
+  TraceBurst burst;
+  for (const uint64_t cost_ns : costs_ns) {
+    for (int k = 0; k < 8; ++k) burst.detection_ns.push_back(k == 0 ? 3 * cost_ns : cost_ns);
+  }
+  trace.bursts = {burst};
+  return trace;
+}
+
+ExperimentPlan Plan() {
+  ExperimentOptions options;
+  options.scenes = {"brownian"};
+  options.object_counts = {1000, 3000};
+  options.policies = {"paper", "adaptive"};
+  options.run_count = 2;
+  options.window = "100s";
+  options.replay_seed_count = 4;
+  auto plan = MakePlan(options);
+  EXPECT_TRUE(plan.ok());
+  return std::move(*plan);
+}
+
+// The larger cell has one run and no trace.
+ExperimentReport Report() {
+  ExperimentReport report;
+  report.plan = Plan();
+  report.sittings = {{"sweepstake experiment '<x>'", "2026-01-31T12:00:00Z", ""}};
+  report.machine.cpu = "Some <CPU> & Co";
+  const auto& cells = report.plan.cells;
+  report.records = {
+      MakeRecord(cells[0], "paper", 1, 1, 60), MakeRecord(cells[0], "paper", 2, 0, 60),
+      MakeRecord(cells[0], "adaptive", 1, 1, 95), MakeRecord(cells[0], "adaptive", 2, 1, 90),
+      MakeRecord(cells[1], "paper", 1, 2, 70)};
+  report.records[0].switches.back().reason = 3;
+  report.cells = SummarizeCells(report.plan, report.records);
+  return report;
+}
+
+ExperimentReport Assess() {
+  ExperimentReport report = Report();
+  std::vector<const CellSummary*> cells;
+  for (const CellSummary& cell : report.cells) {
+    if (cell.cell == report.plan.cells[0]) cells.push_back(&cell);
+  }
+  CellTruth truth = RankArms(report.plan.cells[0], Trace());
+  const Status status = AssessCell(
+      Trace(), cells, {.seed_count = 4}, [](double) {}, truth);
+  EXPECT_TRUE(status.ok()) << status.message();
+  report.truths.push_back(std::move(truth));
+  report.over_cells = CompareOverCells(report.truths);
+  return report;
+}
+
+// The games take a second.
+const ExperimentReport& AssessedReport() {
+  static const ExperimentReport report = Assess();
+  return report;
+}
+
+size_t Count(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(ExperimentHtml, IsWellFormedLoadsNothingAndEscapes) {
+  const std::string html = ExperimentHtml(AssessedReport(), "{\"rows\":[]}");
+  EXPECT_EQ(FirstFlaw(html), "");
+  for (const char* loading : {"://", "src=", "@import", "url(", "<link"}) {
+    EXPECT_THAT(html, Not(HasSubstr(loading)));
+  }
+  EXPECT_THAT(html, HasSubstr("Some &lt;CPU&gt; &amp; Co"));
+  EXPECT_THAT(html, HasSubstr("sweepstake experiment &#39;&lt;x&gt;&#39;"));
+}
+
+TEST(ExperimentHtml, ContainsEveryRunInTimelineAndPosteriors) {
+  const ExperimentReport& report = AssessedReport();
+  const std::string html = ExperimentHtml(report, "{\"rows\":[]}");
+  EXPECT_EQ(Count(html, "class=\"panel\""), report.records.size());
+  for (const char* lane :
+       {">paper 1</text>", ">paper 2</text>", ">adaptive 1</text>", ">adaptive 2</text>"}) {
+    EXPECT_THAT(html, HasSubstr(lane));
+  }
+  EXPECT_THAT(html, HasSubstr("bail-out from KDTree"));
+  EXPECT_EQ(Count(html, "class=\"strokes\""), report.records.size()) << "each held one back";
+}
+
+TEST(ExperimentHtml, HoldsThePapersFiguresBesideOurs) {
+  const std::string html = ExperimentHtml(Report(), "{\"rows\":[]}");
+  EXPECT_THAT(html, HasSubstr("AxisSweep 5/5"));
+  EXPECT_THAT(html, HasSubstr("<small>20.2±0.8</small>"));
+  EXPECT_THAT(html, HasSubstr("KDTree 1/2; SAP 1/2"));
+}
+
+TEST(ExperimentHtml, SaysWhatIsMissing) {
+  ExperimentReport report = Report();
+  const std::string html = ExperimentHtml(report, "{\"rows\":[]}");
+  EXPECT_EQ(FirstFlaw(html), "");
+  EXPECT_THAT(html, HasSubstr("✗ Partial: 5 of 8 planned runs are in"));
+  EXPECT_THAT(html, Not(HasSubstr("id=\"regret\""))) << "nothing was replayed";
+  report.records.clear();
+  report.cells.clear();
+  EXPECT_EQ(FirstFlaw(ExperimentHtml(report, "{}")), "");
+}
+
+TEST(ExperimentHtml, WarnsOfADisturbedMachine) {
+  ExperimentReport report = Report();
+  report.truths.push_back(RankArms(report.plan.cells[0], Trace()));
+  EXPECT_THAT(ExperimentHtml(report, "{}"), Not(HasSubstr("disturbed")));
+  report.truths[0].control_ratio = 1.2;
+  EXPECT_THAT(ExperimentHtml(report, "{}"), HasSubstr("✗ The machine was disturbed."));
+}
+
+TEST(CellTruth, RanksTheArmsAndComparesATwin) {
+  const CellTruth truth = RankArms({"brownian", 1000, 1}, Trace());
+  ASSERT_EQ(truth.ranking.size(), 3U);
+  EXPECT_EQ(truth.ranking[0].arm, "KDTree");
+  EXPECT_EQ(truth.ranking[0].ratio, 1);
+  EXPECT_EQ(truth.ranking[1].arm, "SAP");
+  EXPECT_NEAR(truth.ranking[2].ratio, 3, 0.01);
+  EXPECT_NEAR(truth.control_ratio, 1.0085, 0.001);
+}
+
+TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
+  const ExperimentReport& report = AssessedReport();
+  const CellTruth& truth = report.truths[0];
+  const auto player = [&](const std::string& name) -> const ReplayedPlayer& {
+    return *std::find_if(truth.players.begin(), truth.players.end(),
+                         [&](const ReplayedPlayer& each) { return each.name == name; });
+  };
+  EXPECT_NEAR(player("fixed:KDTree").regret, 0, 1e-9);
+  EXPECT_NEAR(player("fixed:SAP").regret, 0.5, 0.01);
+  EXPECT_GT(player("paper").regret, 0);
+  EXPECT_EQ(player("paper").regrets.size(), 4U);
+  EXPECT_LT(player("adaptive").regret, player("paper").regret);
+  EXPECT_FALSE(player("oracle").is_policy);
+  for (const PairedComparison& each : truth.comparisons) {
+    EXPECT_EQ(each.policy, OwnPolicyName("default"));
+    EXPECT_NE(each.baseline, each.policy);
+    EXPECT_GE(each.corrected_probability, each.wilcoxon.probability);
+  }
+  EXPECT_EQ(report.over_cells.size(), truth.comparisons.size());
+}
+
+TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
+  const ExperimentReport& report = AssessedReport();
+  ASSERT_EQ(report.truths[0].agreements.size(), 2U);
+  const Agreement& paper = report.truths[0].agreements[0];
+  EXPECT_EQ(paper.policy, "paper");
+  EXPECT_EQ(paper.live_run_count, 2U);
+  EXPECT_NEAR(paper.active_share, 0.6, 1e-9);
+  // Three arms with as many frames each, at 20, 30 and 60 µs and other work of 35 µs.
+  EXPECT_NEAR(paper.regret, (110.0 / 3 + 35) / 55 - 1, 0.01);
+  EXPECT_NEAR(paper.measured_regret, 40.0 / 60 - 1, 1e-9);
+  Agreement agreement;
+  agreement.regret = 0.1;
+  agreement.replayed_regret = {0.05, 0.2};
+  EXPECT_TRUE(agreement.regret_agrees());
+  agreement.regret = 0.21;
+  EXPECT_FALSE(agreement.regret_agrees());
+}
+
+TEST(TruthOutput, PrintsAndWritesEveryPart) {
+  const ExperimentReport& report = AssessedReport();
+  std::ostringstream out;
+  PrintTruth(report, out);
+  for (const char* part : {"True ranking", "KDTree 1.00", "Regret by replay", "Live against replay",
+                           "against each baseline"}) {
+    EXPECT_THAT(out.str(), HasSubstr(part));
+  }
+  const test_support::TemporaryDirectory folder;
+  ASSERT_TRUE(WriteTruthCsv(report, folder.path()).ok());
+  for (const char* name : {"ranking.csv", "regret.csv", "agreement.csv", "comparisons.csv"}) {
+    std::stringstream text;
+    text << std::ifstream(folder.path() / name).rdbuf();
+    EXPECT_THAT(text.str(), HasSubstr("brownian-1000,")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
