@@ -96,12 +96,10 @@ Markup SameAsPaper(const ExperimentReport& report) {
     if (cell.dominance.front().first == paper->dominant) ++same;
   }
   if (all == 0) return {};
-  return Item(
-      "The same algorithm as in the paper’s Table 3 dominates in " + Of(same, all) +
-      " of its scenes. It need not: the seven algorithms here are other code than the paper’s, "
-      "many "
-      "times as fast and each by another factor, so that their order is another one; and frames of "
-      "some microseconds leave the rewards of all arms close together.");
+  return Item("The same algorithm as in the paper’s Table 3 dominates in " + Of(same, all) +
+              " of its scenes. It need not: the seven algorithms here are other code than the "
+              "paper’s, each faster "
+              "or slower by another factor, and so is the machine.");
 }
 
 Markup Agreed(const ExperimentReport& report) {
@@ -114,8 +112,8 @@ Markup Agreed(const ExperimentReport& report) {
     }
   }
   if (all == 0) return {};
-  return Item("Live runs and replay agree: the live regret lies in replay’s 95 % interval in " +
-              Of(regret, all) + " cells, the active share in " + Of(share, all) + ".");
+  return Item("Live against replay: the live regret lies in replay’s 95 % interval in " +
+              Of(regret, all) + " comparisons, the active share in " + Of(share, all) + ".");
 }
 
 Markup SelectorCost(const ExperimentReport& report) {

@@ -26,7 +26,7 @@ std::string MinutesText(const RunRecord& record, double seconds) {
 }
 
 std::string RunName(const RunSummary& run) {
-  return run.record->policy + " " + std::to_string(run.record->run);
+  return PolicyShortName(run.record->policy) + " " + std::to_string(run.record->run);
 }
 
 bool IsHeldBack(const RecordedDecision& decision) {

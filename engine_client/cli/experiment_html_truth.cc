@@ -147,7 +147,7 @@ struct AgreementViews {
 };
 
 void AddAgreement(const CellTruth& truth, const Agreement& each, AgreementViews& views) {
-  const std::string name = CellName(truth.cell) + " · " + each.policy;
+  const std::string name = CellName(truth.cell) + " · " + PolicyShortName(each.policy);
   views.regret.rows.push_back(
       {name,
        {each.regret_agrees() ? size_t{0} : size_t{4}, each.regret_agrees()},

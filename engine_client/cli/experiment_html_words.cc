@@ -28,8 +28,11 @@ std::string CellName(const ExperimentCell& cell) {
 
 std::string PolicyTitle(const std::string& policy) {
   const std::string own = OwnPolicyName("default");
-  if (OwnPolicyName(policy) != own) return policy;
-  return "AI Decides (" + own + ")";
+  return OwnPolicyName(policy) == own ? "AI Decides (" + own + ")" : policy;
+}
+
+std::string PolicyShortName(const std::string& policy) {
+  return OwnPolicyName(policy) == OwnPolicyName("default") ? "AI Decides" : policy;
 }
 
 std::vector<std::string> ArmKinds() {

@@ -15,6 +15,9 @@ std::string CellName(const ExperimentCell& cell);
 // "adaptive" where "default" was asked for and stands for it: "AI Decides (adaptive)".
 std::string PolicyTitle(const std::string& policy);
 
+// The same in short, where there is little room: "AI Decides".
+std::string PolicyShortName(const std::string& policy);
+
 // The arms in the order of their colours.
 std::vector<std::string> ArmKinds();
 size_t ArmKind(const std::string& arm);

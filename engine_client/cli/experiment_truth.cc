@@ -186,6 +186,8 @@ Result<Agreement> Agree(const CostTrace& trace, const CellSummary& cell,
   StudyOptions study;
   study.players = {{.name = cell.policy}};
   study.decision = decision::DecisionOptions{}.Scaled(options.time_scale);
+  study.shadow.sweep_interval_min_ns = static_cast<uint64_t>(
+      static_cast<double>(study.shadow.sweep_interval_min_ns) / options.time_scale);
   study.seed_count = options.seed_count;
   study.thread_count = options.thread_count;
   const std::vector<StudyScene> scenes{{cell.cell.label(), std::move(*scene)}};

@@ -4,8 +4,8 @@
 
 namespace sweepstake::cli {
 
-ReplayLane::ReplayLane(const ReplayScene& scene)
-    : scene_(scene), schedule_(ShadowScheduleOptions(), scene.arm_count()) {}
+ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options)
+    : scene_(scene), schedule_(options, scene.arm_count()) {}
 
 std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
   if (!visit_) {

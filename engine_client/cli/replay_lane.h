@@ -17,7 +17,7 @@ namespace sweepstake::cli {
 
 class ReplayLane {
  public:
-  explicit ReplayLane(const ReplayScene& scene);
+  ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options);
 
   // When something happens next: a sweep begins, or a visit ends.
   int64_t next_event_ns() const { return next_event_ns_; }

@@ -83,7 +83,7 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
       meter_(static_cast<uint64_t>(setup.options.settling_ns)),
       arm_(session_.active_arm()) {
   const bool learns_from_lane = decision::PolicyKindOf(setup.options.policy).uses_shadow;
-  if (setup.shadow_lane.value_or(learns_from_lane)) lane_.emplace(scene);
+  if (setup.shadow_lane.value_or(learns_from_lane)) lane_.emplace(scene, setup.shadow);
   result_.active_ns.resize(scene.arm_count());
   result_.first_active_ns.resize(scene.arm_count());
   result_.timeline.initial_arm = arm_;

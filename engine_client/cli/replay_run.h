@@ -20,6 +20,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/replay_scene.h"
 #include "server/decision/decision_session.h"
 
@@ -32,6 +33,7 @@ struct ReplaySetup {
   std::optional<bool> shadow_lane;                // absent: where the policy learns from it
   std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
   bool keep_timeline = false;
+  ShadowScheduleOptions shadow = {};  // of the lane, where there is one
 };
 
 struct Activation {

@@ -94,6 +94,7 @@ class SeedGames {
     ReplaySetup setup{
         .options = options_.decision, .seed = seed, .shadow_lane = options_.shadow_lane};
     setup.options.policy = policy;
+    setup.shadow = options_.shadow;
     return setup;
   }
 

@@ -32,6 +32,7 @@ struct StudyOptions {
   ReplayPriors priors = ReplayPriors::kNone;
   std::optional<bool> shadow_lane;  // absent: for the policies that learn from it
   uint32_t thread_count = 1;
+  ShadowScheduleOptions shadow = {};
 };
 
 struct StudyScene {

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine_client/cli/experiment_html_words.h"
 #include "engine_client/cli/experiment_truth_output.h"
 #include "tests/engine_client/cli/experiment_records.h"
 #include "tests/engine_client/cli/well_formed.h"
@@ -123,9 +124,9 @@ TEST(ExperimentHtml, ContainsEveryRunInTimelineAndPosteriors) {
   const ExperimentReport& report = AssessedReport();
   const std::string html = ExperimentHtml(report, "{\"rows\":[]}");
   EXPECT_EQ(Count(html, "class=\"panel\""), report.records.size());
-  for (const char* lane :
-       {">paper 1</text>", ">paper 2</text>", ">adaptive 1</text>", ">adaptive 2</text>"}) {
-    EXPECT_THAT(html, HasSubstr(lane));
+  for (const RunRecord& record : report.records) {
+    const std::string name = PolicyShortName(record.policy) + " " + std::to_string(record.run);
+    EXPECT_THAT(html, HasSubstr(">" + name + "</text>"));
   }
   EXPECT_THAT(html, HasSubstr("bail-out from KDTree"));
   EXPECT_EQ(Count(html, "class=\"strokes\""), report.records.size()) << "each held one back";
