@@ -6,15 +6,22 @@
 
 #include <algorithm>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/bail_out_guard.h"
 #include "engine_client/adaptive/descriptor_estimator.h"
+#include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 
 namespace sweepstake {
 namespace {
+
+// What a commanded switch waits for the shadow lane at most, in frame time: some 30 frames at 60
+// frames/s, where a preparation takes 5; one frame where the active arm is so slow that leaving it
+// matters more than a smooth switch.
+constexpr uint64_t kPreparationNs = 500'000'000;
 
 // The active arm and its epoch in one word: other threads read both at once.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
@@ -56,7 +63,32 @@ Status ValidateOptions(const AdaptiveOptions& options) {
   if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
     return {StatusCode::kInvalidArgument, "mode is neither kManual (1) nor kAi (2)"};
   }
+  const ShadowOptions& shadow = options.shadow;
+  if (!(shadow.duty_ratio > 0 && shadow.duty_ratio <= 1)) {
+    return {StatusCode::kInvalidArgument, "shadow.duty_ratio must be over 0 and at most 1"};
+  }
+  if (shadow.enabled > ShadowMode::kOff || shadow.visit_cap_ns == 0) {
+    return {StatusCode::kInvalidArgument,
+            "shadow.enabled must be kAuto (0), kOn (1) or kOff (2), and visit_cap_ns over 0"};
+  }
   return {};
+}
+
+Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor) {
+  ArmBackend made;
+  if (executor != nullptr) made.executor = std::make_unique<DetachableExecutor>(*executor);
+  auto backend = MakeBroadPhase(arm, {.executor = made.executor.get()});
+  if (!backend.ok()) return backend.status();
+  made.backend = std::move(*backend);
+  return made;
+}
+
+// kRunning: there is to be a lane.
+ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_t arm_count) {
+  const size_t used = options.executor == nullptr ? 1 : options.executor->thread_count();
+  if (!lane.make || options.shadow.enabled == ShadowMode::kOff) return ShadowState::kOff;
+  if (arm_count < 2) return ShadowState::kOneArm;
+  return used < lane.core_count ? ShadowState::kRunning : ShadowState::kNoSpareCore;
 }
 
 }  // namespace
@@ -64,8 +96,8 @@ Status ValidateOptions(const AdaptiveOptions& options) {
 class AdaptiveBroadPhase::Impl {
  public:
   Impl(const AdaptiveOptions& options, std::vector<std::string> arms,
-       std::vector<std::unique_ptr<BroadPhase>> backends, uint32_t initial_arm, FrameSink* sink,
-       Clock& clock);
+       std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
+       FrameSink* sink, Clock& clock);
 
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
@@ -77,6 +109,7 @@ class AdaptiveBroadPhase::Impl {
     return static_cast<uint32_t>(active_.load(std::memory_order_relaxed) >> 32);
   }
   uint32_t epoch() const { return static_cast<uint32_t>(active_.load(std::memory_order_relaxed)); }
+  ShadowStats shadow_stats() const;
 
   const std::vector<std::string> arms;
   std::vector<uint32_t> versions;
@@ -88,8 +121,18 @@ class AdaptiveBroadPhase::Impl {
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
  private:
-  void Obey(const SwitchCommand& command);
+  // A command from the mailbox, and the frame time it has waited for the shadow lane.
+  struct PendingSwitch {
+    SwitchCommand command;
+    uint64_t waited_ns = 0;
+  };
+
+  void TakeCommand(const SwitchCommand& command);
+  void Obey();
+  bool IsAllowed(const SwitchCommand& command) const;
+  bool WaitsForLane();
   void Execute(const SwitchCommand& command);
+  void Drop();
   void Refuse(const SwitchCommand& command);
   void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
   void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
@@ -98,20 +141,25 @@ class AdaptiveBroadPhase::Impl {
   void GuardLocally();
   void Report(const std::optional<SwitchOutcome>& outcome);
 
-  const std::vector<std::unique_ptr<BroadPhase>> backends_;
+  std::vector<ArmBackend> backends_;
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // SelectArm or the guard, for the next frame
+  std::optional<PendingSwitch> pending_;
   bool built_ = false;  // the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   DescriptorEstimator descriptors_;
   FrameSample sample_{};
+  std::atomic<uint64_t> warm_switch_count_{0};
+  std::atomic<uint64_t> cold_switch_count_{0};
+  const ShadowState lane_state_;      // kRunning: there is a lane
+  std::unique_ptr<ShadowLane> lane_;  // ends first: its thread uses what is above
 };
 
 AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::string> arm_names,
-                               std::vector<std::unique_ptr<BroadPhase>> backends,
-                               uint32_t initial_arm, FrameSink* sink, Clock& clock)
+                               std::vector<ArmBackend> backends, uint32_t initial_arm,
+                               const LaneParts& lane, FrameSink* sink, Clock& clock)
     : arms(std::move(arm_names)),
       mode(options.mode),
       guard(options.bail_out_ns, static_cast<uint32_t>(backends.size())),
@@ -119,38 +167,82 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       backends_(std::move(backends)),
       sink_(sink),
       clock_(clock),
-      active_(PackActive(initial_arm, 0)) {
-  for (const auto& backend : backends_) versions.push_back(backend->version());
+      active_(PackActive(initial_arm, 0)),
+      lane_state_(LaneFor(options, lane, backends_.size())) {
+  for (const ArmBackend& own : backends_) {
+    own.Attach(true);
+    versions.push_back(own.backend->version());
+  }
   sample_.arm = initial_arm;
+  if (lane_state_ != ShadowState::kRunning) return;
+  lane_ = std::make_unique<ShadowLane>(
+      ShadowLane::Setup{.options = options.shadow,
+                        .arm_count = static_cast<uint32_t>(backends_.size()),
+                        .make = lane.make,
+                        .sink = sink,
+                        .clock = clock,
+                        .mode = mode});
+  lane_->Start();
 }
 
 // Step 2: a pending switch, at most one per frame. What was decided here wins over the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
-  const std::optional<SwitchCommand> commanded = mailbox.Take();
-  const std::optional<SwitchCommand> local = std::exchange(local_command_, std::nullopt);
-  if (local) Execute(*local);
-  if (commanded && local) Refuse(*commanded);
-  if (commanded && !local) Obey(*commanded);
+  if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
+  if (const auto local = std::exchange(local_command_, std::nullopt)) {
+    Execute(*local);
+    if (pending_) Refuse(pending_->command);
+    Drop();
+  } else if (pending_) {
+    Obey();
+  }
   sample_.arm = arm();
   sample_.switch_epoch = epoch();
 }
 
-void AdaptiveBroadPhase::Impl::Obey(const SwitchCommand& command) {
-  const bool allowed =
-      mode.load(std::memory_order_relaxed) == Mode::kAi || command.reason == SwitchReason::kManual;
-  if (allowed && command.arm < arms.size() && command.arm != arm()) {
-    Execute(command);
-  } else {
+// The latest wins; where it is for the same arm, what was prepared for the one before serves.
+void AdaptiveBroadPhase::Impl::TakeCommand(const SwitchCommand& command) {
+  const bool same_arm = pending_ && pending_->command.arm == command.arm;
+  pending_ = PendingSwitch{command, same_arm ? pending_->waited_ns : 0};
+}
+
+void AdaptiveBroadPhase::Impl::Obey() {
+  const SwitchCommand command = pending_->command;
+  if (!IsAllowed(command)) {
     Refuse(command);
+  } else if (WaitsForLane()) {
+    return;
+  } else {
+    Execute(command);
   }
+  Drop();
+}
+
+bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
+  const bool may_choose =
+      mode.load(std::memory_order_relaxed) == Mode::kAi || command.reason == SwitchReason::kManual;
+  return may_choose && command.arm < arms.size() && command.arm != arm();
+}
+
+// A bail-out, the command's or the last frame's, does not wait.
+bool AdaptiveBroadPhase::Impl::WaitsForLane() {
+  const bool flees = pending_->command.reason == SwitchReason::kBailOut ||
+                     (last_sample.flags & kFrameBailOut) != 0;
+  return lane_ != nullptr && !flees && pending_->waited_ns < kPreparationNs &&
+         lane_->Ask(pending_->command.arm) == ShadowLane::Preparation::kUnderWay;
 }
 
 void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   const uint32_t next_epoch = epoch() + 1;
   active_.store(PackActive(command.arm, next_epoch), std::memory_order_relaxed);
   last_switch_reason = command.reason;
-  built_ = false;
-  Report(switch_cost.Begin(command, next_epoch));
+  built_ = lane_ != nullptr && lane_->TakeOver(command.arm, backends_[command.arm], pairs_);
+  (built_ ? warm_switch_count_ : cold_switch_count_).fetch_add(1, std::memory_order_relaxed);
+  Report(switch_cost.Begin(command, next_epoch, /*warm=*/built_));
+}
+
+void AdaptiveBroadPhase::Impl::Drop() {
+  pending_.reset();
+  if (lane_ != nullptr) lane_->Cancel();
 }
 
 void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
@@ -166,30 +258,35 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   const uint64_t start_ns = clock_.NowNs();
   UpdateStructure(boxes, start_ns);
   pairs_.Clear();
-  backends_[sample_.arm]->FindPairs(pairs_);
+  backends_[sample_.arm].backend->FindPairs(pairs_);
   built_ = true;
   MeasureDetection(boxes, start_ns);
+  if (lane_ != nullptr) {
+    lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
+                           .frame_time_ns = last_sample.frame_time_ns,
+                           .arm = sample_.arm});
+  }
   return std::as_const(pairs_).pairs();
 }
 
 // A backend that ran out of memory on the way is built anew in the next frame.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   if (std::exchange(built_, false)) {
-    backends_[sample_.arm]->Update(boxes);
+    backends_[sample_.arm].backend->Update(boxes);
   } else {
     Rebuild(boxes, start_ns);
   }
 }
 
 void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t start_ns) {
-  backends_[sample_.arm]->Build(boxes);
+  backends_[sample_.arm].backend->Build(boxes);
   sample_.flags |= kFrameRebuild;
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(clock_.NowNs() - start_ns);
 }
 
 void AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns) {
   constexpr size_t kCountMax = std::numeric_limits<uint32_t>::max();
-  const BroadPhase& backend = *backends_[sample_.arm];
+  const BroadPhase& backend = *backends_[sample_.arm].backend;
   sample_.detection_time_ns += clock_.NowNs() - start_ns;
   sample_.aabb_check_count += backend.aabb_check_count();
   sample_.native_bytes = backend.native_bytes();
@@ -204,6 +301,7 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   sample_.flags |= frame.flags & (kFramePaused | kFrameLoading);
   if (guard.Exceeds(frame.frame_time_ns)) sample_.flags |= kFrameBailOut;
   last_sample = sample_;
+  if (pending_) pending_->waited_ns += frame.frame_time_ns;
   Emit();
   GuardLocally();
   const uint64_t next_index = sample_.frame_index + 1;
@@ -241,20 +339,38 @@ Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
   return {};
 }
 
-Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
-    const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
-    FrameSink* sink, Clock& clock) {
+ShadowStats AdaptiveBroadPhase::Impl::shadow_stats() const {
+  ShadowStats stats;
+  stats.state = lane_state_;
+  if (lane_ != nullptr) stats = lane_->stats();
+  stats.warm_switch_count = warm_switch_count_.load(std::memory_order_relaxed);
+  stats.cold_switch_count = cold_switch_count_.load(std::memory_order_relaxed);
+  return stats;
+}
+
+Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(const AdaptiveOptions& options,
+                                                                  std::vector<ArmBackend> backends,
+                                                                  const LaneParts& lane,
+                                                                  FrameSink* sink, Clock& clock) {
   std::vector<std::string> arms;
   arms.reserve(backends.size());
-  for (const auto& backend : backends) arms.emplace_back(backend->name());
+  for (const ArmBackend& own : backends) arms.emplace_back(own.backend->name());
   if (Status status = ValidateArms(arms); !status.ok()) return status;
   if (Status status = ValidateOptions(options); !status.ok()) return status;
   std::optional<uint32_t> initial = 0;
   if (!options.initial_arm.empty()) initial = IndexOf(options.initial_arm, arms);
   if (!initial) return UnknownArm(options.initial_arm, arms);
   auto impl = std::make_unique<AdaptiveBroadPhase::Impl>(
-      options, std::move(arms), std::move(backends), *initial, sink, clock);
+      options, std::move(arms), std::move(backends), *initial, lane, sink, clock);
   return std::unique_ptr<AdaptiveBroadPhase>(new AdaptiveBroadPhase(std::move(impl)));
+}
+
+Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
+    const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
+    FrameSink* sink, Clock& clock) {
+  std::vector<ArmBackend> owned;
+  for (auto& backend : backends) owned.push_back({nullptr, std::move(backend)});
+  return Make(options, std::move(owned), {}, sink, clock);
 }
 
 Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
@@ -262,14 +378,17 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
   std::vector<std::string> arms = options.arms;
   if (arms.empty()) arms.assign(BroadPhaseNames().begin(), BroadPhaseNames().end());
   if (Status status = ValidateArms(arms); !status.ok()) return status;
-  std::vector<std::unique_ptr<BroadPhase>> backends;
+  std::vector<ArmBackend> backends;
   for (const std::string& arm : arms) {
-    Result<std::unique_ptr<BroadPhase>> backend =
-        MakeBroadPhase(arm, {.executor = options.executor});
-    if (!backend.ok()) return backend.status();
-    backends.push_back(std::move(*backend));
+    Result<ArmBackend> made = MakeArm(arm, options.executor);
+    if (!made.ok()) return made.status();
+    backends.push_back(std::move(*made));
   }
-  return AdaptiveFactory::Make(options, std::move(backends), sink, clock);
+  const auto make = [arms, executor = options.executor](uint32_t arm) {
+    return std::move(*MakeArm(arms[arm], executor));
+  };
+  const LaneParts lane{make, std::thread::hardware_concurrency()};
+  return AdaptiveFactory::Make(options, std::move(backends), lane, sink, clock);
 }
 
 AdaptiveBroadPhase::AdaptiveBroadPhase(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -303,5 +422,6 @@ SwitchReason AdaptiveBroadPhase::last_switch_reason() const { return impl_->last
 std::span<const std::string> AdaptiveBroadPhase::arms() const { return impl_->arms; }
 std::span<const uint32_t> AdaptiveBroadPhase::arm_versions() const { return impl_->versions; }
 const FrameSample& AdaptiveBroadPhase::last_sample() const { return impl_->last_sample; }
+ShadowStats AdaptiveBroadPhase::shadow_stats() const { return impl_->shadow_stats(); }
 
 }  // namespace sweepstake

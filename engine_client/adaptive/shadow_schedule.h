@@ -50,11 +50,12 @@ struct ShadowVisit {
   uint64_t build_ns = 0;      // the first frame
   uint64_t busy_ns = 0;       // all frames
   uint64_t native_bytes = 0;
-  bool capped = false;  // at the time cap, before the last frame
+  uint64_t aabb_check_count = 0;  // mean of the measured frames
+  bool capped = false;            // at the time cap, before the last frame
 };
 
-// The visit whose frames took `frame_ns`, as far as `cap_ns` lets it come; arm and native_bytes are
-// left to the caller. REQUIRES: 1 to kShadowBurstFrames frames.
+// The visit whose frames took `frame_ns`, as far as `cap_ns` lets it come; arm, native_bytes and
+// aabb_check_count are left to the caller. REQUIRES: 1 to kShadowBurstFrames frames.
 ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns);
 
 class ShadowSchedule {

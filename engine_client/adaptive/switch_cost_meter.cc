@@ -3,7 +3,7 @@
 namespace sweepstake {
 
 std::optional<SwitchOutcome> SwitchCostMeter::Begin(const SwitchCommand& command,
-                                                    uint32_t switch_epoch) {
+                                                    uint32_t switch_epoch, bool warm) {
   std::optional<SwitchOutcome> unsettled;
   if (running_) unsettled = Finish();
   running_ = SwitchOutcome{.command_id = command.command_id,
@@ -11,7 +11,7 @@ std::optional<SwitchOutcome> SwitchCostMeter::Begin(const SwitchCommand& command
                            .switch_epoch = switch_epoch,
                            .reason = command.reason,
                            .executed = 1};
-  awaits_rebuild_ = true;
+  awaits_rebuild_ = !warm;
   early_ = late_ = Half{};
   return unsettled;
 }

@@ -25,11 +25,12 @@ class SwitchCostMeter {
     settling_ns_.store(settling_ns, std::memory_order_relaxed);
   }
 
-  // An arm was switched on. Returns the outcome of the switch before, where that one had not
-  // settled.
-  std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch);
+  // An arm was switched on; `warm`: its structure is there already. Returns the outcome of the
+  // switch before, where that one had not settled.
+  std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch,
+                                     bool warm = false);
 
-  // True from Begin to OnRebuild: the next build is the switch's.
+  // True from the Begin of a cold switch to OnRebuild: the next build is the switch's.
   bool awaits_rebuild() const { return awaits_rebuild_; }
   void OnRebuild(uint64_t rebuild_time_ns);
 

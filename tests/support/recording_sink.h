@@ -14,10 +14,12 @@ class RecordingSink final : public FrameSink {
     descriptors.push_back(descriptor);
   }
   void OnSwitch(const SwitchOutcome& outcome) noexcept override { switches.push_back(outcome); }
+  void OnShadow(const ShadowSample& sample) noexcept override { shadows.push_back(sample); }
 
   std::vector<FrameSample> frames;
   std::vector<SceneDescriptor> descriptors;
   std::vector<SwitchOutcome> switches;
+  std::vector<ShadowSample> shadows;  // on the lane's thread: to be read when it has ended
 };
 
 }  // namespace sweepstake::test_support

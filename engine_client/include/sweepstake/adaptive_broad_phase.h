@@ -12,6 +12,11 @@
 // Memory: an arm that has been active keeps its buffers, so that switching back is cheap;
 // native_bytes counts the active one alone. Errors: std::bad_alloc from FindPairs when a backend
 // runs out of memory; the next one builds anew.
+//
+// Where there is a core to spare, a shadow lane (shadow.h) measures the other arms on a thread of
+// its own, and prepares a switch: the command waits some frames, until the new arm's structure is
+// there (a warm switch), and is executed without one (a cold switch) where that takes over half a
+// second of frame time.
 #pragma once
 
 #include <atomic>
@@ -24,6 +29,7 @@
 
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/frame_sample.h"
+#include "sweepstake/shadow.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake {
@@ -64,8 +70,9 @@ class Clock {
 Clock& SteadyClock();
 
 struct AdaptiveOptions {
-  std::vector<std::string> arms;  // names from BroadPhaseNames(); empty: all seven. 1–32, unique.
-  std::string initial_arm;        // empty: the first
+  std::vector<std::string> arms =
+      {};                        // names from BroadPhaseNames(); empty: all seven. 1–32, unique.
+  std::string initial_arm = {};  // empty: the first
   Mode mode = Mode::kAi;
   // A longer frame is a bail-out (paper §4); > 0. The daemon's welcome replaces it. With an
   // embedded decider it stays, and the decider takes every frame that is flagged as over it for a
@@ -76,6 +83,7 @@ struct AdaptiveOptions {
   // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: all
   // work is done by the frame thread.
   Executor* executor = nullptr;
+  ShadowOptions shadow = {};
 };
 
 // What the engine knows about the frame it ends.
@@ -93,8 +101,9 @@ class AdaptiveBroadPhase {
                                                             Clock& clock = SteadyClock());
   ~AdaptiveBroadPhase();
 
-  // Executes a pending switch: SelectArm's or the guard's, before the mailbox's, which is then
-  // refused.
+  // Executes a pending switch: SelectArm's or the guard's at once, before the mailbox's, which is
+  // then refused. The mailbox's waits for the shadow lane where there is one, but for a bail-out's;
+  // a later command takes its place.
   void BeginFrame();
   // Pairs of these boxes, valid until the next call. The count may change as in BroadPhase::Update.
   // Once per frame; a frame without it (a paused game) has a sample without detection time.
@@ -133,6 +142,8 @@ class AdaptiveBroadPhase {
   std::span<const uint32_t> arm_versions() const;
   // The sample of the last EndFrame.
   const FrameSample& last_sample() const;
+  // What the shadow lane has done. Any thread.
+  ShadowStats shadow_stats() const;
 
  private:
   friend class AdaptiveFactory;

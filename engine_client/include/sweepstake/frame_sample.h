@@ -90,7 +90,7 @@ struct SwitchOutcome {
   uint64_t command_id = 0;
   uint32_t arm = 0;
   uint32_t switch_epoch = 0;
-  uint64_t rebuild_time_ns = 0;
+  uint64_t rebuild_time_ns = 0;  // on the frame thread; 0: built beforehand
   uint64_t settling_cost_ns =
       0;  // frame time above the settled mean, summed over the settling frames
   SwitchReason reason = SwitchReason::kPolicy;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <thread>
 
+#include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/telemetry/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "tests/support/allocation_counter.h"
@@ -98,6 +99,63 @@ INSTANTIATE_TEST_SUITE_P(EveryArm, FramePathCost,
                          ::testing::Values("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT",
                                            "Tracy", "KDTree"),
                          [](const auto& arm) { return std::string(arm.param); });
+
+// All arms with a lane that never rests.
+std::unique_ptr<AdaptiveBroadPhase> MakeWithLane(FrameSink& sink) {
+  const auto make = [](uint32_t arm) {
+    return ArmBackend{nullptr, std::move(*MakeBroadPhase(BroadPhaseNames()[arm]))};
+  };
+  std::vector<ArmBackend> backends;
+  for (uint32_t arm = 0; arm < BroadPhaseNames().size(); ++arm) backends.push_back(make(arm));
+  const AdaptiveOptions options{.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}};
+  return std::move(*AdaptiveFactory::Make(options, std::move(backends),
+                                          {.make = make, .core_count = 8}, &sink, SteadyClock()));
+}
+
+// What frames cost the thread that makes them, beside time.
+struct Faults {
+  uint64_t allocation_count = 0;
+  uint64_t wait_count = 0;
+
+  void AddFrame(AdaptiveBroadPhase& adaptive, std::span<const Aabb> boxes) {
+    const uint64_t before = ThreadAllocationCount() + ThreadMallocCount();
+    {
+      const WaitCounter waits;
+      adaptive.BeginFrame();
+      adaptive.FindPairs(boxes);
+      adaptive.EndFrame({.frame_time_ns = 1000});  // so short that no preparation is late
+      wait_count += waits.count();
+    }
+    allocation_count += ThreadAllocationCount() + ThreadMallocCount() - before;
+  }
+};
+
+// At rest: in a scene that moves, a structure of any age may have to grow.
+TEST(FramePathCostWithLane, AllocatesNothingAndWaitsForNothingInSweepsAndWarmSwitches) {
+  SampleQueue queue(256);
+  const BoxScene scene("brownian", 500, 11);
+  const auto adaptive = MakeWithLane(queue);
+  Faults faults;
+  faults.AddFrame(*adaptive, scene.boxes());
+  faults = Faults();
+  while (adaptive->shadow_stats().sweep_count < 20) {
+    faults.AddFrame(*adaptive, scene.boxes());
+    std::this_thread::yield();
+  }
+  for (uint32_t step = 1; step <= 21; ++step) {
+    const uint32_t arm = (adaptive->active_arm() + 1 + step / 7) % 7;
+    adaptive->mailbox().Post({.command_id = step, .arm = arm});
+    while (adaptive->active_arm() != arm) {
+      faults.AddFrame(*adaptive, scene.boxes());
+      std::this_thread::yield();
+    }
+    for (int frame = 0; frame < 10; ++frame) faults.AddFrame(*adaptive, scene.boxes());
+  }
+  EXPECT_EQ(adaptive->shadow_stats().warm_switch_count, 21U);
+  EXPECT_GT(adaptive->shadow_stats().copied_frame_count, 100U);
+  EXPECT_EQ(faults.allocation_count, 0U);
+  EXPECT_EQ(faults.wait_count, 0U);
+}
 
 TEST(WaitCounterTest, SeesLocksSleepsAndFutexes) {
   if (!WaitCounter::Works()) GTEST_SKIP() << "not with ThreadSanitizer";

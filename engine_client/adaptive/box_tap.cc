@@ -1,0 +1,65 @@
+#include "engine_client/adaptive/box_tap.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace sweepstake {
+namespace {
+
+constexpr uint32_t Pack(uint32_t requested, uint32_t filled) { return requested << 8 | filled; }
+constexpr uint32_t Requested(uint32_t word) { return word >> 8; }
+constexpr uint32_t Filled(uint32_t word) { return word & 0xFF; }
+
+}  // namespace
+
+void BoxTap::OnFrame(std::span<const Aabb> boxes, const FrameNote& note, Clock& clock) noexcept {
+  latest_frame_.store(note.frame_index, std::memory_order_relaxed);
+  const uint32_t word = word_.load(std::memory_order_acquire);
+  const uint32_t filled = Filled(word);
+  if (Requested(word) == filled) return;
+  if (boxes.size() > capacity_) {
+    too_big_count_ = boxes.size();
+    word_.store(Pack(filled, filled), std::memory_order_release);
+    return;
+  }
+  const uint64_t start_ns = clock.NowNs();
+  std::copy(boxes.begin(), boxes.end(),
+            storage_.begin() + static_cast<std::ptrdiff_t>(filled * capacity_));
+  slots_[filled] = {
+      .note = note, .object_count = boxes.size(), .copy_time_ns = clock.NowNs() - start_ns};
+  word_.store(word + 1, std::memory_order_release);
+}
+
+void BoxTap::Reserve(uint32_t slot_count, size_t object_count) {
+  assert(complete() && slot_count <= kSlotMax);
+  word_.store(0, std::memory_order_relaxed);
+  slot_count_ = 0;
+  capacity_ = 0;
+  std::vector<Aabb>().swap(storage_);
+  // Written here, so that the frame thread meets no page that is new.
+  storage_.resize(slot_count * object_count);
+  slot_count_ = slot_count;
+  capacity_ = object_count;
+}
+
+void BoxTap::Request(uint32_t frame_count) {
+  assert(complete() && frame_count >= 1 && frame_count <= slot_count_);
+  too_big_count_ = 0;
+  word_.store(Pack(frame_count, 0), std::memory_order_release);
+}
+
+uint32_t BoxTap::filled_count() const { return Filled(word_.load(std::memory_order_acquire)); }
+
+bool BoxTap::complete() const {
+  const uint32_t word = word_.load(std::memory_order_acquire);
+  return Requested(word) == Filled(word);
+}
+
+TappedFrame BoxTap::frame(uint32_t slot) const {
+  const Slot& taken = slots_[slot];
+  return {.note = taken.note,
+          .boxes = std::span(storage_).subspan(slot * capacity_, taken.object_count),
+          .copy_time_ns = taken.copy_time_ns};
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,350 @@
+#include "engine_client/adaptive/shadow_lane.h"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <utility>
+
+namespace sweepstake {
+namespace {
+
+using State = SwitchHandover::State;
+
+// A frame at 60 frames/s is 16 ms: the lane sees a copied one, and an order, within a small part of
+// it.
+constexpr std::chrono::microseconds kBusyPoll{1'000};
+constexpr std::chrono::microseconds kIdlePoll{4'000};
+// While a preparation waits for a frame: a game of 5,000 frames/s shows one meanwhile.
+constexpr int kYieldMax = 200;
+constexpr uint64_t kLookAgainNs = 1'000'000'000;
+
+void Add(std::atomic<uint64_t>& counter, uint64_t amount) {
+  counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
+}
+
+ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
+  return {.duty_ratio = options.duty_ratio,
+          .visit_cap_ns = options.visit_cap_ns,
+          .memory_cap_bytes = options.memory_cap_bytes / 2,
+          .sweep_interval_min_ns = options.sweep_interval_min_ns};
+}
+
+}  // namespace
+
+ShadowLane::ShadowLane(Setup setup)
+    : setup_(std::move(setup)),
+      schedule_(ScheduleOf(setup_.options), setup_.arm_count),
+      backends_(setup_.arm_count) {}
+
+ShadowLane::~ShadowLane() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_.store(true, std::memory_order_relaxed);
+  }
+  changed_.notify_one();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ShadowLane::Start() {
+  thread_ = std::thread([this] { Run(); });
+}
+
+void ShadowLane::Run() {
+  while (!stopping_.load(std::memory_order_relaxed)) {
+    const std::chrono::microseconds pause = Step();
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, pause, [this] { return stopping_.load(std::memory_order_relaxed); });
+  }
+}
+
+std::chrono::microseconds ShadowLane::Step() {
+  try {
+    if (PrepareSwitch()) return kBusyPoll;
+    if (!enabled()) return kIdlePoll;
+    if (!tap_.complete()) return kBusyPoll;
+    if (std::exchange(collecting_, false)) OnBurst();
+    if (!collecting_ && sweep_is_due()) RequestBurst();
+  } catch (const std::bad_alloc&) {
+    FreeMemory();
+  }
+  return collecting_ ? kBusyPoll : kIdlePoll;
+}
+
+bool ShadowLane::enabled() const {
+  return setup_.options.enabled == ShadowMode::kOn ||
+         setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
+}
+
+bool ShadowLane::sweep_is_due() const {
+  const uint64_t now_ns = setup_.clock.NowNs();
+  return now_ns >= schedule_.next_sweep_ns() && now_ns >= next_look_ns_ &&
+         tap_.latest_frame_index() >= next_burst_frame_;
+}
+
+// A visit may take long; stopping and switches do not wait for its end.
+bool ShadowLane::interrupted() const {
+  return stopping_.load(std::memory_order_relaxed) || handover_.order().state == State::kWanted;
+}
+
+// Without room the request only tells how many objects there are.
+void ShadowLane::RequestBurst() {
+  if (tap_.slot_count() == 0) tap_.Reserve(1, 0);
+  accounted_frames_ = 0;
+  tap_.Request(tap_.slot_count());
+  collecting_ = true;
+}
+
+void ShadowLane::OnBurst() {
+  AccountCopies();
+  if (tap_.too_big_count() > 0) {
+    if (MakeRoom(tap_.too_big_count())) RequestBurst();
+    return;
+  }
+  if (tap_.filled_count() >= kFramesMin && !tap_.frame(0).boxes.empty()) Sweep();
+}
+
+// Slots for as many objects and some more, so that a slowly growing scene does not ask for room all
+// the time. False: there is none within the cap.
+bool ShadowLane::MakeRoom(size_t object_count) {
+  const size_t capacity = object_count + object_count / 8 + 64;
+  const uint64_t cap_bytes = setup_.options.memory_cap_bytes / 2;
+  const uint64_t slot_max = cap_bytes / (capacity * sizeof(Aabb));
+  const bool fits = slot_max >= kFramesMin;
+  state_.store(fits ? ShadowState::kRunning : ShadowState::kTooBig, std::memory_order_relaxed);
+  if (fits) {
+    tap_.Reserve(static_cast<uint32_t>(std::min<uint64_t>(slot_max, BoxTap::kSlotMax)), capacity);
+  } else {
+    FreeMemory();
+  }
+  return fits;
+}
+
+// Once per frame of the tap's request.
+void ShadowLane::AccountCopies() {
+  const uint32_t filled = tap_.filled_count();
+  uint64_t copy_ns = 0;
+  uint64_t frame_ns = std::numeric_limits<uint64_t>::max();
+  for (uint32_t slot = accounted_frames_; slot < filled; ++slot) {
+    const TappedFrame frame = tap_.frame(slot);
+    copy_ns += frame.copy_time_ns;
+    if (frame.note.frame_time_ns > 0) frame_ns = std::min(frame_ns, frame.note.frame_time_ns);
+  }
+  Add(counters_.copied_frame_count, filled - accounted_frames_);
+  Add(counters_.copy_time_ns, copy_ns);
+  accounted_frames_ = filled;
+  const double spacing =
+      static_cast<double>(copy_ns) / (kCopyRatio * static_cast<double>(frame_ns));
+  next_burst_frame_ =
+      std::max(next_burst_frame_, tap_.latest_frame_index()) + static_cast<uint64_t>(spacing);
+}
+
+void ShadowLane::Sweep() {
+  const TappedFrame first = tap_.frame(0);
+  schedule_.Begin(setup_.clock.NowNs(), first.note.arm, static_cast<uint32_t>(first.boxes.size()));
+  while (const std::optional<uint32_t> arm = schedule_.NextArm()) {
+    const std::optional<ShadowVisit> visit = Visit(*arm);
+    if (!visit) return;
+    schedule_.OnVisit(*visit);
+    Report(*visit);
+    TrimMemory(*arm);
+  }
+  Add(counters_.sweep_count, 1);
+}
+
+// Absent: interrupted.
+std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
+  BroadPhase& backend = *BackendOf(arm).backend;
+  const uint32_t frame_count = tap_.filled_count();
+  std::array<uint64_t, kShadowBurstFrames> frame_ns{};
+  uint32_t ran = 0;
+  uint64_t busy_ns = 0;
+  uint64_t check_sum = 0;
+  while (ran < frame_count && busy_ns < setup_.options.visit_cap_ns) {
+    if (interrupted()) {
+      schedule_.Spend(busy_ns);
+      return std::nullopt;
+    }
+    frame_ns[ran] = Feed(backend, ran == 0, tap_.frame(ran).boxes);
+    busy_ns += frame_ns[ran];
+    if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
+    ++ran;
+    if (backend.native_bytes() > structure_cap_bytes()) break;
+  }
+  ShadowVisit visit =
+      SummarizeVisit(std::span(frame_ns).first(ran), std::numeric_limits<uint64_t>::max());
+  visit.arm = arm;
+  visit.native_bytes = backend.native_bytes();
+  visit.aabb_check_count = check_sum / std::max<uint32_t>(visit.frame_count, 1);
+  visit.capped = ran < frame_count;
+  return visit;
+}
+
+void ShadowLane::Report(const ShadowVisit& visit) {
+  Add(counters_.visit_count, 1);
+  if (visit.capped) Add(counters_.capped_visit_count, 1);
+  if (setup_.sink == nullptr) return;
+  const TappedFrame first = tap_.frame(0);
+  uint32_t flags = 0;
+  if (visit.arm == first.note.arm) flags |= kShadowActive;
+  if (visit.capped) flags |= kShadowCapped;
+  setup_.sink->OnShadow({.first_frame_index = first.note.frame_index,
+                         .detection_time_ns = visit.detection_ns,
+                         .build_time_ns = visit.build_ns,
+                         .aabb_check_count = visit.aabb_check_count,
+                         .native_bytes = visit.native_bytes,
+                         .arm = visit.arm,
+                         .object_count = static_cast<uint32_t>(first.boxes.size()),
+                         .frame_count = visit.frame_count,
+                         .flags = flags});
+}
+
+// False: nobody waits for a switch.
+bool ShadowLane::PrepareSwitch() {
+  const SwitchHandover::Order order = handover_.order();
+  if (order.state == State::kReady || order.state == State::kTaken) return true;
+  if (order.state != State::kWanted) return false;
+  Prepare(order);
+  return true;
+}
+
+void ShadowLane::Prepare(const SwitchHandover::Order& order) {
+  if (!progress_ || progress_->ticket != order.ticket) {
+    progress_ = Progress{.ticket = order.ticket};
+    // A burst under way serves; one that is over is of the past.
+    next_slot_ = std::exchange(collecting_, false) ? 0 : tap_.filled_count();
+  }
+  while (AwaitFrame(order)) {
+    if (!Follow(order)) {
+      handover_.Decline(order);
+      return;
+    }
+    if (progress_->frame_count < kPreparationFrames || next_slot_ < tap_.filled_count()) continue;
+    const uint64_t behind = tap_.latest_frame_index() - progress_->frame_index;
+    if (behind > kRecentFrames && !std::exchange(progress_->caught_up, true)) continue;
+    handover_.Offer(order);
+    return;
+  }
+}
+
+// Whether there is a frame in the next slot; where none comes soon, the next Step goes on.
+bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
+  for (int yields = 0; yields < kYieldMax; ++yields) {
+    if (stopping_.load(std::memory_order_relaxed) || handover_.order() != order) return false;
+    if (next_slot_ < tap_.filled_count()) return true;
+    if (!tap_.complete()) {
+      std::this_thread::yield();
+    } else if (!RequestForPreparation()) {
+      handover_.Decline(order);
+      return false;
+    }
+  }
+  return false;
+}
+
+// False: there is no room for the boxes.
+bool ShadowLane::RequestForPreparation() {
+  AccountCopies();
+  if (tap_.too_big_count() > 0 && !MakeRoom(tap_.too_big_count())) return false;
+  if (tap_.slot_count() == 0) tap_.Reserve(1, 0);
+  const uint32_t seen = std::min(progress_->frame_count, kPreparationFrames - 1);
+  accounted_frames_ = next_slot_ = 0;
+  tap_.Request(std::min(kPreparationFrames - seen, tap_.slot_count()));
+  return true;
+}
+
+// Takes the frame in the next slot. False: the structure is over the memory cap.
+bool ShadowLane::Follow(const SwitchHandover::Order& order) {
+  BroadPhase& backend = *BackendOf(order.arm).backend;
+  const TappedFrame frame = tap_.frame(next_slot_++);
+  schedule_.Spend(Feed(backend, progress_->frame_count == 0, frame.boxes));
+  ++progress_->frame_count;
+  progress_->frame_index = frame.note.frame_index;
+  return backend.native_bytes() <= structure_cap_bytes();
+}
+
+// The search is what makes a backend's buffers grow to what the scene needs.
+uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes) {
+  const uint64_t start_ns = setup_.clock.NowNs();
+  if (build) {
+    backend.Build(boxes);
+  } else {
+    backend.Update(boxes);
+  }
+  pairs_.Clear();
+  backend.FindPairs(pairs_);
+  const uint64_t time_ns = setup_.clock.NowNs() - start_ns;
+  Add(counters_.busy_time_ns, time_ns);
+  return time_ns;
+}
+
+ArmBackend& ShadowLane::BackendOf(uint32_t arm) {
+  ArmBackend& own = backends_[arm];
+  if (own.backend == nullptr) own = setup_.make(arm);
+  return own;
+}
+
+uint64_t ShadowLane::structure_bytes() const {
+  return std::accumulate(backends_.begin(), backends_.end(), uint64_t{pairs_.capacity_bytes()},
+                         [](uint64_t sum, const ArmBackend& own) {
+                           return sum + (own.backend ? own.backend->native_bytes() : 0);
+                         });
+}
+
+// The arm that was just visited goes where all together are over the cap.
+void ShadowLane::TrimMemory(uint32_t arm) {
+  if (structure_bytes() > structure_cap_bytes()) {
+    backends_[arm] = {};
+    pairs_ = PairBuffer();
+  }
+  counters_.memory_bytes.store(structure_bytes() + tap_.memory_bytes(), std::memory_order_relaxed);
+}
+
+void ShadowLane::FreeMemory() {
+  for (ArmBackend& own : backends_) own = {};
+  pairs_ = PairBuffer();
+  progress_.reset();
+  if (tap_.complete()) tap_.Reserve(0, 0);
+  counters_.memory_bytes.store(tap_.memory_bytes(), std::memory_order_relaxed);
+  next_look_ns_ = setup_.clock.NowNs() + kLookAgainNs;
+}
+
+ShadowLane::Preparation ShadowLane::Ask(uint32_t arm) {
+  if (!enabled() || state_.load(std::memory_order_relaxed) == ShadowState::kTooBig) {
+    return Preparation::kNever;
+  }
+  const SwitchHandover::Order order = handover_.order();
+  if (order.arm == arm && order.state == State::kWanted) return Preparation::kUnderWay;
+  if (order.arm == arm && order.state == State::kReady) return Preparation::kReady;
+  if (order.arm == arm && order.state == State::kDeclined) return Preparation::kNever;
+  handover_.Want(arm);
+  return Preparation::kUnderWay;
+}
+
+void ShadowLane::Cancel() { handover_.Cancel(); }
+
+bool ShadowLane::TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs) {
+  if (handover_.order().arm != arm || !handover_.Take()) return false;
+  std::swap(own, backends_[arm]);
+  if (pairs_.capacity_bytes() > pairs.capacity_bytes()) std::swap(pairs, pairs_);
+  own.Attach(true);
+  backends_[arm].Attach(false);
+  handover_.Done();
+  return true;
+}
+
+ShadowStats ShadowLane::stats() const {
+  const auto load = [](const std::atomic<uint64_t>& counter) {
+    return counter.load(std::memory_order_relaxed);
+  };
+  return {.state = enabled() ? state_.load(std::memory_order_relaxed) : ShadowState::kPaused,
+          .sweep_count = load(counters_.sweep_count),
+          .visit_count = load(counters_.visit_count),
+          .capped_visit_count = load(counters_.capped_visit_count),
+          .busy_time_ns = load(counters_.busy_time_ns),
+          .memory_bytes = load(counters_.memory_bytes),
+          .copied_frame_count = load(counters_.copied_frame_count),
+          .copy_time_ns = load(counters_.copy_time_ns)};
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,332 @@
+#include "engine_client/adaptive/shadow_lane.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/support/recording_sink.h"
+#include "tests/support/scripted_clock.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::RecordingSink;
+using test_support::ScriptedClock;
+using Preparation = ShadowLane::Preparation;
+
+constexpr uint64_t kMs = 1'000'000;
+
+struct Script {
+  uint64_t build_ns = 5 * kMs;
+  uint64_t update_ns = 1 * kMs;
+  uint64_t find_ns = 1 * kMs;
+  size_t bytes = 1000;
+  std::function<void()> in_build = [] {};
+};
+
+// Takes its scripted time and remembers what it was shown.
+class LaneBackend final : public BroadPhase {
+ public:
+  LaneBackend(const Script& script, ScriptedClock& clock) : script_(script), clock_(clock) {}
+
+  std::string_view name() const override { return "Lane"; }
+  uint32_t version() const override { return 1; }
+  void Build(std::span<const Aabb> boxes) override {
+    shown.assign(1, boxes.size());
+    script_.in_build();
+    clock_.Advance(script_.build_ns);
+  }
+  void Update(std::span<const Aabb> boxes) override {
+    shown.push_back(boxes.size());
+    clock_.Advance(script_.update_ns);
+  }
+  void FindPairs(PairBuffer&) override { clock_.Advance(script_.find_ns); }
+  uint64_t aabb_check_count() const override { return 100 * shown.size(); }
+  size_t native_bytes() const override { return shown.empty() ? 0 : script_.bytes; }
+
+  std::vector<size_t> shown;  // object counts since the build
+
+ private:
+  const Script& script_;
+  ScriptedClock& clock_;
+};
+
+// A lane that is driven by hand: a frame, then a step.
+class ShadowLaneTest : public ::testing::Test {
+ protected:
+  void SetUp() override { Make({}); }
+
+  void Make(const ShadowOptions& options) {
+    sink_ = RecordingSink();
+    made_count_ = 0;
+    lane_ = std::make_unique<ShadowLane>(ShadowLane::Setup{
+        .options = options,
+        .arm_count = static_cast<uint32_t>(scripts_.size()),
+        .make = [this](uint32_t arm) { return MakeBackend(arm); },
+        .sink = &sink_,
+        .clock = clock_,
+        .mode = mode_,
+    });
+  }
+
+  ArmBackend MakeBackend(uint32_t arm) {
+    ++made_count_;
+    return {nullptr, std::make_unique<LaneBackend>(scripts_[arm], clock_)};
+  }
+
+  void Frame() {
+    clock_.Advance(10 * kMs);
+    lane_->OnFrame(std::vector<Aabb>(object_count_),
+                   {.frame_index = frame_index_++, .frame_time_ns = 10 * kMs, .arm = 1});
+    lane_->Step();
+  }
+  void Frames(int count) {
+    for (int i = 0; i < count; ++i) Frame();
+  }
+  // The lane asks for room first, and then for its frames.
+  void FirstSweep() {
+    lane_->Step();
+    Frames(1 + static_cast<int>(kShadowBurstFrames));
+  }
+  // Frames until the switch is ready.
+  int FramesUntilReady(uint32_t arm) {
+    int frames = 0;
+    while (lane_->Ask(arm) == Preparation::kUnderWay && frames < 100) {
+      Frame();
+      ++frames;
+    }
+    return frames;
+  }
+
+  ScriptedClock clock_;
+  std::atomic<Mode> mode_{Mode::kAi};
+  std::vector<Script> scripts_{3};
+  RecordingSink sink_;
+  PairBuffer pairs_;
+  std::unique_ptr<ShadowLane> lane_;
+  uint64_t frame_index_ = 0;
+  size_t object_count_ = 20;
+  int made_count_ = 0;
+};
+
+TEST_F(ShadowLaneTest, MeasuresEveryArmOnTheSameFrames) {
+  scripts_[2].update_ns = 3 * kMs;
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  const std::vector<uint32_t> order{1, 0, 2};  // the active one first
+  for (size_t i = 0; i < 3; ++i) {
+    const ShadowSample& sample = sink_.shadows[i];
+    EXPECT_EQ(sample.arm, order[i]);
+    EXPECT_EQ(sample.first_frame_index, 1U);
+    EXPECT_EQ(sample.detection_time_ns, (sample.arm == 2 ? 4 : 2) * kMs);
+    EXPECT_EQ(sample.build_time_ns, 6 * kMs);
+    EXPECT_EQ(sample.aabb_check_count, 600U);  // Mean of frames 4 to 8: 400 to 800.
+    EXPECT_EQ(sample.native_bytes, 1000U);
+    EXPECT_EQ(sample.object_count, 20U);
+    EXPECT_EQ(sample.frame_count, 5U);
+    EXPECT_EQ(sample.flags, sample.arm == 1 ? uint32_t{kShadowActive} : 0U);
+  }
+  EXPECT_EQ(lane_->stats().sweep_count, 1U);
+  EXPECT_EQ(lane_->stats().visit_count, 3U);
+  EXPECT_EQ(lane_->stats().state, ShadowState::kRunning);
+}
+
+TEST_F(ShadowLaneTest, CopiesFramesOnlyForItsSweeps) {
+  FirstSweep();
+  EXPECT_EQ(lane_->stats().copied_frame_count, 8U);
+  Frames(10);
+  EXPECT_EQ(lane_->stats().copied_frame_count, 8U);
+}
+
+TEST_F(ShadowLaneTest, KeepsWithinItsShareOfTheTime) {
+  FirstSweep();
+  const uint64_t begin_ns = clock_.NowNs();
+  const uint64_t before_ns = lane_->stats().busy_time_ns;
+  Frames(5000);
+  const double share = static_cast<double>(lane_->stats().busy_time_ns - before_ns) /
+                       static_cast<double>(clock_.NowNs() - begin_ns);
+  EXPECT_LE(share, 0.15);
+  EXPECT_GT(share, 0.10);
+}
+
+TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
+  for (Script& script : scripts_) script = {.build_ns = 1, .update_ns = 1, .find_ns = 1};
+  clock_.SetReading(kMs);  // A copy takes 1 ms: 8 of them may be made in 80 frames of 10 ms.
+  FirstSweep();
+  const uint64_t begin = frame_index_;
+  Frames(8000);
+  const double copy_ms = static_cast<double>(lane_->stats().copy_time_ns) / kMs;
+  EXPECT_LE(copy_ms, 0.01 * 10 * static_cast<double>(frame_index_ - begin) + 8);
+  EXPECT_GT(copy_ms, 0.008 * 10 * static_cast<double>(frame_index_ - begin));
+}
+
+TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
+  scripts_[0].build_ns = 300 * kMs;
+  scripts_[2].update_ns = 70 * kMs;
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[1].arm, 0U);
+  EXPECT_EQ(sink_.shadows[1].flags, uint32_t{kShadowCapped});
+  EXPECT_EQ(sink_.shadows[1].frame_count, 0U);
+  EXPECT_EQ(sink_.shadows[1].detection_time_ns, 301 * kMs);
+  EXPECT_EQ(sink_.shadows[2].flags, uint32_t{kShadowCapped});
+  EXPECT_EQ(sink_.shadows[2].frame_count, 2U);
+  EXPECT_EQ(sink_.shadows[2].detection_time_ns, 71 * kMs);
+  EXPECT_EQ(lane_->stats().capped_visit_count, 2U);
+}
+
+TEST_F(ShadowLaneTest, CopiesFewerFramesWhereMemoryIsShort) {
+  // 20 objects and slack are 86 boxes, 2,064 bytes per frame: five fit in half of the cap.
+  Make({.memory_cap_bytes = 2 * 5 * 2064});
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[0].frame_count, 2U);
+  EXPECT_EQ(lane_->stats().copied_frame_count, 5U);
+}
+
+TEST_F(ShadowLaneTest, StaysOffWhileTheSceneIsTooBigForItsMemory) {
+  Make({.memory_cap_bytes = 2 * 4 * 2064 - 2});
+  FirstSweep();
+  Frames(500);
+  EXPECT_EQ(lane_->stats().state, ShadowState::kTooBig);
+  EXPECT_EQ(lane_->stats().copied_frame_count, 0U);
+  EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
+  EXPECT_TRUE(sink_.shadows.empty());
+  object_count_ = 5;
+  Frames(200);
+  EXPECT_EQ(lane_->stats().state, ShadowState::kRunning);
+  EXPECT_FALSE(sink_.shadows.empty());
+}
+
+TEST_F(ShadowLaneTest, KeepsStructuresWithinItsMemory) {
+  for (Script& script : scripts_) script.bytes = 40'000;
+  Make({.memory_cap_bytes = 200'000});
+  for (int i = 0; i < 40; ++i) {
+    Frames(10);
+    EXPECT_LE(lane_->stats().memory_bytes, 200'000U);
+  }
+  EXPECT_GT(lane_->stats().memory_bytes, 80'000U);
+  EXPECT_GT(made_count_, 3);  // The third had to go each time.
+}
+
+TEST_F(ShadowLaneTest, LeavesAStructureThatAloneIsOverItsMemoryAfterTheFirstFrame) {
+  scripts_[0].bytes = 150'000;
+  Make({.memory_cap_bytes = 200'000});
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[1].flags, uint32_t{kShadowCapped});
+  EXPECT_LE(lane_->stats().memory_bytes, 200'000U);
+  EXPECT_LE(FramesUntilReady(0), 2);
+  EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
+}
+
+TEST_F(ShadowLaneTest, RestsInManualModeUnlessAskedNotTo) {
+  mode_ = Mode::kManual;
+  FirstSweep();
+  EXPECT_EQ(lane_->stats().state, ShadowState::kPaused);
+  EXPECT_EQ(lane_->stats().copied_frame_count, 0U);
+  EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
+  mode_ = Mode::kAi;
+  FirstSweep();
+  EXPECT_EQ(sink_.shadows.size(), 3U);
+  mode_ = Mode::kManual;
+  Make({.enabled = ShadowMode::kOn});
+  FirstSweep();
+  EXPECT_EQ(sink_.shadows.size(), 3U);
+}
+
+TEST_F(ShadowLaneTest, MeasuresScenesWhoseObjectCountChanges) {
+  lane_->Step();
+  for (int frame = 0; frame < 200; ++frame) {
+    object_count_ = 20 + static_cast<size_t>(frame % 7);
+    Frame();
+  }
+  EXPECT_GE(sink_.shadows.size(), 6U);
+  object_count_ = 500;
+  Frames(200);
+  EXPECT_EQ(sink_.shadows.back().object_count, 500U);
+}
+
+TEST_F(ShadowLaneTest, MeasuresNothingInAnEmptyScene) {
+  object_count_ = 0;
+  FirstSweep();
+  Frames(100);
+  EXPECT_TRUE(sink_.shadows.empty());
+}
+
+TEST_F(ShadowLaneTest, PreparesASwitchAndExchangesTheBackends) {
+  FirstSweep();
+  EXPECT_EQ(lane_->Ask(2), Preparation::kUnderWay);
+  EXPECT_EQ(FramesUntilReady(2), static_cast<int>(ShadowLane::kPreparationFrames) + 1);
+  ArmBackend own = MakeBackend(2);
+  const BroadPhase* before = own.backend.get();
+  ASSERT_TRUE(lane_->TakeOver(2, own, pairs_));
+  EXPECT_NE(own.backend.get(), before);
+  EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.size(), ShadowLane::kPreparationFrames);
+  EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
+  lane_->Cancel();
+  Frames(200);  // The lane goes on with what it got in exchange.
+  EXPECT_GE(lane_->stats().sweep_count, 2U);
+}
+
+TEST_F(ShadowLaneTest, PreparesASwitchBeforeItsFirstSweep) {
+  EXPECT_EQ(lane_->Ask(2), Preparation::kUnderWay);
+  EXPECT_LE(FramesUntilReady(2), 2 + static_cast<int>(ShadowLane::kPreparationFrames));
+  EXPECT_EQ(lane_->Ask(2), Preparation::kReady);
+  EXPECT_TRUE(sink_.shadows.empty());
+}
+
+TEST_F(ShadowLaneTest, GivesAPreparationUpForThatOfAnotherArm) {
+  FirstSweep();
+  lane_->Ask(2);
+  Frames(2);
+  lane_->Ask(0);
+  FramesUntilReady(0);
+  ArmBackend own = MakeBackend(0);
+  EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
+  EXPECT_TRUE(lane_->TakeOver(0, own, pairs_));
+}
+
+TEST_F(ShadowLaneTest, BringsAStructureThatFellBehindUpToDateBeforeItIsOffered) {
+  FirstSweep();
+  lane_->Ask(2);
+  Frames(4);
+  // Frames that the lane does not see until it is slow to follow.
+  for (int i = 0; i < 10; ++i) {
+    lane_->OnFrame(std::vector<Aabb>(7), {.frame_index = frame_index_++});
+  }
+  object_count_ = 9;
+  FramesUntilReady(2);
+  ArmBackend own = MakeBackend(2);
+  ASSERT_TRUE(lane_->TakeOver(2, own, pairs_));
+  EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.back(), 9U);
+}
+
+TEST_F(ShadowLaneTest, LeavesASweepForASwitch) {
+  scripts_[0].in_build = [this] { lane_->Ask(2); };
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 1U);  // Of the active arm; the visit of arm 0 was not ended.
+  EXPECT_EQ(lane_->stats().sweep_count, 0U);
+  scripts_[0].in_build = [] {};
+  FramesUntilReady(2);
+  EXPECT_EQ(lane_->Ask(2), Preparation::kReady);
+  lane_->Cancel();
+  Frames(500);
+  EXPECT_GE(lane_->stats().sweep_count, 1U);
+}
+
+TEST_F(ShadowLaneTest, FreesItsMemoryWhereThereIsNoneAndTriesAgainLater) {
+  scripts_[0].in_build = [] { throw std::bad_alloc(); };
+  FirstSweep();
+  EXPECT_EQ(sink_.shadows.size(), 1U);
+  EXPECT_EQ(lane_->stats().memory_bytes, 0U);
+  scripts_[0].in_build = [] {};
+  Frames(90);
+  EXPECT_EQ(sink_.shadows.size(), 1U);
+  Frames(30);
+  EXPECT_EQ(sink_.shadows.size(), 4U);
+}
+
+}  // namespace
+}  // namespace sweepstake

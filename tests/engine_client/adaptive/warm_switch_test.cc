@@ -1,0 +1,261 @@
+// Switches prepared by the shadow lane's own thread, on real backends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/scene/box_scenes.h"
+#include "tests/support/pair_oracle.h"
+#include "tests/support/recording_sink.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::PairDifference;
+using test_support::RecordingSink;
+using test_support::ScalarPairs;
+
+constexpr uint64_t kMs = 1'000'000;
+
+// Two threads that run parts in turn: what matters is who may call it.
+class LoneExecutor final : public Executor {
+ public:
+  size_t thread_count() const noexcept override { return 2; }
+  void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
+    EXPECT_FALSE(running_.exchange(true));
+    for (size_t part = 0; part < part_count; ++part) run_part(context, part);
+    running_.store(false);
+  }
+
+ private:
+  std::atomic<bool> running_{false};
+};
+
+ArmBackend MakeArm(std::string_view name, Executor* executor) {
+  ArmBackend made;
+  if (executor != nullptr) made.executor = std::make_unique<DetachableExecutor>(*executor);
+  made.backend = std::move(*MakeBroadPhase(name, {.executor = made.executor.get()}));
+  return made;
+}
+
+// All arms on a machine with spare cores, and a scene that goes on.
+class WarmSwitchTest : public ::testing::Test {
+ protected:
+  void Make(AdaptiveOptions options, size_t core_count = 8) {
+    const auto make = [executor = options.executor](uint32_t arm) {
+      return MakeArm(BroadPhaseNames()[arm], executor);
+    };
+    std::vector<ArmBackend> backends;
+    for (uint32_t arm = 0; arm < BroadPhaseNames().size(); ++arm) backends.push_back(make(arm));
+    adaptive_ = std::move(*AdaptiveFactory::Make(options, std::move(backends), {make, core_count},
+                                                 &sink_, SteadyClock()));
+  }
+
+  // One frame; its pairs must be those of brute force.
+  void Frame() {
+    const std::span<const Aabb> boxes = scene_.boxes().first(object_count_);
+    adaptive_->BeginFrame();
+    const std::span<const OverlapPair> found = adaptive_->FindPairs(boxes);
+    const std::string difference = PairDifference(found, ScalarPairs(boxes));
+    ASSERT_EQ(difference, "") << adaptive_->arms()[adaptive_->active_arm()];
+    adaptive_->EndFrame({.frame_time_ns = frame_time_ns_});
+    scene_.Step();
+  }
+
+  // Frames until the arm is active, or the test takes too long.
+  void SwitchTo(uint32_t arm) {
+    adaptive_->mailbox().Post({.command_id = ++command_id_, .arm = arm});
+    for (int frame = 0; frame < 100'000 && adaptive_->active_arm() != arm; ++frame) {
+      Frame();
+      if (HasFatalFailure()) return;
+      std::this_thread::yield();
+    }
+    ASSERT_EQ(adaptive_->active_arm(), arm);
+  }
+
+  RecordingSink sink_;
+  BoxScene scene_{"brownian", 220, 3};
+  size_t object_count_ = 200;
+  uint64_t frame_time_ns_ = 1000;  // so short that no preparation is late
+  uint64_t command_id_ = 0;
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_;
+};
+
+TEST_F(WarmSwitchTest, FindsAllPairsThroughSwitchesBetweenAllArms) {
+  Make({});
+  const auto arm_count = static_cast<uint32_t>(adaptive_->arms().size());
+  uint64_t switches = 0;
+  for (uint32_t step = 1; step < arm_count; ++step) {
+    for (uint32_t i = 0; i < arm_count; ++i) {
+      ASSERT_NO_FATAL_FAILURE(SwitchTo((adaptive_->active_arm() + step) % arm_count));
+      ++switches;
+      for (int frame = 0; frame < 3; ++frame) ASSERT_NO_FATAL_FAILURE(Frame());
+    }
+  }
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, switches);
+  EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 0U);
+  for (const FrameSample& sample : sink_.frames) {
+    EXPECT_EQ(sample.flags & kFrameRebuild, sample.frame_index == 0 ? 1U : 0U);
+  }
+}
+
+TEST_F(WarmSwitchTest, FindsAllPairsWhileTheObjectCountChanges) {
+  Make({});
+  for (uint32_t round = 0; round < 14; ++round) {
+    object_count_ = 60 + 37 * round % 160;
+    ASSERT_NO_FATAL_FAILURE(SwitchTo((round + 1) % 7));
+    for (int frame = 0; frame < 5; ++frame) {
+      object_count_ = 60 + (object_count_ * 7 + 11) % 160;
+      ASSERT_NO_FATAL_FAILURE(Frame());
+    }
+  }
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 14U);
+}
+
+TEST_F(WarmSwitchTest, ReportsNoRebuildForAWarmSwitch) {
+  Make({.settling_ns = 20'000});
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(3));
+  for (int frame = 0; frame < 50; ++frame) ASSERT_NO_FATAL_FAILURE(Frame());
+  ASSERT_EQ(sink_.switches.size(), 1U);
+  EXPECT_EQ(sink_.switches[0].executed, 1U);
+  EXPECT_EQ(sink_.switches[0].arm, 3U);
+  EXPECT_EQ(sink_.switches[0].rebuild_time_ns, 0U);
+}
+
+TEST_F(WarmSwitchTest, SwitchesColdWhenThePreparationIsLate) {
+  Make({});
+  frame_time_ns_ = 600 * kMs;
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  adaptive_->mailbox().Post({.command_id = 1, .arm = 2});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  EXPECT_EQ(adaptive_->active_arm(), 2U);
+}
+
+TEST_F(WarmSwitchTest, DoesNotLetABailOutOrAPersonWait) {
+  Make({});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  adaptive_->mailbox().Post({.command_id = 1, .arm = 2, .reason = SwitchReason::kBailOut});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  EXPECT_EQ(adaptive_->active_arm(), 2U);
+  ASSERT_TRUE(adaptive_->SelectArm("DBVT").ok());
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  EXPECT_EQ(adaptive_->arms()[adaptive_->active_arm()], "DBVT");
+  EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 2U);
+}
+
+TEST_F(WarmSwitchTest, EndsTheWaitingWhereAFrameIsOverTheLimit) {
+  Make({.bail_out_ns = 100 * kMs});
+  adaptive_->SetDeciderPresent(true);
+  adaptive_->mailbox().Post({.command_id = 1, .arm = 2});
+  frame_time_ns_ = 101 * kMs;
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  EXPECT_EQ(adaptive_->active_arm(), 2U);
+}
+
+TEST_F(WarmSwitchTest, LetsALaterCommandTakeThePlaceOfOneThatWaits) {
+  Make({});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  adaptive_->mailbox().Post({.command_id = 77, .arm = 2});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  ASSERT_EQ(adaptive_->active_arm(), 0U);
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(4));
+  EXPECT_EQ(adaptive_->switch_epoch(), 1U);
+}
+
+TEST_F(WarmSwitchTest, RefusesWhatWaitedWhenTheModeOrTheActiveArmHasChanged) {
+  Make({});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  adaptive_->mailbox().Post({.command_id = 5, .arm = 2});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  adaptive_->SetMode(Mode::kManual);
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  ASSERT_EQ(sink_.switches.size(), 1U);
+  EXPECT_EQ(sink_.switches[0].command_id, 5U);
+  EXPECT_EQ(sink_.switches[0].executed, 0U);
+  adaptive_->SetMode(Mode::kAi);
+  adaptive_->mailbox().Post({.command_id = 6, .arm = 2});
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  ASSERT_TRUE(adaptive_->SelectArm(adaptive_->arms()[2]).ok());
+  ASSERT_NO_FATAL_FAILURE(Frame());
+  EXPECT_EQ(adaptive_->active_arm(), 2U);
+  EXPECT_EQ(sink_.switches.back().command_id, 6U);
+  EXPECT_EQ(sink_.switches.back().executed, 0U);
+}
+
+TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
+  const auto state = [this] { return adaptive_->shadow_stats().state; };
+  Make({.shadow = {.enabled = ShadowMode::kOff}});
+  EXPECT_EQ(state(), ShadowState::kOff);
+  Make({}, /*core_count=*/1);
+  EXPECT_EQ(state(), ShadowState::kNoSpareCore);
+  LoneExecutor executor;
+  Make({.executor = &executor}, /*core_count=*/2);
+  EXPECT_EQ(state(), ShadowState::kNoSpareCore);
+  ASSERT_NO_FATAL_FAILURE(SwitchTo(3));
+  EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 1U);
+  Make({.mode = Mode::kManual});
+  EXPECT_EQ(state(), ShadowState::kPaused);
+  Make({.mode = Mode::kManual, .shadow = {.enabled = ShadowMode::kOn}});
+  EXPECT_EQ(state(), ShadowState::kRunning);
+  auto alone = AdaptiveBroadPhase::Create({.arms = {"SAP"}}, nullptr);
+  ASSERT_TRUE(alone.ok());
+  EXPECT_EQ((*alone)->shadow_stats().state, ShadowState::kOneArm);
+}
+
+// LoneExecutor complains if the lane and the frame thread meet in it.
+TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
+  LoneExecutor executor;
+  scene_ = BoxScene("brownian", 5000, 3);
+  Make({.executor = &executor});
+  for (uint32_t arm = 1; arm < 7; ++arm) {
+    adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
+    for (int frame = 0; frame < 10'000 && adaptive_->active_arm() != arm; ++frame) {
+      adaptive_->BeginFrame();
+      adaptive_->FindPairs(scene_.boxes());
+      adaptive_->EndFrame({.frame_time_ns = 1000});
+    }
+  }
+  EXPECT_EQ(adaptive_->active_arm(), 6U);
+  adaptive_.reset();
+}
+
+TEST_F(WarmSwitchTest, EndsWhileTheLaneIsAtWork) {
+  for (int round = 0; round < 20; ++round) {
+    Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
+    for (int frame = 0; frame < 5 * round; ++frame) ASSERT_NO_FATAL_FAILURE(Frame());
+    if (round % 2 == 0) adaptive_->mailbox().Post({.command_id = 1, .arm = 2});
+    ASSERT_NO_FATAL_FAILURE(Frame());
+    adaptive_.reset();
+  }
+}
+
+TEST_F(WarmSwitchTest, SendsSamplesOfEveryArmWithTheFramesTheyAreOf) {
+  Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
+  while (adaptive_->shadow_stats().sweep_count < 3) {
+    ASSERT_NO_FATAL_FAILURE(Frame());
+    std::this_thread::yield();
+  }
+  const uint64_t visit_count = adaptive_->shadow_stats().visit_count;
+  adaptive_.reset();
+  ASSERT_GE(sink_.shadows.size(), visit_count);
+  for (uint32_t arm = 0; arm < 7; ++arm) {
+    EXPECT_TRUE(std::any_of(sink_.shadows.begin(), sink_.shadows.end(),
+                            [arm](const ShadowSample& sample) { return sample.arm == arm; }));
+  }
+  for (const ShadowSample& sample : sink_.shadows) {
+    EXPECT_LT(sample.first_frame_index, sink_.frames.size());
+    EXPECT_EQ(sample.object_count, 200U);
+    EXPECT_GT(sample.detection_time_ns, 0U);
+    EXPECT_GT(sample.build_time_ns, 0U);
+    EXPECT_GT(sample.native_bytes, 0U);
+    const uint32_t active = sink_.frames[sample.first_frame_index].arm;
+    EXPECT_EQ((sample.flags & kShadowActive) != 0, sample.arm == active);
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake
