@@ -117,13 +117,13 @@ struct Faults {
   uint64_t allocation_count = 0;
   uint64_t wait_count = 0;
 
-  void AddFrame(AdaptiveBroadPhase& adaptive, std::span<const Aabb> boxes) {
+  void AddFrame(AdaptiveBroadPhase& adaptive, std::span<const Aabb> boxes, uint64_t frame_time_ns) {
     const uint64_t before = ThreadAllocationCount() + ThreadMallocCount();
     {
       const WaitCounter waits;
       adaptive.BeginFrame();
       adaptive.FindPairs(boxes);
-      adaptive.EndFrame({.frame_time_ns = 1000});  // so short that no preparation is late
+      adaptive.EndFrame({.frame_time_ns = frame_time_ns});
       wait_count += waits.count();
     }
     allocation_count += ThreadAllocationCount() + ThreadMallocCount() - before;
@@ -134,22 +134,25 @@ struct Faults {
 TEST(FramePathCostWithLane, AllocatesNothingAndWaitsForNothingInSweepsAndWarmSwitches) {
   SampleQueue queue(256);
   const BoxScene scene("brownian", 500, 11);
+  // Copying may be frequent; no preparation is late.
+  constexpr uint64_t kLongFrameNs = 16'000'000;
+  constexpr uint64_t kShortFrameNs = 1000;
   const auto adaptive = MakeWithLane(queue);
   Faults faults;
-  faults.AddFrame(*adaptive, scene.boxes());
+  faults.AddFrame(*adaptive, scene.boxes(), kLongFrameNs);
   faults = Faults();
   while (adaptive->shadow_stats().sweep_count < 20) {
-    faults.AddFrame(*adaptive, scene.boxes());
+    faults.AddFrame(*adaptive, scene.boxes(), kLongFrameNs);
     std::this_thread::yield();
   }
   for (uint32_t step = 1; step <= 21; ++step) {
     const uint32_t arm = (adaptive->active_arm() + 1 + step / 7) % 7;
     adaptive->mailbox().Post({.command_id = step, .arm = arm});
     while (adaptive->active_arm() != arm) {
-      faults.AddFrame(*adaptive, scene.boxes());
+      faults.AddFrame(*adaptive, scene.boxes(), kShortFrameNs);
       std::this_thread::yield();
     }
-    for (int frame = 0; frame < 10; ++frame) faults.AddFrame(*adaptive, scene.boxes());
+    for (int i = 0; i < 10; ++i) faults.AddFrame(*adaptive, scene.boxes(), kShortFrameNs);
   }
   EXPECT_EQ(adaptive->shadow_stats().warm_switch_count, 21U);
   EXPECT_GT(adaptive->shadow_stats().copied_frame_count, 100U);
