@@ -49,6 +49,7 @@ PUBLIC_HEADERS = {
     "scene.h": "engine_client/scene",
     "frame_sample.h": "engine_client/adaptive",
     "adaptive_broad_phase.h": "engine_client/adaptive",
+    "shadow.h": "engine_client/adaptive",
     "embedded_decider.h": "engine_client/telemetry",
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",

@@ -67,9 +67,9 @@ Status ValidateOptions(const AdaptiveOptions& options) {
   if (!(shadow.duty_ratio > 0 && shadow.duty_ratio <= 1)) {
     return {StatusCode::kInvalidArgument, "shadow.duty_ratio must be over 0 and at most 1"};
   }
-  if (shadow.enabled > ShadowMode::kOff || shadow.visit_cap_ns == 0) {
+  if (shadow.enabled > ShadowMode::kOn || shadow.visit_cap_ns == 0) {
     return {StatusCode::kInvalidArgument,
-            "shadow.enabled must be kAuto (0), kOn (1) or kOff (2), and visit_cap_ns over 0"};
+            "shadow.enabled must be kOff (0), kAuto (1) or kOn (2), and visit_cap_ns over 0"};
   }
   return {};
 }

@@ -12,6 +12,7 @@ using sweepstake::AdaptiveBroadPhase;
 using sweepstake::AdaptiveOptions;
 using sweepstake::Mode;
 using sweepstake::SampleQueue;
+using sweepstake::ShadowMode;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 namespace {
@@ -33,7 +34,7 @@ swp_session_options DefaultOptions() {
           defaults.settling_ns,
           nullptr,
           0,
-          0};
+          SWP_SHADOW_OFF};
 }
 
 swp_result CheckArms(const swp_session_options& options) {
@@ -54,6 +55,9 @@ swp_result CheckOptions(const swp_session_options& options) {
       options.queue_frames > SampleQueue::kFrameCapacityMax) {
     return Fail(SWP_INVALID_ARGUMENT, "queue_frames must be a power of two from 2 to 1048576");
   }
+  if (options.shadow > SWP_SHADOW_ON) {
+    return Fail(SWP_INVALID_ARGUMENT, "shadow must be one of SWP_SHADOW_*, 0 to 2");
+  }
   return CheckArms(options);
 }
 
@@ -64,6 +68,7 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
   options.mode = static_cast<Mode>(given.mode);
   options.bail_out_ns = given.bail_out_ns;
   options.settling_ns = given.settling_ns;
+  options.shadow.enabled = static_cast<ShadowMode>(given.shadow);
   return options;
 }
 

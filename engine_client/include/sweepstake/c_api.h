@@ -245,6 +245,16 @@ enum {
   SWP_FRAME_BAIL_OUT = 8 /* over the bail-out limit */
 };
 
+/* The shadow lane: a thread that measures the arms that are not active, and prepares the next one
+ * before a switch, so that the switching frame is an ordinary one (shadow.h). A posted switch then
+ * waits some frames; one for a bail-out does not. */
+typedef uint32_t swp_shadow_mode;
+enum {
+  SWP_SHADOW_OFF = 0,
+  SWP_SHADOW_AUTO = 1, /* in SWP_MODE_AI, where there is a core to spare */
+  SWP_SHADOW_ON = 2    /* in SWP_MODE_MANUAL too */
+};
+
 typedef struct swp_session_options {
   uint32_t struct_size;    /* sizeof(swp_session_options) */
   uint32_t arm_count;      /* 0: all backends; at most 32 */
@@ -257,7 +267,7 @@ typedef struct swp_session_options {
   uint64_t settling_ns;  /* frames after a switch whose cost is measured as the switch's */
   const swp_executor* executor; /* as in swp_world_options */
   uint32_t thread_count;        /* as in swp_world_options */
-  uint32_t reserved;            /* 0 */
+  swp_shadow_mode shadow;       /* SWP_SHADOW_OFF unless set */
 } swp_session_options;
 
 /* What one frame cost. */
@@ -370,8 +380,8 @@ SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_o
  * measured per 128 frames. */
 SWP_API swp_result swp_session_descriptor(const swp_session* session,
                                           swp_scene_descriptor* descriptor);
-/* To be executed at the next begin_frame; the latest wins. SWP_INVALID_ARGUMENT for an arm or a
- * reason that is none. */
+/* To be executed at the next begin_frame, with a shadow lane some frames later; the latest wins.
+ * SWP_INVALID_ARGUMENT for an arm or a reason that is none. */
 SWP_API swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command);
 /* Says whether somebody answers a bail-out; while nobody does, the session switches by itself. */
 SWP_API swp_result swp_session_set_decider_present(swp_session* session, uint32_t present);

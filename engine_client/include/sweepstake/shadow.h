@@ -10,9 +10,9 @@ namespace sweepstake {
 
 // Values are stable: the C ABI has the same ones.
 enum class ShadowMode : uint32_t {
-  kAuto = 0,  // on in Mode::kAi
-  kOn = 1,    // on in Mode::kManual too
-  kOff = 2,
+  kOff = 0,
+  kAuto = 1,  // on in Mode::kAi
+  kOn = 2,    // on in Mode::kManual too
 };
 
 struct ShadowOptions {
@@ -29,7 +29,7 @@ struct ShadowOptions {
   uint64_t sweep_interval_min_ns = 250'000'000;
 };
 
-// Why the lane does what it does; the same values as swp_shadow_state.
+// Why the lane does what it does. Values are stable: the C ABI has the same ones.
 enum class ShadowState : uint32_t {
   kOff = 0,          // as asked for
   kOneArm = 1,       // off: there is nothing to compare
