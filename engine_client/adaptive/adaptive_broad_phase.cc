@@ -180,7 +180,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .arm_count = static_cast<uint32_t>(backends_.size()),
                         .make = lane.make,
                         .sink = sink,
-                        .clock = clock,
+                        .clock = SteadyClock(),
                         .mode = mode});
   lane_->Start();
 }

@@ -10,6 +10,8 @@ using sweepstake::EmbeddedOptions;
 using sweepstake::FrameSample;
 using sweepstake::ModeNote;
 using sweepstake::QueuedItem;
+using sweepstake::SceneDescriptor;
+using sweepstake::ShadowSample;
 using sweepstake::SwitchCommand;
 using sweepstake::SwitchOutcome;
 using sweepstake::SwitchReason;
@@ -98,6 +100,8 @@ void Observe(swp_session& session, const QueuedItem& item, uint64_t now_ns) {
     session.decider->Observe(*outcome, now_ns);
   } else if (const auto* change = std::get_if<ModeNote>(&item)) {
     session.decider->SetMode(change->mode, change->active_arm, now_ns);
+  } else if (const auto* seen = std::get_if<SceneDescriptor>(&item)) {
+    session.decider->Observe(*seen);
   }
 }
 
@@ -107,6 +111,9 @@ std::optional<SwitchCommand> Poll(swp_session& session, uint64_t now_ns) {
     Observe(session, *item, now_ns);
   }
   FlushFrames(session, now_ns);
+  while (const std::optional<ShadowSample> sample = session.queue.PopShadow()) {
+    session.decider->Observe({&*sample, 1});
+  }
   const uint64_t decision_count = session.decider->decision_count();
   const std::optional<SwitchCommand> command = session.decider->Poll(now_ns);
   if (command) session.adaptive->mailbox().Post(*command);

@@ -11,6 +11,8 @@ using sweepstake::FrameSample;
 using sweepstake::QueuedItem;
 using sweepstake::SampleQueue;
 using sweepstake::SceneDescriptor;
+using sweepstake::ShadowSample;
+using sweepstake::ShadowStats;
 using sweepstake::SwitchOutcome;
 using sweepstake::SwitchReason;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
@@ -113,6 +115,38 @@ swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* 
     *count = drained;
     return static_cast<swp_result>(SWP_OK);
   });
+}
+
+swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* samples,
+                                    uint32_t capacity, uint32_t* count) {
+  if (session == nullptr || count == nullptr) return NullArgument("session and count");
+  if (samples == nullptr && capacity > 0) return NullArgument("samples");
+  if (const swp_result wrong = CheckDrain(*session); wrong != SWP_OK) return wrong;
+  uint32_t drained = 0;
+  for (; drained < capacity; ++drained) {
+    const std::optional<ShadowSample> sample = session->queue.PopShadow();
+    if (!sample) break;
+    std::memcpy(&samples[drained], &*sample, sizeof *samples);
+  }
+  *count = drained;
+  return SWP_OK;
+}
+
+swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats) {
+  if (session == nullptr || stats == nullptr) return NullArgument("session and stats");
+  const ShadowStats seen = session->adaptive->shadow_stats();
+  *stats = {static_cast<swp_shadow_state>(seen.state),
+            0,
+            seen.sweep_count,
+            seen.visit_count,
+            seen.capped_visit_count,
+            seen.busy_time_ns,
+            seen.memory_bytes,
+            seen.copied_frame_count,
+            seen.copy_time_ns,
+            seen.warm_switch_count,
+            seen.cold_switch_count};
+  return SWP_OK;
 }
 
 swp_result swp_session_descriptor(const swp_session* session, swp_scene_descriptor* descriptor) {

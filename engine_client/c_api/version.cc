@@ -26,6 +26,20 @@ static_assert(sizeof(swp_switch_outcome) == sizeof(SwitchOutcome) &&
 static_assert(offsetof(swp_switch_outcome, settling_cost_ns) ==
               offsetof(SwitchOutcome, settling_cost_ns));
 static_assert(offsetof(swp_switch_outcome, executed) == offsetof(SwitchOutcome, executed));
+static_assert(sizeof(swp_shadow_sample) == sizeof(ShadowSample) && sizeof(ShadowSample) == 56);
+static_assert(offsetof(swp_shadow_sample, native_bytes) == offsetof(ShadowSample, native_bytes));
+static_assert(offsetof(swp_shadow_sample, arm) == offsetof(ShadowSample, arm));
+static_assert(offsetof(swp_shadow_sample, flags) == offsetof(ShadowSample, flags));
+static_assert(static_cast<int>(SWP_SHADOW_FLAG_ACTIVE) == kShadowActive);
+static_assert(static_cast<int>(SWP_SHADOW_FLAG_CAPPED) == kShadowCapped);
+static_assert(SWP_SHADOW_OFF == static_cast<int>(ShadowMode::kOff));
+static_assert(SWP_SHADOW_AUTO == static_cast<int>(ShadowMode::kAuto));
+static_assert(SWP_SHADOW_ON == static_cast<int>(ShadowMode::kOn));
+static_assert(SWP_SHADOW_STATE_OFF == static_cast<int>(ShadowState::kOff));
+static_assert(SWP_SHADOW_STATE_NO_SPARE_CORE == static_cast<int>(ShadowState::kNoSpareCore));
+static_assert(SWP_SHADOW_STATE_PAUSED == static_cast<int>(ShadowState::kPaused));
+static_assert(SWP_SHADOW_STATE_RUNNING == static_cast<int>(ShadowState::kRunning));
+static_assert(SWP_SHADOW_STATE_TOO_BIG == static_cast<int>(ShadowState::kTooBig));
 static_assert(SWP_MODE_MANUAL == static_cast<int>(Mode::kManual));
 static_assert(SWP_MODE_AI == static_cast<int>(Mode::kAi));
 static_assert(SWP_SWITCH_POLICY == static_cast<int>(SwitchReason::kPolicy));
@@ -91,6 +105,10 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_ray);
     case SWP_STRUCT_RAY_HIT:
       return sizeof(swp_ray_hit);
+    case SWP_STRUCT_SHADOW_SAMPLE:
+      return sizeof(swp_shadow_sample);
+    case SWP_STRUCT_SHADOW_STATS:
+      return sizeof(swp_shadow_stats);
     default:
       return 0;
   }

@@ -170,6 +170,10 @@ Status LiveRun::Prepare() {
   AdaptiveOptions adaptive;
   adaptive.initial_arm = BroadPhaseNames()[record_.initial_arm];
   adaptive.settling_ns = static_cast<uint64_t>(decisions_.settling_ns);
+  // The paper's selector has no shadow lane: its switches are cold.
+  const bool is_paper = record_.policy.starts_with("paper");
+  adaptive.shadow =
+      ScaledShadow(is_paper ? ShadowMode::kOff : ShadowMode::kAuto, options_.time_scale);
   auto run = GameRun::Create(adaptive, *scene_, session_->sink());
   if (!run.ok()) return run.status();
   run_ = std::move(*run);

@@ -10,6 +10,13 @@ constexpr size_t kOutcomeMax = 65'536;
 
 }  // namespace
 
+ShadowOptions ScaledShadow(ShadowMode mode, double time_scale) {
+  ShadowOptions options{.enabled = mode};
+  options.sweep_interval_min_ns =
+      static_cast<uint64_t>(static_cast<double>(options.sweep_interval_min_ns) / time_scale);
+  return options;
+}
+
 std::string ReasonName(SwitchReason reason) {
   switch (reason) {
     case SwitchReason::kPolicy:
@@ -86,6 +93,8 @@ void GameRun::OnFrame(const FrameSample& sample) noexcept { sink_.OnFrame(sample
 void GameRun::OnDescriptor(const SceneDescriptor& descriptor) noexcept {
   sink_.OnDescriptor(descriptor);
 }
+
+void GameRun::OnShadow(const ShadowSample& sample) noexcept { sink_.OnShadow(sample); }
 
 void GameRun::OnSwitch(const SwitchOutcome& outcome) noexcept {
   if (outcomes_.size() < kOutcomeMax) outcomes_.push_back(outcome);

@@ -69,6 +69,7 @@ class GameRun final : private FrameSink {
   void OnFrame(const FrameSample& sample) noexcept override;
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
+  void OnShadow(const ShadowSample& sample) noexcept override;
   bool Note(const FrameSample& sample);
   void Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample);
 
@@ -84,6 +85,10 @@ class GameRun final : private FrameSink {
   std::vector<SwitchEvent> switches_;
   std::vector<SwitchOutcome> outcomes_;
 };
+
+// The lane's options where every interval of the decider is divided by `time_scale`: its sweeps
+// come as often per decision as without.
+ShadowOptions ScaledShadow(ShadowMode mode, double time_scale);
 
 // "policy", "exploration", "bail-out", "manual".
 std::string ReasonName(SwitchReason reason);

@@ -34,6 +34,7 @@ struct RunOptions {
   std::string scene_key;
   std::string machine_class = MachineClass();
   bool ignore_priors = false;
+  std::string shadow = "auto";
   std::string csv;
   bool json = false;
 };
@@ -78,6 +79,11 @@ Result<std::unique_ptr<FrameLog>> MakeFrameLog(const std::string& folder) {
                   folder + " cannot be made a folder: " + error.message());
   }
   return FrameLog::Create(std::filesystem::path(folder) / "frames.csv");
+}
+
+ShadowMode ToShadowMode(const std::string& word) {
+  if (word == "off") return ShadowMode::kOff;
+  return word == "on" ? ShadowMode::kOn : ShadowMode::kAuto;
 }
 
 std::string StateText(const SessionStats& stats) {
@@ -231,6 +237,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
   adaptive.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
+  adaptive.shadow = ScaledShadow(ToShadowMode(options.shadow), options.time_scale);
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
   if (!run.ok()) return Fail(terminal, run.status());
   auto log = MakeFrameLog(options.csv);
@@ -279,6 +286,11 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--machine-class", options.machine_class, "Machines with comparable timings")
       ->capture_default_str();
   command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");
+  command
+      .add_option("--shadow", options.shadow,
+                  "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")
+      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->capture_default_str();
   command.add_option("--csv", options.csv, "Folder for frames.csv, switches.csv, posteriors.csv");
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }

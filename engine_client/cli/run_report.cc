@@ -87,6 +87,45 @@ void PrintSwitches(const GameRun& run, std::ostream& out) {
   out << '\n';
 }
 
+std::string StateName(ShadowState state) {
+  switch (state) {
+    case ShadowState::kOff:
+      return "off";
+    case ShadowState::kOneArm:
+      return "off, there is one arm only";
+    case ShadowState::kNoSpareCore:
+      return "off, no core to spare";
+    case ShadowState::kPaused:
+      return "paused in manual mode";
+    case ShadowState::kRunning:
+      return "running";
+    case ShadowState::kTooBig:
+      return "off, the scene is too big for its memory";
+  }
+  return "unknown";
+}
+
+double BusyShare(const ShadowStats& stats, uint64_t elapsed_ns) {
+  return Ratio(static_cast<double>(stats.busy_time_ns), static_cast<double>(elapsed_ns));
+}
+
+double CopyNsPerFrame(const ShadowStats& stats, uint64_t frame_count) {
+  return Ratio(static_cast<double>(stats.copy_time_ns), static_cast<double>(frame_count));
+}
+
+Json ShadowJson(const ShadowStats& stats, uint64_t frame_count, uint64_t elapsed_ns) {
+  return {{"state", StateName(stats.state)},
+          {"sweeps", stats.sweep_count},
+          {"visits", stats.visit_count},
+          {"capped_visits", stats.capped_visit_count},
+          {"busy_share", BusyShare(stats, elapsed_ns)},
+          {"copied_frames", stats.copied_frame_count},
+          {"copy_ns_per_frame", CopyNsPerFrame(stats, frame_count)},
+          {"memory_bytes", stats.memory_bytes},
+          {"warm_switches", stats.warm_switch_count},
+          {"cold_switches", stats.cold_switch_count}};
+}
+
 Json SwitchJson(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive) {
   return {{"frame", event.frame_index},
           {"time_s", Seconds(event.time_ns)},
@@ -176,6 +215,19 @@ std::string BeliefsText(std::span<const ArmBelief> beliefs) {
   return text;
 }
 
+std::string ShadowText(const ShadowStats& stats, uint64_t frame_count, uint64_t elapsed_ns) {
+  std::string text = "Shadow lane: " + StateName(stats.state);
+  if (stats.visit_count > 0) {
+    text += ", " + std::to_string(stats.visit_count) + " visits in " +
+            std::to_string(stats.sweep_count) + " sweeps, " +
+            Fixed(100 * BusyShare(stats, elapsed_ns), 1) +
+            " % of its thread's time, copying took " +
+            Fixed(CopyNsPerFrame(stats, frame_count), 0) + " ns per frame";
+  }
+  return text + "; " + std::to_string(stats.warm_switch_count) + " warm and " +
+         std::to_string(stats.cold_switch_count) + " cold switches";
+}
+
 std::string DroppedText(uint64_t dropped_count, uint64_t frame_count) {
   if (dropped_count == 0) return "no samples dropped";
   return std::to_string(dropped_count) + " of " + std::to_string(frame_count) +
@@ -194,6 +246,7 @@ void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStat
       << Fixed(Ratio(static_cast<double>(run.frame_count()), active_s), 0) << " frames/s\n"
       << DroppedText(stats.dropped_frame_count, run.frame_count()) << '\n';
   PrintSwitches(run, out);
+  out << ShadowText(run.adaptive().shadow_stats(), run.frame_count(), ActiveNs(run)) << '\n';
 }
 
 nlohmann::ordered_json RunReportJson(const RunSetup& setup, const GameRun& run,
@@ -218,6 +271,7 @@ nlohmann::ordered_json RunReportJson(const RunSetup& setup, const GameRun& run,
       {"resent_messages", stats.resent_message_count},
       {"commands", stats.command_count},
       {"active_arm", run.adaptive().arms()[run.adaptive().active_arm()]},
+      {"shadow", ShadowJson(run.adaptive().shadow_stats(), run.frame_count(), ActiveNs(run))},
       {"arms", Json::array()},
       {"switches_by_reason", Json::object()},
       {"switches", Json::array()},

@@ -29,6 +29,8 @@ std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adapt
 // The posterior means, best first, with alpha + beta: "KDTree 0.81 (n 24) · Grid 0.73 (6)". Empty
 // when there are none yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
+// What the shadow lane has done and what it cost, or why there is none.
+std::string ShadowText(const ShadowStats& stats, uint64_t frame_count, uint64_t elapsed_ns);
 // How many samples the full queue dropped, and what that means.
 std::string DroppedText(uint64_t dropped_count, uint64_t frame_count);
 

@@ -1,6 +1,7 @@
 // Step 9 in the game process: frames and outcomes to the decision core, its commands back.
 #include "sweepstake/embedded_decider.h"
 
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -19,6 +20,32 @@ decision::Frame ToFrame(const FrameSample& sample) {
           .arm = sample.arm,
           .switch_epoch = sample.switch_epoch,
           .flags = sample.flags};
+}
+
+decision::ShadowSample ToShadow(const ShadowSample& sample) {
+  return {.first_frame_index = sample.first_frame_index,
+          .detection_time_ns = sample.detection_time_ns,
+          .build_time_ns = sample.build_time_ns,
+          .aabb_check_count = sample.aabb_check_count,
+          .native_bytes = sample.native_bytes,
+          .arm = sample.arm,
+          .object_count = sample.object_count,
+          .frame_count = sample.frame_count,
+          .flags = sample.flags};
+}
+
+decision::SceneDescriptor ToDescriptor(const SceneDescriptor& descriptor) {
+  const auto measured = [](float value) -> std::optional<double> {
+    if (!std::isfinite(value) || value < 0) return std::nullopt;
+    return value;
+  };
+  return {.object_count = measured(descriptor.object_count),
+          .density_ratio = measured(descriptor.density_ratio),
+          .size_spread = measured(descriptor.size_spread),
+          .speed_mean = measured(descriptor.speed_mean),
+          .speed_spread = measured(descriptor.speed_spread),
+          .clustering_ratio = measured(descriptor.clustering_ratio),
+          .static_ratio = measured(descriptor.static_ratio)};
 }
 
 // The evidence that applies to these arms, summed onto Beta(1,1).
@@ -87,6 +114,8 @@ class EmbeddedDecider::Impl {
 
   void Observe(std::span<const FrameSample> frames, int64_t now_ns);
   void Observe(const SwitchOutcome& outcome, int64_t now_ns);
+  void Observe(std::span<const ShadowSample> samples);
+  void Observe(const SceneDescriptor& descriptor);
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
   std::optional<SwitchCommand> Poll(int64_t now_ns);
 
@@ -130,7 +159,20 @@ void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns
   if (outcome.arm >= session_.arms().size()) return;
   latest_epoch_ = outcome.switch_epoch;
   const auto reason = static_cast<decision::SwitchReason>(outcome.reason);
-  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, reason, now_ns);
+  session_.ObserveSwitch(
+      outcome.arm, outcome.switch_epoch, reason, now_ns,
+      {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns});
+}
+
+void EmbeddedDecider::Impl::Observe(std::span<const ShadowSample> samples) {
+  for (const ShadowSample& sample : samples) {
+    const decision::ShadowSample shadow = ToShadow(sample);
+    session_.ObserveShadow({&shadow, 1});
+  }
+}
+
+void EmbeddedDecider::Impl::Observe(const SceneDescriptor& descriptor) {
+  session_.ObserveDescriptor(ToDescriptor(descriptor));
 }
 
 void EmbeddedDecider::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
@@ -185,6 +227,8 @@ void EmbeddedDecider::Observe(std::span<const FrameSample> frames, uint64_t now_
 void EmbeddedDecider::Observe(const SwitchOutcome& outcome, uint64_t now_ns) {
   impl_->Observe(outcome, static_cast<int64_t>(now_ns));
 }
+void EmbeddedDecider::Observe(std::span<const ShadowSample> samples) { impl_->Observe(samples); }
+void EmbeddedDecider::Observe(const SceneDescriptor& descriptor) { impl_->Observe(descriptor); }
 void EmbeddedDecider::SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns) {
   impl_->SetMode(mode, active_arm, static_cast<int64_t>(now_ns));
 }

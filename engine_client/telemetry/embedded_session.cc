@@ -115,6 +115,9 @@ bool EmbeddedSession::Step(bool stopping) {
 void EmbeddedSession::TakeQueue(uint64_t now_ns) {
   while (const std::optional<QueuedItem> item = queue_.Pop()) Take(*item, now_ns);
   ObserveRun(now_ns);
+  while (const std::optional<ShadowSample> sample = queue_.PopShadow()) {
+    decider_->Observe({&*sample, 1});
+  }
   const uint64_t end_ns = SteadyClock().NowNs();
   const std::lock_guard lock(stats_mutex_);
   stats_.intake_time_ns += end_ns - now_ns;
@@ -128,6 +131,7 @@ void EmbeddedSession::Take(const QueuedItem& item, uint64_t now_ns) {
   }
   ObserveRun(now_ns);
   if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) decider_->Observe(*outcome, now_ns);
+  if (const auto* seen = std::get_if<SceneDescriptor>(&item)) decider_->Observe(*seen);
   if (const auto* note = std::get_if<ModeNote>(&item)) {
     decider_->SetMode(note->mode, note->active_arm, now_ns);
   }

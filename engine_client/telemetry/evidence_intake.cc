@@ -7,6 +7,7 @@
 namespace sweepstake {
 
 bool EvidenceIntake::Pump(uint64_t now_ns) {
+  TakeShadows();
   while (!state_.full()) {
     const std::optional<QueuedItem> item = queue_.Pop();
     if (!item) {
@@ -16,6 +17,14 @@ bool EvidenceIntake::Pump(uint64_t now_ns) {
     Take(*item, now_ns);
   }
   return false;
+}
+
+void EvidenceIntake::TakeShadows() {
+  while (batcher_.TakesShadow()) {
+    const std::optional<ShadowSample> sample = queue_.PopShadow();
+    if (!sample) return;
+    batcher_.AddShadow(*sample);
+  }
 }
 
 void EvidenceIntake::Take(const QueuedItem& item, uint64_t now_ns) {

@@ -3,7 +3,8 @@
 //
 // Frames go through the batcher; everything else first ends the batch under way, so that the daemon
 // sees things in the order they happened. A frame over the bail-out limit ends its batch too and is
-// reported at once. Not thread-safe; the queue's consumer.
+// reported at once. What the shadow lane measured goes with the next batch. Not thread-safe; the
+// queue's consumer.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +31,7 @@ class EvidenceIntake {
   bool batch_empty() const { return batcher_.empty(); }
 
  private:
+  void TakeShadows();
   void Take(const QueuedItem& item, uint64_t now_ns);
   void TakeFrame(const FrameSample& sample, uint64_t now_ns);
 

@@ -11,6 +11,8 @@ namespace {
 
 // Tags and lengths of the columns, the sequence number and the descriptor, generously.
 constexpr uint32_t kBatchOverheadBytes = 160;
+constexpr uint32_t kMessageTagBytes = 2;  // and the length of a message within the batch
+constexpr uint32_t kShadowBytesMax = kMessageTagBytes + 5 * 11 + 4 * 6;
 
 uint32_t VarintBytes(uint64_t value) {
   return (static_cast<uint32_t>(std::bit_width(value | 1)) + 6) / 7;
@@ -62,6 +64,20 @@ void FrameBatcher::SetDescriptor(const SceneDescriptor& descriptor) {
   *batch_.mutable_scene_descriptor() = ToWire(descriptor);
 }
 
+bool FrameBatcher::TakesShadow() const {
+  return batch_.shadow_samples_size() < kShadowMax &&
+         kBatchOverheadBytes + shadow_bytes_ + kShadowBytesMax <= limits_.bytes / 2;
+}
+
+void FrameBatcher::AddShadow(const ShadowSample& sample) {
+  assert(TakesShadow());
+  v1::ShadowSample& wire = *batch_.add_shadow_samples();
+  wire = ToWire(sample);
+  const auto bytes = kMessageTagBytes + static_cast<uint32_t>(wire.ByteSizeLong());
+  shadow_bytes_ += bytes;
+  batch_bytes_ += bytes;
+}
+
 bool FrameBatcher::Due(uint64_t now_ns) const {
   if (empty()) return false;
   return Full() || now_ns - begun_ns_ >= limits_.interval_ns;
@@ -69,7 +85,7 @@ bool FrameBatcher::Due(uint64_t now_ns) const {
 
 v1::FrameBatch FrameBatcher::Take() {
   assert(!empty());
-  batch_bytes_ = 0;
+  batch_bytes_ = shadow_bytes_ = 0;
   return std::exchange(batch_, v1::FrameBatch());
 }
 

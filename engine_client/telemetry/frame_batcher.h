@@ -19,6 +19,8 @@ struct BatchLimits {
 
 class FrameBatcher {
  public:
+  static constexpr int kShadowMax = 64;
+
   explicit FrameBatcher(const BatchLimits& limits) : limits_(limits) {}
 
   // In force from the next frame on; the batch under way may be over them by what it already holds.
@@ -31,6 +33,11 @@ class FrameBatcher {
   void Add(const FrameSample& sample, uint64_t now_ns);
   // Goes with the batch under way, or the next one; the latest wins.
   void SetDescriptor(const SceneDescriptor& descriptor);
+  // Whether the batch under way, or the next one, may take another visit of the shadow lane: up to
+  // kShadowMax, and in at most half of its bytes.
+  bool TakesShadow() const;
+  // REQUIRES: TakesShadow.
+  void AddShadow(const ShadowSample& sample);
 
   bool empty() const { return batch_.frame_time_ns().empty(); }
   bool Due(uint64_t now_ns) const;
@@ -43,6 +50,7 @@ class FrameBatcher {
   BatchLimits limits_;
   v1::FrameBatch batch_;
   uint32_t batch_bytes_ = 0;
+  uint32_t shadow_bytes_ = 0;      // of these
   uint64_t begun_ns_ = 0;          // when the first frame of the batch came
   uint64_t next_frame_index_ = 0;  // after the latest frame
 };

@@ -14,6 +14,20 @@ v1::SceneDescriptor ToWire(const SceneDescriptor& descriptor) {
   return wire;
 }
 
+v1::ShadowSample ToWire(const ShadowSample& sample) {
+  v1::ShadowSample wire;
+  wire.set_first_frame_index(sample.first_frame_index);
+  wire.set_arm(sample.arm);
+  wire.set_detection_time_ns(sample.detection_time_ns);
+  wire.set_build_time_ns(sample.build_time_ns);
+  wire.set_aabb_check_count(sample.aabb_check_count);
+  wire.set_native_bytes(sample.native_bytes);
+  wire.set_object_count(sample.object_count);
+  wire.set_frame_count(sample.frame_count);
+  wire.set_flags(sample.flags);
+  return wire;
+}
+
 v1::StreamTelemetryRequest ToRequest(const SwitchOutcome& outcome) {
   v1::StreamTelemetryRequest request;
   v1::SwitchOutcome& wire = *request.mutable_switch_outcome();

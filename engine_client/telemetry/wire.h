@@ -9,6 +9,7 @@
 namespace sweepstake {
 
 v1::SceneDescriptor ToWire(const SceneDescriptor& descriptor);
+v1::ShadowSample ToWire(const ShadowSample& sample);
 // A refused outcome gets an error text.
 v1::StreamTelemetryRequest ToRequest(const SwitchOutcome& outcome);
 v1::StreamTelemetryRequest ToRequest(const ModeNote& change);

@@ -16,8 +16,10 @@ struct Counters {
   std::atomic<uint64_t> replayed_message_count{0};   // sequence at or below one already applied
   std::atomic<uint64_t> applied_message_count{0};
   std::atomic<uint64_t> accepted_frame_count{0};
-  std::atomic<uint64_t> rejected_frame_count{0};  // absurd values, see message_validation.h
-  std::atomic<uint64_t> dropped_frame_count{0};   // by the clients' queues, as they report
+  std::atomic<uint64_t> rejected_frame_count{0};   // absurd values, see message_validation.h
+  std::atomic<uint64_t> dropped_frame_count{0};    // by the clients' queues, as they report
+  std::atomic<uint64_t> accepted_shadow_count{0};  // visits of the clients' shadow lanes
+  std::atomic<uint64_t> rejected_shadow_count{0};  // absurd values, as above
   std::atomic<uint64_t> decision_count{0};
   std::atomic<uint64_t> switch_command_count{0};
   std::atomic<uint64_t> refused_switch_count{0};  // commands a client did not execute

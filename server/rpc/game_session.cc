@@ -125,6 +125,22 @@ void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
   context_.counters.rejected_frame_count += received - frames_.size();
   context_.counters.dropped_frame_count += batch.dropped_frame_count();
   decisions_.ObserveFrames(frames_);
+  ApplyShadows(batch);
+  if (batch.has_scene_descriptor()) {
+    decisions_.ObserveDescriptor(DescriptorOf(batch.scene_descriptor()));
+  }
+}
+
+void GameSession::ApplyShadows(const v1::FrameBatch& batch) {
+  shadows_.clear();
+  for (const v1::ShadowSample& message : batch.shadow_samples()) {
+    const decision::ShadowSample sample = ShadowSampleOf(message);
+    if (IsPlausible(sample)) shadows_.push_back(sample);
+  }
+  const auto received = static_cast<uint64_t>(batch.shadow_samples_size());
+  context_.counters.accepted_shadow_count += shadows_.size();
+  context_.counters.rejected_shadow_count += received - shadows_.size();
+  decisions_.ObserveShadow(shadows_);
 }
 
 void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
@@ -138,7 +154,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
   switch_epoch_ = outcome.switch_epoch();
   decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(),
                            static_cast<decision::SwitchReason>(outcome.reason()),
-                           context_.loop.clock().NowNs());
+                           context_.loop.clock().NowNs(), SwitchCostOf(outcome));
 }
 
 void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {

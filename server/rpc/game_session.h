@@ -78,6 +78,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   void ApplyEvidence(const v1::StreamTelemetryRequest& request);
   void ApplyFrames(const v1::FrameBatch& batch);
+  void ApplyShadows(const v1::FrameBatch& batch);
   void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
   void ApplyBailOut(const v1::BailOut& bail_out);
   void ApplyModeChange(const v1::ModeChange& change);
@@ -108,7 +109,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t timer_generation_ = 0;                      // timers of an older one are void
   bool ending_ = false;
   bool draining_ = false;
-  std::vector<decision::Frame> frames_;  // reused
+  std::vector<decision::Frame> frames_;          // reused
+  std::vector<decision::ShadowSample> shadows_;  // reused
 };
 
 }  // namespace sweepstake::rpc

@@ -1,6 +1,8 @@
 #include "server/rpc/message_validation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -16,6 +18,7 @@ constexpr uint64_t kMaxChecks = 1ull << 60;
 constexpr uint64_t kMaxNativeBytes = 1ull << 46;
 constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
 constexpr uint32_t kKnownFlags = 15;
+constexpr uint32_t kKnownShadowFlags = 3;
 
 absl::Status Invalid(absl::string_view message) { return absl::InvalidArgumentError(message); }
 
@@ -90,12 +93,25 @@ absl::Status CheckColumns(const v1::FrameBatch& batch) {
   return absl::OkStatus();
 }
 
+absl::Status CheckShadows(const v1::FrameBatch& batch, uint32_t arm_count) {
+  if (batch.shadow_samples_size() > static_cast<int>(kMaxBatchShadows)) {
+    return Invalid(absl::StrCat("a frame batch may hold ", kMaxBatchShadows,
+                                " shadow samples, not ", batch.shadow_samples_size()));
+  }
+  for (const v1::ShadowSample& sample : batch.shadow_samples()) {
+    if (absl::Status status = CheckArm(sample.arm(), arm_count); !status.ok()) return status;
+    if (sample.detection_time_ns() == 0)
+      return Invalid("detection_time_ns of a shadow sample is absent");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status CheckFrameBatch(const v1::FrameBatch& batch, uint32_t arm_count) {
   if (absl::Status status = CheckColumns(batch); !status.ok()) return status;
   for (const uint32_t arm : batch.arm()) {
     if (absl::Status status = CheckArm(arm, arm_count); !status.ok()) return status;
   }
-  return absl::OkStatus();
+  return CheckShadows(batch, arm_count);
 }
 
 absl::Status CheckModeChange(const v1::ModeChange& change, uint32_t arm_count) {
@@ -182,6 +198,11 @@ bool IsPlausible(const decision::Frame& frame) {
   return frame.aabb_check_count < kMaxChecks && frame.native_bytes < kMaxNativeBytes;
 }
 
+bool IsPlausible(const decision::ShadowSample& sample) {
+  return sample.detection_time_ns <= kMaxFrameNs && sample.build_time_ns <= kMaxFrameNs &&
+         sample.aabb_check_count < kMaxChecks && sample.native_bytes < kMaxNativeBytes;
+}
+
 decision::Frame FrameAt(const v1::FrameBatch& batch, int i) {
   return {.frame_time_ns = batch.frame_time_ns(i),
           .detection_time_ns = batch.detection_time_ns(i),
@@ -201,6 +222,38 @@ decision::Frame FrameOf(const v1::BailOut& bail_out) {
   frame.switch_epoch = bail_out.switch_epoch();
   frame.flags = bail_out.flags() & kKnownFlags;
   return frame;
+}
+
+decision::ShadowSample ShadowSampleOf(const v1::ShadowSample& sample) {
+  return {.first_frame_index = sample.first_frame_index(),
+          .detection_time_ns = sample.detection_time_ns(),
+          .build_time_ns = sample.build_time_ns(),
+          .aabb_check_count = sample.aabb_check_count(),
+          .native_bytes = sample.native_bytes(),
+          .arm = sample.arm(),
+          .object_count = sample.object_count(),
+          .frame_count = sample.frame_count(),
+          .flags = sample.flags() & kKnownShadowFlags};
+}
+
+decision::SceneDescriptor DescriptorOf(const v1::SceneDescriptor& descriptor) {
+  const auto measured = [](bool present, float value) -> std::optional<double> {
+    if (!present || !std::isfinite(value) || value < 0) return std::nullopt;
+    return value;
+  };
+  return {.object_count = measured(descriptor.has_object_count(), descriptor.object_count()),
+          .density_ratio = measured(descriptor.has_density_ratio(), descriptor.density_ratio()),
+          .size_spread = measured(descriptor.has_size_spread(), descriptor.size_spread()),
+          .speed_mean = measured(descriptor.has_speed_mean(), descriptor.speed_mean()),
+          .speed_spread = measured(descriptor.has_speed_spread(), descriptor.speed_spread()),
+          .clustering_ratio =
+              measured(descriptor.has_clustering_ratio(), descriptor.clustering_ratio()),
+          .static_ratio = measured(descriptor.has_static_ratio(), descriptor.static_ratio())};
+}
+
+decision::SwitchCost SwitchCostOf(const v1::SwitchOutcome& outcome) {
+  return {.rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), kMaxFrameNs),
+          .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), kMaxFrameNs)};
 }
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record) {

@@ -3,8 +3,8 @@
 //
 // Two kinds of wrong: a message that breaks the contract (lengths, indices, names, absent fields)
 // ends the stream with INVALID_ARGUMENT, or FAILED_PRECONDITION for a wrong order or version; a
-// single frame whose values cannot have been measured is left out and counted, and the rest of the
-// batch counts.
+// single frame or shadow visit whose values cannot have been measured is left out and counted, and
+// the rest of the batch counts.
 #pragma once
 
 #include <string_view>
@@ -31,10 +31,18 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
 // the frame, give or take 1 % and 1 ms of clock error; checks are below 2^60 and native bytes below
 // 2^46.
 bool IsPlausible(const decision::Frame& frame);
+// Likewise: its times are at most an hour.
+bool IsPlausible(const decision::ShadowSample& sample);
 
 // Frame i of a checked batch.
 decision::Frame FrameAt(const v1::FrameBatch& batch, int i);
 decision::Frame FrameOf(const v1::BailOut& bail_out);
+// Of a checked batch.
+decision::ShadowSample ShadowSampleOf(const v1::ShadowSample& sample);
+// A value that is not finite, or negative, was not measured.
+decision::SceneDescriptor DescriptorOf(const v1::SceneDescriptor& descriptor);
+// Each at most an hour.
+decision::SwitchCost SwitchCostOf(const v1::SwitchOutcome& outcome);
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record);
 

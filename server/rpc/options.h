@@ -11,6 +11,7 @@ namespace sweepstake::rpc {
 
 inline constexpr uint32_t kProtocolVersion = 1;
 inline constexpr uint32_t kMaxBatchFrames = 240;          // a longer batch is INVALID_ARGUMENT
+inline constexpr uint32_t kMaxBatchShadows = 64;          // more are INVALID_ARGUMENT
 inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
 inline constexpr uint32_t kMaxArms = 32;                  // more are INVALID_ARGUMENT
 inline constexpr uint32_t kMaxNameBytes = 128;            // a longer name is INVALID_ARGUMENT

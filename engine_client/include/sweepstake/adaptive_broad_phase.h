@@ -95,7 +95,7 @@ struct FrameEnd {
 class AdaptiveBroadPhase {
  public:
   // kNotFound for an unknown arm, kInvalidArgument for the rest. `clock` and `sink` are borrowed;
-  // sink may be null.
+  // sink may be null. The shadow lane goes by SteadyClock() whatever `clock` is.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options,
                                                             FrameSink* sink,
                                                             Clock& clock = SteadyClock());

@@ -79,7 +79,9 @@ enum {
   SWP_STRUCT_PROXY_OPTIONS = 16,
   SWP_STRUCT_PROXY_PAIR = 17,
   SWP_STRUCT_RAY = 18,
-  SWP_STRUCT_RAY_HIT = 19
+  SWP_STRUCT_RAY_HIT = 19,
+  SWP_STRUCT_SHADOW_SAMPLE = 20,
+  SWP_STRUCT_SHADOW_STATS = 21
 };
 
 /* Bytes of a struct below as the library has it, for bindings of other languages; 0 for an unknown
@@ -314,6 +316,50 @@ typedef struct swp_switch_outcome {
   uint32_t executed; /* 0: refused */
 } swp_switch_outcome;
 
+enum {
+  SWP_SHADOW_FLAG_ACTIVE = 1, /* the arm that was active on the frame thread */
+  SWP_SHADOW_FLAG_CAPPED = 2  /* stopped at a cap: the times are those of what ran until then */
+};
+
+/* What an arm cost on the shadow lane, on copies of consecutive frames' boxes. Those with the same
+ * first_frame_index were measured on the same frames. */
+typedef struct swp_shadow_sample {
+  uint64_t first_frame_index;
+  uint64_t detection_time_ns; /* median over the measured frames */
+  uint64_t build_time_ns;     /* of the first frame, with its search */
+  uint64_t aabb_check_count;  /* mean over the measured frames */
+  uint64_t native_bytes;
+  uint32_t arm;
+  uint32_t object_count;
+  uint32_t frame_count; /* measured frames */
+  uint32_t flags;       /* SWP_SHADOW_FLAG_ bits */
+} swp_shadow_sample;
+
+typedef uint32_t swp_shadow_state;
+enum {
+  SWP_SHADOW_STATE_OFF = 0,           /* as asked for */
+  SWP_SHADOW_STATE_ONE_ARM = 1,       /* off: there is nothing to compare */
+  SWP_SHADOW_STATE_NO_SPARE_CORE = 2, /* off: one core, or the executor uses all */
+  SWP_SHADOW_STATE_PAUSED = 3,        /* in SWP_MODE_MANUAL */
+  SWP_SHADOW_STATE_RUNNING = 4,
+  SWP_SHADOW_STATE_TOO_BIG = 5 /* the scene does not fit in the lane's memory */
+};
+
+/* Since the session began. */
+typedef struct swp_shadow_stats {
+  swp_shadow_state state;
+  uint32_t reserved;    /* 0 */
+  uint64_t sweep_count; /* over the arms that were due */
+  uint64_t visit_count; /* of one arm each */
+  uint64_t capped_visit_count;
+  uint64_t busy_time_ns; /* of the lane's thread */
+  uint64_t memory_bytes; /* now */
+  uint64_t copied_frame_count;
+  uint64_t copy_time_ns;      /* on the frame thread */
+  uint64_t warm_switch_count; /* prepared by the lane */
+  uint64_t cold_switch_count;
+} swp_shadow_stats;
+
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends. */
@@ -366,6 +412,8 @@ SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t 
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                        uint64_t* note_count);
 
+SWP_API swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats);
+
 /* One thread of the caller's choice: the transport. Nothing is drained while a decider is attached:
  * it takes all. */
 
@@ -376,6 +424,9 @@ SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sam
  * so drain samples first. 256 are kept; then the oldest is dropped and counted. */
 SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
                                               uint32_t capacity, uint32_t* count);
+/* The same for what the shadow lane measured, in no order with the others; 256 are kept. */
+SWP_API swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* samples,
+                                            uint32_t capacity, uint32_t* count);
 /* The latest descriptor among what was drained; every value negative before the first. One is
  * measured per 128 frames. */
 SWP_API swp_result swp_session_descriptor(const swp_session* session,

@@ -58,6 +58,9 @@ class EmbeddedDecider {
   // Takes frames and switch outcomes in the order they happened.
   void Observe(std::span<const FrameSample> frames, uint64_t now_ns);
   void Observe(const SwitchOutcome& outcome, uint64_t now_ns);
+  // What the shadow lane measured, and what the scene looks like; learnt at the next decision.
+  void Observe(std::span<const ShadowSample> samples);
+  void Observe(const SceneDescriptor& descriptor);
   void SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns);
 
   // Decides where a decision is due or a bail-out was observed; a command is to be posted into the

@@ -269,6 +269,8 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_dropped(NULL, &count, &count));
   REFUSED(swp_session_drain_samples(NULL, &sample, 1, &number));
   REFUSED(swp_session_drain_outcomes(NULL, &outcome, 1, &number));
+  REFUSED(swp_session_drain_shadow(NULL, NULL, 0, &number));
+  REFUSED(swp_session_shadow_stats(NULL, NULL));
   REFUSED(swp_session_post_switch(NULL, &command));
   REFUSED(swp_session_set_decider_present(NULL, 1));
   REFUSED(swp_session_set_posterior_means(NULL, &mean, 1));
@@ -312,6 +314,9 @@ static void check_session_arguments(swp_session* session) {
   REFUSED(swp_session_drain_samples(session, NULL, 1, &number));
   REFUSED(swp_session_drain_samples(session, &sample, 1, NULL));
   REFUSED(swp_session_drain_outcomes(session, NULL, 1, &number));
+  REFUSED(swp_session_drain_shadow(session, NULL, 1, &number));
+  REFUSED(swp_session_drain_shadow(session, NULL, 0, NULL));
+  REFUSED(swp_session_shadow_stats(session, NULL));
   REFUSED(swp_session_post_switch(session, NULL));
   REFUSED(swp_session_set_posterior_means(session, NULL, swp_backend_count()));
   REFUSED(swp_session_beliefs(session, NULL, 1, &number));

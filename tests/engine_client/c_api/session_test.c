@@ -168,6 +168,44 @@ static void check_descriptor(swp_session* session, swp_scene* scene) {
   CHECK(descriptor.density_ratio > 0);
 }
 
+/* Off unless asked for; asked for, every arm has been visited before long. */
+static void check_shadow_lane(swp_scene* scene) {
+  swp_session_options options;
+  swp_session* session = make_session(16);
+  swp_shadow_sample sample;
+  swp_shadow_stats stats;
+  uint32_t count = 99;
+  uint32_t visited = 0;
+  CHECK_OK(swp_session_shadow_stats(session, &stats));
+  CHECK(stats.state == SWP_SHADOW_STATE_OFF && stats.visit_count == 0);
+  CHECK_OK(swp_session_drain_shadow(session, &sample, 1, &count));
+  CHECK(count == 0);
+  swp_session_destroy(session);
+  CHECK_OK(swp_session_options_init(&options));
+  options.mode = SWP_MODE_MANUAL;
+  options.shadow = 3;
+  CHECK(swp_session_create(&options, &session) == SWP_INVALID_ARGUMENT);
+  options.shadow = SWP_SHADOW_ON;
+  CHECK_OK(swp_session_create(&options, &session));
+  CHECK_OK(swp_session_shadow_stats(session, &stats));
+  if (stats.state == SWP_SHADOW_STATE_RUNNING) {
+    for (int i = 0; i < 1000000 && visited + 1 < 1U << swp_backend_count(); ++i) {
+      run_frame(session, scene);
+      CHECK_OK(swp_session_drain_shadow(session, &sample, 1, &count));
+      if (count == 0) continue;
+      visited |= 1U << sample.arm;
+      CHECK(sample.object_count == kObjects && sample.detection_time_ns > 0);
+      CHECK(((sample.flags & SWP_SHADOW_FLAG_ACTIVE) != 0) == (sample.arm == 0));
+    }
+    CHECK(visited + 1 == 1U << swp_backend_count());
+    CHECK_OK(swp_session_shadow_stats(session, &stats));
+    CHECK(stats.visit_count >= swp_backend_count() && stats.copied_frame_count >= 4);
+  } else {
+    CHECK(stats.state == SWP_SHADOW_STATE_NO_SPARE_CORE);
+  }
+  swp_session_destroy(session);
+}
+
 void test_transport(void) {
   const double means[32] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
   const double wrong_means[32] = {0.1, 1.7};
@@ -186,6 +224,7 @@ void test_transport(void) {
   CHECK(swp_session_set_decider_present(session, 2) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_set_settling(session, 1000));
   check_bail_out_limit(session, scene);
+  check_shadow_lane(scene);
   swp_session_destroy(session);
   swp_scene_destroy(scene);
 }

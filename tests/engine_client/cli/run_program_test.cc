@@ -46,6 +46,28 @@ TEST(RunProgram, EmbeddedPrintsOneDocumentWhoseNumbersAddUp) {
   EXPECT_THAT(run.err, HasSubstr("no priors yet"));
 }
 
+TEST(RunProgram, TellsWhatTheShadowLaneDid) {
+  const auto shadow_of = [](const std::string& options) {
+    const ProgramRun run = RunProgram(std::string(kSmallRun) + "--json " + options);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out)["shadow"];
+  };
+  const json off = shadow_of("--shadow off --time-scale 1000");
+  EXPECT_EQ(off["state"], "off");
+  EXPECT_EQ(off["visits"], 0);
+  EXPECT_EQ(off["warm_switches"], 0);
+  EXPECT_GT(off["cold_switches"].get<uint64_t>(), 0U);
+  const json manual = shadow_of("--mode manual");
+  const json on = shadow_of("--mode manual --shadow on");
+  if (on["state"] == "off, no core to spare") return;
+  EXPECT_EQ(manual["state"], "paused in manual mode");
+  EXPECT_EQ(manual["visits"], 0);
+  EXPECT_EQ(on["state"], "running");
+  EXPECT_GE(on["visits"].get<uint64_t>(), 7U);
+  EXPECT_GT(on["copy_ns_per_frame"].get<double>(), 0);
+  EXPECT_EQ(RunProgram(std::string(kSmallRun) + "--shadow maybe").exit_code, 2);
+}
+
 TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
   const ProgramRun run = RunProgram(std::string(kSmallRun) + "--time-scale 1000");
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -53,6 +75,7 @@ TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
   EXPECT_THAT(run.out, HasSubstr("(exploration)"));
   EXPECT_THAT(run.out, HasSubstr("KDTree 0.")) << "the posteriors at a switch";
   EXPECT_THAT(run.out, HasSubstr("Posteriors learnt in suite-b with 100 objects"));
+  EXPECT_THAT(run.out, HasSubstr("Shadow lane: "));
 }
 
 TEST(RunProgram, SaysWhenThePriorsFileHasNoneForIt) {

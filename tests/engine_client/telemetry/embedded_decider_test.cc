@@ -89,6 +89,52 @@ TEST(EmbeddedDecider, TriesEveryArmAndThenFavoursTheFastest) {
   EXPECT_GT(decider->decision_count(), 100U);
 }
 
+TEST(EmbeddedDecider, LearnsFromTheShadowLaneWhichArmIsTheBest) {
+  EmbeddedOptions options;
+  options.policy = "adaptive";
+  const auto decider = MakeDecider(options);
+  Game game({30, 60, 15});
+  for (int sweep = 0; sweep < 20 && game.arm == 0; ++sweep) {
+    for (const uint32_t arm : {0U, 1U, 2U}) {
+      ShadowSample sample{};
+      sample.first_frame_index = game.frame_index;
+      sample.detection_time_ns = (arm == 2 ? 11 : 22 * (arm + 1)) * kMs;
+      sample.arm = arm;
+      sample.object_count = 1000;
+      sample.frame_count = 5;
+      sample.flags = arm == 0 ? uint32_t{kShadowActive} : 0U;
+      decider->Observe({&sample, 1});
+    }
+    game.RunFor(*decider, 1000);
+  }
+  ASSERT_EQ(game.commands.size(), 1U);  // At once to the best one, which nobody has tried.
+  EXPECT_EQ(game.commands[0].arm, 2U);
+  EXPECT_EQ(game.commands[0].reason, SwitchReason::kPolicy);
+}
+
+TEST(EmbeddedDecider, TakesDescriptorsOfTheScene) {
+  EmbeddedOptions options;
+  options.policy = "lin-ts";
+  const auto with = MakeDecider(options);
+  const auto without = MakeDecider(options);
+  Game told({30, 60, 15});
+  Game untold({30, 60, 15});
+  for (int second = 0; second < 400; ++second) {
+    with->Observe(SceneDescriptor{.object_count = second % 2 == 0 ? 100.0F : 50'000.0F,
+                                  .density_ratio = -1,
+                                  .static_ratio = 0.5F});
+    told.RunFor(*with, 1000);
+    untold.RunFor(*without, 1000);
+  }
+  // A policy that goes by the scene decides otherwise for another scene.
+  const auto means = [](const EmbeddedDecider& decider) {
+    std::vector<double> values;
+    for (const ArmBelief& belief : decider.beliefs()) values.push_back(MeanOf(belief));
+    return values;
+  };
+  EXPECT_NE(means(*with), means(*without));
+}
+
 TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
   Game first({30, 60, 15});
   Game second({30, 60, 15});

@@ -103,6 +103,24 @@ TEST_F(EvidenceIntakeTest, SaysWhyACommandWasNotExecuted) {
   EXPECT_NE(sent[0].switch_outcome().error(), "");
 }
 
+TEST_F(EvidenceIntakeTest, SendsWhatTheShadowLaneMeasuredWithTheNextBatches) {
+  ShadowSample sample{};
+  for (sample.arm = 0; sample.arm < 70; ++sample.arm) queue_.OnShadow(sample);
+  EXPECT_TRUE(intake_.Pump(0));
+  EXPECT_TRUE(Sent().empty());
+  for (int i = 0; i < 3; ++i) Frame();
+  intake_.Pump(0);
+  auto sent = Sent();
+  ASSERT_EQ(sent.size(), 1U);
+  ASSERT_EQ(sent[0].frame_batch().shadow_samples_size(), 64);
+  EXPECT_EQ(sent[0].frame_batch().shadow_samples(8).arm(), 8U);
+  for (int i = 0; i < 3; ++i) Frame();
+  intake_.Pump(0);
+  sent = Sent();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].frame_batch().shadow_samples_size(), 6);
+}
+
 TEST_F(EvidenceIntakeTest, PausesWhileTheSessionIsFullAndLetsTheQueueDrop) {
   for (int i = 0; i < 12; ++i) Frame();
   EXPECT_FALSE(intake_.Pump(0));

@@ -39,6 +39,59 @@ TEST(FrameBatcher, PutsFramesIntoColumns) {
   EXPECT_TRUE(batcher.empty());
 }
 
+constexpr ShadowSample kVisit = {.first_frame_index = 4,
+                                 .detection_time_ns = 30'000,
+                                 .build_time_ns = 90'000,
+                                 .aabb_check_count = 777,
+                                 .native_bytes = 4096,
+                                 .arm = 3,
+                                 .object_count = 1000,
+                                 .frame_count = 5,
+                                 .flags = kShadowActive};
+
+TEST(FrameBatcher, SendsVisitsOfTheShadowLaneWithTheFrames) {
+  FrameBatcher batcher({});
+  batcher.AddShadow(kVisit);
+  EXPECT_TRUE(batcher.empty());
+  batcher.Add(FrameOf(0), 0);
+  const v1::FrameBatch batch = batcher.Take();
+  ASSERT_EQ(batch.shadow_samples_size(), 1);
+  const v1::ShadowSample& sent = batch.shadow_samples(0);
+  EXPECT_EQ(sent.first_frame_index(), 4U);
+  EXPECT_EQ(sent.detection_time_ns(), 30'000U);
+  EXPECT_EQ(sent.build_time_ns(), 90'000U);
+  EXPECT_EQ(sent.aabb_check_count(), 777U);
+  EXPECT_EQ(sent.native_bytes(), 4096U);
+  EXPECT_EQ(sent.arm(), 3U);
+  EXPECT_EQ(sent.object_count(), 1000U);
+  EXPECT_EQ(sent.frame_count(), 5U);
+  EXPECT_EQ(sent.flags(), uint32_t{v1::SHADOW_FLAG_ACTIVE});
+  batcher.Add(FrameOf(1), 0);
+  EXPECT_EQ(batcher.Take().shadow_samples_size(), 0);
+}
+
+TEST(FrameBatcher, TakesSixtyFourVisitsAndFillsNoMoreThanHalfOfTheBytesWithThem) {
+  FrameBatcher batcher({.interval_ns = 1'000'000, .frames = 240, .bytes = 256 * 1024});
+  for (; batcher.TakesShadow(); batcher.AddShadow(kVisit)) {
+  }
+  batcher.Add(FrameOf(0), 0);
+  EXPECT_EQ(batcher.Take().shadow_samples_size(), 64);
+  EXPECT_TRUE(batcher.TakesShadow());
+
+  batcher.SetLimits({.interval_ns = 1'000'000, .frames = 240, .bytes = 1024});
+  ShadowSample large = kVisit;
+  large.first_frame_index = large.detection_time_ns = large.build_time_ns = ~uint64_t{0};
+  large.aabb_check_count = large.native_bytes = ~uint64_t{0};
+  for (; batcher.TakesShadow(); batcher.AddShadow(large)) {
+  }
+  uint64_t index = 0;
+  for (; batcher.Fits(FrameOf(index)); ++index) batcher.Add(FrameOf(index), 0);
+  const v1::FrameBatch batch = batcher.Take();
+  EXPECT_GT(batch.shadow_samples_size(), 2);
+  EXPECT_GT(batch.frame_time_ns_size(), 10);
+  EXPECT_LE(batch.ByteSizeLong(), 1024U);
+}
+
 TEST(FrameBatcher, IsDueAfterTheInterval) {
   FrameBatcher batcher({.interval_ns = 100, .frames = 30, .bytes = 16384});
   EXPECT_FALSE(batcher.Due(1000));

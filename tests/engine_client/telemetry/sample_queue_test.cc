@@ -70,6 +70,25 @@ TEST(SampleQueue, KeepsNotesBetweenTheFramesTheyCameBetween) {
   EXPECT_EQ(std::get<FrameSample>(*queue.Pop()).frame_index, 1U);
 }
 
+TEST(SampleQueue, HasAQueueOfItsOwnForTheShadowLane) {
+  SampleQueue queue(8);
+  EXPECT_FALSE(queue.PopShadow().has_value());
+  for (uint64_t i = 0; i < SampleQueue::kShadowCapacity + 3; ++i) {
+    ShadowSample sample{};
+    sample.first_frame_index = i;
+    sample.arm = 2;
+    queue.OnShadow(sample);
+  }
+  EXPECT_FALSE(queue.Pop().has_value());
+  for (uint64_t i = 3; i < SampleQueue::kShadowCapacity + 3; ++i) {
+    const std::optional<ShadowSample> sample = queue.PopShadow();
+    ASSERT_TRUE(sample.has_value());
+    EXPECT_EQ(sample->first_frame_index, i);
+    EXPECT_EQ(sample->arm, 2U);
+  }
+  EXPECT_FALSE(queue.PopShadow().has_value());
+}
+
 TEST(SampleQueue, KeepsANoteWhoseFramesWereDropped) {
   SampleQueue queue(4);
   queue.OnFrame(FrameOf(0));

@@ -55,6 +55,71 @@ class BadInputTest : public RpcTest {
   }
 };
 
+TEST_F(BadInputTest, ShadowSamplesMustNameAnArmAndATimeAndBeNoMoreThanABatchMayHold) {
+  const auto with_samples = [](int count) {
+    v1::StreamTelemetryRequest request = Frames(1, 1);
+    for (int i = 0; i < count; ++i) {
+      request.mutable_frame_batch()->add_shadow_samples()->set_detection_time_ns(1);
+    }
+    return request;
+  };
+  EXPECT_TRUE(CheckRequest(with_samples(64), 3).ok());
+  EXPECT_EQ(EndAfter(with_samples(65)).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  v1::StreamTelemetryRequest request = with_samples(2);
+  request.mutable_frame_batch()->mutable_shadow_samples(1)->set_arm(3);
+  EXPECT_EQ(EndAfter(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  request = with_samples(2);
+  request.mutable_frame_batch()->mutable_shadow_samples(1)->clear_detection_time_ns();
+  EXPECT_EQ(EndAfter(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST(MessageValidation, TakesOnlyWhatWasMeasuredOfTheScene) {
+  v1::SceneDescriptor message;
+  message.set_object_count(1000);
+  message.set_density_ratio(std::numeric_limits<float>::quiet_NaN());
+  message.set_size_spread(std::numeric_limits<float>::infinity());
+  message.set_speed_mean(-1);
+  message.set_static_ratio(0);
+  const decision::SceneDescriptor descriptor = DescriptorOf(message);
+  EXPECT_EQ(descriptor.object_count, 1000.0);
+  EXPECT_FALSE(descriptor.density_ratio.has_value());
+  EXPECT_FALSE(descriptor.size_spread.has_value());
+  EXPECT_FALSE(descriptor.speed_mean.has_value());
+  EXPECT_FALSE(descriptor.speed_spread.has_value());
+  EXPECT_EQ(descriptor.static_ratio, 0.0);
+}
+
+TEST(MessageValidation, BoundsWhatASwitchMayHaveCost) {
+  v1::SwitchOutcome outcome;
+  outcome.set_rebuild_time_ns(12);
+  outcome.set_settling_cost_ns(~0ull);
+  EXPECT_EQ(SwitchCostOf(outcome).rebuild_time_ns, 12u);
+  EXPECT_EQ(SwitchCostOf(outcome).settling_cost_ns, 3600u * uint64_t{kSecondNs});
+}
+
+TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
+  v1::ShadowSample message;
+  message.set_first_frame_index(1);
+  message.set_arm(2);
+  message.set_detection_time_ns(3);
+  message.set_build_time_ns(4);
+  message.set_aabb_check_count(5);
+  message.set_native_bytes(6);
+  message.set_object_count(7);
+  message.set_frame_count(8);
+  message.set_flags(0xFF);
+  const decision::ShadowSample sample = ShadowSampleOf(message);
+  EXPECT_EQ(sample.first_frame_index, 1u);
+  EXPECT_EQ(sample.arm, 2u);
+  EXPECT_EQ(sample.detection_time_ns, 3u);
+  EXPECT_EQ(sample.build_time_ns, 4u);
+  EXPECT_EQ(sample.aabb_check_count, 5u);
+  EXPECT_EQ(sample.native_bytes, 6u);
+  EXPECT_EQ(sample.object_count, 7u);
+  EXPECT_EQ(sample.frame_count, 8u);
+  EXPECT_EQ(sample.flags, decision::kShadowActive | decision::kShadowCapped);
+}
+
 TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   v1::Hello hello = HelloMessage();
   {

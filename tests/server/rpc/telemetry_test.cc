@@ -269,6 +269,46 @@ TEST_F(TelemetryTest, ImplausibleFramesAreLeftOutAndCounted) {
   EXPECT_EQ(server_->counters().accepted_frame_count, 27u);
 }
 
+TEST_F(TelemetryTest, WhatTheShadowLaneMeasuredReachesThePolicy) {
+  StopServer();
+  options_.decision.policy = "adaptive";
+  StartServer();
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  v1::StreamTelemetryRequest request = Frames(1, 30);
+  for (const uint32_t arm : {0u, 1u, 2u}) {
+    v1::ShadowSample& sample = *request.mutable_frame_batch()->add_shadow_samples();
+    sample.set_arm(arm);
+    sample.set_detection_time_ns(arm == 2 ? 500'000 : 5'000'000);
+    sample.set_frame_count(5);
+    sample.set_flags(arm == 0 ? v1::SHADOW_FLAG_ACTIVE : 0);
+  }
+  client.Send(request);
+  ASSERT_TRUE(Applied(1));
+  EXPECT_EQ(server_->counters().accepted_shadow_count, 3u);
+  Tick();
+  const v1::SwitchCommand command = client.Await(Response::kSwitchCommand).switch_command();
+  EXPECT_EQ(command.arm(), 2u);
+  EXPECT_EQ(command.reason(), v1::SWITCH_REASON_POLICY);
+}
+
+TEST_F(TelemetryTest, ImplausibleShadowVisitsAreLeftOutAndCounted) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  v1::StreamTelemetryRequest request = Frames(1, 30);
+  for (int i = 0; i < 4; ++i) {
+    request.mutable_frame_batch()->add_shadow_samples()->set_detection_time_ns(1'000'000);
+  }
+  auto& samples = *request.mutable_frame_batch()->mutable_shadow_samples();
+  samples[0].set_detection_time_ns(3601 * kSecondNs);
+  samples[1].set_build_time_ns(3601 * kSecondNs);
+  samples[2].set_native_bytes(1ull << 46);
+  client.Send(request);
+  ASSERT_TRUE(Applied(1));
+  EXPECT_EQ(server_->counters().rejected_shadow_count, 3u);
+  EXPECT_EQ(server_->counters().accepted_shadow_count, 1u);
+}
+
 TEST_F(TelemetryTest, GoodbyeIsAnsweredWhenEverythingIsOnDisk) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
