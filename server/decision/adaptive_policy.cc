@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "server/decision/diagnosis.h"
 #include "server/decision/log_cost.h"
 #include "server/decision/normal_distribution.h"
 #include "server/decision/posterior_update.h"
@@ -11,85 +11,69 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kUnsafeShare = 0.6;            // of the bail-out limit: 3 s of 5
-constexpr double kUnsafeDeviations = 2.326;     // P = 1 %
-constexpr double kPriorVariance = 0.15 * 0.15;  // a prior is not believed closer than this
-constexpr double kFlatShare = 0.2;              // of what a prior may be altogether wrong
-constexpr double kUnknownDeviation = 0.8;
+constexpr double Square(double x) { return x * x; }
+
+// Priors.
 constexpr double kFlatEvidence = 2.5;  // Beta(1,1) and hardly more
-constexpr double kContradiction = 3;   // standard deviations of a visit's noise
-constexpr double kVisitDeviation = 0.1;
+constexpr double kPriorVariance = Square(0.15);
+constexpr double kUnknownDeviation = 0.8;
+constexpr double kFlatShare = 0.2;
+constexpr double kContradiction = 0.3;  // an arm 35 % dearer than expected to be the best is not it
+// The safe set.
+constexpr double kUnsafeShare = 0.6;         // of the bail-out limit
+constexpr double kUnsafeDeviations = 2.326;  // P = 1 %
+// The gate.
 constexpr double kHorizonCooldowns = 5;
+constexpr double kHorizonShare = 0.3;  // of the time in which a difference drifts by its own size
+constexpr double kTie = 0.005;
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // of the settling time
 constexpr double kCostRate = 0.3;
-constexpr double kTie = 0.005;
+constexpr uint64_t kShareWindows = 10;
+// The clock. A pause is not drift.
 constexpr double kLongestAdvance = 30;  // decision intervals
+// Without a lane by then, arms are tried live.
+constexpr uint64_t kPatienceWindows = 2;
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
-constexpr double Square(double x) { return x * x; }
+
+double LogCostOfNs(uint64_t ns) { return LogCostOf(static_cast<double>(ns) * 1e-3); }
 
 bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidence; }
 
 }  // namespace
 
-AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup)
+AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveLevers& levers)
     : options_(setup.options),
-      filter_(static_cast<uint32_t>(setup.arms.size())),
+      levers_(levers),
+      filter_(static_cast<uint32_t>(setup.arms.size()), levers.filter),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
       posteriors_(setup.arms.size()),
       switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
-  if (setup.has_priors) TakePriors(setup);
+  if (setup.has_priors) TakePriors(setup.priors);
   ShowBeliefs();
 }
 
-void AdaptivePolicy::TakePriors(const PolicySetup& setup) {
+// An arm without a prior is taken for an average one.
+void AdaptivePolicy::TakePriors(const std::vector<BetaPosterior>& priors) {
   double sum = 0;
   double count = 0;
-  for (const BetaPosterior& prior : setup.priors) {
+  for (const BetaPosterior& prior : priors) {
     if (IsFlat(prior)) continue;
     sum += BeliefOf(prior).mean;
     ++count;
   }
   if (count == 0) return;
-  for (uint32_t arm = 0; arm < setup.priors.size(); ++arm) {
-    has_prior_[arm] = !IsFlat(setup.priors[arm]);
+  for (uint32_t arm = 0; arm < priors.size(); ++arm) {
+    has_prior_[arm] = !IsFlat(priors[arm]);
     NormalBelief belief{sum / count, Square(kUnknownDeviation)};
-    if (has_prior_[arm]) belief = BeliefOf(setup.priors[arm]);
+    if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
     belief.variance = std::max(belief.variance, kPriorVariance);
     filter_.SetPrior(arm, belief);
   }
 }
 
-void AdaptivePolicy::DropPriors() {
-  filter_ = RelativeCostFilter(filter_.arm_count());
-  std::fill(has_prior_.begin(), has_prior_.end(), false);
-}
-
-void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
-  if (last_advance_ns_ && now_ns > *last_advance_ns_) {
-    const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
-    filter_.Advance(
-        std::min(passed_ns / static_cast<double>(options_.decision_interval_ns), kLongestAdvance));
-  }
-  last_advance_ns_ = now_ns;
-}
-
-void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) {
-  if (!swept_) DropContradictedPriors(samples);
-  AdvanceTo(now_ns);
-  for (const ShadowSample& sample : samples) {
-    const double log_cost = LogCostOf(static_cast<double>(sample.detection_time_ns) * 1e-3);
-    filter_.ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
-    observed_[sample.arm] = true;
-  }
-  swept_ = true;
-  last_shadow_ns_ = now_ns;
-  ShowBeliefs();
-}
-
-// Where the lane's first visits put another arm well ahead of the one that the priors do.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
   const ShadowSample* expected = nullptr;
   const ShadowSample* cheapest = nullptr;
@@ -100,9 +84,33 @@ void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> sample
     if (!cheapest || sample.detection_time_ns < cheapest->detection_time_ns) cheapest = &sample;
   }
   if (!expected) return;
-  const double excess = LogCostOf(static_cast<double>(expected->detection_time_ns)) -
-                        LogCostOf(static_cast<double>(cheapest->detection_time_ns));
-  if (excess > kContradiction * kVisitDeviation) DropPriors();
+  const double excess =
+      LogCostOfNs(expected->detection_time_ns) - LogCostOfNs(cheapest->detection_time_ns);
+  if (excess < kContradiction) return;
+  filter_ = RelativeCostFilter(filter_.arm_count(), levers_.filter);
+  std::fill(has_prior_.begin(), has_prior_.end(), false);
+}
+
+void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
+  if (last_advance_ns_ && now_ns > *last_advance_ns_) {
+    const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
+    const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
+    filter_.Advance(std::min(intervals, kLongestAdvance));
+  }
+  last_advance_ns_ = now_ns;
+}
+
+void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) {
+  if (!levers_.shadow) return;
+  if (!last_shadow_ns_) DropContradictedPriors(samples);
+  last_shadow_ns_ = now_ns;
+  AdvanceTo(now_ns);
+  for (const ShadowSample& sample : samples) {
+    filter_.ObserveShadow(sample.arm, sample.first_frame_index,
+                          LogCostOfNs(sample.detection_time_ns));
+    observed_[sample.arm] = true;
+  }
+  ShowBeliefs();
 }
 
 std::optional<Lesson> AdaptivePolicy::LearnWindow(const WindowObservation& observation) {
@@ -114,17 +122,16 @@ std::optional<Lesson> AdaptivePolicy::LearnWindow(const WindowObservation& obser
   observed_[observation.arm] = true;
   ++window_count_;
   const double share = std::clamp(metrics.detection_ms * metrics.fps * 1e-3, 1e-4, 1.0);
-  detection_share_ +=
-      (share - detection_share_) / static_cast<double>(std::min<uint64_t>(window_count_, 10));
+  const auto windows = static_cast<double>(std::min(window_count_, kShareWindows));
+  detection_share_ += (share - detection_share_) / windows;
   ShowBeliefs();
   const double reward = RewardOf(log_cost);
-  return Lesson{
-      .increment = LogCostIncrement(observation.arm, reward, filter_.live_noise_variance()),
-      .reward = reward};
+  return Lesson{.increment = LogCostIncrement(observation.arm, reward, filter_.live_noise()),
+                .reward = reward};
 }
 
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
-  filter_.Assume(arm, LogCostOf(static_cast<double>(options_.bail_out_ns) * 1e-3));
+  filter_.Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
   observed_[arm] = true;
   ShowBeliefs();
   return BailOutIncrement(arm, options_.bail_out_penalty);
@@ -134,22 +141,15 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   const double cost_s =
       (static_cast<double>(cost.rebuild_time_ns) + static_cast<double>(cost.settling_cost_ns)) *
       1e-9;
-  const double longest_s = Seconds(options_.settling_ns + options_.decision_interval_ns);
-  switch_cost_s_ += kCostRate * (std::min(cost_s, longest_s) - switch_cost_s_);
+  const double most_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
+  switch_cost_s_ += kCostRate * (std::min(cost_s, most_s) - switch_cost_s_);
 }
 
 std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
+  if (!levers_.short_cooldown) return std::nullopt;
   const int64_t least_ns = options_.settling_ns + options_.decision_interval_ns;
-  const double earned_ns = kCostsPerCooldown * switch_cost_s_ * 1e9;
-  const double most_ns = static_cast<double>(options_.cooldown_ns);
-  return static_cast<int64_t>(
-      std::min(std::max(static_cast<double>(least_ns), earned_ns), most_ns));
-}
-
-bool AdaptivePolicy::IsSafe(uint32_t arm) const {
-  const NormalBelief cost = filter_.LogCost(arm);
-  const double limit = LogCostOf(kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3);
-  return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < limit;
+  const auto earned_ns = static_cast<int64_t>(kCostsPerCooldown * switch_cost_s_ * 1e9);
+  return std::min(std::max(least_ns, earned_ns), options_.cooldown_ns);
 }
 
 bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
@@ -157,66 +157,92 @@ bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
          Seconds(now_ns) - Seconds(*last_shadow_ns_) <= Seconds(options_.cooldown_ns);
 }
 
-// Whether the arm may be switched to as far as what is known of it goes.
+// Whether enough is known of the arm, or nobody will tell more.
 bool AdaptivePolicy::IsOpen(uint32_t arm, int64_t now_ns) const {
   if (observed_[arm] || has_prior_[arm]) return true;
-  return !LaneReports(now_ns) && window_count_ >= 2;
+  return !LaneReports(now_ns) && window_count_ >= kPatienceWindows;
+}
+
+bool AdaptivePolicy::IsSafe(uint32_t arm) const {
+  const NormalBelief cost = filter_.LogCost(arm);
+  const double limit_us = kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3;
+  return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
+}
+
+// How long what is known of a difference stays true.
+double AdaptivePolicy::Horizon(const NormalBelief& difference) const {
+  const double most_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
+  if (!levers_.drift_horizon) return most_s;
+  const double intervals =
+      kHorizonShare * (Square(difference.mean) + difference.variance) / filter_.drift();
+  return std::min(most_s, intervals * Seconds(options_.decision_interval_ns));
 }
 
 AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t candidate) const {
   const NormalBelief difference = filter_.Difference(active, candidate);
   const double deviation = std::sqrt(difference.variance);
-  Assessment result;
+  Assessment result{.arm = candidate};
   GateTerms& terms = result.terms;
   terms.gain = ExpectedGain(difference.mean, deviation);
   terms.loss = ExpectedGain(-difference.mean, deviation);
-  if (has_prior_[candidate] && !observed_[candidate]) {
+  terms.horizon_s = Horizon(difference);
+  if (!observed_[candidate]) {
+    // What it may be worth if nothing that is believed of it is true.
     const double flat = ExpectedGain(0, kUnknownDeviation);
-    terms.gain += kFlatShare * (flat - terms.gain);
-    terms.loss += kFlatShare * (flat - terms.loss);
+    const double share = has_prior_[candidate] ? kFlatShare : 1;
+    terms.gain += share * (flat - terms.gain);
+    terms.loss += share * (flat - terms.loss);
+    terms.horizon_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
   }
-  terms.horizon_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
-  terms.cooldown_s = Seconds(*cooldown_ns());
+  terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
   terms.cost_s = switch_cost_s_ / detection_share_;
-  result.worth = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
+  result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
+  if (!levers_.gate) result.worth_s = terms.gain - terms.loss;
   return result;
 }
 
-uint32_t AdaptivePolicy::Leader() const {
+std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(uint32_t active,
+                                                                     int64_t now_ns) const {
+  std::optional<Assessment> best;
+  for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
+    if (arm == active || !IsOpen(arm, now_ns) || !IsSafe(arm)) continue;
+    const Assessment assessment = Assess(active, arm);
+    if (!best || assessment.worth_s > best->worth_s) best = assessment;
+  }
+  return best;
+}
+
+Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
+  Choice choice;
+  choice.candidate = input.active_arm;
+  const std::optional<Assessment> best = BestSwitch(input.active_arm, input.now_ns);
+  if (!best) return choice;
+  choice.gate = best->terms;
+  const bool worthwhile = best->worth_s > 0;
+  // The one that is not worth it is a candidate only where it is better at all.
+  if (worthwhile || best->terms.gain > best->terms.loss) choice.candidate = best->arm;
+  if (!worthwhile) choice.hold = Outcome::kHeldGate;
+  if (worthwhile && levers_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
+  return choice;
+}
+
+Diagnosis AdaptivePolicy::Diagnose() const {
+  std::vector<double> means;
+  std::vector<double> covariance;
+  for (uint32_t a = 0; a < filter_.arm_count(); ++a) {
+    means.push_back(filter_.LogCost(a).mean);
+    for (uint32_t b = 0; b < filter_.arm_count(); ++b)
+      covariance.push_back(filter_.Covariance(a, b));
+  }
+  return DiagnoseCorrelatedLogCosts(means, covariance);
+}
+
+void AdaptivePolicy::ShowBeliefs() {
   uint32_t leader = 0;
   for (uint32_t arm = 1; arm < filter_.arm_count(); ++arm) {
     if (filter_.LogCost(arm).mean < filter_.LogCost(leader).mean) leader = arm;
   }
-  return leader;
-}
-
-Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
-  const uint32_t active = input.active_arm;
-  Choice choice;
-  choice.candidate = active;
-  double best_worth = -std::numeric_limits<double>::infinity();
-  for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
-    if (arm == active || !IsOpen(arm, input.now_ns) || !IsSafe(arm)) continue;
-    const Assessment assessment = Assess(active, arm);
-    if (assessment.worth <= best_worth) continue;
-    best_worth = assessment.worth;
-    choice.candidate = arm;
-    choice.gate = assessment.terms;
-  }
-  if (choice.candidate == active) return choice;
-  if (best_worth <= 0) {
-    choice.hold = Outcome::kHeldGate;
-    if (filter_.Difference(active, choice.candidate).mean <= 0) choice.candidate = active;
-  } else if (choice.gate->gain < kTie) {
-    choice.hold = Outcome::kHeldTie;
-  }
-  return choice;
-}
-
-// Beta distributions whose means are the arms', and whose differences to the leader are as
-// uncertain as the filter's.
-void AdaptivePolicy::ShowBeliefs() {
-  const uint32_t leader = Leader();
+  // The leader's share of a difference's variance: half of the least.
   double least = Square(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
     if (arm != leader) least = std::min(least, filter_.Difference(arm, leader).variance);

@@ -37,14 +37,24 @@ struct Entry {
 // The one called "default" is an entry as well, under its own name.
 constexpr std::string_view kDefaultPolicy = "paper";
 
+constexpr PolicyKind kAdaptive = {.name = "adaptive",
+                                  .reward_version = 2,
+                                  .explores = false,
+                                  .starts_from_priors = true,
+                                  .uses_shadow = true};
+
+template <AdaptiveLevers kLevers>
+constexpr Entry Without(std::string_view name) {
+  PolicyKind kind = kAdaptive;
+  kind.name = name;
+  kind.uses_shadow = kLevers.shadow;
+  return {kind, [](const PolicySetup& setup) -> std::unique_ptr<Policy> {
+            return std::make_unique<AdaptivePolicy>(setup, kLevers);
+          }};
+}
+
 constexpr std::array kEntries = {
-    Entry{{.name = "calibrated", .reward_version = 2}, Make<CalibratedPolicy>},
-    Entry{{.name = "adaptive",
-           .reward_version = 2,
-           .explores = false,
-           .starts_from_priors = true,
-           .uses_shadow = true},
-          Make<AdaptivePolicy>},
+    Entry{kAdaptive, Make<AdaptivePolicy>},
     Entry{{.name = "paper"}, Make<ThompsonPolicy>},
     Entry{{.name = "paper-one-draw"}, Make<OneDrawPolicy>},
     Entry{{.name = "random", .explores = false}, Make<RandomPolicy>},
@@ -53,6 +63,14 @@ constexpr std::array kEntries = {
     Entry{{.name = "epsilon-greedy"}, Make<EpsilonGreedyPolicy>},
     Entry{{.name = "discounted-ts"}, Make<DiscountedPolicy>},
     Entry{{.name = "lin-ts"}, Make<LinTsPolicy>},
+    Entry{{.name = "calibrated", .reward_version = 2}, Make<CalibratedPolicy>},
+    // What each part of `adaptive` is worth (`sweepstake replay`).
+    Without<AdaptiveLevers{.shadow = false}>("adaptive-without-shadow"),
+    Without<AdaptiveLevers{.filter = {.calibration = false}}>("adaptive-without-calibration"),
+    Without<AdaptiveLevers{.filter = {.common_mode = false}}>("adaptive-without-common-mode"),
+    Without<AdaptiveLevers{.gate = false}>("adaptive-without-gate"),
+    Without<AdaptiveLevers{.drift_horizon = false}>("adaptive-without-drift-horizon"),
+    Without<AdaptiveLevers{.short_cooldown = false}>("adaptive-without-short-cooldown"),
 };
 
 constexpr auto kNames = [] {
