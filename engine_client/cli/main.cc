@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "engine_client/cli/audit_command.h"
 #include "engine_client/cli/bench_command.h"
 #include "engine_client/cli/check_command.h"
 #include "engine_client/cli/command_line.h"
@@ -71,6 +72,7 @@ int Run(int argc, char** argv) {
   int exit_code = kDone;
   AddRunCommand(app, terminal, exit_code);
   AddCheckCommand(app, terminal, exit_code);
+  AddAuditCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddExperimentCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddPairsCommand(app, terminal, exit_code);

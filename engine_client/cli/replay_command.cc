@@ -1,6 +1,8 @@
 #include "engine_client/cli/replay_command.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <thread>
@@ -11,6 +13,7 @@
 #include "engine_client/cli/replay_goals.h"
 #include "engine_client/cli/replay_goals_output.h"
 #include "engine_client/cli/replay_judgement.h"
+#include "engine_client/cli/replay_log.h"
 #include "engine_client/cli/replay_output.h"
 #include "engine_client/cli/replay_study.h"
 
@@ -21,6 +24,7 @@ struct ReplayCommandOptions {
   std::vector<std::string> costs;
   std::string goals_file;
   std::string trace_folder;
+  std::string log_file;
   std::vector<std::string> policies = {"default", "paper"};
   uint32_t seed_count = 30;
   std::string run = "15m";
@@ -212,10 +216,14 @@ int ReplayGoals(const ReplayCommandOptions& options, Terminal& terminal) {
 }
 
 int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
-  if (options.costs.empty() == options.goals_file.empty()) {
+  const bool given[] = {!options.costs.empty(), !options.goals_file.empty(),
+                        !options.log_file.empty()};
+  if (std::count(std::begin(given), std::end(given), true) != 1) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 "give --costs FILE.costs, or --goals SCENES.txt --traces FOLDER"));
+                                 "give --costs FILE.costs, --goals SCENES.txt --traces FOLDER, or "
+                                 "--log FILE.csv"));
   }
+  if (!options.log_file.empty()) return ReplayLog(options.log_file, options.json, terminal);
   return options.costs.empty() ? ReplayGoals(options, terminal) : ReplayTraces(options, terminal);
 }
 
@@ -234,6 +242,8 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       command.add_option("--traces", options.trace_folder, "Folder with the traces of --goals")
           ->needs(goals);
   goals->needs(traces);
+  command.add_option("--log", options.log_file,
+                     "Derive every decision of this audit log again, and compare");
   command
       .add_option("--policy", options.policies, "Policies; fixed for every arm, fixed:ARM, oracle")
       ->delimiter(',')
@@ -270,11 +280,13 @@ void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   std::string policies;
   for (const std::string_view name : decision::PolicyNames()) policies.append(" ").append(name);
   AddCommand<ReplayCommandOptions>(
-      app, "replay", "Let policies play recorded cost traces in virtual time",
+      app, "replay",
+      "Let policies play recorded cost traces in virtual time, or decisions be derived again",
       "  sweepstake replay --costs hurricane.costs --policy default,paper,fixed --seeds 200\n"
       "  sweepstake replay --costs a.costs,b.costs --policy default,oracle --priors wrong --json\n"
       "  sweepstake replay --costs a.costs --policy fixed:SAP,default --pass 3m --csv games.csv\n"
       "  sweepstake replay --goals tests/bench/held_out_scenes.txt --traces build/traces\n"
+      "  sweepstake replay --log decisions.csv\n"
       "Policies:" +
           policies +
           "\nRegret is frame time against the best fixed arm's on the same frames; negative is "

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "engine_client/cli/decision_log.h"
 #include "engine_client/cli/duration.h"
 #include "engine_client/cli/frame_log.h"
 #include "engine_client/cli/game_run.h"
@@ -46,8 +47,9 @@ std::string SceneKey(const RunOptions& options, size_t object_count) {
          std::to_string(object_count);
 }
 
+// `decisions` gets every decision that is taken in this process; null: nobody does.
 Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
-                                             const std::string& scene_key) {
+                                             const std::string& scene_key, DecisionLog* decisions) {
   SessionOptions session;
   session.project = options.project;
   session.scene = scene_key;
@@ -66,19 +68,43 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   embedded.seed = options.scene.seed;
   embedded.time_scale = options.time_scale;
   embedded.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
+  if (decisions != nullptr) {
+    embedded.on_audit_row = [decisions](std::string_view row) { decisions->WriteLine(row); };
+  }
   return MakeEmbeddedSession(embedded, session);
 }
 
-// frames.csv in `folder`, which is made; null where none is asked for.
-Result<std::unique_ptr<FrameLog>> MakeFrameLog(const std::string& folder) {
-  if (folder.empty()) return std::unique_ptr<FrameLog>();
+// What --csv writes while the run goes on; null where it is not asked for.
+struct RunLogs {
+  std::unique_ptr<FrameLog> frames;
+  std::unique_ptr<DecisionLog> decisions;  // of an embedded run: a daemon keeps its own
+
+  Status Commit() {
+    if (frames == nullptr) return {};
+    Status status = frames->Commit();
+    return status.ok() && decisions != nullptr ? decisions->Commit() : status;
+  }
+};
+
+// frames.csv and decisions.csv in the folder of --csv, which is made.
+Result<RunLogs> MakeLogs(const RunOptions& options) {
+  RunLogs logs;
+  if (options.csv.empty()) return logs;
+  const std::filesystem::path folder = options.csv;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
     return Status(StatusCode::kInvalidArgument,
-                  folder + " cannot be made a folder: " + error.message());
+                  options.csv + " cannot be made a folder: " + error.message());
   }
-  return FrameLog::Create(std::filesystem::path(folder) / "frames.csv");
+  auto frames = FrameLog::Create(folder / "frames.csv");
+  if (!frames.ok()) return frames.status();
+  logs.frames = std::move(*frames);
+  if (!options.embedded) return logs;
+  auto decisions = DecisionLog::Create(folder / "decisions.csv");
+  if (!decisions.ok()) return decisions.status();
+  logs.decisions = std::move(*decisions);
+  return logs;
 }
 
 ShadowMode ToShadowMode(const std::string& word) {
@@ -189,14 +215,14 @@ class Player {
 };
 
 int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
-           const SessionStats& stats, FrameLog* log, Terminal& terminal) {
+           const SessionStats& stats, RunLogs& logs, Terminal& terminal) {
   if (options.json) {
     PrintJson(RunReportJson(setup, run, stats), terminal.out);
   } else {
     PrintRunReport(setup, run, stats, terminal.out);
   }
-  if (log != nullptr) {
-    Status status = log->Commit();
+  if (!options.csv.empty()) {
+    Status status = logs.Commit();
     if (status.ok()) status = WriteRunReportCsv(run, stats, options.csv);
     if (!status.ok()) return Fail(terminal, status);
   }
@@ -232,7 +258,10 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!options.ignore_priors) setup.priors_file = options.priors;
   setup.priors_key =
       "project " + options.project + ", scene " + scene_key + ", machines " + options.machine_class;
-  auto session = MakeSession(options, scene_key);
+  // The session must not outlive what it writes to.
+  auto logs = MakeLogs(options);
+  if (!logs.ok()) return Fail(terminal, logs.status());
+  auto session = MakeSession(options, scene_key, logs->decisions.get());
   if (!session.ok()) return Fail(terminal, session.status());
   AdaptiveOptions adaptive;
   adaptive.initial_arm = options.arm;
@@ -240,12 +269,10 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   adaptive.shadow = ScaledShadow(ToShadowMode(options.shadow), options.time_scale);
   auto run = GameRun::Create(adaptive, **scene, (*session)->sink());
   if (!run.ok()) return Fail(terminal, run.status());
-  auto log = MakeFrameLog(options.csv);
-  if (!log.ok()) return Fail(terminal, log.status());
   const Status started = (*session)->Start((*run)->adaptive());
   if (!started.ok()) return Fail(terminal, started);
   InstallStopSignal();
-  Player player(setup, **run, **session, log->get(), terminal, *duration_ns, options.json);
+  Player player(setup, **run, **session, logs->frames.get(), terminal, *duration_ns, options.json);
   player.Play();
   (*session)->Stop(kStopDeadlineMs);
   player.End();
@@ -254,7 +281,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
                                  "the daemon at " + options.daemon +
                                      " refuses the session: " + player.refusal()));
   }
-  return Report(options, setup, **run, (*session)->stats(), log->get(), terminal);
+  return Report(options, setup, **run, (*session)->stats(), *logs, terminal);
 }
 
 void Declare(CLI::App& command, RunOptions& options) {
@@ -291,7 +318,9 @@ void Declare(CLI::App& command, RunOptions& options) {
                   "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  command.add_option("--csv", options.csv, "Folder for frames.csv, switches.csv, posteriors.csv");
+  command.add_option(
+      "--csv", options.csv,
+      "Folder for frames.csv, switches.csv, posteriors.csv and, embedded, decisions.csv");
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 

@@ -101,9 +101,20 @@ decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const
   return setup;
 }
 
+decision::AuditOrigin OriginOf(const EmbeddedOptions& options, std::span<const uint32_t> versions) {
+  return {.session_id = "embedded",
+          .segment = 1,
+          .project = options.project,
+          .scene = options.scene,
+          .machine_class = options.machine_class,
+          .program_version = SWEEPSTAKE_VERSION,
+          .backend_versions = {versions.begin(), versions.end()},
+          .unix_start_ms = 0};
+}
+
 }  // namespace
 
-class EmbeddedDecider::Impl {
+class EmbeddedDecider::Impl : private decision::AuditSink {
  public:
   using OnDecision = std::function<void(const decision::Decision&)>;
 
@@ -111,6 +122,12 @@ class EmbeddedDecider::Impl {
       : session_(std::move(setup)),
         prior_source_count_(prior_source_count),
         on_decision_(std::move(on_decision)) {}
+
+  void StartAudit(std::function<void(std::string_view)> on_audit_row,
+                  decision::AuditOrigin origin) {
+    on_audit_row_ = std::move(on_audit_row);
+    session_.StartAudit(*this, std::move(origin));
+  }
 
   void Observe(std::span<const FrameSample> frames, int64_t now_ns);
   void Observe(const SwitchOutcome& outcome, int64_t now_ns);
@@ -125,11 +142,13 @@ class EmbeddedDecider::Impl {
  private:
   void Fold();
   void Follow(const decision::Decision& decision);
+  void OnAuditRow(std::string_view row) override { on_audit_row_(row); }
 
   decision::DecisionSession session_;
   const uint64_t prior_source_count_;
   const OnDecision on_decision_;
-  uint32_t latest_epoch_ = 0;         // of all frames
+  std::function<void(std::string_view)> on_audit_row_;  // null: no log
+  uint32_t latest_epoch_ = 0;                           // of all frames
   std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
   std::optional<decision::SwitchCommand> pending_command_;
 };
@@ -215,6 +234,7 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
     return Status(StatusCode::kInvalidArgument, *complaint);
   }
   auto impl = std::make_unique<Impl>(std::move(setup), priors.sources.size(), options.on_decision);
+  if (options.on_audit_row) impl->StartAudit(options.on_audit_row, OriginOf(options, arm_versions));
   return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "server/decision/audit_log.h"
 #include "server/storage/sqlite_prior_store.h"
 
 namespace sweepstake::test_support {
@@ -22,6 +23,20 @@ priors::SourceState ReadSource(const std::filesystem::path& data, const std::str
   if (!source.ok()) Die(source.status().ToString());
   if (!source->has_value()) Die("The store does not know session " + source_id);
   return **source;
+}
+
+std::string ReadAuditLog(const std::filesystem::path& data) {
+  auto store = storage::OpenSqlitePriorStore(data / "priors.db");
+  if (!store.ok()) Die(store.status().ToString());
+  std::string csv = decision::AuditHeader() + "\n";
+  const auto segments = (*store)->ListAudit({}, 0, 1000);
+  if (!segments.ok()) Die(segments.status().ToString());
+  for (const priors::AuditSegment& segment : *segments) {
+    const auto rows = (*store)->LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
+    if (!rows.ok()) Die(rows.status().ToString());
+    for (const std::string& row : *rows) csv += row + "\n";
+  }
+  return csv;
 }
 
 priors::Evidence TotalEvidence(const priors::SourceState& source) {

@@ -12,6 +12,9 @@ namespace sweepstake::test_support {
 // be read or is not there.
 priors::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id);
 
+// The audit log of all sessions in the store, as CSV.
+std::string ReadAuditLog(const std::filesystem::path& data);
+
 // Evidence of a source, summed over arms.
 priors::Evidence TotalEvidence(const priors::SourceState& source);
 

@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sweepstake/frame_sample.h"
@@ -36,6 +37,9 @@ struct EmbeddedOptions {
   Mode mode = Mode::kAi;
   // Is told every decision as it is made, on the thread that drives the decider; must not call it.
   std::function<void(const decision::Decision&)> on_decision = nullptr;
+  // Gets every row of the audit log, as on_decision: a line of CSV without its end; the header is
+  // decision::AuditHeader() (server/decision/audit_log.h). Null: none is made.
+  std::function<void(std::string_view row)> on_audit_row = nullptr;
 };
 
 // A posterior of an arm's reward.

@@ -39,7 +39,8 @@ ProgramRun Learn(const DaemonProcess& daemon) {
 }
 
 TEST(DaemonProgram, CommandsEndWithThreeWhenNobodyAnswers) {
-  for (const std::string command : {"watch", "priors list", "priors export --out never.json"}) {
+  for (const std::string command : {"watch", "priors list", "priors export --out never.json",
+                                    "audit list", "audit export --out never.json"}) {
     const ProgramRun run = RunProgram(command + " --daemon " + kNobody);
     EXPECT_EQ(run.exit_code, 3) << command;
     EXPECT_THAT(run.err, HasSubstr("no daemon answered at 127.0.0.1:1")) << command;
@@ -56,6 +57,11 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
       {"watch", "--daemon"},
       {"watch --daemon nowhere", "nowhere"},
       {"priors", "the commands of priors are list, export, import"},
+      {"audit", "the commands of audit are list, export"},
+      {"audit export --daemon 127.0.0.1:1", "--out"},
+      {"audit export --daemon 127.0.0.1:1 --out no-such-folder/a.csv", "no-such-folder"},
+      {"replay --log no-such.csv", "no-such.csv cannot be read"},
+      {"replay --log a.csv --costs a.costs", "--log FILE.csv"},
       {"priors import --daemon 127.0.0.1:1 --in no-such.json", "no-such.json"},
   };
   for (const auto& [arguments, said] : cases) {
@@ -139,6 +145,38 @@ TEST(DaemonProgram, PriorsGoFromOneDaemonToAnotherAndIntoAGame) {
       file);
   ASSERT_EQ(game.exit_code, 0) << game.err;
   EXPECT_EQ(json::parse(game.out)["prior_sources"], 1);
+}
+
+TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  const ProgramRun game = Learn(daemon);
+  ASSERT_EQ(game.exit_code, 0) << game.err;
+  const ProgramRun listed = RunProgram("audit list --json --daemon " + daemon.address());
+  ASSERT_EQ(listed.exit_code, 0) << listed.err;
+  const json segments = json::parse(listed.out)["segments"];
+  ASSERT_EQ(segments.size(), 1U);
+  EXPECT_EQ(segments[0]["session_id"], json::parse(game.out)["session_id"]);
+  EXPECT_EQ(segments[0]["project"], "p");
+  EXPECT_THAT(RunProgram("audit list --scene s --daemon " + daemon.address()).out,
+              HasSubstr(segments[0]["session_id"].get<std::string>()));
+
+  const std::string file = (data.path() / "decisions.csv").string();
+  const ProgramRun exported =
+      RunProgram("audit export --project p --out " + file + " --daemon " + daemon.address());
+  ASSERT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_EQ(exported.out, file + ": " + segments[0]["rows"].dump() + " rows\n");
+  const ProgramRun replayed = RunProgram("replay --log " + file);
+  EXPECT_EQ(replayed.exit_code, 0);
+  EXPECT_THAT(replayed.out, HasSubstr("in 1 segment re-derived, all equal"));
+
+  std::ofstream(file, std::ios::app) << "one more line\n";
+  const ProgramRun edited = RunProgram("replay --log " + file);
+  EXPECT_EQ(edited.exit_code, 1);
+  EXPECT_THAT(edited.out, HasSubstr("is it cut off?"));
+  const ProgramRun as_json = RunProgram("replay --json --log " + file);
+  EXPECT_EQ(as_json.exit_code, 1);
+  EXPECT_EQ(json::parse(as_json.out)["equal"], false);
 }
 
 }  // namespace

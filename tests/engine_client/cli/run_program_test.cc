@@ -99,7 +99,7 @@ TEST(RunProgram, ManualModeStaysOnItsArm) {
   EXPECT_EQ(document["switches"].size(), 0U);
 }
 
-TEST(RunProgram, WritesThreeCsvFiles) {
+TEST(RunProgram, WritesFourCsvFiles) {
   const std::filesystem::path folder = TemporaryPath("csv");
   const ProgramRun run =
       RunProgram(std::string(kSmallRun) + "--time-scale 1000 --json --csv " + folder.string());
@@ -109,7 +109,11 @@ TEST(RunProgram, WritesThreeCsvFiles) {
   EXPECT_EQ(Lines(FileText(folder / "switches.csv")), 1 + document["switches"].size());
   EXPECT_EQ(Lines(FileText(folder / "posteriors.csv")), 1 + document["arms"].size());
   EXPECT_THAT(FileText(folder / "posteriors.csv"), HasSubstr("arm,backend_version,alpha"));
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 3);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 4);
+  const ProgramRun replay =
+      RunProgram("replay --json --log " + (folder / "decisions.csv").string());
+  EXPECT_EQ(replay.exit_code, 0) << replay.out;
+  EXPECT_GT(json::parse(replay.out)["decisions"], 0);
   std::filesystem::remove_all(folder);
 }
 

@@ -1,0 +1,115 @@
+#include "engine_client/cli/audit_command.h"
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/audit_transfer.h"
+#include "engine_client/cli/json_output.h"
+#include "engine_client/cli/text_table.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct AuditOptions {
+  std::string daemon;
+  AuditSelection selection;
+  std::string file;
+  bool json = false;
+};
+
+// "2026-11-20 11:30:00", UTC.
+std::string TimeText(int64_t unix_ms) {
+  const std::time_t seconds = unix_ms / 1000;
+  std::tm parts{};
+  char text[32];
+  if (gmtime_r(&seconds, &parts) == nullptr) return "";
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
+}
+
+void PrintSegments(const std::vector<AuditSegmentRow>& segments, std::ostream& out) {
+  if (segments.empty()) {
+    out << "The daemon has no log of this\n";
+    return;
+  }
+  TextTable table({"session", "segment", "began (UTC)", "project", "scene", "rows"});
+  for (const AuditSegmentRow& row : segments) {
+    table.AddRow({row.session_id, std::to_string(row.segment), TimeText(row.unix_start_ms),
+                  row.project, row.scene, std::to_string(row.row_count)});
+  }
+  table.Print(out);
+}
+
+Json SegmentsJson(const std::vector<AuditSegmentRow>& segments) {
+  Json list = Json::array();
+  for (const AuditSegmentRow& row : segments) {
+    list.push_back({{"session_id", row.session_id},
+                    {"segment", row.segment},
+                    {"project", row.project},
+                    {"scene", row.scene},
+                    {"unix_start_ms", row.unix_start_ms},
+                    {"rows", row.row_count}});
+  }
+  return list;
+}
+
+int RunList(const AuditOptions& options, Terminal& terminal) {
+  const auto segments = ListAudit(options.daemon, options.selection);
+  if (!segments.ok()) return Fail(terminal, segments.status());
+  if (options.json) {
+    PrintJson(Json{{"command", "audit list"}, {"segments", SegmentsJson(*segments)}}, terminal.out);
+  } else {
+    PrintSegments(*segments, terminal.out);
+  }
+  return kDone;
+}
+
+int RunExport(const AuditOptions& options, Terminal& terminal) {
+  const auto row_count = ExportAudit(options.daemon, options.selection, options.file);
+  if (!row_count.ok()) return Fail(terminal, row_count.status());
+  if (options.json) {
+    PrintJson(Json{{"command", "audit export"}, {"file", options.file}, {"rows", *row_count}},
+              terminal.out);
+  } else {
+    terminal.out << options.file << ": " << *row_count << " rows\n";
+  }
+  return kDone;
+}
+
+void Declare(CLI::App& command, AuditOptions& options) {
+  command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT")->required();
+  command.add_option("--session", options.selection.session_id, "Only this session");
+  command.add_option("--project", options.selection.project, "Only this project");
+  command.add_option("--scene", options.selection.scene, "Only this scene");
+  command.add_flag("--json", options.json, "One JSON document on stdout");
+}
+
+}  // namespace
+
+void AddAuditCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  CLI::App* audit = app.add_subcommand("audit", "List and export a daemon's log of decisions");
+  audit->require_subcommand(1);
+  audit->footer(
+      "Examples:\n"
+      "  sweepstake audit list --daemon 127.0.0.1:7433\n"
+      "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
+      "  sweepstake replay --log decisions.csv");
+  AddCommand<AuditOptions>(
+      *audit, "list", "Show which sessions' decisions there are",
+      "  sweepstake audit list --daemon 127.0.0.1:7433 --scene hurricane-3000\n", exit_code,
+      Declare, [&terminal](const AuditOptions& options) { return RunList(options, terminal); });
+  AddCommand<AuditOptions>(
+      *audit, "export", "Write the decisions as CSV, to read and to derive again",
+      "  sweepstake audit export --daemon 127.0.0.1:7433 --out decisions.csv\n"
+      "  sweepstake audit export --daemon 127.0.0.1:7433 --session ID --out one.csv\n"
+      "  sweepstake replay --log decisions.csv\n",
+      exit_code,
+      [](CLI::App& command, AuditOptions& options) {
+        Declare(command, options);
+        command.add_option("--out", options.file, "File to write")->required();
+      },
+      [&terminal](const AuditOptions& options) { return RunExport(options, terminal); });
+}
+
+}  // namespace sweepstake::cli
