@@ -42,7 +42,7 @@ std::vector<double> FixedCosts::TotalsFrom(uint32_t first_frame) const {
 
 // What the frames after a switch to `arm` take beyond what they take on a running one.
 double FixedCosts::SwitchNs(uint32_t game_frame, uint32_t arm, bool warm) const {
-  const auto slowdown = scene_.fresh_arm(order_[game_frame], arm).slowdown;
+  const auto slowdown = scene_.slowdown(order_[game_frame], arm);
   double extra_ns = 0;
   if (warm) {
     extra_ns = scene_.detection_ns(order_[game_frame], arm) * (slowdown.back() - 1);

@@ -42,20 +42,29 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
     next_event_ns_ = static_cast<int64_t>(schedule_.next_sweep_ns());
     return;
   }
-  const auto frames = scene_.fresh_arm(sweep_.trace_frame, *arm).detection_ns;
-  visit_ = SummarizeVisit(frames.first(std::min<size_t>(frames.size(), kShadowBurstFrames)),
-                          schedule_.options().visit_cap_ns);
+  visit_ = SummarizeVisit(FreshFrames(sweep_.trace_frame, *arm), schedule_.options().visit_cap_ns);
   visit_->arm = *arm;
   visit_->native_bytes = scene_.native_bytes(sweep_.trace_frame, *arm);
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
 }
 
+// What a structure of `arm` takes that is built on this frame, in as many frames as a visit has.
+std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t arm) {
+  fresh_ns_.clear();
+  for (const double slowdown : scene_.slowdown(trace_frame, arm)) {
+    if (fresh_ns_.size() == kShadowBurstFrames) break;
+    fresh_ns_.push_back(static_cast<uint64_t>(scene_.detection_ns(trace_frame, arm) * slowdown));
+    trace_frame = trace_frame + 1 < scene_.trace_frame_count() ? trace_frame + 1 : 0;
+  }
+  return fresh_ns_;
+}
+
 int64_t ReplayLane::WarmUp(uint32_t arm, const Place& place) {
-  const auto frames = scene_.fresh_arm(place.trace_frame, arm).detection_ns;
+  const auto frames = FreshFrames(place.trace_frame, arm);
   const auto frame_ns = static_cast<int64_t>(scene_.options().frame_ns);
+  const size_t count = std::min<size_t>(frames.size(), 1 + kShadowWarmUpFrames);
   int64_t ready_ns = place.now_ns;
-  for (const uint64_t ns :
-       frames.first(1 + std::min<size_t>(frames.size() - 1, kShadowWarmUpFrames))) {
+  for (const uint64_t ns : frames.first(count)) {
     ready_ns += std::max(static_cast<int64_t>(ns), frame_ns);
   }
   schedule_.Spend(static_cast<uint64_t>(ready_ns - place.now_ns));

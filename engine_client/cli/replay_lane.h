@@ -1,12 +1,15 @@
 // The shadow lane of a replayed game: one worker that visits the arms in the order of the real
 // lane's schedule (shadow_schedule.h), in virtual time, and warms the next arm up.
 //
-// What a visit takes and measures is what the trace's nearest burst took. Deterministic; not
-// thread-safe. Borrows the scene. Nanoseconds of virtual time.
+// What a visit takes and measures is what running structures take in the frames of its sweep, times
+// what the trace's nearest burst says a fresh structure takes of that: where in the scene the game
+// is stays exact between bursts. Deterministic; not thread-safe. Borrows the scene. Nanoseconds of
+// virtual time.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "engine_client/adaptive/shadow_schedule.h"
@@ -41,6 +44,7 @@ class ReplayLane {
 
  private:
   void BeginVisit(int64_t start_ns);
+  std::span<const uint64_t> FreshFrames(uint32_t trace_frame, uint32_t arm);
 
   const ReplayScene& scene_;
   ShadowSchedule schedule_;
@@ -48,6 +52,7 @@ class ReplayLane {
   // The sweep under way; its visits see the frames of its beginning.
   Place sweep_;
   std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent: between sweeps
+  std::vector<uint64_t> fresh_ns_;    // of FreshFrames
   uint64_t visit_count_ = 0;
   uint64_t busy_ns_ = 0;
 };

@@ -121,7 +121,7 @@ void Game::ExecuteSwitch() {
   const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
   arm_ = pending.command.arm;
   ++epoch_;
-  slowdown_ = scene_.fresh_arm(trace_frame_, arm_).slowdown;
+  slowdown_ = scene_.slowdown(trace_frame_, arm_);
   if (pending.warm) slowdown_ = slowdown_.last(1);
   next_frame_flags_ = pending.warm ? 0 : uint32_t{decision::kFrameRebuild};
   const auto unsettled = meter_.Begin({.command_id = pending.command.command_id,

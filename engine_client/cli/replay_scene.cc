@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/statistics.h"
 
 namespace sweepstake::cli {
@@ -65,15 +66,35 @@ double ControlRegret(const CostTrace& trace, double twin_mean_ns) {
   return sum_ns / static_cast<double>(trace.frame_count) / twin_mean_ns - 1;
 }
 
-// The running structure's detection of `arm` in the frames of a burst: the median, since a
-// disturbance of one frame would turn the burst's whole profile around.
-double RunningNs(const CostTrace& trace, const TraceBurst& burst, uint32_t arm) {
-  const uint32_t end = std::min(burst.first_frame + trace.burst_frame_count, trace.frame_count);
+// The median of what a running structure of `arm` takes in frames first … last of the burst.
+double RunningNs(const CostTrace& trace, const TraceBurst& burst, uint32_t arm, uint32_t first,
+                 uint32_t last) {
   std::vector<double> running_ns;
-  for (uint32_t frame = burst.first_frame; frame < end; ++frame) {
+  for (uint32_t k = first; k <= last; ++k) {
+    const uint32_t frame = std::min(burst.first_frame + k, trace.frame_count - 1);
     running_ns.push_back(static_cast<double>(trace.detection(frame, arm)));
   }
-  return std::max(Median(std::move(running_ns)), 1.0);
+  return Median(std::move(running_ns));
+}
+
+// What a fresh structure of `arm` takes in the burst's frames ÷ what the running one takes there.
+// The frames after the warm-up share one ratio of medians, and those before are compared with the
+// median of the frames around them: a disturbed frame would turn its ratio around.
+std::vector<double> SlowdownOf(const CostTrace& trace, const TraceBurst& burst, uint32_t arm) {
+  constexpr uint32_t kUnsettled = 1 + kShadowWarmUpFrames;
+  const uint32_t count = trace.burst_frame_count;
+  const uint64_t* begin = burst.detection_ns.data() + size_t{arm} * count;
+  const std::vector<double> fresh_ns(begin, begin + count);
+  std::vector<double> slowdown;
+  for (uint32_t k = 0; k < std::min(count, kUnsettled); ++k) {
+    const uint32_t last = std::min(k + 1, count - 1);
+    slowdown.push_back(fresh_ns[k] / RunningNs(trace, burst, arm, k > 0 ? k - 1 : 0, last));
+  }
+  if (count <= kUnsettled) return slowdown;
+  const double settled = Median({fresh_ns.begin() + kUnsettled, fresh_ns.end()}) /
+                         RunningNs(trace, burst, arm, kUnsettled, count - 1);
+  slowdown.resize(count, settled);
+  return slowdown;
 }
 
 }  // namespace
@@ -100,21 +121,17 @@ void ReplayScene::TakeFrames(const CostTrace& trace, double scale) {
   aabb_check_count_ = trace.aabb_check_count;
   native_bytes_ = trace.native_bytes;
   object_count_ = trace.object_count;
-  TakeBursts(trace, scale);
+  TakeBursts(trace);
   TakeDescriptors(trace);
 }
 
-void ReplayScene::TakeBursts(const CostTrace& trace, double scale) {
+void ReplayScene::TakeBursts(const CostTrace& trace) {
   burst_frame_count_ = trace.burst_frame_count;
-  for (const TraceBurst& traced : trace.bursts) {
-    Burst& burst = bursts_.emplace_back();
+  for (const TraceBurst& burst : trace.bursts) {
+    std::vector<double>& all = slowdown_.emplace_back();
     for (uint32_t arm = 0; arm < arm_count(); ++arm) {
-      const double running_ns = RunningNs(trace, traced, arm);
-      for (uint32_t k = 0; k < burst_frame_count_; ++k) {
-        const auto ns = static_cast<double>(traced.detection_ns[arm * burst_frame_count_ + k]);
-        burst.detection_ns.push_back(static_cast<uint64_t>(ns * scale));
-        burst.slowdown.push_back(ns / running_ns);
-      }
+      const std::vector<double> slowdown = SlowdownOf(trace, burst, arm);
+      all.insert(all.end(), slowdown.begin(), slowdown.end());
     }
   }
   FindNearestBursts(trace);
@@ -151,41 +168,20 @@ const decision::SceneDescriptor* ReplayScene::descriptor(uint32_t trace_frame) c
   return latest_descriptor_.empty() ? nullptr : &descriptors_[latest_descriptor_[trace_frame]];
 }
 
-ReplayScene::FreshArm ReplayScene::fresh_arm(uint32_t trace_frame, uint32_t arm) const {
-  const Burst& burst = bursts_[nearest_burst_[trace_frame]];
-  const size_t begin = size_t{arm} * burst_frame_count_;
-  return {.detection_ns = std::span(burst.detection_ns).subspan(begin, burst_frame_count_),
-          .slowdown = std::span(burst.slowdown).subspan(begin, burst_frame_count_)};
-}
-
 FrameOrder::FrameOrder(const ReplayScene& scene, uint32_t offset)
     : trace_frame_count_(scene.trace_frame_count()),
-      trace_frames_per_game_frame_(static_cast<double>(scene.trace_frame_count()) /
-                                   (static_cast<double>(scene.options().pass_ns) /
-                                    static_cast<double>(scene.options().run_ns) *
-                                    static_cast<double>(scene.frame_count()))),
-      offset_(offset) {}
+      window_(std::min(ReplayScene::kWindowFrameCount, trace_frame_count_)),
+      trace_frames_per_game_frame_(static_cast<double>(trace_frame_count_) *
+                                   static_cast<double>(scene.options().frame_ns) /
+                                   static_cast<double>(scene.options().pass_ns)),
+      begin_(offset) {}
 
 uint32_t FrameOrder::Next() {
-  if (game_frame_ == clip_end_) BeginClip();
-  ++game_frame_;
-  const uint32_t frame = clip_begin_ + at_;
-  if (++at_ == clip_length_) at_ = 0;
-  return frame;
-}
-
-void FrameOrder::BeginClip() {
-  const double frames = trace_frame_count_;
-  const double position = offset_ + static_cast<double>(game_frame_) * trace_frames_per_game_frame_;
-  const double pass = std::floor(position / frames);
-  const double in_trace = std::clamp(position - pass * frames, 0.0, frames - 1);
-  clip_begin_ =
-      static_cast<uint32_t>(in_trace) / ReplayScene::kClipFrameCount * ReplayScene::kClipFrameCount;
-  clip_length_ = std::min(ReplayScene::kClipFrameCount, trace_frame_count_ - clip_begin_);
-  at_ = 0;
-  const double end_position = pass * frames + clip_begin_ + clip_length_;
-  const double end = std::ceil((end_position - offset_) / trace_frames_per_game_frame_);
-  clip_end_ = std::max(game_frame_ + 1, static_cast<uint64_t>(end));
+  const uint32_t frame = static_cast<uint32_t>(begin_) + in_window_;
+  begin_ += trace_frames_per_game_frame_;
+  while (begin_ >= trace_frame_count_) begin_ -= trace_frame_count_;
+  if (++in_window_ == window_) in_window_ = 0;
+  return frame < trace_frame_count_ ? frame : frame - trace_frame_count_;
 }
 
 uint32_t OffsetOfSeed(const ReplayScene& scene, uint64_t seed) {

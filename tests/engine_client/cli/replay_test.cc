@@ -27,20 +27,27 @@ ReplayScene SceneOf(const SyntheticTrace& trace, const GameOptions& options = {}
 }
 
 // KDTree takes twice as long as AxisSweep, which `thresholds` prefers; a new structure's first
-// frame takes four times as long as a running one's, its last one a tenth longer.
+// frame takes four times as long as a running one's, the five after the warm-up a tenth longer.
 SyntheticTrace TwiceAsSlow() {
-  return {.arms = {"AxisSweep", "KDTree"},
-          .detection_ns = [](uint32_t, uint32_t arm) { return arm == 0 ? 50'000 : 100'000; },
-          .slowdown = [](uint32_t k) { return k == 0   ? 4.0
-                                              : k == 7 ? 1.1
-                                                       : 1.0; }};
+  SyntheticTrace trace;
+  trace.arms = {"AxisSweep", "KDTree"};
+  trace.detection_ns = [](uint32_t, uint32_t arm) { return arm == 0 ? 50'000 : 100'000; };
+  trace.slowdown = [](uint32_t k) {
+    if (k == 0) return 4.0;
+    return k < 3 ? 1.0 : 1.1;
+  };
+  return trace;
 }
 
 // Each arm takes a third of the other's time in one half of the trace.
 SyntheticTrace TwoRegimes() {
-  return {.detection_ns = [](uint32_t frame,
-                             uint32_t arm) { return (frame < 32) == (arm == 0) ? 10 : 30; },
-          .slowdown = [](uint32_t k) { return k == 0 ? 4.0 : 1.0; }};
+  SyntheticTrace trace;
+  trace.frame_count = 6400;
+  trace.detection_ns = [](uint32_t frame, uint32_t arm) {
+    return (frame < 3200) == (arm == 0) ? 10 : 30;
+  };
+  trace.slowdown = [](uint32_t k) { return k == 0 ? 4.0 : 1.0; };
+  return trace;
 }
 
 ReplaySetup SetupOf(const std::string& policy, uint64_t seed) {
@@ -86,27 +93,30 @@ TEST(ReplayScene, TheControlsRegretIsItsExcessOverItsTwin) {
   EXPECT_NEAR(ReplayScene::Create(trace, {})->control_regret(), 0.02, 1e-12);
 }
 
+SyntheticTrace OfFrames(uint32_t frame_count) {
+  SyntheticTrace trace = TwiceAsSlow();
+  trace.frame_count = frame_count;
+  return trace;
+}
+
 TEST(FrameOrder, ShowsEveryTraceFrameEquallyOftenWhereverItStarts) {
-  const ReplayScene scene = SceneOf(TwiceAsSlow(), {.run_ns = 64'000'000'000});
-  for (const uint32_t offset : {0U, 16U, 37U}) {
+  const ReplayScene scene = SceneOf(OfFrames(256), {.run_ns = 256'000'000'000});
+  for (const uint32_t offset : {0U, 16U, 255U}) {
     FrameOrder order(scene, offset);
     std::map<uint32_t, int> shown;
     for (uint32_t frame = 0; frame < scene.frame_count(); ++frame) ++shown[order.Next()];
-    EXPECT_EQ(shown.size(), 64U);
-    for (const auto& [frame, count] : shown) EXPECT_NEAR(count, 100, 7) << frame;
+    EXPECT_EQ(shown.size(), 256U);
+    for (const auto& [frame, count] : shown) EXPECT_NEAR(count, 100, 2) << frame;
   }
 }
 
-TEST(FrameOrder, OnePassAfterAnotherInTheTracesOrder) {
+TEST(FrameOrder, AWindowMovesThroughTheTraceOncePerPass) {
   const ReplayScene scene =
-      SceneOf(TwiceAsSlow(), {.run_ns = 12'800'000'000, .pass_ns = 6'400'000'000});
+      SceneOf(OfFrames(1000), {.run_ns = 20'000'000'000, .pass_ns = 10'000'000'000});
   FrameOrder order(scene, 0);
-  std::vector<uint32_t> clips;
   for (uint32_t frame = 0; frame < scene.frame_count(); ++frame) {
-    const uint32_t clip = order.Next() / ReplayScene::kClipFrameCount;
-    if (clips.empty() || clips.back() != clip) clips.push_back(clip);
+    EXPECT_EQ(order.Next(), (frame + frame % ReplayScene::kWindowFrameCount) % 1000) << frame;
   }
-  EXPECT_EQ(clips, (std::vector<uint32_t>{0, 1, 2, 3, 0, 1, 2, 3}));
 }
 
 TEST(FixedCosts, AddUpToTheRunOnTheBestArm) {
@@ -118,15 +128,46 @@ TEST(FixedCosts, AddUpToTheRunOnTheBestArm) {
   EXPECT_NEAR(costs.TotalsFrom(90'000)[0], 0, 1);
 }
 
-TEST(Oracle, PaysForEachSwitchOnce) {
-  const ReplayScene scene = SceneOf(TwoRegimes());
+// What a sequence of arms, bit by bit, costs with cold switches, each frame of which is paid.
+double CostOf(const ReplayScene& scene, uint64_t seed, uint32_t arms) {
+  FrameOrder order(scene, OffsetOfSeed(scene, seed));
+  std::vector<uint32_t> shown(scene.frame_count());
+  for (uint32_t& frame : shown) frame = order.Next();
+  double cost_ns = 0;
+  for (uint32_t g = 0; g < shown.size(); ++g) {
+    const uint32_t arm = arms >> g & 1;
+    cost_ns += scene.detection_ns(shown[g], arm);
+    if (g == 0 || arm == (arms >> (g - 1) & 1)) continue;
+    const auto slowdown = scene.slowdown(shown[g], arm);
+    for (uint32_t k = 0; k < slowdown.size() && g + k < shown.size(); ++k) {
+      cost_ns += scene.detection_ns(shown[g + k], arm) * (slowdown[k] - 1);
+    }
+  }
+  return cost_ns;
+}
+
+TEST(Oracle, IsTheCheapestOfAllSequencesThatPayForTheirSwitches) {
+  SyntheticTrace trace;
+  trace.frame_count = 12;
+  trace.burst_frame_count = 2;
+  trace.burst_interval = 4;
+  trace.detection_ns = [](uint32_t frame, uint32_t arm) {
+    constexpr uint64_t kNs[3][2] = {{1'000, 3'000}, {1'700, 1'200}, {2'000, 900}};
+    return kNs[frame / 4][arm];
+  };
+  trace.slowdown = [](uint32_t k) { return k == 0 ? 2.5 : 1.0; };
+  const ReplayScene scene = SceneOf(trace, {.run_ns = 120'000'000});
+  double least_ns = 1e18;
+  uint32_t best = 0;
+  for (uint32_t arms = 0; arms < 1U << 12; ++arms) {
+    const double cost_ns = CostOf(scene, 1, arms);
+    if (cost_ns < least_ns) best = arms;
+    least_ns = std::min(least_ns, cost_ns);
+  }
   const auto oracle = FixedCosts(scene, 1).Oracle(10'000'000, /*warm=*/false);
-  // The best fixed arm takes 5 and 15 ms by turns, the oracle always 5, and 15 more per switch.
-  EXPECT_NEAR(oracle.frame_ns, 450e9, 1e9);
-  EXPECT_GE(oracle.switch_count, 1U);
-  EXPECT_NEAR(oracle.regime_ns, oracle.frame_ns + oracle.switch_count * 15 * kMs, 1e3);
-  const auto warm = FixedCosts(scene, 1).Oracle(10'000'000, /*warm=*/true);
-  EXPECT_NEAR(warm.regime_ns, warm.frame_ns, 1e3);
+  EXPECT_NEAR(oracle.regime_ns, least_ns, 1);
+  EXPECT_GT(oracle.switch_count, 0U) << "a sequence of one arm proves nothing: " << best;
+  EXPECT_LT(oracle.frame_ns, oracle.regime_ns);
 }
 
 TEST(Oracle, StaysWhereSwitchingCostsMoreThanItSaves) {
@@ -141,11 +182,11 @@ TEST(Oracle, StaysWhereSwitchingCostsMoreThanItSaves) {
 TEST(Replay, AColdSwitchIsChargedOnce) {
   const ReplayScene scene = SceneOf(TwiceAsSlow());
   // Seed 1 starts on KDTree; the first descriptor comes with frame 256 of 20 ms, the tick after it
-  // at 6 s = 300 frames, and the frame after that builds in 40 ms and ends its burst with 11 ms.
+  // at 6 s = 300 frames, and the frame after that builds in 40 ms; five more take 11 ms.
   ReplaySetup setup = SetupOf("thresholds", 1);
   setup.keep_timeline = true;
   const ReplayResult result = Replay(scene, setup);
-  EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 300 * 10 * kMs + 30 * kMs + 1 * kMs,
+  EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 300 * 10 * kMs + 30 * kMs + 5 * kMs,
               1e6);
   EXPECT_EQ(result.switch_counts[static_cast<size_t>(SwitchReason::kPolicy)], 1U);
   ASSERT_EQ(result.timeline.activations.size(), 1U);
@@ -153,7 +194,7 @@ TEST(Replay, AColdSwitchIsChargedOnce) {
   EXPECT_EQ(result.timeline.activations[0].time_ns, 6'000'000'000);
   EXPECT_EQ(result.first_active_ns[0], 6'000'000'000);
   EXPECT_EQ(result.dominant_arm(), 0U);
-  EXPECT_NEAR(result.active_share(), 1 - 6.0 / 903.031, 1e-4);
+  EXPECT_NEAR(result.active_share(), 1 - 6.0 / 903.035, 1e-4);
 }
 
 TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
@@ -220,7 +261,7 @@ TEST(RunStudy, FixedArmsAndTheOracleHaveTheRegretThatTheTraceSays) {
   EXPECT_NEAR(rows[1].regret_after_start_up, 1, 1e-12);
   EXPECT_NEAR(rows[2].regret_best_fixed, 0, 1e-12);
   // Two of the four seeds start on the slow arm, see AColdSwitchIsChargedOnce.
-  EXPECT_NEAR(rows[3].regret_best_fixed, 3.031 / 900 / 2, 1e-8);
+  EXPECT_NEAR(rows[3].regret_best_fixed, 3.035 / 900 / 2, 1e-8);
   EXPECT_NEAR(rows[3].regret_after_start_up, 0, 1e-9);
   EXPECT_EQ(rows[3].bail_outs, 0.0);
   EXPECT_FALSE(rows[3].headroom_captured);
