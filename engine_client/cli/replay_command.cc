@@ -245,7 +245,8 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--log", options.log_file,
                      "Derive every decision of this audit log again, and compare");
   command
-      .add_option("--policy", options.policies, "Policies; fixed for every arm, fixed:ARM, oracle")
+      .add_option("--policy", options.policies,
+                  "Policies, or all; fixed for every arm, fixed:ARM, oracle")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--seeds", options.seed_count, "Games of each policy on each trace")

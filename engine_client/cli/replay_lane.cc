@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace sweepstake::cli {
+namespace {
+
+// The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
+constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
+
+}  // namespace
 
 ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options)
     : scene_(scene), schedule_(options, scene.arm_count()) {}
@@ -62,7 +68,7 @@ std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t
 int64_t ReplayLane::WarmUp(uint32_t arm, const Place& place) {
   const auto frames = FreshFrames(place.trace_frame, arm);
   const auto frame_ns = static_cast<int64_t>(scene_.options().frame_ns);
-  const size_t count = std::min<size_t>(frames.size(), 1 + kShadowWarmUpFrames);
+  const size_t count = std::min<size_t>(frames.size(), kPreparationFrames);
   int64_t ready_ns = place.now_ns;
   for (const uint64_t ns : frames.first(count)) {
     ready_ns += std::max(static_cast<int64_t>(ns), frame_ns);

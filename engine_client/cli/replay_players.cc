@@ -34,8 +34,8 @@ Status CheckPolicy(const std::string& word) {
   std::vector<std::string> names;
   for (const std::string_view name : decision::PolicyNames()) names.emplace_back(name);
   if (IndexOf(word, names)) return {};
-  return {StatusCode::kInvalidArgument,
-          "there is no policy '" + word + "'; use " + Joined(names) + ", fixed, fixed:ARM, oracle"};
+  return {StatusCode::kInvalidArgument, "there is no policy '" + word + "'; use " + Joined(names) +
+                                            ", all, fixed, fixed:ARM, oracle"};
 }
 
 }  // namespace
@@ -44,7 +44,11 @@ Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> wor
                                                 std::span<const std::string> arms) {
   std::vector<ReplayPlayer> players;
   for (const std::string& word : words) {
-    if (word == "fixed") {
+    if (word == "all") {
+      for (const std::string_view name : decision::PolicyNames()) {
+        if (name != "default") players.push_back({.name = std::string(name)});
+      }
+    } else if (word == "fixed") {
       for (const std::string& arm : arms) players.push_back(*FixedPlayer("fixed:" + arm, arms));
     } else if (word.starts_with("fixed:")) {
       const auto player = FixedPlayer(word, arms);

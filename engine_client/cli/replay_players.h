@@ -17,7 +17,8 @@ struct ReplayPlayer {
   uint32_t arm = 0;  // of kFixed
 };
 
-// `words`: names of policies, `fixed` for every arm, `fixed:ARM`, `oracle`. kInvalidArgument lists
+// `words`: names of policies, `all` for each of them (but `default`, which is one of them), `fixed`
+// for every arm, `fixed:ARM`, `oracle`. kInvalidArgument lists
 // what is valid.
 Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
                                                 std::span<const std::string> arms);

@@ -33,7 +33,7 @@ class TemporaryFile {
 };
 
 TEST(Program, HelpOfEveryCommandEndsWithZeroAndShowsExamples) {
-  for (const std::string command : {"run", "check", "bench", "pairs", "record", "watch"}) {
+  for (const std::string command : {"run", "check", "bench", "pairs", "record", "replay", "watch"}) {
     const ProgramRun run = RunProgram(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command;
     EXPECT_THAT(run.out, HasSubstr("Examples:\n  sweepstake " + command)) << command;

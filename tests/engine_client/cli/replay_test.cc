@@ -202,8 +202,8 @@ TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
   ReplaySetup setup = SetupOf("thresholds", 1);
   setup.shadow_lane = true;
   const ReplayResult result = Replay(scene, setup);
-  // Building takes 40 ms and two frames more 10 ms each: three frames of 20 ms.
-  EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 303 * 10 * kMs + 1 * kMs, 1e6);
+  // Building takes 40 ms, two frames more 10 ms each and one 11 ms: four frames of 20 ms.
+  EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 304 * 10 * kMs + 1 * kMs, 1e6);
 }
 
 TEST(Replay, TheSwitchsCostReachesTheSession) {
@@ -311,11 +311,13 @@ TEST(ReplayPlayers, SayWhatIsValid) {
     return ReplayPlayers(words, arms).status().message();
   };
   EXPECT_THAT(message({"pape"}), HasSubstr("use default, "));
-  EXPECT_THAT(message({"pape"}), HasSubstr("fixed:ARM, oracle"));
+  EXPECT_THAT(message({"pape"}), HasSubstr("all, fixed, fixed:ARM, oracle"));
   EXPECT_THAT(message({"fixed:Octree"}), HasSubstr("their arms are Grid, SAP"));
   const auto players = ReplayPlayers(std::vector<std::string>{"fixed", "oracle", "paper"}, arms);
   ASSERT_EQ(players->size(), 4U);
   EXPECT_EQ((*players)[1].name, "fixed:SAP");
+  EXPECT_EQ(ReplayPlayers(std::vector<std::string>{"all"}, arms)->size(),
+            decision::PolicyNames().size() - 1);
 }
 
 }  // namespace
