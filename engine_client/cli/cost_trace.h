@@ -41,7 +41,7 @@ struct CostTrace {
   std::string machine;  // class of the machine that measured
   std::vector<TracedArm> arms;
   uint32_t frame_count = 0;
-  uint32_t repeat_count = 1;  // runs of the scene; every time is the median over them
+  uint32_t repeat_count = 1;  // runs of the scene; every time is their lower quartile
 
   // Per frame.
   std::vector<uint32_t> object_count;

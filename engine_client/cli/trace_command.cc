@@ -27,7 +27,7 @@ struct TraceCommandOptions {
   std::vector<uint32_t> object_counts{1000};
   uint64_t seed = 1;
   uint32_t frames = 3000;
-  uint32_t repeats = 3;
+  uint32_t repeats = 5;
   std::vector<std::string> arms{"all"};
   std::string out;
   std::vector<std::string> costs;
@@ -77,6 +77,10 @@ Status CheckPlaces(const TraceCommandOptions& options, const std::vector<TraceJo
   if (options.scenes.empty()) return {};
   if (jobs.size() > 1 && options.out.ends_with(".costs")) {
     return Unfit("--out names a folder where there are several traces, one file each");
+  }
+  if (jobs.size() > 1 || !options.out.ends_with(".costs")) {
+    std::error_code told_below;
+    fs::create_directories(options.out, told_below);
   }
   for (const TraceJob& job : jobs) {
     if (const auto file = WholeFile::Create(job.file); !file.ok()) return file.status();
@@ -154,8 +158,8 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
       ->capture_default_str();
   command
       .add_option("--repeats", options.repeats,
-                  "Runs of the scene; the trace holds the medians, which a disturbance of one run "
-                  "does not move")
+                  "Runs of the scene; the trace holds the lower quartiles, which what disturbs "
+                  "the machine does not move")
       ->check(CLI::Range(uint32_t{1}, uint32_t{99}))
       ->capture_default_str();
   command.add_option("--arms", options.arms, "all, or names of backends")

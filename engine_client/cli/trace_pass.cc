@@ -9,7 +9,7 @@
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/cli/arm_pace.h"
 #include "engine_client/cli/frame_block.h"
-#include "engine_client/scene/sequential_random.h"
+#include "engine_client/cli/turn_order.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {
@@ -57,49 +57,6 @@ std::unique_ptr<BroadPhase> MakeArm(const std::string& name) {
   return std::move(*MakeBroadPhase(name));
 }
 
-// The order in which the contestants of a block take turns.
-class TurnOrder {
- public:
-  // `twin` and the last contestant are kept apart.
-  TurnOrder(size_t contestant_count, size_t twin, uint64_t seed)
-      : order_(contestant_count), twin_(twin), random_(seed) {
-    std::iota(order_.begin(), order_.end(), size_t{0});
-  }
-
-  const std::vector<size_t>& Next() {
-    // Two contestants cannot be kept apart; more than that soon are.
-    constexpr int kMostDraws = 64;
-    const size_t last = order_.back();
-    for (int draw = 0; draw < kMostDraws; ++draw) {
-      Shuffle();
-      if (!HasTwinsTogether(last)) break;
-    }
-    return order_;
-  }
-
- private:
-  void Shuffle() {
-    for (size_t left = order_.size(); left > 1; --left) {
-      std::swap(order_[left - 1], order_[random_.Below(left)]);
-    }
-  }
-  bool HasTwinsTogether(size_t before) const {
-    for (const size_t contestant : order_) {
-      if (AreTwins(before, contestant)) return true;
-      before = contestant;
-    }
-    return false;
-  }
-  bool AreTwins(size_t a, size_t b) const {
-    const size_t control = order_.size() - 1;
-    return (a == twin_ && b == control) || (a == control && b == twin_);
-  }
-
-  std::vector<size_t> order_;
-  size_t twin_;
-  SequentialRandom random_;
-};
-
 class TracePass {
  public:
   TracePass(Scene& scene, const TracePlan& plan)
@@ -107,8 +64,10 @@ class TracePass {
         plan_(plan),
         pace_(plan.frame_ns),
         order_(plan.arms.size() + 1, plan.control_arm, plan.order_seed) {
-    for (const std::string& name : plan.arms) structures_.push_back(MakeArm(name));
-    structures_.push_back(MakeArm(plan.arms[plan.control_arm]));
+    structures_.resize(plan.arms.size() + 1);
+    for (const size_t contestant : order_.Next()) {
+      structures_[contestant] = MakeArm(plan.arms[ArmOf(contestant)]);
+    }
     InitTrace();
   }
 
@@ -118,8 +77,9 @@ class TracePass {
       block_.Fill(scene_, plan_.frame_count - done_);
       NoteFrames();
       const std::vector<ArmTurn> turns = Turns();
-      for (const size_t contestant : order_.Next()) {
-        Record(contestant, turns[ArmOf(contestant)], RunTurn(contestant, turns[ArmOf(contestant)]));
+      RunBlock(turns);
+      for (size_t contestant = 0; contestant <= arm_count(); ++contestant) {
+        Record(contestant, turns[ArmOf(contestant)], costs_[contestant]);
       }
       if (block_index_++ % kBlocksPerBurst == 0 && block_.step_count() >= kBurstFrames) {
         RunBurst(turns);
@@ -157,11 +117,12 @@ class TracePass {
   }
 
   void WarmUp() {
-    for (const auto& structure : structures_) bench_.Build(*structure, scene_.aabbs());
-    block_.Fill(scene_, kTraceWarmupFrames);
+    // Where a structure's memory lies is worth up to one percent: another place in every run.
     for (const size_t contestant : order_.Next()) {
-      RunTurn(contestant, pace_.TurnOf(ArmOf(contestant), ObjectCount()));
+      bench_.Build(*structures_[contestant], scene_.aabbs());
     }
+    block_.Fill(scene_, kTraceWarmupFrames);
+    RunBlock(Turns());
   }
 
   // What the block shows, whoever looks at it.
@@ -180,21 +141,24 @@ class TracePass {
     for (size_t arm = 0; arm < arm_count(); ++arm) {
       turns.push_back(pace_.TurnOf(arm, ObjectCount()));
     }
+    turns[plan_.control_arm] = ArmTurn::kEveryFrame;
     return turns;
   }
 
-  // The costs of the block's last frames, as many as the turn measures.
-  std::vector<FrameCost> RunTurn(size_t contestant, ArmTurn turn) {
-    std::vector<FrameCost> costs;
-    if (turn == ArmTurn::kNone) return costs;
-    BroadPhase& structure = *structures_[contestant];
-    const size_t count = block_.step_count();
-    const size_t first = turn == ArmTurn::kEveryFrame || count < 2 ? 0 : count - 2;
-    for (size_t step = first; step < count; ++step) {
-      costs.push_back(bench_.Update(structure, block_.BoxesOf(step)));
+  void RunBlock(const std::vector<ArmTurn>& turns) {
+    costs_.assign(arm_count() + 1, {});
+    for (size_t step = 0; step < block_.step_count(); ++step) {
+      for (const size_t contestant : order_.Next()) {
+        RunFrame(contestant, step, turns[ArmOf(contestant)]);
+      }
     }
-    if (turn == ArmTurn::kLastFrame) costs.erase(costs.begin(), costs.end() - 1);
-    return costs;
+  }
+
+  void RunFrame(size_t contestant, size_t step, ArmTurn turn) {
+    const size_t last = block_.step_count() - 1;
+    if (turn == ArmTurn::kNone || (turn == ArmTurn::kLastFrame && step + 1 < last)) return;
+    const FrameCost cost = bench_.Update(*structures_[contestant], block_.BoxesOf(step));
+    if (turn == ArmTurn::kEveryFrame || step == last) costs_[contestant].push_back(cost);
   }
 
   void Record(size_t contestant, ArmTurn turn, const std::vector<FrameCost>& costs) {
@@ -233,11 +197,14 @@ class TracePass {
   }
 
   void NotePace(size_t arm, ArmTurn turn, const std::vector<FrameCost>& costs) {
-    uint64_t sum = 0;
-    for (const FrameCost& cost : costs) sum += cost.ns;
+    std::vector<uint64_t> times;
+    for (const FrameCost& cost : costs) times.push_back(cost.ns);
+    const uint64_t sum = std::accumulate(times.begin(), times.end(), uint64_t{0});
+    // One frame that the machine disturbed must not make an arm a slow one.
+    const auto middle = times.begin() + static_cast<ptrdiff_t>(times.size() / 2);
+    std::nth_element(times.begin(), middle, times.end());
     // A sparse turn's other frame costs as much, or more.
-    const uint64_t spent = turn == ArmTurn::kLastFrame ? 2 * sum : sum;
-    pace_.Note(arm, turn, ObjectCount(), sum / costs.size(), spent);
+    pace_.Note(arm, turn, ObjectCount(), *middle, turn == ArmTurn::kLastFrame ? 2 * sum : sum);
   }
 
   void CheckPairs(uint32_t frame, size_t arm, uint32_t pair_count) {
@@ -252,27 +219,28 @@ class TracePass {
 
   void RunBurst(const std::vector<ArmTurn>& turns) {
     TraceBurst burst{done_, std::vector<uint64_t>(arm_count() * kBurstFrames)};
-    for (const size_t arm : order_.Next()) {
-      if (arm == arm_count()) continue;
-      const auto times = burst.detection_ns.begin() + static_cast<ptrdiff_t>(arm * kBurstFrames);
-      if (turns[arm] == ArmTurn::kNone) {
-        const auto& before = trace_.bursts.back().detection_ns;
-        std::copy_n(before.begin() + static_cast<ptrdiff_t>(arm * kBurstFrames), kBurstFrames,
-                    times);
-      } else {
-        const uint32_t count = turns[arm] == ArmTurn::kEveryFrame ? kBurstFrames : 2;
-        RunFresh(plan_.arms[arm], count, std::span(&*times, kBurstFrames));
+    std::vector<std::unique_ptr<BroadPhase>> fresh;
+    for (const std::string& name : plan_.arms) fresh.push_back(MakeArm(name));
+    for (size_t k = 0; k < kBurstFrames; ++k) {
+      for (const size_t arm : order_.Next()) {
+        if (arm < arm_count()) {
+          burst.detection_ns[arm * kBurstFrames + k] =
+              BurstFrame(*fresh[arm], arm, k, turns[arm], burst);
+        }
       }
     }
     trace_.bursts.push_back(std::move(burst));
   }
 
-  // Times `count` frames; the last one's time stands for the others.
-  void RunFresh(const std::string& name, uint32_t count, std::span<uint64_t> times) {
-    const auto fresh = MakeArm(name);
-    times[0] = bench_.Build(*fresh, block_.BoxesOf(0)).ns;
-    for (uint32_t k = 1; k < count; ++k) times[k] = bench_.Update(*fresh, block_.BoxesOf(k)).ns;
-    std::fill(times.begin() + count, times.end(), times[count - 1]);
+  // A sparse arm runs two frames, of which the second one's time stands for the others; one that
+  // sits the block out shows the burst before.
+  uint64_t BurstFrame(BroadPhase& fresh, size_t arm, size_t k, ArmTurn turn,
+                      const TraceBurst& burst) {
+    const size_t at = arm * kBurstFrames + k;
+    if (turn == ArmTurn::kNone) return trace_.bursts.back().detection_ns[at];
+    if (turn == ArmTurn::kLastFrame && k > 1) return burst.detection_ns[at - 1];
+    const auto boxes = block_.BoxesOf(k);
+    return (k == 0 ? bench_.Build(fresh, boxes) : bench_.Update(fresh, boxes)).ns;
   }
 
   Scene& scene_;
@@ -282,6 +250,7 @@ class TracePass {
   std::vector<std::unique_ptr<BroadPhase>> structures_;  // of the arms, then the control
   Bench bench_;
   FrameBlock block_;
+  std::vector<std::vector<FrameCost>> costs_;  // by contestant, of the block's measured frames
   DescriptorEstimator estimator_;
   CostTrace trace_;
   uint32_t done_ = 0;  // frames of the blocks before this one

@@ -10,22 +10,22 @@
 namespace sweepstake::cli {
 namespace {
 
-// The middle one, of an even number the lower of the two.
-uint64_t LowMedian(std::vector<uint64_t>& values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+// Of five values the second; of four and fewer the least.
+uint64_t LowerQuartile(std::vector<uint64_t>& values) {
+  const auto quartile = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 4);
+  std::nth_element(values.begin(), quartile, values.end());
+  return *quartile;
 }
 
 // Into the first run's column, which `column` finds in each.
-void TakeMedians(std::vector<CostTrace>& runs,
-                 const std::function<std::vector<uint64_t>&(CostTrace&)>& column) {
+void TakeQuartiles(std::vector<CostTrace>& runs,
+                   const std::function<std::vector<uint64_t>&(CostTrace&)>& column) {
   std::vector<std::vector<uint64_t>*> columns;
   for (CostTrace& run : runs) columns.push_back(&column(run));
   std::vector<uint64_t> values(runs.size());
   for (size_t i = 0; i < columns.front()->size(); ++i) {
     for (size_t run = 0; run < columns.size(); ++run) values[run] = (*columns[run])[i];
-    (*columns.front())[i] = LowMedian(values);
+    (*columns.front())[i] = LowerQuartile(values);
   }
 }
 
@@ -37,14 +37,14 @@ void KeepHeldInAll(std::vector<CostTrace>& runs) {
 }
 
 CostTrace PutTogether(std::vector<CostTrace> runs) {
-  TakeMedians(
+  TakeQuartiles(
       runs, [](CostTrace & run) -> auto& { return run.step_ns; });
-  TakeMedians(
+  TakeQuartiles(
       runs, [](CostTrace & run) -> auto& { return run.control_ns; });
-  TakeMedians(
+  TakeQuartiles(
       runs, [](CostTrace & run) -> auto& { return run.detection_ns; });
   for (size_t i = 0; i < runs.front().bursts.size(); ++i) {
-    TakeMedians(
+    TakeQuartiles(
         runs, [i](CostTrace & run) -> auto& { return run.bursts[i].detection_ns; });
   }
   KeepHeldInAll(runs);
@@ -95,7 +95,7 @@ Result<CostTrace> RunTrace(const TraceOptions& options,
   std::vector<CostTrace> runs;
   const double all = static_cast<double>(options.frame_count) * options.repeat_count;
   while (runs.size() < options.repeat_count) {
-    plan->order_seed = runs.size() + 1;
+    plan->order_seed = options.scene.seed * options.repeat_count + runs.size();
     const double before =
         static_cast<double>(options.frame_count) * static_cast<double>(runs.size());
     auto run = RunOnce(options, *plan,

@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/scene/changing_scenes.h"
 #include "engine_client/scene/degenerate_scenes.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
@@ -150,6 +151,10 @@ void AddAll(Fingerprint& fingerprint, const std::filesystem::path& scratch) {
   // Enough objects for the parts of several threads.
   for (const std::string_view name : {"suite-b", "suite-g"}) {
     fingerprint.AddScene(*NamedScene(name, 10'000), 3);
+  }
+  for (const std::string_view name : ChangingSceneNames()) {
+    constexpr uint32_t kRegimeFrames = 5;
+    fingerprint.AddScene(*Need(MakeChangingScene(name, 300, kSeed, kRegimeFrames)), 20);
   }
   for (const std::string_view name : DegenerateSceneNames()) {
     fingerprint.AddScene(*Need(MakeDegenerateScene(name, 300, kSeed)), 8);

@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "engine_client/scene/changing_scenes.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
@@ -157,6 +158,19 @@ TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
       const BoxScene other(next, 120, 4);
       backend_->Update(other.boxes());
       ASSERT_EQ(Verdict(*backend_, other.boxes(), pairs_), "") << "from " << kind << " to " << next;
+    }
+  }
+}
+
+TEST_P(EveryBackend, IsRightThroughTwoRoundsOfTheRegimesOfEveryChangingScene) {
+  for (const std::string_view name : ChangingSceneNames()) {
+    constexpr uint32_t kRegimeFrames = 9;
+    const auto scene = std::move(*MakeChangingScene(name, 200, 8, kRegimeFrames));
+    backend_->Build(scene->aabbs());
+    for (int frame = 0; frame < 72; ++frame) {
+      ASSERT_EQ(Verdict(*backend_, scene->aabbs(), pairs_), "") << "in " << name << frame;
+      scene->Step();
+      backend_->Update(scene->aabbs());
     }
   }
 }

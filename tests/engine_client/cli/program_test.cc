@@ -33,7 +33,8 @@ class TemporaryFile {
 };
 
 TEST(Program, HelpOfEveryCommandEndsWithZeroAndShowsExamples) {
-  for (const std::string command : {"run", "check", "bench", "pairs", "record", "replay", "watch"}) {
+  for (const std::string command :
+       {"run", "check", "bench", "pairs", "record", "replay", "trace", "watch"}) {
     const ProgramRun run = RunProgram(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command;
     EXPECT_THAT(run.out, HasSubstr("Examples:\n  sweepstake " + command)) << command;

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "engine_client/cli/scene_choice.h"
+#include "engine_client/scene/changing_scenes.h"
 #include "engine_client/scene/degenerate_scenes.h"
 #include "tests/support/pair_oracle.h"
 
@@ -147,6 +148,7 @@ TEST(ExpandScenes, MultipliesScenesByCountsAndTakesAFileOnce) {
 
 TEST(ExpandScenes, KnowsTheWordsForManyScenes) {
   EXPECT_EQ(ExpandScenes({"all"}, {10}, 1).size(), SceneNames().size());
+  EXPECT_EQ(ExpandScenes({"changing"}, {10}, 1).size(), ChangingSceneNames().size());
   EXPECT_EQ(ExpandScenes({"degenerate"}, {10}, 1).size(), DegenerateSceneNames().size() - 1);
   const auto mixtures = ExpandScenes({"mixtures"}, {10}, 7);
   ASSERT_EQ(mixtures.size(), 10U);
@@ -165,7 +167,7 @@ TEST(OpenScene, ListsEveryNameForAnUnknownOne) {
   ASSERT_FALSE(scene.ok());
   EXPECT_EQ(scene.status().code(), StatusCode::kNotFound);
   EXPECT_NE(scene.status().message().find("'no?where'"), std::string::npos);
-  for (const auto names : {SceneNames(), DegenerateSceneNames()}) {
+  for (const auto names : {SceneNames(), ChangingSceneNames(), DegenerateSceneNames()}) {
     for (const std::string_view name : names) {
       EXPECT_NE(scene.status().message().find(name), std::string::npos) << name;
       EXPECT_NE(SceneHelp().find(name), std::string::npos) << name;
