@@ -19,7 +19,7 @@ constexpr std::array<Word, 5> kFamilyTitles{{{"BruteForce", "Brute force"},
                                              {"DBVT", "Dynamic tree (DBVT)"},
                                              {"KDTree", "KD-tree"}}};
 
-constexpr std::array<Word, 19> kSceneNotes{{
+constexpr std::array<Word, 25> kSceneNotes{{
     {"suite-b",
      "Brownian motion: every box jitters about its place. Evenly filled space, few pairs."},
     {"suite-g",
@@ -41,6 +41,12 @@ constexpr std::array<Word, 19> kSceneNotes{{
     {"teleporting", "Boxes that jump to other places."},
     {"spawning", "Boxes come and go."},
     {"count-changing", "Every frame has another number of boxes."},
+    {"rest-and-motion", "Boxes that hardly move, then jitter, in turn."},
+    {"waves", "Few boxes, then many that jump to other places, then many that hardly move."},
+    {"storms", "Boxes that jump to other places, then jitter, in turn."},
+    {"gather-and-scatter", "Boxes that gather, rest, scatter and rest."},
+    {"day-and-night", "Boxes that circle an axis; then one in a hundred moves."},
+    {"arrivals", "Boxes come and go; then all rest; then all fly straight on."},
     {"random-gravity", "Boxes that fall towards a direction that changes at random."},
 }};
 

@@ -7,20 +7,23 @@ program=$here/../../build/release/bin/sweepstake
 
 usage() {
   cat <<END
-Usage: tests/bench/traces.sh [--quick] [--program PATH] LIST FOLDER
+Usage: tests/bench/traces.sh [--again] [--quick] [--program PATH] LIST FOLDER
 
 Traces every scene of LIST (tuning_scenes.txt, held_out_scenes.txt or one of your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
-A trace that is there already is kept, so that what was interrupted can go on: delete it to make it again.
+A trace that is there already is kept, so that what was interrupted can go on.
+  --again         make it anew
   --quick         120 frames of 300 objects at most, to see that everything works
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
 Takes some 5 minutes a list on two cores; nothing else should run meanwhile.
 END
 }
 
+again=0
 quick=0
 places=()
 while (($# > 0)); do
   case $1 in
+    --again) again=1 ;;
     --quick) quick=1 ;;
     --program) program=$2; shift ;;
     -h | --help) usage; exit 0 ;;
@@ -35,13 +38,17 @@ folder=${places[1]}
 [[ -f $list ]] || { echo "There is no list $list" >&2; exit 2; }
 [[ -x $program ]] || { echo "No program at $program: build it (cmake --workflow --preset release), or give --program" >&2; exit 2; }
 mkdir -p "$folder"
+declare -A made
 
 while read -r scene objects frames seed pass category rest; do
   [[ -n $scene && $scene != \#* ]] || continue
   [[ $category =~ ^(stationary|changing|resonant)$ && -z $rest && -n $pass ]] ||
     { echo "$list: '$scene $objects …' is no line of scene objects frames seed pass category" >&2; exit 2; }
   file=$folder/$scene-$objects-$seed.costs
-  [[ ! -f $file ]] || continue
+  # Lines may share a trace and go through it at another pace.
+  [[ -z ${made[$file]:-} ]] || continue
+  made[$file]=1
+  ((again)) || [[ ! -f $file ]] || continue
   size=(--objects "$objects" --frames "$frames")
   ((quick == 0)) || size=(--objects $((objects < 300 ? objects : 300)) --frames 120 --repeats 1)
   "$program" trace --scene "$scene" --seed "$seed" "${size[@]}" --out "$file" </dev/null

@@ -103,7 +103,8 @@ TEST_F(TraceProgram, MakesAFolderWithAFilePerSceneAndCount) {
   EXPECT_THAT(run.out, HasSubstr("Best fixed arm"));
   std::istringstream lines(run.out);
   for (std::string line; std::getline(lines, line);) {
-    if (line.find(".costs") == std::string::npos) EXPECT_LE(line.size(), 90U) << line;
+    if (line.find(".costs") != std::string::npos) continue;
+    EXPECT_LE(line.size(), 90U) << line;
   }
 }
 
@@ -138,7 +139,7 @@ TEST_F(TraceProgram, SaysWhatIsWrongWithItsWords) {
 
 TEST_F(TraceProgram, LeavesNoFileBesideTheTraces) {
   EXPECT_EQ(
-      RunProgram("trace --scene suite-b --objects 9999999 --out " + Place("x.costs")).exit_code, 2);
+      RunProgram("trace --scene suite-b --objects 200000 --out " + Place("x.costs")).exit_code, 2);
   EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(Place("x")).parent_path()));
 }
 
