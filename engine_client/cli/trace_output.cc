@@ -24,9 +24,10 @@ Json ArmJson(const TracedArm& arm, const TracedArmSummary& summary) {
 }
 
 Json ControlJson(const CostTrace& trace, const TraceSummary& summary) {
+  const bool has_interval = summary.control_low < summary.control_high;
   return {{"arm", trace.arms[trace.control_arm].name},
           {"ratio", summary.control_ratio},
-          {"ci95", {summary.control_low, summary.control_high}},
+          {"ci95", has_interval ? Json{summary.control_low, summary.control_high} : Json(nullptr)},
           {"fair", summary.ControlIsFair()}};
 }
 
@@ -90,7 +91,7 @@ void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::
       << " of it,\nof every " << TraceSummary::kWindowFrames << " frames "
       << Percent(summary.window_headroom) << ".\nA/A control: a second "
       << trace.arms[trace.control_arm].name << " takes " << Fixed(summary.control_ratio, 4)
-      << " of the first one's time (95 %: " << Fixed(summary.control_low, 4) << " to "
+      << " of the first one's time\n(95 %: " << Fixed(summary.control_low, 4) << " to "
       << Fixed(summary.control_high, 4) << ").\n";
 }
 

@@ -29,7 +29,7 @@ struct TraceSummary {
   uint32_t object_count_max = 0;
   double pair_count_mean = 0;
   // Total time of the control ÷ that of its twin, and the 95 % interval of the ratio, whose
-  // standard error comes from the spread between windows.
+  // standard error comes from the spread between windows; without two windows it has no width.
   double control_ratio = 1;
   double control_low = 1;
   double control_high = 1;

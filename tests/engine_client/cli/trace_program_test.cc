@@ -104,7 +104,7 @@ TEST_F(TraceProgram, MakesAFolderWithAFilePerSceneAndCount) {
   std::istringstream lines(run.out);
   for (std::string line; std::getline(lines, line);) {
     if (line.find(".costs") != std::string::npos) continue;
-    EXPECT_LE(line.size(), 90U) << line;
+    EXPECT_LE(line.size(), 80U) << line;
   }
 }
 
