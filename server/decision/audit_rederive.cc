@@ -212,7 +212,10 @@ std::optional<Problem> Segment::RestoreRuns(const Cells& cells) {
 }
 
 std::optional<Problem> Segment::ReadTime(const Cells& cells) {
-  return Read(cells, AuditColumn::kTimeNs, now_ns_);
+  constexpr int64_t kLatestNs = int64_t{1} << 62;  // 146 years; differences of two do not overflow
+  if (Result problem = Read(cells, AuditColumn::kTimeNs, now_ns_)) return problem;
+  if (now_ns_ >= -kLatestNs && now_ns_ <= kLatestNs) return std::nullopt;
+  return Problem{AuditColumn::kTimeNs, "is no time that a clock shows"};
 }
 
 std::optional<Problem> Segment::ReadArm(const Cells& cells, uint32_t& arm) const {

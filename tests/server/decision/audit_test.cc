@@ -206,7 +206,7 @@ TEST(AuditLog, OtherFilesAreNoLogs) {
   EXPECT_EQ(ProblemOf(AuditHeader() + "\n"), "");
 }
 
-TEST(AuditLog, ATickBeforeItIsDueIsRefused) {
+TEST(AuditLog, ATickBeforeItIsDueOrAfterTheEndOfTimeIsRefused) {
   Rows rows = RowsOf(LogOf(1, "paper", 200).text);
   const auto tick = std::find_if(rows.begin(), rows.end(), [](auto& row) {
     return CellOf(row, AuditColumn::kKind) == "tick";
@@ -214,6 +214,9 @@ TEST(AuditLog, ATickBeforeItIsDueIsRefused) {
   CellOf(*tick, AuditColumn::kTimeNs) = "5";
   EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is before the tick is due"), std::string::npos)
       << ProblemOf(TextOf(rows));
+  CellOf(*tick, AuditColumn::kTimeNs) = "9223372036854775807";
+  EXPECT_NE(ProblemOf(TextOf(rows)).find("time_ns is no time that a clock shows"),
+            std::string::npos);
 }
 
 // The goal is 1.5 kB; 7 arms, all cells that a policy with a gate and a diagnosis fills.
