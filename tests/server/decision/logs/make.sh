@@ -17,7 +17,7 @@ until [[ -s $work/port ]]; do sleep 0.1; done
 address=127.0.0.1:$(head -n 1 "$work/port")
 for policy in "$@"; do
   "$bin/sweepstake" run --daemon "$address" --policy "$policy" --project logs --scene-name "$policy" --scene hurricane \
-    --objects 300 --time-scale 100 --duration 1200ms >/dev/null
+    --objects 300 --shadow on --time-scale 100 --duration 1200ms >/dev/null
   "$bin/sweepstake" audit export --daemon "$address" --scene "$policy" --out "$policy.csv"
   "$bin/sweepstake" replay --log "$policy.csv"
 done
