@@ -127,9 +127,8 @@ void Game::ExecuteSwitch() {
   const auto unsettled = meter_.Begin({.command_id = pending.command.command_id,
                                        .arm = arm_,
                                        .reason = static_cast<SwitchReason>(pending.command.reason)},
-                                      epoch_);
+                                      epoch_, pending.warm);
   metering_ = true;
-  if (pending.warm) meter_.OnRebuild(0);
   if (unsettled) Report(*unsettled);
   ++result_.switch_counts[static_cast<size_t>(pending.command.reason)];
   NoteArm();
