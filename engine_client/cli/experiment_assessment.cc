@@ -71,6 +71,7 @@ Status Assess(const ExperimentFolder& folder, Terminal& terminal, ExperimentRepo
     if (!status.ok()) return status;
   }
   report.over_cells = CompareOverCells(report.truths);
+  report.over_live = CompareLive(report.truths);
   return {};
 }
 

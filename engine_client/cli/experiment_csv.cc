@@ -109,8 +109,10 @@ void TimeRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   csv.Row({run, record.start_utc, Seconds(record.exploration_s), Seconds(record.end_s),
            std::to_string(time.scene_step_ns), std::to_string(time.detection_ns),
            std::to_string(time.rebuild_ns), std::to_string(time.copying_ns),
-           std::to_string(time.frame_end_ns), std::to_string(time.intake_ns),
-           std::to_string(time.decision_ns), std::to_string(time.longest_decision_ns),
+           std::to_string(time.around_ns), std::to_string(time.frame_end_ns),
+           std::to_string(time.intake_ns), std::to_string(time.decision_ns),
+           std::to_string(time.longest_decision_ns), std::to_string(time.lane_ns),
+           std::to_string(record.shadow_visit_count), std::to_string(record.warm_switch_count),
            std::to_string(record.decisions.size()), std::to_string(record.dropped_frame_count)});
 }
 
@@ -143,8 +145,9 @@ Status WriteRawCsv(std::span<const RunRecord> records, const std::filesystem::pa
        MetricRows},
       {"time.csv",
        {"run", "start_utc", "exploration_s", "end_s", "scene_step_ns", "detection_ns", "rebuild_ns",
-        "copying_ns", "frame_end_ns", "intake_ns", "decision_ns", "longest_decision_ns",
-        "decisions", "dropped_frames"},
+        "copying_ns", "around_ns", "frame_end_ns", "intake_ns", "decision_ns",
+        "longest_decision_ns", "lane_ns", "shadow_visits", "warm_switches", "decisions",
+        "dropped_frames"},
        TimeRows},
   };
   for (const auto& file : files) {

@@ -54,8 +54,9 @@ std::string ExperimentHtml(const ExperimentReport& report, const std::string& js
         PosteriorPanels(report));
     add("verdicts", "Verdicts", "", VerdictShares(report));
     add("time", "Where the time went",
-        "The paper left open what its selector costs. Copying in is all of the frame path beside "
-        "detection: handing boxes to the shadow lane, scene descriptors, executing a switch.",
+        "The paper left open what its selector costs. Copying in hands boxes to the shadow lane, "
+        "which measures the other algorithms on a thread of its own; rebuilds are what switches "
+        "cost the frame thread.",
         TimeParts(report));
   }
   add("method", "How it was measured", "", ExperimentMethod(report));

@@ -140,18 +140,20 @@ std::vector<double> DecisionsByVerdict(const CellSummary& cell) {
   return counts;
 }
 
-// The seven parts of a run's time, in ns: five of the frame thread, two of the sender thread.
-constexpr size_t kTimePartCount = 7;
+// The parts of a run's time, in ns: those of the frame thread, then the other threads'.
+constexpr size_t kFramePartCount = 6;
+constexpr size_t kTimePartCount = 9;
 const std::vector<std::string> kTimeParts{
-    "Scene step", "Steady detection", "Rebuilds", "Copying in", "Frame end", "Intake", "Selector"};
+    "Scene step", "Steady detection", "Rebuilds", "Copying in", "Descriptors, switching",
+    "Frame end",  "Intake",           "Selector", "Shadow lane"};
 
 std::array<double, kTimePartCount> PartsOf(const CellSummary& cell) {
   std::array<double, kTimePartCount> parts{};
   for (const RunSummary& run : cell.runs) {
     const TimeShares& time = run.record->time;
     const std::array<uint64_t, kTimePartCount> all{
-        time.scene_step_ns, time.detection_ns, time.rebuild_ns, time.copying_ns,
-        time.frame_end_ns,  time.intake_ns,    time.decision_ns};
+        time.scene_step_ns, time.detection_ns, time.rebuild_ns,  time.copying_ns, time.around_ns,
+        time.frame_end_ns,  time.intake_ns,    time.decision_ns, time.lane_ns};
     for (size_t i = 0; i < all.size(); ++i) parts[i] += static_cast<double>(all[i]);
   }
   return parts;
@@ -160,10 +162,11 @@ std::array<double, kTimePartCount> PartsOf(const CellSummary& cell) {
 std::vector<html::TableCell> TimeRow(const CellSummary& cell) {
   const auto parts = PartsOf(cell);
   double frames_ns = 0;
-  for (size_t i = 0; i < 5; ++i) frames_ns += parts[i];
+  for (size_t i = 0; i < kFramePartCount; ++i) frames_ns += parts[i];
   std::vector<html::TableCell> row{{CellName(cell.cell)}};
   for (size_t i = 0; i < parts.size(); ++i) {
-    row.push_back({html::Significant(100 * parts[i] / frames_ns, 3) + " %", i == 5 ? "first" : ""});
+    row.push_back({html::Significant(100 * parts[i] / frames_ns, 3) + " %",
+                   i == kFramePartCount ? "first" : ""});
   }
   double decisions = 0, longest_ns = 0, dropped = 0;
   for (const RunSummary& run : cell.runs) {
@@ -171,7 +174,7 @@ std::vector<html::TableCell> TimeRow(const CellSummary& cell) {
     longest_ns = std::max(longest_ns, static_cast<double>(run.record->time.longest_decision_ns));
     dropped += static_cast<double>(run.record->dropped_frame_count);
   }
-  row.push_back({MicrosecondsText(parts[6] / std::max(decisions, 1.0)), "first"});
+  row.push_back({MicrosecondsText(parts[7] / std::max(decisions, 1.0)), "first"});
   row.push_back({MicrosecondsText(longest_ns)});
   row.push_back({html::GroupedWhole(dropped)});
   return row;
@@ -255,27 +258,27 @@ Markup TimeParts(const ExperimentReport& report) {
   html::StackedBars chart{"time-shares",
                           "The frame thread’s time",
                           "Means over the runs. What is too narrow to see is in the table.",
-                          {kTimeParts.begin(), kTimeParts.begin() + 5},
+                          {kTimeParts.begin(), kTimeParts.begin() + kFramePartCount},
                           {}};
   html::Table table{"time-table",
-                    "In percent of the frames’ time. Intake and selector run on another thread "
-                    "meanwhile, and take nothing from the frame",
+                    "In percent of the frames’ time. Intake, selector and shadow lane run on other "
+                    "threads meanwhile, and take nothing from the frame",
                     {{{""},
-                      {"Frame thread", "first", 5},
-                      {"Sender thread", "first", 2},
+                      {"Frame thread", "first", kFramePartCount},
+                      {"Other threads", "first", kTimePartCount - kFramePartCount},
                       {"Selector", "first", 2},
                       {""}},
                      {{"Cell"}}},
                     {}};
   for (size_t i = 0; i < kTimeParts.size(); ++i) {
-    table.head[1].push_back({kTimeParts[i], i == 5 ? "first" : ""});
+    table.head[1].push_back({kTimeParts[i], i == kFramePartCount ? "first" : ""});
   }
   table.head[1].push_back({"a decision", "first"});
   table.head[1].push_back({"longest"});
   table.head[1].push_back({"Samples lost"});
   for (const CellSummary& cell : report.cells) {
     const auto parts = PartsOf(cell);
-    chart.rows.push_back(MeanRow(cell, {parts.begin(), parts.begin() + 5}));
+    chart.rows.push_back(MeanRow(cell, {parts.begin(), parts.begin() + kFramePartCount}));
     const std::string title = "Policy " + PolicyTitle(cell.policy);
     if (table.groups.empty() || table.groups.back().title.html() != Markup(title).html()) {
       table.groups.push_back({title, {}});

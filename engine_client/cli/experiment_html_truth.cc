@@ -165,7 +165,7 @@ void AddAgreement(const CellTruth& truth, const Agreement& each, AgreementViews&
                               "live " + ShareText(each.active_share) + ", replay " +
                                   ShareInterval(each.replayed_active_share)});
   views.table.groups[0].rows.push_back({{name},
-                                        {std::to_string(each.live_run_count)},
+                                        {std::to_string(each.runs.size())},
                                         AgreeCell(each.regret_agrees(), PercentText(each.regret),
                                                   IntervalText(each.replayed_regret)),
                                         AgreeCell(each.share_agrees(), ShareText(each.active_share),
@@ -268,7 +268,11 @@ Markup Comparisons(const ExperimentReport& report) {
                       {"p, corrected"},
                       {"Effect"}}},
                     {}};
-  table.groups.push_back(ComparisonRows("All cells; a pair per cell", report.over_cells));
+  table.groups.push_back(ComparisonRows("Replay, all cells; a pair per cell", report.over_cells));
+  if (!report.over_live.empty()) {
+    table.groups.push_back(
+        ComparisonRows("Live runs at the trace’s costs; a pair per run", report.over_live));
+  }
   html::Table by_cell = table;
   by_cell.id = "comparisons-by-cell";
   by_cell.groups.clear();

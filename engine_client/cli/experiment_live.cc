@@ -11,6 +11,7 @@
 #include "engine_client/cli/metric_window_meter.h"
 #include "engine_client/cli/scene_choice.h"
 #include "server/decision/options.h"
+#include "server/decision/policy.h"
 #include "server/decision/types.h"
 #include "sweepstake/session.h"
 
@@ -170,10 +171,10 @@ Status LiveRun::Prepare() {
   AdaptiveOptions adaptive;
   adaptive.initial_arm = BroadPhaseNames()[record_.initial_arm];
   adaptive.settling_ns = static_cast<uint64_t>(decisions_.settling_ns);
-  // The paper's selector has no shadow lane: its switches are cold.
-  const bool is_paper = record_.policy.starts_with("paper");
+  // The paper's selector, and what else learns from live frames only, has cold switches.
+  const bool learns_from_lane = decision::PolicyKindOf(record_.policy).uses_shadow;
   adaptive.shadow =
-      ScaledShadow(is_paper ? ShadowMode::kOff : ShadowMode::kAuto, options_.time_scale);
+      ScaledShadow(learns_from_lane ? ShadowMode::kAuto : ShadowMode::kOff, options_.time_scale);
   auto run = GameRun::Create(adaptive, *scene_, session_->sink());
   if (!run.ok()) return run.status();
   run_ = std::move(*run);
@@ -249,14 +250,19 @@ void LiveRun::Keep(uint64_t end_ns) {
   }
   const FrameProfile& frames = run_->profile();
   const SessionStats stats = session_->stats();
+  const ShadowStats lane = run_->adaptive().shadow_stats();
   record_.time = {.scene_step_ns = frames.step_ns,
                   .detection_ns = frames.detection_ns,
                   .rebuild_ns = frames.rebuild_ns,
-                  .copying_ns = frames.around_ns,
+                  .copying_ns = std::min(lane.copy_time_ns, frames.around_ns),
+                  .around_ns = frames.around_ns - std::min(lane.copy_time_ns, frames.around_ns),
                   .frame_end_ns = frames.end_ns,
                   .intake_ns = stats.intake_time_ns,
                   .decision_ns = stats.decision_time_ns,
-                  .longest_decision_ns = stats.longest_decision_ns};
+                  .longest_decision_ns = stats.longest_decision_ns,
+                  .lane_ns = lane.busy_time_ns};
+  record_.shadow_visit_count = lane.visit_count;
+  record_.warm_switch_count = lane.warm_switch_count;
   record_.dropped_frame_count = stats.dropped_frame_count;
 }
 

@@ -19,11 +19,13 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MetricWindow, time_s, arm, frame_count, frame
                                    pair_count_mean, native_bytes_max, object_count)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ArmTotals, frame_count, frame_ns, detection_ns)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimeShares, scene_step_ns, detection_ns, rebuild_ns, copying_ns,
-                                   frame_end_ns, intake_ns, decision_ns, longest_decision_ns)
+                                   around_ns, frame_end_ns, intake_ns, decision_ns,
+                                   longest_decision_ns, lane_ns)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ArmControl, frame_count, detection_ns_mean, frame_ns_mean)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, seed, initial_arm, time_scale,
                                    start_utc, arms, exploration_s, end_s, switches, decisions,
-                                   windows, explored, observed, controls, time, dropped_frame_count)
+                                   windows, explored, observed, controls, time, shadow_visit_count,
+                                   warm_switch_count, dropped_frame_count)
 
 namespace {
 

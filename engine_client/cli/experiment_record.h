@@ -63,17 +63,19 @@ struct ArmTotals {
   uint64_t detection_ns = 0;
 };
 
-// Where the time of a run went. The first five add up to the frames' time; the other two were spent
-// on the sender thread meanwhile.
+// Where the time of a run went. The first six add up to the frames' time; the next two were spent
+// on the sender thread meanwhile, and the lane's on its own.
 struct TimeShares {
   uint64_t scene_step_ns = 0;
   uint64_t detection_ns = 0;  // update and search of a standing structure
   uint64_t rebuild_ns = 0;    // the same of frames that built the structure anew
-  uint64_t copying_ns = 0;    // the rest of the frame path: box copies, descriptors, switches
+  uint64_t copying_ns = 0;    // boxes for the shadow lane
+  uint64_t around_ns = 0;     // the rest of the frame path: descriptors, executing a switch
   uint64_t frame_end_ns = 0;  // sample, queue, bail-out guard
   uint64_t intake_ns = 0;     // queue to the decider's window
   uint64_t decision_ns = 0;   // the selector
   uint64_t longest_decision_ns = 0;
+  uint64_t lane_ns = 0;  // the shadow lane's visits and preparations
 };
 
 // An arm alone on the same scene, right after the run: what it costs under the run's conditions.
@@ -102,6 +104,8 @@ struct RunRecord {
   std::vector<ArmTotals> observed;   // per arm, in it
   std::vector<ArmControl> controls;  // per arm
   TimeShares time;
+  uint64_t shadow_visit_count = 0;
+  uint64_t warm_switch_count = 0;    // prepared by the shadow lane
   uint64_t dropped_frame_count = 0;  // by the full queue: the evidence is thinner
 
   double observed_s() const { return end_s - exploration_s; }

@@ -15,10 +15,11 @@ struct ExperimentReport {
   ExperimentPlan plan;
   std::vector<ExperimentSitting> sittings;  // the last one wrote this
   BenchMachine machine;
-  std::vector<RunRecord> records;  // the finished runs
-  std::vector<CellSummary> cells;  // by policy, then cell; point into `records`
-  std::vector<CellTruth> truths;   // of the cells that were traced
-  std::vector<PairedComparison> over_cells;
+  std::vector<RunRecord> records;            // the finished runs
+  std::vector<CellSummary> cells;            // by policy, then cell; point into `records`
+  std::vector<CellTruth> truths;             // of the cells that were traced
+  std::vector<PairedComparison> over_cells;  // by replay
+  std::vector<PairedComparison> over_live;
 
   bool complete() const { return records.size() == plan.runs.size(); }
   // Null where it was not traced.

@@ -152,23 +152,27 @@ Interval Predicted(const std::vector<double>& games, size_t run_count) {
   return {Mean(games) - width, Mean(games) + width};
 }
 
+std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegret::*column) {
+  std::vector<double> values;
+  for (const LiveRegret& run : runs) values.push_back(run.*column);
+  return values;
+}
+
 // The live runs' own figures; the intervals come from replay.
 Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double other_work_ns) {
   const std::vector<double> costs = MeanCosts(trace);
   const auto best =
       static_cast<uint32_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
-  std::vector<double> measured, by_trace, shares;
-  for (const RunSummary& run : cell.runs) {
-    measured.push_back(MeasuredRegret(*run.record, best));
-    by_trace.push_back(RegretByTrace(*run.record, costs, other_work_ns));
-    shares.push_back(run.active_shares[run.dominant]);
-  }
   Agreement agreement;
   agreement.policy = cell.policy;
-  agreement.live_run_count = cell.runs.size();
-  agreement.measured_regret = Mean(measured);
-  agreement.regret = Mean(by_trace);
-  agreement.active_share = Mean(shares);
+  for (const RunSummary& run : cell.runs) {
+    agreement.runs.push_back({run.record->run, MeasuredRegret(*run.record, best),
+                              RegretByTrace(*run.record, costs, other_work_ns),
+                              run.active_shares[run.dominant]});
+  }
+  agreement.measured_regret = Mean(Column(agreement.runs, &LiveRegret::measured));
+  agreement.regret = Mean(Column(agreement.runs, &LiveRegret::by_trace));
+  agreement.active_share = Mean(Column(agreement.runs, &LiveRegret::active_share));
   return agreement;
 }
 
@@ -254,6 +258,32 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
     truth.agreements.push_back(*agreement);
   }
   return {};
+}
+
+std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths) {
+  const std::string own = OwnPolicyName("default");
+  // By policy, then cell and run.
+  std::map<std::string, std::map<std::string, double>> regrets;
+  for (const CellTruth& truth : truths) {
+    for (const Agreement& each : truth.agreements) {
+      for (const LiveRegret& run : each.runs) {
+        regrets[OwnPolicyName(each.policy)][truth.cell.label() + " " + std::to_string(run.run)] =
+            run.by_trace;
+      }
+    }
+  }
+  std::vector<PairedComparison> comparisons;
+  for (const auto& [policy, theirs] : regrets) {
+    std::vector<double> ours, others;
+    for (const auto& [run, regret] : theirs) {
+      if (policy == own || !regrets[own].contains(run)) continue;
+      ours.push_back(regrets[own][run]);
+      others.push_back(regret);
+    }
+    if (!ours.empty()) comparisons.push_back(Compare(own, ours, policy, others));
+  }
+  CorrectByHolm(comparisons);
+  return comparisons;
 }
 
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths) {

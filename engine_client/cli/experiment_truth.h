@@ -50,16 +50,23 @@ struct PairedComparison {
   double corrected_probability = 1;  // Holm, over all comparisons of the family
 };
 
+// What one live run lost.
+struct LiveRegret {
+  uint32_t run = 0;
+  double measured = 0;  // frame times against the best arm's alone after the run; machine noise in
+  double by_trace = 0;  // the arms' frames at the trace's costs: noise-free
+  double active_share = 0;  // of the dominant arm
+};
+
 // What the live runs of one policy lost, and the interval that replay puts the mean of as many runs
 // in: mean ± 1.96 standard deviations of the games × √(1/runs + 1/games).
 struct Agreement {
   std::string policy;
-  size_t live_run_count = 0;
-  double measured_regret =
-      0;              // frame times against the arm's alone after the run; machine noise in
-  double regret = 0;  // the arms' active times at the trace's costs: noise-free
+  std::vector<LiveRegret> runs;
+  double measured_regret = 0;  // means over the runs
+  double regret = 0;           // by trace
+  double active_share = 0;
   Interval replayed_regret;
-  double active_share = 0;  // of the dominant arm
   Interval replayed_active_share;
 
   bool regret_agrees() const;
@@ -89,6 +96,9 @@ CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace);
 Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);
+
+// The live runs of AI Decides with those of each other policy, of the same cell and number.
+std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths);
 
 // Over the cells: each cell's mean regret is a pair. Of the policy of AI Decides with every other.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);

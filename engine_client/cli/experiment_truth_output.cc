@@ -102,11 +102,20 @@ void RegretRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
 
 void AgreementRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
   for (const Agreement& each : truth.agreements) {
-    csv.Row({cell, each.policy, std::to_string(each.live_run_count), Exact(each.regret),
+    csv.Row({cell, each.policy, std::to_string(each.runs.size()), Exact(each.regret),
              Exact(each.replayed_regret.low), Exact(each.replayed_regret.high),
              each.regret_agrees() ? "1" : "0", Exact(each.active_share),
              Exact(each.replayed_active_share.low), Exact(each.replayed_active_share.high),
              each.share_agrees() ? "1" : "0", Exact(each.measured_regret)});
+  }
+}
+
+void LiveRegretRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
+  for (const Agreement& each : truth.agreements) {
+    for (const LiveRegret& run : each.runs) {
+      csv.Row({cell, each.policy, std::to_string(run.run), Exact(run.measured), Exact(run.by_trace),
+               Exact(run.active_share)});
+    }
   }
 }
 
@@ -122,6 +131,7 @@ Status WriteComparisons(const ExperimentReport& report, const std::filesystem::p
                                     "ci95_high", "p_wilcoxon", "p_holm", "rank_biserial"});
   if (!csv.ok()) return csv.status();
   for (const PairedComparison& each : report.over_cells) ComparisonRow(each, "all", **csv);
+  for (const PairedComparison& each : report.over_live) ComparisonRow(each, "live", **csv);
   for (const CellTruth& truth : report.truths) {
     for (const PairedComparison& each : truth.comparisons) {
       ComparisonRow(each, truth.cell.label(), **csv);
@@ -157,6 +167,12 @@ Status WriteTruthCsv(const ExperimentReport& report, const std::filesystem::path
                     "replay_regret_high", "regret_agrees", "live_active_share", "replay_share_low",
                     "replay_share_high", "share_agrees", "measured_regret"},
                    AgreementRows);
+  }
+  if (status.ok()) {
+    status =
+        WriteCells(report, folder / "live_regret.csv",
+                   {"cell", "policy", "run", "measured_regret", "regret_by_trace", "active_share"},
+                   LiveRegretRows);
   }
   return status.ok() ? WriteComparisons(report, folder / "comparisons.csv") : status;
 }

@@ -13,8 +13,8 @@ namespace sweepstake::cli {
 // out.
 void PrintTruth(const ExperimentReport& report, std::ostream& out);
 
-// ranking.csv, regret.csv (per seed), agreement.csv and comparisons.csv in `folder`. The errors of
-// CsvFile.
+// ranking.csv, regret.csv (per seed), live_regret.csv (per run), agreement.csv and comparisons.csv
+// in `folder`. The errors of CsvFile.
 Status WriteTruthCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
 }  // namespace sweepstake::cli

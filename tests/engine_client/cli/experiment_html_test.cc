@@ -95,6 +95,7 @@ ExperimentReport Assess() {
   EXPECT_TRUE(status.ok()) << status.message();
   report.truths.push_back(std::move(truth));
   report.over_cells = CompareOverCells(report.truths);
+  report.over_live = CompareLive(report.truths);
   return report;
 }
 
@@ -194,7 +195,7 @@ TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
   ASSERT_EQ(report.truths[0].agreements.size(), 2U);
   const Agreement& paper = report.truths[0].agreements[0];
   EXPECT_EQ(paper.policy, "paper");
-  EXPECT_EQ(paper.live_run_count, 2U);
+  EXPECT_EQ(paper.runs.size(), 2U);
   EXPECT_NEAR(paper.active_share, 0.6, 1e-9);
   // Three arms with as many frames each, at 20, 30 and 60 µs and other work of 35 µs.
   EXPECT_NEAR(paper.regret, (110.0 / 3 + 35) / 55 - 1, 0.01);
@@ -207,6 +208,23 @@ TEST(Agreement, ComparesTheLiveRunsWithReplaysInterval) {
   EXPECT_FALSE(agreement.regret_agrees());
 }
 
+TEST(CompareLive, PairsRunsOfTheSameCellAndNumber) {
+  CellTruth truth;
+  truth.cell = {"brownian", 1000, 1};
+  Agreement ours;
+  ours.policy = "default";
+  ours.runs = {{1, 0, 0.01, 1}, {2, 0, 0.02, 1}, {3, 0, 0.03, 1}};
+  Agreement theirs;
+  theirs.policy = "random";
+  theirs.runs = {{1, 0, 0.11, 1}, {3, 0, 0.23, 1}};
+  truth.agreements = {ours, theirs};
+  const auto comparisons = CompareLive({&truth, 1});
+  ASSERT_EQ(comparisons.size(), 1U);
+  EXPECT_EQ(comparisons[0].baseline, "random");
+  EXPECT_EQ(comparisons[0].wilcoxon.pair_count, 2U);
+  EXPECT_NEAR(comparisons[0].difference, -0.15, 1e-12);
+}
+
 TEST(TruthOutput, PrintsAndWritesEveryPart) {
   const ExperimentReport& report = AssessedReport();
   std::ostringstream out;
@@ -217,7 +235,8 @@ TEST(TruthOutput, PrintsAndWritesEveryPart) {
   }
   const test_support::TemporaryDirectory folder;
   ASSERT_TRUE(WriteTruthCsv(report, folder.path()).ok());
-  for (const char* name : {"ranking.csv", "regret.csv", "agreement.csv", "comparisons.csv"}) {
+  for (const char* name :
+       {"ranking.csv", "regret.csv", "agreement.csv", "live_regret.csv", "comparisons.csv"}) {
     std::stringstream text;
     text << std::ifstream(folder.path() / name).rdbuf();
     EXPECT_THAT(text.str(), HasSubstr("brownian-1000,")) << name;

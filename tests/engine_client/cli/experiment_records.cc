@@ -58,11 +58,13 @@ RunRecord MakeRecord(const ExperimentCell& cell, const std::string& policy, uint
   record.time = {.scene_step_ns = 30'000'000,
                  .detection_ns = 80'000'000,
                  .rebuild_ns = 500'000,
-                 .copying_ns = 2'000'000,
+                 .copying_ns = 1'500'000,
+                 .around_ns = 500'000,
                  .frame_end_ns = 100'000,
                  .intake_ns = 1'000'000,
                  .decision_ns = 300'000,
-                 .longest_decision_ns = 60'000};
+                 .longest_decision_ns = 60'000,
+                 .lane_ns = 9'000'000};
   return record;
 }
 
