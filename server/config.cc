@@ -241,6 +241,9 @@ std::vector<Setting> DecisionSettings() {
           "decision.bail_out_penalty",
           [](Config & c) -> auto& { return c.rpc.decision.bail_out_penalty; },
           "zero-reward observations that a bail-out counts as"),
+      Real(
+          "decision.fps_floor", [](Config & c) -> auto& { return c.rpc.decision.fps_floor; },
+          "frames/s below which even the best arm is a degraded scene"),
   };
 }
 

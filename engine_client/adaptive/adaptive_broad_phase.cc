@@ -14,6 +14,7 @@
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
+#include "engine_client/adaptive/verdict_slot.h"
 
 namespace sweepstake {
 namespace {
@@ -116,6 +117,7 @@ class AdaptiveBroadPhase::Impl {
   SwitchMailbox mailbox;
   std::atomic<Mode> mode;
   BailOutGuard guard;
+  VerdictSlot verdict;
   SwitchCostMeter switch_cost;
   FrameSample last_sample{};
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
@@ -413,6 +415,9 @@ void AdaptiveBroadPhase::SetSettling(uint64_t settling_ns) {
 }
 
 void AdaptiveBroadPhase::SetBailOutLimit(uint64_t limit_ns) { impl_->guard.SetLimit(limit_ns); }
+
+void AdaptiveBroadPhase::SetVerdict(const SceneVerdict& verdict) { impl_->verdict.Set(verdict); }
+SceneVerdict AdaptiveBroadPhase::verdict() const { return impl_->verdict.Get(); }
 
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }
 Mode AdaptiveBroadPhase::mode() const { return impl_->mode.load(std::memory_order_relaxed); }

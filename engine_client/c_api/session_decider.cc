@@ -45,12 +45,13 @@ swp_decider_options DefaultOptions() {
   return options;
 }
 
-void TellMeans(swp_session& session) {
+void TellBeliefs(swp_session& session) {
   std::vector<double> means;
   for (const ArmBelief& belief : session.decider->beliefs()) {
     means.push_back(belief.alpha / (belief.alpha + belief.beta));
   }
   session.adaptive->SetPosteriorMeans(means);
+  session.adaptive->SetVerdict(session.decider->verdict());
 }
 
 // The decider believes the first arm and epoch 0 until it hears otherwise.
@@ -80,7 +81,7 @@ swp_result Attach(swp_session& session, EmbeddedOptions options, uint64_t now_ns
   TellActiveArm(session, now_ns);
   session.adaptive->SetDeciderPresent(true);
   session.adaptive->SetSettling(Scaled(session.settling_ns, options.time_scale));
-  TellMeans(session);
+  TellBeliefs(session);
   return SWP_OK;
 }
 
@@ -117,7 +118,7 @@ std::optional<SwitchCommand> Poll(swp_session& session, uint64_t now_ns) {
   const uint64_t decision_count = session.decider->decision_count();
   const std::optional<SwitchCommand> command = session.decider->Poll(now_ns);
   if (command) session.adaptive->mailbox().Post(*command);
-  if (session.decider->decision_count() != decision_count) TellMeans(session);
+  if (session.decider->decision_count() != decision_count) TellBeliefs(session);
   return command;
 }
 

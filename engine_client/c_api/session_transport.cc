@@ -70,6 +70,14 @@ swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
   return SWP_OK;
 }
 
+swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict) {
+  if (session == nullptr || verdict == nullptr) return NullArgument("session and verdict");
+  const sweepstake::SceneVerdict latest = session->adaptive->verdict();
+  *verdict = {static_cast<swp_verdict_kind>(latest.verdict), latest.leader_arm,
+              latest.leader_probability};
+  return SWP_OK;
+}
+
 swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                uint64_t* note_count) {
   if (session == nullptr) return NullArgument("session");
@@ -190,6 +198,22 @@ swp_result swp_session_set_posterior_means(swp_session* session, const double* m
     session->adaptive->SetPosteriorMeans(given);
     return static_cast<swp_result>(SWP_OK);
   });
+}
+
+swp_result swp_session_set_verdict(swp_session* session, const swp_verdict* verdict) {
+  if (session == nullptr || verdict == nullptr) return NullArgument("session and verdict");
+  if (const swp_result wrong = ArmIndex(*session, verdict->leader_arm); wrong != SWP_OK) {
+    return wrong;
+  }
+  if (verdict->kind > SWP_VERDICT_DEGRADED) {
+    return Fail(SWP_INVALID_ARGUMENT, "kind must be one of SWP_VERDICT_*, 0 to 4");
+  }
+  if (!(verdict->leader_probability >= 0 && verdict->leader_probability <= 1)) {
+    return Fail(SWP_INVALID_ARGUMENT, "leader_probability must be from 0 to 1");
+  }
+  session->adaptive->SetVerdict({static_cast<sweepstake::Verdict>(verdict->kind),
+                                 verdict->leader_arm, verdict->leader_probability});
+  return SWP_OK;
 }
 
 swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns) {

@@ -40,6 +40,12 @@ static_assert(SWP_SHADOW_STATE_NO_SPARE_CORE == static_cast<int>(ShadowState::kN
 static_assert(SWP_SHADOW_STATE_PAUSED == static_cast<int>(ShadowState::kPaused));
 static_assert(SWP_SHADOW_STATE_RUNNING == static_cast<int>(ShadowState::kRunning));
 static_assert(SWP_SHADOW_STATE_TOO_BIG == static_cast<int>(ShadowState::kTooBig));
+static_assert(sizeof(swp_verdict) == 16);
+static_assert(SWP_VERDICT_UNKNOWN == static_cast<int>(Verdict::kUnknown));
+static_assert(SWP_VERDICT_STABLE == static_cast<int>(Verdict::kStable));
+static_assert(SWP_VERDICT_TIE == static_cast<int>(Verdict::kTie));
+static_assert(SWP_VERDICT_AMBIGUOUS == static_cast<int>(Verdict::kAmbiguous));
+static_assert(SWP_VERDICT_DEGRADED == static_cast<int>(Verdict::kDegraded));
 static_assert(SWP_MODE_MANUAL == static_cast<int>(Mode::kManual));
 static_assert(SWP_MODE_AI == static_cast<int>(Mode::kAi));
 static_assert(SWP_SWITCH_POLICY == static_cast<int>(SwitchReason::kPolicy));
@@ -109,6 +115,8 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_shadow_sample);
     case SWP_STRUCT_SHADOW_STATS:
       return sizeof(swp_shadow_stats);
+    case SWP_STRUCT_VERDICT:
+      return sizeof(swp_verdict);
     default:
       return 0;
   }

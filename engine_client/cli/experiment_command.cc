@@ -12,6 +12,7 @@
 #include "engine_client/cli/experiment_report.h"
 #include "engine_client/cli/experiment_tables.h"
 #include "engine_client/cli/experiment_truth_output.h"
+#include "engine_client/cli/game_run.h"
 #include "engine_client/cli/json_output.h"
 #include "engine_client/cli/stop_signal.h"
 #include "engine_client/cli/whole_file.h"

@@ -160,20 +160,4 @@ std::vector<CellSummary> SummarizeCells(const ExperimentPlan& plan,
   return cells;
 }
 
-std::string VerdictName(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kUnknown:
-      return "–";
-    case Verdict::kStable:
-      return "stable";
-    case Verdict::kTie:
-      return "tie";
-    case Verdict::kAmbiguous:
-      return "ambiguous";
-    case Verdict::kDegraded:
-      return "degraded";
-  }
-  return "–";
-}
-
 }  // namespace sweepstake::cli

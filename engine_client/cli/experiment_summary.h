@@ -74,7 +74,4 @@ struct CellSummary {
 std::vector<CellSummary> SummarizeCells(const ExperimentPlan& plan,
                                         const std::vector<RunRecord>& records);
 
-// "stable", "tie", …; "–" where nothing was learnt.
-std::string VerdictName(Verdict verdict);
-
 }  // namespace sweepstake::cli

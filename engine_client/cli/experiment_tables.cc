@@ -1,6 +1,7 @@
 #include "engine_client/cli/experiment_tables.h"
 
 #include "engine_client/cli/csv_file.h"
+#include "engine_client/cli/game_run.h"
 #include "engine_client/cli/html/numbers.h"
 #include "engine_client/cli/text_table.h"
 

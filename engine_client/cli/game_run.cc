@@ -73,6 +73,7 @@ uint64_t GameRun::elapsed_ns() const { return SteadyClock().NowNs() - start_ns_;
 
 bool GameRun::Note(const FrameSample& sample) {
   ++frame_count_;
+  NoteVerdict(sample);
   ArmActivity& activity = activities_[sample.arm];
   ++activity.frame_count;
   activity.active_ns += sample.frame_time_ns;
@@ -88,6 +89,14 @@ bool GameRun::Note(const FrameSample& sample) {
   return true;
 }
 
+void GameRun::NoteVerdict(const FrameSample& sample) {
+  const SceneVerdict verdict = adaptive_->verdict();
+  if (verdict.verdict == verdict_) return;
+  verdict_ = verdict.verdict;
+  verdicts_.push_back(
+      {.frame_index = sample.frame_index, .time_ns = elapsed_ns(), .verdict = verdict});
+}
+
 void GameRun::OnFrame(const FrameSample& sample) noexcept { sink_.OnFrame(sample); }
 
 void GameRun::OnDescriptor(const SceneDescriptor& descriptor) noexcept {
@@ -99,6 +108,22 @@ void GameRun::OnShadow(const ShadowSample& sample) noexcept { sink_.OnShadow(sam
 void GameRun::OnSwitch(const SwitchOutcome& outcome) noexcept {
   if (outcomes_.size() < kOutcomeMax) outcomes_.push_back(outcome);
   sink_.OnSwitch(outcome);
+}
+
+std::string VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kUnknown:
+      return "unknown";
+    case Verdict::kStable:
+      return "stable";
+    case Verdict::kTie:
+      return "tie";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kDegraded:
+      return "degraded";
+  }
+  return "unknown";
 }
 
 }  // namespace sweepstake::cli

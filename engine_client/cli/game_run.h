@@ -25,6 +25,13 @@ struct SwitchEvent {
   SwitchReason reason = SwitchReason::kPolicy;
 };
 
+// The decider's verdict became another one.
+struct VerdictEvent {
+  uint64_t frame_index = 0;  // the first frame that saw it
+  uint64_t time_ns = 0;      // since the run began
+  SceneVerdict verdict;
+};
+
 // What one arm did while it was active.
 struct ArmActivity {
   uint64_t frame_count = 0;
@@ -59,6 +66,8 @@ class GameRun final : private FrameSink {
   // In the order of arms.
   const std::vector<ArmActivity>& activities() const { return activities_; }
   const std::vector<SwitchEvent>& switches() const { return switches_; }
+  // From the first one that was not unknown.
+  const std::vector<VerdictEvent>& verdicts() const { return verdicts_; }
   const FrameProfile& profile() const { return profile_; }
   // How switches went, as they settled. At most 65,536 are kept.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
@@ -71,6 +80,7 @@ class GameRun final : private FrameSink {
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
   void OnShadow(const ShadowSample& sample) noexcept override;
   bool Note(const FrameSample& sample);
+  void NoteVerdict(const FrameSample& sample);
   void Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample);
 
   Scene& scene_;
@@ -83,6 +93,8 @@ class GameRun final : private FrameSink {
   FrameProfile profile_;
   std::vector<ArmActivity> activities_;
   std::vector<SwitchEvent> switches_;
+  Verdict verdict_ = Verdict::kUnknown;
+  std::vector<VerdictEvent> verdicts_;
   std::vector<SwitchOutcome> outcomes_;
 };
 
@@ -92,5 +104,7 @@ ShadowOptions ScaledShadow(ShadowMode mode, double time_scale);
 
 // "policy", "exploration", "bail-out", "manual".
 std::string ReasonName(SwitchReason reason);
+// "unknown", "stable", "tie", "ambiguous", "degraded".
+std::string VerdictName(Verdict verdict);
 
 }  // namespace sweepstake::cli

@@ -4,24 +4,17 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "server/decision/beta_distribution.h"
 #include "sweepstake/v1/posteriors.pb.h"
 
 namespace sweepstake::cli {
 
-struct Interval {
-  double low = 0;
-  double high = 1;
-};
-
-// 95 % of a Beta distribution by the normal approximation, mean ± 1.96 standard deviations, cut to
-// 0..1: good to 0.01 from some ten observations on, too narrow towards 0 and 1 before. All of 0..1
-// where there is no evidence at all.
-Interval ApproximateInterval(double alpha, double beta);
-
 // `width` characters from 0 to 1: '-' inside the interval, '|' the mean, ' ' outside.
-std::string IntervalBar(double mean, Interval interval, int width);
+std::string IntervalBar(double mean, decision::CredibleInterval interval, int width);
 
-// A heading and a line per arm, each ending with a line break.
+// A heading and a line per arm, each ending with a line break: the mean, the central 95 % of the
+// posterior, the probability to be the best. The verdict is that of all sessions' evidence
+// together (diagnosis.h); only the newest version of an arm's backend takes part.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 

@@ -145,6 +145,7 @@ class Player {
   void Play() {
     while (run_.elapsed_ns() < duration_ns_ && !StopRequested() && refusal_.empty()) {
       if (run_.Frame()) SaySwitch();
+      if (run_.verdicts().size() > said_verdict_count_) SayVerdict();
       if (log_ != nullptr) log_->Write(run_.adaptive().last_sample(), run_.adaptive());
       if (!priors_said_ && run_.elapsed_ns() >= next_look_ns_) LookForAnswer();
       if (progress_.due()) ShowProgress();
@@ -175,6 +176,12 @@ class Player {
     Say(SwitchText(run_.switches().back(), run_.adaptive()));
     const std::string beliefs = BeliefsText(session_.stats().beliefs);
     if (!beliefs.empty()) Say("       " + beliefs);
+  }
+
+  void SayVerdict() {
+    const VerdictEvent& event = run_.verdicts().back();
+    said_verdict_count_ = run_.verdicts().size();
+    Say(VerdictChangeText(event, run_.adaptive()));
   }
 
   void ShowProgress() {
@@ -210,6 +217,7 @@ class Player {
   uint64_t next_look_ns_ = 0;
   uint64_t shown_frames_ = 0;  // when the progress was shown last, and then
   uint64_t shown_ns_ = 0;
+  size_t said_verdict_count_ = 0;
   bool priors_said_ = false;
   std::string refusal_;
 };

@@ -134,6 +134,24 @@ Json SwitchJson(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive) {
           {"reason", ReasonName(event.reason)}};
 }
 
+std::string TimeText(uint64_t time_ns, uint64_t frame_index) {
+  return Fixed(Seconds(time_ns), 1) + " s  frame " + std::to_string(frame_index) + ": ";
+}
+
+Json VerdictJson(const SceneVerdict& verdict, const AdaptiveBroadPhase& adaptive) {
+  Json document = {{"verdict", VerdictName(verdict.verdict)}};
+  if (verdict.verdict == Verdict::kUnknown) return document;
+  document["leader_arm"] = adaptive.arms()[verdict.leader_arm];
+  document["leader_probability"] = verdict.leader_probability;
+  return document;
+}
+
+Json VerdictChangeJson(const VerdictEvent& event, const AdaptiveBroadPhase& adaptive) {
+  Json document = {{"frame", event.frame_index}, {"time_s", Seconds(event.time_ns)}};
+  document.update(VerdictJson(event.verdict, adaptive));
+  return document;
+}
+
 Json ArmJson(const ArmRow& row) {
   return {{"arm", row.arm},
           {"alpha", row.belief.alpha},
@@ -198,9 +216,20 @@ std::string PriorsText(const RunSetup& setup, const SessionStats& stats) {
 }
 
 std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive) {
-  return Fixed(Seconds(event.time_ns), 1) + " s  frame " + std::to_string(event.frame_index) +
-         ": " + adaptive.arms()[event.from] + " → " + adaptive.arms()[event.to] + " (" +
-         ReasonName(event.reason) + ")";
+  return TimeText(event.time_ns, event.frame_index) + adaptive.arms()[event.from] + " → " +
+         adaptive.arms()[event.to] + " (" + ReasonName(event.reason) + ")";
+}
+
+std::string VerdictText(const SceneVerdict& verdict, const AdaptiveBroadPhase& adaptive) {
+  const std::string name = VerdictName(verdict.verdict);
+  if (verdict.verdict == Verdict::kUnknown) return name;
+  return name + ": " + adaptive.arms()[verdict.leader_arm] + " is the best with probability " +
+         Fixed(verdict.leader_probability, 2);
+}
+
+std::string VerdictChangeText(const VerdictEvent& event, const AdaptiveBroadPhase& adaptive) {
+  return TimeText(event.time_ns, event.frame_index) + "verdict " +
+         VerdictText(event.verdict, adaptive);
 }
 
 std::string BeliefsText(std::span<const ArmBelief> beliefs) {
@@ -247,6 +276,7 @@ void PrintRunReport(const RunSetup& setup, const GameRun& run, const SessionStat
       << DroppedText(stats.dropped_frame_count, run.frame_count()) << '\n';
   PrintSwitches(run, out);
   out << ShadowText(run.adaptive().shadow_stats(), run.frame_count(), ActiveNs(run)) << '\n';
+  out << "Verdict: " << VerdictText(stats.verdict, run.adaptive()) << '\n';
 }
 
 nlohmann::ordered_json RunReportJson(const RunSetup& setup, const GameRun& run,
@@ -275,6 +305,7 @@ nlohmann::ordered_json RunReportJson(const RunSetup& setup, const GameRun& run,
       {"arms", Json::array()},
       {"switches_by_reason", Json::object()},
       {"switches", Json::array()},
+      {"verdict_changes", Json::array()},
   };
   for (const ArmRow& row : ArmRows(run, stats)) document["arms"].push_back(ArmJson(row));
   for (const SwitchReason reason : kReasons) {
@@ -282,6 +313,10 @@ nlohmann::ordered_json RunReportJson(const RunSetup& setup, const GameRun& run,
   }
   for (const SwitchEvent& event : run.switches()) {
     document["switches"].push_back(SwitchJson(event, run.adaptive()));
+  }
+  document.update(VerdictJson(stats.verdict, run.adaptive()));
+  for (const VerdictEvent& event : run.verdicts()) {
+    document["verdict_changes"].push_back(VerdictChangeJson(event, run.adaptive()));
   }
   return document;
 }

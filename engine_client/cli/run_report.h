@@ -26,6 +26,10 @@ struct RunSetup {
 std::string PriorsText(const RunSetup& setup, const SessionStats& stats);
 // "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive);
+// "stable: KDTree is the best with probability 0.93".
+std::string VerdictText(const SceneVerdict& verdict, const AdaptiveBroadPhase& adaptive);
+// The same with when: "12.3 s  frame 4567: verdict stable: …".
+std::string VerdictChangeText(const VerdictEvent& event, const AdaptiveBroadPhase& adaptive);
 // The posterior means, best first, with alpha + beta: "KDTree 0.81 (n 24) · Grid 0.73 (6)". Empty
 // when there are none yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);

@@ -29,7 +29,8 @@ struct WatchOptions {
 };
 
 constexpr char kLegend[] =
-    "|: mean, -: 95 % (normal approximation of the Beta posterior). Ctrl-C ends.\n";
+    "|: mean, -: central 95 % of the posterior, best: probability to be the best arm. Ctrl-C "
+    "ends.\n";
 
 int ShowOnce(const WatchOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
@@ -125,7 +126,12 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake watch --daemon 127.0.0.1:7433\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --scene hurricane-3000\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for machines\n"
-      "The 95 % interval is the normal approximation. Exit code 3 when no daemon answers.",
+      "95_low to 95_high is the central 95 % of an arm's posterior, best its probability to be "
+      "the\n"
+      "best arm. Verdicts: stable (best >= 0.8), tie (below, but choosing the leader loses at "
+      "most\n"
+      "0.5 % of the reward), ambiguous; a session's decisions say degraded where even the leader\n"
+      "misses the frame-rate floor. Exit code 3 when no daemon answers.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {
         command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT")

@@ -138,6 +138,7 @@ class DaemonSession final : public Session {
   void OnWelcome(const v1::Welcome& welcome, uint64_t now_ns);
   void OnCommand(const v1::SwitchCommand& command);
   void TakeBeliefs(const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors);
+  void TakeVerdict(const v1::PosteriorSnapshot& snapshot);
   void FollowRedirect(uint64_t now_ns);
   void OnClosed(const grpc::Status& status, uint64_t now_ns);
   uint32_t DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns);
@@ -161,6 +162,7 @@ class DaemonSession final : public Session {
   std::string last_error_;
   std::string refusal_;
   std::vector<ArmBelief> beliefs_;
+  SceneVerdict verdict_;
   uint64_t command_count_ = 0;
   uint64_t prior_source_count_ = 0;
 
@@ -258,7 +260,8 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
     case v1::StreamTelemetryResponse::kAcknowledgement:
       return state_->OnAcknowledgement(response.acknowledgement().sequence());
     case v1::StreamTelemetryResponse::kPosteriorSnapshot:
-      return TakeBeliefs(response.posterior_snapshot().arms());
+      TakeBeliefs(response.posterior_snapshot().arms());
+      return TakeVerdict(response.posterior_snapshot());
     case v1::StreamTelemetryResponse::kReconnectElsewhere:
       link_->redirect = response.reconnect_elsewhere();
       return;
@@ -309,6 +312,21 @@ void DaemonSession::TakeBeliefs(
   }
   beliefs_ = std::move(beliefs);
   adaptive.SetPosteriorMeans(means);
+}
+
+// A verdict of a later protocol than ours is none.
+void DaemonSession::TakeVerdict(const v1::PosteriorSnapshot& snapshot) {
+  AdaptiveBroadPhase& adaptive = *adaptive_.load();
+  const double probability = snapshot.leader_probability();
+  if (snapshot.leader_arm() >= adaptive.arms().size()) return;
+  if (!(probability >= 0 && probability <= 1)) return;
+  if (snapshot.verdict() < v1::VERDICT_UNSPECIFIED || snapshot.verdict() > v1::VERDICT_DEGRADED) {
+    return;
+  }
+  verdict_ = {.verdict = static_cast<Verdict>(snapshot.verdict()),
+              .leader_arm = snapshot.leader_arm(),
+              .leader_probability = probability};
+  adaptive.SetVerdict(verdict_);
 }
 
 void DaemonSession::FollowRedirect(uint64_t now_ns) {
@@ -395,6 +413,7 @@ void DaemonSession::Publish() {
   stats_.command_count = command_count_;
   stats_.prior_source_count = prior_source_count_;
   stats_.beliefs = beliefs_;
+  stats_.verdict = verdict_;
 }
 
 }  // namespace

@@ -265,6 +265,13 @@ std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
   }
   return beliefs;
 }
+SceneVerdict EmbeddedDecider::verdict() const {
+  const decision::Diagnosis& diagnosis = impl_->session().diagnosis();
+  if (diagnosis.best_probability.empty()) return {};
+  return {.verdict = static_cast<Verdict>(diagnosis.verdict),
+          .leader_arm = diagnosis.leader,
+          .leader_probability = diagnosis.best_probability[diagnosis.leader]};
+}
 uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
 uint64_t EmbeddedDecider::prior_source_count() const { return impl_->prior_source_count(); }
 

@@ -166,8 +166,10 @@ void EmbeddedSession::PublishBeliefs() {
   for (const ArmBelief& belief : beliefs)
     means.push_back(belief.alpha / (belief.alpha + belief.beta));
   adaptive_.load()->SetPosteriorMeans(means);
+  adaptive_.load()->SetVerdict(decider_->verdict());
   const std::lock_guard lock(stats_mutex_);
   stats_.beliefs = std::move(beliefs);
+  stats_.verdict = decider_->verdict();
 }
 
 }  // namespace

@@ -16,15 +16,6 @@ constexpr double kStirlingFrom = 15;
 // From here on the tail is summed; the series would take ever more terms.
 constexpr double kSummedFrom = 3000;
 
-BetaPosterior Bounded(const BetaPosterior& posterior) {
-  return {.alpha = std::clamp(posterior.alpha, kSmallestShape, kLargestShape),
-          .beta = std::clamp(posterior.beta, kSmallestShape, kLargestShape)};
-}
-
-BetaPosterior Mirrored(const BetaPosterior& posterior) {
-  return {.alpha = posterior.beta, .beta = posterior.alpha};
-}
-
 // (x − ½) ln x − x + ½ ln 2π: ln Γ(x) but for Stirling's error.
 double StirlingLeading(double x) { return (x - 0.5) * PortableLog(x) - x + kHalfLog2Pi; }
 
@@ -73,8 +64,8 @@ double IncompleteBetaSeries(const BetaPosterior& p, double x) {
 
 // P(logit <= mode + offset): the trapezoidal rule, with Euler and Maclaurin's terms at the end up
 // to the third derivative. Its steps are a twelfth of the scale on which the density changes, which
-// leaves an error below 1e-10 of the result. REQUIRES: offset <= 0, and the density falls steeply
-// towards 0: both parameters are large, or the logit is above 0.
+// leaves an error below 1e-10 of the result. REQUIRES: offset <= 0, α >= 1, and both parameters are
+// large or the logit is above 0.
 double SummedTail(const BetaPosterior& p, double offset) {
   constexpr double kPrecision = 1e-17;
   const double n = p.alpha + p.beta;
@@ -109,7 +100,8 @@ double SeriesTail(const BetaPosterior& p, double offset) {
 double TailAt(const BetaPosterior& p, double offset) {
   const bool large = std::min(p.alpha, p.beta) > kSummedFrom;
   if (!large && LogitMode(p) + offset <= 0) return SeriesTail(p, offset);
-  if (offset <= 0) return SummedTail(p, offset);
+  // A smaller α falls too slowly to be summed, and leaves no small tail where the logit is above 0.
+  if (offset <= 0 && p.alpha >= 1) return SummedTail(p, offset);
   return 1 - (large ? SummedTail(Mirrored(p), -offset) : SeriesTail(Mirrored(p), -offset));
 }
 
@@ -139,10 +131,22 @@ double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
 
 }  // namespace
 
+BetaPosterior Bounded(const BetaPosterior& posterior) {
+  return {.alpha = std::clamp(posterior.alpha, kSmallestShape, kLargestShape),
+          .beta = std::clamp(posterior.beta, kSmallestShape, kLargestShape)};
+}
+
+BetaPosterior Mirrored(const BetaPosterior& posterior) {
+  return {.alpha = posterior.beta, .beta = posterior.alpha};
+}
+
 double LogGamma(double x) {
   double product = 1;
   double shifted = x;
-  for (; shifted < kStirlingFrom; ++shifted) product *= shifted;
+  while (shifted < kStirlingFrom) {
+    product *= shifted;
+    ++shifted;
+  }
   return StirlingLeading(shifted) + StirlingSeries(shifted) - PortableLog(product);
 }
 

@@ -13,6 +13,11 @@ namespace sweepstake::decision {
 inline constexpr double kSmallestShape = 1e-6;
 inline constexpr double kLargestShape = 1e15;
 
+// With the parameters within these bounds.
+BetaPosterior Bounded(const BetaPosterior& posterior);
+// Of 1 − the reward.
+BetaPosterior Mirrored(const BetaPosterior& posterior);
+
 // ln Γ(x). Error: 2e-14 absolute or 1e-15 relative, whichever is larger. REQUIRES: 1e-6 <= x <=
 // 4e15. Cost: some 40 ns.
 double LogGamma(double x);

@@ -147,7 +147,7 @@ DecisionSession::Impl::Impl(SessionSetup setup)
     : setup_(std::move(setup)),
       policy_kind_(PolicyKindOf(setup_.options.policy)),
       policy_(PolicyOf(setup_)),
-      frame_rate_floor_(setup_.options.fps_floor),
+      frame_rate_floor_(setup_.options.fps_floor, ArmCount(setup_)),
       exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
       gate_(LastSwitchOf(setup_)),
       observation_(setup_.arms.size(), setup_.active_arm),
@@ -325,7 +325,7 @@ Decision DecisionSession::Impl::Close(Decision decision) {
 void DecisionSession::Impl::Diagnose(std::optional<double> fps) {
   diagnosis_ = policy_->Diagnose();
   if (diagnosis_.best_probability.empty()) return;
-  if (fps) frame_rate_floor_.Observe(*fps, run().arm() == diagnosis_.leader);
+  if (fps) frame_rate_floor_.Observe(run().arm(), *fps, diagnosis_.leader);
   if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;
 }
 

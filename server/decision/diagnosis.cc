@@ -13,11 +13,6 @@
 namespace sweepstake::decision {
 namespace {
 
-BetaPosterior Bounded(const BetaPosterior& posterior) {
-  return {.alpha = std::clamp(posterior.alpha, kSmallestShape, kLargestShape),
-          .beta = std::clamp(posterior.beta, kSmallestShape, kLargestShape)};
-}
-
 // How far above the mode the density is negligible: from outside, by Newton's steps on a concave
 // function, which stay outside.
 double NegligibleAbove(const BetaPosterior& p) {
@@ -33,8 +28,6 @@ double NegligibleAbove(const BetaPosterior& p) {
   }
   return offset;
 }
-
-BetaPosterior Mirrored(const BetaPosterior& p) { return {.alpha = p.beta, .beta = p.alpha}; }
 
 // Rewards on the scale of logits, as offsets t from the mode of the reward with the highest lower
 // end: there the digits are needed.
@@ -191,11 +184,18 @@ Diagnosis FromProbabilities(std::vector<double> probabilities) {
   return diagnosis;
 }
 
-Diagnosis WithLoss(Diagnosis diagnosis, double expected_loss_ratio) {
+Diagnosis WithLoss(Diagnosis diagnosis, double expected_loss_ratio, double value_remaining_ratio) {
   diagnosis.expected_loss_ratio = std::max(expected_loss_ratio, 0.0);
+  diagnosis.value_remaining_ratio = std::max(value_remaining_ratio, 0.0);
   diagnosis.verdict =
       VerdictOf(diagnosis.best_probability[diagnosis.leader], diagnosis.expected_loss_ratio);
   return diagnosis;
+}
+
+double HighestMean(std::span<const BetaPosterior> posteriors) {
+  double highest = 0;
+  for (const BetaPosterior& posterior : posteriors) highest = std::max(highest, posterior.mean());
+  return highest;
 }
 
 bool NothingLearnt(std::span<const BetaPosterior> posteriors) {
@@ -216,8 +216,10 @@ Diagnosis Diagnose(std::span<const BetaPosterior> posteriors) {
   Greatest greatest = FindGreatest(rewards);
   Diagnosis diagnosis = FromProbabilities(std::move(greatest.probability));
   const double reward = posteriors[diagnosis.leader].mean();
-  const double best = std::max(greatest.expected_value, reward);
-  return WithLoss(std::move(diagnosis), best > 0 ? (best - reward) / best : 0);
+  const double highest = HighestMean(posteriors);
+  const double best = std::max(greatest.expected_value, highest);
+  if (!(best > 0)) return WithLoss(std::move(diagnosis), 0, 0);
+  return WithLoss(std::move(diagnosis), (best - reward) / best, (best - highest) / best);
 }
 
 Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double> variances) {
@@ -228,7 +230,8 @@ Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double
   Diagnosis diagnosis = FromProbabilities(std::move(greatest.probability));
   const double lowest = *std::min_element(means.begin(), means.end());
   const double loss = greatest.expected_value + (means[diagnosis.leader] - lowest);
-  return WithLoss(std::move(diagnosis), PortableExpm1(std::max(loss, 0.0)));
+  return WithLoss(std::move(diagnosis), PortableExpm1(loss),
+                  PortableExpm1(greatest.expected_value));
 }
 
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,

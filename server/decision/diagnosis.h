@@ -5,7 +5,7 @@
 // arm with the highest probability, the first of equal ones. The verdict here is never kDegraded:
 // that takes the frame rate (frame_rate_floor.h).
 //
-// Cost, measured: see each function.
+// Cost, measured: 11 µs for 7 arms and 30–60 µs for 32; 250 µs for 32 of the most extreme widths.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,10 @@ Verdict VerdictOf(double leader_probability, double expected_loss_ratio);
 
 // Of independent rewards; the best is the highest. Integrated on the scale of logits. The expected
 // loss is E[best reward − the leader's] ÷ E[best reward]: the share of the reward within reach that
-// choosing the leader gives up. Unknown where every posterior is Beta(1,1), for want of anything
-// learnt, or there is none. REQUIRES: parameters finite and > 0.
+// choosing the leader gives up; the value remaining is the same for the arm with the highest mean,
+// the least that any choice gives up (expected value of perfect information). Unknown where every
+// posterior is Beta(1,1), for want of anything learnt, or there is none. REQUIRES: parameters
+// finite and > 0.
 Diagnosis Diagnose(std::span<const BetaPosterior> posteriors);
 
 // Of independent normal log-costs; the best is the lowest. The expected loss is exp(E[leader's
@@ -34,10 +36,10 @@ Diagnosis Diagnose(std::span<const BetaPosterior> posteriors);
 Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double> variances);
 
 // The same for log-costs with this covariance, symmetric, row by row. Only the variances of
-// differences matter; they are met by independent variances as well as these can (weighted least
-// squares, the weight of a pair being how open it is which of the two is better): exactly where the
-// covariance is a diagonal plus what all arms share, or there are two arms that matter.
-// REQUIRES: means.size()² numbers, finite.
+// differences matter; they are met by independent variances as well as these can
+// (difference_variances.h). Where that is not exact, the probabilities are off by some 0.01 for a
+// common part that weighs on the arms alike but for a tenth, and by 0.04 on average and 0.09 at
+// worst for random covariances of 7 arms. REQUIRES: means.size()² numbers, finite.
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,
                                      std::span<const double> covariance);
 

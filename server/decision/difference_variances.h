@@ -1,7 +1,7 @@
 // Independent variances whose sums come near the variances of the differences between correlated
 // variables. Who is the best depends on nothing else of a covariance.
 //
-// Pure, deterministic, thread-safe. Cost: 2 µs for 7 variables, 60 µs for 32.
+// Pure, deterministic, thread-safe. Cost: 2 µs for 7 variables, 30 µs for 32.
 #pragma once
 
 #include <span>

@@ -2,9 +2,10 @@
 
 namespace sweepstake::decision {
 
-void FrameRateFloor::Observe(double fps, bool of_leader) {
+void FrameRateFloor::Observe(uint32_t arm, double fps, uint32_t leader) {
   const bool under = fps < floor_fps_;
-  if (under && !of_leader) return;
+  missed_[arm] = under;
+  if (under && !missed_[leader]) return;
   contrary_count_ = under == degraded_ ? 0 : contrary_count_ + 1;
   if (contrary_count_ < kWindowCount) return;
   degraded_ = under;

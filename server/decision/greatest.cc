@@ -48,6 +48,8 @@ class Walk {
     double log_peak = 0;
     LogDensity log_density;
     Jet density;
+    double ratio = 0;        // density ÷ P(it is below t)
+    double ratio_slope = 0;  // its derivative
     Jet win;                 // the density of being the greatest
     double above = 0;        // P(it is above t)
     double probability = 0;  // of being the greatest, above t
@@ -146,16 +148,15 @@ void Walk::UpdateWins(double width) {
     v.density = density;
     const double below = std::max(1 - v.above, kNegligibleProbability);
     all_below *= below;
-    const double ratio = density.value / below;
-    win_ratio += ratio;
-    win_ratio_slope += ratio * (v.log_density.slope - ratio);
+    v.ratio = density.value / below;
+    v.ratio_slope = v.ratio * (v.log_density.slope - v.ratio);
+    win_ratio += v.ratio;
+    win_ratio_slope += v.ratio_slope;
   }
   for (size_t i = 0; i < joined_; ++i) {
     Variable& v = variables_[i];
-    const double ratio = v.density.value / std::max(1 - v.above, kNegligibleProbability);
-    const double ratio_slope = ratio * (v.log_density.slope - ratio);
-    const Jet win = FromLogarithm(all_below * ratio, win_ratio + v.log_density.slope - ratio,
-                                  win_ratio_slope + v.log_density.curvature - ratio_slope);
+    const Jet win = FromLogarithm(all_below * v.ratio, win_ratio + v.log_density.slope - v.ratio,
+                                  win_ratio_slope + v.log_density.curvature - v.ratio_slope);
     v.probability += Between(win, v.win, width);
     v.win = win;
   }

@@ -1,7 +1,7 @@
 // The greatest of several independent variables: for each the probability of being it, and the
 // expected value. By numeric integration over one adaptive grid that all of them share.
 //
-// Deterministic, thread-safe. Cost: some 60 points of the grid where the variables are of similar
+// Deterministic, thread-safe. Cost: some 40 points of the grid where the variables are of similar
 // width, and an exponential for each variable and point. Variables that are certainly below another
 // one cost nothing. Error of each probability: 1e-6 (tests/server/decision/diagnosis_test.cc).
 #pragma once

@@ -103,7 +103,9 @@ struct Diagnosis {
   std::vector<double> best_probability;  // per arm, sum 1; empty: nothing learnt yet
   uint32_t leader = 0;                   // the arm with the highest
   double expected_loss_ratio = 0;        // of choosing the leader, relative to the best arm's cost
-  double entropy = 0;                    // of best_probability, in nats
+  // What knowing all would gain over choosing the arm with the best mean, in the same terms.
+  double value_remaining_ratio = 0;
+  double entropy = 0;  // of best_probability, in nats
   Verdict verdict = Verdict::kUnknown;
 };
 

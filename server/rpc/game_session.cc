@@ -70,6 +70,7 @@ void GameSession::Attach(SessionLink& link) {
   link_ = &link;
   // The welcome says so.
   acknowledged_sequence_ = durable_sequence();
+  told_verdict_ = decision::Verdict::kUnknown;
 }
 
 void GameSession::Start(const v1::Hello& hello) {
@@ -249,8 +250,8 @@ void GameSession::Carry(const decision::Decision& decision) {
     ledger_->Add(
         {KeyOf(increment.arm),
          {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
-    if (link_ != nullptr) link_->SendSnapshot(decisions_.posteriors());
   }
+  Inform(decision);
   if (decision.command) {
     ++context_.counters.switch_command_count;
     unanswered_ = decision.command;
@@ -259,12 +260,21 @@ void GameSession::Carry(const decision::Decision& decision) {
   if (context_.watchers.WatchesDecisionsOf(identity_.scene)) Publish(decision.record);
 }
 
+// The client hears of posteriors that changed, and of a verdict that did.
+void GameSession::Inform(const decision::Decision& decision) {
+  const decision::Diagnosis& diagnosis = decision.record.diagnosis;
+  if (link_ == nullptr || (!decision.increment && diagnosis.verdict == told_verdict_)) return;
+  link_->SendSnapshot(decision.record.posteriors, diagnosis);
+  told_verdict_ = diagnosis.verdict;
+}
+
 void GameSession::Publish(const decision::DecisionRecord& record) {
   v1::DecisionEvent event;
   event.set_session_id(identity_.id);
   event.set_project(identity_.scene.project);
   event.set_scene(identity_.scene.scene);
   event.set_machine_class(identity_.scene.machine_class);
+  event.set_policy(std::string(decisions_.policy()));
   FillDecision(record, identity_.arms, event);
   context_.watchers.OnDecision(identity_.scene, event);
 }

@@ -90,6 +90,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void CloseIfSettled();
   void CloseLink();
   void Carry(const decision::Decision& decision);
+  void Inform(const decision::Decision& decision);
   void Publish(const decision::DecisionRecord& record);
   priors::EvidenceKey KeyOf(uint32_t arm) const;
 
@@ -106,7 +107,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint32_t switch_epoch_;           // latest that the client named outside of frames
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that comes back
-  uint64_t timer_generation_ = 0;                      // timers of an older one are void
+  decision::Verdict told_verdict_ = decision::Verdict::kUnknown;  // to the client
+  uint64_t timer_generation_ = 0;                                 // timers of an older one are void
   bool ending_ = false;
   bool draining_ = false;
   std::vector<decision::Frame> frames_;          // reused

@@ -44,6 +44,15 @@ void FillPosterior(const decision::BetaPosterior& posterior, v1::BetaPosterior& 
   message.set_beta(posterior.beta);
 }
 
+void FillSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                  const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message) {
+  for (const auto& posterior : posteriors) FillPosterior(posterior, *message.add_arms());
+  if (diagnosis.best_probability.empty()) return;
+  message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
+  message.set_leader_arm(diagnosis.leader);
+  message.set_leader_probability(diagnosis.best_probability[diagnosis.leader]);
+}
+
 void FillScene(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   message.set_project(scene.key.project);
   message.set_scene(scene.key.scene);
@@ -68,6 +77,12 @@ void FillDecision(const decision::DecisionRecord& record, std::span<const std::s
   message.set_outcome(static_cast<v1::DecisionOutcome>(record.outcome));
   if (record.reason) message.set_reason(static_cast<v1::SwitchReason>(*record.reason));
   if (record.reward) message.set_reward(*record.reward);
+  const decision::Diagnosis& diagnosis = record.diagnosis;
+  message.mutable_best_probability()->Assign(diagnosis.best_probability.begin(),
+                                             diagnosis.best_probability.end());
+  message.set_expected_loss_ratio(diagnosis.expected_loss_ratio);
+  message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
+  message.set_context_bucket(record.context);
 }
 
 void FillRecord(const priors::PriorRecord& record, v1::PriorRecord& message) {

@@ -28,9 +28,11 @@ priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::stri
                                   uint32_t backend_version);
 
 void FillPosterior(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
+void FillSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                  const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message);
 // Beta(1,1) plus the evidence. active_session_count is the caller's.
 void FillScene(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
-// All but the names of session and scene.
+// All but the names of session, scene and policy.
 void FillDecision(const decision::DecisionRecord& record, std::span<const std::string> arms,
                   v1::DecisionEvent& message);
 

@@ -17,7 +17,8 @@ class SessionLink {
 
   virtual void SendSwitch(const decision::SwitchCommand& command) = 0;
   virtual void SendAcknowledgement(uint64_t sequence) = 0;
-  virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors) = 0;
+  virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                            const decision::Diagnosis& diagnosis) = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   // Ends the stream when what was said has been written. The session has let go of the link before.
   virtual void Close(const absl::Status& status) = 0;

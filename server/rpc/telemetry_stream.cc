@@ -166,10 +166,10 @@ void TelemetryStream::SendAcknowledgement(uint64_t sequence) {
   Send(std::move(response));
 }
 
-void TelemetryStream::SendSnapshot(std::span<const decision::BetaPosterior> posteriors) {
+void TelemetryStream::SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                                   const decision::Diagnosis& diagnosis) {
   v1::StreamTelemetryResponse response;
-  v1::PosteriorSnapshot& snapshot = *response.mutable_posterior_snapshot();
-  for (const auto& posterior : posteriors) FillPosterior(posterior, *snapshot.add_arms());
+  FillSnapshot(posteriors, diagnosis, *response.mutable_posterior_snapshot());
   Send(std::move(response));
 }
 

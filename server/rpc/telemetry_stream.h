@@ -43,7 +43,8 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
   void SendSwitch(const decision::SwitchCommand& command) override;
   void SendAcknowledgement(uint64_t sequence) override;
-  void SendSnapshot(std::span<const decision::BetaPosterior> posteriors) override;
+  void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                    const decision::Diagnosis& diagnosis) override;
   void SendReconnect(uint32_t delay_ms) override;
   void Close(const absl::Status& status) override;
   void Abort(const absl::Status& status) override;

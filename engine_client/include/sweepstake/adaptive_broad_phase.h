@@ -129,6 +129,11 @@ class AdaptiveBroadPhase {
   // The bail-out limit in force, from the decider's welcome; 0 is ignored. Any thread.
   void SetBailOutLimit(uint64_t limit_ns);
 
+  // What the decider says about the scene, from its latest snapshot. Any thread; latest wins.
+  void SetVerdict(const SceneVerdict& verdict);
+  // That verdict, for the game to react to: kUnknown before the first. Any thread; lock-free.
+  SceneVerdict verdict() const;
+
   SwitchMailbox& mailbox();
   // Any thread.
   Mode mode() const;

@@ -81,7 +81,8 @@ enum {
   SWP_STRUCT_RAY = 18,
   SWP_STRUCT_RAY_HIT = 19,
   SWP_STRUCT_SHADOW_SAMPLE = 20,
-  SWP_STRUCT_SHADOW_STATS = 21
+  SWP_STRUCT_SHADOW_STATS = 21,
+  SWP_STRUCT_VERDICT = 22
 };
 
 /* Bytes of a struct below as the library has it, for bindings of other languages; 0 for an unknown
@@ -360,6 +361,22 @@ typedef struct swp_shadow_stats {
   uint64_t cold_switch_count;
 } swp_shadow_stats;
 
+/* What the decider's beliefs say about the scene. */
+typedef uint32_t swp_verdict_kind;
+enum {
+  SWP_VERDICT_UNKNOWN = 0,   /* nothing learnt yet */
+  SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
+  SWP_VERDICT_TIE = 2,       /* below, but choosing the leader loses 0.5 % or less: leave it */
+  SWP_VERDICT_AMBIGUOUS = 3, /* below, and it may lose more: expect switches */
+  SWP_VERDICT_DEGRADED = 4   /* even the leader misses the frame-rate floor: simplify the scene */
+};
+
+typedef struct swp_verdict {
+  swp_verdict_kind kind;     /* a later library may have more kinds: treat those as unknown */
+  uint32_t leader_arm;       /* the best arm most probably; 0 while nothing is known */
+  double leader_probability; /* that it is, 0 to 1 */
+} swp_verdict;
+
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends. */
@@ -407,6 +424,16 @@ SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm
                                         const char** name);
 SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                            uint32_t* backend_version);
+/* The latest verdict, for the game to react to: from the attached decider, or as the transport set
+ * it. SWP_VERDICT_UNKNOWN before the first. One atomic read: neither waits nor locks, and asks no
+ * network. Each frame:
+ *
+ *   swp_verdict verdict;
+ *   if (swp_session_verdict(session, &verdict) == SWP_OK && verdict.kind == SWP_VERDICT_DEGRADED) {
+ *     spawn_fewer_objects();
+ *   }
+ */
+SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict);
 /* Samples that a full queue dropped since the session began, and switch outcomes and descriptors
  * likewise. Either pointer may be NULL. */
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
@@ -440,6 +467,9 @@ SWP_API swp_result swp_session_set_decider_present(swp_session* session, uint32_
  * 0..1. */
 SWP_API swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
                                                    uint32_t count);
+/* The verdict, from the daemon's posterior snapshot. SWP_INVALID_ARGUMENT for a kind or an arm that
+ * is none, or a probability outside of 0..1. */
+SWP_API swp_result swp_session_set_verdict(swp_session* session, const swp_verdict* verdict);
 /* The settling time in force, from the daemon's welcome. */
 SWP_API swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns);
 /* The bail-out limit in force, from the daemon's welcome; SWP_INVALID_ARGUMENT for 0. */

@@ -72,6 +72,8 @@ class EmbeddedDecider {
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
   std::vector<ArmBelief> beliefs() const;
+  // Of the latest decision.
+  SceneVerdict verdict() const;
   uint64_t decision_count() const;
   // Sources (sessions) in the priors it started from; 0: Beta(1,1).
   uint64_t prior_source_count() const;

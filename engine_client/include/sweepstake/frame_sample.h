@@ -85,6 +85,13 @@ enum class Verdict : uint32_t {
   kDegraded = 4,   // even the best arm misses the frame-rate floor
 };
 
+// The verdict with what it is about.
+struct SceneVerdict {
+  Verdict verdict = Verdict::kUnknown;
+  uint32_t leader_arm = 0;        // the best most probably; 0 while nothing is known
+  double leader_probability = 0;  // that it is, 0–1, to seven digits
+};
+
 // How a switch went.
 struct SwitchOutcome {
   uint64_t command_id = 0;

@@ -50,6 +50,7 @@ struct SessionStats {
   uint64_t decision_time_ns = 0;  // deciding, all ticks together
   uint64_t longest_decision_ns = 0;
   std::vector<ArmBelief> beliefs;  // latest posterior snapshot; empty: none yet
+  SceneVerdict verdict;  // of the same; AdaptiveBroadPhase::verdict() has it for the frame thread
 };
 
 struct SessionOptions {

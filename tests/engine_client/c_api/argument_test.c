@@ -242,6 +242,7 @@ static void check_session_options(void) {
 }
 
 static void check_sessions_without_one(void) {
+  swp_verdict verdict = {0, 0, 0};
   swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   swp_frame_sample sample;
   swp_switch_outcome outcome;
@@ -274,6 +275,8 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_post_switch(NULL, &command));
   REFUSED(swp_session_set_decider_present(NULL, 1));
   REFUSED(swp_session_set_posterior_means(NULL, &mean, 1));
+  REFUSED(swp_session_verdict(NULL, &verdict));
+  REFUSED(swp_session_set_verdict(NULL, &verdict));
   REFUSED(swp_session_set_settling(NULL, 1));
   REFUSED(swp_session_set_bail_out_limit(NULL, 1));
   REFUSED(swp_session_attach_decider(NULL, NULL, 0));
@@ -319,6 +322,8 @@ static void check_session_arguments(swp_session* session) {
   REFUSED(swp_session_shadow_stats(session, NULL));
   REFUSED(swp_session_post_switch(session, NULL));
   REFUSED(swp_session_set_posterior_means(session, NULL, swp_backend_count()));
+  REFUSED(swp_session_verdict(session, NULL));
+  REFUSED(swp_session_set_verdict(session, NULL));
   REFUSED(swp_session_beliefs(session, NULL, 1, &number));
   REFUSED(swp_session_beliefs(session, NULL, 0, NULL));
   REFUSED(swp_session_decision_count(session, NULL));

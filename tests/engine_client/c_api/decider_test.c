@@ -86,6 +86,25 @@ static void check_beliefs(const game* played) {
   CHECK(source_count == 0);
 }
 
+/* The exploration has learnt something: there is a leader, and somebody it is told to. */
+static void check_verdict(const game* played) {
+  swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 99, -1};
+  CHECK_OK(swp_session_verdict(played->session, &verdict));
+  CHECK(verdict.kind > SWP_VERDICT_UNKNOWN && verdict.kind <= SWP_VERDICT_AMBIGUOUS);
+  CHECK(verdict.leader_arm < swp_backend_count());
+  CHECK(verdict.leader_probability > 1.0 / swp_backend_count() && verdict.leader_probability <= 1);
+}
+
+/* Frames of 50 ms miss the floor of 30 frames/s whatever the arm. */
+static void check_degraded(game* played) {
+  swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 0, 0};
+  for (int frame = 0; frame < 60 * 20 && verdict.kind != SWP_VERDICT_DEGRADED; ++frame) {
+    run_frame(played, 50000000);
+    CHECK_OK(swp_session_verdict(played->session, &verdict));
+  }
+  CHECK(verdict.kind == SWP_VERDICT_DEGRADED);
+}
+
 static void check_drain_is_refused(const game* played) {
   swp_frame_sample sample;
   swp_switch_outcome outcome;
@@ -142,9 +161,14 @@ static void check_attach_errors(void) {
 void test_decider(void) {
   game played = start_game();
   swp_frame_sample sample;
+  swp_verdict verdict = {99, 99, 99};
   uint32_t count = 99;
+  CHECK_OK(swp_session_verdict(played.session, &verdict));
+  CHECK(verdict.kind == SWP_VERDICT_UNKNOWN);
   check_exploration(&played);
   check_beliefs(&played);
+  check_verdict(&played);
+  check_degraded(&played);
   check_drain_is_refused(&played);
   check_manual(&played);
   CHECK_OK(swp_session_detach_decider(played.session));

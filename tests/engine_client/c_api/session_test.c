@@ -206,6 +206,21 @@ static void check_shadow_lane(swp_scene* scene) {
   swp_session_destroy(session);
 }
 
+/* What the transport heard from the daemon is what the game polls; what is none changes nothing. */
+static void check_verdict_of_transport(swp_session* session) {
+  const swp_verdict told = {SWP_VERDICT_TIE, 1, 0.5};
+  const swp_verdict wrong[] = {{5, 1, 0.5}, {SWP_VERDICT_TIE, 99, 0.5}, {SWP_VERDICT_TIE, 1, 1.5}};
+  swp_verdict heard = {99, 99, 99};
+  CHECK_OK(swp_session_verdict(session, &heard));
+  CHECK(heard.kind == SWP_VERDICT_UNKNOWN);
+  CHECK_OK(swp_session_set_verdict(session, &told));
+  for (int i = 0; i < 3; ++i) {
+    CHECK(swp_session_set_verdict(session, &wrong[i]) == SWP_INVALID_ARGUMENT);
+  }
+  CHECK_OK(swp_session_verdict(session, &heard));
+  CHECK(heard.kind == SWP_VERDICT_TIE && heard.leader_arm == 1 && heard.leader_probability == 0.5);
+}
+
 void test_transport(void) {
   const double means[32] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
   const double wrong_means[32] = {0.1, 1.7};
@@ -220,6 +235,7 @@ void test_transport(void) {
   CHECK_OK(swp_session_set_posterior_means(session, means, arm_count));
   CHECK(swp_session_set_posterior_means(session, means, arm_count - 1) == SWP_INVALID_ARGUMENT);
   CHECK(swp_session_set_posterior_means(session, wrong_means, arm_count) == SWP_INVALID_ARGUMENT);
+  check_verdict_of_transport(session);
   CHECK_OK(swp_session_set_decider_present(session, 1));
   CHECK(swp_session_set_decider_present(session, 2) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_set_settling(session, 1000));

@@ -10,37 +10,23 @@ namespace {
 
 using testing::HasSubstr;
 
+void AddArm(const char* name, uint32_t version, double alpha, double beta,
+            v1::ScenePosterior& scene) {
+  v1::ArmPosterior& arm = *scene.add_arms();
+  arm.set_arm(name);
+  arm.set_backend_version(version);
+  arm.mutable_posterior()->set_alpha(alpha);
+  arm.mutable_posterior()->set_beta(beta);
+}
+
 v1::ScenePosterior SomeScene() {
   v1::ScenePosterior scene;
   scene.set_project("game");
   scene.set_scene("arena");
   scene.set_source_count(3);
-  v1::ArmPosterior& arm = *scene.add_arms();
-  arm.set_arm("SAP");
-  arm.set_backend_version(2);
-  arm.mutable_posterior()->set_alpha(30);
-  arm.mutable_posterior()->set_beta(10);
-  arm.set_window_count(38);
+  AddArm("SAP", 2, 30, 10, scene);
+  scene.mutable_arms(0)->set_window_count(38);
   return scene;
-}
-
-TEST(ApproximateInterval, IsNearTheExactQuantilesOfAWellObservedArm) {
-  // Beta(30, 10): the exact 2.5 % and 97.5 % quantiles are 0.606 and 0.870.
-  const Interval interval = ApproximateInterval(30, 10);
-  EXPECT_NEAR(interval.low, 0.606, 0.015);
-  EXPECT_NEAR(interval.high, 0.870, 0.015);
-}
-
-TEST(ApproximateInterval, StaysWithinZeroAndOne) {
-  const Interval unknown = ApproximateInterval(1, 1);
-  EXPECT_EQ(unknown.low, 0);
-  EXPECT_EQ(unknown.high, 1);
-}
-
-TEST(ApproximateInterval, IsEverythingWithoutEvidence) {
-  const Interval nothing = ApproximateInterval(0, 0);
-  EXPECT_EQ(nothing.low, 0);
-  EXPECT_EQ(nothing.high, 1);
 }
 
 TEST(IntervalBar, MarksTheMeanWithinTheInterval) {
@@ -56,11 +42,47 @@ TEST(PosteriorText, NamesTheSceneItsSourcesAndEachArm) {
   EXPECT_THAT(text, HasSubstr("0.750"));
 }
 
+TEST(PosteriorText, GivesTheExactIntervalAndTheVerdict) {
+  v1::ScenePosterior scene = SomeScene();
+  AddArm("Grid", 2, 5, 35, scene);
+  const std::string text = PosteriorText(scene);
+  // The 2.5 % and 97.5 % quantiles of Beta(30, 10).
+  EXPECT_THAT(text, HasSubstr("0.607"));
+  EXPECT_THAT(text, HasSubstr("0.870"));
+  EXPECT_THAT(text, HasSubstr("verdict stable: SAP is the best with probability 1.000"));
+}
+
+TEST(PosteriorText, KnowsNoVerdictWithoutEvidence) {
+  v1::ScenePosterior scene;
+  AddArm("SAP", 1, 1, 1, scene);
+  AddArm("Grid", 1, 1, 1, scene);
+  EXPECT_THAT(PosteriorText(scene), HasSubstr("verdict unknown\n"));
+}
+
 TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
   const auto document = PosteriorJson(SomeScene());
   EXPECT_EQ(document["arms"][0]["alpha"], 30);
   EXPECT_EQ(document["arms"][0]["n"], 40);
   EXPECT_EQ(document["sources"], 3);
+}
+
+TEST(PosteriorJson, LetsOnlyTheNewestVersionOfAnArmBeTheBest) {
+  v1::ScenePosterior scene = SomeScene();
+  AddArm("SAP", 1, 90, 1, scene);
+  AddArm("Grid", 2, 28, 12, scene);
+  const auto document = PosteriorJson(scene);
+  EXPECT_TRUE(document["arms"][1]["best_probability"].is_null());
+  EXPECT_NEAR(document["arms"][0]["best_probability"].get<double>() +
+                  document["arms"][2]["best_probability"].get<double>(),
+              1, 1e-9);
+  EXPECT_EQ(document["leader_arm"], "SAP");
+  EXPECT_EQ(document["verdict"], "ambiguous");
+}
+
+TEST(PosteriorJson, TakesWhatIsNoDistributionForUnknown) {
+  v1::ScenePosterior scene = SomeScene();
+  AddArm("Grid", 2, 0, -3, scene);
+  EXPECT_TRUE(PosteriorJson(scene)["arms"][1]["best_probability"].is_null());
 }
 
 TEST(DecisionText, SaysWhatBecameOfTheCandidate) {
@@ -72,8 +94,9 @@ TEST(DecisionText, SaysWhatBecameOfTheCandidate) {
   event.set_outcome(v1::DECISION_OUTCOME_SWITCHED);
   event.set_reason(v1::SWITCH_REASON_BAIL_OUT);
   event.set_reward(0.7312);
+  event.set_verdict(v1::VERDICT_AMBIGUOUS);
   EXPECT_EQ(DecisionText(event),
-            "arena: decision 7, SAP → KDTree: switched (bail out), reward 0.731");
+            "arena: decision 7, SAP → KDTree: switched (bail out), reward 0.731, ambiguous");
   v1::DecisionEvent held;
   held.set_scene("arena");
   held.set_decision_id(8);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
@@ -254,6 +255,40 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
   RunUntil([&] { return session_->stats().command_count == 1; });
   EXPECT_EQ(session_->stats().beliefs.size(), 3U);
   EXPECT_EQ(session_->stats().beliefs[0].alpha, 1);
+}
+
+TEST_F(DaemonSessionTest, TellsTheDaemonsVerdict) {
+  FakeDaemon daemon;
+  StartAgainst(daemon);
+  RunUntilState(ConnectionState::kOnline);
+  EXPECT_EQ(session_->stats().verdict.verdict, Verdict::kUnknown);
+
+  v1::StreamTelemetryResponse response;
+  v1::PosteriorSnapshot& snapshot = *response.mutable_posterior_snapshot();
+  snapshot.set_verdict(v1::VERDICT_TIE);
+  snapshot.set_leader_arm(2);
+  snapshot.set_leader_probability(0.625);
+  ASSERT_TRUE(daemon.Send(response));
+  RunUntil([&] { return session_->stats().verdict.verdict == Verdict::kTie; });
+  EXPECT_EQ(session_->stats().verdict.leader_arm, 2U);
+  EXPECT_EQ(session_->stats().verdict.leader_probability, 0.625);
+  EXPECT_EQ(adaptive_->verdict().verdict, Verdict::kTie);
+  EXPECT_EQ(adaptive_->verdict().leader_probability, 0.625);
+
+  // Not usable: no such arm, no probability, a verdict of another time. The last one stays.
+  snapshot.set_verdict(v1::VERDICT_STABLE);
+  snapshot.set_leader_arm(3);
+  ASSERT_TRUE(daemon.Send(response));
+  snapshot.set_leader_arm(1);
+  snapshot.set_leader_probability(std::nan(""));
+  ASSERT_TRUE(daemon.Send(response));
+  snapshot.set_leader_probability(0.5);
+  snapshot.set_verdict(static_cast<v1::Verdict>(5));
+  ASSERT_TRUE(daemon.Send(response));
+  ASSERT_TRUE(daemon.Send(CommandFor(1)));
+  RunUntil([&] { return session_->stats().command_count == 1; });
+  EXPECT_EQ(session_->stats().verdict.verdict, Verdict::kTie);
+  EXPECT_EQ(session_->stats().verdict.leader_arm, 2U);
 }
 
 TEST_F(DaemonSessionTest, FindsADaemonThatComesLater) {

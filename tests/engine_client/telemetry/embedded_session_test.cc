@@ -76,6 +76,19 @@ TEST_F(EmbeddedSessionTest, SwitchesArmsAndTellsItsBeliefs) {
   EXPECT_GE(stats.decision_time_ns, stats.longest_decision_ns);
 }
 
+TEST_F(EmbeddedSessionTest, TellsTheVerdictToTheGame) {
+  EXPECT_EQ(session_->stats().verdict.verdict, Verdict::kUnknown);
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  // Arm 1 is the fast one.
+  RunUntil([this] {
+    const SceneVerdict verdict = adaptive_->verdict();
+    return verdict.verdict == Verdict::kStable && verdict.leader_arm == 1;
+  });
+  session_->Stop();
+  EXPECT_EQ(session_->stats().verdict.verdict, adaptive_->verdict().verdict);
+  EXPECT_GE(session_->stats().verdict.leader_probability, 0.8);
+}
+
 TEST_F(EmbeddedSessionTest, TakesEveryFrameOffTheQueueBeforeItStops) {
   ASSERT_TRUE(session_->Start(*adaptive_).ok());
   for (int i = 0; i < 1000; ++i) Frame();

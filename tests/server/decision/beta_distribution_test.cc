@@ -98,7 +98,7 @@ TEST(BetaDistribution, IsMirroredWithItsParameters) {
 }
 
 TEST(BetaDistribution, ExtremeParametersGiveOrderedNumbersOfTheUnitInterval) {
-  for (const double alpha : {1e-300, 1e-6, 1.0, 1e6, 1e15, 1e300}) {
+  for (const double alpha : {1e-300, 1e-6, 1e-5, 0.9, 1e6, 1e15, 1e300}) {
     for (const double beta : {1e-300, 1e-6, 1.0, 1e6, 1e15, 1e300}) {
       const CredibleInterval interval = CentralInterval({alpha, beta}, 0.9);
       EXPECT_TRUE(interval.low >= 0 && interval.low <= interval.high && interval.high <= 1)

@@ -7,12 +7,13 @@
 namespace sweepstake::decision {
 namespace {
 
-void Observe(FrameRateFloor& floor, double fps, int count, bool of_leader = true) {
-  for (int i = 0; i < count; ++i) floor.Observe(fps, of_leader);
+// Windows of arm 0, which leads unless it is said otherwise.
+void Observe(FrameRateFloor& floor, double fps, int count, uint32_t leader = 0) {
+  for (int i = 0; i < count; ++i) floor.Observe(0, fps, leader);
 }
 
 TEST(FrameRateFloor, TakesThreeWindowsInARowToSaySo) {
-  FrameRateFloor floor(30);
+  FrameRateFloor floor(30, 2);
   Observe(floor, 29, 2);
   Observe(floor, 31, 1);
   Observe(floor, 29, 2);
@@ -22,7 +23,7 @@ TEST(FrameRateFloor, TakesThreeWindowsInARowToSaySo) {
 }
 
 TEST(FrameRateFloor, TakesThreeWindowsInARowToTakeItBack) {
-  FrameRateFloor floor(30);
+  FrameRateFloor floor(30, 2);
   Observe(floor, 10, 3);
   Observe(floor, 60, 2);
   Observe(floor, 10, 1);
@@ -32,18 +33,26 @@ TEST(FrameRateFloor, TakesThreeWindowsInARowToTakeItBack) {
   EXPECT_FALSE(floor.degraded());
 }
 
-TEST(FrameRateFloor, LearnsFromAnotherArmOnlyThatTheFloorIsMet) {
-  FrameRateFloor floor(30);
-  Observe(floor, 10, 9, false);
+TEST(FrameRateFloor, LearnsNothingFromASlowArmWhileTheLeaderWasFastOrNeverRan) {
+  FrameRateFloor floor(30, 2);
+  Observe(floor, 10, 9, 1);
   EXPECT_FALSE(floor.degraded());
-  Observe(floor, 10, 3);
+  floor.Observe(1, 60, 1);
+  Observe(floor, 10, 9, 1);
+  EXPECT_FALSE(floor.degraded());
+}
+
+TEST(FrameRateFloor, CountsSlowWindowsOfAnyArmWhereTheLeaderWasSlowToo) {
+  FrameRateFloor floor(30, 2);
+  floor.Observe(1, 10, 1);
+  Observe(floor, 10, 2, 1);
   EXPECT_TRUE(floor.degraded());
-  Observe(floor, 60, 3, false);
+  Observe(floor, 60, 3, 1);
   EXPECT_FALSE(floor.degraded());
 }
 
 TEST(FrameRateFloor, OfZeroIsNeverMissed) {
-  FrameRateFloor floor(0);
+  FrameRateFloor floor(0, 2);
   Observe(floor, 0, 9);
   EXPECT_FALSE(floor.degraded());
 }

@@ -101,6 +101,9 @@ TEST(Diagnosis, OfAnyPosteriorsSumsToOneAndHasNoNan) {
       EXPECT_NEAR(Sum(diagnosis.best_probability), 1, 1e-12) << seed;
       for (const double p : diagnosis.best_probability) EXPECT_TRUE(p >= 0 && p <= 1) << seed;
       EXPECT_TRUE(diagnosis.expected_loss_ratio >= 0 && diagnosis.expected_loss_ratio <= 1) << seed;
+      EXPECT_TRUE(diagnosis.value_remaining_ratio >= 0 &&
+                  diagnosis.value_remaining_ratio <= diagnosis.expected_loss_ratio)
+          << seed;
       EXPECT_TRUE(std::isfinite(diagnosis.entropy) && diagnosis.entropy >= 0) << seed;
     }
   }
@@ -147,6 +150,19 @@ TEST(Diagnosis, SeesWhatANarrowArmIsAmongWideOnes) {
   EXPECT_NEAR(diagnosis.expected_loss_ratio, 0.125 / 0.625, 1e-5);
 }
 
+TEST(Diagnosis, ValueRemainingIsTheLossOfTheArmWithTheHighestMean) {
+  // The narrow arm is at 0.52; the wide one, at 0.5 on average, is above it with probability
+  // almost a half only: leader and highest mean are the same.
+  const Diagnosis same = Diagnose(Posteriors{{52e10, 48e10}, {1, 1}});
+  EXPECT_EQ(same.leader, 0u);
+  EXPECT_EQ(same.value_remaining_ratio, same.expected_loss_ratio);
+  // Beta(0.2, 0.3) is above 0.38 with probability below a half, and has the mean 0.4.
+  const Diagnosis other = Diagnose(Posteriors{{38e10, 62e10}, {0.2, 0.3}});
+  EXPECT_EQ(other.leader, 0u);
+  const double best = 0.38 / (1 - other.expected_loss_ratio);
+  EXPECT_NEAR(other.value_remaining_ratio, (best - 0.4) / best, 1e-9);
+}
+
 TEST(Diagnosis, OfFewDigitsApartIsTheNormalOne) {
   // Standard deviation of the difference: √(2 · ¼ / 2e14).
   const double sigma = std::sqrt(0.5 / 2e14);
@@ -186,6 +202,7 @@ TEST(LogCostDiagnosis, OfTwoArmsIsTheNormalDistribution) {
   // E[(y0 − y1)⁺] = s φ(z) − d Φ(−z), of d = 0.2, s = 0.2.
   const double loss = 0.2 * (std::exp(-0.5) / std::sqrt(2 * M_PI) - NormalDistribution(-1));
   EXPECT_NEAR(diagnosis.expected_loss_ratio, std::expm1(loss), 1e-6);
+  EXPECT_NEAR(diagnosis.value_remaining_ratio, diagnosis.expected_loss_ratio, 1e-12);
 }
 
 TEST(LogCostDiagnosis, OfWhatAllShareIsTheIndependentOne) {

@@ -68,6 +68,15 @@ TEST(Options, BailOutPenaltyIsFiniteAndNotNegative) {
   }
 }
 
+TEST(Options, FrameRateFloorIsFiniteAndNotNegative) {
+  EXPECT_EQ(DecisionOptions().fps_floor, 30);
+  for (const double floor : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    DecisionOptions options;
+    options.fps_floor = floor;
+    EXPECT_THAT(*Validate(options), HasSubstr("fps_floor"));
+  }
+}
+
 TEST(TimeScale, DividesEveryIntervalButTheBailOutLimit) {
   const DecisionOptions scaled = DecisionOptions().Scaled(100);
   EXPECT_EQ(scaled.decision_interval_ns, 20 * kMillisecond);

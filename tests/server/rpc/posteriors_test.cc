@@ -176,6 +176,13 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   EXPECT_EQ(event.decision().active_arm(), "Grid");
   EXPECT_EQ(event.decision().decision_id(), 1u);
   EXPECT_TRUE(event.decision().has_reward());
+  EXPECT_EQ(event.decision().policy(), "paper");
+  EXPECT_NE(event.decision().verdict(), v1::VERDICT_UNSPECIFIED);
+  ASSERT_EQ(event.decision().best_probability_size(), 3);
+  EXPECT_NEAR(event.decision().best_probability(0) + event.decision().best_probability(1) +
+                  event.decision().best_probability(2),
+              1, 1e-9);
+  EXPECT_GT(event.decision().expected_loss_ratio(), 0);
   while (event.posterior().arms_size() < 2) ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.posterior().arms(0).arm(), "Grid");
   EXPECT_EQ(event.posterior().arms(0).window_count(), 1u);

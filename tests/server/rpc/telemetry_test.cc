@@ -60,6 +60,42 @@ TEST_F(TelemetryTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
   EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
 }
 
+TEST_F(TelemetryTest, ASnapshotSaysTheVerdictAndWhoLeads) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  const v1::PosteriorSnapshot snapshot =
+      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+  EXPECT_EQ(snapshot.verdict(), v1::VERDICT_STABLE);
+  EXPECT_EQ(snapshot.leader_arm(), 0u);
+  EXPECT_EQ(snapshot.leader_probability(), 1);
+}
+
+TEST_F(TelemetryTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  client.Await(Response::kPosteriorSnapshot);
+  v1::StreamTelemetryRequest manual;
+  manual.set_sequence(2);
+  manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
+  client.Send(manual);
+  ASSERT_TRUE(Applied(2));
+  for (uint64_t sequence = 3; sequence <= 5; ++sequence) {
+    client.Send(Frames(sequence, 30, 50));
+    ASSERT_TRUE(Applied(sequence));
+    Tick();
+  }
+  const v1::PosteriorSnapshot snapshot =
+      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+  EXPECT_EQ(snapshot.verdict(), v1::VERDICT_DEGRADED);
+  EXPECT_EQ(snapshot.arms_size(), 1);
+}
+
 TEST_F(TelemetryTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
