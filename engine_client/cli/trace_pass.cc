@@ -198,6 +198,7 @@ class TracePass {
 
   void NotePace(size_t arm, ArmTurn turn, const std::vector<FrameCost>& costs) {
     std::vector<uint64_t> times;
+    times.reserve(costs.size());
     for (const FrameCost& cost : costs) times.push_back(cost.ns);
     const uint64_t sum = std::accumulate(times.begin(), times.end(), uint64_t{0});
     // One frame that the machine disturbed must not make an arm a slow one.

@@ -21,6 +21,7 @@ uint64_t LowerQuartile(std::vector<uint64_t>& values) {
 void TakeQuartiles(std::vector<CostTrace>& runs,
                    const std::function<std::vector<uint64_t>&(CostTrace&)>& column) {
   std::vector<std::vector<uint64_t>*> columns;
+  columns.reserve(runs.size());
   for (CostTrace& run : runs) columns.push_back(&column(run));
   std::vector<uint64_t> values(runs.size());
   for (size_t i = 0; i < columns.front()->size(); ++i) {
@@ -34,21 +35,6 @@ void KeepHeldInAll(std::vector<CostTrace>& runs) {
   for (const CostTrace& run : runs) {
     for (size_t i = 0; i < held.size(); ++i) held[i] = held[i] & run.held[i];
   }
-}
-
-CostTrace PutTogether(std::vector<CostTrace> runs) {
-  TakeQuartiles(
-      runs, [](CostTrace & run) -> auto& { return run.step_ns; });
-  TakeQuartiles(
-      runs, [](CostTrace & run) -> auto& { return run.control_ns; });
-  TakeQuartiles(
-      runs, [](CostTrace & run) -> auto& { return run.detection_ns; });
-  for (size_t i = 0; i < runs.front().bursts.size(); ++i) {
-    TakeQuartiles(
-        runs, [i](CostTrace & run) -> auto& { return run.bursts[i].detection_ns; });
-  }
-  KeepHeldInAll(runs);
-  return std::move(runs.front());
 }
 
 Status TooManyObjects() {
@@ -87,6 +73,21 @@ Result<CostTrace> RunOnce(const TraceOptions& options, const TracePlan& plan,
 }
 
 }  // namespace
+
+CostTrace PutTogether(std::vector<CostTrace> runs) {
+  TakeQuartiles(
+      runs, [](CostTrace & run) -> auto& { return run.step_ns; });
+  TakeQuartiles(
+      runs, [](CostTrace & run) -> auto& { return run.control_ns; });
+  TakeQuartiles(
+      runs, [](CostTrace & run) -> auto& { return run.detection_ns; });
+  for (size_t i = 0; i < runs.front().bursts.size(); ++i) {
+    TakeQuartiles(
+        runs, [i](CostTrace & run) -> auto& { return run.bursts[i].detection_ns; });
+  }
+  KeepHeldInAll(runs);
+  return std::move(runs.front());
+}
 
 Result<CostTrace> RunTrace(const TraceOptions& options,
                            const std::function<void(double)>& on_progress) {

@@ -36,4 +36,7 @@ struct TraceOptions {
 Result<CostTrace> RunTrace(const TraceOptions& options,
                            const std::function<void(double share)>& on_progress);
 
+// Runs of one scene by the same arms as one trace. REQUIRES: one or more, of the same shape.
+CostTrace PutTogether(std::vector<CostTrace> runs);
+
 }  // namespace sweepstake::cli

@@ -188,6 +188,26 @@ CostTrace TwoArmTrace() {
   return trace;
 }
 
+TEST(Trace, TakesTheSecondOfFiveRunsAndTheLeastOfFewerAndHoldsWhatNoRunMeasured) {
+  std::vector<CostTrace> runs(5, TwoArmTrace());
+  for (uint64_t run = 0; run < 5; ++run) {
+    runs[run].detection_ns[7] = 50 - 10 * run;
+    runs[run].control_ns[2] = 100 + run;
+    runs[run].step_ns[3] = 200 - run;
+    runs[run].bursts[0].detection_ns[1] = 300 + run;
+    runs[run].held[3] = run == 4 ? 0 : 1;
+    runs[run].held[5] = 1;
+  }
+  const CostTrace of_five = PutTogether(runs);
+  EXPECT_EQ(of_five.detection_ns[7], 20U);
+  EXPECT_EQ(of_five.control_ns[2], 101U);
+  EXPECT_EQ(of_five.step_ns[3], 197U);
+  EXPECT_EQ(of_five.bursts[0].detection_ns[1], 301U);
+  EXPECT_EQ(of_five.held[3], 0);
+  EXPECT_EQ(of_five.held[5], 1);
+  EXPECT_EQ(PutTogether({runs[0], runs[1], runs[2]}).detection_ns[7], 30U);
+}
+
 TEST(TraceSummary, NamesTheBestFixedArmAndWhatTheOracleWouldSave) {
   const TraceSummary summary = SummarizeTrace(TwoArmTrace());
   EXPECT_DOUBLE_EQ(summary.arms[0].ms_mean, 20);
