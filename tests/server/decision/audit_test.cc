@@ -12,7 +12,6 @@
 #include "server/decision/audit_rederive.h"
 #include "server/decision/audit_runs.h"
 #include "tests/server/decision/audited_game.h"
-#include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -292,14 +291,42 @@ TEST(AuditCsv, AQuoteThatIsNeverClosedIsAProblem) {
   EXPECT_EQ(reader.problem(), "a quote is never closed");
 }
 
-TEST(AuditRuns, OfArmsThatAreNotThereAreRefused) {
-  ScriptedClient client(PlainSetup(2));
-  ArmRuns runs(2, ArmRun(1, 4, 9));
+Frame FrameOf(uint32_t arm, uint32_t epoch, uint64_t frame_time_ns = 0) {
+  Frame frame;
+  frame.arm = arm;
+  frame.switch_epoch = epoch;
+  frame.frame_time_ns = frame_time_ns;
+  return frame;
+}
+
+TEST(AuditRuns, ComeBackWithEverythingInThem) {
+  ArmRuns runs(3, ArmRun(1, 4, 0));
+  runs.Find(FrameOf(1, 4), 0)->Observe(FrameOf(1, 4, 5), 7);
+  runs.Find(FrameOf(1, 4), 0)->Observe(FrameOf(1, 4, 6), 7);
+  runs.Find(FrameOf(2, 5), 9)->Observe(FrameOf(2, 4, 8), 7);
   std::string text;
   AppendRuns(text, runs);
+  const auto parsed = ParseRuns(text, 3);
+  ASSERT_TRUE(parsed);
+  std::string again;
+  AppendRuns(again, *parsed);
+  EXPECT_EQ(again, text);
+  EXPECT_EQ(parsed->active().window().frame_count(), 2u);
+  EXPECT_EQ(parsed->later()->arm(), 2u);
+}
+
+TEST(AuditRuns, OfArmsThatAreNotThereAndImpossibleSumsAreRefused) {
+  std::string text;
+  AppendRuns(text, ArmRuns(2, ArmRun(1, 4, 9)));
+  ASSERT_EQ(text, "0 1:4:0:0:0:9:0:0:0:0:0:0:0:0:0");
   EXPECT_TRUE(ParseRuns(text, 2));
   EXPECT_FALSE(ParseRuns(text, 1));
-  EXPECT_FALSE(ParseRuns(text + " ", 2).has_value() && ParseRuns(text + " 1", 2).has_value());
+  EXPECT_FALSE(ParseRuns(text + " 1", 2));
+  EXPECT_FALSE(ParseRuns(text + ":0", 2));
+  EXPECT_FALSE(ParseRuns("", 2));
+  for (const char* wrong : {"-1", "inf", "nan", "x", ""}) {
+    EXPECT_FALSE(ParseRuns("0 1:4:0:0:0:9:0:0:0:" + std::string(wrong) + ":0:0:0:0:0", 2)) << wrong;
+  }
 }
 
 }  // namespace
