@@ -201,7 +201,8 @@ TEST(LogCostDiagnosis, OfTwoArmsIsTheNormalDistribution) {
   const Diagnosis diagnosis = DiagnoseLogCosts(means, variances);
   EXPECT_NEAR(diagnosis.best_probability[0], NormalDistribution(1), 1e-6);
   // E[(y0 − y1)⁺] = s φ(z) − d Φ(−z), of d = 0.2, s = 0.2.
-  const double loss = 0.2 * (std::exp(-0.5) / std::sqrt(2 * std::numbers::pi) - NormalDistribution(-1));
+  const double loss =
+      0.2 * (std::exp(-0.5) / std::sqrt(2 * std::numbers::pi) - NormalDistribution(-1));
   EXPECT_NEAR(diagnosis.expected_loss_ratio, std::expm1(loss), 1e-6);
   EXPECT_NEAR(diagnosis.value_remaining_ratio, diagnosis.expected_loss_ratio, 1e-12);
 }
