@@ -6,18 +6,26 @@
 // timing: calls of operator new and malloc, calls that could make the thread wait (wait_counter.h
 // lists them), and system calls of any kind (system_call_counter.h), the clock's own included. Ends
 // with 1 when any of these is not zero.
+//
+// BM_Descriptors: what describing the scene costs of it, and as a share of the detection time of
+// the arm that is the cheapest in this scene (the goal is below 1 %). BM_CopyForTheLane: a frame
+// whose boxes the shadow lane asked for, which is at most one of many.
 #include <benchmark/benchmark.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <thread>
 #include <vector>
 
 #include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/adaptive/box_tap.h"
+#include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/telemetry/sample_queue.h"
 #include "tests/bench/system_call_counter.h"
@@ -90,9 +98,10 @@ struct Faults {
   std::optional<uint64_t> system_call_count;  // absent: this system cannot count them
 };
 
-Faults CountFaults(FramePath& path) {
+template <typename Frame>
+Faults CountFaults(const Frame& frame) {
   const auto run = [&] {
-    for (int frame = 0; frame < kCountedFrames; ++frame) path.Frame();
+    for (int i = 0; i < kCountedFrames; ++i) frame();
   };
   Faults faults;
   const uint64_t before = test_support::ThreadAllocationCount() + test_support::ThreadMallocCount();
@@ -127,7 +136,7 @@ void Report(const Faults& faults, benchmark::State& state) {
 void Measure(FrameSink* sink, benchmark::State& state) {
   FramePath path(sink, static_cast<size_t>(state.range(0)));
   while (state.KeepRunning()) path.Frame();
-  Report(CountFaults(path), state);
+  Report(CountFaults([&path] { path.Frame(); }), state);
 }
 
 void BM_FrameWithoutSink(benchmark::State& state) { Measure(nullptr, state); }
@@ -145,12 +154,67 @@ void BM_FrameIntoAQueueThatIsRead(benchmark::State& state) {
     const Reader reader(queue);
     while (state.KeepRunning()) path.Frame();
   }
-  Report(CountFaults(path), state);
+  Report(CountFaults([&path] { path.Frame(); }), state);
 }
 
 BENCHMARK(BM_FrameWithoutSink)->Arg(1000)->Arg(100'000);
 BENCHMARK(BM_FrameIntoAFullQueue)->Arg(1000)->Arg(100'000);
 BENCHMARK(BM_FrameIntoAQueueThatIsRead)->Arg(1000)->Arg(100'000)->UseRealTime();
+
+// The median detection time of the cheapest arm in this scene.
+double CheapestFrameNs(size_t object_count) {
+  constexpr int kFrames = 60;
+  double cheapest_ns = std::numeric_limits<double>::max();
+  for (const char* arm : {"Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"}) {
+    BoxScene scene("brownian", object_count, 11);
+    const auto backend = std::move(*MakeBroadPhase(arm));
+    PairBuffer pairs;
+    std::vector<double> times;
+    backend->Build(scene.boxes());
+    for (int frame = 0; frame < kFrames; ++frame) {
+      scene.Step();
+      const uint64_t start_ns = SteadyClock().NowNs();
+      backend->Update(scene.boxes());
+      pairs.Clear();
+      backend->FindPairs(pairs);
+      times.push_back(static_cast<double>(SteadyClock().NowNs() - start_ns));
+    }
+    std::nth_element(times.begin(), times.begin() + kFrames / 2, times.end());
+    cheapest_ns = std::min(cheapest_ns, times[kFrames / 2]);
+  }
+  return cheapest_ns;
+}
+
+void BM_Descriptors(benchmark::State& state) {
+  const auto object_count = static_cast<size_t>(state.range(0));
+  const BoxScene scene("brownian", object_count, 11);
+  DescriptorEstimator estimator;
+  const auto observe = [&] {
+    estimator.Observe(scene.boxes());
+    if (estimator.ready()) benchmark::DoNotOptimize(estimator.Take());
+  };
+  const uint64_t start_ns = SteadyClock().NowNs();
+  while (state.KeepRunning()) observe();
+  const auto elapsed_ns = static_cast<double>(SteadyClock().NowNs() - start_ns);
+  state.counters["percent_of_frame"] =
+      100 * elapsed_ns / static_cast<double>(state.iterations()) / CheapestFrameNs(object_count);
+  Report(CountFaults(observe), state);
+}
+BENCHMARK(BM_Descriptors)->Arg(1000)->Arg(10'000)->Arg(100'000);
+
+void BM_CopyForTheLane(benchmark::State& state) {
+  const auto object_count = static_cast<size_t>(state.range(0));
+  const BoxScene scene("brownian", object_count, 11);
+  BoxTap tap;
+  tap.Reserve(BoxTap::kSlotMax, object_count);
+  const auto copy = [&] {
+    if (tap.complete()) tap.Request(BoxTap::kSlotMax);
+    tap.OnFrame(scene.boxes(), {}, SteadyClock());
+  };
+  while (state.KeepRunning()) copy();
+  Report(CountFaults(copy), state);
+}
+BENCHMARK(BM_CopyForTheLane)->Arg(1000)->Arg(10'000);
 
 // What the clock takes of it: two readings per frame.
 void BM_TwoReadingsOfTheClock(benchmark::State& state) {
