@@ -371,6 +371,7 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
     const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
     FrameSink* sink, Clock& clock) {
   std::vector<ArmBackend> owned;
+  owned.reserve(backends.size());
   for (auto& backend : backends) owned.push_back({nullptr, std::move(backend)});
   return Make(options, std::move(owned), {}, sink, clock);
 }
