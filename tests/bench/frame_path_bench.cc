@@ -163,7 +163,7 @@ BENCHMARK(BM_FrameIntoAQueueThatIsRead)->Arg(1000)->Arg(100'000)->UseRealTime();
 
 // The median detection time of the cheapest arm in this scene.
 double CheapestFrameNs(size_t object_count) {
-  constexpr int kFrames = 60;
+  constexpr int kFrames = 20;
   double cheapest_ns = std::numeric_limits<double>::max();
   for (const char* arm : {"Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"}) {
     BoxScene scene("brownian", object_count, 11);
@@ -200,7 +200,7 @@ void BM_Descriptors(benchmark::State& state) {
       100 * elapsed_ns / static_cast<double>(state.iterations()) / CheapestFrameNs(object_count);
   Report(CountFaults(observe), state);
 }
-BENCHMARK(BM_Descriptors)->Arg(1000)->Arg(10'000)->Arg(100'000);
+BENCHMARK(BM_Descriptors)->Arg(1000)->Arg(10'000);
 
 void BM_CopyForTheLane(benchmark::State& state) {
   const auto object_count = static_cast<size_t>(state.range(0));
