@@ -227,12 +227,6 @@ int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
   return options.costs.empty() ? ReplayGoals(options, terminal) : ReplayTraces(options, terminal);
 }
 
-std::vector<std::string> PriorsWords() {
-  std::vector<std::string> words;
-  for (const auto& [word, priors] : kPriors) words.push_back(word);
-  return words;
-}
-
 void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--costs", options.costs, "Cost traces, made by `sweepstake trace`")
       ->delimiter(',');
@@ -266,7 +260,7 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       .add_option(
           "--priors", options.priors,
           "right: what another seed's game has learnt; wrong: that with the ranking reversed")
-      ->check(CLI::IsMember(PriorsWords()))
+      ->check(CLI::IsMember({"none", "right", "wrong"}))
       ->capture_default_str();
   command.add_option("--threads", options.thread_count, "Games played at a time")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))

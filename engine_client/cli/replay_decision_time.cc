@@ -1,7 +1,8 @@
 #include "engine_client/cli/replay_decision_time.h"
 
+#include <time.h>
+
 #include <algorithm>
-#include <chrono>
 #include <vector>
 
 #include "server/decision/decision_session.h"
@@ -49,6 +50,12 @@ void Observe(decision::DecisionSession& session, uint32_t epoch, uint64_t tick,
   }
 }
 
+double ThreadMs() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
 double RoundP99Ms(const std::string& policy, uint32_t arm_count) {
   decision::DecisionSession session(SetupOf(policy, arm_count));
   RandomStream random(1, RandomPurpose::kChoice, 0, 0);
@@ -57,11 +64,9 @@ double RoundP99Ms(const std::string& policy, uint32_t arm_count) {
   for (uint64_t tick = 0; tick < kTickCount; ++tick) {
     Observe(session, epoch, tick, random);
     const int64_t now_ns = session.next_tick_ns();
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin_ms = ThreadMs();
     const decision::Decision decision = session.Tick(now_ns);
-    const std::chrono::duration<double, std::milli> spent =
-        std::chrono::steady_clock::now() - begin;
-    times_ms.push_back(spent.count());
+    times_ms.push_back(ThreadMs() - begin_ms);
     if (decision.command) {
       session.ObserveSwitch(decision.command->arm, ++epoch, decision.command->reason, now_ns);
     }

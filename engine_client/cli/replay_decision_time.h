@@ -1,4 +1,5 @@
-// How long the decision core takes for one decision, on this machine's clock.
+// How long the decision core takes for one decision on this machine: processor time of the thread,
+// which does not count what other programs take.
 #pragma once
 
 #include <cstdint>

@@ -170,6 +170,19 @@ TEST(Oracle, IsTheCheapestOfAllSequencesThatPayForTheirSwitches) {
   EXPECT_LT(oracle.frame_ns, oracle.regime_ns);
 }
 
+uint32_t WarmSwitches(const SyntheticTrace& trace) {
+  const ReplayScene scene = SceneOf(trace);
+  return FixedCosts(scene, 1).Oracle(2'000'000'000, /*warm=*/true).switch_count;
+}
+
+TEST(Oracle, AWarmSwitchCostsTheLastFrameOfItsWarmUp) {
+  SyntheticTrace trace = TwoRegimes();
+  trace.slowdown = [](uint32_t k) { return k < 3 ? 1e6 : 2.0; };
+  EXPECT_GE(WarmSwitches(trace), 1U);
+  trace.slowdown = [](uint32_t) { return 1e6; };
+  EXPECT_EQ(WarmSwitches(trace), 0U);
+}
+
 TEST(Oracle, StaysWhereSwitchingCostsMoreThanItSaves) {
   SyntheticTrace trace = TwoRegimes();
   trace.slowdown = [](uint32_t) { return 1e6; };
@@ -194,6 +207,7 @@ TEST(Replay, AColdSwitchIsChargedOnce) {
   EXPECT_EQ(result.timeline.activations[0].time_ns, 6'000'000'000);
   EXPECT_EQ(result.first_active_ns[0], 6'000'000'000);
   EXPECT_EQ(result.dominant_arm(), 0U);
+  EXPECT_EQ(result.timeline.decisions.size(), result.decision_count);
   EXPECT_NEAR(result.active_share(), 1 - 6.0 / 903.035, 1e-4);
 }
 
@@ -206,15 +220,21 @@ TEST(Replay, AWarmSwitchWaitsForTheLaneAndCostsItsLastFrame) {
   EXPECT_NEAR(static_cast<double>(result.total_ns), 900e9 + 304 * 10 * kMs + 1 * kMs, 1e6);
 }
 
-TEST(Replay, TheSwitchsCostReachesTheSession) {
-  const ReplayScene scene = SceneOf(TwiceAsSlow());
-  ReplaySetup setup = SetupOf("thresholds", 1);
+// What the policy's gate takes a switch to cost, at most, where a build takes `slowdown` frames.
+double CostInGate(double slowdown) {
+  SyntheticTrace trace = TwiceAsSlow();
+  trace.slowdown = [=](uint32_t k) { return k == 0 ? slowdown : 1.0; };
+  ReplaySetup setup = SetupOf("adaptive", 1);
+  setup.shadow_lane = false;
   setup.keep_timeline = true;
-  const ReplayResult result = Replay(scene, setup);
-  // Reported when settled: the observation's switch has its reason, and no tick took it for lost.
-  EXPECT_EQ(result.observation.switch_count(SwitchReason::kPolicy), 1U);
-  EXPECT_EQ(result.timeline.decisions.size(), result.decision_count);
+  double cost_s = 0;
+  for (const auto& decision : Replay(SceneOf(trace), setup).timeline.decisions) {
+    if (decision.gate) cost_s = std::max(cost_s, decision.gate->cost_s);
+  }
+  return cost_s;
 }
+
+TEST(Replay, WhatASwitchCostReachesThePolicy) { EXPECT_GT(CostInGate(200), CostInGate(1) + 0.5); }
 
 TEST(Replay, NoTimeIsLost) {
   const ReplayScene scene = SceneOf(TwoRegimes());
