@@ -119,7 +119,7 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
   std::ostringstream text;
   text << scene.project() << " / " << scene.scene();
   if (!scene.machine_class().empty()) text << " on " << scene.machine_class();
-  text << ": " << scene.active_session_count()
+  text << ", reward version " << scene.reward_version() << ": " << scene.active_session_count()
        << (scene.active_session_count() == 1 ? " session" : " sessions") << " now, evidence of "
        << scene.source_count() << " in all\n"
        << "verdict " << VerdictText(view) << '\n';

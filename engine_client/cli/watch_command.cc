@@ -59,7 +59,8 @@ class Screen {
   void Show(const v1::WatchPosteriorsResponse& event) {
     if (event.has_posterior()) {
       const v1::ScenePosterior& scene = event.posterior();
-      scenes_[{scene.project(), scene.scene(), scene.machine_class()}] = scene;
+      scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] =
+          scene;
       if (!redraw_) out_ << PosteriorText(scene) << std::flush;
     } else if (event.has_decision()) {
       decisions_.push_back(DecisionText(event.decision()));
@@ -85,7 +86,7 @@ class Screen {
 
   std::ostream& out_;
   const bool redraw_;
-  std::map<std::tuple<std::string, std::string, std::string>, v1::ScenePosterior> scenes_;
+  std::map<std::tuple<std::string, std::string, std::string, uint32_t>, v1::ScenePosterior> scenes_;
   std::deque<std::string> decisions_;
   std::chrono::steady_clock::time_point drawn_at_;
 };

@@ -7,6 +7,7 @@
 
 #include "engine_client/telemetry/priors_file.h"
 #include "server/decision/decision_session.h"
+#include "server/decision/policy.h"
 
 namespace sweepstake {
 namespace {
@@ -57,7 +58,7 @@ struct LoadedPriors {
 bool Applies(const PriorRecord& record, const EmbeddedOptions& options) {
   return record.project == options.project && record.scene == options.scene &&
          record.context_bucket.empty() && record.machine_class == options.machine_class &&
-         record.reward_version == decision::kRewardVersion;
+         record.reward_version == decision::PolicyKindOf(options.policy).reward_version;
 }
 
 LoadedPriors SumPriors(const std::vector<PriorRecord>& records, const EmbeddedOptions& options,
@@ -221,6 +222,10 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
   if (Status status = ValidateEmbedded(options, arms.size(), arm_versions.size()); !status.ok()) {
     return status;
   }
+  decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
+  if (const std::optional<std::string> complaint = decision::Validate(setup)) {
+    return Status(StatusCode::kInvalidArgument, *complaint);
+  }
   std::vector<PriorRecord> records;
   if (!options.priors_file.empty()) {
     Result<std::vector<PriorRecord>> read = ReadPriorsFile(options.priors_file);
@@ -228,8 +233,7 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
     records = std::move(*read);
   }
   LoadedPriors priors = SumPriors(records, options, arms, arm_versions);
-  decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
-  setup.priors = std::move(priors.arms);
+  if (!priors.sources.empty()) setup.priors = std::move(priors.arms);
   if (const std::optional<std::string> complaint = decision::Validate(setup)) {
     return Status(StatusCode::kInvalidArgument, *complaint);
   }

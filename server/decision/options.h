@@ -18,7 +18,7 @@ struct RewardWeights {
 };
 
 struct DecisionOptions {
-  std::string policy = "paper";  // one of PolicyNames()
+  std::string policy = "default";  // one of PolicyNames()
   RewardWeights weights;
   int64_t decision_interval_ns = 2'000'000'000;  // Δt, > 0
   int64_t cooldown_ns = 40'000'000'000;  // since the last executed switch of any reason, >= 0
@@ -40,9 +40,6 @@ struct DecisionOptions {
 inline constexpr int64_t kLongestIntervalNs = 8'640'000'000'000'000;  // 100 days
 inline constexpr double kLargestPenalty = 1e6;
 inline constexpr double kLargestFpsFloor = 1000;
-
-// Version of the reward; evidence of different versions is never merged.
-inline constexpr uint32_t kRewardVersion = 1;
 
 // Names of the policies; "default" stands for the one of "AI Decides".
 std::span<const std::string_view> PolicyNames();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "server/decision/policy.h"
 #include "server/rpc/options.h"
 
 namespace sweepstake::rpc {
@@ -67,7 +68,7 @@ absl::Status CheckNames(const v1::Hello& hello) {
 absl::Status CheckPolicy(const std::string& policy) {
   std::string valid;
   for (const std::string_view name : decision::PolicyNames()) {
-    if (policy.empty() || policy == name) return absl::OkStatus();
+    if (policy == name) return absl::OkStatus();
     absl::StrAppend(&valid, valid.empty() ? "" : ", ", std::string(name));
   }
   return Invalid(absl::StrCat("policy ", policy, " is unknown; there are: ", valid));
@@ -163,10 +164,11 @@ absl::Status CheckHello(const v1::Hello& hello) {
   const double scale = hello.time_scale();
   if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
     return Invalid("time_scale must be 1 to 1000, or absent");
-  if (hello.reward_version() != 0 && hello.reward_version() != decision::kRewardVersion) {
-    return absl::FailedPreconditionError(absl::StrCat("this daemon computes reward version ",
-                                                      decision::kRewardVersion, ", not ",
-                                                      hello.reward_version(), "; leave it absent"));
+  const decision::PolicyKind& policy = decision::PolicyKindOf(hello.policy());
+  if (hello.reward_version() != 0 && hello.reward_version() != policy.reward_version) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("policy ", std::string(policy.name), " learns by reward version ",
+                     policy.reward_version, ", not ", hello.reward_version(), "; leave it absent"));
   }
   return absl::OkStatus();
 }

@@ -22,6 +22,7 @@ bool IsName(std::string_view name);
 // As IsName, or empty.
 bool IsOptionalName(std::string_view name);
 
+// REQUIRES: a policy is named; where the client named none, the daemon's default.
 absl::Status CheckHello(const v1::Hello& hello);
 
 // Any request after Hello. REQUIRES: arm_count > 0.

@@ -31,6 +31,7 @@ inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are no
 inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
 
 struct RpcOptions {
+  // Its policy is that of sessions that name none.
   decision::DecisionOptions decision;
   std::string daemon_version = "0.1.0";
   priors::AuditLimits audit;  // of the store; with 0 rows in all no rows are made

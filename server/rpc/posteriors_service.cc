@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "server/decision/options.h"
+#include "server/decision/policy.h"
 #include "server/rpc/message_validation.h"
 #include "server/rpc/posterior_watcher.h"
 #include "server/rpc/proto_conversion.h"
@@ -50,6 +50,10 @@ std::optional<SceneKey> KeyOf(const std::string& token) {
   v1::ScenePosterior key;
   if (!key.ParseFromString(bytes) || key.project().empty()) return std::nullopt;
   return SceneKey{key.project(), key.scene(), key.machine_class(), key.reward_version()};
+}
+
+uint32_t DefaultRewardVersion(const RpcOptions& options) {
+  return decision::PolicyKindOf(options.decision.policy).reward_version;
 }
 
 grpc::Status TooMuch() {
@@ -108,7 +112,8 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
                                                           v1::GetPosteriorResponse* response) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
   const SceneKey key{request->project(), request->scene(), request->machine_class(),
-                     decision::kRewardVersion};
+                     request->reward_version() != 0 ? request->reward_version()
+                                                    : DefaultRewardVersion(context_.options)};
   if (!IsName(key.project) || !IsName(key.scene) || !IsOptionalName(key.machine_class)) {
     reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
                      "project and scene must have 1 to 128 bytes and no control characters"});

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/decision/policy.h"
 #include "server/rpc/proto_conversion.h"
 
 namespace sweepstake::rpc {
@@ -26,7 +27,8 @@ uint64_t RandomBits() {
 std::string NewSessionId() { return absl::StrFormat("%016x%016x", RandomBits(), RandomBits()); }
 
 SceneKey SceneOf(const v1::Hello& hello) {
-  return {hello.project(), hello.scene(), hello.machine_class(), decision::kRewardVersion};
+  return {hello.project(), hello.scene(), hello.machine_class(),
+          decision::PolicyKindOf(hello.policy()).reward_version};
 }
 
 std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
@@ -59,7 +61,7 @@ bool BelongsTo(const priors::SourceState& source, const SceneKey& scene) {
 
 decision::DecisionOptions OptionsOf(const v1::Hello& hello, const RpcOptions& options) {
   decision::DecisionOptions scaled = options.decision;
-  if (!hello.policy().empty()) scaled.policy = hello.policy();
+  scaled.policy = hello.policy();
   return hello.time_scale() > 1 ? scaled.Scaled(hello.time_scale()) : scaled;
 }
 
@@ -91,13 +93,22 @@ BetaPosterior PriorOf(const priors::Evidence& evidence) {
   return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
 }
 
+// Flat priors are none: a policy that starts from priors would take them for knowledge.
+bool IsAnythingKnown(const priors::PriorSums& priors) {
+  return std::any_of(priors.sums.begin(), priors.sums.end(), [](const priors::PriorSum& sum) {
+    return sum.evidence.alpha > 0 || sum.evidence.beta > 0;
+  });
+}
+
 decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
                                const StoredStart& start, int64_t now_ns) {
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
-  for (const priors::PriorSum& sum : start.priors.sums) {
-    setup.priors.push_back(PriorOf(sum.evidence));
+  if (IsAnythingKnown(start.priors)) {
+    for (const priors::PriorSum& sum : start.priors.sums) {
+      setup.priors.push_back(PriorOf(sum.evidence));
+    }
   }
   setup.seed = identity.seed;
   setup.mode = static_cast<decision::Mode>(hello.mode());
@@ -145,7 +156,9 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(ServiceContext& context
                                                          const StoredStart& start) {
   if (start.source && !BelongsTo(*start.source, SceneOf(hello))) {
     return absl::InvalidArgumentError(
-        "session_id belongs to another scene; leave it absent to begin a new session");
+        "session_id belongs to another scene, machine class or version of the reward; leave it "
+        "absent "
+        "to begin a new session");
   }
   SessionIdentity identity = IdentityOf(hello, start, context.options);
   const decision::SessionSetup setup =
@@ -169,9 +182,8 @@ absl::Status CheckSame(const GameSession& session, const v1::Hello& hello) {
   }
   if (same) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      "session_id was opened with another project, scene, machine class or other arms; leave it "
-      "absent to begin a new "
-      "session");
+      "session_id was opened with another project, scene, machine class, version of the reward or "
+      "other arms; leave it absent to begin a new session");
 }
 
 v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options) {
@@ -190,8 +202,8 @@ v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions
   welcome.set_bail_out_ms(Milliseconds(decision.bail_out_ns));
   welcome.set_resume_window_ms(Milliseconds(options.resume_window_ns));
   welcome.set_daemon_version(options.daemon_version);
-  welcome.set_reward_version(decision::kRewardVersion);
-  welcome.set_policy(decision.policy);
+  welcome.set_reward_version(session.identity().scene.reward_version);
+  welcome.set_policy(std::string(session.decisions().policy()));
   welcome.set_seed(session.identity().seed);
   for (const BetaPosterior& posterior : session.decisions().posteriors()) {
     FillPosterior(posterior, *welcome.add_priors());

@@ -2,7 +2,8 @@
 //
 // Three ways: new (Beta(1,1) plus all sources' evidence), resumed from the store after a restart
 // (the same, with its own evidence in it), and resumed from memory (it just goes on). With
-// ignore_priors only the session's own evidence counts.
+// ignore_priors only the session's own evidence counts. What a session learns and starts from is of
+// its policy's version of the reward; a checked Hello names the policy.
 #pragma once
 
 #include <memory>
@@ -29,8 +30,8 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(ServiceContext& context
                                                          const v1::Hello& hello,
                                                          const StoredStart& start);
 
-// INVALID_ARGUMENT: the session in memory was opened with another project, scene, machine class or
-// other arms.
+// INVALID_ARGUMENT: the session in memory was opened with another project, scene, machine class,
+// version of the reward or other arms.
 absl::Status CheckSame(const GameSession& session, const v1::Hello& hello);
 
 v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options);

@@ -88,9 +88,11 @@ absl::Status TelemetryStream::Dispatch() {
   return absl::OkStatus();
 }
 
-absl::Status TelemetryStream::Open(const v1::Hello& hello) {
+absl::Status TelemetryStream::Open(const v1::Hello& given) {
+  hello_ = given;
+  if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
+  const v1::Hello& hello = *hello_;
   if (absl::Status status = CheckHello(hello); !status.ok()) return status;
-  hello_ = hello;
   if (std::shared_ptr<GameSession> session = context_.sessions.Find(hello.session_id())) {
     if (absl::Status status = CheckSame(*session, hello); !status.ok()) return status;
     return Enter(std::move(session), /*resumed=*/true);

@@ -62,7 +62,7 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   // All of these on the loop.
   void OnMessage(bool parsed);
   absl::Status Dispatch();
-  absl::Status Open(const v1::Hello& hello);
+  absl::Status Open(const v1::Hello& given);
   void OnLoaded(absl::StatusOr<StoredStart> start);
   absl::Status Enter(std::shared_ptr<GameSession> session, bool resumed);
   void OnHalfClose();
@@ -84,7 +84,8 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
   // On the loop.
   std::shared_ptr<GameSession> session_;
-  std::optional<v1::Hello> hello_;  // received; its session is being loaded until session_ is there
+  std::optional<v1::Hello> hello_;  // received, its policy filled in; its session is being loaded
+                                    // until session_ is there
   TelemetryOutbox outbox_;
   grpc::ByteBuffer write_bytes_;
   bool writing_ = false;

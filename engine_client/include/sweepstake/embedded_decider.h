@@ -26,7 +26,7 @@ struct Decision;  // server/decision/types.h
 }
 
 struct EmbeddedOptions {
-  std::string policy = "paper";
+  std::string policy = "default";  // that of AI Decides
   std::string project =
       "default";  // key of the priors, with scene, machine class and backend version
   std::string scene = "default";

@@ -58,7 +58,13 @@ class Game {
   std::vector<uint64_t> frame_ms_;
 };
 
-std::unique_ptr<EmbeddedDecider> MakeDecider(const EmbeddedOptions& options = {}) {
+EmbeddedOptions PaperOptions() {
+  EmbeddedOptions options;
+  options.policy = "paper";
+  return options;
+}
+
+std::unique_ptr<EmbeddedDecider> MakeDecider(const EmbeddedOptions& options = PaperOptions()) {
   auto made = EmbeddedDecider::Create(options, kArms, kVersions, 0);
   EXPECT_TRUE(made.ok()) << made.status().message();
   return std::move(*made);
@@ -148,7 +154,7 @@ TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
 
 TEST(EmbeddedDecider, TellsEveryDecisionInOrder) {
   std::vector<uint64_t> told;
-  EmbeddedOptions options;
+  EmbeddedOptions options = PaperOptions();
   options.on_decision = [&](const decision::Decision& decision) {
     told.push_back(decision.record.decision_id);
   };
@@ -217,7 +223,7 @@ class EmbeddedDeciderPriors : public ::testing::Test {
     record.project = record.scene = "default";
     record.arm = arm;
     record.backend_version = version;
-    record.reward_version = decision::kRewardVersion;
+    record.reward_version = 1;
     record.source_id = source;
     record.source_sequence = 1;
     record.alpha_increment = 10;
@@ -226,7 +232,7 @@ class EmbeddedDeciderPriors : public ::testing::Test {
   }
 
   EmbeddedOptions Options() const {
-    EmbeddedOptions options;
+    EmbeddedOptions options = PaperOptions();
     options.priors_file = path_;
     return options;
   }
@@ -242,7 +248,7 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
   records.push_back(RecordOf("DBVT", 1, "f"));
   records.back().machine_class = "phone";
   records.push_back(RecordOf("DBVT", 1, "g"));
-  records.back().reward_version = decision::kRewardVersion + 1;
+  records.back().reward_version = 2;
   ASSERT_TRUE(WritePriorsFile(records, path_).ok());
   const auto decider = MakeDecider(Options());
   EXPECT_EQ(decider->prior_source_count(), 2U);
@@ -250,6 +256,17 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
   EXPECT_EQ(decider->beliefs()[0].beta, 11);
   EXPECT_EQ(decider->beliefs()[1].alpha, 1);
   EXPECT_EQ(decider->beliefs()[2].alpha, 1);  // of another backend version
+}
+
+TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
+  std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
+                                      RecordOf("DBVT", 1, "c")};
+  records[1].reward_version = records[2].reward_version = 2;
+  ASSERT_TRUE(WritePriorsFile(records, path_).ok());
+  EXPECT_EQ(MakeDecider(Options())->prior_source_count(), 1U);
+  EmbeddedOptions adaptive = Options();
+  adaptive.policy = "adaptive";
+  EXPECT_EQ(MakeDecider(adaptive)->prior_source_count(), 2U);
 }
 
 TEST_F(EmbeddedDeciderPriors, NamesTheBrokenRecord) {

@@ -5,6 +5,7 @@ namespace sweepstake::decision {
 SessionSetup PlainSetup(uint32_t arm_count) {
   SessionSetup setup;
   for (uint32_t arm = 0; arm < arm_count; ++arm) setup.arms.push_back("arm" + std::to_string(arm));
+  setup.options.policy = "paper";
   setup.options.explore = false;
   return setup;
 }

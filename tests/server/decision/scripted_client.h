@@ -13,7 +13,7 @@ namespace sweepstake::decision {
 inline constexpr int64_t kSecond = 1'000'000'000;
 inline constexpr int64_t kMillisecond = 1'000'000;
 
-// Names "arm0", "arm1" …, no exploration.
+// Names "arm0", "arm1" …, policy `paper`, no exploration.
 SessionSetup PlainSetup(uint32_t arm_count);
 
 class ScriptedClient {

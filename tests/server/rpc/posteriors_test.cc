@@ -268,7 +268,7 @@ TEST_F(PosteriorsTest, MoreEvidenceThanASessionTakesIsScaledDownInItsProportion)
   record.set_arm(hello.arms(0).name());
   record.set_backend_version(hello.arms(0).backend_version());
   record.set_machine_class(hello.machine_class());
-  record.set_reward_version(decision::kRewardVersion);
+  record.set_reward_version(1);
   record.set_source_sequence(1);
   record.set_alpha_increment(9e14);
   record.set_beta_increment(3e14);

@@ -1,5 +1,5 @@
-// A real server on an ephemeral loopback port, a scripted clock, a memory store, and a client to
-// talk to it.
+// A real server on an ephemeral loopback port, a scripted clock, a memory store unless a test wants
+// another, and a client to talk to it.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "server/rpc/rpc_server.h"
 #include "server/storage/memory_prior_store.h"
@@ -47,6 +48,7 @@ inline v1::Hello HelloMessage() {
     arm.set_backend_version(1);
   }
   hello.set_mode(v1::MODE_AI);
+  hello.set_policy("paper");
   hello.set_seed(7);
   return hello;
 }
@@ -157,7 +159,9 @@ class TelemetryClient {
 
 class RpcTest : public ::testing::Test {
  protected:
-  RpcTest() {
+  explicit RpcTest(
+      std::unique_ptr<priors::PriorStore> store = std::make_unique<storage::MemoryPriorStore>())
+      : thread_(std::move(store), {.group_interval = std::chrono::milliseconds(0)}) {
     // Windows are learnt from at the first tick.
     options_.decision.explore = false;
     options_.decision.settling_ns = 0;
@@ -208,11 +212,11 @@ class RpcTest : public ::testing::Test {
   // One decision tick, and what it leads to is awaited by the caller.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }
 
-  priors::SceneEvidence Stored(const std::string& scene = "harbour") {
+  priors::SceneEvidence Stored(const std::string& scene = "harbour", uint32_t reward_version = 1) {
     std::promise<priors::SceneEvidence> result;
     thread_.Submit([&](priors::PriorStore& store) {
-      result.set_value(store.LoadScene({"game", scene, "", decision::kRewardVersion})
-                           ->value_or(priors::SceneEvidence{}));
+      result.set_value(
+          store.LoadScene({"game", scene, "", reward_version})->value_or(priors::SceneEvidence{}));
     });
     return result.get_future().get();
   }
@@ -220,8 +224,7 @@ class RpcTest : public ::testing::Test {
   RpcOptions options_;
   ManualClock clock_;
   spdlog::logger log_{"test"};
-  storage::StoreThread thread_{std::make_unique<storage::MemoryPriorStore>(),
-                               {.group_interval = std::chrono::milliseconds(0)}};
+  storage::StoreThread thread_;
   HoldingStore store_{thread_};
   std::unique_ptr<RpcServer> server_;
   std::shared_ptr<grpc::Channel> channel_;

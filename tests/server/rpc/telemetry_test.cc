@@ -32,6 +32,17 @@ TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcomeThatSaysHowToGoOn) {
   EXPECT_EQ(welcome.prior_source_count(), 0u);
 }
 
+TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsOwn) {
+  StopServer();
+  options_.decision.policy = "ucb1";
+  StartServer();
+  v1::Hello hello = HelloMessage();
+  hello.clear_policy();
+  EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "ucb1");
+  hello.set_policy("random");
+  EXPECT_EQ(TelemetryClient(channel_).Open(hello).policy(), "random");
+}
+
 TEST_F(TelemetryTest, TheTimeScaleDividesTheIntervalsOfTheWelcome) {
   TelemetryClient client(channel_);
   v1::Hello hello = HelloMessage();
@@ -306,11 +317,10 @@ TEST_F(TelemetryTest, ImplausibleFramesAreLeftOutAndCounted) {
 }
 
 TEST_F(TelemetryTest, WhatTheShadowLaneMeasuredReachesThePolicy) {
-  StopServer();
-  options_.decision.policy = "adaptive";
-  StartServer();
   TelemetryClient client(channel_);
-  client.Open(HelloMessage());
+  v1::Hello hello = HelloMessage();
+  hello.set_policy("adaptive");
+  client.Open(hello);
   v1::StreamTelemetryRequest request = Frames(1, 30);
   for (const uint32_t arm : {0u, 1u, 2u}) {
     v1::ShadowSample& sample = *request.mutable_frame_batch()->add_shadow_samples();

@@ -1,0 +1,159 @@
+// Evidence of two versions of the reward side by side: over the stream, in SQLite, and read back.
+#include <utility>
+#include <vector>
+
+#include "server/decision/policy.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+std::unique_ptr<priors::PriorStore> OpenStore(const std::filesystem::path& path) {
+  auto store = storage::OpenSqlitePriorStore(path);
+  if (!store.ok()) ADD_FAILURE() << store.status();
+  return *std::move(store);
+}
+
+v1::Hello HelloOf(const std::string& policy) {
+  v1::Hello hello = OneArmHello();
+  hello.set_policy(policy);
+  return hello;
+}
+
+// Made before the store that is in it.
+class Directory {
+ protected:
+  test_support::TemporaryDirectory directory_;
+};
+
+class RewardVersionTest : public Directory, public RpcTest {
+ protected:
+  RewardVersionTest() : RpcTest(OpenStore(directory_.path() / "priors.sqlite")) {}
+
+  // A session of its own that learns one window; its id. `applied`: messages since the server
+  // began.
+  std::string Learn(const std::string& policy, uint64_t applied) {
+    TelemetryClient client(channel_);
+    std::string id = client.Open(HelloOf(policy)).session_id();
+    client.Send(Frames(1, 30));
+    EXPECT_TRUE(Applied(applied));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    return id;
+  }
+
+  v1::Welcome WelcomeOf(const std::string& policy) {
+    return TelemetryClient(channel_).Open(HelloOf(policy));
+  }
+
+  std::vector<v1::ScenePosterior> List() {
+    grpc::ClientContext context;
+    v1::ListPosteriorsResponse response;
+    EXPECT_TRUE(
+        v1::PosteriorsService::NewStub(channel_)->ListPosteriors(&context, {}, &response).ok());
+    return {response.scenes().begin(), response.scenes().end()};
+  }
+
+  // 0: leaves it to the daemon.
+  v1::ScenePosterior Get(uint32_t reward_version) {
+    v1::GetPosteriorRequest request;
+    request.set_project("game");
+    request.set_scene("harbour");
+    request.set_reward_version(reward_version);
+    grpc::ClientContext context;
+    v1::GetPosteriorResponse response;
+    const grpc::Status status =
+        v1::PosteriorsService::NewStub(channel_)->GetPosterior(&context, request, &response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return response.scene();
+  }
+};
+
+TEST_F(RewardVersionTest, EvidenceOfTwoVersionsIsNeverMerged) {
+  Learn("paper", 1);
+  const priors::SceneEvidence first = Stored("harbour", 1);
+  ASSERT_EQ(first.arms.size(), 1u);
+  EXPECT_TRUE(Stored("harbour", 2).arms.empty());
+
+  EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 0u);
+  Learn("adaptive", 2);
+  EXPECT_EQ(Stored("harbour", 1).arms[0].evidence, first.arms[0].evidence);
+  EXPECT_EQ(Stored("harbour", 1).source_count, 1u);
+  EXPECT_EQ(Stored("harbour", 2).arms[0].evidence.window_count, 1u);
+
+  // Each begins where its own version left off, also after a restart.
+  RestartServer();
+  const v1::Welcome paper = WelcomeOf("paper");
+  EXPECT_EQ(paper.prior_source_count(), 1u);
+  EXPECT_NEAR(paper.priors(0).alpha(), 1 + first.arms[0].evidence.alpha, 1e-12);
+  EXPECT_NEAR(paper.priors(0).beta(), 1 + first.arms[0].evidence.beta, 1e-12);
+  EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 1u);
+}
+
+TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {
+  Learn("paper", 1);
+  EXPECT_EQ(WelcomeOf("ucb1").prior_source_count(), 1u);
+}
+
+TEST_F(RewardVersionTest, TheWelcomeSaysThePolicysVersion) {
+  EXPECT_EQ(WelcomeOf("paper").reward_version(), 1u);
+  EXPECT_EQ(WelcomeOf("adaptive").reward_version(), 2u);
+  EXPECT_EQ(WelcomeOf("default").policy(), decision::PolicyKindOf("default").name);
+}
+
+TEST_F(RewardVersionTest, ASceneIsListedAndReadOncePerVersion) {
+  Learn("paper", 1);
+  Learn("adaptive", 2);
+  const std::vector<v1::ScenePosterior> scenes = List();
+  ASSERT_EQ(scenes.size(), 2u);
+  for (uint32_t version : {1u, 2u}) {
+    EXPECT_EQ(scenes[version - 1].reward_version(), version);
+    EXPECT_EQ(Get(version).reward_version(), version);
+    EXPECT_EQ(Get(version).arms(0).posterior().alpha(),
+              scenes[version - 1].arms(0).posterior().alpha());
+  }
+  EXPECT_EQ(Get(0).reward_version(), decision::PolicyKindOf("default").reward_version);
+}
+
+TEST_F(RewardVersionTest, AWatcherSeesEachVersion) {
+  Learn("paper", 1);
+  Learn("adaptive", 2);
+  grpc::ClientContext context;
+  const auto stub = v1::PosteriorsService::NewStub(channel_);
+  const auto watcher = stub->WatchPosteriors(&context, {});
+  for (uint32_t version : {1u, 2u}) {
+    v1::WatchPosteriorsResponse event;
+    ASSERT_TRUE(watcher->Read(&event));
+    EXPECT_EQ(event.posterior().reward_version(), version);
+  }
+  context.TryCancel();
+}
+
+TEST_F(RewardVersionTest, ASessionIsNotResumedUnderAnotherVersion) {
+  v1::Hello hello = HelloOf("adaptive");
+  hello.set_session_id(Learn("paper", 1));
+  for (const bool from_store : {false, true}) {
+    if (from_store) RestartServer();
+    TelemetryClient client(channel_);
+    client.Send(Request(hello));
+    const grpc::Status status = client.Finish();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_THAT(status.error_message(), ::testing::HasSubstr("version of the reward"));
+  }
+}
+
+TEST_F(RewardVersionTest, AnExpectationIsCheckedAgainstThePolicys) {
+  v1::Hello hello = HelloOf("adaptive");
+  hello.set_reward_version(1);
+  TelemetryClient client(channel_);
+  client.Send(Request(hello));
+  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  hello.set_reward_version(2);
+  EXPECT_EQ(TelemetryClient(channel_).Open(hello).reward_version(), 2u);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
