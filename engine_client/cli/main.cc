@@ -13,6 +13,7 @@
 #include "engine_client/cli/command_line.h"
 #include "engine_client/cli/experiment_command.h"
 #include "engine_client/cli/pairs_command.h"
+#include "engine_client/cli/paper_check_command.h"
 #include "engine_client/cli/priors_command.h"
 #include "engine_client/cli/record_command.h"
 #include "engine_client/cli/replay_command.h"
@@ -75,6 +76,7 @@ int Run(int argc, char** argv) {
   AddAuditCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
   AddExperimentCommand(app, terminal, CommandLine(Program(argc, argv)), exit_code);
+  AddPaperCheckCommand(app, terminal, exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
   AddReplayCommand(app, terminal, exit_code);

@@ -1,13 +1,10 @@
 #include "engine_client/cli/replay_study.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <mutex>
 #include <numeric>
-#include <thread>
 
+#include "engine_client/cli/parallel.h"
 #include "engine_client/cli/replay_fixed.h"
 
 namespace sweepstake::cli {
@@ -138,35 +135,6 @@ class SeedGames {
   const double best_ns_;
   const FixedCosts::OracleCost oracle_;
 };
-
-// Runs work(0) … work(count − 1) on some threads; `on_done` hears from this one.
-void RunParallel(uint64_t count, uint32_t thread_count, const std::function<void(uint64_t)>& work,
-                 const std::function<void(uint64_t done)>& on_done) {
-  std::atomic<uint64_t> next = 0;
-  std::mutex mutex;
-  std::condition_variable changed;
-  uint64_t done = 0;
-  const auto take = [&] {
-    for (uint64_t i = next++; i < count; i = next++) {
-      work(i);
-      const std::lock_guard lock(mutex);
-      ++done;
-      changed.notify_one();
-    }
-  };
-  std::vector<std::thread> threads;
-  for (uint32_t i = 0; i < std::max(thread_count, 1U); ++i) threads.emplace_back(take);
-  std::unique_lock lock(mutex);
-  while (done < count) {
-    changed.wait(lock);
-    const uint64_t seen = done;
-    lock.unlock();
-    on_done(seen);
-    lock.lock();
-  }
-  lock.unlock();
-  for (std::thread& thread : threads) thread.join();
-}
 
 std::vector<double> Column(const std::vector<StudyGame>& games, double StudyGame::*column) {
   std::vector<double> values;

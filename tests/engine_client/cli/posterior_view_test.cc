@@ -23,6 +23,7 @@ v1::ScenePosterior SomeScene() {
   v1::ScenePosterior scene;
   scene.set_project("game");
   scene.set_scene("arena");
+  scene.set_reward_version(2);
   scene.set_source_count(3);
   AddArm("SAP", 2, 30, 10, scene);
   scene.mutable_arms(0)->set_window_count(38);
@@ -37,7 +38,8 @@ TEST(IntervalBar, MarksTheMeanWithinTheInterval) {
 
 TEST(PosteriorText, NamesTheSceneItsSourcesAndEachArm) {
   const std::string text = PosteriorText(SomeScene());
-  EXPECT_THAT(text, HasSubstr("game / arena: 0 sessions now, evidence of 3 in all\n"));
+  EXPECT_THAT(text,
+              HasSubstr("game / arena, reward version 2: 0 sessions now, evidence of 3 in all\n"));
   EXPECT_THAT(text, HasSubstr("SAP"));
   EXPECT_THAT(text, HasSubstr("0.750"));
 }
