@@ -140,6 +140,18 @@ TEST_F(ShadowScheduleTest, BacksOffExponentiallyFromAnArmOverTheTimeCap) {
   EXPECT_THAT(sweeps_of_arm_2, ElementsAre(1, 4, 8, 16, 32, 64, 128));
 }
 
+TEST_F(ShadowScheduleTest, DoesNotComeBackToAnArmOverTheTimeCapForAChangeOfCosts) {
+  cost_ns_[2] = options_.visit_cap_ns + 1;
+  Sweep();
+  int visits = 0;
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    cost_ns_[0] = cost_ns_[0] == 1 * kMs ? 2 * kMs : 1 * kMs;
+    if (Sweep().back() == 2) ++visits;
+  }
+  EXPECT_EQ(visits, 0);
+  EXPECT_THAT(Sweep(0, 100), ElementsAre(0, 1, 2));
+}
+
 TEST_F(ShadowScheduleTest, ComparesContendersThoughAllAreOverTheTimeCap) {
   cost_ns_ = {300 * kMs, 310 * kMs, 320 * kMs};
   CountVisits(5);

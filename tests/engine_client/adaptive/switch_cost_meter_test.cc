@@ -85,5 +85,13 @@ TEST(SwitchCostMeter, ReportsAtTheFirstFrameWithoutASettlingTime) {
   EXPECT_TRUE(meter.OnFrame(FrameOf(10)).has_value());
 }
 
+TEST(SwitchCostMeter, AwaitsNoRebuildAfterAWarmSwitch) {
+  SwitchCostMeter meter(100);
+  meter.Begin({.command_id = 1, .arm = 1}, 1, /*warm=*/true);
+  EXPECT_FALSE(meter.awaits_rebuild());
+  meter.Begin({.command_id = 2, .arm = 2}, 2, /*warm=*/false);
+  EXPECT_TRUE(meter.awaits_rebuild());
+}
+
 }  // namespace
 }  // namespace sweepstake

@@ -19,18 +19,20 @@ using test_support::ScalarPairs;
 
 constexpr uint64_t kMs = 1'000'000;
 
-// Two threads that run parts in turn: what matters is who may call it.
+// Runs parts in turn, and complains where another thread than its maker's asks for it.
 class LoneExecutor final : public Executor {
  public:
   size_t thread_count() const noexcept override { return 2; }
   void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
-    EXPECT_FALSE(running_.exchange(true));
+    EXPECT_EQ(std::this_thread::get_id(), owner_);
+    ++call_count;
     for (size_t part = 0; part < part_count; ++part) run_part(context, part);
-    running_.store(false);
   }
 
+  std::atomic<int> call_count{0};
+
  private:
-  std::atomic<bool> running_{false};
+  const std::thread::id owner_ = std::this_thread::get_id();
 };
 
 ArmBackend MakeArm(std::string_view name, Executor* executor) {
@@ -206,20 +208,26 @@ TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
   EXPECT_EQ((*alone)->shadow_stats().state, ShadowState::kOneArm);
 }
 
-// LoneExecutor complains if the lane and the frame thread meet in it.
 TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
   LoneExecutor executor;
   scene_ = BoxScene("brownian", 5000, 3);
-  Make({.executor = &executor});
-  for (uint32_t arm = 1; arm < 7; ++arm) {
+  Make({.executor = &executor, .shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
+  const auto frame = [this](uint64_t frame_time_ns) {
+    adaptive_->BeginFrame();
+    adaptive_->FindPairs(scene_.boxes());
+    adaptive_->EndFrame({.frame_time_ns = frame_time_ns});
+  };
+  for (const uint32_t arm : {1U, 0U}) {
     adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
-    for (int frame = 0; frame < 10'000 && adaptive_->active_arm() != arm; ++frame) {
-      adaptive_->BeginFrame();
-      adaptive_->FindPairs(scene_.boxes());
-      adaptive_->EndFrame({.frame_time_ns = 1000});
-    }
+    while (adaptive_->active_arm() != arm) frame(1000);
+    // Until the lane has visited what it got in exchange.
+    const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
+    while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame(16 * kMs);
   }
-  EXPECT_EQ(adaptive_->active_arm(), 6U);
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 2U);
+  const int calls_before = executor.call_count;  // Brute force has parts in every frame.
+  frame(16 * kMs);
+  EXPECT_GT(executor.call_count, calls_before);
   adaptive_.reset();
 }
 
