@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <string_view>
 
 #include "engine_client/cli/replay_study.h"
 #include "server/decision/options.h"
@@ -14,11 +15,16 @@ namespace {
 
 constexpr double kNormal95 = 1.96;
 
+// AI Decides without one of its parts: no baseline, and a matter of `sweepstake replay`.
+bool IsAblation(std::string_view policy) {
+  return policy.find("-without-") != std::string_view::npos;
+}
+
 // AI Decides, its baselines, each arm alone, and who knows everything.
 std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
   std::vector<std::string> words;
   for (const std::string_view policy : decision::PolicyNames()) {
-    if (policy != "default") words.emplace_back(policy);
+    if (policy != "default" && !IsAblation(policy)) words.emplace_back(policy);
   }
   words.insert(words.end(), {"fixed", "oracle"});
   return *ReplayPlayers(words, arms);

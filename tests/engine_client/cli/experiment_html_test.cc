@@ -182,6 +182,9 @@ TEST(CellTruth, ReplaysPoliciesArmsAndOracleAndComparesThem) {
   EXPECT_EQ(player("paper").regrets.size(), 4U);
   EXPECT_LT(player("adaptive").regret, player("paper").regret);
   EXPECT_FALSE(player("oracle").is_policy);
+  for (const ReplayedPlayer& each : truth.players) {
+    EXPECT_THAT(each.name, Not(HasSubstr("-without-"))) << "ablations are no baselines";
+  }
   for (const PairedComparison& each : truth.comparisons) {
     EXPECT_EQ(each.policy, OwnPolicyName("default"));
     EXPECT_NE(each.baseline, each.policy);
