@@ -30,7 +30,7 @@ struct Page {
 // On the store's thread.
 absl::StatusOr<Page<v1::ListAuditSegmentsResponse>> LoadPage(
     priors::PriorStore& store, const AuditFilter& filter, const Place& place,
-    v1::ListAuditSegmentsResponse /*kind*/) {
+    const v1::ListAuditSegmentsResponse& /*kind*/) {
   const auto segments = store.ListAudit(filter, place.after, kAuditSegmentsPerMessage);
   if (!segments.ok()) return segments.status();
   Page<v1::ListAuditSegmentsResponse> page;
@@ -60,10 +60,9 @@ absl::StatusOr<bool> EnterSegment(priors::PriorStore& store, const AuditFilter& 
   return true;
 }
 
-absl::StatusOr<Page<v1::ExportDecisionsResponse>> LoadPage(priors::PriorStore& store,
-                                                           const AuditFilter& filter,
-                                                           const Place& place,
-                                                           v1::ExportDecisionsResponse /*kind*/) {
+absl::StatusOr<Page<v1::ExportDecisionsResponse>> LoadPage(
+    priors::PriorStore& store, const AuditFilter& filter, const Place& place,
+    const v1::ExportDecisionsResponse& /*kind*/) {
   Page<v1::ExportDecisionsResponse> page;
   page.next = place;
   if (place.after == 0 && !place.segment) page.response.set_header(decision::AuditHeader());
