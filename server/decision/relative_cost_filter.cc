@@ -15,7 +15,7 @@ constexpr double kFirstLevel = 7.6;               // 2 ms
 constexpr double kLevelVariance = Square(2);      // of a common level of which nothing is known
 constexpr double kUnknownVariance = Square(0.8);  // of an arm against the others
 constexpr double kLaneVariance = Square(0.3);     // of the lane against the frame thread
-constexpr double kBiasVariance = Square(0.08);    // of what the lane gets wrong of an arm
+constexpr double kBiasVariance = Square(0.04);    // of what the lane gets wrong of an arm
 constexpr double kAssumedVariance = Square(0.5);
 // Noises.
 constexpr double kFirstNoise = Square(0.05);
@@ -34,9 +34,7 @@ constexpr double kNoiseRate = 0.05;
 constexpr double kDriftRate = 0.1;
 constexpr double kMostProduct = 4;
 // Of a surprise in a live window of an arm that stays: that it is this arm's alone.
-constexpr double kOwnShare = 0.1;
-// Intervals for which a live window vouches for its arm: a lane that reads it otherwise is biased.
-constexpr double kVouching = 6;
+constexpr double kOwnShare = 0.3;
 
 double Clamped(double log_cost) {
   return log_cost <= kMostLogCost ? std::max(log_cost, kLeastLogCost) : kMostLogCost;
@@ -57,8 +55,7 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterLevers& l
       drift_(kFirstDrift),
       level_drift_(kFirstLevelDrift),
       lane_drift_(kFirstLaneDrift),
-      last_visit_(arm_count),
-      live_age_(arm_count, kVouching) {
+      last_visit_(arm_count) {
   mean_.head(arm_count).setConstant(kFirstLevel);
   AddCommonVariance(0, kLevelVariance);
   AddCommonVariance(bias(0), kLaneVariance);
@@ -72,7 +69,6 @@ void RelativeCostFilter::SetPrior(uint32_t arm, const NormalBelief& log_cost) {
 }
 
 void RelativeCostFilter::Advance(double intervals) {
-  for (double& age : live_age_) age += intervals;
   AddCommonVariance(0, level_drift_ * intervals);
   AddCommonVariance(bias(0), lane_drift_ * intervals);
   covariance_.diagonal().head(arm_count_).array() += drift_ * intervals;
@@ -108,19 +104,25 @@ void RelativeCostFilter::FollowDrift(double& drift, double product) const {
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   const double innovation = Clamped(log_cost) - mean_[arm];
   const bool stays = std::exchange(live_arm_, arm) == arm;
-  live_age_[arm] = 0;
-  double variance = covariance_(arm, arm) + live_noise_;
+  const double variance = covariance_(arm, arm) + live_noise_;
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
   if (stays) FollowDrift(level_drift_, normalised * last);
+  double noise = live_noise_;
   if (std::abs(normalised) > kSurprise) {
     // What changes while an arm stays may change all of them; what another arm shows is its own.
-    if (stays) AddCommonVariance(0, Square(innovation));
-    covariance_(arm, arm) += (stays ? kOwnShare : 1) * Square(innovation);
-    variance = covariance_(arm, arm) + live_noise_;
+    if (!stays) {
+      covariance_(arm, arm) += Square(innovation);
+    } else if (Agree(last, normalised)) {
+      AddCommonVariance(0, Square(innovation));
+      covariance_(arm, arm) += kOwnShare * Square(innovation);
+      last_live_ = 0;
+    } else {
+      noise = Square(innovation);
+    }
   }
   FollowNoise(live_noise_, innovation, variance);
-  Update(covariance_.col(arm), innovation, variance);
+  Update(covariance_.col(arm), innovation, covariance_(arm, arm) + noise);
 }
 
 void RelativeCostFilter::BeginSweep(uint64_t sweep) {
@@ -173,17 +175,12 @@ double RelativeCostFilter::TakeVisit(uint32_t arm, double innovation, double var
   if (last) FollowDrift(drift_, normalised * *last);
   if (surprises && (!last || Agree(*last, normalised))) {
     last_visit_[arm] = 0;
-    Widen(arm, Square(innovation));
+    covariance_(arm, arm) += Square(innovation);
     return shadow_noise_;
   }
   const double noise = surprises ? Square(innovation) : shadow_noise_;
   FollowNoise(shadow_noise_, innovation, variance);
   return noise;
-}
-
-void RelativeCostFilter::Widen(uint32_t arm, double variance) {
-  covariance_(arm, arm) += variance;
-  if (live_age_[arm] < kVouching) covariance_(bias(arm), bias(arm)) += variance;
 }
 
 // `column`: covariances of what was observed with every state.

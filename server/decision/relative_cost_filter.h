@@ -11,8 +11,8 @@
 // What is not known beforehand comes from the innovations: the noises from their size, the drifts
 // from the correlation of successive ones (R. Mehra, "On the identification of variances and
 // adaptive Kalman filtering", IEEE TAC 15, 1970). Two surprises in a row on the same side (over 3
-// standard deviations) are a change and widen the arm's belief; a single visit's is an outlier and
-// counts little.
+// standard deviations) are a change and widen the belief; a single one is an outlier and counts
+// little.
 //
 // Time is in decision intervals. Not thread-safe. Everything stays finite: log-costs are clamped to
 // kLeastLogCost … kMostLogCost, NaN is the most. Cost: O(n²) per observation, n arms, 40 µs for a
@@ -71,7 +71,6 @@ class RelativeCostFilter {
   double VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const;
   double TakeReferenceVisit(double innovation, double variance);
   double TakeVisit(uint32_t arm, double innovation, double variance);
-  void Widen(uint32_t arm, double variance);
   void Update(const Eigen::VectorXd& column, double innovation, double variance);
 
   uint32_t arm_count_;
@@ -93,7 +92,6 @@ class RelativeCostFilter {
   std::vector<std::optional<double>> last_visit_;  // per arm, of its other visits; absent: none yet
 
   std::optional<uint32_t> live_arm_;
-  std::vector<double> live_age_;  // per arm: intervals since its latest live window
   std::optional<uint64_t> sweep_;
   bool reference_visited_ = false;  // in the sweep under way
 };

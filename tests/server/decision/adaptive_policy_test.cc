@@ -106,6 +106,17 @@ TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
   EXPECT_EQ(game.client.arm, 1u);
 }
 
+TEST(AdaptivePolicy, SaysHowSureItIs) {
+  Game game({20'000, 12'000, 10'000});
+  game.RunTicks(100);
+  const Diagnosis& sure = game.client.session.diagnosis();
+  EXPECT_EQ(sure.leader, 2u);
+  EXPECT_GT(sure.best_probability[2], 0.95);
+  Game tied({20'000, 10'010, 10'000});
+  tied.RunTicks(100);
+  EXPECT_LT(tied.client.session.diagnosis().expected_loss_ratio, 0.02);
+}
+
 TEST(AdaptivePolicy, WithoutALaneTriesEachArmLiveAndEndsOnTheCheapest) {
   Game game({20'000, 12'000, 10'000, 30'000}, /*lane=*/false);
   game.RunTicks(40);

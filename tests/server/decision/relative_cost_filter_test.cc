@@ -98,6 +98,17 @@ TEST_F(FilterTest, OneOutlierMovesLittleAndAChangeIsFollowedAtItsSecondSight) {
   EXPECT_NEAR(filter.Difference(1, 0).mean, before + 1, 0.2);
 }
 
+TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenOnceTheLaneHasSeenTheArmAgain) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  for (int i = 0; i < 3; ++i) {
+    filter.Advance(1);
+    filter.ObserveLive(0, cost_[0] + load_ + 2.5);
+  }
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 1);
+  EXPECT_NEAR(filter.Difference(1, 0).mean, 0.1, 0.3);
+}
+
 TEST_F(FilterTest, WithoutALaneLiveWindowsOfEachArmTellTheDifference) {
   RelativeCostFilter filter(kArms);
   with_lane_ = false;
