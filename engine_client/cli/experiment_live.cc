@@ -191,7 +191,7 @@ Status LiveRun::Prepare() {
 
 Result<bool> LiveRun::Play() {
   if (Status status = session_->Start(run_->adaptive()); !status.ok()) return status;
-  const auto observed = Observe();
+  auto observed = Observe();
   session_->Stop(kStopDeadlineMs);
   if (!observed.ok() || !*observed) return observed;
   Keep(run_->elapsed_ns());

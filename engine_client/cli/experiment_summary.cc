@@ -40,6 +40,7 @@ std::vector<std::pair<std::string, uint32_t>> Dominance(const std::vector<RunSum
 template <typename Measure>
 Spread SpreadOver(const std::vector<RunSummary>& runs, Measure measure) {
   std::vector<double> values;
+  values.reserve(runs.size());
   for (const RunSummary& run : runs) values.push_back(measure(run));
   return SpreadOf(values);
 }

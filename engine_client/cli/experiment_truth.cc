@@ -59,6 +59,7 @@ ReplayedPlayer PlayerOf(const ReplayPlayer& player, const StudyRow& row) {
 PairedComparison Compare(const std::string& policy, std::span<const double> ours,
                          const std::string& baseline, std::span<const double> theirs) {
   std::vector<double> differences;
+  differences.reserve(ours.size());
   for (size_t i = 0; i < ours.size(); ++i) differences.push_back(ours[i] - theirs[i]);
   PairedComparison comparison;
   comparison.policy = policy;
@@ -160,6 +161,7 @@ Interval Predicted(const std::vector<double>& games, size_t run_count) {
 
 std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegret::*column) {
   std::vector<double> values;
+  values.reserve(runs.size());
   for (const LiveRegret& run : runs) values.push_back(run.*column);
   return values;
 }
@@ -304,6 +306,7 @@ std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths
     }
   }
   std::vector<PairedComparison> comparisons;
+  comparisons.reserve(order.size());
   for (const std::string& baseline : order) {
     comparisons.push_back(Compare(own, means[own], baseline, means[baseline]));
   }
