@@ -132,6 +132,7 @@ TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
   v1::GetPosteriorRequest request;
   request.set_project("game");
   request.set_scene("harbour");
+  request.set_reward_version(decision::kRewardVersion);
   v1::GetPosteriorResponse response;
   grpc::ClientContext context;
   ASSERT_TRUE(posteriors_->GetPosterior(&context, request, &response).ok());
