@@ -35,7 +35,7 @@ struct Entry {
 };
 
 // The one called "default" is an entry as well, under its own name.
-constexpr std::string_view kDefaultPolicy = "paper";
+constexpr std::string_view kDefaultPolicy = "adaptive";
 
 constexpr PolicyKind kAdaptive = {.name = "adaptive",
                                   .reward_version = 2,

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "server/decision/decision_session.h"
+#include "server/decision/policy.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {
@@ -22,6 +23,11 @@ TEST(Options, DefaultsAreThePapersAndValid) {
   EXPECT_EQ(options.settling_ns, 2 * kSecond);
   EXPECT_EQ(options.bail_out_ns, 5 * kSecond);
   EXPECT_EQ(options.bail_out_penalty, 10);
+}
+
+TEST(Options, WithoutAPolicyThatOfAiDecidesIsMeant) {
+  EXPECT_EQ(DecisionOptions().policy, "default");
+  EXPECT_EQ(PolicyKindOf("default").name, "adaptive");
 }
 
 TEST(Options, UnknownPolicyListsTheValidOnes) {
