@@ -19,6 +19,7 @@ class EmbeddedSessionTest : public ::testing::Test {
  protected:
   void SetUp() override {
     EmbeddedOptions embedded;
+    embedded.policy = "paper";
     embedded.time_scale = 1000;
     auto made = MakeEmbeddedSession(embedded, SessionOptions());
     ASSERT_TRUE(made.ok());
