@@ -34,6 +34,7 @@ SessionOptions FastOptions() {
   options.scene = "scripted";
   options.seed = 7;
   options.time_scale = 200;
+  options.policy = "paper";  // of which every window is one observation
   options.backoff_min_ms = 5;
   options.backoff_max_ms = 50;
   return options;

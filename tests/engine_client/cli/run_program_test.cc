@@ -69,7 +69,7 @@ TEST(RunProgram, TellsWhatTheShadowLaneDid) {
 }
 
 TEST(RunProgram, PrintsSwitchesAndATableForPeople) {
-  const ProgramRun run = RunProgram(std::string(kSmallRun) + "--time-scale 1000");
+  const ProgramRun run = RunProgram(std::string(kSmallRun) + "--policy paper --time-scale 1000");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("no priors yet"));
   EXPECT_THAT(run.out, HasSubstr("(exploration)"));

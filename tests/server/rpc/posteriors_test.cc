@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/decision/policy.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
@@ -132,7 +133,7 @@ TEST_F(PosteriorsTest, OneSceneIsBetaOneOnePlusItsEvidence) {
   v1::GetPosteriorRequest request;
   request.set_project("game");
   request.set_scene("harbour");
-  request.set_reward_version(decision::kRewardVersion);
+  request.set_reward_version(decision::PolicyKindOf("paper").reward_version);
   v1::GetPosteriorResponse response;
   grpc::ClientContext context;
   ASSERT_TRUE(posteriors_->GetPosterior(&context, request, &response).ok());
