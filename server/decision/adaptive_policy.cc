@@ -24,7 +24,6 @@ constexpr double kUnsafeShare = 0.6;         // of the bail-out limit
 constexpr double kUnsafeDeviations = 2.326;  // P = 1 %
 // The gate.
 constexpr double kHorizonCooldowns = 5;
-constexpr double kHorizonShare = 0.3;  // of the time in which a difference drifts by its own size
 constexpr double kTie = 0.005;
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // of the settling time
@@ -169,15 +168,6 @@ bool AdaptivePolicy::IsSafe(uint32_t arm) const {
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
 
-// How long what is known of a difference stays true.
-double AdaptivePolicy::Horizon(const NormalBelief& difference) const {
-  const double most_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
-  if (!levers_.drift_horizon) return most_s;
-  const double intervals =
-      kHorizonShare * (Square(difference.mean) + difference.variance) / filter_.drift();
-  return std::min(most_s, intervals * Seconds(options_.decision_interval_ns));
-}
-
 AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t candidate) const {
   const NormalBelief difference = filter_.Difference(active, candidate);
   const double deviation = std::sqrt(difference.variance);
@@ -185,14 +175,13 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
   GateTerms& terms = result.terms;
   terms.gain = ExpectedGain(difference.mean, deviation);
   terms.loss = ExpectedGain(-difference.mean, deviation);
-  terms.horizon_s = Horizon(difference);
+  terms.horizon_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
   if (!observed_[candidate]) {
     // What it may be worth if nothing that is believed of it is true.
     const double flat = ExpectedGain(0, kUnknownDeviation);
     const double share = has_prior_[candidate] ? kFlatShare : 1;
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
-    terms.horizon_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
   }
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
   terms.cost_s = switch_cost_s_ / detection_share_;
@@ -218,9 +207,11 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   const std::optional<Assessment> best = BestSwitch(input.active_arm, input.now_ns);
   if (!best) return choice;
   choice.gate = best->terms;
-  const bool worthwhile = best->worth_s > 0;
+  // Not knowing has no value where the lane finds out without a switch.
+  const bool better = best->terms.gain > best->terms.loss;
+  const bool worthwhile = best->worth_s > 0 && (better || !LaneReports(input.now_ns));
   // The one that is not worth it is a candidate only where it is better at all.
-  if (worthwhile || best->terms.gain > best->terms.loss) choice.candidate = best->arm;
+  if (worthwhile || better) choice.candidate = best->arm;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;
   if (worthwhile && levers_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
   return choice;

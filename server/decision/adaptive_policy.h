@@ -6,14 +6,13 @@
 //   Beta distribution per arm, whose differences to the leader are as uncertain as the filter's.
 // - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
 // cost
-//   of switches as measured, and E⁺ must be more than a tie's. The horizon is at most
-//   kHorizonCooldowns cooldowns, and no longer than the difference takes to drift away. The
-//   cooldown is as long as pays for the switches' cost, at least settling and one window, at most
-//   the options'.
+//   of switches as measured, and E⁺ must be more than a tie's. The cooldown is as long as pays for
+//   the switches' cost, at least settling and one window, at most the options'.
 // - An arm that may exceed three fifths of the bail-out limit (3 s of 5) with a probability of 1 %
 //   is never switched to.
-// - While the shadow lane reports, only arms that it has measured are switched to. Without it, the
-//   value of not knowing (E⁺ of an arm never seen) tries every arm live.
+// - While the shadow lane reports, only arms that it has measured are switched to, and only where
+//   they are believed to be better: not knowing has no value there. Without it, that value (E⁺ of
+//   an arm never seen) tries every arm live.
 // - Priors are believed to 15 %, and for a fifth not at all, until an arm is observed; they are
 //   dropped where the lane's first visits put another arm well ahead of the one they do.
 //
@@ -38,7 +37,6 @@ struct AdaptiveLevers {
   bool shadow = true;          // learns from the lane
   bool gate = true;            // else any gain is worth a switch
   bool short_cooldown = true;  // else the options'
-  bool drift_horizon = true;   // else always kHorizonCooldowns
 };
 
 class AdaptivePolicy : public Policy {
@@ -70,7 +68,6 @@ class AdaptivePolicy : public Policy {
   bool LaneReports(int64_t now_ns) const;
   bool IsOpen(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm) const;
-  double Horizon(const NormalBelief& difference) const;
   Assessment Assess(uint32_t active, uint32_t candidate) const;
   std::optional<Assessment> BestSwitch(uint32_t active, int64_t now_ns) const;
 

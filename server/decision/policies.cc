@@ -69,7 +69,6 @@ constexpr std::array kEntries = {
     Without<AdaptiveLevers{.filter = {.calibration = false}}>("adaptive-without-calibration"),
     Without<AdaptiveLevers{.filter = {.common_mode = false}}>("adaptive-without-common-mode"),
     Without<AdaptiveLevers{.gate = false}>("adaptive-without-gate"),
-    Without<AdaptiveLevers{.drift_horizon = false}>("adaptive-without-drift-horizon"),
     Without<AdaptiveLevers{.short_cooldown = false}>("adaptive-without-short-cooldown"),
 };
 

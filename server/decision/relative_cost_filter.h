@@ -58,7 +58,6 @@ class RelativeCostFilter {
   NormalBelief Difference(uint32_t a, uint32_t b) const;
   // Variances: of a live window's noise, and by which an arm drifts from the others in an interval.
   double live_noise() const { return live_noise_; }
-  double drift() const { return drift_; }
 
  private:
   uint32_t bias(uint32_t arm) const { return arm_count_ + arm; }
