@@ -180,7 +180,7 @@ std::vector<Setting> DaemonSettings() {
           "memory of all connections' buffers"),
       Whole(
           "audit_rows", 0, 1'000'000'000, 1, [](Config & c) -> auto& { return c.rpc.audit.rows; },
-          "rows of the audit log, some 1 kB each; beyond it the oldest go; 0 keeps none"),
+          "rows of the audit log, 1 to 2 kB each; beyond it the oldest go; 0 keeps none"),
       Whole(
           "audit_rows_per_session", 0, 1'000'000'000, 1,
           [](Config & c) -> auto& { return c.rpc.audit.rows_per_session; },

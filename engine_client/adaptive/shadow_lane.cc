@@ -120,21 +120,25 @@ bool ShadowLane::MakeRoom(size_t object_count) {
   return fits;
 }
 
-// Once per frame of the tap's request.
+// Once per frame of the tap's request. By the mean frame: engines report times near 0 after a
+// pause.
 void ShadowLane::AccountCopies() {
+  constexpr uint64_t kLeastFrameNs = 1000;
   const uint32_t filled = tap_.filled_count();
+  const uint32_t fresh = filled - accounted_frames_;
   uint64_t copy_ns = 0;
-  uint64_t frame_ns = std::numeric_limits<uint64_t>::max();
+  uint64_t frame_ns = 0;
   for (uint32_t slot = accounted_frames_; slot < filled; ++slot) {
     const TappedFrame frame = tap_.frame(slot);
     copy_ns += frame.copy_time_ns;
-    if (frame.note.frame_time_ns > 0) frame_ns = std::min(frame_ns, frame.note.frame_time_ns);
+    frame_ns += frame.note.frame_time_ns;
   }
-  Add(counters_.copied_frame_count, filled - accounted_frames_);
+  Add(counters_.copied_frame_count, fresh);
   Add(counters_.copy_time_ns, copy_ns);
   accounted_frames_ = filled;
+  const uint64_t mean_frame_ns = std::max(frame_ns / std::max(fresh, 1U), kLeastFrameNs);
   const double spacing =
-      static_cast<double>(copy_ns) / (kCopyRatio * static_cast<double>(frame_ns));
+      static_cast<double>(copy_ns) / (kCopyRatio * static_cast<double>(mean_frame_ns));
   next_burst_frame_ =
       std::max(next_burst_frame_, tap_.latest_frame_index()) + static_cast<uint64_t>(spacing);
 }

@@ -185,6 +185,7 @@ void Declare(CLI::App& command, CommandOptions& options) {
       ->delimiter(',');
   command
       .add_option("--objects", experiment.object_counts, "Object counts (default: 1000,2000,3000)")
+      ->check(CLI::Range(1U, 1'000'000U))
       ->delimiter(',');
   command
       .add_option("--sizes-beyond", experiment.large_object_counts,

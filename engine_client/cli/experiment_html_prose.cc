@@ -195,7 +195,8 @@ Markup ExperimentMethod(const ExperimentReport& report) {
       Item(
           "Each live run is a real game without pictures: the scene moves, the active algorithm "
           "finds all pairs, the frame’s cost goes to the decider, which switches as it sees fit. "
-          "It starts knowing nothing, tries every algorithm once, and is then observed.") +
+          "It starts knowing nothing. A policy that explores, as the paper’s, first tries every "
+          "algorithm once, unobserved; that of AI Decides learns from its shadow lane instead.") +
       Item(
           "The runs of one cell have the same scene and differ in the decider’s seed and in the "
           "algorithm they begin with; those of two policies with the same number share both.") +

@@ -34,6 +34,7 @@ void RunParallel(uint64_t count, uint32_t thread_count, const std::function<void
     lock.lock();
   }
   lock.unlock();
+  on_done(count);
   for (std::thread& thread : threads) thread.join();
 }
 

@@ -220,8 +220,8 @@ int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
                         !options.log_file.empty()};
   if (std::count(std::begin(given), std::end(given), true) != 1) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 "give --costs FILE.costs, --goals SCENES.txt --traces FOLDER, or "
-                                 "--log FILE.csv"));
+                                 "give one of --costs FILE.costs, --goals SCENES.txt --traces "
+                                 "FOLDER, and --log FILE.csv"));
   }
   if (!options.log_file.empty()) return ReplayLog(options.log_file, options.json, terminal);
   return options.costs.empty() ? ReplayGoals(options, terminal) : ReplayTraces(options, terminal);

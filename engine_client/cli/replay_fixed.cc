@@ -1,6 +1,7 @@
 #include "engine_client/cli/replay_fixed.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace sweepstake::cli {
@@ -59,6 +60,7 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
   struct Path {
     double cost_ns = 0;
     uint32_t switch_count = 0;
+    std::array<uint32_t, decision::kMaxArms> frame_counts{};
   };
   const auto cheaper = [](const Path& a, const Path& b) { return a.cost_ns < b.cost_ns; };
   const uint32_t arms = scene_.arm_count();
@@ -70,7 +72,8 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
     if (frame > 0 && frame % interval == 0) {
       const Path best = *std::min_element(paths.begin(), paths.end(), cheaper);
       for (uint32_t arm = 0; arm < arms; ++arm) {
-        const Path other = {best.cost_ns + SwitchNs(frame, arm, warm), best.switch_count + 1};
+        const Path other = {best.cost_ns + SwitchNs(frame, arm, warm), best.switch_count + 1,
+                            best.frame_counts};
         paths[arm] = std::min(paths[arm], other, cheaper);
       }
     }
@@ -78,6 +81,7 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
     for (uint32_t arm = 0; arm < arms; ++arm) {
       const double ns = FrameNs(frame, arm);
       paths[arm].cost_ns += ns;
+      ++paths[arm].frame_counts[arm];
       least_ns = std::min(least_ns, ns);
     }
     oracle.frame_ns += least_ns;
@@ -85,6 +89,9 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
   const Path best = *std::min_element(paths.begin(), paths.end(), cheaper);
   oracle.regime_ns = best.cost_ns;
   oracle.switch_count = best.switch_count;
+  const auto most = std::max_element(best.frame_counts.begin(), best.frame_counts.end());
+  oracle.dominant_arm = static_cast<uint32_t>(most - best.frame_counts.begin());
+  oracle.active_share = static_cast<double>(*most) / scene_.frame_count();
   return oracle;
 }
 

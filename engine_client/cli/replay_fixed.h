@@ -24,6 +24,8 @@ class FixedCosts {
     double frame_ns = 0;        // the best arm of each frame, switching for nothing
     double regime_ns = 0;       // the cheapest sequence of arms that pays for its switches
     uint32_t switch_count = 0;  // of the latter
+    uint32_t dominant_arm = 0;  // of that sequence
+    double active_share = 1;    // of the dominant arm
   };
   // The latter may switch once per `interval_ns` of the best arm's frames, as a policy may at
   // ticks; `warm`: at the cost of a switch that the shadow lane prepared, else of a cold one. Found

@@ -70,6 +70,11 @@ int ReplayLog(const std::string& file, bool json, Terminal& terminal) {
   const auto text = ReadLog(file);
   if (!text.ok()) return Fail(terminal, text.status());
   const AuditReport report = decision::Rederive(*text);
+  if (!report.difference && report.decision_count == 0) {
+    return Fail(terminal, Status(StatusCode::kInvalidArgument,
+                                 file + " holds no decisions; `sweepstake audit list` says which "
+                                        "sessions have some"));
+  }
   if (json) {
     PrintReportJson(report, file, terminal.out);
   } else {

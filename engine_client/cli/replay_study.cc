@@ -51,7 +51,9 @@ class SeedGames {
       case ReplayPlayer::Kind::kFixed:
         return Fixed(player.arm);
       case ReplayPlayer::Kind::kOracle:
-        return Judged(oracle_.regime_ns, StudyGame{.switch_count = oracle_.switch_count});
+        return Judged(oracle_.regime_ns, StudyGame{.switch_count = oracle_.switch_count,
+                                                   .active_share = oracle_.active_share,
+                                                   .dominant_arm = oracle_.dominant_arm});
       case ReplayPlayer::Kind::kPolicy:
         break;
     }

@@ -148,6 +148,7 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
                   "Scenes or .aabbs files, or all, changing, degenerate, mixtures")
       ->delimiter(',');
   command.add_option("--objects", options.object_counts, "Object counts")
+      ->check(CLI::Range(1U, 1'000'000U))
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--frames", options.frames, "Frames of the trace")

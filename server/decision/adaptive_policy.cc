@@ -162,8 +162,12 @@ bool AdaptivePolicy::IsOpen(uint32_t arm, int64_t now_ns) const {
   return !LaneReports(now_ns) && window_count_ >= kPatienceWindows;
 }
 
-bool AdaptivePolicy::IsSafe(uint32_t arm) const {
+// Without a lane an arm never seen is as safe as the active one where it is believed to cost no
+// more: its width alone would keep the game on a slow arm for ever.
+bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   const NormalBelief cost = filter_.LogCost(arm);
+  const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
+  if (unseen && cost.mean <= filter_.LogCost(input.active_arm).mean) return true;
   const double limit_us = kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3;
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
@@ -190,12 +194,13 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
   return result;
 }
 
-std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(uint32_t active,
-                                                                     int64_t now_ns) const {
+std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
+    const ChoiceInput& input) const {
   std::optional<Assessment> best;
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
-    if (arm == active || !IsOpen(arm, now_ns) || !IsSafe(arm)) continue;
-    const Assessment assessment = Assess(active, arm);
+    if (arm == input.active_arm) continue;
+    if (!input.bailed_out && (!IsOpen(arm, input.now_ns) || !IsSafe(arm, input))) continue;
+    const Assessment assessment = Assess(input.active_arm, arm);
     if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }
   return best;
@@ -204,7 +209,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(uint32_t ac
 Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   Choice choice;
   choice.candidate = input.active_arm;
-  const std::optional<Assessment> best = BestSwitch(input.active_arm, input.now_ns);
+  const std::optional<Assessment> best = BestSwitch(input);
   if (!best) return choice;
   choice.gate = best->terms;
   // Not knowing has no value where the lane finds out without a switch.

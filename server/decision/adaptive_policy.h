@@ -1,18 +1,16 @@
 // The policy of "AI Decides": the arm that costs least, believed on what the shadow lane and the
 // live windows say, and switched to where that is worth it.
 //
-// - Costs are log_cost.h's (reward version 2), beliefs those of relative_cost_filter.h. Shown is
-// one
-//   Beta distribution per arm, whose differences to the leader are as uncertain as the filter's.
-// - A switch must pass the gate of GateTerms: horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
-// cost
-//   of switches as measured, and E⁺ must be more than a tie's. The cooldown is as long as pays for
-//   the switches' cost, at least settling and one window, at most the options'.
+// - Costs are log_cost.h's (reward version 2), beliefs those of relative_cost_filter.h. Shown is a
+//   Beta distribution per arm, whose differences to the leader are as wide as the filter's.
+// - A switch must pass the gate of GateTerms, horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
+//   measured cost of switches, and E⁺ must be more than a tie's. The cooldown is as long as pays
+//   for the switches' cost, at least settling and one window, at most the options'.
 // - An arm that may exceed three fifths of the bail-out limit (3 s of 5) with a probability of 1 %
-//   is never switched to.
-// - While the shadow lane reports, only arms that it has measured are switched to, and only where
-//   they are believed to be better: not knowing has no value there. Without it, that value (E⁺ of
-//   an arm never seen) tries every arm live.
+//   is not switched to, unless the active one bailed out, or costs more than one never seen.
+// - While the shadow lane reports, only arms that were measured or have priors are switched to,
+//   and only where they are believed to be better: not knowing has no value there. Without it,
+//   that value (E⁺ of an arm never seen) tries every arm live.
 // - Priors are believed to 15 %, and for a fifth not at all, until an arm is observed; they are
 //   dropped where the lane's first visits put another arm well ahead of the one they do.
 //
@@ -67,9 +65,9 @@ class AdaptivePolicy : public Policy {
   void ShowBeliefs();
   bool LaneReports(int64_t now_ns) const;
   bool IsOpen(uint32_t arm, int64_t now_ns) const;
-  bool IsSafe(uint32_t arm) const;
+  bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
   Assessment Assess(uint32_t active, uint32_t candidate) const;
-  std::optional<Assessment> BestSwitch(uint32_t active, int64_t now_ns) const;
+  std::optional<Assessment> BestSwitch(const ChoiceInput& input) const;
 
   DecisionOptions options_;
   AdaptiveLevers levers_;

@@ -159,6 +159,14 @@ TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
   EXPECT_EQ(decision.increment->bail_out_count, 1u);
 }
 
+TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {
+  for (const double slow_us : {3e5, 6e5, 9e5, 1.2e6, 2e6, 4e6}) {
+    Game game({slow_us, 1e4, 2e4}, false);
+    game.RunTicks(100);
+    EXPECT_NE(game.client.arm, 0U) << slow_us;
+  }
+}
+
 TEST(AdaptivePolicy, APriorOfThisMachineDecidesBeforeTheFirstFrame) {
   SessionSetup setup = AdaptiveSetup(4);
   setup.priors = PriorsOf({9'000, 1'200, 1'000, 3'000});  // of a faster machine
