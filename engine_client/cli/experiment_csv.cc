@@ -7,6 +7,7 @@
 #include "engine_client/cli/experiment_summary.h"
 #include "engine_client/cli/game_run.h"
 #include "engine_client/cli/text_table.h"
+#include "server/decision/audit_names.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -24,10 +25,9 @@ std::string Observed(const RunRecord& record, double time_s) {
 }
 
 std::string OutcomeName(uint32_t outcome) {
-  constexpr const char* kNames[] = {
-      "unknown",   "kept",     "switched",  "held-cooldown", "held-settling", "no-frames", "manual",
-      "exploring", "rejected", "held-gate", "held-guard",    "held-unsafe",   "held-tie"};
-  return outcome < std::size(kNames) ? kNames[outcome] : kNames[0];
+  std::string name;
+  decision::AppendName(name, decision::kOutcomeNames, outcome);
+  return name;
 }
 
 using RowWriter =

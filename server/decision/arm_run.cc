@@ -1,16 +1,8 @@
 #include "server/decision/arm_run.h"
 
-#include <limits>
+#include "server/decision/saturating_sum.h"
 
 namespace sweepstake::decision {
-namespace {
-
-uint64_t SaturatingSum(uint64_t a, uint64_t b) {
-  return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
-                                                      : a + b;
-}
-
-}  // namespace
 
 ArmRun::ArmRun(uint32_t arm, uint32_t switch_epoch, uint64_t settling_ns)
     : arm_(arm), switch_epoch_(switch_epoch), settling_end_ns_(settling_ns) {}

@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, 5> kSwitchReasonNames = {"", "poli
                                                                        "bail-out", "manual"};
 inline constexpr std::array<std::string_view, 13> kOutcomeNames = {
     "",          "kept",     "switched",  "held-cooldown", "held-settling", "no-frames", "manual",
-    "exploring", "rejected", "held-gate", "held-guard",    "held-unsafe",   "held-tie"};
+    "exploring", "rejected", "held-gate", "",              "",              "held-tie"};
 inline constexpr std::array<std::string_view, 5> kVerdictNames = {"unknown", "stable", "tie",
                                                                   "ambiguous", "degraded"};
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 #include <utility>
 
 #include "server/decision/arm_runs.h"
@@ -12,20 +11,10 @@
 #include "server/decision/observation.h"
 #include "server/decision/policy.h"
 #include "server/decision/safeguards.h"
+#include "server/decision/saturating_sum.h"
 
 namespace sweepstake::decision {
 namespace {
-
-constexpr int64_t kEndOfTime = std::numeric_limits<int64_t>::max();
-
-int64_t SaturatingSum(int64_t time_ns, int64_t interval_ns) {
-  return time_ns > kEndOfTime - interval_ns ? kEndOfTime : time_ns + interval_ns;
-}
-
-uint64_t SaturatingSum(uint64_t a, uint64_t b) {
-  return a > std::numeric_limits<uint64_t>::max() - b ? std::numeric_limits<uint64_t>::max()
-                                                      : a + b;
-}
 
 std::vector<BetaPosterior> PriorsOf(const SessionSetup& setup) {
   return setup.priors.empty() ? std::vector<BetaPosterior>(setup.arms.size()) : setup.priors;
@@ -42,11 +31,15 @@ std::unique_ptr<Policy> PolicyOf(const SessionSetup& setup) {
                      .has_priors = !setup.priors.empty()});
 }
 
+// The first decision of a session that knows something already waits for no frame.
+bool StartsFromPriors(const SessionSetup& setup) {
+  return PolicyKindOf(setup.options.policy).starts_from_priors && !setup.priors.empty();
+}
+
 int64_t FirstTickOf(const SessionSetup& setup) {
-  const bool at_once =
-      PolicyKindOf(setup.options.policy).starts_from_priors && !setup.priors.empty();
-  return at_once ? setup.start_ns
-                 : SaturatingSum(setup.start_ns, setup.options.decision_interval_ns);
+  return StartsFromPriors(setup)
+             ? setup.start_ns
+             : SaturatingSum(setup.start_ns, setup.options.decision_interval_ns);
 }
 
 uint32_t ArmCount(const SessionSetup& setup) { return static_cast<uint32_t>(setup.arms.size()); }
@@ -105,7 +98,6 @@ class DecisionSession::Impl {
   void EndSlot(int64_t now_ns);
   void LearnScene(int64_t now_ns);
   std::optional<Outcome> Learn(Decision& decision);
-  bool StartsFromPriors(const DecisionRecord& record) const;
   std::optional<Outcome> Choose(DecisionRecord& record, bool bailed_out) const;
   void SampleAndGate(Decision& decision, std::optional<Outcome> hold);
   Outcome Gate(const DecisionRecord& record, std::optional<Outcome> hold,
@@ -331,7 +323,8 @@ void DecisionSession::Impl::Diagnose(std::optional<double> fps) {
 
 std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
   if (run().window().empty()) {
-    if (StartsFromPriors(decision.record)) return std::nullopt;
+    const bool first = decision.record.decision_id == setup_.decision_count + 1;
+    if (first && StartsFromPriors(setup_)) return std::nullopt;
     return run().settling_frames_seen() ? Outcome::kHeldSettling : Outcome::kNoFrames;
   }
   const std::optional<Lesson> lesson = policy_->LearnWindow(
@@ -340,12 +333,6 @@ std::optional<Outcome> DecisionSession::Impl::Learn(Decision& decision) {
   decision.increment = lesson->increment;
   decision.record.reward = lesson->reward;
   return std::nullopt;
-}
-
-// The first decision of a session that knows something already waits for no frame.
-bool DecisionSession::Impl::StartsFromPriors(const DecisionRecord& record) const {
-  return policy_kind_.starts_from_priors && !setup_.priors.empty() &&
-         record.decision_id == setup_.decision_count + 1;
 }
 
 // Returns why the policy itself would not switch to its candidate.

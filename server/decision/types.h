@@ -74,6 +74,7 @@ enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
 
 // What became of a tick's candidate; the values of sweepstake.v1.DecisionOutcome.
+// 10 and 11 are retired and stay unused.
 enum class Outcome : uint32_t {
   kKept = 1,
   kSwitched = 2,
@@ -81,12 +82,10 @@ enum class Outcome : uint32_t {
   kHeldSettling = 4,  // settling frames only, nothing learnt; or a commanded switch is under way
   kNoFrames = 5,      // none to learn from since the last tick
   kManual = 6,
-  kExploring = 7,    // no candidate; a command there may be goes to the next arm of the order
-  kRejected = 8,     // a metric of the window is not finite
-  kHeldGate = 9,     // the gain expected is not worth the switch
-  kHeldGuard = 10,   // the scene changes faster than switching pays
-  kHeldUnsafe = 11,  // the candidate may stall the game
-  kHeldTie = 12,     // the candidate is not better by as much as matters
+  kExploring = 7,  // no candidate; a command there may be goes to the next arm of the order
+  kRejected = 8,   // a metric of the window is not finite
+  kHeldGate = 9,   // the gain expected is not worth the switch
+  kHeldTie = 12,   // the candidate is not better by as much as matters
 };
 
 // What the beliefs say about the scene (paper §7.1: posteriors as a diagnosis).

@@ -159,6 +159,18 @@ TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
   EXPECT_EQ(decision.increment->bail_out_count, 1u);
 }
 
+TEST(AdaptivePolicy, ABailOutLeavesForAnArmThatIsNotSafeEither) {
+  Game game({4'000'000, 4'500'000});
+  game.RunTicks(10);
+  ASSERT_EQ(game.client.arm, 0u);
+  const Frame stall{.frame_time_ns = 6'000'000'000,
+                    .detection_time_ns = 6'000'000'000,
+                    .object_count = 1'000,
+                    .arm = 0,
+                    .switch_epoch = game.client.epoch};
+  EXPECT_TRUE(game.client.session.ObserveBailOut(stall, game.client.now_ns).command);
+}
+
 TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {
   for (const double slow_us : {3e5, 6e5, 9e5, 1.2e6, 2e6, 4e6}) {
     Game game({slow_us, 1e4, 2e4}, false);
