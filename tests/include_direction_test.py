@@ -150,10 +150,10 @@ def check(root):
 
 
 GOOD = {
-    "engine_client/broad_phase/grid.cc": '#include "sweepstake/broad_phase.h"\n#include <hwy/highway.h>\n',
+    "engine_client/broad_phase/grid/grid.cc": '#include "sweepstake/broad_phase.h"\n#include <hwy/highway.h>\n',
     "engine_client/telemetry/embedded.cc": '#include "server/decision/types.h"\n#include <unistd.h>\n',
     "engine_client/cli/watch.cc": '#include "sweepstake/v1/posteriors.pb.h"\n#include <grpcpp/grpcpp.h>\n',
-    "server/decision/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
+    "server/decision/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
     "server/rpc/telemetry_service.cc": '#include "server/decision/types.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
     "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
     "engine_client/include/sweepstake/scene.h": '#include "sweepstake/aabb.h"\n',

@@ -2,8 +2,8 @@
 
 #include <numeric>
 
-#include "engine_client/broad_phase/byte_scan.h"
-#include "engine_client/broad_phase/parallel.h"
+#include "engine_client/broad_phase/common/byte_scan.h"
+#include "engine_client/broad_phase/common/parallel.h"
 
 namespace sweepstake {
 namespace {

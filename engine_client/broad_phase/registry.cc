@@ -2,13 +2,13 @@
 #include <array>
 #include <string>
 
-#include "engine_client/broad_phase/axis_sweep.h"
 #include "engine_client/broad_phase/brute_force.h"
-#include "engine_client/broad_phase/dbvt.h"
-#include "engine_client/broad_phase/grid.h"
-#include "engine_client/broad_phase/kd_tree.h"
-#include "engine_client/broad_phase/sap.h"
-#include "engine_client/broad_phase/tracy.h"
+#include "engine_client/broad_phase/dbvt/dbvt.h"
+#include "engine_client/broad_phase/grid/grid.h"
+#include "engine_client/broad_phase/kd/kd_tree.h"
+#include "engine_client/broad_phase/sweep/axis_sweep.h"
+#include "engine_client/broad_phase/sweep/sap.h"
+#include "engine_client/broad_phase/tracy/tracy.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake {

@@ -3,9 +3,9 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/audit_transfer.h"
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/text_table.h"
+#include "engine_client/cli/daemon/audit_transfer.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -3,11 +3,11 @@
 #include <memory>
 #include <sstream>
 
-#include "engine_client/cli/bench_html.h"
-#include "engine_client/cli/bench_output.h"
-#include "engine_client/cli/bench_run.h"
-#include "engine_client/cli/scene_choice.h"
-#include "engine_client/cli/whole_file.h"
+#include "engine_client/cli/bench/bench_html.h"
+#include "engine_client/cli/bench/bench_output.h"
+#include "engine_client/cli/bench/bench_run.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/whole_file.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/scene_check.h"
-#include "engine_client/cli/scene_choice.h"
-#include "engine_client/cli/text_table.h"
+#include "engine_client/cli/game/scene_check.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/terminal.h"
+#include "engine_client/cli/io/terminal.h"
 
 namespace sweepstake::cli {
 

@@ -3,19 +3,19 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "engine_client/cli/bench_machine.h"
-#include "engine_client/cli/experiment_assessment.h"
-#include "engine_client/cli/experiment_csv.h"
-#include "engine_client/cli/experiment_folder.h"
-#include "engine_client/cli/experiment_grid.h"
-#include "engine_client/cli/experiment_html.h"
-#include "engine_client/cli/experiment_report.h"
-#include "engine_client/cli/experiment_tables.h"
-#include "engine_client/cli/experiment_truth_output.h"
-#include "engine_client/cli/game_run.h"
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/stop_signal.h"
-#include "engine_client/cli/whole_file.h"
+#include "engine_client/cli/bench/bench_machine.h"
+#include "engine_client/cli/experiment/experiment_assessment.h"
+#include "engine_client/cli/experiment/experiment_csv.h"
+#include "engine_client/cli/experiment/experiment_folder.h"
+#include "engine_client/cli/experiment/experiment_grid.h"
+#include "engine_client/cli/experiment/experiment_html.h"
+#include "engine_client/cli/experiment/experiment_report.h"
+#include "engine_client/cli/experiment/experiment_tables.h"
+#include "engine_client/cli/experiment/experiment_truth_output.h"
+#include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/whole_file.h"
 
 namespace sweepstake::cli {
 namespace {

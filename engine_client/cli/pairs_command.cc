@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/scene_choice.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/json_output.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {

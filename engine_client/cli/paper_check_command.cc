@@ -4,11 +4,11 @@
 #include <thread>
 #include <vector>
 
-#include "engine_client/cli/paper_check.h"
-#include "engine_client/cli/paper_check_output.h"
-#include "engine_client/cli/paper_fit.h"
-#include "engine_client/cli/paper_tables.h"
-#include "engine_client/cli/text_table.h"
+#include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/paper/paper_check.h"
+#include "engine_client/cli/paper/paper_check_output.h"
+#include "engine_client/cli/paper/paper_fit.h"
+#include "engine_client/cli/paper/paper_tables.h"
 
 namespace sweepstake::cli {
 namespace {

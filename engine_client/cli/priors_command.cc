@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/posterior_listing.h"
-#include "engine_client/cli/posterior_view.h"
-#include "engine_client/cli/priors_transfer.h"
+#include "engine_client/cli/daemon/posterior_listing.h"
+#include "engine_client/cli/daemon/posterior_view.h"
+#include "engine_client/cli/daemon/priors_transfer.h"
+#include "engine_client/cli/io/json_output.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/scene_choice.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/json_output.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -7,15 +7,15 @@
 #include <memory>
 #include <thread>
 
-#include "engine_client/cli/costs_file.h"
-#include "engine_client/cli/duration.h"
-#include "engine_client/cli/replay_cells.h"
-#include "engine_client/cli/replay_goals.h"
-#include "engine_client/cli/replay_goals_output.h"
-#include "engine_client/cli/replay_judgement.h"
-#include "engine_client/cli/replay_log.h"
-#include "engine_client/cli/replay_output.h"
-#include "engine_client/cli/replay_study.h"
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/replay/replay_cells.h"
+#include "engine_client/cli/replay/replay_goals.h"
+#include "engine_client/cli/replay/replay_goals_output.h"
+#include "engine_client/cli/replay/replay_judgement.h"
+#include "engine_client/cli/replay/replay_log.h"
+#include "engine_client/cli/replay/replay_output.h"
+#include "engine_client/cli/replay/replay_study.h"
+#include "engine_client/cli/trace/costs_file.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -4,16 +4,16 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine_client/cli/decision_log.h"
-#include "engine_client/cli/duration.h"
-#include "engine_client/cli/frame_log.h"
-#include "engine_client/cli/game_run.h"
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/machine_class.h"
-#include "engine_client/cli/run_report.h"
-#include "engine_client/cli/scene_choice.h"
-#include "engine_client/cli/stop_signal.h"
-#include "engine_client/cli/text_table.h"
+#include "engine_client/cli/game/frame_log.h"
+#include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/game/machine_class.h"
+#include "engine_client/cli/game/run_report.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/replay/decision_log.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {

@@ -4,14 +4,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/costs_file.h"
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/scene_choice.h"
-#include "engine_client/cli/text_table.h"
-#include "engine_client/cli/trace_output.h"
-#include "engine_client/cli/trace_pass.h"
-#include "engine_client/cli/trace_run.h"
-#include "engine_client/cli/whole_file.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/io/whole_file.h"
+#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/trace_output.h"
+#include "engine_client/cli/trace/trace_pass.h"
+#include "engine_client/cli/trace/trace_run.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -10,11 +10,11 @@
 #include <thread>
 #include <tuple>
 
-#include "engine_client/cli/daemon_client.h"
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/posterior_listing.h"
-#include "engine_client/cli/posterior_view.h"
-#include "engine_client/cli/stop_signal.h"
+#include "engine_client/cli/daemon/daemon_client.h"
+#include "engine_client/cli/daemon/posterior_listing.h"
+#include "engine_client/cli/daemon/posterior_view.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/stop_signal.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 
 namespace sweepstake::cli {

@@ -7,7 +7,7 @@
 
 #include "engine_client/telemetry/priors_file.h"
 #include "server/decision/decision_session.h"
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 
 namespace sweepstake {
 namespace {

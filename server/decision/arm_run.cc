@@ -1,6 +1,6 @@
 #include "server/decision/arm_run.h"
 
-#include "server/decision/saturating_sum.h"
+#include "server/decision/math/saturating_sum.h"
 
 namespace sweepstake::decision {
 

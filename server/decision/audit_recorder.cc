@@ -8,7 +8,7 @@
 #include "server/decision/audit_runs.h"
 #include "server/decision/audit_setup.h"
 #include "server/decision/audit_text.h"
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 
 namespace sweepstake::decision {
 namespace {

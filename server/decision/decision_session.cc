@@ -8,10 +8,10 @@
 #include "server/decision/audit_recorder.h"
 #include "server/decision/exploration.h"
 #include "server/decision/frame_rate_floor.h"
+#include "server/decision/math/saturating_sum.h"
 #include "server/decision/observation.h"
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 #include "server/decision/safeguards.h"
-#include "server/decision/saturating_sum.h"
 
 namespace sweepstake::decision {
 namespace {

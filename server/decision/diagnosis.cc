@@ -5,10 +5,10 @@
 #include <cmath>  // std::sqrt, exactly rounded by IEEE 754
 #include <vector>
 
-#include "server/decision/beta_distribution.h"
-#include "server/decision/difference_variances.h"
-#include "server/decision/greatest.h"
-#include "server/decision/portable_math.h"
+#include "server/decision/math/beta_distribution.h"
+#include "server/decision/math/difference_variances.h"
+#include "server/decision/math/greatest.h"
+#include "server/decision/math/portable_math.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "server/decision/random.h"
+#include "server/decision/math/random.h"
 
 namespace sweepstake::decision {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 #include "server/rpc/options.h"
 
 namespace sweepstake::rpc {

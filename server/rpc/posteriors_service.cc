@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 #include "server/rpc/message_validation.h"
 #include "server/rpc/posterior_watcher.h"
 #include "server/rpc/proto_conversion.h"

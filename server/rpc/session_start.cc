@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 #include "server/rpc/proto_conversion.h"
 
 namespace sweepstake::rpc {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/sampling.h"
+#include "server/decision/math/sampling.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine_client/cli/html/chart_marks.h"
-#include "engine_client/cli/html/numbers.h"
+#include "engine_client/cli/io/numbers.h"
 
 namespace sweepstake::cli::html {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "engine_client/cli/html/log_axis.h"
-#include "engine_client/cli/html/numbers.h"
+#include "engine_client/cli/io/numbers.h"
 
 namespace sweepstake::cli::html {
 namespace {

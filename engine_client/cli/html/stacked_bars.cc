@@ -4,7 +4,7 @@
 
 #include "engine_client/cli/html/area_marks.h"
 #include "engine_client/cli/html/chart_marks.h"
-#include "engine_client/cli/html/numbers.h"
+#include "engine_client/cli/io/numbers.h"
 
 namespace sweepstake::cli::html {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "engine_client/broad_phase/sorted_endpoints.h"
+#include "engine_client/broad_phase/sweep/sorted_endpoints.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 

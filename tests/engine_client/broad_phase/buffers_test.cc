@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "engine_client/broad_phase/aligned_buffer.h"
-#include "engine_client/broad_phase/pair_cursor.h"
+#include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "engine_client/broad_phase/common/pair_cursor.h"
 
 namespace sweepstake {
 namespace {

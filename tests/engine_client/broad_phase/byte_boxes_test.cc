@@ -1,5 +1,5 @@
 // The boxes in bytes: they must overlap wherever the boxes do, whatever the range.
-#include "engine_client/broad_phase/byte_boxes.h"
+#include "engine_client/broad_phase/common/byte_boxes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine_client/broad_phase/coordinate_range.h"
+#include "engine_client/broad_phase/common/coordinate_range.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/broad_phase/dbvt_query.h"
-#include "engine_client/broad_phase/dbvt_tree.h"
+#include "engine_client/broad_phase/dbvt/dbvt_query.h"
+#include "engine_client/broad_phase/dbvt/dbvt_tree.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 

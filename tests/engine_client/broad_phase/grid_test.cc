@@ -8,10 +8,10 @@
 #include <numeric>
 #include <vector>
 
-#include "engine_client/broad_phase/grid_measure.h"
-#include "engine_client/broad_phase/grid_plan.h"
-#include "engine_client/broad_phase/grid_sort.h"
-#include "engine_client/broad_phase/group_grid.h"
+#include "engine_client/broad_phase/grid/grid_measure.h"
+#include "engine_client/broad_phase/grid/grid_plan.h"
+#include "engine_client/broad_phase/grid/grid_sort.h"
+#include "engine_client/broad_phase/grid/group_grid.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 

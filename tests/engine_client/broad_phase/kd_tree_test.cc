@@ -5,10 +5,10 @@
 #include <numeric>
 #include <vector>
 
-#include "engine_client/broad_phase/kd_order.h"
-#include "engine_client/broad_phase/leaf_boxes.h"
-#include "engine_client/broad_phase/leaf_tree.h"
-#include "engine_client/broad_phase/soa_boxes.h"
+#include "engine_client/broad_phase/common/soa_boxes.h"
+#include "engine_client/broad_phase/kd/kd_order.h"
+#include "engine_client/broad_phase/kd/leaf_boxes.h"
+#include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 

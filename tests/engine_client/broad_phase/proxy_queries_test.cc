@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine_client/broad_phase/ray_slabs.h"
+#include "engine_client/broad_phase/proxies/ray_slabs.h"
 #include "hwy/highway.h"
 #include "sweepstake/proxy_set.h"
 #include "tests/engine_client/broad_phase/proxy_game.h"

@@ -1,4 +1,4 @@
-#include "engine_client/broad_phase/radix_sort.h"
+#include "engine_client/broad_phase/common/radix_sort.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine_client/broad_phase/soa_boxes.h"
+#include "engine_client/broad_phase/common/soa_boxes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine_client/broad_phase/sorted_pairs.h"
+#include "engine_client/broad_phase/sweep/sorted_pairs.h"
 
 #include <gtest/gtest.h>
 

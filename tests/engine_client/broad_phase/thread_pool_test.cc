@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine_client/broad_phase/parallel.h"
+#include "engine_client/broad_phase/common/parallel.h"
 #include "gtest/gtest.h"
 #include "sweepstake/executor.h"
 

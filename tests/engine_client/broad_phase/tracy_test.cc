@@ -5,10 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "engine_client/broad_phase/grid_plan.h"
-#include "engine_client/broad_phase/soa_boxes.h"
-#include "engine_client/broad_phase/tracy_lists.h"
-#include "engine_client/broad_phase/tracy_rows.h"
+#include "engine_client/broad_phase/common/soa_boxes.h"
+#include "engine_client/broad_phase/grid/grid_plan.h"
+#include "engine_client/broad_phase/tracy/tracy_lists.h"
+#include "engine_client/broad_phase/tracy/tracy_rows.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
 

@@ -1,5 +1,5 @@
 // The page of `sweepstake bench --report`, made of a report with everything in it that can occur.
-#include "engine_client/cli/bench_html.h"
+#include "engine_client/cli/bench/bench_html.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,13 +1,13 @@
 // What a bench run concludes from its rows, on made-up times.
-#include "engine_client/cli/bench_ratios.h"
+#include "engine_client/cli/bench/bench_ratios.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "engine_client/cli/bench_goals.h"
-#include "engine_client/cli/published_figures.h"
-#include "engine_client/cli/scene_timing.h"
+#include "engine_client/cli/bench/bench_goals.h"
+#include "engine_client/cli/bench/published_figures.h"
+#include "engine_client/cli/bench/scene_timing.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {

@@ -1,4 +1,4 @@
-#include "engine_client/cli/costs_file.h"
+#include "engine_client/cli/trace/costs_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-#include "engine_client/cli/costs_message.h"
+#include "engine_client/cli/trace/costs_message.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {

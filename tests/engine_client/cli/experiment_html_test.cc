@@ -1,6 +1,6 @@
 // The page of `sweepstake experiment` and its truth, made of a report with all that can occur in
 // it.
-#include "engine_client/cli/experiment_html.h"
+#include "engine_client/cli/experiment/experiment_html.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine_client/cli/experiment_html_words.h"
-#include "engine_client/cli/experiment_truth_output.h"
+#include "engine_client/cli/experiment/experiment_html_words.h"
+#include "engine_client/cli/experiment/experiment_truth_output.h"
 #include "tests/engine_client/cli/experiment_records.h"
 #include "tests/engine_client/cli/well_formed.h"
 #include "tests/support/temporary_directory.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/experiment_record.h"
+#include "engine_client/cli/experiment/experiment_record.h"
 
 namespace sweepstake::test_support {
 

@@ -7,12 +7,12 @@
 #include <set>
 #include <sstream>
 
-#include "engine_client/cli/experiment_csv.h"
-#include "engine_client/cli/experiment_folder.h"
-#include "engine_client/cli/experiment_grid.h"
-#include "engine_client/cli/experiment_summary.h"
-#include "engine_client/cli/experiment_tables.h"
-#include "engine_client/cli/metric_window_meter.h"
+#include "engine_client/cli/experiment/experiment_csv.h"
+#include "engine_client/cli/experiment/experiment_folder.h"
+#include "engine_client/cli/experiment/experiment_grid.h"
+#include "engine_client/cli/experiment/experiment_summary.h"
+#include "engine_client/cli/experiment/experiment_tables.h"
+#include "engine_client/cli/experiment/metric_window_meter.h"
 #include "tests/engine_client/cli/experiment_records.h"
 #include "tests/support/temporary_directory.h"
 

@@ -6,11 +6,11 @@
 #include <sstream>
 
 #include "engine_client/cli/command_line.h"
-#include "engine_client/cli/csv_file.h"
-#include "engine_client/cli/duration.h"
-#include "engine_client/cli/json_output.h"
-#include "engine_client/cli/run_report.h"
-#include "engine_client/cli/terminal.h"
+#include "engine_client/cli/game/run_report.h"
+#include "engine_client/cli/io/csv_file.h"
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/terminal.h"
 
 namespace sweepstake::cli {
 namespace {

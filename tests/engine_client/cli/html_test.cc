@@ -10,10 +10,10 @@
 #include "engine_client/cli/html/line_chart.h"
 #include "engine_client/cli/html/log_axis.h"
 #include "engine_client/cli/html/markup.h"
-#include "engine_client/cli/html/numbers.h"
 #include "engine_client/cli/html/page.h"
 #include "engine_client/cli/html/range_chart.h"
 #include "engine_client/cli/html/table.h"
+#include "engine_client/cli/io/numbers.h"
 #include "tests/engine_client/cli/well_formed.h"
 
 namespace sweepstake::cli::html {

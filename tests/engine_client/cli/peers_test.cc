@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "engine_client/cli/pair_oracle.h"
+#include "engine_client/cli/game/pair_oracle.h"
+#include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/peers/peer_registry.h"
-#include "engine_client/cli/scene_choice.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine_client/cli/posterior_view.h"
+#include "engine_client/cli/daemon/posterior_view.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

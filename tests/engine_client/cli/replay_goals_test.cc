@@ -1,5 +1,5 @@
 // The list of scenes and the goals that are judged on them.
-#include "engine_client/cli/replay_goals.h"
+#include "engine_client/cli/replay/replay_goals.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "engine_client/cli/replay_cells.h"
+#include "engine_client/cli/replay/replay_cells.h"
 
 namespace sweepstake::cli {
 namespace {

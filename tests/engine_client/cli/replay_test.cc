@@ -5,10 +5,10 @@
 #include <map>
 #include <numeric>
 
-#include "engine_client/cli/replay_fixed.h"
-#include "engine_client/cli/replay_run.h"
-#include "engine_client/cli/replay_scene.h"
-#include "engine_client/cli/replay_study.h"
+#include "engine_client/cli/replay/replay_fixed.h"
+#include "engine_client/cli/replay/replay_run.h"
+#include "engine_client/cli/replay/replay_scene.h"
+#include "engine_client/cli/replay/replay_study.h"
 #include "tests/engine_client/cli/synthetic_trace.h"
 
 namespace sweepstake::cli {

@@ -1,12 +1,12 @@
 // The judge of `sweepstake check`: its oracle against the definition, and its eye for wrong
 // backends.
-#include "engine_client/cli/scene_check.h"
+#include "engine_client/cli/game/scene_check.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "engine_client/cli/scene_choice.h"
+#include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/scene/changing_scenes.h"
 #include "engine_client/scene/degenerate_scenes.h"
 #include "tests/support/pair_oracle.h"

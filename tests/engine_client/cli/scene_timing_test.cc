@@ -1,11 +1,11 @@
-#include "engine_client/cli/scene_timing.h"
+#include "engine_client/cli/bench/scene_timing.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "engine_client/cli/scene_choice.h"
-#include "engine_client/cli/text_table.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,10 +1,10 @@
 // Statistics against values known from tables and from other programs.
-#include "engine_client/cli/statistics.h"
+#include "engine_client/cli/io/statistics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine_client/cli/paper_tables.h"
+#include "engine_client/cli/paper/paper_tables.h"
 
 namespace sweepstake::cli {
 namespace {

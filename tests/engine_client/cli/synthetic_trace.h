@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/cost_trace.h"
+#include "engine_client/cli/trace/cost_trace.h"
 
 namespace sweepstake::cli {
 

@@ -7,12 +7,12 @@
 #include <array>
 #include <set>
 
-#include "engine_client/cli/arm_pace.h"
-#include "engine_client/cli/costs_file.h"
-#include "engine_client/cli/trace_pass.h"
-#include "engine_client/cli/trace_run.h"
-#include "engine_client/cli/trace_summary.h"
-#include "engine_client/cli/turn_order.h"
+#include "engine_client/cli/trace/arm_pace.h"
+#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/trace_pass.h"
+#include "engine_client/cli/trace/trace_run.h"
+#include "engine_client/cli/trace/trace_summary.h"
+#include "engine_client/cli/trace/turn_order.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine_client/cli/whole_file.h"
+#include "engine_client/cli/io/whole_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/random.h"
+#include "server/decision/math/random.h"
 
 namespace sweepstake::decision {
 

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/discounted_policy.h"
-#include "server/decision/epsilon_greedy_policy.h"
-#include "server/decision/lin_ts_policy.h"
-#include "server/decision/policy.h"
-#include "server/decision/random.h"
-#include "server/decision/sampling.h"
-#include "server/decision/thresholds_policy.h"
+#include "server/decision/baselines/discounted_policy.h"
+#include "server/decision/baselines/epsilon_greedy_policy.h"
+#include "server/decision/baselines/lin_ts_policy.h"
+#include "server/decision/baselines/thresholds_policy.h"
+#include "server/decision/math/random.h"
+#include "server/decision/math/sampling.h"
+#include "server/decision/policy/policy.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

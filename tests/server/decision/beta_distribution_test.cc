@@ -1,4 +1,4 @@
-#include "server/decision/beta_distribution.h"
+#include "server/decision/math/beta_distribution.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "server/decision/calibrated_policy.h"
+#include "server/decision/baselines/calibrated_policy.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "server/decision/sampling.h"
+#include "server/decision/math/sampling.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,4 +1,4 @@
-#include "server/decision/choice.h"
+#include "server/decision/policy/choice.h"
 
 #include <gtest/gtest.h>
 

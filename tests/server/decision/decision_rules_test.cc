@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/random.h"
-#include "server/decision/sampling.h"
+#include "server/decision/math/random.h"
+#include "server/decision/math/sampling.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <vector>
 
-#include "server/decision/random.h"
-#include "server/decision/sampling.h"
+#include "server/decision/math/random.h"
+#include "server/decision/math/sampling.h"
 
 namespace sweepstake::decision {
 namespace {

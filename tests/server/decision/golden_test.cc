@@ -19,7 +19,7 @@
 #include <string_view>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/random.h"
+#include "server/decision/math/random.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,4 +1,4 @@
-#include "server/decision/log_cost.h"
+#include "server/decision/policy/log_cost.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/decision/normal_distribution.h"
+#include "server/decision/math/normal_distribution.h"
 
 #include <gtest/gtest.h>
 

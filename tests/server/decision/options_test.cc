@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/policy.h"
+#include "server/decision/policy/policy.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,4 +1,4 @@
-#include "server/decision/portable_math.h"
+#include "server/decision/math/portable_math.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/decision/random.h"
+#include "server/decision/math/random.h"
 
 #include <gtest/gtest.h>
 

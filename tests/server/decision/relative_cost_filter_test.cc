@@ -1,4 +1,4 @@
-#include "server/decision/relative_cost_filter.h"
+#include "server/decision/policy/relative_cost_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/decision/sampling.h"
+#include "server/decision/math/sampling.h"
 
 namespace sweepstake::decision {
 namespace {

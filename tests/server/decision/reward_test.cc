@@ -1,11 +1,11 @@
-#include "server/decision/reward.h"
+#include "server/decision/policy/reward.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "server/decision/fps_reference.h"
+#include "server/decision/policy/fps_reference.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/decision/sampling.h"
+#include "server/decision/math/sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/decision/portable_math.h"
+#include "server/decision/math/portable_math.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -1,0 +1,86 @@
+// Box records (box_record.h) as vectors, for every target of Highway; the scalar forms are the
+// definition. Include after hwy/foreach_target.h, use inside HWY_NAMESPACE.
+#if defined(SWEEPSTAKE_BOX_RECORD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_BOX_RECORD_INL_H_
+#undef SWEEPSTAKE_BOX_RECORD_INL_H_
+#else
+#define SWEEPSTAKE_BOX_RECORD_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "engine_client/broad_phase/common/box_record.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if HWY_TARGET == HWY_SCALAR
+
+// Not by value: a record that goes over the stack is stored in halves and loaded whole, which waits
+// for the stores (5 ns).
+HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) { record = RecordOf(box); }
+
+HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) { return Overlap(a, b); }
+HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) { return a == b; }
+
+// Four coordinates to whole numbers in 0 to `last`: min(max((x − origin) · scale, 0), last).
+HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,
+                         int32_t* levels) {
+  for (size_t k = 0; k < 4; ++k) {
+    const float level = (x[k] - origin[k]) * scale[k];
+    levels[k] = static_cast<int32_t>(std::min(std::max(level, 0.0F), last));
+  }
+}
+
+#else
+
+using RecordHalf = hn::FixedTag<float, 4>;
+
+HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) {
+  const RecordHalf d;
+  const auto first_three = hn::FirstN(d, 3);
+  const auto limit = hn::Set(d, std::numeric_limits<float>::max());
+  const auto min = hn::IfThenElseZero(first_three, hn::LoadU(d, box.min));
+  // From z of min on, so that nothing behind the box is read.
+  const auto max = hn::ShiftRightLanes<1>(d, hn::LoadU(d, box.min + 2));
+  const auto finite = hn::And(hn::Ge(min, hn::Neg(limit)), hn::Le(max, limit));
+  if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(finite, hn::Le(min, max))))) {
+    record = kAbsentBox;
+    return;
+  }
+  hn::Store(min, d, record.min);
+  hn::Store(max, d, record.max);
+}
+
+HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) {
+  const RecordHalf d;
+  return hn::AllTrue(d, hn::And(hn::Le(hn::Load(d, a.min), hn::Load(d, b.max)),
+                                hn::Le(hn::Load(d, b.min), hn::Load(d, a.max))));
+}
+
+HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) {
+  const RecordHalf d;
+  return hn::AllTrue(d, hn::And(hn::Eq(hn::Load(d, a.min), hn::Load(d, b.min)),
+                                hn::Eq(hn::Load(d, a.max), hn::Load(d, b.max))));
+}
+
+HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,
+                         int32_t* levels) {
+  const RecordHalf d;
+  const hn::RebindToSigned<RecordHalf> di;
+  const auto level = hn::Mul(hn::Sub(hn::Load(d, x), hn::Load(d, origin)), hn::Load(d, scale));
+  const auto inside = hn::Min(hn::Max(level, hn::Zero(d)), hn::Set(d, last));
+  hn::Store(hn::ConvertTo(di, inside), di, levels);
+}
+
+#endif
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

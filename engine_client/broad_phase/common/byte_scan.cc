@@ -1,0 +1,186 @@
+#include "engine_client/broad_phase/common/byte_scan.h"
+
+#include <algorithm>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/common/byte_scan.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// After foreach_target.h.
+#include "engine_client/broad_phase/common/box_record-inl.h"
+#include "engine_client/broad_phase/common/pair_cursor.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+using Bytes = hn::CappedTag<uint8_t, ByteBoxes::kGranule>;
+
+// Bit k: the slot `at` + k may overlap the one at `row`.
+struct Candidates {
+  uint64_t bits;
+  uint32_t row;
+  uint32_t at;
+};
+// They are collected before they are tested.
+constexpr size_t kCandidatesRoom = 256;
+
+// Tests them exactly. A box's record is at its slot, or at its id with kById. One loop over all
+// bits, without a branch on how many there are or which pass: neither can be predicted, and with
+// such branches a pair took four times as long. REQUIRES: two entries behind the last may be read.
+template <bool kById>
+HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, size_t count,
+                              PairCursor& cursor) {
+  size_t total = 0;
+  for (size_t k = 0; k < count; ++k) total += hwy::PopCount(all[k].bits);
+  if (total == 0) return;
+  OverlapPair* const out = cursor.Room(total);
+  size_t found = 0;
+  uint64_t bits = all[0].bits;
+  uint64_t next_bits = all[1].bits;  // loaded a turn ahead: the turns wait for one another here
+  for (size_t k = 0; k < total; ++k) {
+    const size_t row = all->row;
+    const size_t slot = all->at + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+    const uint32_t a = lanes.id[row];
+    const uint32_t b = lanes.id[slot];
+    const uint32_t swapped = (a ^ b) & (a > b ? ~0U : 0U);  // std::minmax jumps
+    // As one word, or the compiler joins the two in a vector register.
+    const uint64_t pair = uint64_t{b ^ swapped} << 32 | (a ^ swapped);
+    std::memcpy(out + found, &pair, sizeof(pair));
+    found += RecordsOverlap(lanes.record[kById ? a : row], lanes.record[kById ? b : slot]) ? 1 : 0;
+    bits &= bits - 1;
+    const uint64_t is_last = bits == 0 ? 1 : 0;
+    bits |= next_bits & (0 - is_last);
+    all += is_last;
+    next_bits = all[1].bits;
+  }
+  cursor.Advance(found);
+}
+
+HWY_INLINE uint64_t BitsOf(Bytes d, hn::Mask<Bytes> mask) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  (void)d;
+  return mask.raw;
+#else
+  uint64_t bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  return bits;
+#endif
+}
+
+// One box in bytes: a copy that no store can alias, so that it stays in registers.
+struct RowBytes {
+  uint8_t low[3];
+  uint8_t high[3];
+};
+
+HWY_INLINE RowBytes RowAt(const ByteLanes& lanes, size_t row) {
+  return {{lanes.low[0][row], lanes.low[1][row], lanes.low[2][row]},
+          {lanes.high[0][row], lanes.high[1][row], lanes.high[2][row]}};
+}
+
+// Which of the slots from `at` on may overlap `row`: those no gap apart on any axis. Swept slots
+// are not before it on the first axis. Gaps in bytes, combined before they are compared: six
+// comparisons into masks took three times as long.
+template <bool kSwept>
+HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at) {
+  const auto gap_before = [&](size_t axis) HWY_ATTR {
+    return hn::SaturatedSub(hn::Set(d, row.low[axis]), hn::LoadU(d, lanes.high[axis] + at));
+  };
+  const auto gap_behind = [&](size_t axis) HWY_ATTR {
+    return hn::SaturatedSub(hn::LoadU(d, lanes.low[axis] + at), hn::Set(d, row.high[axis]));
+  };
+  auto gap = hn::Or3(gap_behind(0), gap_before(1), gap_behind(1));
+  gap = hn::Or3(gap, gap_before(2), gap_behind(2));
+  if constexpr (!kSwept) gap = hn::Or(gap, gap_before(0));
+  return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
+}
+
+// Bits of the slots behind `row`, when bit 0 is slot `at`.
+HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
+  if (row < at) return ~uint64_t{0};
+  return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;
+}
+
+// All tiles of [begin, end).
+template <bool kSwept, bool kById>
+HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_t end,
+                              PairBuffer& out) {
+  const Bytes d;
+  const size_t step = hn::Lanes(d);
+  const ByteLanes lanes = shared_lanes;
+  PairCursor cursor(out);
+  Candidates candidates[kCandidatesRoom + 2] = {};
+  size_t count = 0;
+  const auto add = [&](uint64_t bits, size_t row, size_t at) HWY_ATTR {
+    candidates[count] = {bits, static_cast<uint32_t>(row), static_cast<uint32_t>(at)};
+    count += bits != 0 ? 1 : 0;
+  };
+  uint64_t checks = 0;
+  for (size_t row = begin; row < end; row += kRowsPerTile) {
+    const RowBytes row0 = RowAt(lanes, row);
+    const RowBytes row1 = RowAt(lanes, row + 1);
+    const RowBytes row2 = RowAt(lanes, row + 2);
+    const RowBytes row3 = RowAt(lanes, row + 3);
+    float tile_end = 0;
+    if constexpr (kSwept)
+      tile_end = *std::max_element(lanes.end + row, lanes.end + row + kRowsPerTile);
+    const size_t first = row / step * step;
+    size_t at = first;
+    for (; at < lanes.count; at += step) {
+      if (kSwept && lanes.begin[at] > tile_end) break;
+      uint64_t bits0 = Compare<kSwept>(d, row0, lanes, at);
+      uint64_t bits1 = Compare<kSwept>(d, row1, lanes, at);
+      uint64_t bits2 = Compare<kSwept>(d, row2, lanes, at);
+      uint64_t bits3 = Compare<kSwept>(d, row3, lanes, at);
+      if (at < row + kRowsPerTile) {
+        bits0 &= BitsBehind(row, at);
+        bits1 &= BitsBehind(row + 1, at);
+        bits2 &= BitsBehind(row + 2, at);
+        bits3 &= BitsBehind(row + 3, at);
+      }
+      if (!kSwept && (bits0 | bits1 | bits2 | bits3) == 0) continue;
+      add(bits0, row, at);
+      add(bits1, row + 1, at);
+      add(bits2, row + 2, at);
+      add(bits3, row + 3, at);
+      if (count <= kCandidatesRoom - kRowsPerTile) continue;
+      TestExactly<kById>(lanes, candidates, count, cursor);
+      count = 0;
+    }
+    checks += kRowsPerTile * (at - first);
+  }
+  TestExactly<kById>(lanes, candidates, count, cursor);
+  cursor.Flush();
+  return checks;
+}
+
+uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
+  return ScanTiles<false, false>(lanes, begin, end, out);
+}
+
+uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
+  if (lanes.records_by_id) return ScanTiles<true, true>(lanes, begin, end, out);
+  return ScanTiles<true, false>(lanes, begin, end, out);
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace sweepstake {
+
+HWY_EXPORT(ScanAll);
+HWY_EXPORT(ScanSwept);
+
+uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
+  return HWY_DYNAMIC_DISPATCH(ScanAll)(lanes, begin, end, out);
+}
+
+uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
+  return HWY_DYNAMIC_DISPATCH(ScanSwept)(lanes, begin, end, out);
+}
+
+}  // namespace sweepstake
+
+#endif  // HWY_ONCE

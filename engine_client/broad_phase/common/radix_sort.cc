@@ -1,0 +1,71 @@
+#include "engine_client/broad_phase/common/radix_sort.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake {
+namespace {
+
+// Below this clearing and summing the buckets costs more than moving items one by one.
+constexpr size_t kInsertionLimit = 64;
+
+size_t Digit(uint64_t item, size_t pass) { return (item >> (31 + 11 * pass)) & 2047; }
+
+void InsertionSort(std::span<uint64_t> items) {
+  for (size_t i = 1; i < items.size(); ++i) {
+    const uint64_t item = items[i];
+    size_t hole = i;
+    for (; hole > 0 && SortItemRank(items[hole - 1]) > SortItemRank(item); --hole)
+      items[hole] = items[hole - 1];
+    items[hole] = item;
+  }
+}
+
+}  // namespace
+
+std::span<uint64_t> RadixSort::Items(size_t count) {
+  count_ = count;
+  items_.EnsureDiscarding(count);
+  return {items_.data(), count};
+}
+
+std::span<const uint64_t> RadixSort::Sort() {
+  Sort(items_, count_);
+  return {items_.data(), count_};
+}
+
+void RadixSort::Sort(AlignedBuffer<uint64_t>& items, size_t count) {
+  if (count <= kInsertionLimit) {
+    InsertionSort({items.data(), count});
+    return;
+  }
+  spare_.EnsureDiscarding(count);
+  CountDigits(items.data(), count);
+  for (size_t pass = 0; pass < kPasses; ++pass) Scatter(pass, items, count);
+}
+
+void RadixSort::CountDigits(const uint64_t* items, size_t count) {
+  starts_.EnsureDiscarding(kPasses * kBuckets);
+  std::fill_n(starts_.data(), kPasses * kBuckets, 0U);
+  uint32_t* const low = starts_.data();
+  uint32_t* const middle = low + kBuckets;
+  uint32_t* const high = middle + kBuckets;
+  for (size_t i = 0; i < count; ++i) {
+    ++low[Digit(items[i], 0)];
+    ++middle[Digit(items[i], 1)];
+    ++high[Digit(items[i], 2)];
+  }
+}
+
+void RadixSort::Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count) {
+  uint32_t* const starts = starts_.data() + pass * kBuckets;
+  const uint64_t* const from = items.data();
+  if (starts[Digit(from[0], pass)] == count) return;  // one bucket holds all: the order stands
+  uint32_t sum = 0;
+  for (size_t bucket = 0; bucket < kBuckets; ++bucket) sum += std::exchange(starts[bucket], sum);
+  uint64_t* const to = spare_.data();
+  for (size_t i = 0; i < count; ++i) to[starts[Digit(from[i], pass)]++] = from[i];
+  std::swap(items, spare_);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,53 @@
+// Boxes as six float arrays and the array of their ids: the form the vector kernels read.
+//
+// Not thread-safe. Owns its memory. Cost of Gather: O(n), 28 bytes written per box. Memory: 28 (n +
+// kPadding) bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "sweepstake/aabb.h"
+
+namespace sweepstake {
+
+// A view of SoaBoxes, valid until its next Gather. The first axis is the one the caller asked for,
+// then the others in cyclic order: overlap does not depend on the order of the axes.
+struct BoxLanes {
+  const float* min[3];
+  const float* max[3];
+  const uint32_t* id;
+  size_t count;
+};
+
+class SoaBoxes {
+ public:
+  // Sentinels behind the last box, at least one register of every target: a kernel may read [i, i +
+  // lanes) for any i <= count. A sentinel (min = +inf, max = -inf) overlaps nothing, another
+  // sentinel included.
+  static constexpr size_t kPadding = 64;
+
+  // Slot k takes boxes[k] with id k.
+  void Gather(std::span<const Aabb> boxes);
+  // Slot k takes boxes[order[k]] with id order[k]. REQUIRES: every entry is an index of `boxes`.
+  void Gather(std::span<const Aabb> boxes, std::span<const uint32_t> order);
+  // Both: a box that does not take part (aabb.h) becomes a sentinel and keeps its slot and id.
+
+  size_t count() const { return count_; }
+  BoxLanes Lanes(int first_axis = 0) const;
+  size_t native_bytes() const { return floats_.capacity_bytes() + ids_.capacity_bytes(); }
+
+ private:
+  void Resize(size_t count);
+  void Finish();
+  float* Column(size_t index) { return floats_.data() + index * stride_; }
+
+  AlignedBuffer<float> floats_;  // min x y z, max x y z; stride_ floats each
+  AlignedBuffer<uint32_t> ids_;
+  size_t count_ = 0;
+  size_t stride_ = 0;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,246 @@
+#include "engine_client/broad_phase/dbvt/dbvt_query.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_query.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// After foreach_target.h.
+#include "engine_client/broad_phase/common/overlap_kernel-inl.h"
+#include "hwy/cache_control.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+constexpr uint32_t kWidth = DbvtTree::kWidth;
+using Lanes16 = hn::CappedTag<float, kWidth>;
+
+HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
+  return {{node.min[0], node.min[1], node.min[2]},
+          {node.max[0], node.max[1], node.max[2]},
+          node.child,
+          kWidth};
+}
+
+// The children from `first` on that overlap `box` go to `found`. Returns how many; writes up to a
+// register more.
+HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_t first,
+                                  uint32_t* found) {
+  const Lanes16 d;
+  const hn::RebindToUnsigned<Lanes16> du;
+  const BoxLanes lanes = LanesOf(node);
+  size_t count = 0;
+  for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
+    const auto hits = hn::And(SlotsFrom(d, first, at), Hits(d, box, lanes, at));
+    hn::StoreU(hn::Compress(hn::Load(du, node.child + at), hn::RebindMask(du, hits)), du,
+               found + count);
+    count += hn::CountTrue(d, hits);
+  }
+  return count;
+}
+
+// The lanes of leaf `leaf` that overlap `box`, as slots.
+HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t leaf,
+                               uint32_t* found) {
+  const Lanes16 d;
+  const hn::RebindToUnsigned<Lanes16> du;
+  const BoxLanes lanes = LanesOf(nodes[leaf]);
+  size_t count = 0;
+  for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
+    const auto hits = Hits(d, box, lanes, at);
+    const auto slots = hn::Iota(du, leaf * kWidth + static_cast<uint32_t>(at));
+    hn::StoreU(hn::Compress(slots, hn::RebindMask(du, hits)), du, found + count);
+    count += hn::CountTrue(d, hits);
+  }
+  return count;
+}
+
+// One axis of a register of boxes against one box.
+template <class D>
+HWY_INLINE hn::Mask<D> AxisHitsOfHeld(D d, hn::Vec<D> min, hn::Vec<D> max, const DbvtNode& node,
+                                      size_t axis, size_t lane) {
+  return hn::And(hn::Le(min, hn::Set(d, node.max[axis][lane])),
+                 hn::Ge(max, hn::Set(d, node.min[axis][lane])));
+}
+
+// The leaf's boxes, as many at a time as a register holds, against those in `slots`; with kSelf
+// these are the leaf's own, and each meets the lanes behind it.
+template <bool kSelf>
+HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& leaf,
+                          size_t leaf_size, const uint32_t* slots, size_t slot_count,
+                          PairCursor& cursor) {
+  const Lanes16 d;
+  const size_t step = hn::Lanes(d);
+  for (size_t at = 0; at < leaf_size; at += step) {
+    const auto min0 = hn::Load(d, leaf.min[0] + at);
+    const auto min1 = hn::Load(d, leaf.min[1] + at);
+    const auto min2 = hn::Load(d, leaf.min[2] + at);
+    const auto max0 = hn::Load(d, leaf.max[0] + at);
+    const auto max1 = hn::Load(d, leaf.max[1] + at);
+    const auto max2 = hn::Load(d, leaf.max[2] + at);
+    const size_t count = kSelf ? std::min(leaf_size, at + step) : slot_count;
+    for (size_t k = 0; k < count; ++k) {
+      const DbvtNode& node = kSelf ? leaf : nodes[slots[k] / kWidth];
+      const size_t lane = kSelf ? k : slots[k] % kWidth;
+      auto hits = hn::And(hn::And(AxisHitsOfHeld(d, min0, max0, node, 0, lane),
+                                  AxisHitsOfHeld(d, min1, max1, node, 1, lane)),
+                          AxisHitsOfHeld(d, min2, max2, node, 2, lane));
+      if constexpr (kSelf) hits = hn::And(hits, SlotsFrom(d, k + 1, at));
+      cursor.Advance(StoreHits(d, hits, node.child[lane], leaf.child + at, cursor.Room(step)));
+    }
+  }
+}
+
+// Waiting nodes of a depth-first walk: each level leaves at most its siblings behind.
+constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
+
+// The search of one leaf among those that follow it. What was found waits in two stores that are
+// emptied when full: long loops, whose ends the processor foresees.
+struct LeafSearch {
+  LeafSearch(const DbvtTree& tree, PairCursor& pairs)
+      : nodes(tree.nodes()), links(tree.links()), cursor(pairs) {}
+
+  static constexpr size_t kLeafStore = 64;
+  static constexpr size_t kSlotStore = 256;
+
+  const DbvtNode* nodes;
+  const DbvtLink* links;
+  PairCursor& cursor;
+  uint32_t leaf = 0;
+  uint32_t leaf_size = 0;
+  Aabb bounds{};
+  uint64_t checks = 0;
+  size_t leaf_count = 0;
+  size_t slot_count = 0;
+  uint32_t leaves[kLeafStore + kWidth];
+  uint32_t slots[kSlotStore + kWidth];
+  uint32_t stack[kStackSize];
+};
+
+HWY_INLINE void EmptySlotStore(LeafSearch& search) {
+  TestSlots<false>(search.nodes, search.nodes[search.leaf], search.leaf_size, search.slots,
+                   search.slot_count, search.cursor);
+  search.checks += search.slot_count * kWidth;
+  search.slot_count = 0;
+}
+
+// Of large trees leaves are not in the cache.
+HWY_INLINE void FetchAhead(const DbvtNode& leaf) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    hwy::Prefetch(leaf.min[axis]);
+    hwy::Prefetch(leaf.max[axis]);
+  }
+  hwy::Prefetch(leaf.child);
+}
+
+HWY_INLINE void EmptyLeafStore(LeafSearch& search) {
+  for (size_t k = 0; k < search.leaf_count; ++k) {
+    if (k + 3 < search.leaf_count) FetchAhead(search.nodes[search.leaves[k + 3]]);
+    search.slot_count += CollectSlots(search.bounds, search.nodes, search.leaves[k],
+                                      search.slots + search.slot_count);
+    if (search.slot_count > LeafSearch::kSlotStore) EmptySlotStore(search);
+  }
+  search.checks += search.leaf_count * kWidth;
+  search.leaf_count = 0;
+}
+
+// What overlaps below the children of `node` from `first` on.
+HWY_INLINE void SearchBelow(LeafSearch& search, uint32_t node, uint32_t first) {
+  size_t waiting = 0;
+  for (;;) {
+    search.checks += kWidth;
+    if (search.links[node].level > 1) {
+      waiting += CollectChildren(search.bounds, search.nodes[node], first, search.stack + waiting);
+    } else {
+      search.leaf_count += CollectChildren(search.bounds, search.nodes[node], first,
+                                           search.leaves + search.leaf_count);
+      if (search.leaf_count > LeafSearch::kLeafStore) EmptyLeafStore(search);
+    }
+    if (waiting == 0) return;
+    node = search.stack[--waiting];
+    first = 0;
+  }
+}
+
+HWY_INLINE void SearchLeaf(LeafSearch& search, uint32_t group, uint32_t lane) {
+  const DbvtNode* const nodes = search.nodes;
+  search.leaf = nodes[group].child[lane];
+  search.leaf_size = search.links[search.leaf].count;
+  search.bounds = BoxAt(LanesOf(nodes[group]), lane);
+  TestSlots<true>(nodes, nodes[search.leaf], search.leaf_size, nullptr, 0, search.cursor);
+  search.checks += size_t{search.leaf_size} * kWidth;
+  SearchBelow(search, group, lane + 1);
+  for (uint32_t node = group; search.links[node].parent != DbvtTree::kNone;) {
+    const DbvtLink& link = search.links[node];
+    SearchBelow(search, link.parent, link.lane + 1U);
+    node = link.parent;
+  }
+  EmptyLeafStore(search);
+  EmptySlotStore(search);
+}
+
+uint64_t GroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out) {
+  PairCursor cursor(out);
+  LeafSearch search(tree, cursor);
+  for (const uint32_t group : groups) {
+    const uint32_t count = search.links[group].count;
+    for (uint32_t lane = 0; lane < count; ++lane) SearchLeaf(search, group, lane);
+  }
+  cursor.Flush();
+  return search.checks;
+}
+
+uint64_t PairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
+                 const uint8_t* is_listed, PairBuffer& out) {
+  const DbvtNode* const nodes = tree.nodes();
+  const DbvtLink* const links = tree.links();
+  PairCursor cursor(out);
+  uint64_t checks = 0;
+  uint32_t stack[kStackSize];
+  uint32_t met[2 * kWidth];
+  for (const uint32_t object : objects) {
+    if (!tree.Contains(object)) continue;
+    size_t waiting = 0;
+    stack[waiting++] = tree.root();
+    while (waiting > 0) {
+      const uint32_t node = stack[--waiting];
+      checks += kWidth;
+      if (links[node].level > 0) {
+        waiting += CollectChildren(fat[object], nodes[node], 0, stack + waiting);
+        continue;
+      }
+      const size_t met_count = CollectChildren(fat[object], nodes[node], 0, met);
+      for (size_t k = 0; k < met_count; ++k) {
+        // Of two listed objects the lower one reports.
+        if (met[k] > object || (met[k] < object && is_listed[met[k]] == 0)) {
+          cursor.Append(object, met[k]);
+        }
+      }
+    }
+  }
+  cursor.Flush();
+  return checks;
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace sweepstake {
+
+HWY_EXPORT(GroupPairs);
+HWY_EXPORT(PairsOf);
+
+uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out) {
+  return HWY_DYNAMIC_DISPATCH(GroupPairs)(tree, groups, out);
+}
+
+uint64_t FindPairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
+                     const uint8_t* is_listed, PairBuffer& out) {
+  return HWY_DYNAMIC_DISPATCH(PairsOf)(tree, objects, fat, is_listed, out);
+}
+
+}  // namespace sweepstake
+
+#endif  // HWY_ONCE

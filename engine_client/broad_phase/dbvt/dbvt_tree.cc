@@ -1,0 +1,470 @@
+#include "engine_client/broad_phase/dbvt/dbvt_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <limits>
+
+#include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/dbvt/dbvt_refit.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+// Leaves are full after Build and 11 to 13 of 16 full after a while of motion.
+constexpr size_t kObjectsPerNode = 10;
+// Of lowest inner nodes to a part: some 1,500 objects.
+constexpr size_t kLeastGroups = 8;
+
+void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    node.min[axis][lane] = box.min[axis];
+    node.max[axis][lane] = box.max[axis];
+  }
+}
+
+Aabb BoxAt(const DbvtNode& node, uint32_t lane) {
+  return {{node.min[0][lane], node.min[1][lane], node.min[2][lane]},
+          {node.max[0][lane], node.max[1][lane], node.max[2][lane]}};
+}
+
+Aabb Union(const Aabb& a, const Aabb& b) {
+  Aabb both;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    both.min[axis] = std::min(a.min[axis], b.min[axis]);
+    both.max[axis] = std::max(a.max[axis], b.max[axis]);
+  }
+  return both;
+}
+
+float SumOfSides(const Aabb& box) {
+  return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
+}
+
+// In double: the sum of two floats need not be finite.
+double DoubledCenter(const Aabb& box, int axis) {
+  return static_cast<double>(box.min[axis]) + box.max[axis];
+}
+
+// The axis on which the centers of these entries' boxes are spread widest.
+template <class Entries>
+int WidestAxis(const Entries& entries) {
+  int widest = 0;
+  double most = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    double low = DoubledCenter(entries[0].box, axis);
+    double high = low;
+    for (const auto& entry : entries) {
+      low = std::min(low, DoubledCenter(entry.box, axis));
+      high = std::max(high, DoubledCenter(entry.box, axis));
+    }
+    if (high - low <= most) continue;
+    most = high - low;
+    widest = axis;
+  }
+  return widest;
+}
+
+// How much a row of faces recedes when the outermost one goes, and whose that is. `sign` −1: the
+// highest face is the outermost.
+struct Outermost {
+  uint32_t lane;
+  float gain;
+};
+Outermost OutermostLane(const float* faces, uint32_t count, float sign) {
+  float least = kInfinity;
+  float second = kInfinity;
+  uint32_t lane = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    const float face = sign * faces[k];
+    second = std::min(second, std::max(face, least));
+    if (face < least) lane = k;
+    least = std::min(face, least);
+  }
+  return {lane, second - least};
+}
+
+// The lane without which the node shrinks most.
+uint32_t LaneToShed(const DbvtNode& node, uint32_t count) {
+  std::array<float, DbvtNode::kWidth> gains{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const Outermost low = OutermostLane(node.min[axis], count, 1);
+    const Outermost high = OutermostLane(node.max[axis], count, -1);
+    gains[low.lane] += low.gain;
+    gains[high.lane] += high.gain;
+  }
+  return static_cast<uint32_t>(std::max_element(gains.begin(), gains.begin() + count) -
+                               gains.begin());
+}
+
+}  // namespace
+
+uint32_t DbvtTree::AllocateNode(uint32_t level) {
+  uint32_t node = free_;
+  if (node != kNone) {
+    free_ = links_[node].parent;
+  } else {
+    nodes_.EnsureKeeping(node_limit_ + 1, node_limit_);
+    links_.EnsureKeeping(node_limit_ + 1, node_limit_);
+    node = static_cast<uint32_t>(node_limit_++);
+  }
+  links_[node] = {kNone, 0, 0, static_cast<uint8_t>(level)};
+  DbvtNode& fresh = nodes_[node];
+  for (size_t axis = 0; axis < 3; ++axis) {
+    std::fill_n(fresh.min[axis], kWidth, kInfinity);
+    std::fill_n(fresh.max[axis], kWidth, -kInfinity);
+  }
+  std::fill_n(fresh.child, kWidth, 0U);
+  std::fill_n(fresh.reach, kWidth, kInfinity);
+  return node;
+}
+
+void DbvtTree::FreeNode(uint32_t node) {
+  links_[node].parent = free_;
+  free_ = node;
+}
+
+void DbvtTree::LinkChild(uint32_t node, uint32_t lane, uint32_t child) {
+  nodes_[node].child[lane] = child;
+  nodes_[node].reach[lane] = kInfinity;
+  if (links_[node].level == 0) {
+    slots_[child] = node * kWidth + lane;
+    return;
+  }
+  links_[child].parent = node;
+  links_[child].lane = static_cast<uint8_t>(lane);
+  is_order_known_ = false;
+}
+
+void DbvtTree::SetLane(uint32_t node, uint32_t lane, const Entry& entry) {
+  SetBox(nodes_[node], lane, entry.box);
+  LinkChild(node, lane, entry.child);
+}
+
+DbvtTree::Entry DbvtTree::EntryAt(uint32_t node, uint32_t lane) const {
+  return {BoxAt(nodes_[node], lane), nodes_[node].child[lane], links_[node].level};
+}
+
+// The last lane takes its place.
+void DbvtTree::RemoveLane(uint32_t node, uint32_t lane) {
+  const uint32_t last = --links_[node].count;
+  const float reach = nodes_[node].reach[last];
+  if (lane != last) {
+    SetLane(node, lane, EntryAt(node, last));
+    nodes_[node].reach[lane] = reach;
+  }
+  SetBox(nodes_[node], last,
+         {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}});
+  is_order_known_ &= links_[node].level == 0;
+}
+
+void DbvtTree::EvictLane(uint32_t node, uint32_t lane) {
+  waiting_.push_back(EntryAt(node, lane));
+  RemoveLane(node, lane);
+}
+
+// REQUIRES: not the root.
+void DbvtTree::Dissolve(uint32_t node) {
+  for (uint32_t lane = links_[node].count; lane-- > 0;) EvictLane(node, lane);
+  RemoveLane(links_[node].parent, links_[node].lane);
+  FreeNode(node);
+}
+
+void DbvtTree::WriteBounds(uint32_t node) {
+  SetBox(nodes_[links_[node].parent], links_[node].lane, NodeBounds(nodes_[node]));
+}
+
+void DbvtTree::TightenUpFrom(uint32_t node) {
+  while (node != root_) {
+    const uint32_t parent = links_[node].parent;
+    links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
+    node = parent;
+  }
+}
+
+void DbvtTree::Reserve(size_t object_count) {
+  const size_t node_count = object_count / kObjectsPerNode + 2 * kMaxLevels;
+  nodes_.EnsureDiscarding(node_count);
+  links_.EnsureDiscarding(node_count);
+  slots_.EnsureDiscarding(object_count);
+  inner_.reserve(node_count / kLeastFill);
+  groups_.reserve(node_count / kLeastFill);
+  notes_.reserve(node_count / kLeastFill);
+}
+
+void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots,
+                     Executor* executor, std::vector<uint32_t>& lost) {
+  Reserve(boxes.size());
+  object_count_ = boxes.size();
+  std::fill_n(slots_.data(), object_count_, kNone);
+  node_limit_ = 0;
+  free_ = kNone;
+  waiting_.clear();
+  is_order_known_ = false;
+  for (size_t first = 0; first < slots.size(); first += kWidth) {
+    BuildLeaf(slots.subspan(first, std::min<size_t>(kWidth, slots.size() - first)));
+  }
+  uint32_t first = 0;
+  uint32_t level = 0;
+  do {
+    const auto end = static_cast<uint32_t>(node_limit_);
+    BuildLevel(++level, first, end);
+    first = end;
+  } while (node_limit_ - first > 1);
+  root_ = first;
+  // Boxes and bounds.
+  Refit(boxes, 0, executor, lost);
+  Settle();
+}
+
+void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
+  uint32_t leaf = kNone;
+  for (const uint32_t object : objects) {
+    if (object >= object_count_) continue;
+    if (leaf == kNone) leaf = AllocateNode(0);
+    LinkChild(leaf, links_[leaf].count++, object);
+  }
+}
+
+// Nodes, at least one, above those of [first, end).
+void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
+  uint32_t node = AllocateNode(level);
+  for (uint32_t child = first; child < end; ++child) {
+    if (links_[node].count == kWidth) node = AllocateNode(level);
+    LinkChild(node, links_[node].count++, child);
+  }
+}
+
+void DbvtTree::Resize(size_t object_count) {
+  slots_.EnsureKeeping(object_count, std::min(object_count, object_count_));
+  for (size_t object = object_count_; object < object_count; ++object) slots_[object] = kNone;
+  object_count_ = object_count;
+}
+
+void DbvtTree::Insert(uint32_t object, const Aabb& box) {
+  assert(!Contains(object));
+  Attach({box, object, 0});
+}
+
+void DbvtTree::Remove(uint32_t object) {
+  assert(Contains(object));
+  const uint32_t leaf = slots_[object] / kWidth;
+  RemoveLane(leaf, slots_[object] % kWidth);
+  slots_[object] = kNone;
+  TightenUpFrom(leaf);
+  Settle();
+}
+
+void DbvtTree::Move(uint32_t object, const Aabb& box) {
+  assert(Contains(object));
+  const uint32_t leaf = slots_[object] / kWidth;
+  if (FitsInReach(leaf, box)) {
+    SetBox(nodes_[leaf], slots_[object] % kWidth, box);
+    WidenUpFrom(leaf, box);
+  } else {
+    Remove(object);
+    Insert(object, box);
+  }
+}
+
+// False as long as the reach is not known.
+bool DbvtTree::FitsInReach(uint32_t node, const Aabb& box) const {
+  const DbvtNode& parent = nodes_[links_[node].parent];
+  const uint32_t lane = links_[node].lane;
+  const float sides = SumOfSides(Union(BoxAt(parent, lane), box));
+  return sides <= parent.reach[lane] && parent.reach[lane] < kInfinity;
+}
+
+void DbvtTree::WidenUpFrom(uint32_t node, const Aabb& box) {
+  for (; node != root_; node = links_[node].parent) {
+    DbvtNode& parent = nodes_[links_[node].parent];
+    const Aabb around = BoxAt(parent, links_[node].lane);
+    const Aabb wider = Union(around, box);
+    if (wider == around) return;
+    SetBox(parent, links_[node].lane, wider);
+  }
+}
+
+void DbvtTree::Attach(const Entry& entry) {
+  if (links_[root_].count == 0) {
+    links_[root_].level = static_cast<uint8_t>(std::max(entry.level, 1U));
+    if (entry.level == 0) AddTo(root_, {entry.box, AllocateNode(0), 1});
+  }
+  AddTo(DescendWidening(nodes_.data(), links_.data(), root_, entry.level, entry.box), entry);
+}
+
+// REQUIRES: the boxes above cover the entry's.
+void DbvtTree::AddTo(uint32_t node, const Entry& entry) {
+  if (links_[node].count == kWidth) return Split(node, entry);
+  SetLane(node, links_[node].count++, entry);
+}
+
+// Two nodes for the entries of a full one and one more, parted at the median of the widest axis.
+void DbvtTree::Split(uint32_t node, const Entry& entry) {
+  std::array<Entry, kWidth + 1> entries;
+  for (uint32_t lane = 0; lane < kWidth; ++lane) entries[lane] = EntryAt(node, lane);
+  entries[kWidth] = entry;
+  const int axis = WidestAxis(entries);
+  std::nth_element(entries.begin(), entries.begin() + kWidth / 2, entries.end(),
+                   [axis](const Entry& a, const Entry& b) {
+                     return DoubledCenter(a.box, axis) < DoubledCenter(b.box, axis);
+                   });
+
+  const uint32_t level = links_[node].level;
+  const uint32_t sibling = AllocateNode(level);
+  while (links_[node].count > 0) RemoveLane(node, links_[node].count - 1U);
+  for (size_t k = 0; k < entries.size(); ++k) {
+    const uint32_t half = k < kWidth / 2 ? node : sibling;
+    SetLane(half, links_[half].count++, entries[k]);
+  }
+  if (node == root_) {
+    root_ = AllocateNode(level + 1);
+    AddTo(root_, {NodeBounds(nodes_[node]), node, level + 1});
+  } else {
+    WriteBounds(node);
+  }
+  AddTo(links_[node].parent, {NodeBounds(nodes_[sibling]), sibling, level + 1});
+}
+
+void DbvtTree::Settle() {
+  // Subtrees before what goes into them.
+  for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
+    for (const Entry& entry : waiting_) {
+      if (entry.level == level) Attach(entry);
+    }
+  }
+  waiting_.clear();
+  while (links_[root_].level > 1 && links_[root_].count == 1) {
+    const uint32_t old_root = root_;
+    root_ = nodes_[old_root].child[0];
+    links_[root_].parent = kNone;
+    FreeNode(old_root);
+    is_order_known_ = false;
+  }
+}
+
+// Back within its reach, or dissolved.
+void DbvtTree::Shed(uint32_t node) {
+  const float reach = nodes_[links_[node].parent].reach[links_[node].lane];
+  while (links_[node].count >= kLeastFill) {
+    const Aabb bounds = NodeBounds(nodes_[node]);
+    if (!(SumOfSides(bounds) > reach)) {
+      SetBox(nodes_[links_[node].parent], links_[node].lane, bounds);
+      return;
+    }
+    EvictLane(node, LaneToShed(nodes_[node], links_[node].count));
+  }
+  Dissolve(node);
+}
+
+// From the highest lane down: a child that dissolves has its place taken by the last.
+void DbvtTree::ShedBelow(uint32_t node, uint32_t stretched) {
+  while (stretched != 0) {
+    const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;
+    stretched ^= 1U << lane;
+    Shed(nodes_[node].child[lane]);
+  }
+}
+
+void DbvtTree::RemoveBroken(uint32_t leaf, std::span<const Aabb> boxes,
+                            std::vector<uint32_t>& lost) {
+  for (uint32_t lane = links_[leaf].count; lane-- > 0;) {
+    const uint32_t object = nodes_[leaf].child[lane];
+    if (TakesPart(boxes[object])) continue;
+    slots_[object] = kNone;
+    lost.push_back(object);
+    RemoveLane(leaf, lane);
+  }
+}
+
+void DbvtTree::RefitGroups(std::span<const Aabb> boxes, float step, Executor* executor) {
+  CollectOrder();
+  notes_.resize(groups_.size());
+  const size_t part_count = PartCount(executor, groups_.size(), kLeastGroups);
+  RunParts(executor, part_count, [&](size_t part) {
+    const PartRange range = RangeOfPart(groups_.size(), part, part_count, 1);
+    for (size_t k = range.begin; k < range.end; ++k) {
+      notes_[k] = RefitGroup(nodes_.data(), links_.data(), groups_[k], boxes.data(), step);
+    }
+  });
+}
+
+void DbvtTree::TakeBoxes(std::span<const Aabb> boxes, Executor* executor) {
+  RefitGroups(boxes, 0, executor);
+  for (size_t k = inner_.size(); k-- > 0;) {
+    if (inner_[k] != root_) WriteBounds(inner_[k]);
+  }
+}
+
+DbvtTree::Motion DbvtTree::SumUpNotes() const {
+  Motion motion{};
+  size_t stretched = 0;
+  for (size_t k = 0; k < groups_.size(); ++k) {
+    motion.sampled += links_[groups_[k]].count;
+    motion.restless += notes_[k].restless;
+    motion.mean += notes_[k].motion;
+    stretched += static_cast<size_t>(std::popcount(notes_[k].stretched));
+  }
+  motion.mean /= static_cast<float>(std::max<size_t>(motion.sampled, 1));
+  motion.is_upheaval = 2 * stretched > motion.sampled;
+  return motion;
+}
+
+DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Executor* executor,
+                                 std::vector<uint32_t>& lost) {
+  RefitGroups(boxes, step, executor);
+  const Motion motion = SumUpNotes();
+  if (motion.is_upheaval) return motion;
+  size_t group = groups_.size();
+  for (size_t k = inner_.size(); k-- > 0;) {
+    const uint32_t node = inner_[k];
+    if (links_[node].level > 1) {
+      ShedBelow(node, StretchedLanes(nodes_[node]));
+    } else {
+      const DbvtGroupNote& note = notes_[--group];
+      for (uint32_t broken = note.broken; broken != 0; broken &= broken - 1) {
+        RemoveBroken(nodes_[node].child[std::countr_zero(broken)], boxes, lost);
+      }
+      ShedBelow(node, note.stretched | note.broken);
+    }
+    if (node != root_) links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
+  }
+  return motion;
+}
+
+void DbvtTree::CollectOrder() {
+  if (is_order_known_) return;
+  inner_.clear();
+  groups_.clear();
+  std::array<uint32_t, kMaxLevels * kWidth> stack;
+  size_t waiting = 0;
+  stack[waiting++] = root_;
+  while (waiting > 0) {
+    const uint32_t node = stack[--waiting];
+    inner_.push_back(node);
+    if (links_[node].level == 1) {
+      groups_.push_back(node);
+      continue;
+    }
+    for (uint32_t lane = links_[node].count; lane-- > 0;) {
+      stack[waiting++] = nodes_[node].child[lane];
+    }
+  }
+  is_order_known_ = true;
+}
+
+std::span<const uint32_t> DbvtTree::Groups() {
+  CollectOrder();
+  return groups_;
+}
+
+size_t DbvtTree::native_bytes() const {
+  return nodes_.capacity_bytes() + links_.capacity_bytes() + slots_.capacity_bytes() +
+         waiting_.capacity() * sizeof(Entry) +
+         (inner_.capacity() + groups_.capacity()) * sizeof(uint32_t) +
+         notes_.capacity() * sizeof(DbvtGroupNote);
+}
+
+}  // namespace sweepstake

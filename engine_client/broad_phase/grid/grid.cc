@@ -1,0 +1,54 @@
+#include "engine_client/broad_phase/grid/grid.h"
+
+#include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/grid/grid_plan.h"
+#include "engine_client/broad_phase/grid/grid_search.h"
+#include "engine_client/broad_phase/grid/grid_sort.h"
+
+namespace sweepstake {
+namespace {
+
+// About 25 µs of work.
+constexpr size_t kLeastBoxesPerPart = 1024;
+
+class Grid final : public BroadPhase {
+ public:
+  explicit Grid(const BroadPhaseOptions& options) : executor_(options.executor) {}
+  std::string_view name() const override { return "Grid"; }
+  uint32_t version() const override { return 2; }
+  void Build(std::span<const Aabb> boxes) override {
+    plan_.Reset();
+    Update(boxes);
+  }
+  void Update(std::span<const Aabb> boxes) override {
+    checks_ = 0;
+    count_ = boxes.size();
+    plan_.MakeGrids(executor_, boxes);
+    sort_.Sort(executor_, boxes, plan_.grids(), plan_.choice());
+  }
+  void FindPairs(PairBuffer& out) override {
+    const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.looks_into()};
+    checks_ = parts_.Run(executor_, count_, kLeastBoxesPerPart, GridView::kBatch, out,
+                         [&](size_t begin, size_t end, PairBuffer& pairs) {
+                           return SearchGrids(view, begin, end, pairs);
+                         });
+  }
+  uint64_t aabb_check_count() const override { return checks_; }
+  size_t native_bytes() const override { return sort_.native_bytes() + parts_.native_bytes(); }
+
+ private:
+  Executor* executor_;
+  GridPlan plan_;
+  GridSort sort_;
+  PairParts parts_;
+  size_t count_ = 0;
+  uint64_t checks_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> MakeGrid(const BroadPhaseOptions& options) {
+  return std::make_unique<Grid>(options);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,105 @@
+// Boxes in the caller's order and the cells of coordinates, a register at a time, for every target
+// of Highway. Include after hwy/foreach_target.h.
+#if defined(SWEEPSTAKE_GRID_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_GRID_BOXES_INL_H_
+#undef SWEEPSTAKE_GRID_BOXES_INL_H_
+#else
+#define SWEEPSTAKE_GRID_BOXES_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <span>
+
+#include "engine_client/broad_phase/grid/group_grid.h"
+#include "hwy/highway.h"
+#include "sweepstake/aabb.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Lanes whose box takes part on one axis; NaN fails every comparison. Halves the coordinates of
+// all.
+template <class D, class V>
+HWY_INLINE hn::Mask<D> HalveAxis(D d, V& min, V& max) {
+  const auto limit = hn::Set(d, std::numeric_limits<float>::max());
+  const auto finite = hn::And(hn::Ge(min, hn::Neg(limit)), hn::Le(max, limit));
+  const auto present = hn::And(finite, hn::Le(min, max));
+  min = hn::Mul(min, hn::Set(d, 0.5F));
+  max = hn::Mul(max, hn::Set(d, 0.5F));
+  return present;
+}
+
+// The coordinates of as many boxes as there are lanes. By reference, since no struct may hold
+// vectors whose size the compiler does not know.
+template <class D, class V>
+HWY_INLINE void LoadBoxes(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, V& max_x, V& max_y,
+                          V& max_z) {
+#if HWY_TARGET == HWY_SCALAR
+  min_x = hn::Set(d, boxes->min[0]);
+  min_y = hn::Set(d, boxes->min[1]);
+  min_z = hn::Set(d, boxes->min[2]);
+  max_x = hn::Set(d, boxes->max[0]);
+  max_y = hn::Set(d, boxes->max[1]);
+  max_z = hn::Set(d, boxes->max[2]);
+#else
+  V x0;
+  V y0;
+  V z0;
+  V x1;
+  V y1;
+  V z1;
+  hn::LoadInterleaved3(d, boxes->min, x0, y0, z0);
+  hn::LoadInterleaved3(d, boxes->min + 3 * hn::Lanes(d), x1, y1, z1);
+  min_x = hn::ConcatEven(d, x1, x0);
+  min_y = hn::ConcatEven(d, y1, y0);
+  min_z = hn::ConcatEven(d, z1, z0);
+  max_x = hn::ConcatOdd(d, x1, x0);
+  max_y = hn::ConcatOdd(d, y1, y0);
+  max_z = hn::ConcatOdd(d, z1, z0);
+#endif
+}
+
+// The same halved; returns which of the boxes take part.
+template <class D, class V>
+HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, V& max_x,
+                                  V& max_y, V& max_z) {
+  LoadBoxes(d, boxes, min_x, min_y, min_z, max_x, max_y, max_z);
+  const auto on_x = HalveAxis(d, min_x, max_x);
+  const auto on_y = HalveAxis(d, min_y, max_y);
+  return hn::And(hn::And(on_x, on_y), HalveAxis(d, min_z, max_z));
+}
+
+// action(boxes, index) for each register of boxes; the last one is filled up with boxes that do not
+// take part.
+template <class D, class Action>
+HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& action) {
+  const size_t step = hn::Lanes(d);
+  size_t at = 0;
+  for (; at + step <= boxes.size(); at += step) action(boxes.data() + at, at);
+  if (at == boxes.size()) return;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  Aabb last[HWY_MAX_BYTES / sizeof(float)];
+  std::fill_n(last, step, Aabb{{kNan, kNan, kNan}, {kNan, kNan, kNan}});
+  std::copy(boxes.begin() + static_cast<std::ptrdiff_t>(at), boxes.end(), last);
+  action(last, at);
+}
+
+// Numbers on one axis of the cells that hold half coordinates. Those of boxes that do not take part
+// are some cells.
+template <class D>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, size_t axis,
+                                                  hn::Vec<D> halved) {
+  const auto from_origin = hn::Sub(halved, hn::Set(d, grid.origin[axis]));
+  const auto cell = hn::Mul(from_origin, hn::Set(d, grid.scale[axis]));
+  const auto last = hn::Set(d, static_cast<float>(grid.cells[axis] - 1));
+  const hn::RebindToSigned<D> di;
+  return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

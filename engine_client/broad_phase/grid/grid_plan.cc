@@ -1,0 +1,151 @@
+#include "engine_client/broad_phase/grid/grid_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/grid/grid_cost.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr size_t kMostParts = 8;
+constexpr size_t kLeastBoxesPerPart = 4096;
+// Frames after which it is asked whether the scene has become denser or emptier.
+constexpr uint32_t kFramesPerLook = 32;
+// Enough for the outer tenths of a distribution.
+constexpr size_t kCornerSample = 64;
+// Half the longest side of the first class, in mean distances of boxes.
+constexpr double kThresholdSpacings = 0.75;
+
+GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
+                           const ShapeClasses& classes) {
+  const size_t most = executor == nullptr ? 1 : std::min(executor->thread_count(), kMostParts);
+  const size_t parts = std::clamp<size_t>(boxes.size() / kLeastBoxesPerPart, 1, most);
+  if (parts == 1) return MeasureBoxes(boxes, classes);
+  std::array<GridMeasure, kMostParts> measures;
+  RunParts(executor, parts, [&](size_t part) {
+    const PartRange range = RangeOfPart(boxes.size(), part, parts, 64);
+    measures[part] = MeasureBoxes(boxes.subspan(range.begin, range.end - range.begin), classes);
+  });
+  for (size_t part = 1; part < parts; ++part) measures[0].Join(measures[part]);
+  return measures[0];
+}
+
+CornerBounds AllCorners(const GridMeasure& measure) {
+  CornerBounds bounds{};
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds.low[axis] = measure.low[axis];
+    bounds.high[axis] = measure.high[axis];
+  }
+  return bounds;
+}
+
+// Without the outer tenths of a sample, widened by half their extent, within all corners.
+CornerBounds MostCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
+  CornerBounds bounds = all;
+  const size_t stride = boxes.size() / kCornerSample + 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::array<float, kCornerSample> sample;
+    size_t taken = 0;
+    for (size_t i = 0; i < boxes.size(); i += stride) {
+      if (TakesPart(boxes[i])) sample[taken++] = boxes[i].min[axis] * 0.5F;
+    }
+    if (taken == 0) continue;
+    const size_t tenth = taken / 10;
+    std::nth_element(sample.begin(), sample.begin() + tenth, sample.begin() + taken);
+    const double low = sample[tenth];
+    std::nth_element(sample.begin(), sample.begin() + (taken - 1 - tenth), sample.begin() + taken);
+    const double high = sample[taken - 1 - tenth];
+    const double margin = (high - low) / 2;
+    bounds.low[axis] = std::max(bounds.low[axis], low - margin);
+    bounds.high[axis] = std::min(bounds.high[axis], high + margin);
+  }
+  return bounds;
+}
+
+// Half the longest side of the first class: what cells of a few boxes each would hold.
+float WantedThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
+  double volume = 1;
+  float longest[3] = {};
+  for (const GroupShape& shape : measure.shapes) {
+    for (int axis = 0; axis < 3; ++axis)
+      longest[axis] = std::max(longest[axis], shape.longest[axis]);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    volume *= std::max(bounds.high[axis] - bounds.low[axis], static_cast<double>(longest[axis]));
+  }
+  const double spacing = 2 * std::cbrt(volume / std::max(1U, measure.count()));
+  return static_cast<float>(std::clamp(kThresholdSpacings * spacing, 1e-30, 1e37));
+}
+
+uint64_t Populated(const GridMeasure& measure) {
+  uint64_t classes = 0;
+  for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
+    classes |= uint64_t{measure.shapes[k].count > 0} << k;
+  }
+  return classes;
+}
+
+}  // namespace
+
+void GridPlan::Reset() {
+  known_classes_ = 0;
+  frame_ = 0;
+  group_count_ = 0;
+  choice_.classes.threshold = std::numeric_limits<float>::max();
+}
+
+void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes) {
+  GridMeasure measure = MeasureInParts(executor, boxes, choice_.classes);
+  if (WantsOtherClasses(boxes, measure)) {
+    measure = MeasureInParts(executor, boxes, choice_.classes);
+  }
+  if (!Fits(measure)) Plan(measure);
+  LayOut(boxes, measure);
+}
+
+// Now and then, since the scene may have become denser or emptier.
+bool GridPlan::WantsOtherClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
+  if (measure.count() == 0 || frame_++ % kFramesPerLook != 0) return false;
+  const float wanted = WantedThreshold(MostCorners(boxes, AllCorners(measure)), measure);
+  float& kept = choice_.classes.threshold;
+  if (wanted >= kept / 2 && wanted <= 2 * kept) return false;
+  kept = wanted;
+  known_classes_ = 0;
+  return true;
+}
+
+bool GridPlan::Fits(const GridMeasure& measure) const {
+  return group_count_ > 0 && (Populated(measure) & ~known_classes_) == 0;
+}
+
+void GridPlan::Plan(const GridMeasure& measure) {
+  known_classes_ |= Populated(measure);
+  if (known_classes_ == 0) known_classes_ = 1;
+  group_count_ = ChooseGroups(AllCorners(measure), measure, known_classes_, choice_.group_of_class,
+                              looks_into_);
+}
+
+void GridPlan::LayOut(std::span<const Aabb> boxes, const GridMeasure& measure) {
+  std::array<GroupShape, kMostGroups> shapes{};
+  for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
+    shapes[choice_.group_of_class[k]].Add(measure.shapes[k]);
+  }
+  CornerBounds bounds = AllCorners(measure);
+  bool all_corners = true;
+  uint32_t first_cell = 0;
+  for (size_t g = 0; g < group_count_; ++g) {
+    const size_t most = MostCellsFor(shapes[g].count);
+    if (all_corners && CellsWanted(bounds, shapes[g]) > static_cast<double>(most)) {
+      bounds = MostCorners(boxes, bounds);
+      all_corners = false;
+    }
+    grids_[g] = MakeGroupGrid(bounds, shapes[g], most);
+    grids_[g].first_cell = first_cell;
+    first_cell = grids_[g].last_cell();
+  }
+}
+
+}  // namespace sweepstake

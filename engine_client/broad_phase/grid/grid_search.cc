@@ -1,0 +1,357 @@
+#include "engine_client/broad_phase/grid/grid_search.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid/grid_search.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// After foreach_target.h.
+#include "engine_client/broad_phase/common/overlap_kernel-inl.h"
+#include "engine_client/broad_phase/grid/grid_boxes-inl.h"
+
+// Seen by every target's pass of this file, hence guarded.
+#ifndef SWEEPSTAKE_GRID_SEARCH_
+#define SWEEPSTAKE_GRID_SEARCH_
+namespace sweepstake {
+
+// The box in a slot against the boxes in the slots [begin, end); as many of them as the room says.
+struct RangeList {
+  // Five per box of a batch, and one that is written but not wanted.
+  static constexpr size_t kRoom = 5 * GridView::kBatch + 1;
+
+  uint32_t slot[kRoom];
+  uint32_t begin[kRoom];
+  uint32_t end[kRoom];
+  size_t count = 0;
+};
+
+// A register more than a batch.
+constexpr size_t kBatchRoom = GridView::kBatch + HWY_MAX_BYTES / sizeof(float);
+
+// Where cells hold the longest box of the group, a box finds its partners in the later boxes of its
+// own row and in four rows of cells behind it: first cell, and the one behind the last. The two are
+// the same where a box does not reach into the row.
+struct BatchRows {
+  static constexpr size_t kCount = 5;
+
+  int32_t first[kCount][kBatchRoom];
+  int32_t behind[kCount][kBatchRoom];
+};
+
+// Where they do not: the block of cells, along the rows (x) and, relative to the min corner's cell,
+// across them (y, z).
+struct BatchBlocks {
+  int32_t row[kBatchRoom];  // first cell of the row that holds the min corner
+  int32_t first_x[kBatchRoom];
+  int32_t last_x[kBatchRoom];
+  int32_t first_y[kBatchRoom];
+  int32_t last_y[kBatchRoom];
+  int32_t first_z[kBatchRoom];
+  int32_t last_z[kBatchRoom];
+};
+
+}  // namespace sweepstake
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+// Cells on one axis in which the partners of the boxes from `slot` on can begin, and in which the
+// boxes themselves do.
+template <class D, class V>
+HWY_INLINE void CellsOnAxis(D d, const BoxLanes& lanes, const GroupGrid& grid, size_t axis,
+                            size_t slot, V& first, V& own, V& last) {
+  const auto half = hn::Set(d, 0.5F);
+  const auto min = hn::Mul(hn::LoadU(d, lanes.min[axis] + slot), half);
+  const auto max = hn::Mul(hn::LoadU(d, lanes.max[axis] + slot), half);
+  first = CellsAt(d, grid, axis, hn::Sub(min, hn::Set(d, grid.reach[axis])));
+  own = CellsAt(d, grid, axis, min);
+  last = CellsAt(d, grid, axis, max);
+}
+
+void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
+                BatchBlocks& blocks) {
+  const HWY_FULL(float) d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const size_t x_axis = grid.AxisOf(0);
+  const size_t y_axis = grid.AxisOf(1);
+  const size_t z_axis = grid.AxisOf(2);
+  const auto y_stride = hn::Set(di, static_cast<int32_t>(grid.stride[y_axis]));
+  const auto z_stride = hn::Set(di, static_cast<int32_t>(grid.stride[z_axis]));
+  const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
+  for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
+    const size_t k = slot - begin;
+    auto first = hn::Zero(di);
+    auto own = first;
+    auto last = first;
+    CellsOnAxis(d, lanes, grid, x_axis, slot, first, own, last);
+    hn::StoreU(first, di, blocks.first_x + k);
+    hn::StoreU(last, di, blocks.last_x + k);
+    CellsOnAxis(d, lanes, grid, y_axis, slot, first, own, last);
+    hn::StoreU(hn::Sub(first, own), di, blocks.first_y + k);
+    hn::StoreU(hn::Sub(last, own), di, blocks.last_y + k);
+    auto row = hn::Add(first_cell, hn::Mul(own, y_stride));
+    CellsOnAxis(d, lanes, grid, z_axis, slot, first, own, last);
+    hn::StoreU(hn::Sub(first, own), di, blocks.first_z + k);
+    hn::StoreU(hn::Sub(last, own), di, blocks.last_z + k);
+    hn::StoreU(hn::Add(row, hn::Mul(own, z_stride)), di, blocks.row + k);
+  }
+}
+
+// Moves a row's cells by `offset` where that is not 0; the row is empty where it is.
+template <class D, class V>
+HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k, BatchRows& rows) {
+  const auto wanted = hn::Ne(offset, hn::Zero(di));
+  behind = hn::Add(behind, offset);
+  hn::StoreU(hn::IfThenElse(wanted, hn::Add(first, offset), behind), di, rows.first[row] + k);
+  hn::StoreU(behind, di, rows.behind[row] + k);
+}
+
+// False when one of the boxes is longer than a cell across the rows.
+bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
+              BatchRows& rows) {
+  const HWY_FULL(float) d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const size_t y_axis = grid.AxisOf(1);
+  const size_t z_axis = grid.AxisOf(2);
+  const auto one = hn::Set(di, 1);
+  const auto y_stride = hn::Set(di, static_cast<int32_t>(grid.stride[y_axis]));
+  const auto z_stride = hn::Set(di, static_cast<int32_t>(grid.stride[z_axis]));
+  const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
+  auto most = hn::Zero(di);
+  for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
+    const size_t k = slot - begin;
+    auto first_x = hn::Zero(di);
+    auto own = first_x;
+    auto last_x = first_x;
+    CellsOnAxis(d, lanes, grid, grid.AxisOf(0), slot, first_x, own, last_x);
+    auto first_y = first_x;
+    auto last_y = first_x;
+    CellsOnAxis(d, lanes, grid, y_axis, slot, first_y, own, last_y);
+    auto row = hn::Add(first_cell, hn::Mul(own, y_stride));
+    const auto up = hn::Sub(last_y, own);
+    const auto down = hn::Sub(own, first_y);
+    auto unused = first_x;
+    auto last_z = first_x;
+    CellsOnAxis(d, lanes, grid, z_axis, slot, unused, own, last_z);
+    row = hn::Add(row, hn::Mul(own, z_stride));
+    const auto beyond = hn::Sub(last_z, own);
+    most = hn::Max(most, hn::Max(beyond, hn::Max(up, down)));
+    const auto first = hn::Add(row, first_x);
+    const auto behind = hn::Add(hn::Add(row, last_x), one);
+    hn::StoreU(behind, di, rows.behind[0] + k);
+    // 0 and 1 are all there is, or what is stored here is not used.
+    StoreRow(di, first, behind, hn::Mul(up, y_stride), 1, k, rows);
+    StoreRow(di, first, behind, hn::Mul(hn::And(beyond, down), hn::Sub(z_stride, y_stride)), 2, k,
+             rows);
+    StoreRow(di, first, behind, hn::Mul(beyond, z_stride), 3, k, rows);
+    StoreRow(di, first, behind, hn::Mul(hn::And(beyond, up), hn::Add(z_stride, y_stride)), 4, k,
+             rows);
+  }
+  return hn::AllFalse(di, hn::Gt(most, one));
+}
+
+// As StoreHits, for few hits: the second half of a register of pairs is seldom needed.
+template <class D>
+HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
+                               OverlapPair* out) {
+#if HWY_TARGET == HWY_SCALAR
+  return StoreHits(d, hits, id, ids, out);
+#else
+  const hn::RebindToUnsigned<D> du;
+  const hn::Half<decltype(du)> dh;
+  const hn::RepartitionToWide<decltype(du)> dw;
+  const auto others = hn::Compress(hn::LoadU(du, ids), hn::RebindMask(du, hits));
+  const auto self = hn::Set(du, id);
+  const auto a = hn::Min(self, others);
+  const auto b = hn::Max(self, others);
+  const auto pairs = hn::Or(hn::PromoteTo(dw, hn::LowerHalf(dh, a)),
+                            hn::ShiftLeft<32>(hn::PromoteTo(dw, hn::LowerHalf(dh, b))));
+  hn::StoreU(hn::BitCast(du, pairs), du, &out->a);
+  const size_t count = hn::CountTrue(d, hits);
+  if (HWY_UNLIKELY(count > hn::Lanes(dh))) {
+    const auto more = hn::Or(hn::PromoteTo(dw, hn::UpperHalf(dh, a)),
+                             hn::ShiftLeft<32>(hn::PromoteTo(dw, hn::UpperHalf(dh, b))));
+    hn::StoreU(hn::BitCast(du, more), du, &out[hn::Lanes(dh)].a);
+  }
+  return count;
+#endif
+}
+
+// Lanes from slot `at` on that overlap `box`. The columns lie one stride apart: two registers point
+// to all six, where six pointers would leave none for the box.
+template <class D>
+HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns, size_t stride,
+                                     size_t at) {
+  const float* const min = columns + at;
+  const float* const max = min + 3 * stride;
+  const auto x = hn::And(hn::Le(hn::LoadU(d, min), hn::Set(d, box.max[0])),
+                         hn::Ge(hn::LoadU(d, max), hn::Set(d, box.min[0])));
+  const auto y = hn::And(hn::Le(hn::LoadU(d, min + stride), hn::Set(d, box.max[1])),
+                         hn::Ge(hn::LoadU(d, max + stride), hn::Set(d, box.min[1])));
+  const auto z = hn::And(hn::Le(hn::LoadU(d, min + 2 * stride), hn::Set(d, box.max[2])),
+                         hn::Ge(hn::LoadU(d, max + 2 * stride), hn::Set(d, box.min[2])));
+  return hn::And(hn::And(x, y), z);
+}
+
+HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, PairBuffer& out) {
+  const HWY_FULL(float) d;
+  const size_t step = hn::Lanes(d);
+  constexpr size_t kChunk = 1024;
+  const float* const columns = lanes.min[0];
+  const auto stride = static_cast<size_t>(lanes.min[1] - lanes.min[0]);
+  const uint32_t* const ids = lanes.id;
+  OverlapPair* from = out.EnsureRoom(kChunk);
+  OverlapPair* to = from;
+  const OverlapPair* full = from + kChunk;
+  uint64_t checks = 0;
+  const size_t count = list.count;
+  for (size_t k = 0; k < count; ++k) {
+    const uint32_t slot = list.slot[k];
+    const float* const own = columns + slot;
+    const Aabb box = {{own[0], own[stride], own[2 * stride]},
+                      {own[3 * stride], own[4 * stride], own[5 * stride]}};
+    const uint32_t id = ids[slot];
+    const size_t end = list.end[k];
+    size_t at = list.begin[k];
+    do {
+      if (HWY_UNLIKELY(to >= full)) {
+        out.Advance(static_cast<size_t>(to - from));
+        from = to = out.EnsureRoom(kChunk);
+        full = from + kChunk;
+      }
+      const auto hits =
+          hn::And(hn::FirstN(d, end - at), HitsInColumns(d, box, columns, stride, at));
+      to += StoreFewHits(d, hits, id, ids + at, to);
+      checks += step;
+      at += step;
+    } while (at < end);
+  }
+  out.Advance(static_cast<size_t>(to - from));
+  return checks;
+}
+
+class BatchSearch {
+ public:
+  BatchSearch(const GridView& view, PairBuffer& out) : view_(view), lanes_(view.lanes), out_(out) {}
+
+  uint64_t checks() const { return checks_; }
+
+  // Slots of one group against the later ones of it.
+  void SearchOwn(const GroupGrid& grid, size_t begin, size_t end) {
+    if (FindRows(lanes_, grid, begin, end, rows_)) {
+      ListFiveRows(begin, end);
+    } else {
+      FindBlocks(lanes_, grid, begin, end, blocks_);
+      for (size_t slot = begin; slot < end; ++slot) ListLaterRows(grid, slot - begin, slot);
+    }
+    Test();
+  }
+
+  // Slots of one group against all of another.
+  void SearchOther(const GroupGrid& grid, size_t begin, size_t end) {
+    FindBlocks(lanes_, grid, begin, end, blocks_);
+    for (size_t slot = begin; slot < end; ++slot) {
+      const size_t k = slot - begin;
+      for (int32_t z = blocks_.first_z[k]; z <= blocks_.last_z[k]; ++z) {
+        ListRows(grid, k, slot, z, blocks_.first_y[k]);
+      }
+    }
+    Test();
+  }
+
+ private:
+  HWY_INLINE void ListFiveRows(size_t begin, size_t end) {
+    const uint32_t* const starts = view_.starts;
+    size_t count = 0;
+    for (size_t slot = begin; slot < end; ++slot) {
+      const size_t k = slot - begin;
+      count = List(count, slot, static_cast<uint32_t>(slot + 1), starts[rows_.behind[0][k]]);
+      for (size_t row = 1; row < BatchRows::kCount; ++row) {
+        count = List(count, slot, starts[rows_.first[row][k]], starts[rows_.behind[row][k]]);
+      }
+    }
+    list_.count = count;
+  }
+
+  // Lists a range unless it is empty, without a branch; returns the new count.
+  HWY_INLINE size_t List(size_t count, size_t slot, uint32_t begin, uint32_t end) {
+    list_.slot[count] = static_cast<uint32_t>(slot);
+    list_.begin[count] = begin;
+    list_.end[count] = end;
+    return count + static_cast<size_t>(begin < end);
+  }
+
+  // What follows the slot in its own row, and the rows of cells after that.
+  void ListLaterRows(const GroupGrid& grid, size_t k, size_t slot) {
+    const uint32_t end = view_.starts[blocks_.row[k] + blocks_.last_x[k] + 1];
+    MakeRoom();
+    list_.count = List(list_.count, slot, static_cast<uint32_t>(slot + 1), end);
+    ListRows(grid, k, slot, 0, 1);
+    for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListRows(grid, k, slot, z, blocks_.first_y[k]);
+  }
+
+  // The rows of one z from `first_y` on.
+  HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, int32_t z,
+                           int32_t first_y) {
+    const auto y_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(1)]);
+    const auto z_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(2)]);
+    for (int32_t y = first_y; y <= blocks_.last_y[k]; ++y) {
+      const uint32_t* const row = view_.starts + (blocks_.row[k] + z * z_stride + y * y_stride);
+      MakeRoom();
+      list_.count = List(list_.count, slot, row[blocks_.first_x[k]], row[blocks_.last_x[k] + 1]);
+    }
+  }
+
+  void MakeRoom() {
+    if (list_.count + 1 >= RangeList::kRoom) Test();
+  }
+
+  void Test() {
+    checks_ += TestRanges(lanes_, list_, out_);
+    list_.count = 0;
+  }
+
+  const GridView& view_;
+  const BoxLanes lanes_;  // a copy no store can alias, so that the pointers stay in registers
+  PairBuffer& out_;
+  uint64_t checks_ = 0;
+  BatchRows rows_;
+  BatchBlocks blocks_;
+  RangeList list_;
+};
+
+uint64_t Search(const GridView& view, size_t begin, size_t end, PairBuffer& out) {
+  BatchSearch search(view, out);
+  for (size_t batch = begin; batch < end; batch += GridView::kBatch) {
+    const size_t batch_end = std::min(batch + GridView::kBatch, end);
+    for (size_t g = 0; g < view.grids.size(); ++g) {
+      const GroupGrid& grid = view.grids[g];
+      const size_t first = std::max<size_t>(batch, view.starts[grid.first_cell]);
+      const size_t last = std::min<size_t>(batch_end, view.starts[grid.last_cell()]);
+      if (first >= last) continue;
+      search.SearchOwn(grid, first, last);
+      for (size_t h = 0; h < view.grids.size(); ++h) {
+        if ((view.looks_into[g] >> h & 1) != 0) search.SearchOther(view.grids[h], first, last);
+      }
+    }
+  }
+  return search.checks();
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace sweepstake {
+
+HWY_EXPORT(Search);
+
+uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out) {
+  return HWY_DYNAMIC_DISPATCH(Search)(view, begin, end, out);
+}
+
+}  // namespace sweepstake
+
+#endif  // HWY_ONCE

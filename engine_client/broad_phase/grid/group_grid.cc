@@ -1,0 +1,99 @@
+#include "engine_client/broad_phase/grid/group_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sweepstake {
+namespace {
+
+// Rounding a side to cells must not make the box longer than one of them.
+constexpr double kCellSlack = 1.0001;
+// Keeps the scale finite.
+constexpr double kLeastCell = 1e-36;
+// Cells are shorter along the rows: their neighbours there cost no search of their own.
+constexpr double kRowCells = 2;
+// Halvings of the logarithm of the cell size; the last step is below a hundredth for any scene.
+constexpr int kBisections = 14;
+// A float holds every cell number on an axis exactly.
+constexpr double kMostCellsOfAxis = 1 << 22;
+
+struct Cells {
+  double side[3];
+  double count[3];
+
+  double Product() const { return count[0] * count[1] * count[2]; }
+};
+
+Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double least_side) {
+  Cells cells{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double extent = std::max(0.0, bounds.high[axis] - bounds.low[axis]);
+    const double wanted = std::max({kCellSlack * shape.longest[axis], least_side, kLeastCell});
+    cells.side[axis] = std::max(wanted, extent / kMostCellsOfAxis);
+    cells.count[axis] = std::floor(extent / cells.side[axis]) + 1;
+  }
+  return cells;
+}
+
+// The smallest cells of which no more than `most` are needed.
+Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double most) {
+  const Cells finest = Divide(bounds, shape, 0);
+  if (finest.Product() <= most) return finest;
+  double low = 0;
+  double high = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    high = std::max(high, std::log2(std::max(1e-37, bounds.high[axis] - bounds.low[axis])) + 1);
+    low = std::min(low, std::log2(finest.side[axis]));
+  }
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = (low + high) / 2;
+    (Divide(bounds, shape, std::exp2(middle)).Product() > most ? low : high) = middle;
+  }
+  return Divide(bounds, shape, std::exp2(high));
+}
+
+// Along the shortest side, where a long box has the most cells to cross. Needles have two short
+// sides: one of them, so that of two groups of needles one lies along the rows of the other.
+int ChooseRowAxis(const double (&side)[3]) {
+  const int shortest = static_cast<int>(std::min_element(side, side + 3) - side);
+  const int longest = static_cast<int>(std::max_element(side, side + 3) - side);
+  const int middle = 3 - shortest - longest;
+  if (shortest == longest) return 0;
+  if (side[longest] > 2 * side[middle]) return (longest + 1) % 3;
+  if (side[middle] > 2 * side[shortest]) return shortest;
+  return 0;
+}
+
+}  // namespace
+
+void GroupShape::Add(const GroupShape& other) {
+  count += other.count;
+  for (int axis = 0; axis < 3; ++axis) longest[axis] = std::max(longest[axis], other.longest[axis]);
+}
+
+double CellsWanted(const CornerBounds& bounds, const GroupShape& shape) {
+  return kRowCells * Divide(bounds, shape, 0).Product();
+}
+
+GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t most_cells) {
+  GroupGrid grid;
+  if (bounds.low[0] > bounds.high[0]) return grid;
+  Cells cells =
+      DivideInto(bounds, shape, std::max(1.0, static_cast<double>(most_cells) / kRowCells));
+  grid.row_axis = ChooseRowAxis(cells.side);
+  cells.side[grid.row_axis] /= kRowCells;
+  cells.count[grid.row_axis] *= kRowCells;
+  uint32_t stride = 1;
+  for (int k = 0; k < 3; ++k) {
+    const int axis = (grid.row_axis + k) % 3;
+    grid.origin[axis] = static_cast<float>(bounds.low[axis]);
+    grid.scale[axis] = static_cast<float>(1 / cells.side[axis]);
+    grid.reach[axis] = std::nextafter(shape.longest[axis] * 1.000001F + 1e-37F, INFINITY);
+    grid.cells[axis] = static_cast<uint32_t>(cells.count[axis]);
+    grid.stride[axis] = stride;
+    stride *= grid.cells[axis];
+  }
+  return grid;
+}
+
+}  // namespace sweepstake

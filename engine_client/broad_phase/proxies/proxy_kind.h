@@ -1,0 +1,51 @@
+// The proxies of one kind, moving or static, and the tree in which they are sought.
+//
+// Thread safety: const calls may run side by side; so may RefreshTree where nothing changed since
+// the last one. Owns its memory. Cost and memory: proxy_table.h and box_tree.h. Errors:
+// std::bad_alloc; a tree that could not be refreshed is tried again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "engine_client/broad_phase/proxies/box_tree.h"
+#include "engine_client/broad_phase/proxies/proxy_table.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+
+class ProxyKind {
+ public:
+  // `id_bit`: in the ids of all its proxies.
+  explicit ProxyKind(uint32_t id_bit) : id_bit_(id_bit) {}
+
+  ProxyTable& table() { return table_; }
+  const ProxyTable& table() const { return table_; }
+  // Null where the place is free.
+  ProxyHandle HandleAt(uint32_t place) const {
+    const uint32_t generation = table_.generation(place);
+    return generation == 0 ? ProxyHandle{} : ProxyHandle{place | id_bit_, generation};
+  }
+
+  // Before those that follow, after each change.
+  void RefreshTree();
+
+  const TreeView& view() const { return tree_.view(); }
+  void NoteSearch(uint64_t checks) { tree_.NoteSearch(checks); }
+  // Both append, in no order.
+  void QueryBox(const Aabb& box, const CollisionFilter& filter,
+                std::vector<ProxyHandle>& out) const;
+  void CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) const;
+  // As CastRayNearest of proxy_set.h, among these proxies.
+  RayHit CastRayNearest(const Ray& ray, const CollisionFilter& filter) const;
+
+  size_t native_bytes() const { return table_.native_bytes() + tree_.native_bytes(); }
+
+ private:
+  ProxyTable table_;
+  BoxTree tree_;
+  uint32_t id_bit_;
+};
+
+}  // namespace sweepstake

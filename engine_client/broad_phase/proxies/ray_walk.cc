@@ -1,0 +1,158 @@
+// Boxes that a ray hits: all of them, and the nearest.
+#include "engine_client/broad_phase/proxies/tree_walk.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/proxies/ray_walk.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// After foreach_target.h.
+#include "engine_client/broad_phase/proxies/tree_walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+// Where the ray enters the lanes from slot `at` on, and in `hits` which of them it does by `limit`:
+// EnterDistance of ray_slabs.h. A sentinel is entered at +inf and left at −inf.
+template <class D>
+HWY_INLINE hn::Vec<D> EnterLanes(D d, const Ray& ray, float limit, const BoxLanes& lanes, size_t at,
+                                 hn::Mask<D>& hits) {
+  auto enter = hn::Zero(d);
+  auto leave = hn::Set(d, limit);
+  hits = hn::FirstN(d, hn::Lanes(d));
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto origin = hn::Set(d, ray.origin[axis]);
+    const auto direction = hn::Set(d, ray.direction[axis]);
+    const auto to_min = hn::Sub(hn::LoadU(d, lanes.min[axis] + at), origin);
+    const auto to_max = hn::Sub(hn::LoadU(d, lanes.max[axis] + at), origin);
+    if (ray.direction[axis] == 0) {
+      const auto zero = hn::Zero(d);
+      hits = hn::And(hits, hn::And(hn::Le(to_min, zero), hn::Ge(to_max, zero)));
+    } else if (ray.direction[axis] > 0) {
+      enter = hn::Max(enter, hn::Div(to_min, direction));
+      leave = hn::Min(leave, hn::Div(to_max, direction));
+    } else {
+      enter = hn::Max(enter, hn::Div(to_max, direction));
+      leave = hn::Min(leave, hn::Div(to_min, direction));
+    }
+  }
+  hits = hn::And(hits, hn::Le(enter, leave));
+  return enter;
+}
+
+void WalkHits(const TreeView& tree, const Ray& ray, const IdSink& sink) {
+  const uint32_t* const ids = tree.levels[0].id;
+  Descend(
+      tree, 0,
+      [&](const BoxLanes& lanes, size_t base, FoundGroup& found) HWY_ATTR {
+        const GroupTag d;
+        found.count = 0;
+        for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
+          hn::Mask<GroupTag> hits;
+          EnterLanes(d, ray, ray.max_distance, lanes, at, hits);
+          AppendHits(d, hits, at, found);
+        }
+      },
+      [&](const FoundGroup& found) {
+        uint32_t found_ids[LeafTree::kWidth];
+        for (size_t k = 0; k < found.count; ++k) found_ids[k] = ids[found.entry[k]];
+        sink.take(sink.context, found_ids, found.count);
+      });
+}
+
+// Entries of a level on the ray and where it enters them.
+struct EnteredGroup {
+  FoundGroup found;
+  float distance[2 * LeafTree::kWidth];
+};
+
+HWY_INLINE void CollectEntered(const Ray& ray, float limit, const BoxLanes& lanes, size_t base,
+                               EnteredGroup& group) {
+  const GroupTag d;
+  group.found.count = 0;
+  for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
+    hn::Mask<GroupTag> hits;
+    const auto enter = EnterLanes(d, ray, limit, lanes, at, hits);
+    hn::StoreU(hn::Compress(enter, hits), d, group.distance + group.found.count);
+    AppendHits(d, hits, at, group.found);
+  }
+}
+
+// Farthest first, so that the nearest is taken first from the end; equal ones keep their order.
+HWY_INLINE void SortFarthestFirst(EnteredGroup& group) {
+  for (size_t k = 1; k < group.found.count; ++k) {
+    const float distance = group.distance[k];
+    const uint32_t entry = group.found.entry[k];
+    size_t at = k;
+    for (; at > 0 && group.distance[at - 1] < distance; --at) {
+      group.distance[at] = group.distance[at - 1];
+      group.found.entry[at] = group.found.entry[at - 1];
+    }
+    group.distance[at] = distance;
+    group.found.entry[at] = entry;
+  }
+}
+
+// Of the entered boxes, the nearest that is accepted and nearer than `best`.
+HWY_INLINE void TakeNearer(const EnteredGroup& group, const uint32_t* ids,
+                           const IdPredicate& predicate, NearestHit& best, bool& found) {
+  for (size_t k = 0; k < group.found.count; ++k) {
+    const NearestHit hit{group.distance[k], ids[group.found.entry[k]]};
+    const bool nearer = hit.distance < best.distance ||
+                        (hit.distance == best.distance && (!found || hit.id < best.id));
+    if (!nearer || !predicate.accepts(predicate.context, hit.id)) continue;
+    best = hit;
+    found = true;
+  }
+}
+
+bool WalkNearest(const TreeView& tree, const Ray& ray, const IdPredicate& predicate,
+                 NearestHit& hit) {
+  EnteredGroup waiting[LeafTree::kMaxLevels + 1];
+  NearestHit best{ray.max_distance, 0};
+  bool found = false;
+  size_t level = tree.top;
+  CollectEntered(ray, best.distance, tree.levels[level], 0, waiting[level]);
+  SortFarthestFirst(waiting[level]);
+  while (true) {
+    while (waiting[level].found.count == 0) {
+      if (level == tree.top) {
+        if (found) hit = best;
+        return found;
+      }
+      ++level;
+    }
+    const size_t last = --waiting[level].found.count;
+    if (waiting[level].distance[last] > best.distance) continue;
+    const size_t node = waiting[level].found.entry[last];
+    --level;
+    CollectEntered(ray, best.distance, tree.levels[level], node * LeafTree::kWidth, waiting[level]);
+    if (level > 0) {
+      SortFarthestFirst(waiting[level]);
+    } else {
+      TakeNearer(waiting[0], tree.levels[0].id, predicate, best, found);
+      waiting[0].found.count = 0;
+    }
+  }
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace sweepstake {
+
+HWY_EXPORT(WalkHits);
+HWY_EXPORT(WalkNearest);
+
+void FindHits(const TreeView& tree, const Ray& ray, const IdSink& sink) {
+  HWY_DYNAMIC_DISPATCH(WalkHits)(tree, ray, sink);
+}
+
+bool FindNearestHit(const TreeView& tree, const Ray& ray, const IdPredicate& predicate,
+                    NearestHit& hit) {
+  return tree.top != 0 && HWY_DYNAMIC_DISPATCH(WalkNearest)(tree, ray, predicate, hit);
+}
+
+}  // namespace sweepstake
+
+#endif  // HWY_ONCE

@@ -1,0 +1,291 @@
+#include "engine_client/broad_phase/sweep/axis_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine_client/broad_phase/common/byte_scan.h"
+#include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/sweep/sorted_endpoints.h"
+#include "engine_client/broad_phase/sweep/sorted_pairs.h"
+
+namespace sweepstake {
+namespace {
+
+// Fewer take less time than waking a thread.
+constexpr size_t kLeastRows = 1024;
+constexpr size_t kLeastBoxes = 2048;
+
+constexpr size_t kMostPairsPerBox = 32;
+// Frames without another try after a repair ran out of its budget: its work was lost.
+constexpr int kPauseFrames = 8;
+// What the first repair after a Sort may need to put the faces of each step in order.
+constexpr size_t kPassesPerFace = 8;
+// Boxes whose motion is looked at before all are.
+constexpr size_t kMotionSample = 64;
+
+// Passings that a repair may make before a sweep is the cheaper way: one takes about 5 ns, sorting
+// anew and filling the lanes 30 ns per box, and 64 lanes of a sweep 1 ns.
+double PassBudget(uint64_t sweep_checks, size_t box_count) {
+  return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
+}
+
+bool OverlapOn(const BoxRecord& a, const BoxRecord& b, size_t axis) {
+  return a.min[axis] <= b.max[axis] && b.min[axis] <= a.max[axis];
+}
+
+class AxisSweep final : public BroadPhase {
+ public:
+  explicit AxisSweep(const BroadPhaseOptions& options) : executor_(options.executor) {}
+  std::string_view name() const override { return "AxisSweep"; }
+  uint32_t version() const override { return 2; }
+  void Build(std::span<const Aabb> boxes) override;
+  void Update(std::span<const Aabb> boxes) override;
+  void FindPairs(PairBuffer& out) override;
+  uint64_t aabb_check_count() const override { return checks_; }
+  size_t native_bytes() const override;
+
+ private:
+  std::span<const BoxRecord> records() const { return {records_.data(), count_}; }
+  size_t BoxParts() const { return PartCount(executor_, count_, kLeastBoxes); }
+  void TakeBoxes(std::span<const Aabb> boxes);
+  bool ChangeCount(std::span<const Aabb> boxes);
+  double ExpectedPasses(std::span<const Aabb> boxes) const;
+  bool RepairOrders(std::span<const Aabb> boxes);
+  void CollectMoved(std::span<const Aabb> boxes);
+  bool RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget);
+  SweepAxis StepsOn(size_t axis) const;
+  void SortAxis(size_t axis, size_t room);
+  void SortAll();
+  void TakeSweepOrder();
+  void FillLanes(size_t part, size_t part_count);
+  void PrepareSweep();
+  void CopyPairs(PairBuffer& out) const;
+
+  Executor* executor_;
+  AlignedBuffer<BoxRecord> records_;  // of the latest boxes by id, and one kAbsentBox
+  std::array<SortedEndpoints, 3> axes_{SortedEndpoints(0), SortedEndpoints(1), SortedEndpoints(2)};
+  std::array<EndpointRoom, 2> rooms_;  // of the threads that sort at a time
+  CoordinateRange range_;
+  ByteBoxes swept_;
+  PairParts parts_;
+  SortedPairs pairs_;
+  MovedBoxes moved_;
+  AlignedBuffer<uint32_t> moved_ids_;  // as FindMoved gives them
+  size_t count_ = 0;
+  bool pairs_known_ = false;  // pairs_ holds the pairs of the latest boxes
+  bool calm_ = false;         // the pairs of the next sweep are worth keeping
+  int pause_frames_ = 0;
+  uint64_t checks_ = 0;
+  uint64_t sweep_checks_ = 0;  // of the latest sweep
+};
+
+void AxisSweep::Build(std::span<const Aabb> boxes) {
+  count_ = boxes.size();
+  checks_ = 0;
+  calm_ = false;
+  pause_frames_ = 0;
+  sweep_checks_ = 0;
+  TakeBoxes(boxes);
+  SortAll();
+}
+
+void AxisSweep::Update(std::span<const Aabb> boxes) {
+  checks_ = 0;
+  const bool in_order = ChangeCount(boxes);
+  calm_ =
+      in_order && pause_frames_ == 0 && ExpectedPasses(boxes) <= PassBudget(sweep_checks_, count_);
+  pause_frames_ = std::max(0, pause_frames_ - 1);
+  if (calm_ && RepairOrders(boxes)) {
+    if (!pairs_known_) PrepareSweep();
+    return;
+  }
+  if (calm_) pause_frames_ = kPauseFrames;
+  calm_ = false;
+  TakeBoxes(boxes);
+  SortAll();
+}
+
+void AxisSweep::FindPairs(PairBuffer& out) {
+  if (pairs_known_) return CopyPairs(out);
+  const size_t before = out.size();
+  const ByteLanes lanes = swept_.Lanes();
+  sweep_checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+                             [&](size_t begin, size_t end, PairBuffer& pairs) {
+                               return FindPairsOfSwept(lanes, begin, end, pairs);
+                             });
+  checks_ += sweep_checks_;
+  const auto found = out.pairs().subspan(before);
+  pairs_known_ = calm_ && found.size() <= kMostPairsPerBox * count_;
+  if (pairs_known_) pairs_.Adopt(found, count_);
+}
+
+size_t AxisSweep::native_bytes() const {
+  size_t bytes = records_.capacity_bytes() + swept_.native_bytes() + parts_.native_bytes() +
+                 pairs_.native_bytes() + moved_.native_bytes() + moved_ids_.capacity_bytes();
+  for (const SortedEndpoints& axis : axes_) bytes += axis.native_bytes();
+  for (const EndpointRoom& room : rooms_) bytes += room.native_bytes();
+  return bytes;
+}
+
+void AxisSweep::TakeBoxes(std::span<const Aabb> boxes) {
+  range_ = CoordinateRange::Sample(boxes);
+  records_.EnsureDiscarding(count_ + 1);
+  // For the repairs to come: a frame in the middle of a game is no time to take memory.
+  moved_ids_.EnsureDiscarding(count_);
+  moved_.Clear(count_);
+  const size_t part_count = BoxParts();
+  RunParts(executor_, part_count, [&](size_t part) {
+    const PartRange range = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
+    TakeRecords(boxes.subspan(range.begin, range.end - range.begin), records_.data() + range.begin);
+  });
+  records_[count_] = kAbsentBox;
+}
+
+// Adds or removes faces where the count has changed. False where sorting anew is the cheaper way.
+bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
+  const size_t before = count_;
+  count_ = boxes.size();
+  if (count_ == before) return true;
+  if (count_ > before + before / 8) return false;
+  if (count_ > before) pairs_known_ = false;
+  records_.EnsureKeeping(count_ + 1, std::min(before, count_));
+  for (size_t i = before; i < count_; ++i) records_[i] = RecordOf(boxes[i]);
+  records_[count_] = kAbsentBox;
+  pairs_.Truncate(count_);
+  for (SortedEndpoints& axis : axes_) {
+    axis.Truncate(count_);
+    if (count_ > before) axis.Append(records(), before, rooms_[0]);
+  }
+  return true;
+}
+
+// How many faces would be passed in a repair, by the motion of a few boxes.
+double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
+  if (count_ == 0) return 0;
+  const size_t stride = count_ / kMotionSample + 1;
+  double passes = 0;
+  size_t sampled = 0;
+  double density[3];
+  for (size_t axis = 0; axis < 3; ++axis) density[axis] = axes_[axis].Density(records());
+  for (size_t i = 0; i < count_; i += stride, ++sampled) {
+    if (!TakesPart(boxes[i]) || RecordOf(boxes[i]) == records_[i]) continue;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double distance = std::abs(double{boxes[i].min[axis]} - records_[i].min[axis]) +
+                              std::abs(double{boxes[i].max[axis]} - records_[i].max[axis]);
+      passes += std::min(distance * density[axis], 2.0 * static_cast<double>(count_));
+    }
+  }
+  return passes / static_cast<double>(sampled) * static_cast<double>(count_);
+}
+
+// Brings orders and pairs up to date axis by axis. Between two axes the records are a mixture of
+// two frames, for which orders and pairs are right too: so a pair that has begun or ended since the
+// frame before has done so by a passing on some axis while it overlapped on the other two. False
+// when it is too much work; orders and pairs are then unknown.
+bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
+  CollectMoved(boxes);
+  const bool exact = axes_[0].is_exact() && axes_[1].is_exact() && axes_[2].is_exact();
+  if (moved_.count() == 0 && exact) return true;
+  if (!pairs_known_) range_ = CoordinateRange::Sample(boxes);
+  auto budget = static_cast<size_t>(PassBudget(sweep_checks_, count_));
+  if (!exact) budget += kPassesPerFace * 6 * count_;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (RepairAxis(boxes, axis, budget)) continue;
+    pairs_.ClearTouched();
+    return false;
+  }
+  if (!pairs_known_) return true;
+  pairs_.Settle([this](uint32_t a, uint32_t b) { return Overlap(records_[a], records_[b]); });
+  return true;
+}
+
+void AxisSweep::CollectMoved(std::span<const Aabb> boxes) {
+  moved_ids_.EnsureDiscarding(count_);
+  moved_.Clear(count_);
+  const size_t moved_count = FindMoved(boxes, records_.data(), moved_ids_.data());
+  for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k] & ~kMovedAway);
+}
+
+bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget) {
+  for (size_t k = 0; k < moved_.count(); ++k) {
+    const uint32_t id = moved_ids_[k] & ~kMovedAway;
+    const bool away = (moved_ids_[k] & kMovedAway) != 0;
+    records_[id].min[axis] = away ? kFarthest : boxes[id].min[axis];
+    records_[id].max[axis] = away ? -kFarthest : boxes[id].max[axis];
+  }
+  if (!pairs_known_)
+    return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [](uint32_t, uint32_t) {});
+  const size_t second = (axis + 1) % 3;
+  const size_t third = (axis + 2) % 3;
+  return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [&](uint32_t a, uint32_t b) {
+    ++checks_;
+    if (OverlapOn(records_[a], records_[b], second) && OverlapOn(records_[a], records_[b], third))
+      pairs_.Touch(a, b);
+  });
+}
+
+// Four faces share one in the mean: finer ones take longer to count than they save.
+SweepAxis AxisSweep::StepsOn(size_t axis) const {
+  const auto steps = static_cast<float>(std::clamp<size_t>(count_ / 2, 64, 65536));
+  return {false, range_.low[axis], steps / range_.width(static_cast<int>(axis)), steps - 1};
+}
+
+void AxisSweep::SortAxis(size_t axis, size_t room) {
+  axes_[axis].Sort(records(), StepsOn(axis), rooms_[room]);
+}
+
+// Two axes at a time where there are threads; the lanes are filled beside the third.
+void AxisSweep::SortAll() {
+  pairs_known_ = false;
+  const auto first = static_cast<size_t>(range_.sweep_axis);
+  const bool threads = BoxParts() > 1;
+  swept_.ResizeFor(records_.data(), count_);
+  RunParts(threads ? executor_ : nullptr, 2, [&](size_t part) {
+    SortAxis((first + part) % 3, threads ? part : 0);
+    if (part == 0) TakeSweepOrder();
+  });
+  const size_t fill_parts = BoxParts();
+  RunParts(executor_, 1 + fill_parts, [&](size_t part) {
+    part == 0 ? SortAxis((first + 2) % 3, 0) : FillLanes(part - 1, fill_parts);
+  });
+}
+
+// The slots of the sweep: lower faces in order.
+void AxisSweep::TakeSweepOrder() {
+  uint32_t* const ids = swept_.ids();
+  size_t slot = 0;
+  for (const Endpoint endpoint : axes_[static_cast<size_t>(range_.sweep_axis)].endpoints()) {
+    ids[slot] = EndpointOwner(endpoint);
+    slot += IsUpperFace(endpoint) ? 0 : 1;
+  }
+  ids[count_] = static_cast<uint32_t>(count_);  // the padding, where the last upper faces went
+}
+
+void AxisSweep::FillLanes(size_t part, size_t part_count) {
+  const PartRange slots = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
+  const auto axis = static_cast<size_t>(range_.sweep_axis);
+  const SweepAxis sweep = axes_[axis].is_exact() ? SweepAxis{} : StepsOn(axis);
+  swept_.Fill(range_, sweep, slots.begin, slots.end);
+}
+
+void AxisSweep::PrepareSweep() {
+  swept_.ResizeFor(records_.data(), count_);
+  TakeSweepOrder();
+  const size_t part_count = BoxParts();
+  RunParts(executor_, part_count, [&](size_t part) { FillLanes(part, part_count); });
+}
+
+void AxisSweep::CopyPairs(PairBuffer& out) const {
+  const std::span<const OverlapPair> pairs = pairs_.pairs();
+  std::copy(pairs.begin(), pairs.end(), out.EnsureRoom(pairs.size()));
+  out.Advance(pairs.size());
+}
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> MakeAxisSweep(const BroadPhaseOptions& options) {
+  return std::make_unique<AxisSweep>(options);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,146 @@
+#include "engine_client/broad_phase/sweep/sap.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine_client/broad_phase/common/byte_scan.h"
+#include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/common/radix_sort.h"
+
+namespace sweepstake {
+namespace {
+
+// Fewer take less time than waking a thread.
+constexpr size_t kLeastRows = 1024;
+constexpr size_t kLeastFilled = 2048;
+constexpr size_t kLeastSorted = 16384;
+
+// Boxes that share a step, in the mean over boxes, from which on sorting exactly pays: a sweep
+// compares one register more for each.
+constexpr uint64_t kCrowd = 64;
+// In the mean: finer steps take longer to count than they save, as a box takes up dozens of them.
+constexpr size_t kBoxesPerStep = 8;
+
+class Sap final : public BroadPhase {
+ public:
+  explicit Sap(const BroadPhaseOptions& options) : executor_(options.executor) {}
+  std::string_view name() const override { return "SAP"; }
+  uint32_t version() const override { return 2; }
+  void Build(std::span<const Aabb> boxes) override { Update(boxes); }
+  void Update(std::span<const Aabb> boxes) override;
+  void FindPairs(PairBuffer& out) override;
+  uint64_t aabb_check_count() const override { return checks_; }
+  size_t native_bytes() const override;
+
+ private:
+  void CountSteps(std::span<const Aabb> boxes, size_t axis);
+  bool CountSlots();
+  void SortBySteps();
+  void SortExactly(std::span<const Aabb> boxes, size_t axis);
+  size_t step_count() const { return static_cast<size_t>(sweep_.last) + 1; }
+  PartRange BoxesOfPart(size_t part) const {
+    return RangeOfPart(boxes_.count(), part, part_count_, ByteBoxes::kGranule);
+  }
+
+  Executor* executor_;
+  SweepAxis sweep_;
+  size_t part_count_ = 1;           // of sorting
+  AlignedBuffer<uint32_t> steps_;   // of each box
+  AlignedBuffer<uint32_t> starts_;  // per part and step: boxes, then the slot of the next one
+  RadixSort sort_;
+  ByteBoxes boxes_;
+  PairParts parts_;
+  uint64_t checks_ = 0;
+};
+
+void Sap::Update(std::span<const Aabb> boxes) {
+  checks_ = 0;
+  const CoordinateRange range = CoordinateRange::Sample(boxes);
+  const auto axis = static_cast<size_t>(range.sweep_axis);
+  const auto steps =
+      static_cast<float>(std::clamp<size_t>(boxes.size() / kBoxesPerStep, 512, 65536));
+  sweep_ = {false, range.low[axis], steps / range.width(range.sweep_axis), steps - 1};
+  boxes_.Resize(boxes.size(), true);
+  part_count_ = PartCount(executor_, boxes.size(), kLeastSorted);
+  CountSteps(boxes, axis);
+  sweep_.exact = !CountSlots();
+  sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
+  const size_t fill_parts = PartCount(executor_, boxes.size(), kLeastFilled);
+  RunParts(executor_, fill_parts, [&](size_t part) {
+    const PartRange slots = RangeOfPart(boxes.size(), part, fill_parts, ByteBoxes::kGranule);
+    boxes_.Fill(boxes, range, sweep_, slots.begin, slots.end);
+  });
+}
+
+// Boxes that do not take part go last.
+void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
+  steps_.EnsureDiscarding(boxes.size());
+  starts_.EnsureDiscarding(part_count_ * step_count());
+  RunParts(executor_, part_count_, [&](size_t part) {
+    uint32_t* const counts = starts_.data() + part * step_count();
+    std::fill_n(counts, step_count(), 0U);
+    const SweepAxis sweep = sweep_;
+    const PartRange range = BoxesOfPart(part);
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const Aabb& box = boxes[i];
+      const uint32_t step = sweep.Step(TakesPart(box) ? box.min[axis] : kFarthest);
+      steps_[i] = step;
+      ++counts[step];
+    }
+  });
+}
+
+// False where too many share a step.
+bool Sap::CountSlots() {
+  uint64_t neighbours = 0;
+  uint32_t sum = 0;
+  for (size_t step = 0; step < step_count(); ++step) {
+    const uint64_t before = sum;
+    for (size_t part = 0; part < part_count_; ++part)
+      sum += std::exchange(starts_[part * step_count() + step], sum);
+    neighbours += (sum - before) * (sum - before);
+  }
+  return neighbours <= kCrowd * boxes_.count();
+}
+
+// Boxes of one step in the order of their ids, however many parts there are.
+void Sap::SortBySteps() {
+  RunParts(executor_, part_count_, [&](size_t part) {
+    uint32_t* const starts = starts_.data() + part * step_count();
+    uint32_t* const ids = boxes_.ids();
+    const PartRange range = BoxesOfPart(part);
+    for (size_t i = range.begin; i < range.end; ++i)
+      ids[starts[steps_[i]]++] = static_cast<uint32_t>(i);
+  });
+}
+
+void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
+  const std::span<uint64_t> items = sort_.Items(boxes.size());
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    const float position = TakesPart(boxes[i]) ? boxes[i].min[axis] : kFarthest;
+    items[i] = PackSortItem(SortableKey(position), static_cast<uint32_t>(i));
+  }
+  const std::span<const uint64_t> sorted = sort_.Sort();
+  std::transform(sorted.begin(), sorted.end(), boxes_.ids(), SortItemPayload);
+}
+
+void Sap::FindPairs(PairBuffer& out) {
+  const ByteLanes lanes = boxes_.Lanes();
+  checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+                       [&](size_t begin, size_t end, PairBuffer& pairs) {
+                         return FindPairsOfSwept(lanes, begin, end, pairs);
+                       });
+}
+
+size_t Sap::native_bytes() const {
+  return steps_.capacity_bytes() + starts_.capacity_bytes() + sort_.native_bytes() +
+         boxes_.native_bytes() + parts_.native_bytes();
+}
+
+}  // namespace
+
+std::unique_ptr<BroadPhase> MakeSap(const BroadPhaseOptions& options) {
+  return std::make_unique<Sap>(options);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,107 @@
+#include "engine_client/broad_phase/sweep/sorted_endpoints.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace sweepstake {
+namespace {
+
+// Couples of faces that share a step, per face, from which on sorting exactly pays: a sweep
+// compares a quarter of a register more for each.
+constexpr uint64_t kCrowd = 16;
+
+uint64_t ItemOf(float coordinate, Endpoint endpoint) {
+  return PackSortItem(SortableKey(coordinate), endpoint);
+}
+
+}  // namespace
+
+void SortedEndpoints::Sort(std::span<const BoxRecord> records, const SweepAxis& steps,
+                           EndpointRoom& room) {
+  count_ = 2 * records.size();
+  endpoints_.EnsureDiscarding(count_);
+  is_exact_ = !SortBySteps(records, steps, room);
+  if (!is_exact_) return;
+  room.items.EnsureDiscarding(count_);
+  for (size_t i = 0; i < records.size(); ++i) {
+    const auto owner = static_cast<Endpoint>(i);
+    room.items[2 * i] = ItemOf(records[i].min[axis_], owner);
+    room.items[2 * i + 1] = ItemOf(records[i].max[axis_], owner | kUpperFace);
+  }
+  room.radix.Sort(room.items, count_);
+  std::transform(room.items.data(), room.items.data() + count_, endpoints_.data(), SortItemPayload);
+}
+
+// False where too many share a step.
+bool SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
+                                  EndpointRoom& room) {
+  const SweepAxis step = steps;  // which no store can alias
+  const auto step_count = static_cast<size_t>(step.last) + 1;
+  room.starts.EnsureDiscarding(step_count);
+  uint32_t* const starts = room.starts.data();
+  std::fill_n(starts, step_count, 0U);
+  uint64_t neighbours = 0;  // couples of faces that share a step
+  for (const BoxRecord& record : records) {
+    neighbours += starts[step.Step(record.min[axis_])]++;
+    neighbours += starts[step.Step(record.max[axis_])]++;
+  }
+  if (neighbours > kCrowd * count_) return false;
+  uint32_t sum = 0;
+  for (size_t k = 0; k < step_count; ++k) sum += std::exchange(starts[k], sum);
+  Endpoint* const order = endpoints_.data();
+  for (size_t i = 0; i < records.size(); ++i) {
+    const auto owner = static_cast<Endpoint>(i);
+    order[starts[step.Step(records[i].min[axis_])]++] = owner;
+    order[starts[step.Step(records[i].max[axis_])]++] = owner | kUpperFace;
+  }
+  return true;
+}
+
+void SortedEndpoints::TakeRanks(std::span<const BoxRecord> records, EndpointRoom& room) const {
+  room.items.EnsureDiscarding(2 * records.size());
+  uint64_t* const ranks = room.items.data();
+  for (size_t i = 0; i < records.size(); ++i) {
+    ranks[2 * i] = SortItemRank(ItemOf(records[i].min[axis_], 0));
+    ranks[2 * i + 1] = SortItemRank(ItemOf(records[i].max[axis_], kUpperFace));
+  }
+}
+
+void SortedEndpoints::Append(std::span<const BoxRecord> records, size_t first, EndpointRoom& room) {
+  const size_t added = 2 * (records.size() - first);
+  room.items.EnsureDiscarding(added);
+  for (size_t i = first; i < records.size(); ++i) {
+    const auto owner = static_cast<Endpoint>(i);
+    room.items[2 * (i - first)] = ItemOf(records[i].min[axis_], owner);
+    room.items[2 * (i - first) + 1] = ItemOf(records[i].max[axis_], owner | kUpperFace);
+  }
+  std::sort(room.items.data(), room.items.data() + added);
+  endpoints_.EnsureKeeping(count_ + added, count_);
+  Endpoint* const order = endpoints_.data();
+  size_t end = count_;  // of the faces that are not yet behind an added one
+  for (size_t left = added; left > 0; --left) {
+    const uint64_t item = room.items[left - 1];
+    const auto place =
+        std::upper_bound(order, order + end, SortItemRank(item),
+                         [&](uint64_t rank, Endpoint face) { return rank < Rank(records, face); });
+    std::copy_backward(place, order + end, order + end + left);
+    end = static_cast<size_t>(place - order);
+    order[end + left - 1] = SortItemPayload(item);
+  }
+  count_ += added;
+}
+
+void SortedEndpoints::Truncate(size_t count) {
+  const auto end = std::remove_if(endpoints_.data(), endpoints_.data() + count_,
+                                  [&](Endpoint face) { return EndpointOwner(face) >= count; });
+  count_ = static_cast<size_t>(end - endpoints_.data());
+}
+
+double SortedEndpoints::Density(std::span<const BoxRecord> records) const {
+  if (count_ < 4) return 0;
+  const double low = Coordinate(records, endpoints_[count_ / 4]);
+  const double high = Coordinate(records, endpoints_[count_ / 4 * 3]);
+  return static_cast<double>(count_) / 2 / std::max(high - low, 1e-30);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,168 @@
+// The lower and upper faces of all boxes on one axis, kept in order from frame to frame.
+//
+// Not thread-safe; distinct axes are independent. Owns its memory: 8 bytes per box. Faces are named
+// by the box's id and looked up in the records (box_record.h). Equal coordinates order lower faces
+// before upper ones, so that touching boxes overlap in this order too.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "engine_client/broad_phase/common/box_record.h"
+#include "engine_client/broad_phase/common/byte_boxes.h"
+#include "engine_client/broad_phase/common/radix_sort.h"
+
+namespace sweepstake {
+
+// A face: whose it is, and which.
+using Endpoint = uint32_t;
+inline constexpr Endpoint kUpperFace = 0x80000000;
+constexpr uint32_t EndpointOwner(Endpoint endpoint) { return endpoint & ~kUpperFace; }
+constexpr bool IsUpperFace(Endpoint endpoint) { return (endpoint & kUpperFace) != 0; }
+
+// What sorting needs, kept for reuse: 16 bytes per box and up to 256 KiB; twice 16 where the boxes
+// are crowded.
+class EndpointRoom {
+ public:
+  size_t native_bytes() const {
+    return items.capacity_bytes() + starts.capacity_bytes() + radix.native_bytes();
+  }
+
+  // Sort items (radix_sort.h) whose payload is an endpoint, or the ranks of all endpoints.
+  AlignedBuffer<uint64_t> items;
+  AlignedBuffer<uint32_t> starts;
+  RadixSort radix;
+};
+
+// Which boxes have moved since the orders were made.
+class MovedBoxes {
+ public:
+  // None of `box_count`.
+  void Clear(size_t box_count) {
+    words_.EnsureDiscarding(box_count / 64 + 1);
+    std::fill_n(words_.data(), box_count / 64 + 1, uint64_t{0});
+    count_ = 0;
+  }
+  // Each once.
+  void Add(size_t box) {
+    words_[box / 64] |= uint64_t{1} << (box % 64);
+    ++count_;
+  }
+  size_t count() const { return count_; }
+  bool Has(size_t box) const { return (words_[box / 64] >> (box % 64) & 1) != 0; }
+  size_t native_bytes() const { return words_.capacity_bytes(); }
+
+ private:
+  AlignedBuffer<uint64_t> words_;
+  size_t count_ = 0;
+};
+
+class SortedEndpoints {
+ public:
+  explicit SortedEndpoints(size_t axis) : axis_(axis) {}
+
+  // Takes the faces of all `records` and sorts them by `steps` in one pass, O(n): those of one step
+  // stay in the order of their ids, which a sweep by steps does not mind and a Repair puts right.
+  // Where many share a step they are sorted exactly, in three passes.
+  void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
+  // Whether faces are in order, and not only their steps.
+  bool is_exact() const { return is_exact_; }
+  // Adds the faces of the boxes from `first` on, which are few: each is sought, the others are
+  // moved as blocks. The order is as exact as before.
+  void Append(std::span<const BoxRecord> records, size_t first, EndpointRoom& room);
+  // Drops the faces of the boxes from `count` on.
+  void Truncate(size_t count);
+
+  // Puts the order right after some boxes have moved or a Sort, by insertion, and calls on_pass(a,
+  // b) for each lower face of one box and upper face of another whose order has changed. O(n +
+  // passes): 1 ns for a face that stays, 4 ns for one that moves. Gives up when the passes exceed
+  // `budget`, which is reduced by those made: false, and the order is to be made anew by Sort.
+  template <typename OnPass>
+  bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
+              size_t& budget, OnPass&& on_pass);
+
+  std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
+  // Faces per unit of length where the middle half of them lies.
+  double Density(std::span<const BoxRecord> records) const;
+  size_t native_bytes() const { return endpoints_.capacity_bytes(); }
+
+ private:
+  float Coordinate(std::span<const BoxRecord> records, Endpoint endpoint) const {
+    const BoxRecord& record = records[EndpointOwner(endpoint)];
+    return IsUpperFace(endpoint) ? record.max[axis_] : record.min[axis_];
+  }
+  // Orders faces as one number.
+  uint64_t Rank(std::span<const BoxRecord> records, Endpoint endpoint) const {
+    return SortItemRank(PackSortItem(SortableKey(Coordinate(records, endpoint)), endpoint));
+  }
+  bool SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
+  // Of each face, by owner and then lower before upper.
+  void TakeRanks(std::span<const BoxRecord> records, EndpointRoom& room) const;
+  template <typename RankOf, typename HasMoved, typename OnPass>
+  bool RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget, OnPass&& on_pass);
+
+  size_t axis_;
+  AlignedBuffer<Endpoint> endpoints_;
+  size_t count_ = 0;
+  bool is_exact_ = true;
+};
+
+template <typename OnPass>
+bool SortedEndpoints::Repair(std::span<const BoxRecord> records, const MovedBoxes& moved,
+                             EndpointRoom& room, size_t& budget, OnPass&& on_pass) {
+  if (is_exact_ && 8 * moved.count() < records.size()) {
+    return RepairBy([&](Endpoint face) { return Rank(records, face); },
+                    [&](Endpoint face) { return moved.Has(EndpointOwner(face)); }, budget, on_pass);
+  }
+  TakeRanks(records, room);
+  const uint64_t* const ranks = room.items.data();
+  return RepairBy([ranks](Endpoint face) { return ranks[std::rotl(face, 1)]; },
+                  [](Endpoint) { return true; }, budget, on_pass);
+}
+
+template <typename RankOf, typename HasMoved, typename OnPass>
+bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget,
+                               OnPass&& on_pass) {
+  Endpoint* const order = endpoints_.data();
+  is_exact_ = false;
+  bool before_moved = false;  // the face before this one
+  bool before_known = false;  // that its rank is before_rank
+  uint64_t before_rank = 0;
+  for (size_t i = 0; i < count_; ++i) {
+    const Endpoint face = order[i];
+    const bool moved = has_moved(face);
+    if (!moved && !before_moved) {
+      before_known = false;
+      continue;
+    }
+    const uint64_t rank = rank_of(face);
+    if (!before_known) before_rank = i > 0 ? rank_of(order[i - 1]) : 0;
+    before_known = true;
+    if (before_rank <= rank) {
+      before_rank = rank;
+      before_moved = moved;
+      continue;
+    }
+    // The largest so far ends up here again: its rank stays known.
+    size_t hole = i;
+    do {
+      const Endpoint passed = order[--hole];
+      order[hole + 1] = passed;
+      const uint32_t a = EndpointOwner(passed);
+      const uint32_t b = EndpointOwner(face);
+      if (IsUpperFace(passed) != IsUpperFace(face) && a != b) on_pass(a, b);
+    } while (hole > 0 && rank_of(order[hole - 1]) > rank);
+    order[hole] = face;
+    before_moved = has_moved(order[i]);
+    if (i - hole > budget) return false;
+    budget -= i - hole;
+  }
+  is_exact_ = true;
+  return true;
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,81 @@
+// The overlapping pairs in ascending order, kept from frame to frame and corrected where something
+// has changed.
+//
+// Not thread-safe. Owns its memory: 8 bytes per pair, and as much for those touched in one frame.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+#include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "sweepstake/aabb.h"
+
+namespace sweepstake {
+
+class SortedPairs {
+ public:
+  // Takes these instead; each once, in any order. O(n + pairs) where no object has very many.
+  // `box_count` objects.
+  void Adopt(std::span<const OverlapPair> pairs, size_t box_count);
+  // Drops the pairs of the objects from `count` on.
+  void Truncate(size_t count);
+
+  // Marks a pair that may have begun or ended. Any order, any number of times.
+  void Touch(uint32_t a, uint32_t b) {
+    if (touched_count_ == touched_.capacity())
+      touched_.EnsureKeeping(std::max<size_t>(touched_count_ * 2, 64), touched_count_);
+    touched_[touched_count_++] = {std::min(a, b), std::max(a, b)};
+  }
+  // Asks overlap(a, b) of each pair marked since the last call, and adds or drops it. O(log pairs)
+  // for each, and pairs moved as blocks.
+  template <typename Overlaps>
+  void Settle(Overlaps&& overlaps);
+  // Forgets the marks.
+  void ClearTouched() { touched_count_ = 0; }
+
+  std::span<const OverlapPair> pairs() const { return {pairs_.data(), count_}; }
+  size_t native_bytes() const {
+    return pairs_.capacity_bytes() + spare_.capacity_bytes() + touched_.capacity_bytes() +
+           starts_.capacity_bytes();
+  }
+
+ private:
+  size_t UniqueTouched();
+  void Drop(std::span<const OverlapPair> dropped);
+  void Insert(std::span<const OverlapPair> inserted);
+
+  AlignedBuffer<OverlapPair> pairs_;
+  AlignedBuffer<OverlapPair> spare_;
+  AlignedBuffer<OverlapPair> touched_;
+  AlignedBuffer<uint32_t> starts_;
+  size_t count_ = 0;
+  size_t touched_count_ = 0;
+};
+
+template <typename Overlaps>
+void SortedPairs::Settle(Overlaps&& overlaps) {
+  OverlapPair* const touched = touched_.data();
+  const size_t count = UniqueTouched();
+  // To the front those to insert, to the back of them those to drop; the others are as they were.
+  OverlapPair* const end = touched + count;
+  const OverlapPair* from = pairs_.data();
+  size_t inserted = 0;
+  size_t dropped = 0;
+  spare_.EnsureDiscarding(count);
+  for (OverlapPair* pair = touched; pair != end; ++pair) {
+    from = std::lower_bound(from, static_cast<const OverlapPair*>(pairs_.data()) + count_, *pair);
+    const bool present = from != pairs_.data() + count_ && *from == *pair;
+    if (overlaps(pair->a, pair->b) == present) continue;
+    if (present) {
+      spare_[dropped++] = *pair;
+    } else {
+      touched[inserted++] = *pair;
+    }
+  }
+  Drop({spare_.data(), dropped});
+  Insert({touched, inserted});
+  touched_count_ = 0;
+}
+
+}  // namespace sweepstake

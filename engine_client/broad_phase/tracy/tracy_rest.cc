@@ -1,0 +1,191 @@
+#include "engine_client/broad_phase/tracy/tracy_rest.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "engine_client/broad_phase/grid/grid_search.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/tracy/tracy_rest.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// After foreach_target.h.
+#include "engine_client/broad_phase/grid/grid_boxes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+// Lists the boxes that are not within their margins, relative to the first; returns how many. A box
+// that takes no part is within a margin that does not.
+size_t ListLeft(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* left) {
+  const HWY_FULL(float) d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  size_t count = 0;
+  ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
+    auto x = hn::Zero(d);
+    auto y = x;
+    auto z = x;
+    auto max_x = x;
+    auto max_y = x;
+    auto max_z = x;
+    LoadBoxes(d, margins + at, x, y, z, max_x, max_y, max_z);
+    const auto kept = hn::Eq(x, x);
+    auto box_x = x;
+    auto box_y = x;
+    auto box_z = x;
+    auto box_max_x = x;
+    auto box_max_y = x;
+    auto box_max_z = x;
+    LoadBoxes(d, from, box_x, box_y, box_z, box_max_x, box_max_y, box_max_z);
+    const auto begins = hn::And(hn::Ge(box_x, x), hn::And(hn::Ge(box_y, y), hn::Ge(box_z, z)));
+    const auto ends = hn::And(hn::Le(box_max_x, max_x),
+                              hn::And(hn::Le(box_max_y, max_y), hn::Le(box_max_z, max_z)));
+    const auto in_x = HalveAxis(d, box_x, box_max_x);
+    const auto in_y = HalveAxis(d, box_y, box_max_y);
+    const auto present = hn::And(hn::And(in_x, in_y), HalveAxis(d, box_z, box_max_z));
+    const auto within = hn::And(present, hn::And(begins, ends));
+    const auto gone = hn::And(hn::Or(kept, present), hn::Not(within));
+    const auto listed = hn::And(gone, hn::FirstN(d, boxes.size() - at));
+    if (hn::AllFalse(d, listed)) return;
+    const auto index = hn::Iota(du, static_cast<uint32_t>(at));
+    hn::StoreU(hn::Compress(index, hn::RebindMask(du, listed)), du, left + count);
+    count += hn::CountTrue(d, listed);
+  });
+  return count;
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace sweepstake {
+
+HWY_EXPORT(ListLeft);
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr Aabb kEverywhere = {{-kInfinity, -kInfinity, -kInfinity},
+                              {kInfinity, kInfinity, kInfinity}};
+constexpr Aabb kNowhere = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
+
+// One box in so many may be loose, and some more.
+constexpr size_t kBoxesPerLooseOne = 32;
+constexpr size_t kFewLooseBoxes = 8;
+constexpr size_t kLeastBoxesPerPart = 4096;
+constexpr size_t kLeastSlotsPerPart = 1024;
+
+// Both within margins, hence finite and in order.
+bool Meet(const Aabb& a, const Aabb& b) {
+  bool meet = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    meet &= a.min[axis] <= b.max[axis];
+    meet &= b.min[axis] <= a.max[axis];
+  }
+  return meet;
+}
+
+Aabb Enlarged(const Aabb& box, float margin) {
+  Aabb enlarged = box;
+  for (int axis = 0; axis < 3; ++axis) {
+    enlarged.min[axis] -= margin;
+    enlarged.max[axis] += margin;
+  }
+  return TakesPart(box) && TakesPart(enlarged) ? enlarged : TakesPart(box) ? box : kNowhere;
+}
+
+}  // namespace
+
+size_t TracyRest::MostLoose() const { return count_ / kBoxesPerLooseOne + kFewLooseBoxes; }
+
+uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float margin,
+                          TracyLists& lists) {
+  count_ = boxes.size();
+  loose_count_ = 0;
+  margins_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
+  is_loose_.EnsureDiscarding(count_);
+  std::fill_n(is_loose_.data(), count_, uint8_t{0});
+  for (size_t i = 0; i < count_; ++i) margins_[i] = Enlarged(boxes[i], margin);
+  std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kNowhere);
+  left_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
+  loose_.EnsureDiscarding(MostLoose() + 1);
+  lists.Update(executor, {margins_.data(), count_}, MostLoose());
+  kept_.Clear();
+  loose_pairs_.Clear();
+  const GridView view = lists.View();
+  const uint64_t checks = parts_.Run(executor, lists.size(), kLeastSlotsPerPart, GridView::kBatch,
+                                     kept_, [&](size_t begin, size_t end, PairBuffer& pairs) {
+                                       return SearchGrids(view, begin, end, pairs);
+                                     });
+  TestPairs(executor, boxes);
+  return checks + kept_.size();
+}
+
+bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists,
+                     uint64_t& checks) {
+  if (boxes.size() != count_) return false;
+  const size_t left = HWY_DYNAMIC_DISPATCH(ListLeft)(boxes, margins_.data(), left_.data());
+  if (loose_count_ + left > MostLoose()) return false;
+  Loosen({left_.data(), left}, lists);
+  TestPairs(executor, boxes);
+  checks += count_ + kept_.size();
+  loose_pairs_.Clear();
+  if (loose_count_ == 0) return true;
+  checks += lists.SearchFor(boxes, {loose_.data(), loose_count_}, loose_pairs_);
+  const auto found = loose_pairs_.pairs();
+  const auto end = std::remove_if(found.begin(), found.end(), [&](const OverlapPair& pair) {
+    return !Overlap(boxes[pair.a], boxes[pair.b]);
+  });
+  const auto count = static_cast<size_t>(end - found.begin());
+  loose_pairs_.Clear();
+  loose_pairs_.Advance(count);
+  return true;
+}
+
+void TracyRest::Loosen(std::span<const uint32_t> left, TracyLists& lists) {
+  for (const uint32_t object : left) {
+    if (is_loose_[object] != 0) continue;  // it no longer takes part
+    is_loose_[object] = 1;
+    margins_[object] = kEverywhere;
+    lists.Blind(object);
+    loose_[loose_count_++] = object;
+  }
+}
+
+void TracyRest::TestPairs(Executor* executor, std::span<const Aabb> boxes) {
+  const auto pairs = kept_.pairs();
+  overlaps_.EnsureDiscarding(pairs.size());
+  const size_t parts = PartCount(executor, pairs.size(), kLeastBoxesPerPart);
+  RunParts(executor, parts, [&](size_t part) {
+    const PartRange range = RangeOfPart(pairs.size(), part, parts, 64);
+    for (size_t k = range.begin; k < range.end; ++k) {
+      const OverlapPair& pair = pairs[k];
+      const bool bound = (is_loose_[pair.a] | is_loose_[pair.b]) == 0;
+      overlaps_[k] = static_cast<uint8_t>(bound & Meet(boxes[pair.a], boxes[pair.b]));
+    }
+  });
+}
+
+void TracyRest::Append(PairBuffer& out) const {
+  const auto kept = kept_.pairs();
+  OverlapPair* const to = out.EnsureRoom(kept.size() + loose_pairs_.size());
+  size_t count = 0;
+  for (size_t k = 0; k < kept.size(); ++k) {
+    to[count] = kept[k];
+    count += overlaps_[k];
+  }
+  const auto loose = loose_pairs_.pairs();
+  std::copy(loose.begin(), loose.end(), to + count);
+  out.Advance(count + loose.size());
+}
+
+size_t TracyRest::native_bytes() const {
+  return margins_.capacity_bytes() + is_loose_.capacity_bytes() + left_.capacity_bytes() +
+         loose_.capacity_bytes() + kept_.capacity_bytes() + overlaps_.capacity_bytes() +
+         loose_pairs_.capacity_bytes() + parts_.native_bytes();
+}
+
+}  // namespace sweepstake
+
+#endif  // HWY_ONCE

@@ -1,0 +1,82 @@
+#include "engine_client/cli/bench/bench_machine.h"
+
+#include <hwy/highway.h>
+#include <hwy/targets.h>
+#include <sys/utsname.h>
+
+#include <ctime>
+#include <fstream>
+#include <thread>
+
+namespace sweepstake::cli {
+namespace {
+
+std::string DateUtc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  char text[32] = "";
+  if (gmtime_r(&now, &parts) != nullptr) {
+    (void)std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  }
+  return text;
+}
+
+// Linux's own word for it; elsewhere, and where it says none, the architecture must do.
+std::string CpuName() {
+  std::ifstream cpus("/proc/cpuinfo");
+  for (std::string line; std::getline(cpus, line);) {
+    const size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+std::string SystemName() {
+  utsname names{};
+  if (uname(&names) != 0) return "unknown";
+  return std::string(names.sysname) + " " + names.release + " " + names.machine;
+}
+
+std::string CompilerName() {
+#if defined(__clang__)
+  return "clang " __clang_version__;
+#elif defined(__GNUC__)
+  return "gcc " __VERSION__;
+#else
+  return "unknown";
+#endif
+}
+
+// Of the targets that are both compiled and supported the best one has the lowest bit.
+std::string SimdTarget() {
+  const int64_t usable = hwy::SupportedTargets() & int64_t{HWY_TARGETS};
+  return hwy::TargetName(usable & -usable);
+}
+
+}  // namespace
+
+BenchMachine DescribeMachine(std::span<const PeerLibrary> peers) {
+  BenchMachine machine;
+  machine.date_utc = DateUtc();
+  machine.program = SWEEPSTAKE_VERSION;
+  machine.cpu = CpuName();
+  machine.core_count = std::thread::hardware_concurrency();
+  machine.system = SystemName();
+  machine.compiler = CompilerName();
+  machine.simd_target = SimdTarget();
+  machine.libraries.push_back({"Highway", std::to_string(HWY_MAJOR) + "." +
+                                              std::to_string(HWY_MINOR) + "." +
+                                              std::to_string(HWY_PATCH)});
+  for (const PeerLibrary& library : peers) {
+    const std::string name(library.name);
+    if (library.kinds.empty()) {
+      machine.absent_peers.push_back(name + ": install " + std::string(library.package) +
+                                     " and build with -DSWEEPSTAKE_PEERS=ON");
+    } else {
+      machine.libraries.push_back({name, library.version});
+    }
+  }
+  return machine;
+}
+
+}  // namespace sweepstake::cli

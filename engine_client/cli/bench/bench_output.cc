@@ -1,0 +1,206 @@
+#include "engine_client/cli/bench/bench_output.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* KindName(ContestantKind kind) { return kind == ContestantKind::kArm ? "arm" : "peer"; }
+
+template <typename T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json RowJson(const BenchRow& row, const BenchCell& cell) {
+  Json json = {{"scene", cell.scene},
+               {"objects", cell.object_count},
+               {"arm", row.name},
+               {"threads", row.thread_count},
+               {"frames", row.frame_count},
+               {"ms_median", row.ms_median},
+               {"ms_mean", row.ms_mean},
+               {"ms_min", row.ms_min},
+               {"ms_p99", row.ms_p99},
+               {"pairs_mean", row.pairs_mean},
+               {"aabb_checks_mean", OrNull(row.aabb_checks_mean)},
+               {"bytes", OrNull(row.bytes)},
+               {"bytes_with_pairs", OrNull(row.bytes_with_pairs)},
+               {"kind", KindName(row.kind)},
+               {"family", row.family}};
+  if (!row.note.empty()) json["note"] = row.note;
+  if (!row.difference.empty()) json["difference"] = row.difference;
+  return json;
+}
+
+Json RatioJson(const BenchRatio& ratio, const BenchCell& cell) {
+  Json json = {{"scene", cell.scene},
+               {"objects", cell.object_count},
+               {"threads", ratio.thread_count},
+               {"kind", RatioKindName(ratio.kind)},
+               {"family", ratio.family},
+               {"ours", ratio.ours},
+               {"other", ratio.other},
+               {"value", ratio.value},
+               {"value_mean", OrNull(ratio.value_mean)},
+               {"goal", OrNull(ratio.goal)},
+               {"met", ratio.goal ? Json(ratio.met) : Json(nullptr)}};
+  if (!ratio.derived_through.empty()) json["derived_through"] = ratio.derived_through;
+  return json;
+}
+
+Json MachineJson(const BenchMachine& machine) {
+  Json libraries = Json::object();
+  for (const LibraryVersion& library : machine.libraries) libraries[library.name] = library.version;
+  return {{"date", machine.date_utc},
+          {"program", machine.program},
+          {"cpu", machine.cpu},
+          {"cores", machine.core_count},
+          {"system", machine.system},
+          {"compiler", machine.compiler},
+          {"simd", machine.simd_target},
+          {"libraries", libraries},
+          {"absent_peers", machine.absent_peers}};
+}
+
+std::string OrDash(const std::optional<uint64_t>& value) {
+  return value ? std::to_string(*value) : "-";
+}
+
+std::string Title(const BenchCell& cell) {
+  return cell.scene + ", " + std::to_string(cell.object_count) + " objects";
+}
+
+// With the pairs of an arm: one that was stopped early saw other frames.
+std::string TitleWithPairs(const BenchReport& report, size_t cell) {
+  const auto arm = std::find_if(report.rows.begin(), report.rows.end(), [&](const BenchRow& row) {
+    return row.cell == cell && row.kind == ContestantKind::kArm;
+  });
+  std::string title = Title(report.cells[cell]);
+  if (arm == report.rows.end()) return title;
+  return title + ", " + Fixed(arm->pairs_mean, 1) + " pairs per frame";
+}
+
+// Narrow enough for a terminal: what is the same in all rows of a cell stands in its title, and
+// what only peers need is there only with peers.
+TextTable RowTable(const BenchReport& report) {
+  const bool peers = report.options.peers;
+  std::vector<std::string> header = {"arm",    "thr",    "ms_median",   "ms_mean",
+                                     "ms_min", "ms_p99", "aabb_checks", "bytes"};
+  if (peers) header.insert(header.begin(), "family");
+  if (peers) header.insert(header.begin() + 3, "frames");
+  TextTable table(std::move(header));
+  const BenchRow* before = nullptr;
+  for (const BenchRow& row : report.rows) {
+    if (before == nullptr || before->cell != row.cell)
+      table.AddTitle(TitleWithPairs(report, row.cell));
+    before = &row;
+    std::vector<std::string> cells = {row.name,
+                                      std::to_string(row.thread_count),
+                                      Fixed(row.ms_median, 4),
+                                      Fixed(row.ms_mean, 4),
+                                      Fixed(row.ms_min, 4),
+                                      Fixed(row.ms_p99, 4),
+                                      row.aabb_checks_mean ? Fixed(*row.aabb_checks_mean, 0) : "-",
+                                      OrDash(row.bytes)};
+    if (peers) cells.insert(cells.begin(), row.family);
+    if (peers) cells.insert(cells.begin() + 3, std::to_string(row.frame_count));
+    table.AddRow(std::move(cells));
+  }
+  return table;
+}
+
+TextTable RatioTable(const BenchReport& report) {
+  TextTable table(
+      {"compared", "ours", "thr", "with", "ratio", "mean", "goal", "result", "through"});
+  const BenchRatio* before = nullptr;
+  for (const BenchRatio& ratio : report.ratios) {
+    if (before == nullptr || before->cell != ratio.cell) {
+      table.AddTitle(Title(report.cells[ratio.cell]));
+    }
+    before = &ratio;
+    table.AddRow({RatioKindName(ratio.kind), ratio.ours, std::to_string(ratio.thread_count),
+                  ratio.other, Fixed(ratio.value, 2),
+                  ratio.value_mean ? Fixed(*ratio.value_mean, 2) : "-",
+                  ratio.goal ? Fixed(*ratio.goal, 1) : "-",
+                  !ratio.goal ? "-"
+                  : ratio.met ? "met"
+                              : "NOT MET",
+                  ratio.derived_through.empty() ? "-" : ratio.derived_through});
+  }
+  return table;
+}
+
+void PrintNotes(const BenchReport& report, std::ostream& out) {
+  for (const BenchRow& row : report.rows) {
+    const BenchCell& cell = report.cells[row.cell];
+    const std::string where =
+        row.name + " in " + cell.scene + " (" + std::to_string(cell.object_count) + " objects): ";
+    if (!row.note.empty()) out << where << row.note << '\n';
+    if (!row.difference.empty()) out << "FAILED " << where << row.difference << '\n';
+  }
+}
+
+void PrintMachine(const BenchMachine& machine, std::ostream& out) {
+  out << machine.cpu << ", " << machine.core_count << " cores, " << machine.compiler << ", "
+      << machine.simd_target << ", " << machine.date_utc << '\n';
+  for (const LibraryVersion& library : machine.libraries) {
+    out << library.name << ' ' << library.version
+        << (&library == &machine.libraries.back() ? "\n" : ", ");
+  }
+  for (const std::string& absent : machine.absent_peers) out << "Left out: " << absent << '\n';
+}
+
+}  // namespace
+
+const char* RatioKindName(RatioKind kind) {
+  switch (kind) {
+    case RatioKind::kFamily:
+      return "family";
+    case RatioKind::kOverall:
+      return "overall";
+    case RatioKind::kGrowth:
+      return "growth";
+    case RatioKind::kThreads:
+      return "threads";
+    case RatioKind::kSpike:
+      return "spike";
+    case RatioKind::kMemory:
+      return "memory";
+  }
+  return "";
+}
+
+void PrintBenchJson(const BenchReport& report, std::ostream& out) {
+  Json document = {{"command", "bench"},          {"warmup", report.options.warmup},
+                   {"seed", report.options.seed}, {"machine", MachineJson(report.machine)},
+                   {"rows", Json::array()},       {"ratios", Json::array()}};
+  for (const BenchRow& row : report.rows) {
+    document["rows"].push_back(RowJson(row, report.cells[row.cell]));
+  }
+  for (const BenchRatio& ratio : report.ratios) {
+    document["ratios"].push_back(RatioJson(ratio, report.cells[ratio.cell]));
+  }
+  PrintJson(document, out);
+}
+
+void PrintBenchTables(const BenchReport& report, std::ostream& out) {
+  RowTable(report).Print(out);
+  PrintNotes(report, out);
+  if (!report.ratios.empty()) {
+    out << '\n';
+    RatioTable(report).Print(out);
+  }
+  if (report.options.peers) {
+    out << '\n';
+    PrintMachine(report.machine, out);
+  }
+}
+
+}  // namespace sweepstake::cli

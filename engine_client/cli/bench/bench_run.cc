@@ -1,0 +1,231 @@
+#include "engine_client/cli/bench/bench_run.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "engine_client/cli/bench/bench_machine.h"
+#include "engine_client/cli/bench/bench_ratios.h"
+#include "engine_client/cli/bench/scene_timing.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/text_table.h"
+#include "engine_client/cli/peers/peer_registry.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// The pools of a run, one per count of threads; a count of 1 does without.
+class ThreadPools {
+ public:
+  explicit ThreadPools(const std::vector<uint32_t>& thread_counts) {
+    for (const uint32_t count : thread_counts) {
+      if (count > 1 && !pools_.contains(count)) pools_[count] = MakeThreadPool(count);
+    }
+  }
+  Executor* Of(uint32_t thread_count) const {
+    const auto pool = pools_.find(thread_count);
+    return pool == pools_.end() ? nullptr : pool->second.get();
+  }
+
+ private:
+  std::map<uint32_t, std::unique_ptr<Executor>> pools_;
+};
+
+struct Frames {
+  uint64_t warmup;
+  uint64_t measured;
+};
+
+// Rows of a cell and what fills them, one for one.
+class CellRun {
+ public:
+  CellRun(BenchReport& report, const ThreadPools& pools) : report_(report), pools_(pools) {}
+
+  void AddArm(const std::string& name, uint32_t thread_count) {
+    rows_.push_back(NewRow(ContestantKind::kArm, name, name, thread_count));
+    Executor* const executor = pools_.Of(thread_count);
+    auto arm = MakeBroadPhase(name, {.executor = executor});
+    contestants_.push_back({.broad_phase = std::move(*arm), .executor = executor});
+  }
+
+  void AddPeer(const PeerKind& peer, uint32_t thread_count) {
+    BenchRow row = NewRow(ContestantKind::kPeer, std::string(peer.family), std::string(peer.name),
+                          thread_count);
+    row.note = WhyLeftOut(peer, row);
+    if (!row.note.empty()) {
+      left_out_.push_back(std::move(row));
+      return;
+    }
+    rows_.push_back(std::move(row));
+    contestants_.push_back({.broad_phase = peer.make(peer.name, thread_count),
+                            .cap_s = report_.options.peer_cap_s,
+                            .sound_boxes_only = true});
+  }
+
+  void Measure(Scene& scene, const std::function<void(const std::string& name)>& on_step) {
+    const BenchOptions& options = report_.options;
+    auto timings = TimeScene(scene, contestants_, options.warmup, options.frames,
+                             [&](size_t index, uint64_t) { on_step(rows_[index].name); });
+    for (size_t i = 0; i < rows_.size(); ++i) {
+      FillRow(timings[i], rows_[i]);
+      rows_[i].difference = DifferenceFrom(timings.front(), timings[i]);
+    }
+    rows_.insert(rows_.end(), left_out_.begin(), left_out_.end());
+    SortByFamily();
+    report_.rows.insert(report_.rows.end(), rows_.begin(), rows_.end());
+  }
+
+  size_t size() const { return rows_.size(); }
+
+ private:
+  BenchRow NewRow(ContestantKind kind, std::string family, std::string name,
+                  uint32_t thread_count) const {
+    BenchRow row;
+    row.cell = report_.cells.size() - 1;
+    row.kind = kind;
+    row.family = std::move(family);
+    row.name = std::move(name);
+    row.thread_count = thread_count;
+    return row;
+  }
+
+  // What is too large for a peer, or what a smaller number of objects showed to take too long.
+  std::string WhyLeftOut(const PeerKind& peer, const BenchRow& row) const {
+    const BenchCell& cell = report_.cells.back();
+    if (cell.object_count > peer.most_objects) {
+      return "takes up to " + std::to_string(peer.most_objects) + " objects";
+    }
+    for (const BenchRow& before : report_.rows) {
+      const BenchCell& smaller = report_.cells[before.cell];
+      if (before.name != row.name || smaller.scene != cell.scene ||
+          smaller.object_count >= cell.object_count || before.note.empty()) {
+        continue;
+      }
+      const double growth = static_cast<double>(cell.object_count) / smaller.object_count;
+      if (before.ms_mean * growth > 1000 * report_.options.peer_cap_s || before.frame_count == 0) {
+        return "too slow with " + std::to_string(smaller.object_count) + " objects";
+      }
+    }
+    return "";
+  }
+
+  void FillRow(const ContestantTiming& timing, BenchRow& row) const {
+    row.first_step = 1;
+    row.step_ms = timing.step_ms;
+    row.frame_count = timing.measured_count;
+    const auto measured = std::span(row.step_ms).last(row.frame_count);
+    const TimeSummary summary = Summarize(measured);
+    row.ms_median = summary.ms_median;
+    row.ms_mean = summary.ms_mean;
+    row.ms_min = summary.ms_min;
+    row.ms_p99 = summary.ms_p99;
+    for (const PairFingerprint& pairs : std::span(timing.step_pairs).last(row.frame_count)) {
+      row.pairs_mean += static_cast<double>(pairs.count) / static_cast<double>(row.frame_count);
+    }
+    if (row.kind == ContestantKind::kArm) {
+      row.aabb_checks_mean = timing.aabb_checks_mean;
+      row.bytes = timing.bytes;
+      row.bytes_with_pairs = timing.bytes_with_pairs;
+    }
+    if (timing.capped) {
+      row.note = "stopped by the cap of " + Fixed(report_.options.peer_cap_s, 1) + " s";
+    }
+  }
+
+  // The first row is an arm's; that arms are right is for `sweepstake check`.
+  std::string DifferenceFrom(const ContestantTiming& right, const ContestantTiming& found) const {
+    for (size_t i = 0; i < found.step_pairs.size(); ++i) {
+      if (found.step_pairs[i] == right.step_pairs[i]) continue;
+      return "step " + std::to_string(i + 1) + ": other pairs than " + rows_.front().name + ", " +
+             std::to_string(found.step_pairs[i].count) + " in place of " +
+             std::to_string(right.step_pairs[i].count);
+    }
+    return "";
+  }
+
+  void SortByFamily() {
+    const auto families = BroadPhaseNames();
+    const auto place = [&](const BenchRow& row) {
+      return std::find(families.begin(), families.end(), row.family) - families.begin();
+    };
+    std::stable_sort(rows_.begin(), rows_.end(), [&](const BenchRow& a, const BenchRow& b) {
+      return std::tuple(place(a), a.kind, a.name, a.thread_count) <
+             std::tuple(place(b), b.kind, b.name, b.thread_count);
+    });
+  }
+
+  BenchReport& report_;
+  const ThreadPools& pools_;
+  std::vector<BenchRow> rows_;
+  std::vector<Contestant> contestants_;
+  std::vector<BenchRow> left_out_;
+};
+
+void AddContestants(const std::vector<std::string>& arms, std::span<const PeerLibrary> peers,
+                    const std::vector<uint32_t>& thread_counts, CellRun& cell) {
+  for (const std::string& arm : arms) {
+    for (const uint32_t thread_count : thread_counts) cell.AddArm(arm, thread_count);
+  }
+  for (const PeerLibrary& library : peers) {
+    for (const PeerKind& peer : library.kinds) {
+      if (!peer.takes_threads) cell.AddPeer(peer, 1);
+      for (const uint32_t thread_count : thread_counts) {
+        if (peer.takes_threads) cell.AddPeer(peer, thread_count);
+      }
+    }
+  }
+}
+
+Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
+               std::span<const PeerLibrary> peers, const ThreadPools& pools,
+               const std::function<void(const std::string& text, double share)>& on_progress,
+               BenchReport& report) {
+  auto scene = OpenScene(choice);
+  if (!scene.ok()) return scene.status();
+  const auto object_count = static_cast<uint32_t>((*scene)->aabbs().size());
+  report.cells.push_back({choice.name, object_count, choice.name.ends_with(".aabbs")});
+  CellRun cell(report, pools);
+  AddContestants(arms, peers, report.options.thread_counts, cell);
+  const std::string label = choice.name + ", " + std::to_string(object_count) + " objects, ";
+  const auto steps =
+      static_cast<double>((report.options.warmup + report.options.frames) * cell.size());
+  uint64_t done = 0;
+  cell.Measure(**scene, [&](const std::string& name) {
+    on_progress(label + name, static_cast<double>(++done) / steps);
+  });
+  return {};
+}
+
+}  // namespace
+
+Result<BenchReport> RunBench(const BenchOptions& options, Terminal& terminal) {
+  const auto arms = ChooseArms(options.arms);
+  if (!arms.ok()) return arms.status();
+  const auto scenes = ExpandScenes(options.scenes, options.object_counts, options.seed);
+  const auto peers = options.peers ? PeerLibraries() : std::vector<PeerLibrary>();
+  const ThreadPools pools(options.thread_counts);
+  BenchReport report;
+  report.machine = DescribeMachine(peers);
+  report.options = options;
+  constexpr uint64_t kPartsOfACell = 1000;
+  Progress progress(terminal, "bench", scenes.size() * kPartsOfACell);
+  for (const SceneChoice& scene : scenes) {
+    const uint64_t before = report.cells.size() * kPartsOfACell;
+    const Status status = RunCell(
+        scene, *arms, peers, pools,
+        [&](const std::string& text, double share) {
+          progress.Show(before + static_cast<uint64_t>(share * kPartsOfACell), text);
+        },
+        report);
+    if (!status.ok()) return status;
+  }
+  report.ratios = RatiosOf(report);
+  return report;
+}
+
+bool AnyDiffers(const BenchReport& report) {
+  return std::any_of(report.rows.begin(), report.rows.end(),
+                     [](const BenchRow& row) { return !row.difference.empty(); });
+}
+
+}  // namespace sweepstake::cli

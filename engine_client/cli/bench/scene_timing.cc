@@ -1,0 +1,169 @@
+#include "engine_client/cli/bench/scene_timing.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+#include "engine_client/cli/game/frame_block.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using std::chrono::steady_clock;
+
+// The boxes of a frame as one contestant is shown them.
+class ShownBoxes {
+ public:
+  void Show(std::span<const Aabb> boxes, bool sound_only) {
+    ids_.clear();
+    boxes_.assign(boxes.begin(), boxes.end());
+    if (!sound_only || std::all_of(boxes.begin(), boxes.end(), TakesPart)) return;
+    boxes_.clear();
+    for (uint32_t id = 0; id < boxes.size(); ++id) {
+      if (!TakesPart(boxes[id])) continue;
+      boxes_.push_back(boxes[id]);
+      ids_.push_back(id);
+    }
+  }
+  std::span<const Aabb> boxes() const { return boxes_; }
+  void RestoreIds(PairBuffer& pairs) const {
+    if (boxes_.empty() || ids_.empty()) return;
+    for (OverlapPair& pair : pairs.pairs()) pair = {ids_[pair.a], ids_[pair.b]};
+  }
+
+ private:
+  std::vector<Aabb> boxes_;
+  std::vector<uint32_t> ids_;  // empty where all boxes are shown
+};
+
+double MillisecondsSince(steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
+}
+
+// Returns when all threads of the executor have begun a part at the same time.
+void Wake(Executor* executor) {
+  if (executor == nullptr) return;
+  struct Meeting {
+    const size_t expected;
+    std::atomic<size_t> arrived{0};
+  } meeting{executor->thread_count()};
+  executor->RunParts(
+      meeting.expected,
+      [](void* context, size_t) {
+        auto& shared = *static_cast<Meeting*>(context);
+        shared.arrived.fetch_add(1);
+        while (shared.arrived.load() < shared.expected) std::this_thread::yield();
+      },
+      &meeting);
+}
+
+// A contestant on its way through the scene.
+class Run {
+ public:
+  explicit Run(const Contestant& contestant) : contestant_(contestant) {}
+
+  void Build(std::span<const Aabb> boxes) {
+    shown_.Show(boxes, contestant_.sound_boxes_only);
+    const auto start = steady_clock::now();
+    contestant_.broad_phase->Build(shown_.boxes());
+    contestant_.broad_phase->FindPairs(pairs_);
+    used_ms_ += MillisecondsSince(start);
+  }
+
+  bool active() const { return !timing_.capped; }
+  uint64_t step_count() const { return timing_.step_ms.size(); }
+
+  void Step(std::span<const Aabb> boxes, bool measured) {
+    shown_.Show(boxes, contestant_.sound_boxes_only);
+    pairs_.Clear();
+    Wake(contestant_.executor);
+    const auto start = steady_clock::now();
+    contestant_.broad_phase->Update(shown_.boxes());
+    contestant_.broad_phase->FindPairs(pairs_);
+    const double time_ms = MillisecondsSince(start);
+    shown_.RestoreIds(pairs_);
+    Note(time_ms, measured);
+  }
+
+  ContestantTiming Finish() {
+    if (timing_.measured_count == 0) timing_.measured_count = step_count();
+    timing_.aabb_checks_mean = static_cast<double>(check_count_) /
+                               static_cast<double>(std::max<uint64_t>(timing_.measured_count, 1));
+    return std::move(timing_);
+  }
+
+ private:
+  void Note(double time_ms, bool measured) {
+    timing_.step_ms.push_back(time_ms);
+    timing_.step_pairs.push_back(FingerprintOf(pairs_.pairs()));
+    used_ms_ += time_ms;
+    timing_.capped = used_ms_ > 1000 * contestant_.cap_s;
+    if (!measured) return;
+    ++timing_.measured_count;
+    check_count_ += contestant_.broad_phase->aabb_check_count();
+    const uint64_t bytes = contestant_.broad_phase->native_bytes();
+    timing_.bytes = std::max(timing_.bytes, bytes);
+    timing_.bytes_with_pairs =
+        std::max<uint64_t>(timing_.bytes_with_pairs, bytes + pairs_.capacity_bytes());
+  }
+
+  const Contestant& contestant_;
+  ShownBoxes shown_;
+  PairBuffer pairs_;
+  ContestantTiming timing_;
+  double used_ms_ = 0;
+  uint64_t check_count_ = 0;
+};
+
+void RunBlock(const FrameBlock& block, uint64_t first_step, uint64_t warmup, Run& run,
+              const std::function<void(uint64_t)>& on_step) {
+  for (size_t i = 0; i < block.step_count() && run.active(); ++i) {
+    run.Step(block.BoxesOf(i), first_step + i > warmup);
+    on_step(first_step + i);
+  }
+}
+
+}  // namespace
+
+std::vector<ContestantTiming> TimeScene(Scene& scene, std::span<const Contestant> contestants,
+                                        uint64_t warmup, uint64_t frames,
+                                        const std::function<void(size_t, uint64_t)>& on_step) {
+  std::vector<Run> runs(contestants.begin(), contestants.end());
+  for (Run& run : runs) run.Build(scene.aabbs());
+  FrameBlock block;
+  size_t turn = 0;
+  for (uint64_t done = 0; done < warmup + frames; done += block.step_count(), ++turn) {
+    block.Fill(scene, warmup + frames - done);
+    for (size_t i = 0; i < runs.size(); ++i) {
+      const size_t index = (turn + i) % runs.size();
+      RunBlock(block, done + 1, warmup, runs[index], [&](uint64_t step) { on_step(index, step); });
+    }
+  }
+  std::vector<ContestantTiming> timings;
+  timings.reserve(runs.size());
+  for (Run& run : runs) timings.push_back(run.Finish());
+  return timings;
+}
+
+TimeSummary Summarize(std::span<const double> times_ms) {
+  std::vector<double> sorted(times_ms.begin(), times_ms.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
+  return {Median(sorted), sum / static_cast<double>(sorted.size()), sorted.front(),
+          Quantile(sorted, 0.99)};
+}
+
+double Quantile(const std::vector<double>& sorted, double ratio) {
+  const auto rank = static_cast<size_t>(std::ceil(ratio * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<size_t>(rank, 1, sorted.size()) - 1];
+}
+
+double Median(const std::vector<double>& sorted) {
+  const size_t middle = sorted.size() / 2;
+  return sorted.size() % 2 == 1 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,75 @@
+#include "engine_client/cli/daemon/audit_transfer.h"
+
+#include <chrono>
+
+#include "engine_client/cli/daemon/daemon_client.h"
+#include "engine_client/cli/replay/decision_log.h"
+#include "sweepstake/v1/audit.grpc.pb.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// The largest log that a daemon keeps by default, 200 MB, over a slow network.
+constexpr std::chrono::minutes kExportPatience{10};
+
+template <typename Request>
+Request RequestOf(const AuditSelection& selection) {
+  Request request;
+  request.set_session_id(selection.session_id);
+  request.set_project(selection.project);
+  request.set_scene(selection.scene);
+  return request;
+}
+
+AuditSegmentRow FromWire(const v1::AuditSegment& wire) {
+  return {wire.session_id(), wire.segment(),       wire.project(),
+          wire.scene(),      wire.unix_start_ms(), wire.row_count()};
+}
+
+}  // namespace
+
+Result<std::vector<AuditSegmentRow>> ListAudit(const std::string& address,
+                                               const AuditSelection& selection) {
+  const auto channel = OpenChannel(address);
+  if (!channel.ok()) return channel.status();
+  const auto stub = v1::AuditService::NewStub(*channel);
+  grpc::ClientContext context;
+  SetDeadline(context);
+  const auto reader =
+      stub->ListAuditSegments(&context, RequestOf<v1::ListAuditSegmentsRequest>(selection));
+  std::vector<AuditSegmentRow> segments;
+  v1::ListAuditSegmentsResponse part;
+  while (reader->Read(&part)) {
+    for (const v1::AuditSegment& wire : part.segments()) segments.push_back(FromWire(wire));
+  }
+  const Status status = ToStatus(reader->Finish(), address);
+  if (!status.ok()) return status;
+  return segments;
+}
+
+Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& selection,
+                             const std::filesystem::path& path) {
+  const auto channel = OpenChannel(address);
+  if (!channel.ok()) return channel.status();
+  // The daemon's header, which may be that of another version.
+  const auto log = DecisionLog::CreateEmpty(path);
+  if (!log.ok()) return log.status();
+  const auto stub = v1::AuditService::NewStub(*channel);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kExportPatience);
+  const auto reader =
+      stub->ExportDecisions(&context, RequestOf<v1::ExportDecisionsRequest>(selection));
+  uint64_t row_count = 0;
+  v1::ExportDecisionsResponse part;
+  while (reader->Read(&part)) {
+    if (!part.header().empty()) (*log)->WriteLine(part.header());
+    for (const std::string& row : part.rows()) (*log)->WriteLine(row);
+    row_count += static_cast<uint64_t>(part.rows_size());
+  }
+  Status status = ToStatus(reader->Finish(), address);
+  if (status.ok()) status = (*log)->Commit();
+  if (!status.ok()) return status;
+  return row_count;
+}
+
+}  // namespace sweepstake::cli

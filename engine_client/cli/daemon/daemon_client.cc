@@ -1,0 +1,49 @@
+#include "engine_client/cli/daemon/daemon_client.h"
+
+#include <chrono>
+
+#include "engine_client/telemetry/daemon_address.h"
+
+namespace sweepstake::cli {
+namespace {
+
+StatusCode ToCode(grpc::StatusCode code) {
+  switch (code) {
+    case grpc::StatusCode::UNAVAILABLE:
+    case grpc::StatusCode::DEADLINE_EXCEEDED:
+      return StatusCode::kUnavailable;
+    case grpc::StatusCode::NOT_FOUND:
+      return StatusCode::kNotFound;
+    case grpc::StatusCode::RESOURCE_EXHAUSTED:
+      return StatusCode::kResourceExhausted;
+    case grpc::StatusCode::FAILED_PRECONDITION:
+      return StatusCode::kFailedPrecondition;
+    case grpc::StatusCode::INVALID_ARGUMENT:
+      return StatusCode::kInvalidArgument;
+    default:
+      return StatusCode::kInternal;
+  }
+}
+
+}  // namespace
+
+Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address) {
+  if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+void SetDeadline(grpc::ClientContext& context) {
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
+}
+
+Status ToStatus(const grpc::Status& status, const std::string& address) {
+  if (status.ok()) return {};
+  const StatusCode code = ToCode(status.error_code());
+  if (code != StatusCode::kUnavailable) return {code, status.error_message()};
+  return {code, "no daemon answered at " + address + " (" + status.error_message() +
+                    "); start one with sweepstaked --listen HOST:PORT"};
+}
+
+}  // namespace sweepstake::cli

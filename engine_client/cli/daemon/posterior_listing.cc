@@ -1,0 +1,31 @@
+#include "engine_client/cli/daemon/posterior_listing.h"
+
+#include "engine_client/cli/daemon/daemon_client.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+
+namespace sweepstake::cli {
+
+Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& address,
+                                                       const std::string& project,
+                                                       const std::string& scene) {
+  const auto channel = OpenChannel(address);
+  if (!channel.ok()) return channel.status();
+  const auto stub = v1::PosteriorsService::NewStub(*channel);
+  std::vector<v1::ScenePosterior> scenes;
+  v1::ListPosteriorsRequest request;
+  request.set_project(project);
+  do {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    v1::ListPosteriorsResponse page;
+    const Status status = ToStatus(stub->ListPosteriors(&context, request, &page), address);
+    if (!status.ok()) return status;
+    for (v1::ScenePosterior& each : *page.mutable_scenes()) {
+      if (scene.empty() || each.scene() == scene) scenes.push_back(std::move(each));
+    }
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return scenes;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,186 @@
+#include "engine_client/cli/daemon/posterior_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "engine_client/cli/io/text_table.h"
+#include "server/decision/diagnosis.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kBarWidth = 40;
+
+double Mean(const v1::ArmPosterior& arm) {
+  const double evidence = arm.posterior().alpha() + arm.posterior().beta();
+  return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
+}
+
+// The words of the protocol without their prefix, in lower case: "held cooldown".
+std::string Words(std::string name, size_t prefix_length) {
+  name.erase(0, std::min(prefix_length, name.size()));
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char character) {
+    return character == '_' ? ' ' : static_cast<char>(std::tolower(character));
+  });
+  return name;
+}
+
+std::string OutcomeName(v1::DecisionOutcome outcome) {
+  return Words(v1::DecisionOutcome_Name(outcome), sizeof("DECISION_OUTCOME_") - 1);
+}
+
+std::string ReasonName(v1::SwitchReason reason) {
+  return Words(v1::SwitchReason_Name(reason), sizeof("SWITCH_REASON_") - 1);
+}
+
+std::string VerdictName(v1::Verdict verdict) {
+  if (verdict == v1::VERDICT_UNSPECIFIED) return "unknown";
+  return Words(v1::Verdict_Name(verdict), sizeof("VERDICT_") - 1);
+}
+
+// What is shown of an arm beside what the daemon sent.
+struct ArmView {
+  decision::CredibleInterval interval;
+  std::optional<double> best_probability;  // absent: nothing is known, or there is a newer version
+};
+
+struct SceneView {
+  std::vector<ArmView> arms;  // as many as the scene's
+  decision::Diagnosis diagnosis;
+  std::string leader;
+};
+
+bool IsNewest(const v1::ScenePosterior& scene, const v1::ArmPosterior& arm) {
+  return std::none_of(scene.arms().begin(), scene.arms().end(), [&](const v1::ArmPosterior& other) {
+    return other.arm() == arm.arm() && other.backend_version() > arm.backend_version();
+  });
+}
+
+bool IsUsable(const v1::BetaPosterior& posterior) {
+  return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
+         posterior.alpha() > 0 && posterior.beta() > 0;
+}
+
+SceneView ViewOf(const v1::ScenePosterior& scene) {
+  SceneView view;
+  std::vector<decision::BetaPosterior> contenders;
+  std::vector<size_t> places;
+  for (const v1::ArmPosterior& arm : scene.arms()) {
+    const decision::BetaPosterior posterior = {arm.posterior().alpha(), arm.posterior().beta()};
+    ArmView& shown = view.arms.emplace_back();
+    if (!IsUsable(arm.posterior())) continue;
+    shown.interval = decision::CentralInterval(posterior, 0.95);
+    if (!IsNewest(scene, arm)) continue;
+    contenders.push_back(posterior);
+    places.push_back(view.arms.size() - 1);
+  }
+  view.diagnosis = decision::Diagnose(contenders);
+  for (size_t i = 0; i < view.diagnosis.best_probability.size(); ++i) {
+    view.arms[places[i]].best_probability = view.diagnosis.best_probability[i];
+  }
+  if (!view.diagnosis.best_probability.empty()) {
+    view.leader = scene.arms(static_cast<int>(places[view.diagnosis.leader])).arm();
+  }
+  return view;
+}
+
+std::string VerdictText(const SceneView& view) {
+  const decision::Diagnosis& diagnosis = view.diagnosis;
+  const std::string name = VerdictName(static_cast<v1::Verdict>(diagnosis.verdict));
+  if (view.leader.empty()) return name;
+  return name + ": " + view.leader + " is the best with probability " +
+         Fixed(diagnosis.best_probability[diagnosis.leader], 3) + ", choosing it loses " +
+         Fixed(100 * diagnosis.expected_loss_ratio, 2) + " %, knowing all would gain " +
+         Fixed(100 * diagnosis.value_remaining_ratio, 2) + " %";
+}
+
+}  // namespace
+
+std::string IntervalBar(double mean, decision::CredibleInterval interval, int width) {
+  const auto column = [&](double value) {
+    return static_cast<size_t>(
+        std::min(static_cast<int>(std::clamp(value, 0.0, 1.0) * width), width - 1));
+  };
+  std::string bar(static_cast<size_t>(width), ' ');
+  std::fill(bar.begin() + static_cast<std::ptrdiff_t>(column(interval.low)),
+            bar.begin() + static_cast<std::ptrdiff_t>(column(interval.high)) + 1, '-');
+  bar[column(mean)] = '|';
+  return bar;
+}
+
+std::string PosteriorText(const v1::ScenePosterior& scene) {
+  const SceneView view = ViewOf(scene);
+  std::ostringstream text;
+  text << scene.project() << " / " << scene.scene();
+  if (!scene.machine_class().empty()) text << " on " << scene.machine_class();
+  text << ", reward version " << scene.reward_version() << ": " << scene.active_session_count()
+       << (scene.active_session_count() == 1 ? " session" : " sessions") << " now, evidence of "
+       << scene.source_count() << " in all\n"
+       << "verdict " << VerdictText(view) << '\n';
+  TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
+                   "best", "n", "windows", "bail-outs"});
+  for (int i = 0; i < scene.arms_size(); ++i) {
+    const v1::ArmPosterior& arm = scene.arms(i);
+    const v1::BetaPosterior& posterior = arm.posterior();
+    const auto& [interval, best] = view.arms[static_cast<size_t>(i)];
+    table.AddRow({arm.arm(), IntervalBar(Mean(arm), interval, kBarWidth), Fixed(Mean(arm), 3),
+                  Fixed(interval.low, 3), Fixed(interval.high, 3), best ? Fixed(*best, 3) : "-",
+                  Fixed(posterior.alpha() + posterior.beta(), 1),
+                  std::to_string(arm.window_count()), std::to_string(arm.bail_out_count())});
+  }
+  table.Print(text);
+  return text.str();
+}
+
+Json PosteriorJson(const v1::ScenePosterior& scene) {
+  const SceneView view = ViewOf(scene);
+  Json document = {{"project", scene.project()},
+                   {"scene", scene.scene()},
+                   {"machine_class", scene.machine_class()},
+                   {"reward_version", scene.reward_version()},
+                   {"active_sessions", scene.active_session_count()},
+                   {"sources", scene.source_count()},
+                   {"verdict", VerdictName(static_cast<v1::Verdict>(view.diagnosis.verdict))},
+                   {"leader_arm", view.leader},
+                   {"expected_loss_ratio", view.diagnosis.expected_loss_ratio},
+                   {"value_remaining_ratio", view.diagnosis.value_remaining_ratio},
+                   {"arms", Json::array()}};
+  for (int i = 0; i < scene.arms_size(); ++i) {
+    const v1::ArmPosterior& arm = scene.arms(i);
+    const v1::BetaPosterior& posterior = arm.posterior();
+    const auto& [interval, best] = view.arms[static_cast<size_t>(i)];
+    document["arms"].push_back({{"arm", arm.arm()},
+                                {"backend_version", arm.backend_version()},
+                                {"alpha", posterior.alpha()},
+                                {"beta", posterior.beta()},
+                                {"mean", Mean(arm)},
+                                {"low_95", interval.low},
+                                {"high_95", interval.high},
+                                {"best_probability", best ? Json(*best) : Json()},
+                                {"n", posterior.alpha() + posterior.beta()},
+                                {"windows", arm.window_count()},
+                                {"bail_outs", arm.bail_out_count()}});
+  }
+  return document;
+}
+
+std::string DecisionText(const v1::DecisionEvent& event) {
+  std::string text = event.scene() + ": decision " + std::to_string(event.decision_id()) + ", " +
+                     event.active_arm();
+  if (!event.candidate_arm().empty()) text += " → " + event.candidate_arm();
+  text += ": " + OutcomeName(event.outcome());
+  if (event.reason() != v1::SWITCH_REASON_UNSPECIFIED) {
+    text += " (" + ReasonName(event.reason()) + ")";
+  }
+  if (event.has_reward()) text += ", reward " + Fixed(event.reward(), 3);
+  if (event.verdict() != v1::VERDICT_UNSPECIFIED) text += ", " + VerdictName(event.verdict());
+  return text;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,97 @@
+#include "engine_client/cli/experiment/experiment_grid.h"
+
+#include <algorithm>
+#include <string>
+
+#include "engine_client/cli/experiment/experiment_live.h"
+#include "engine_client/cli/io/stop_signal.h"
+#include "sweepstake/adaptive_broad_phase.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr uint64_t kSecondNs = 1'000'000'000;
+
+class Grid {
+ public:
+  Grid(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal)
+      : plan_(plan),
+        folder_(folder),
+        run_ns_(plan.expected_run_ns()),
+        missing_(Missing()),
+        start_ns_(SteadyClock().NowNs()),
+        progress_(terminal, "experiment", run_ns_ * missing_.size() / 1'000'000) {}
+
+  Status Play() {
+    for (const PlannedRun* run : missing_) {
+      if (Status status = PlayOne(*run); !status.ok()) return status;
+      if (StopRequested()) return {};
+      ++done_count_;
+    }
+    return {};
+  }
+
+ private:
+  std::vector<const PlannedRun*> Missing() const {
+    std::vector<const PlannedRun*> missing;
+    const std::vector<RunRecord> there = folder_.ReadRecords(plan_);
+    for (const PlannedRun& run : plan_.runs) {
+      const bool is_there = std::any_of(there.begin(), there.end(), [&](const RunRecord& record) {
+        return RunLabel(record) == run.label();
+      });
+      if (!is_there) missing.push_back(&run);
+    }
+    return missing;
+  }
+
+  Status PlayOne(const PlannedRun& run) {
+    LiveOptions options;
+    options.window_ns = plan_.window_ns;
+    options.time_scale = plan_.options.time_scale;
+    if (plan_.options.frames) options.frames_file = folder_.FramesFile(run);
+    options.go_on = [&](uint64_t elapsed_ns) {
+      if (progress_.due()) ShowProgress(run, elapsed_ns);
+      return !StopRequested();
+    };
+    const auto record = PlayLive(run, options);
+    if (!record.ok()) return record.status();
+    return *record ? WriteRecord(**record, folder_.RunFile(run)) : Status();
+  }
+
+  // The time left goes by what the runs took so far, once there is one.
+  void ShowProgress(const PlannedRun& run, uint64_t elapsed_ns) {
+    const uint64_t done_ns = done_count_ * run_ns_ + std::min(elapsed_ns, run_ns_);
+    const uint64_t total_ns = missing_.size() * run_ns_;
+    const double pace = done_count_ == 0 ? 1.0
+                                         : static_cast<double>(SteadyClock().NowNs() - start_ns_) /
+                                               static_cast<double>(done_ns);
+    const auto left_ns = static_cast<uint64_t>(pace * static_cast<double>(total_ns - done_ns));
+    progress_.Show(done_ns / 1'000'000, DurationText(left_ns) + " left; run " +
+                                            std::to_string(done_count_ + 1) + " of " +
+                                            std::to_string(missing_.size()) + ": " + run.label());
+  }
+
+  const ExperimentPlan& plan_;
+  const ExperimentFolder& folder_;
+  const uint64_t run_ns_;
+  const std::vector<const PlannedRun*> missing_;
+  const uint64_t start_ns_;
+  uint64_t done_count_ = 0;
+  Progress progress_;
+};
+
+}  // namespace
+
+std::string DurationText(uint64_t ns) {
+  const uint64_t seconds = (ns + kSecondNs / 2) / kSecondNs;
+  if (seconds < 90) return std::to_string(seconds) + " s";
+  const uint64_t minutes = (seconds + 30) / 60;
+  if (minutes < 90) return std::to_string(minutes) + " min";
+  return std::to_string(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
+}
+
+Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal) {
+  return Grid(plan, folder, terminal).Play();
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,77 @@
+// What live runs say, by the paper's measures (section 6.2): the dominant arm of each run, and of
+// each cell and policy what Tables 3 and 4 hold. Plain values and pure functions, safe from any
+// thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/experiment/experiment_record.h"
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake::cli {
+
+// A mean with the sample standard deviation and how many values it is of.
+struct Spread {
+  double mean = 0;
+  double deviation = 0;
+  size_t count = 0;
+};
+Spread SpreadOf(const std::vector<double>& values);
+
+// A time on one arm.
+struct ArmPeriod {
+  uint32_t arm = 0;
+  double from_s = 0;  // since the run began
+  double to_s = 0;
+  uint32_t reason = 0;  // SwitchReason of the switch that began it; 0: the run's beginning
+};
+
+// The whole run, exploration included.
+std::vector<ArmPeriod> ArmPeriods(const RunRecord& record);
+
+struct RunSummary {
+  const RunRecord* record = nullptr;
+  std::vector<double> active_shares;   // per arm, of the observation window; sum 1
+  uint32_t dominant = 0;               // the arm with the largest
+  std::array<uint32_t, 5> switches{};  // executed in the window, by SwitchReason
+  uint32_t switch_count = 0;
+  double posterior_mean = 0;            // μ* of the dominant arm at the end
+  double evidence = 0;                  // n*
+  Verdict verdict = Verdict::kUnknown;  // of the last decision that has one
+
+  const std::string& dominant_name() const { return record->arms[dominant]; }
+};
+
+// Keeps a pointer to `record`.
+RunSummary Summarize(const RunRecord& record);
+
+// A row of the tables. All runs are of one cell and one policy.
+struct CellSummary {
+  ExperimentCell cell;
+  std::string policy;
+  std::vector<RunSummary> runs;                             // by run number
+  std::vector<std::pair<std::string, uint32_t>> dominance;  // arm and runs, the most frequent first
+  // Over all runs.
+  Spread switches;
+  // Over the runs in which dominance.front() dominated.
+  Spread active_percent;
+  Spread posterior_mean;
+  Spread evidence;
+  Verdict verdict = Verdict::kUnknown;  // of most runs
+
+  // "KDTree 3/5; AxisSweep 2/5".
+  std::string DominanceText() const;
+  // Table 3's column, from dominance, shares and verdicts.
+  std::string Interpretation() const;
+};
+
+// In the order of the plan; cells and policies of which no run is there are left out. Keeps
+// pointers to `records`.
+std::vector<CellSummary> SummarizeCells(const ExperimentPlan& plan,
+                                        const std::vector<RunRecord>& records);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,28 @@
+// frames.csv: one row per frame, written between the frames, outside of what they measure. Appears
+// whole or not at all. Not thread-safe.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "engine_client/cli/io/csv_file.h"
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake::cli {
+
+class FrameLog {
+ public:
+  // The errors of CsvFile::Create.
+  static Result<std::unique_ptr<FrameLog>> Create(const std::filesystem::path& path);
+
+  void Write(const FrameSample& sample, const AdaptiveBroadPhase& adaptive);
+  Status Commit() { return csv_->Commit(); }
+
+ private:
+  explicit FrameLog(std::unique_ptr<CsvFile> csv) : csv_(std::move(csv)) {}
+  std::unique_ptr<CsvFile> csv_;
+};
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,129 @@
+#include "engine_client/cli/game/game_run.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr size_t kOutcomeMax = 65'536;
+
+}  // namespace
+
+ShadowOptions ScaledShadow(ShadowMode mode, double time_scale) {
+  ShadowOptions options{.enabled = mode};
+  options.sweep_interval_min_ns =
+      static_cast<uint64_t>(static_cast<double>(options.sweep_interval_min_ns) / time_scale);
+  return options;
+}
+
+std::string ReasonName(SwitchReason reason) {
+  switch (reason) {
+    case SwitchReason::kPolicy:
+      return "policy";
+    case SwitchReason::kExploration:
+      return "exploration";
+    case SwitchReason::kBailOut:
+      return "bail-out";
+    case SwitchReason::kManual:
+      return "manual";
+  }
+  return "unknown";
+}
+
+GameRun::GameRun(Scene& scene, FrameSink& sink) : scene_(scene), sink_(sink) {
+  // No growth on the frame thread.
+  outcomes_.reserve(kOutcomeMax);
+}
+
+Result<std::unique_ptr<GameRun>> GameRun::Create(const AdaptiveOptions& options, Scene& scene,
+                                                 FrameSink& sink) {
+  std::unique_ptr<GameRun> run(new GameRun(scene, sink));
+  auto adaptive = AdaptiveBroadPhase::Create(options, run.get());
+  if (!adaptive.ok()) return adaptive.status();
+  run->adaptive_ = std::move(*adaptive);
+  run->arm_ = run->adaptive_->active_arm();
+  run->activities_.resize(run->adaptive_->arms().size());
+  run->start_ns_ = SteadyClock().NowNs();
+  return run;
+}
+
+bool GameRun::Frame() {
+  const uint64_t begin_ns = SteadyClock().NowNs();
+  scene_.Step();
+  const uint64_t stepped_ns = SteadyClock().NowNs();
+  adaptive_->BeginFrame();
+  adaptive_->FindPairs(scene_.aabbs());
+  const uint64_t work_end_ns = SteadyClock().NowNs();
+  adaptive_->EndFrame({.frame_time_ns = work_end_ns - begin_ns + end_cost_ns_});
+  end_cost_ns_ = SteadyClock().NowNs() - work_end_ns;
+  Account(stepped_ns - begin_ns, work_end_ns - stepped_ns, adaptive_->last_sample());
+  return Note(adaptive_->last_sample());
+}
+
+void GameRun::Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample) {
+  profile_.step_ns += step_ns;
+  const bool rebuilt = (sample.flags & kFrameRebuild) != 0;
+  (rebuilt ? profile_.rebuild_ns : profile_.detection_ns) += sample.detection_time_ns;
+  profile_.around_ns += path_ns - std::min(path_ns, sample.detection_time_ns);
+  profile_.end_ns += end_cost_ns_;
+}
+
+uint64_t GameRun::elapsed_ns() const { return SteadyClock().NowNs() - start_ns_; }
+
+bool GameRun::Note(const FrameSample& sample) {
+  ++frame_count_;
+  NoteVerdict(sample);
+  ArmActivity& activity = activities_[sample.arm];
+  ++activity.frame_count;
+  activity.active_ns += sample.frame_time_ns;
+  activity.detection_ns += sample.detection_time_ns;
+  if (sample.arm == arm_) return false;
+  switches_.push_back({.frame_index = sample.frame_index,
+                       .time_ns = elapsed_ns(),
+                       .from = arm_,
+                       .to = sample.arm,
+                       .switch_epoch = sample.switch_epoch,
+                       .reason = adaptive_->last_switch_reason()});
+  arm_ = sample.arm;
+  return true;
+}
+
+void GameRun::NoteVerdict(const FrameSample& sample) {
+  const SceneVerdict verdict = adaptive_->verdict();
+  if (verdict.verdict == verdict_) return;
+  verdict_ = verdict.verdict;
+  verdicts_.push_back(
+      {.frame_index = sample.frame_index, .time_ns = elapsed_ns(), .verdict = verdict});
+}
+
+void GameRun::OnFrame(const FrameSample& sample) noexcept { sink_.OnFrame(sample); }
+
+void GameRun::OnDescriptor(const SceneDescriptor& descriptor) noexcept {
+  sink_.OnDescriptor(descriptor);
+}
+
+void GameRun::OnShadow(const ShadowSample& sample) noexcept { sink_.OnShadow(sample); }
+
+void GameRun::OnSwitch(const SwitchOutcome& outcome) noexcept {
+  if (outcomes_.size() < kOutcomeMax) outcomes_.push_back(outcome);
+  sink_.OnSwitch(outcome);
+}
+
+std::string VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kUnknown:
+      return "unknown";
+    case Verdict::kStable:
+      return "stable";
+    case Verdict::kTie:
+      return "tie";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kDegraded:
+      return "degraded";
+  }
+  return "unknown";
+}
+
+}  // namespace sweepstake::cli

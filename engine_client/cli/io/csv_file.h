@@ -1,0 +1,36 @@
+// A CSV file (RFC 4180) that appears whole or not at all.
+// Not thread-safe. What is not committed is removed with the object.
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "engine_client/cli/io/whole_file.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake::cli {
+
+class CsvFile {
+ public:
+  // Begins `path` with the header line. The errors of WholeFile::Create.
+  static Result<std::unique_ptr<CsvFile>> Create(std::filesystem::path path,
+                                                 std::initializer_list<std::string_view> header);
+
+  void Row(std::initializer_list<std::string_view> cells);
+  // Gives the file its name; kInvalidArgument: could not be written.
+  Status Commit() { return file_->Commit(); }
+
+ private:
+  explicit CsvFile(std::unique_ptr<WholeFile> file) : file_(std::move(file)) {}
+
+  std::unique_ptr<WholeFile> file_;
+};
+
+// `cell` quoted where it holds a comma, a quote or a line break.
+std::string QuoteCsv(std::string_view cell);
+
+}  // namespace sweepstake::cli

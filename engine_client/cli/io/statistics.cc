@@ -1,0 +1,144 @@
+#include "engine_client/cli/io/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace sweepstake::cli {
+namespace {
+
+// SplitMix64 (Steele, Lea and Flood 2014): std:: engines are portable, its distributions are not.
+class Draws {
+ public:
+  explicit Draws(uint64_t seed) : state_(seed) {}
+
+  // Below `count`; the bias for counts of some thousand is below 1e-15.
+  size_t Index(size_t count) {
+    state_ += 0x9E3779B97F4A7C15;
+    uint64_t word = state_;
+    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9;
+    word = (word ^ (word >> 27)) * 0x94D049BB133111EB;
+    word ^= word >> 31;
+    const double unit = static_cast<double>(word >> 11) * 0x1p-53;
+    return std::min(count - 1, static_cast<size_t>(unit * static_cast<double>(count)));
+  }
+
+ private:
+  uint64_t state_;
+};
+
+// Twice the ranks of the sizes of `differences`, so that shared ranks are whole numbers.
+std::vector<size_t> DoubledRanks(std::span<const double> differences) {
+  std::vector<size_t> order(differences.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto size = [&](size_t i) { return std::abs(differences[i]); };
+  std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return size(a) < size(b); });
+  std::vector<size_t> ranks(differences.size());
+  for (size_t first = 0; first < order.size();) {
+    size_t end = first + 1;
+    while (end < order.size() && size(order[end]) == size(order[first])) ++end;
+    // Ranks first + 1 … end share their mean.
+    for (size_t i = first; i < end; ++i) ranks[order[i]] = first + 1 + end;
+    first = end;
+  }
+  return ranks;
+}
+
+// The share of sign patterns whose doubled rank sum is at most `least`.
+double ShareAtMost(std::span<const size_t> ranks, size_t least) {
+  const size_t total = std::accumulate(ranks.begin(), ranks.end(), size_t{0});
+  std::vector<double> patterns(total + 1, 0);  // by sum; below 2^53, so exact
+  patterns[0] = 1;
+  for (const size_t rank : ranks) {
+    for (size_t sum = total; sum >= rank; --sum) patterns[sum] += patterns[sum - rank];
+  }
+  const auto end = patterns.begin() + static_cast<std::ptrdiff_t>(least) + 1;
+  return std::ldexp(std::accumulate(patterns.begin(), end, 0.0), -static_cast<int>(ranks.size()));
+}
+
+double NormalProbability(std::span<const size_t> ranks, double least) {
+  double variance = 0;  // of half the doubled ranks, each with a fair sign
+  for (const size_t rank : ranks) variance += static_cast<double>(rank * rank) / 16;
+  const double mean =
+      static_cast<double>(std::accumulate(ranks.begin(), ranks.end(), size_t{0})) / 4;
+  const double z = std::max(0.0, mean - least - 0.5) / std::sqrt(variance);
+  return std::erfc(z / std::sqrt(2.0));
+}
+
+}  // namespace
+
+double Mean(std::span<const double> values) {
+  if (values.empty()) return 0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double SampleDeviation(std::span<const double> values) {
+  if (values.size() < 2) return 0;
+  const double mean = Mean(values);
+  double squares = 0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options) {
+  const double mean = Mean(values);
+  if (values.size() < 2) return {mean, mean};
+  Draws draws(options.seed);
+  std::vector<double> means(options.resample_count);
+  for (double& resampled : means) {
+    double sum = 0;
+    for (size_t i = 0; i < values.size(); ++i) sum += values[draws.Index(values.size())];
+    resampled = sum / static_cast<double>(values.size());
+  }
+  std::sort(means.begin(), means.end());
+  const double tail = (1 - options.level) / 2 * static_cast<double>(means.size() - 1);
+  const auto low = static_cast<size_t>(std::floor(tail));
+  return {means[low], means[means.size() - 1 - low]};
+}
+
+WilcoxonResult WilcoxonSignedRank(std::span<const double> differences) {
+  std::vector<double> kept;
+  std::copy_if(differences.begin(), differences.end(), std::back_inserter(kept),
+               [](double difference) { return difference != 0; });
+  WilcoxonResult result{.pair_count = kept.size()};
+  if (kept.empty()) return result;
+  const std::vector<size_t> ranks = DoubledRanks(kept);
+  size_t positive = 0, total = 0;
+  for (size_t i = 0; i < kept.size(); ++i) {
+    total += ranks[i];
+    if (kept[i] > 0) positive += ranks[i];
+  }
+  const size_t least = std::min(positive, total - positive);
+  const double doubled = kept.size() <= kExactWilcoxonMax
+                             ? 2 * ShareAtMost(ranks, least)
+                             : NormalProbability(ranks, static_cast<double>(least) / 2);
+  result.positive_ranks = static_cast<double>(positive) / 2;
+  result.probability = std::min(1.0, doubled);
+  result.rank_correlation =
+      (2 * static_cast<double>(positive) - static_cast<double>(total)) / static_cast<double>(total);
+  return result;
+}
+
+std::vector<double> HolmCorrected(std::span<const double> probabilities) {
+  std::vector<size_t> order(probabilities.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](size_t a, size_t b) { return probabilities[a] < probabilities[b]; });
+  std::vector<double> corrected(probabilities.size());
+  double largest = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    const double factor = static_cast<double>(order.size() - i);
+    largest = std::max(largest, std::min(1.0, factor * probabilities[order[i]]));
+    corrected[order[i]] = largest;
+  }
+  return corrected;
+}
+
+}  // namespace sweepstake::cli

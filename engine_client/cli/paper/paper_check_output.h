@@ -1,0 +1,17 @@
+// `sweepstake paper-check` as people and scripts read it. Pure functions.
+#pragma once
+
+#include <ostream>
+#include <span>
+
+#include "engine_client/cli/paper/paper_check.h"
+
+namespace sweepstake::cli {
+
+void PrintPaperCheckTable(std::span<const PaperCheckRow> rows, const PaperCheckOptions& options,
+                          std::ostream& out);
+// "rows", one per cell, with the fit; "matches" says whether all do.
+void PrintPaperCheckJson(std::span<const PaperCheckRow> rows, const PaperCheckOptions& options,
+                         std::ostream& out);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,81 @@
+#include "engine_client/cli/replay/replay_lane.h"
+
+#include <algorithm>
+
+namespace sweepstake::cli {
+namespace {
+
+// The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
+constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
+
+}  // namespace
+
+ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options)
+    : scene_(scene), schedule_(options, scene.arm_count()) {}
+
+std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
+  if (!visit_) {
+    sweep_ = place;
+    schedule_.Begin(static_cast<uint64_t>(place.now_ns), place.active_arm,
+                    scene_.object_count(place.trace_frame));
+    BeginVisit(place.now_ns);
+    return std::nullopt;
+  }
+  const ShadowVisit visit = *visit_;
+  schedule_.OnVisit(visit);
+  ++visit_count_;
+  busy_ns_ += visit.busy_ns;
+  BeginVisit(next_event_ns_);
+  uint32_t flags = 0;
+  if (visit.arm == sweep_.active_arm) flags |= decision::kShadowActive;
+  if (visit.capped) flags |= decision::kShadowCapped;
+  return decision::ShadowSample{
+      .first_frame_index = sweep_.game_frame,
+      .detection_time_ns = visit.detection_ns,
+      .build_time_ns = visit.build_ns,
+      .aabb_check_count = scene_.aabb_check_count(sweep_.trace_frame, visit.arm),
+      .native_bytes = visit.native_bytes,
+      .arm = visit.arm,
+      .object_count = scene_.object_count(sweep_.trace_frame),
+      .frame_count = visit.frame_count,
+      .flags = flags};
+}
+
+void ReplayLane::BeginVisit(int64_t start_ns) {
+  const std::optional<uint32_t> arm = schedule_.NextArm();
+  if (!arm) {
+    visit_.reset();
+    next_event_ns_ = static_cast<int64_t>(schedule_.next_sweep_ns());
+    return;
+  }
+  visit_ = SummarizeVisit(FreshFrames(sweep_.trace_frame, *arm), schedule_.options().visit_cap_ns);
+  visit_->arm = *arm;
+  visit_->native_bytes = scene_.native_bytes(sweep_.trace_frame, *arm);
+  next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
+}
+
+// What a structure of `arm` takes that is built on this frame, in as many frames as a visit has.
+std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t arm) {
+  fresh_ns_.clear();
+  for (const double slowdown : scene_.slowdown(trace_frame, arm)) {
+    if (fresh_ns_.size() == kShadowBurstFrames) break;
+    fresh_ns_.push_back(static_cast<uint64_t>(scene_.detection_ns(trace_frame, arm) * slowdown));
+    trace_frame = trace_frame + 1 < scene_.trace_frame_count() ? trace_frame + 1 : 0;
+  }
+  return fresh_ns_;
+}
+
+int64_t ReplayLane::WarmUp(uint32_t arm, const Place& place) {
+  const auto frames = FreshFrames(place.trace_frame, arm);
+  const auto frame_ns = static_cast<int64_t>(scene_.options().frame_ns);
+  const size_t count = std::min<size_t>(frames.size(), kPreparationFrames);
+  int64_t ready_ns = place.now_ns;
+  for (const uint64_t ns : frames.first(count)) {
+    ready_ns += std::max(static_cast<int64_t>(ns), frame_ns);
+  }
+  schedule_.Spend(static_cast<uint64_t>(ready_ns - place.now_ns));
+  next_event_ns_ = std::max(next_event_ns_, place.now_ns) + (ready_ns - place.now_ns);
+  return ready_ns;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,86 @@
+#include "engine_client/cli/replay/replay_log.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/io/json_output.h"
+#include "server/decision/audit_rederive.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using decision::AuditDifference;
+using decision::AuditReport;
+
+Result<std::string> ReadLog(const std::string& path) {
+  std::error_code unknown;
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path, unknown)) {
+    return Status(StatusCode::kNotFound, path + " cannot be read");
+  }
+  return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+// "1,234".
+std::string Grouped(uint64_t number) {
+  std::string text = std::to_string(number);
+  for (size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");
+  return text;
+}
+
+std::string Counted(uint64_t count, const std::string& what) {
+  return Grouped(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+Json DifferenceJson(const std::optional<AuditDifference>& difference) {
+  if (!difference) return nullptr;
+  return {{"line", difference->line},       {"session", difference->session},
+          {"segment", difference->segment}, {"row", difference->row},
+          {"column", difference->column},   {"message", difference->message}};
+}
+
+void PrintReportJson(const AuditReport& report, const std::string& file, std::ostream& out) {
+  PrintJson(Json{{"command", "replay"},
+                 {"log", file},
+                 {"sessions", report.session_count},
+                 {"segments", report.segment_count},
+                 {"rows", report.row_count},
+                 {"decisions", report.decision_count},
+                 {"equal", !report.difference},
+                 {"difference", DifferenceJson(report.difference)}},
+            out);
+}
+
+void PrintReport(const AuditReport& report, std::ostream& out) {
+  out << Counted(report.decision_count, "decision") << " in "
+      << Counted(report.segment_count, "segment") << " re-derived, ";
+  if (report.difference) {
+    out << "then a difference\n" << report.difference->Text() << '\n';
+  } else {
+    out << "all equal\n";
+  }
+}
+
+}  // namespace
+
+int ReplayLog(const std::string& file, bool json, Terminal& terminal) {
+  const auto text = ReadLog(file);
+  if (!text.ok()) return Fail(terminal, text.status());
+  const AuditReport report = decision::Rederive(*text);
+  if (!report.difference && report.decision_count == 0) {
+    return Fail(terminal, Status(StatusCode::kInvalidArgument,
+                                 file + " holds no decisions; `sweepstake audit list` says which "
+                                        "sessions have some"));
+  }
+  if (json) {
+    PrintReportJson(report, file, terminal.out);
+  } else {
+    PrintReport(report, terminal.out);
+  }
+  return report.difference ? kCheckFailed : kDone;
+}
+
+}  // namespace sweepstake::cli

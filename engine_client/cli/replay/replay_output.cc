@@ -1,0 +1,162 @@
+#include "engine_client/cli/replay/replay_output.h"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/text_table.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// By decision::Verdict.
+constexpr std::array<std::string_view, 5> kVerdicts = {"unknown", "stable", "tie", "ambiguous",
+                                                       "degraded"};
+
+const std::string& ArmName(const ReplayReport& report, uint32_t scene, uint32_t arm) {
+  return report.scenes[scene].scene.arms()[arm];
+}
+
+template <typename T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json IntervalJson(const Interval& interval) { return {interval.low, interval.high}; }
+
+Json VerdictsJson(const std::vector<double>& shares) {
+  Json json = Json::object();
+  for (size_t i = 0; i < shares.size(); ++i) json[std::string(kVerdicts[i])] = shares[i];
+  return json;
+}
+
+Json RowJson(const ReplayReport& report, const StudyRow& row) {
+  Json json = {{"costs", report.scenes[row.scene].name},
+               {"policy", report.options.players[row.player].name},
+               {"regret_best_fixed", row.regret_best_fixed},
+               {"regret_oracle", row.regret_oracle},
+               {"ci95", IntervalJson(row.ci95)},
+               {"switches", row.switches},
+               {"active_share", row.active_share},
+               {"bail_outs", OrNull(row.bail_outs)},
+               {"regret_after_start", row.regret_after_start_up},
+               {"regret_after_start_ci95", IntervalJson(row.after_start_up_ci95)},
+               {"headroom", row.headroom},
+               {"headroom_frame", row.frame_headroom},
+               {"headroom_captured", OrNull(row.headroom_captured)},
+               {"dominant", ArmName(report, row.scene, row.dominant_arm)},
+               {"seeds", row.games.size()},
+               {"first_best_s", OrNull(row.first_best_s)},
+               {"shadow_share", row.shadow_share},
+               {"verdicts", VerdictsJson(row.verdict_shares)}};
+  if (row.against_paper) {
+    json["against_paper"] = {{"difference", row.against_paper->difference},
+                             {"ci95", IntervalJson(row.against_paper->ci95)},
+                             {"wilcoxon_p", row.against_paper->probability}};
+  }
+  return json;
+}
+
+std::string IntervalText(const Interval& interval) {
+  return Percent(interval.low) + " to " + Percent(interval.high);
+}
+
+std::string AgainstPaperText(const StudyRow& row) {
+  if (!row.against_paper) return "-";
+  return Percent(row.against_paper->difference) + " (" + IntervalText(row.against_paper->ci95) +
+         ")";
+}
+
+std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
+  return scene.name + ": noise floor " + Percent(std::abs(scene.scene.control_regret())) +
+         ", headroom " + Percent(first_row.headroom) + " with switches paid, " +
+         Percent(first_row.frame_headroom) + " frame by frame";
+}
+
+}  // namespace
+
+std::string Percent(double ratio) {
+  std::string text = Fixed(100 * ratio, 2);
+  if (text == "-0.00") text = "0.00";
+  return (text.starts_with('-') ? "" : "+") + text + "%";
+}
+
+void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
+  TextTable table({"policy", "regret", "ci95", "after_start", "vs_oracle", "captured", "switches",
+                   "share", "dominant", "bail_outs", "vs_paper"});
+  const StudyRow* before = nullptr;
+  for (const StudyRow& row : report.rows) {
+    if (before == nullptr || before->scene != row.scene) {
+      table.AddTitle(SceneTitle(report.scenes[row.scene], row));
+    }
+    before = &row;
+    table.AddRow({report.options.players[row.player].name, Percent(row.regret_best_fixed),
+                  IntervalText(row.ci95), Percent(row.regret_after_start_up),
+                  Percent(row.regret_oracle),
+                  row.headroom_captured ? Fixed(100 * *row.headroom_captured, 0) + "%" : "-",
+                  Fixed(row.switches, 1), Fixed(row.active_share, 2),
+                  ArmName(report, row.scene, row.dominant_arm),
+                  row.bail_outs ? Fixed(*row.bail_outs, 2) : "-", AgainstPaperText(row)});
+  }
+  table.Print(out);
+  out << "\nRegret: frame time against the best fixed arm's on the same frames, mean of "
+      << report.options.seed_count
+      << " seeds with its 95 % interval;\nafter_start leaves out the first minute and the "
+         "exploration; vs_oracle: against the best\nsequence of arms that pays for its switches; "
+         "captured: of that oracle's gain over the\nbest fixed arm; share: of the dominant arm's "
+         "time. Noise floor: the same arm measured twice.\n";
+}
+
+Json RowsJson(const ReplayReport& report) {
+  Json rows = Json::array();
+  for (const StudyRow& row : report.rows) rows.push_back(RowJson(report, row));
+  return rows;
+}
+
+void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
+  Json document = {{"command", "replay"},
+                   {"seeds", report.options.seed_count},
+                   {"scenes", Json::array()},
+                   {"rows", RowsJson(report)}};
+  for (const StudyScene& each : report.scenes) {
+    const GameOptions& game = each.scene.options();
+    document["scenes"].push_back({{"costs", each.name},
+                                  {"arms", each.scene.arms()},
+                                  {"trace_frames", each.scene.trace_frame_count()},
+                                  {"frames", each.scene.frame_count()},
+                                  {"frame_ns", game.frame_ns},
+                                  {"run_ns", game.run_ns},
+                                  {"pass_ns", game.pass_ns},
+                                  {"other_work_ns", game.other_work_ns},
+                                  {"control_regret", each.scene.control_regret()}});
+  }
+  PrintJson(document, out);
+}
+
+Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path) {
+  return CsvFile::Create(
+      path, {"costs", "policy", "seed", "regret_best_fixed", "regret_oracle", "regret_after_start",
+             "headroom", "switches", "active_share", "dominant", "bail_outs", "first_best_s"});
+}
+
+void WriteReplayCsv(const ReplayReport& report, CsvFile& csv) {
+  for (const StudyRow& row : report.rows) {
+    for (size_t i = 0; i < row.games.size(); ++i) {
+      const StudyGame& game = row.games[i];
+      csv.Row({report.scenes[row.scene].name, report.options.players[row.player].name,
+               std::to_string(i + 1), Fixed(game.regret_best_fixed, 9),
+               Fixed(game.regret_oracle, 9), Fixed(game.regret_after_start_up, 9),
+               Fixed(game.headroom, 9), std::to_string(game.switch_count),
+               Fixed(game.active_share, 9), ArmName(report, row.scene, game.dominant_arm),
+               game.bail_out_count ? std::to_string(*game.bail_out_count) : "",
+               game.first_best_s ? Fixed(*game.first_best_s, 3) : ""});
+    }
+  }
+}
+
+}  // namespace sweepstake::cli

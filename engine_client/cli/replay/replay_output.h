@@ -1,0 +1,34 @@
+// What `sweepstake replay` shows of a study: a table for people, one JSON document, a CSV file of
+// every game.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <ostream>
+#include <span>
+#include <string>
+
+#include "engine_client/cli/io/csv_file.h"
+#include "engine_client/cli/replay/replay_study.h"
+
+namespace sweepstake::cli {
+
+struct ReplayReport {
+  std::span<const StudyScene> scenes;
+  const StudyOptions& options;
+  std::span<const StudyRow> rows;
+};
+
+void PrintReplayTable(const ReplayReport& report, std::ostream& out);
+// The rows alone, an array.
+nlohmann::ordered_json RowsJson(const ReplayReport& report);
+void PrintReplayJson(const ReplayReport& report, std::ostream& out);
+
+// One row per game. The errors of CsvFile.
+Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path);
+void WriteReplayCsv(const ReplayReport& report, CsvFile& csv);
+
+// "+1.23 %"
+std::string Percent(double ratio);
+
+}  // namespace sweepstake::cli

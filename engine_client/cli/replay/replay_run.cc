@@ -1,0 +1,273 @@
+#include "engine_client/cli/replay/replay_run.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "engine_client/adaptive/switch_cost_meter.h"
+#include "engine_client/cli/replay/replay_lane.h"
+#include "server/decision/policy/policy.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// As the client sends them (engine_client/telemetry).
+constexpr int64_t kBatchNs = 250'000'000;
+constexpr size_t kBatchFrames = 30;
+constexpr uint32_t kDescriptorPeriodFrames = 256;
+
+decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setup) {
+  return {.options = setup.options,
+          .arms = scene.arms(),
+          .priors = setup.priors,
+          .seed = setup.seed,
+          .active_arm = static_cast<uint32_t>(setup.seed % scene.arm_count())};
+}
+
+// The client's side of a game.
+class Game {
+ public:
+  Game(const ReplayScene& scene, const ReplaySetup& setup);
+  ReplayResult Play();
+
+ private:
+  struct PendingSwitch {
+    decision::SwitchCommand command;
+    int64_t ready_ns = 0;  // not executed in frames that begin before
+    bool warm = false;
+  };
+
+  void PlayFrame();
+  void ExecuteSwitch();
+  decision::Frame NextFrame();
+  void Account(const decision::Frame& frame);
+  void Batch(const decision::Frame& frame);
+  void Flush();
+  void TickUntil(int64_t now_ns);
+  void Obey(const decision::Decision& decision, int64_t now_ns);
+  void Meter(const decision::Frame& frame);
+  void Report(const SwitchOutcome& outcome);
+  void LookAtScene();
+  void NoteArm();
+  ReplayLane::Place place(int64_t now_ns) const {
+    return {now_ns, game_frame_, trace_frame_, arm_};
+  }
+  ReplayResult Finish();
+
+  const ReplayScene& scene_;
+  const ReplaySetup& setup_;
+  decision::DecisionSession session_;
+  std::optional<ReplayLane> lane_;
+  SwitchCostMeter meter_;
+  ReplayResult result_;
+
+  int64_t now_ns_ = 0;  // the end of the latest frame
+  uint32_t game_frame_ = 0;
+  uint32_t trace_frame_ = 0;
+  uint32_t arm_;
+  uint32_t epoch_ = 0;
+  bool starting_up_ = true;
+  bool metering_ = false;
+  std::optional<PendingSwitch> pending_;
+  std::span<const double> slowdown_;  // of the coming frames, while the structure is fresh
+  uint32_t next_frame_flags_ = 0;
+  std::vector<decision::Frame> batch_;
+  int64_t batch_begin_ns_ = 0;
+};
+
+Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
+    : scene_(scene),
+      setup_(setup),
+      session_(SetupOf(scene, setup)),
+      meter_(static_cast<uint64_t>(setup.options.settling_ns)),
+      arm_(session_.active_arm()) {
+  const bool learns_from_lane = decision::PolicyKindOf(setup.options.policy).uses_shadow;
+  if (setup.shadow_lane.value_or(learns_from_lane)) lane_.emplace(scene, setup.shadow);
+  result_.active_ns.resize(scene.arm_count());
+  result_.first_active_ns.resize(scene.arm_count());
+  result_.timeline.initial_arm = arm_;
+  batch_.reserve(kBatchFrames);
+}
+
+ReplayResult Game::Play() {
+  FrameOrder order(scene_, OffsetOfSeed(scene_, setup_.seed));
+  NoteArm();
+  for (; game_frame_ < scene_.frame_count(); ++game_frame_) {
+    trace_frame_ = order.Next();
+    if (game_frame_ == 0) TickUntil(0);
+    PlayFrame();
+  }
+  Flush();
+  return Finish();
+}
+
+void Game::PlayFrame() {
+  if (pending_ && now_ns_ >= pending_->ready_ns) ExecuteSwitch();
+  const decision::Frame frame = NextFrame();
+  Account(frame);
+  TickUntil(now_ns_);
+  Batch(frame);
+  if (metering_) Meter(frame);
+  if ((frame.flags & decision::kFrameBailOut) != 0) {
+    ++result_.bail_out_count;
+    Flush();
+    Obey(session_.ObserveBailOut(frame, now_ns_), now_ns_);
+  }
+  LookAtScene();
+}
+
+void Game::ExecuteSwitch() {
+  const PendingSwitch pending = *std::exchange(pending_, std::nullopt);
+  arm_ = pending.command.arm;
+  ++epoch_;
+  slowdown_ = scene_.slowdown(trace_frame_, arm_);
+  if (pending.warm) slowdown_ = slowdown_.last(1);
+  next_frame_flags_ = pending.warm ? 0 : uint32_t{decision::kFrameRebuild};
+  const auto unsettled = meter_.Begin({.command_id = pending.command.command_id,
+                                       .arm = arm_,
+                                       .reason = static_cast<SwitchReason>(pending.command.reason)},
+                                      epoch_, pending.warm);
+  metering_ = true;
+  if (unsettled) Report(*unsettled);
+  ++result_.switch_counts[static_cast<size_t>(pending.command.reason)];
+  NoteArm();
+  if (setup_.keep_timeline) {
+    result_.timeline.activations.push_back({now_ns_, arm_, pending.command.reason});
+  }
+}
+
+decision::Frame Game::NextFrame() {
+  double detection_ns = scene_.detection_ns(trace_frame_, arm_);
+  if (!slowdown_.empty()) {
+    if (meter_.awaits_rebuild()) {
+      // How long building alone took is not in the trace: what the first frame takes longer is.
+      meter_.OnRebuild(static_cast<uint64_t>(detection_ns * std::max(slowdown_.front() - 1, 0.0)));
+    }
+    detection_ns *= slowdown_.front();
+    slowdown_ = slowdown_.subspan(1);
+  }
+  decision::Frame frame{.detection_time_ns = static_cast<uint64_t>(detection_ns),
+                        .aabb_check_count = scene_.aabb_check_count(trace_frame_, arm_),
+                        .native_bytes = scene_.native_bytes(trace_frame_, arm_),
+                        .object_count = scene_.object_count(trace_frame_),
+                        .arm = arm_,
+                        .switch_epoch = epoch_,
+                        .flags = std::exchange(next_frame_flags_, 0)};
+  frame.frame_time_ns = frame.detection_time_ns + scene_.options().other_work_ns;
+  if (frame.frame_time_ns > static_cast<uint64_t>(setup_.options.bail_out_ns)) {
+    frame.flags |= decision::kFrameBailOut;
+  }
+  return frame;
+}
+
+void Game::Account(const decision::Frame& frame) {
+  if (starting_up_ && now_ns_ >= kStartUpNs && !session_.exploring()) {
+    starting_up_ = false;
+    result_.start_up_frame_count = game_frame_;
+  }
+  if (!starting_up_) result_.after_start_up_ns += frame.frame_time_ns;
+  result_.total_ns += frame.frame_time_ns;
+  result_.active_ns[arm_] += frame.frame_time_ns;
+  now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
+}
+
+void Game::Batch(const decision::Frame& frame) {
+  if (batch_.empty()) batch_begin_ns_ = now_ns_;
+  batch_.push_back(frame);
+  if (batch_.size() == kBatchFrames || now_ns_ - batch_begin_ns_ >= kBatchNs) Flush();
+}
+
+void Game::Flush() {
+  session_.ObserveFrames(batch_);
+  batch_.clear();
+}
+
+void Game::TickUntil(int64_t now_ns) {
+  while (session_.next_tick_ns() <= now_ns) {
+    const int64_t due_ns = session_.next_tick_ns();
+    Obey(session_.Tick(due_ns), due_ns);
+    ++result_.verdict_counts[static_cast<size_t>(session_.diagnosis().verdict)];
+    NoteArm();
+  }
+}
+
+void Game::Obey(const decision::Decision& decision, int64_t now_ns) {
+  if (setup_.keep_timeline) result_.timeline.decisions.push_back(decision.record);
+  if (!decision.command) return;
+  if (decision.command->arm == arm_) {
+    session_.ObserveRefusal(decision.command->command_id);
+    return;
+  }
+  pending_ = PendingSwitch{.command = *decision.command, .ready_ns = now_ns};
+  // Fleeing from an arm that stalls waits for nothing.
+  pending_->warm = lane_ && decision.command->reason != decision::SwitchReason::kBailOut;
+  if (pending_->warm) pending_->ready_ns = lane_->WarmUp(decision.command->arm, place(now_ns));
+}
+
+void Game::Meter(const decision::Frame& frame) {
+  FrameSample sample{};
+  sample.frame_time_ns = frame.frame_time_ns;
+  const auto outcome = meter_.OnFrame(sample);
+  if (!outcome) return;
+  metering_ = false;
+  Report(*outcome);
+}
+
+void Game::Report(const SwitchOutcome& outcome) {
+  Flush();
+  session_.ObserveSwitch(
+      outcome.arm, outcome.switch_epoch, static_cast<decision::SwitchReason>(outcome.reason),
+      now_ns_,
+      {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns});
+}
+
+void Game::LookAtScene() {
+  if (game_frame_ % kDescriptorPeriodFrames == kDescriptorPeriodFrames - 1) {
+    if (const auto* descriptor = scene_.descriptor(trace_frame_)) {
+      session_.ObserveDescriptor(*descriptor);
+    }
+  }
+  while (lane_ && lane_->next_event_ns() <= now_ns_) {
+    if (const auto sample = lane_->Advance(place(now_ns_))) session_.ObserveShadow({&*sample, 1});
+  }
+}
+
+// An arm that runs while nothing is explored was chosen.
+void Game::NoteArm() {
+  if (session_.exploring() || result_.first_active_ns[arm_]) return;
+  result_.first_active_ns[arm_] = now_ns_;
+}
+
+ReplayResult Game::Finish() {
+  if (starting_up_) result_.start_up_frame_count = scene_.frame_count();
+  result_.observation = session_.observation(now_ns_);
+  const auto posteriors = session_.posteriors();
+  result_.posteriors.assign(posteriors.begin(), posteriors.end());
+  result_.decision_count = session_.decision_count();
+  if (lane_) {
+    result_.shadow_visit_count = lane_->visit_count();
+    result_.shadow_ns = lane_->busy_ns();
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+uint32_t ReplayResult::dominant_arm() const {
+  const auto& active = observation.active_ns;
+  return static_cast<uint32_t>(std::max_element(active.begin(), active.end()) - active.begin());
+}
+
+double ReplayResult::active_share() const {
+  const auto& active = observation.active_ns;
+  const uint64_t all_ns = std::accumulate(active.begin(), active.end(), uint64_t{0});
+  return all_ns == 0 ? 0
+                     : static_cast<double>(active[dominant_arm()]) / static_cast<double>(all_ns);
+}
+
+ReplayResult Replay(const ReplayScene& scene, const ReplaySetup& setup) {
+  return Game(scene, setup).Play();
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,13 @@
+// A cost trace as the message of its file, and back. Pure functions, safe from any thread; cost a
+// copy of every number. What comes back has not been checked: costs_file.h does that.
+#pragma once
+
+#include "engine_client/cli/trace/cost_trace.h"
+#include "sweepstake/v1/costs.pb.h"
+
+namespace sweepstake::cli {
+
+v1::CostTrace ToMessage(const CostTrace& trace);
+CostTrace FromMessage(const v1::CostTrace& message);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,106 @@
+#include "server/decision/baselines/lin_ts_policy.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>  // std::sqrt, exactly rounded by IEEE 754
+#include <utility>
+
+#include "server/decision/math/portable_math.h"
+#include "server/decision/math/sampling.h"
+#include "server/decision/policy/choice.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr int kSize = LinTsPolicy::kFeatureCount;
+using Vector = Eigen::Matrix<double, kSize, 1>;
+using Matrix = Eigen::Matrix<double, kSize, kSize>;
+
+constexpr double kLeastEvidence = 1e-6;  // the inverse stays finite, whatever the priors
+
+// Written so that NaN is 0.
+double Positive(const std::optional<double>& value) {
+  return value && *value > 0 ? std::min(*value, 1e300) : 0;
+}
+
+// 0 … ∞ to 0 … 1, ½ at 1: what is 1 of these descriptors is neither small nor large.
+double Squashed(const std::optional<double>& value) {
+  const double positive = Positive(value);
+  return positive / (1 + positive);
+}
+
+// A million objects are 1.
+double LogCount(const std::optional<double>& count) {
+  return std::min(1.0, PortableLog(1 + Positive(count)) / PortableLog(1e6));
+}
+
+}  // namespace
+
+LinTsPolicy::Features LinTsPolicy::FeaturesOf(const SceneDescriptor& descriptor) {
+  return {1,
+          LogCount(descriptor.object_count),
+          Squashed(descriptor.density_ratio),
+          Squashed(descriptor.size_spread),
+          Squashed(descriptor.speed_mean),
+          Squashed(descriptor.speed_spread),
+          Squashed(descriptor.clustering_ratio),
+          std::min(1.0, Positive(descriptor.static_ratio))};
+}
+
+LinTsPolicy::LinTsPolicy(const PolicySetup& setup)
+    : RewardPolicy(setup), models_(setup.arms.size()), features_(FeaturesOf({})) {
+  for (size_t arm = 0; arm < models_.size(); ++arm) {
+    const BetaPosterior& prior = setup.priors[arm];
+    const double evidence = std::max(prior.evidence(), kLeastEvidence);
+    Matrix precision = Matrix::Identity();
+    precision(0, 0) = evidence;
+    Eigen::Map<Matrix>(models_[arm].precision.data()) = precision;
+    models_[arm].response[0] = evidence * prior.mean();
+  }
+}
+
+std::optional<Lesson> LinTsPolicy::LearnWindow(const WindowObservation& observation) {
+  const std::optional<Lesson> lesson = RewardPolicy::LearnWindow(observation);
+  if (lesson) Observe(lesson->increment);
+  return lesson;
+}
+
+Increment LinTsPolicy::LearnBailOut(uint32_t arm) {
+  const Increment increment = RewardPolicy::LearnBailOut(arm);
+  Observe(increment);
+  return increment;
+}
+
+void LinTsPolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t /*now_ns*/) {
+  features_ = FeaturesOf(descriptor);
+}
+
+// α + β observations of the scene as it is, whose rewards sum to α.
+void LinTsPolicy::Observe(const Increment& increment) {
+  const Eigen::Map<const Vector> x(features_.data());
+  Model& model = models_[increment.arm];
+  Eigen::Map<Matrix>(model.precision.data()) +=
+      (increment.alpha + increment.beta) * x * x.transpose();
+  Eigen::Map<Vector>(model.response.data()) += increment.alpha * x;
+}
+
+LinTsPolicy::Belief LinTsPolicy::BeliefOf(const Model& model) const {
+  const Eigen::Map<const Vector> x(features_.data());
+  const Eigen::Map<const Vector> response(model.response.data());
+  const Eigen::LLT<Matrix> factor(Eigen::Map<const Matrix>(model.precision.data()));
+  const Vector weighted = factor.solve(x);  // B⁻¹x
+  return {.mean = weighted.dot(response), .variance = std::max(0.0, weighted.dot(x))};
+}
+
+Choice LinTsPolicy::Choose(const ChoiceInput& input) const {
+  std::vector<double> draws;
+  for (uint32_t arm = 0; arm < models_.size(); ++arm) {
+    const Belief belief = BeliefOf(models_[arm]);
+    RandomStream stream(input.seed, RandomPurpose::kChoice, input.decision_id, arm);
+    draws.push_back(belief.mean + kSpread * std::sqrt(belief.variance) * DrawNormal(stream));
+  }
+  return HighestOf(std::move(draws));
+}
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,202 @@
+#include "server/decision/math/greatest.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>  // std::sqrt, exactly rounded by IEEE 754
+
+#include "server/decision/math/portable_math.h"
+
+namespace sweepstake::decision {
+namespace {
+
+// Of a step, in units of the densities' own scale. Half of it makes the error 60 times smaller.
+constexpr double kStep = 0.5;
+// Of the slope in a step's scale, against the curvature's 1: an exponential tail needs steps of 0.7
+// of its scale where its mass is.
+constexpr double kSlopeWeight = 0.5;
+// Below it nothing is left to be won.
+constexpr double kNegligibleProbability = 1e-12;
+
+// A function and its derivatives at a point.
+struct Jet {
+  double value = 0;
+  double first = 0;
+  double second = 0;
+};
+
+// Of a function known by its value and its logarithm's derivatives.
+Jet FromLogarithm(double value, double slope, double curvature) {
+  return {value, value * slope, value * (slope * slope + curvature)};
+}
+
+// The integral between two points by Hermite's rule: exact for polynomials of degree 5.
+double Between(const Jet& left, const Jet& right, double width) {
+  return width * ((left.value + right.value) / 2 + width * (left.first - right.first) / 10 +
+                  width * width * (left.second + right.second) / 120);
+}
+
+// Walks down from the highest end of all variables.
+class Walk {
+ public:
+  explicit Walk(IndependentVariables& variables);
+  Greatest Run();
+
+ private:
+  struct Variable {
+    size_t index = 0;
+    double high = 0;
+    double log_peak = 0;
+    LogDensity log_density;
+    Jet density;
+    double ratio = 0;        // density ÷ P(it is below t)
+    double ratio_slope = 0;  // its derivative
+    Jet win;                 // the density of being the greatest
+    double above = 0;        // P(it is above t)
+    double probability = 0;  // of being the greatest, above t
+  };
+
+  double Demand() const;
+  void EvaluateLogDensities();
+  bool Join();
+  double NextPoint() const;
+  void StepTo(double t);
+  void UpdateWins(double width);
+  void UpdateShortfall(double width, double win_ratio, double win_ratio_slope);
+
+  IndependentVariables& source_;
+  std::vector<Variable> variables_;  // the highest first
+  size_t joined_ = 0;                // so many reach up to t
+  double t_;
+  double end_;              // some variable is certainly not below it
+  double all_below_ = 1;    // P(all are below t)
+  Jet shortfall_;           // P(some is above) · dv/dt
+  double value_above_ = 0;  // its integral from t upwards
+};
+
+Walk::Walk(IndependentVariables& variables) : source_(variables) {
+  variables_.resize(source_.count());
+  for (size_t i = 0; i < variables_.size(); ++i) {
+    variables_[i].index = i;
+    variables_[i].high = source_.high(i);
+    variables_[i].log_peak = source_.log_peak(i);
+  }
+  std::stable_sort(variables_.begin(), variables_.end(),
+                   [](const Variable& a, const Variable& b) { return a.high > b.high; });
+  t_ = variables_.front().high;
+  end_ = source_.low(0);
+  for (size_t i = 1; i < variables_.size(); ++i) end_ = std::max(end_, source_.low(i));
+  source_.MoveTo(t_);
+  Join();
+  UpdateWins(0);
+}
+
+// Takes in the variables that begin to matter at the point, after the interval above it, on whose
+// scale their densities change too fast.
+bool Walk::Join() {
+  const size_t before = joined_;
+  while (joined_ < variables_.size() && variables_[joined_].high >= t_) ++joined_;
+  if (joined_ > before) EvaluateLogDensities();
+  return joined_ > before;
+}
+
+void Walk::EvaluateLogDensities() {
+  for (size_t i = 0; i < joined_; ++i) variables_[i].log_density = source_.At(variables_[i].index);
+}
+
+// 1 ÷ the square of the scale on which the integrands change at the point. Slopes matter the less
+// the less is there.
+double Walk::Demand() const {
+  double most = -source_.scale().log_rate_curvature / 8;
+  for (size_t i = 0; i < joined_; ++i) {
+    const LogDensity& at = variables_[i].log_density;
+    const double own = kSlopeWeight * at.slope * at.slope / (1 - at.relative) - at.curvature;
+    most = std::max(most, own);
+  }
+  return most;
+}
+
+double Walk::NextPoint() const {
+  double next = std::max(t_ - kStep / std::sqrt(Demand()), end_);
+  if (joined_ < variables_.size()) next = std::max(next, variables_[joined_].high);
+  return next;
+}
+
+// Or less far, where the integrands change too much on the way.
+void Walk::StepTo(double t) {
+  for (;;) {
+    source_.MoveTo(t);
+    EvaluateLogDensities();
+    const double width = t_ - t;
+    if (width * width * Demand() <= 4 * kStep * kStep) break;
+    t = (t + t_) / 2;
+  }
+  const double width = t_ - t;
+  t_ = t;
+  UpdateWins(width);
+  if (Join()) UpdateWins(0);
+}
+
+void Walk::UpdateWins(double width) {
+  double all_below = 1;
+  double win_ratio = 0;        // density of the greatest ÷ P(all are below)
+  double win_ratio_slope = 0;  // its derivative
+  for (size_t i = 0; i < joined_; ++i) {
+    Variable& v = variables_[i];
+    const Jet density = FromLogarithm(PortableExp(v.log_peak + v.log_density.relative),
+                                      v.log_density.slope, v.log_density.curvature);
+    v.above += Between(density, v.density, width);
+    v.density = density;
+    const double below = std::max(1 - v.above, kNegligibleProbability);
+    all_below *= below;
+    v.ratio = density.value / below;
+    v.ratio_slope = v.ratio * (v.log_density.slope - v.ratio);
+    win_ratio += v.ratio;
+    win_ratio_slope += v.ratio_slope;
+  }
+  for (size_t i = 0; i < joined_; ++i) {
+    Variable& v = variables_[i];
+    const Jet win = FromLogarithm(all_below * v.ratio, win_ratio + v.log_density.slope - v.ratio,
+                                  win_ratio_slope + v.log_density.curvature - v.ratio_slope);
+    v.probability += Between(win, v.win, width);
+    v.win = win;
+  }
+  all_below_ = all_below;
+  UpdateShortfall(width, win_ratio, win_ratio_slope);
+}
+
+void Walk::UpdateShortfall(double width, double win_ratio, double win_ratio_slope) {
+  const ValueScale scale = source_.scale();
+  const Jet rate = FromLogarithm(scale.rate, scale.log_rate_slope, scale.log_rate_curvature);
+  const Jet below = FromLogarithm(all_below_, win_ratio, win_ratio_slope);
+  const double above = 1 - below.value;
+  const Jet shortfall = {
+      above * rate.value, above * rate.first - below.first * rate.value,
+      above * rate.second - 2 * below.first * rate.first - below.second * rate.value};
+  value_above_ += Between(shortfall, shortfall_, width);
+  shortfall_ = shortfall;
+}
+
+Greatest Walk::Run() {
+  while (t_ > end_ && all_below_ > kNegligibleProbability) {
+    const double next = NextPoint();
+    if (!(next < t_)) break;  // a density narrower than the digits of t
+    StepTo(next);
+  }
+  Greatest result;
+  result.probability.resize(variables_.size());
+  double sum = 0;
+  for (const Variable& v : variables_) sum += std::max(v.probability, 0.0);
+  for (const Variable& v : variables_)
+    result.probability[v.index] = sum > 0 ? std::max(v.probability, 0.0) / sum : 0;
+  result.expected_value = source_.scale().value + value_above_;
+  return result;
+}
+
+}  // namespace
+
+Greatest FindGreatest(IndependentVariables& variables) {
+  assert(variables.count() > 0);
+  return Walk(variables).Run();
+}
+
+}  // namespace sweepstake::decision

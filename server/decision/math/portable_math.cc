@@ -1,0 +1,105 @@
+#include "server/decision/math/portable_math.h"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace sweepstake::decision {
+namespace {
+
+// ln 2 in two parts; the high one has 21 zero bits at its end, so that k × high is exact for every
+// exponent k.
+constexpr double kLn2High = 0x1.62e42fee00000p-1;
+constexpr double kLn2Low = 0x1.a39ef35793c76p-33;
+constexpr double kInverseLn2 = 0x1.71547652b82fep+0;
+constexpr double kSqrtHalf = 0x1.6a09e667f3bcdp-1;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSmallestNormal = std::numeric_limits<double>::min();
+
+// 2^k, −1022 <= k <= 1023.
+double PowerOfTwo(int k) { return std::bit_cast<double>(static_cast<uint64_t>(k + 1023) << 52); }
+
+// 1/n! for n = 2 … 13: the remainder after them is below 2⁻⁵⁷ for |r| <= ln(2)/2.
+constexpr std::array<double, 12> kInverseFactorials = [] {
+  std::array<double, 12> result{};
+  double factorial = 1;
+  for (size_t i = 0; i < result.size(); ++i) {
+    factorial *= static_cast<double>(i + 2);
+    result[i] = 1.0 / factorial;
+  }
+  return result;
+}();
+
+// 1/3, 1/5 … 1/25: enough for s² <= 0.0295.
+constexpr std::array<double, 12> kInverseOdd = [] {
+  std::array<double, 12> result{};
+  for (size_t i = 0; i < result.size(); ++i) result[i] = 1.0 / static_cast<double>(2 * i + 3);
+  return result;
+}();
+
+// c[0] + c[1] x + c[2] x² …
+double Polynomial(const std::array<double, 12>& coefficients, double x) {
+  double sum = 0;
+  for (size_t i = coefficients.size(); i-- > 0;) sum = sum * x + coefficients[i];
+  return sum;
+}
+
+// ln(m), √½ <= m < √2, as 2 artanh(s) with s = f / (2 + f), f = m − 1. Since 2s = f − s f, the
+// leading term is exact.
+double LogOfMantissa(double m) {
+  const double f = m - 1;
+  const double s = f / (2 + f);
+  const double square = s * s;
+  return f - s * (f - 2 * square * Polynomial(kInverseOdd, square));
+}
+
+}  // namespace
+
+double PortableExp(double x) {
+  if (x != x) return x;
+  if (x > 709.79) return kInfinity;
+  if (x < -745.14) return 0;
+  const int k = static_cast<int>(x * kInverseLn2 + (x < 0 ? -0.5 : 0.5));
+  const double r = (x - k * kLn2High) - k * kLn2Low;
+  const double mantissa = 1 + (r + r * r * Polynomial(kInverseFactorials, r));
+  // Two factors, since 2^k alone may be out of range where the result is not.
+  const int half = k / 2;
+  return mantissa * PowerOfTwo(half) * PowerOfTwo(k - half);
+}
+
+double PortableLog(double x) {
+  if (x != x || x < 0) return kNaN;
+  if (x == 0) return -kInfinity;
+  if (x == kInfinity) return x;
+  int k = 0;
+  if (x < kSmallestNormal) {
+    x *= PowerOfTwo(54);
+    k = -54;
+  }
+  const uint64_t bits = std::bit_cast<uint64_t>(x);
+  k += static_cast<int>(bits >> 52) - 1022;
+  double m = std::bit_cast<double>((bits & 0x000f'ffff'ffff'ffff) | 0x3fe0'0000'0000'0000);
+  if (m < kSqrtHalf) {
+    m *= 2;
+    --k;
+  }
+  return k * kLn2High + (LogOfMantissa(m) + k * kLn2Low);
+}
+
+double PortableExpm1(double x) {
+  // There the reduction of PortableExp has nothing to do, and its leading 1 is left out.
+  if (x > -0.34 && x < 0.34) return x + x * x * Polynomial(kInverseFactorials, x);
+  return PortableExp(x) - 1;
+}
+
+double PortableLog1p(double x) {
+  const double sum = 1 + x;
+  if (sum == 1) return x;
+  // What the sum lost in rounding, W. Kahan's correction: ln(s) / (s − 1) varies slowly.
+  return sum < kInfinity && sum > 0 ? PortableLog(sum) * (x / (sum - 1)) : PortableLog(sum);
+}
+
+}  // namespace sweepstake::decision

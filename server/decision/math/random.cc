@@ -1,0 +1,65 @@
+#include "server/decision/math/random.h"
+
+#include <cassert>
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr uint32_t kMultiplier0 = 0xD2511F53;
+constexpr uint32_t kMultiplier1 = 0xCD9E8D57;
+constexpr uint32_t kWeyl0 = 0x9E3779B9;
+constexpr uint32_t kWeyl1 = 0xBB67AE85;
+
+uint32_t High(uint64_t value) { return static_cast<uint32_t>(value >> 32); }
+uint32_t Low(uint64_t value) { return static_cast<uint32_t>(value); }
+
+PhiloxBlock Round(const PhiloxBlock& c, const PhiloxKey& k) {
+  const uint64_t product0 = uint64_t{kMultiplier0} * c[0];
+  const uint64_t product1 = uint64_t{kMultiplier1} * c[2];
+  return {High(product1) ^ c[1] ^ k[0], Low(product1), High(product0) ^ c[3] ^ k[1], Low(product0)};
+}
+
+}  // namespace
+
+PhiloxBlock Philox4x32(PhiloxBlock counter, PhiloxKey key) {
+  for (int round = 0; round < 10; ++round) {
+    counter = Round(counter, key);
+    key[0] += kWeyl0;
+    key[1] += kWeyl1;
+  }
+  return counter;
+}
+
+RandomStream::RandomStream(uint64_t seed, RandomPurpose purpose, uint64_t decision_id,
+                           uint32_t index)
+    : key_{Low(seed), High(seed)},
+      counter_{0, (static_cast<uint32_t>(purpose) << 16) | index, Low(decision_id),
+               High(decision_id)} {
+  assert(index < (1u << 16));
+}
+
+uint64_t RandomStream::NextBits() {
+  if (used_words_ == 4) {
+    block_ = Philox4x32(counter_, key_);
+    ++counter_[0];
+    used_words_ = 0;
+  }
+  const uint64_t bits = (uint64_t{block_[used_words_ + 1]} << 32) | block_[used_words_];
+  used_words_ += 2;
+  return bits;
+}
+
+double RandomStream::NextUniform() {
+  return (static_cast<double>(NextBits() >> 12) + 0.5) * 0x1p-52;
+}
+
+uint32_t RandomStream::NextBelow(uint32_t bound) {
+  assert(bound > 0);
+  const uint64_t limit =
+      (uint64_t{1} << 32) / bound * bound;  // values from here on would favour the first ones
+  uint64_t value = limit;
+  while (value >= limit) value = NextBits() >> 32;
+  return static_cast<uint32_t>(value % bound);
+}
+
+}  // namespace sweepstake::decision

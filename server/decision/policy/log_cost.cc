@@ -1,0 +1,49 @@
+#include "server/decision/policy/log_cost.h"
+
+#include <algorithm>
+
+#include "server/decision/math/portable_math.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr double kLogStall = 0x1.ed992d88db147p+3;  // ln(5 s in µs)
+constexpr double kMostEvidence = 1e12;
+constexpr double kLeastSpread = 1e-6;  // of a shown mean from 0 and 1
+
+}  // namespace
+
+double LogCostOf(double detection_us) {
+  const double log_cost = PortableLog(std::max(detection_us, 0.0));
+  return log_cost <= kMostLogCost ? std::max(log_cost, kLeastLogCost) : kMostLogCost;
+}
+
+double RewardOf(double log_cost) { return std::clamp(1 - log_cost / kLogStall, 0.0, 1.0); }
+
+double LogCostOfReward(double reward) { return (1 - reward) * kLogStall; }
+
+double EvidenceOf(double reward, double log_cost_variance) {
+  const double variance = log_cost_variance / (kLogStall * kLogStall);
+  const double spread = reward * (1 - reward);
+  return spread < kMostEvidence * variance ? std::max(spread / variance, 1.0) : kMostEvidence;
+}
+
+BetaPosterior BetaOf(const NormalBelief& log_cost) {
+  const double mean = std::clamp(RewardOf(log_cost.mean), kLeastSpread, 1 - kLeastSpread);
+  const double evidence = EvidenceOf(mean, log_cost.variance);
+  return {mean * evidence, (1 - mean) * evidence};
+}
+
+NormalBelief BeliefOf(const BetaPosterior& posterior) {
+  const double mean = posterior.mean();
+  return {.mean = LogCostOfReward(mean),
+          .variance = mean * (1 - mean) / (posterior.evidence() + 1) * kLogStall * kLogStall};
+}
+
+Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance) {
+  const double evidence = EvidenceOf(reward, log_cost_variance);
+  return {
+      .arm = arm, .alpha = evidence * reward, .beta = evidence * (1 - reward), .window_count = 1};
+}
+
+}  // namespace sweepstake::decision
