@@ -4,20 +4,26 @@
 #
 #   tests/cross.sh                  Linux aarch64 (run by qemu) and Windows x86-64 (run by wine)
 #   tests/cross.sh windows          only that one; the other name is aarch64
+#   tests/cross.sh --quick          without the exhaustive tests of the broad phases, which an emulator takes long for
 #   tests/cross.sh --jobs 4         so many compilers and tests at a time (default: one per processor)
 #
 # Installs what is missing (Debian 12, root or sudo) and keeps everything else under build/cross-*: the libraries of the
 # other platforms are unpacked there, so that the package manager of this machine knows nothing of them. CCACHE_PROGRAM
-# names another ccache. What is run, and what cannot be: tests/cross/README.md.
+# names another ccache. What is run, and what cannot be: tests/cross/README.md. A platform that passed, with a tree that is
+# committed, leaves the tree's hash in build/cross-PLATFORM/passed.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=tests/passed.sh
+source tests/passed.sh
 readonly root=$PWD packages=$PWD/build/cross-packages
 
 platforms=()
 jobs=$(nproc)
+quick=
 while (($# > 0)); do
   case $1 in
     aarch64 | windows) platforms+=("$1") ;;
+    --quick) quick=yes ;;
     --jobs)
       [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || { echo "--jobs takes a number." >&2; exit 2; }
       jobs=$2
@@ -28,7 +34,7 @@ while (($# > 0)); do
       exit 0
       ;;
     *)
-      echo "Unknown platform '$1'. Platforms: aarch64 windows. Options: --jobs N, --help." >&2
+      echo "Unknown platform '$1'. Platforms: aarch64 windows. Options: --quick, --jobs N, --help." >&2
       exit 2
       ;;
   esac
@@ -71,12 +77,17 @@ install_tools() {
   deploy/install_packages.sh dpkg-dev "${tools[@]}"
 }
 
-# "URI SUITE COMPONENT" of the archive this machine has Highway from.
+# "URI SUITE COMPONENT" of the archive this machine has Highway from, or would have it from: the lists of packages may have
+# been deleted to save space, the configuration of apt remains.
 archive_of_highway() {
   local found
   found=$(apt-cache policy libhwy-dev | awk '$1 ~ /^[0-9]+$/ && $2 ~ /:\// { sub("/", " ", $3); print $2, $3; exit }')
-  # The lists of packages may have been deleted to save space.
-  [[ -n $found ]] || found="http://deb.debian.org/debian $(. /etc/os-release && echo "$VERSION_CODENAME") main"
+  [[ -n $found ]] || found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
+    awk -v suite="$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" '$2 == suite && $3 ~ /^(main|universe)/ { print; exit }')
+  [[ -n $found ]] || {
+    echo "apt has no archive of this release in its sources (/etc/apt), so there is none to take the libraries from." >&2
+    return 1
+  }
   echo "$found"
 }
 
@@ -97,7 +108,7 @@ download_libraries() {
   rm -rf "$packages"
   mkdir -p "$packages/apt" "$packages/downloads"
   local archive
-  archive=$(archive_of_highway)
+  archive=$(archive_of_highway) || return
   printf '%s [%s] %s\n' deb "arch=arm64 ${signed[*]}" "$archive" deb-src "${signed[*]:-arch=arm64}" "$archive" \
     >"$packages/apt/sources.list"
   cd "$packages/downloads"
@@ -139,7 +150,8 @@ build_libraries() {
 # configure_and_build NAME TARGETS CMAKE_ARGUMENTS...: build/cross-NAME.
 configure_and_build() {
   local build=build/cross-$1 targets=$2
-  quietly "$build/configure.log" cmake "${configuration[@]}" "${launcher[@]}" -S . -B "$build" "${@:3}" || return
+  quietly "$build/configure.log" cmake "${configuration[@]}" "${launcher[@]}" -DSWEEPSTAKE_WERROR=ON -S . -B "$build" \
+    "${@:3}" || return
   grep '^-- Left out' "$build/configure.log" || true
   say "$1: compiles"
   # All faults in one run.
@@ -148,7 +160,9 @@ configure_and_build() {
 
 run_tests() {
   say "$1: tests"
-  ctest --test-dir "build/cross-$1" -j "$jobs" --output-on-failure --no-tests=error
+  local selection=()
+  [[ -z $quick ]] || selection=(-E '^(broad_phase_conformance|instruction_sets)[.]')
+  ctest --test-dir "build/cross-$1" -j "$jobs" --output-on-failure --no-tests=error "${selection[@]}"
 }
 
 # on_platform PLATFORM PROGRAM...
@@ -172,11 +186,12 @@ same_fingerprint() {
   say "$1, $2: the same boxes and pairs, $(wc -l <"$build/fingerprint-$2.txt") lines"
 }
 
-# NEON alone, then SVE2 with registers of 128, 256 and 512 bits.
+# NEON alone, then SVE2 with registers of 128, 256 and 512 bits (quick: of 512).
 compare_aarch64() {
-  local failed=0 bytes
+  local failed=0 bytes widths=(16 32 64)
+  [[ -z $quick ]] || widths=(64)
   QEMU_CPU=neoverse-n1 same_fingerprint aarch64 neon || failed=1
-  for bytes in 16 32 64; do
+  for bytes in "${widths[@]}"; do
     QEMU_CPU=max,sve-default-vector-length=$bytes same_fingerprint aarch64 "sve2-$((bytes * 8))" || failed=1
   done
   return "$failed"
@@ -199,6 +214,8 @@ check_platform() {
   return "$failed"
 }
 
+tree=$(tree_to_test)
+for platform in "${platforms[@]}"; do forget_passed "cross-$platform"; done
 say "packages"
 install_tools
 if [[ ! -f $packages/complete ]]; then
@@ -215,6 +232,7 @@ summary=()
 for platform in "${platforms[@]}"; do
   start=$SECONDS
   if check_platform "$platform"; then
+    leave_passed "cross-$platform" "$tree"
     summary+=("$platform: passed, $((SECONDS - start)) s")
   else
     summary+=("$platform: FAILED, $((SECONDS - start)) s")

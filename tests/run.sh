@@ -1,29 +1,44 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, runs every test and prints ctest's summary last.
 #
-#   tests/run.sh               the default suite (preset dev)
-#   tests/run.sh asan tsan     the same tests under AddressSanitizer + UBSan, then under ThreadSanitizer
-#   tests/run.sh dev -R Grid   arguments from the first option on go to ctest
+#   tests/run.sh                    the default suite (preset dev)
+#   tests/run.sh asan tsan          the same tests under AddressSanitizer + UBSan, then under ThreadSanitizer
+#   tests/run.sh release --quick    builds all of it, runs only what shows that programs and package work
+#   tests/run.sh dev -R Grid        arguments from the first other option on go to ctest
+#
+# Warnings are errors in all of them. A run that passed, of a tree that is committed, leaves the tree's hash in
+# build/PRESET/passed; one that ctest's options narrowed does not, nor does a quick one of another preset than release.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+# shellcheck source=tests/passed.sh
+source tests/passed.sh
+
+readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api[.].*|GoldenLog.*)$'
 
 presets=()
-while (($# > 0)) && [[ $1 != -* ]]; do
+quick=
+while (($# > 0)); do
   case $1 in
     dev | release | asan | tsan) presets+=("$1") ;;
-    --help) ;;
+    --quick) quick=yes ;;
+    --help)
+      sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
+      exit 0
+      ;;
+    -*) break ;;
     *)
-      echo "Unknown preset '$1'. Presets: dev release asan tsan." >&2
+      echo "Unknown preset '$1'. Presets: dev release asan tsan. Options: --quick, --help, and those of ctest." >&2
       exit 2
       ;;
   esac
   shift
 done
-if [[ ${1:-} == --help ]]; then
-  sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
-  exit 0
-fi
 ((${#presets[@]} > 0)) || presets=(dev)
+narrowed=$*
+[[ -z $quick ]] || set -- -R "$quick_tests" "$@"
+
+tree=$(tree_to_test)
+for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
 # With the libraries that `sweepstake bench --peers` compares with.
 deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libboost-dev libcgal-dev
@@ -32,10 +47,11 @@ deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev lib
 jobs=$(nproc)
 for preset in "${presets[@]}"; do
   echo "== preset $preset =="
-  cmake --preset "$preset"
+  cmake --preset "$preset" -DSWEEPSTAKE_WERROR=ON
   cmake --build --preset "$preset" -j "$jobs"
 done
 # All builds come first, so that what a reader sees last is ctest's summary.
 for preset in "${presets[@]}"; do
   ctest --preset "$preset" -j "$jobs" "$@"
+  [[ -n $narrowed || (-n $quick && $preset != release) ]] || leave_passed "$preset" "$tree"
 done

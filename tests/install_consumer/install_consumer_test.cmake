@@ -36,3 +36,8 @@ run(${WORK}/build/c_consumer)
 if(WITH_PROGRAMS)
   run(${WORK}/build/session_consumer)
 endif()
+
+run(${CMAKE_COMMAND} -S ${CONSUMER_SOURCE} -B ${WORK}/build_c -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_C_FLAGS=${C_FLAGS} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DONLY_C=ON -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
+run(${CMAKE_COMMAND} --build ${WORK}/build_c)
+run(${WORK}/build_c/c_consumer)

@@ -64,7 +64,8 @@ class Fuzzer {
 
   std::optional<double> AnyDescription() {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    constexpr std::array<double, 7> kValues = {0, 0.4, 3'000, -1, 1.7e308, kInfinity, std::nan("")};
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    constexpr std::array<double, 7> kValues = {0, 0.4, 3'000, -1, 1.7e308, kInfinity, kNan};
     if (OneIn(3)) return std::nullopt;
     return kValues[Below(kValues.size())];
   }

@@ -1,0 +1,1 @@
+#include "sweepstake/adaptive_broad_phase.h"

@@ -1,0 +1,28 @@
+# As a folder of another project Sweepstake is quiet: no tests, no launcher, no warnings as errors, no settings of the whole
+# build. Variables: SWEEPSTAKE_SOURCE, WORK (emptied first), GENERATOR.
+cmake_minimum_required(VERSION 3.25)
+
+file(REMOVE_RECURSE ${WORK})
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -E env --unset=CMAKE_CXX_COMPILER_LAUNCHER --unset=CMAKE_C_COMPILER_LAUNCHER
+    --unset=CMAKE_BUILD_TYPE --unset=CXXFLAGS
+    ${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK} -G ${GENERATOR} -DSWEEPSTAKE_SOURCE=${SWEEPSTAKE_SOURCE}
+    -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${output}")
+endif()
+
+file(READ ${WORK}/compile_commands.json commands)
+if(NOT commands MATCHES "broad_phase/registry\\.cc")
+  message(FATAL_ERROR "The broad phases are not part of the build that added Sweepstake")
+endif()
+foreach(unwanted "-Werror" "ccache" "_test\\.cc")
+  if(commands MATCHES "[^\"\n]*${unwanted}[^\"\n]*")
+    message(FATAL_ERROR "As a folder of another project Sweepstake brings '${unwanted}': ${CMAKE_MATCH_0}")
+  endif()
+endforeach()
+file(GLOB_RECURSE test_lists ${WORK}/CTestTestfile.cmake ${WORK}/DartConfiguration.tcl)
+if(test_lists)
+  message(FATAL_ERROR "Sweepstake brings tests to the project that added it: ${test_lists}")
+endif()
