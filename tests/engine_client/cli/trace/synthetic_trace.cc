@@ -1,4 +1,4 @@
-#include "tests/engine_client/cli/synthetic_trace.h"
+#include "tests/engine_client/cli/trace/synthetic_trace.h"
 
 namespace sweepstake::cli {
 

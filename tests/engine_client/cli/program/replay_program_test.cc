@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/engine_client/cli/program.h"
+#include "tests/engine_client/cli/program/program.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "engine_client/cli/html/range_chart.h"
 #include "engine_client/cli/html/table.h"
 #include "engine_client/cli/io/numbers.h"
-#include "tests/engine_client/cli/well_formed.h"
+#include "tests/engine_client/cli/html/well_formed.h"
 
 namespace sweepstake::cli::html {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/engine_client/cli/experiment_records.h"
+#include "tests/engine_client/cli/experiment/experiment_records.h"
 
 namespace sweepstake::test_support {
 

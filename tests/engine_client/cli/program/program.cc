@@ -1,4 +1,4 @@
-#include "tests/engine_client/cli/program.h"
+#include "tests/engine_client/cli/program/program.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-#include "tests/engine_client/cli/well_formed.h"
+#include "tests/engine_client/cli/html/well_formed.h"
 
 #include <regex>
 #include <set>

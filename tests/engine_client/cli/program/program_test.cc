@@ -1,5 +1,5 @@
 // The command line as scripts use it: words, exit codes, JSON.
-#include "tests/engine_client/cli/program.h"
+#include "tests/engine_client/cli/program/program.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,6 @@
 
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/scene.h"
-#include "tests/engine_client/cli/well_formed.h"
 #include "tests/support/pair_oracle.h"
 
 namespace sweepstake::cli {
@@ -20,17 +19,6 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-
-// A file that goes with the test.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& name) : path_(TemporaryPath(name)) {}
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 TEST(Program, HelpOfEveryCommandEndsWithZeroAndShowsExamples) {
   for (const std::string command :
@@ -106,102 +94,6 @@ TEST(Program, CheckPassesEveryArmInAllEightScenes) {
   const ProgramRun run = RunProgram("check --scene all --objects 300 --frames 20 --json");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(json::parse(run.out)["rows"].size(), 8 * BroadPhaseNames().size());
-}
-
-TEST(Program, BenchPrintsARowPerSceneCountAndArmWithTheContractsColumns) {
-  const ProgramRun run = RunProgram(
-      "bench --scene suite-b,suite-h --objects 100,200 --frames 10 --warmup 2 --arms "
-      "SAP,BruteForce "
-      "--json");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json rows = json::parse(run.out)["rows"];
-  ASSERT_EQ(rows.size(), 8U);
-  for (const char* column : {"scene", "objects", "arm", "threads", "frames", "ms_median", "ms_mean",
-                             "ms_min", "ms_p99", "pairs_mean", "aabb_checks_mean", "bytes"}) {
-    EXPECT_TRUE(rows[0].contains(column)) << column;
-  }
-  EXPECT_EQ(rows[0]["pairs_mean"], rows[1]["pairs_mean"]);
-  EXPECT_EQ(rows[0]["frames"], 10);
-}
-
-TEST(Program, BenchPrintsARowPerCountOfThreads) {
-  const ProgramRun run = RunProgram(
-      "bench --scene spawning --objects 3000 --frames 5 --arms Grid --threads 1,2,3 --json");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json rows = json::parse(run.out)["rows"];
-  ASSERT_EQ(rows.size(), 3U);
-  for (unsigned i = 0; i < 3; ++i) {
-    EXPECT_EQ(rows[i]["threads"], i + 1);
-    EXPECT_EQ(rows[i]["pairs_mean"], rows[0]["pairs_mean"]);
-  }
-}
-
-TEST(Program, BenchComparesWithPeersOnTheSamePairs) {
-  const ProgramRun run =
-      RunProgram("bench --peers --scene suite-b --objects 300 --frames 5 --warmup 1 --json");
-  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
-  const json document = json::parse(run.out);
-  size_t peer_count = 0;
-  for (const json& row : document["rows"]) {
-    EXPECT_FALSE(row.contains("difference")) << row;
-    EXPECT_EQ(row["pairs_mean"], document["rows"][0]["pairs_mean"]) << row;
-    EXPECT_EQ(row["frames"], 5) << row;
-    peer_count += row["kind"] == "peer" ? 1 : 0;
-  }
-  const size_t library_count =
-      document["machine"]["libraries"].size() - 1 + document["machine"]["absent_peers"].size();
-  EXPECT_EQ(library_count, 6U);
-  EXPECT_GE(peer_count + document["machine"]["absent_peers"].size(), 6U);
-  EXPECT_EQ(document["ratios"].empty(), peer_count == 0);
-}
-
-TEST(Program, BenchStopsAPeerAtItsCapAndSaysSo) {
-  const ProgramRun run = RunProgram(
-      "bench --peers --peer-cap 0.001 --scene suite-b --objects 2000 --frames 3 --arms SAP --json");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json document = json::parse(run.out);
-  for (const json& row : document["rows"]) {
-    if (row["kind"] == "arm") continue;
-    EXPECT_EQ(row["frames"], 1) << row;
-    EXPECT_THAT(row["note"].get<std::string>(), HasSubstr("cap")) << row;
-  }
-}
-
-TEST(Program, BenchWritesItsReportAsOnePageWithTheRowsInIt) {
-  const TemporaryFile page("bench.html");
-  const ProgramRun run = RunProgram(
-      "bench --scene suite-b --objects 50,100 --frames 3 --arms SAP,Grid --json --report " +
-      page.path());
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  std::stringstream text;
-  text << std::ifstream(page.path()).rdbuf();
-  const std::string html = text.str();
-  EXPECT_EQ(test_support::FirstFlaw(html), "");
-  EXPECT_THAT(html, HasSubstr("bench --scene suite-b --objects 50,100 --frames 3"));
-  const std::string start = "id=\"bench-json\">";
-  const size_t begin = html.find(start) + start.size();
-  EXPECT_EQ(json::parse(html.substr(begin, html.find("</script>", begin) - begin)),
-            json::parse(run.out));
-}
-
-TEST(Program, BenchRefusesAReportThatCannotBeWrittenBeforeItMeasures) {
-  for (const std::string path : {"/nonexistent/x.html", "/tmp", "''"}) {
-    const ProgramRun run =
-        RunProgram("bench --scene suite-b --objects 1000000 --frames 1000000 --report " + path);
-    EXPECT_EQ(run.exit_code, 2) << path;
-    EXPECT_THAT(run.err, HasSubstr("cannot be written")) << path;
-    EXPECT_EQ(run.out, "");
-  }
-}
-
-TEST(Program, BenchPrintsATableForPeople) {
-  const ProgramRun run =
-      RunProgram("bench --scene suite-g --objects 3000 --frames 3 --arms SAP,BruteForce");
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.out, HasSubstr("ms_median"));
-  EXPECT_THAT(run.out, HasSubstr("suite-g, 3000 objects, "));
-  std::istringstream lines(run.out);
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 
 TEST(Program, PairsOfARecordedFrameEqualBruteForceForEveryArm) {

@@ -9,7 +9,7 @@
 #include "engine_client/cli/replay/replay_run.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "engine_client/cli/replay/replay_study.h"
-#include "tests/engine_client/cli/synthetic_trace.h"
+#include "tests/engine_client/cli/trace/synthetic_trace.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "engine_client/cli/html/small_multiples.h"
 #include "engine_client/cli/html/stacked_bars.h"
 #include "engine_client/cli/html/timeline_chart.h"
-#include "tests/engine_client/cli/well_formed.h"
+#include "tests/engine_client/cli/html/well_formed.h"
 
 namespace sweepstake::cli::html {
 namespace {

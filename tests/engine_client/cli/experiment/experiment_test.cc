@@ -13,7 +13,7 @@
 #include "engine_client/cli/experiment/experiment_summary.h"
 #include "engine_client/cli/experiment/experiment_tables.h"
 #include "engine_client/cli/experiment/metric_window_meter.h"
-#include "tests/engine_client/cli/experiment_records.h"
+#include "tests/engine_client/cli/experiment/experiment_records.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {

@@ -12,8 +12,8 @@
 
 #include "engine_client/cli/experiment/experiment_html_words.h"
 #include "engine_client/cli/experiment/experiment_truth_output.h"
-#include "tests/engine_client/cli/experiment_records.h"
-#include "tests/engine_client/cli/well_formed.h"
+#include "tests/engine_client/cli/experiment/experiment_records.h"
+#include "tests/engine_client/cli/html/well_formed.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {

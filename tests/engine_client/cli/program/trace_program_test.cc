@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "sweepstake/broad_phase.h"
-#include "tests/engine_client/cli/program.h"
+#include "tests/engine_client/cli/program/program.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/engine_client/cli/program.h"
+#include "tests/engine_client/cli/program/program.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,6 +1,7 @@
 // Runs the real program `sweepstake` and keeps what it wrote.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace sweepstake::cli {
@@ -19,5 +20,18 @@ ProgramRun RunDaemonProgram(const std::string& arguments);
 
 // A path for a file of this test process that no other one uses.
 std::string TemporaryPath(const std::string& name);
+
+// The path of a file that is removed at the end of the test.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& name) : path_(TemporaryPath(name)) {}
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
 
 }  // namespace sweepstake::cli

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "tests/engine_client/cli/well_formed.h"
+#include "tests/engine_client/cli/html/well_formed.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tests/engine_client/cli/program.h"
+#include "tests/engine_client/cli/program/program.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_directory.h"
 
