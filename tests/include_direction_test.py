@@ -2,10 +2,11 @@
 """Fails on an #include that runs against the direction of dependencies.
 
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc, server/web
+    server/decision/math <- everything else, since it is pure
     server/decision <- telemetry, cli; server/decision <- priors <- storage, rpc, web <- daemon <- main
 
-Besides: the server never includes engine_client; the decision core includes the standard library, Eigen and itself,
-and takes no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of
+Besides: the server never includes engine_client; the decision core includes the standard library, Eigen and itself
+(its math without Eigen), and takes no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of
 one operating system stay in telemetry, the server and the command line.
 
     include_direction_test.py ROOT          checks the tree at ROOT
@@ -29,6 +30,7 @@ ALLOWED = {
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
         "server/decision", "proto"},
+    "server/decision/math": set(),
     "server/decision": set(),
     "server/priors": {"server/decision"},
     "server/storage": {"server/decision", "server/priors"},
@@ -36,6 +38,9 @@ ALLOWED = {
     "server/web": {"server/decision", "server/priors", "proto"},
     "server": {"server/decision", "server/priors", "server/storage", "server/rpc", "server/web", "proto"},
 }
+
+# Pure functions that every folder may include.
+MATH = "server/decision/math"
 
 # Each public header belongs to the layer that implements it.
 PUBLIC_HEADERS = {
@@ -106,14 +111,20 @@ def target_of(name):
     return None
 
 
+def is_core(folder):
+    return folder in ("server/decision", MATH)
+
+
 def include_errors(folder, name):
     target = target_of(name)
     if target is not None:
-        if target != folder and target not in ALLOWED[folder]:
+        if target not in (folder, MATH) and target not in ALLOWED[folder]:
             yield f'"{name}" ({target}) must not be included from {folder}'
         return
-    if folder == "server/decision" and not DECISION_HEADERS.match(name):
+    if is_core(folder) and not DECISION_HEADERS.match(name):
         yield f"<{name}> must not be included from the decision core"
+    if folder == MATH and name.startswith("Eigen/"):
+        yield f"<{name}> must not be included from {MATH}, which needs the standard library only"
     if folder not in PLATFORM_FOLDERS:
         if PLATFORM_HEADER.match(name):
             yield f"<{name}> is not portable and must not be included from {folder}"
@@ -132,7 +143,7 @@ def file_errors(path, text):
         line = code.count("\n", 0, match.start(match.lastindex)) + 1
         for error in include_errors(folder, match.group(1) or match.group(2)):
             yield f"{path}:{line}: {error}"
-    if folder == "server/decision":
+    if is_core(folder):
         for pattern in (INEXACT_CALL, DISTRIBUTION):
             for match in pattern.finditer(code):
                 line = code.count("\n", 0, match.start()) + 1
@@ -155,6 +166,8 @@ GOOD = {
     "engine_client/cli/watch.cc": '#include "sweepstake/v1/posteriors.pb.h"\n#include <grpcpp/grpcpp.h>\n',
     "server/decision/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
     "server/rpc/telemetry_service.cc": '#include "server/decision/types.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
+    "engine_client/scene/suite.cc": '#include "server/decision/math/hash.h"\n',
+    "server/decision/math/beta.cc": '#include "server/decision/math/portable_math.h"\n#include <cmath>\n',
     "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
     "engine_client/include/sweepstake/scene.h": '#include "sweepstake/aabb.h"\n',
 }
@@ -184,6 +197,10 @@ BAD = {
     "server/decision/t.cc": "std::gamma_distribution<double> d;\n",
     "server/decision/u.cc": "auto F(const Eigen::ArrayXd& x) { return x.log(); }\n",
     "server/elsewhere/v.cc": "\n",
+    "engine_client/scene/w.cc": '#include "server/decision/types.h"\n',
+    "server/decision/math/x.cc": '#include "server/decision/types.h"\n',
+    "server/decision/math/y.cc": "#include <Eigen/Core>\n",
+    "server/decision/math/z.cc": "double F(double x) { return std::exp(x); }\n",
 }
 
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/decision/math/hash.h"
+
 namespace sweepstake {
 namespace {
 
@@ -115,8 +117,7 @@ uint32_t DescriptorEstimator::NextIndex(uint32_t object_count) {
   const uint64_t step = walk_++;
   if (object_count <= kSampleCount) return static_cast<uint32_t>(step % object_count);
   // Multiples of the golden ratio modulo 1 fill [0, 1) evenly however far the walk has come.
-  constexpr uint64_t kGolden = 0x9E3779B97F4A7C15;
-  const uint64_t fraction = (step * kGolden) >> 32;
+  const uint64_t fraction = (step * math::kGoldenGamma) >> 32;
   return static_cast<uint32_t>((fraction * object_count) >> 32);
 }
 

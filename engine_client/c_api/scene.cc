@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "engine_client/c_api/boundary.h"
+#include "server/decision/math/hash.h"
 
 using sweepstake::Aabb;
 using sweepstake::SceneNames;
@@ -32,11 +33,7 @@ SceneOptions ToSceneOptions(const swp_scene_options& given) {
 }
 
 uint64_t HashFloat(uint64_t hash, float value) {
-  const auto bits = std::bit_cast<uint32_t>(value);
-  for (int shift = 0; shift < 32; shift += 8) {
-    hash = (hash ^ ((bits >> shift) & 0xff)) * 0x100000001b3ULL;
-  }
-  return hash;
+  return sweepstake::math::Fnv1aOfWord(hash, std::bit_cast<uint32_t>(value));
 }
 
 }  // namespace
@@ -118,7 +115,7 @@ swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index) 
 swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash) {
   if (scene == nullptr || hash == nullptr) return NullArgument("scene and hash");
   return Guard([&] {
-    uint64_t sum = 0xcbf29ce484222325ULL;
+    uint64_t sum = sweepstake::math::kFnv1aStart;
     for (const Aabb& box : scene->scene->aabbs()) {
       for (const float value : box.min) sum = HashFloat(sum, value);
       for (const float value : box.max) sum = HashFloat(sum, value);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "server/decision/math/names.h"
+
 namespace sweepstake::aabbs {
 namespace {
 
@@ -15,7 +17,6 @@ constexpr size_t kFrameCountAt = 260;
 constexpr size_t kLayoutAt = 264;
 constexpr size_t kReservedAt = 268;
 constexpr size_t kWorldAt = 272;
-constexpr size_t kLongestInMessage = 200;
 
 using ConstBytes = std::span<const std::byte>;
 
@@ -32,7 +33,7 @@ void PutInt32(int32_t value, size_t offset, HeaderBytes& bytes) {
 }
 
 void PutText(std::string_view text, size_t offset, HeaderBytes& bytes) {
-  const std::string clean = OneLine(text.substr(0, kNameBytes - 1));
+  const std::string clean = math::PrintableLine(text.substr(0, kNameBytes - 1));
   std::memcpy(bytes.data() + offset, clean.data(), clean.size());
 }
 
@@ -148,13 +149,6 @@ bool IsFinite(const Aabb& box) {
     if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;
   }
   return true;
-}
-
-std::string OneLine(std::string_view text) {
-  std::string line(text.substr(0, kLongestInMessage));
-  std::replace_if(
-      line.begin(), line.end(), [](char c) { return !IsPrintable(c); }, '?');
-  return line;
 }
 
 }  // namespace sweepstake::aabbs

@@ -23,12 +23,12 @@ inline constexpr size_t kNameBytes = 128;
 
 enum class Layout : int32_t {
   kFixedCount = 0,     // Broadmark's: (1 + frames) * N boxes
-  kChangingCount = 1,  // ours: N is the largest count; a table of counts follows the boxes
+  kChangingCount = 1,  // ours: N is the maximum count; a table of counts follows the boxes
 };
 
 struct Header {
   std::string scene_name;
-  int32_t object_count = 0;  // of each frame, or the largest
+  int32_t object_count = 0;  // of each frame, or the maximum of all frames
   int32_t frame_count = 0;   // without the spawn state
   Layout layout = Layout::kFixedCount;
   Aabb world{};
@@ -50,11 +50,7 @@ Aabb DecodeBox(std::span<const std::byte, kBoxBytes> bytes);
 void EncodeInt32(int32_t value, std::span<std::byte, kCountBytes> bytes);
 int32_t DecodeInt32(std::span<const std::byte, kCountBytes> bytes);
 
-// All six coordinates; inverted boxes are legal and overlap nothing.
+// Whether all six coordinates are finite. Inverted boxes are legal and overlap nothing.
 bool IsFinite(const Aabb& box);
-
-// `text` with every byte that is not printable ASCII as '?', cut to 200 bytes: for messages of one
-// line.
-std::string OneLine(std::string_view text);
 
 }  // namespace sweepstake::aabbs

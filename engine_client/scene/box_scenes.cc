@@ -4,27 +4,26 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "engine_client/scene/portable_math.h"
+#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kMax = std::numeric_limits<float>::max();
+constexpr float kFloatMax = std::numeric_limits<float>::max();
 
-// Which box is made or moved, and when.
+// The box that is made or moved, and the frame.
 struct Slot {
   size_t index;
   size_t count;
   uint64_t frame;
 
-  float WorldSide() const {
-    return static_cast<float>(portable::CubeRoot(static_cast<double>(count)));
-  }
+  float WorldSide() const { return static_cast<float>(math::CubeRoot(static_cast<double>(count))); }
 };
 
 struct BoxKind {
@@ -33,7 +32,7 @@ struct BoxKind {
   void (*step)(SequentialRandom& random, const Slot& slot, Aabb& box);
 };
 
-// Rounding is monotonic: a box in order stays in order.
+// Rounding is monotonic, so that min <= max still holds afterwards.
 void Shift(Aabb& box, int axis, float distance) {
   box.min[axis] += distance;
   box.max[axis] += distance;
@@ -43,8 +42,8 @@ void Jitter(SequentialRandom& random, float distance, Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, random.Between(-distance, distance));
 }
 
-// Back, not at all or on, by `distance` on some axis. The draws are statements of their own:
-// compilers differ in the order in which they evaluate arguments.
+// Moves the box backwards, not at all or forwards, by `distance` on a random axis. The draws are
+// statements of their own, since compilers differ in the order in which they evaluate arguments.
 void ShiftByOneOfThree(SequentialRandom& random, float distance, Aabb& box) {
   const float direction = static_cast<float>(random.Below(3)) - 1.0F;
   const auto axis = static_cast<int>(random.Below(3));
@@ -52,7 +51,7 @@ void ShiftByOneOfThree(SequentialRandom& random, float distance, Aabb& box) {
 }
 
 float HalfExtent(SequentialRandom& random) {
-  return static_cast<float>(0.145 * portable::Pow(5.0, random.Unit()));
+  return static_cast<float>(0.145 * math::Pow(5.0, random.Unit()));
 }
 
 Aabb Around(const float (&center)[3], const float (&half)[3]) {
@@ -79,7 +78,7 @@ void StepNearlyResting(SequentialRandom& random, const Slot&, Aabb& box) {
   Jitter(random, 0.001F, box);
 }
 
-// One box in a hundred moves, another one in each frame.
+// One box in a hundred moves, other ones in each frame.
 void StepFewMoving(SequentialRandom& random, const Slot&, Aabb& box) {
   if (random.Below(100) == 0) Jitter(random, 0.1F, box);
 }
@@ -96,7 +95,7 @@ void StepCoincident(SequentialRandom&, const Slot& slot, Aabb& box) {
   Shift(box, static_cast<int>(slot.frame % 3), 0.25F);
 }
 
-// Unit cells three apart leave a gap however much they jitter within theirs.
+// The cells are three units apart, so that the unit cubes leave a gap wherever they are in theirs.
 Aabb SpawnDisjoint(SequentialRandom& random, const Slot& slot) {
   const auto side = static_cast<size_t>(slot.WorldSide()) + 1;
   const size_t cell[3] = {slot.index % side, slot.index / side % side, slot.index / side / side};
@@ -122,7 +121,7 @@ void StepTouching(SequentialRandom& random, const Slot&, Aabb& box) {
   ShiftByOneOfThree(random, 1.0F, box);
 }
 
-// Points on half units: on one another, on faces of their neighbours, and on boxes of the other
+// Points on half units lie on one another, on faces of their neighbours, and on boxes of the other
 // kinds.
 Aabb SpawnZeroSize(SequentialRandom& random, const Slot& slot) {
   Aabb box;
@@ -156,8 +155,8 @@ void StepFar(SequentialRandom& random, const Slot&, Aabb& box) {
 
 Aabb SpawnFloatLimits(SequentialRandom& random, const Slot&) {
   constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
-  const std::array kValues = {-kMax,
-                              -std::nextafter(kMax, 0.0F),
+  const std::array kValues = {-kFloatMax,
+                              -std::nextafter(kFloatMax, 0.0F),
                               -1e30F,
                               -1.0F,
                               -kDenormal,
@@ -165,9 +164,9 @@ Aabb SpawnFloatLimits(SequentialRandom& random, const Slot&) {
                               kDenormal,
                               1e-30F,
                               1.0F,
-                              0.5F * kMax,
-                              std::nextafter(kMax, 0.0F),
-                              kMax};
+                              0.5F * kFloatMax,
+                              std::nextafter(kFloatMax, 0.0F),
+                              kFloatMax};
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     const size_t low = random.Below(kValues.size());
@@ -221,7 +220,7 @@ Aabb SpawnBroken(SequentialRandom& random, const Slot& slot) {
       box = {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
       break;
     default:
-      break;  // a sound box
+      break;  // a valid box
   }
   return box;
 }
@@ -236,7 +235,8 @@ Aabb SpawnLongThin(SequentialRandom& random, const Slot& slot) {
   return box;
 }
 
-// As many pairs per object at any count, unlike long-thin, whose lengths grow with the world.
+// The number of pairs per object does not depend on the count, unlike in long-thin, whose lengths
+// grow with the world.
 Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
   float center[3];
   float half[3];
@@ -248,9 +248,9 @@ Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 
-// Seven centres; eight objects per unit of volume around each.
+// Seven centres with eight objects per unit of volume around each.
 Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
-  SequentialRandom cluster(slot.index % 7);  // the same for each box of one cluster
+  SequentialRandom cluster(slot.index % 7);  // the same for all boxes of a cluster
   const float spread = 0.13F * slot.WorldSide();
   float center[3];
   float half[3];
@@ -261,8 +261,8 @@ Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 void StepCluster(SequentialRandom& random, const Slot& slot, Aabb& box) {
-  SequentialRandom cluster(slot.index % 7 +
-                           1000 * (slot.frame / 8));  // a new common direction every 8 frames
+  // Each cluster takes a new common direction every 8 frames.
+  SequentialRandom cluster(slot.index % 7 + 1000 * (slot.frame / 8));
   for (int axis = 0; axis < 3; ++axis) Shift(box, axis, cluster.Between(-0.5F, 0.5F));
   Jitter(random, 0.05F, box);
 }
@@ -282,7 +282,7 @@ void StepPlanar(SequentialRandom& random, const Slot&, Aabb& box) {
 Aabb SpawnMixedSizes(SequentialRandom& random, const Slot& slot) {
   float center[3];
   float half[3];
-  const auto size = static_cast<float>(0.005 * portable::Pow(1000.0, random.Unit()));
+  const auto size = static_cast<float>(0.005 * math::Pow(1000.0, random.Unit()));
   for (int axis = 0; axis < 3; ++axis) {
     center[axis] = random.Between(0, 2 * slot.WorldSide());
     half[axis] = size * random.Between(0.5F, 1.0F);
@@ -327,6 +327,52 @@ size_t KindIndex(std::string_view name) {
   throw std::invalid_argument("no kind of boxes is called " + std::string(name));
 }
 
+// A scene that shows a kind under another name, with a fixed object count where one is given.
+struct Special {
+  std::string_view name;
+  std::string_view kind;
+  std::optional<uint32_t> object_count;
+};
+constexpr std::string_view kCountChanging = "count-changing";
+constexpr std::string_view kSpawning = "spawning";
+constexpr Special kSpecials[] = {
+    {"empty", "brownian", 0},       {"one", "brownian", 1},      {"two", "touching-faces", 2},
+    {kCountChanging, kMixture, {}}, {kSpawning, "brownian", {}},
+};
+
+// From `max` down to its half and back, a 64th at a time.
+size_t SpawnedCount(size_t max, uint64_t frame) {
+  const uint64_t phase = frame % 64;
+  return max - max * (phase < 32 ? phase : 64 - phase) / 64;
+}
+
+class DegenerateScene : public Scene {
+ public:
+  DegenerateScene(std::string_view name, std::string_view kind, uint32_t object_count,
+                  uint64_t seed)
+      : name_(name), boxes_(kind, object_count, seed), counts_(seed), shown_(object_count) {}
+
+  std::string_view name() const override { return name_; }
+  Aabb world() const override { return {{-50, -50, -50}, {50, 50, 50}}; }
+  uint64_t frame_index() const override { return frame_index_; }
+  std::span<const Aabb> aabbs() const override { return boxes_.boxes().first(shown_); }
+  void Step() override {
+    ++frame_index_;
+    boxes_.Step();
+    if (name_ == kSpawning) shown_ = SpawnedCount(boxes_.boxes().size(), frame_index_);
+    if (name_ == kCountChanging) {
+      shown_ = frame_index_ % 7 == 3 ? 0 : counts_.Below(boxes_.boxes().size() + 1);
+    }
+  }
+
+ private:
+  std::string_view name_;
+  BoxScene boxes_;
+  SequentialRandom counts_;
+  size_t shown_;
+  uint64_t frame_index_ = 0;
+};
+
 }  // namespace
 
 std::span<const std::string_view> BoxSceneKinds() { return kNames; }
@@ -343,6 +389,17 @@ void BoxScene::Step() {
   for (size_t i = 0; i < boxes_.size(); ++i) {
     kKinds[kinds_[i]].step(random_, {i, boxes_.size(), frame_}, boxes_[i]);
   }
+}
+
+std::unique_ptr<Scene> MakeDegenerateScene(std::string_view name, uint32_t object_count,
+                                           uint64_t seed) {
+  std::string_view kind = name;
+  for (const Special& special : kSpecials) {
+    if (special.name != name) continue;
+    kind = special.kind;
+    object_count = special.object_count.value_or(object_count);
+  }
+  return std::make_unique<DegenerateScene>(name, kind, object_count, seed);
 }
 
 }  // namespace sweepstake

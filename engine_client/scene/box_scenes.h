@@ -1,19 +1,21 @@
-// Moving boxes that find the faults of a broad phase: ordinary, degenerate and broken ones, and
+// Moving boxes that reveal the faults of a broad phase: ordinary, degenerate and broken ones, and
 // seeded mixtures of them all.
 //
-// The same kind, count and seed give the same boxes. Not thread-safe. Lengths in world units;
-// unless a kind says otherwise the world holds one object per unit of volume and half extents are
-// 0.145 to 0.725.
+// The same kind, count and seed give the same boxes on every platform. Not thread-safe. Lengths are
+// in world units; unless a kind says otherwise, the world holds one object per unit of volume and
+// half extents are 0.145 to 0.725.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "engine_client/scene/sequential_random.h"
+#include "engine_client/scene/random.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/scene.h"
 
 namespace sweepstake {
 
@@ -38,5 +40,15 @@ class BoxScene {
   SequentialRandom random_;
   uint64_t frame_ = 0;
 };
+
+// A BoxScene as a Scene. `name` is a kind, or one of
+//   empty, one, two   that many objects, whatever object_count is;
+//   count-changing    a mixture of which every frame shows another number of objects, at times
+//   none; spawning          a brownian crowd that gains or loses a 64th of its objects per frame,
+//   between
+//                     half of them and all.
+// `name` outlives the scene. `object_count` is the maximum of a frame. REQUIRES: a known name.
+std::unique_ptr<Scene> MakeDegenerateScene(std::string_view name, uint32_t object_count,
+                                           uint64_t seed);
 
 }  // namespace sweepstake

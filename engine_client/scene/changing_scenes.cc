@@ -2,36 +2,34 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
-#include <new>
-#include <string>
 #include <vector>
 
-#include "engine_client/scene/counter_random.h"
 #include "engine_client/scene/generated_scene.h"
-#include "engine_client/scene/portable_math.h"
-#include "engine_client/scene/scene_options.h"
+#include "engine_client/scene/random.h"
+#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 namespace {
 
 enum class Motion {
-  kJitter,    // every axis by up to ±reach
-  kStir,      // one object in a hundred jitters, another one in each frame
-  kScramble,  // one object in three jumps to any place
-  kFlow,      // straight on, up to reach per axis, back from the walls
-  kSwirl,     // round the vertical axis, each object at its own pace, up to reach radians
+  kJitter,    // every axis moves by up to ±reach
+  kStir,      // one object in a hundred jitters, other ones in each frame
+  kScramble,  // one object in three jumps anywhere
+  kFlow,      // each object moves straight on by up to reach per axis; walls reflect it
+  kSwirl,     // each object turns around the vertical axis at its own pace of up to reach radians
 };
 
-// How the objects behave for a while. `from` and `to`: what all distances from the middle of the
-// world are multiplied with at the begin and at the end.
+// How the objects behave for a while. All distances from the middle of the world are multiplied by
+// a factor that runs from `scale_begin` to `scale_end`.
 struct Regime {
   Motion motion;
   float reach = 0;
-  uint32_t shown_divisor = 1;  // one object in so many is there
+  uint32_t shown_divisor = 1;  // one object in this many is shown
   bool churns = false;         // a 64th of the objects comes or goes in each frame
-  float from = 1;
-  float to = 1;
+  float scale_begin = 1;
+  float scale_end = 1;
 };
 
 constexpr Regime kRest{Motion::kJitter, 0};
@@ -44,9 +42,9 @@ constexpr Regime kStir{Motion::kStir, 0.1F};
 constexpr Regime kChurn{.motion = Motion::kJitter, .reach = 0.1F, .churns = true};
 
 constexpr float kCrowd = 0.6F;  // 4.6 objects per unit of volume
-constexpr Regime kGather{.motion = Motion::kJitter, .reach = 0.05F, .to = kCrowd};
-constexpr Regime kCamp{.motion = Motion::kJitter, .from = kCrowd, .to = kCrowd};
-constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .from = kCrowd};
+constexpr Regime kGather{.motion = Motion::kJitter, .reach = 0.05F, .scale_end = kCrowd};
+constexpr Regime kCamp{.motion = Motion::kJitter, .scale_begin = kCrowd, .scale_end = kCrowd};
+constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .scale_begin = kCrowd};
 
 constexpr uint32_t kFew = 60;  // 50 of 3,000
 constexpr Regime kFewDrift{.motion = Motion::kJitter, .reach = 0.1F, .shown_divisor = kFew};
@@ -73,16 +71,10 @@ constexpr Kind kKinds[] = {
     {"arrivals", 350, kArrivals},
 };
 
-constexpr auto kNames = [] {
-  std::array<std::string_view, std::size(kKinds)> names;
-  for (size_t i = 0; i < names.size(); ++i) names[i] = kKinds[i].name;
-  return names;
-}();
-
 struct Body {
   float place[3];     // of the centre, before the world shrinks
   float half[3];      // extents
-  float velocity[3];  // per frame, as a share of a regime's reach
+  float velocity[3];  // per frame, as a fraction of a regime's reach
   float sine;         // of the swirl's step
   float cosine;
 };
@@ -92,7 +84,7 @@ class ChangingScene : public Scene {
   ChangingScene(const Kind& kind, uint32_t object_count, uint64_t seed, uint32_t regime_frames)
       : kind_(kind),
         regime_frames_(regime_frames == 0 ? kind.regime_frames : regime_frames),
-        side_(static_cast<float>(portable::CubeRoot(object_count))),
+        side_(static_cast<float>(math::CubeRoot(object_count))),
         kicks_(seed, RandomStream::kKick),
         bodies_(object_count),
         boxes_(object_count) {
@@ -127,13 +119,13 @@ class ChangingScene : public Scene {
   uint64_t FrameInRegime() const { return frame_index_ - RegimeIndex() * regime_frames_; }
 
   size_t ShownCount() const {
-    const size_t most = bodies_.size();
+    const size_t max = bodies_.size();
     const Regime& regime = RegimeNow();
     if (regime.churns) {
       const uint64_t phase = FrameInRegime() % 64;
-      return most - most * (phase < 32 ? phase : 64 - phase) / 64;
+      return max - max * (phase < 32 ? phase : 64 - phase) / 64;
     }
-    return most == 0 ? 0 : std::max<size_t>(1, most / regime.shown_divisor);
+    return max == 0 ? 0 : std::max<size_t>(1, max / regime.shown_divisor);
   }
 
   void Spawn(uint64_t seed) {
@@ -143,13 +135,13 @@ class ChangingScene : public Scene {
     for (uint32_t i = 0; i < bodies_.size(); ++i) {
       Body& body = bodies_[i];
       for (int axis = 0; axis < 3; ++axis) {
-        body.half[axis] = static_cast<float>(0.145 * portable::Pow(5.0, size.Unit(i, axis)));
+        body.half[axis] = static_cast<float>(0.145 * math::Pow(5.0, size.Unit(i, axis)));
         body.place[axis] = side_ * place.Unit(i, axis);
         body.velocity[axis] = velocity.Symmetric(i, axis);
       }
       const double pace = 0.3 + 0.7 * velocity.Unit(i, 3);
-      body.sine = static_cast<float>(portable::Sin(kSwirl.reach * pace));
-      body.cosine = static_cast<float>(portable::Cos(kSwirl.reach * pace));
+      body.sine = static_cast<float>(math::Sin(kSwirl.reach * pace));
+      body.cosine = static_cast<float>(math::Cos(kSwirl.reach * pace));
     }
   }
 
@@ -203,8 +195,8 @@ class ChangingScene : public Scene {
 
   float ScaleNow() const {
     const Regime& regime = RegimeNow();
-    const float way = static_cast<float>(FrameInRegime()) / static_cast<float>(regime_frames_);
-    return regime.from + (regime.to - regime.from) * way;
+    const float progress = static_cast<float>(FrameInRegime()) / static_cast<float>(regime_frames_);
+    return regime.scale_begin + (regime.scale_end - regime.scale_begin) * progress;
   }
 
   void Show() {
@@ -230,39 +222,20 @@ class ChangingScene : public Scene {
   uint64_t frame_index_ = 0;
 };
 
-const Kind* Find(std::string_view name) {
+const Kind& Find(std::string_view name) {
   const auto* kind = std::find_if(std::begin(kKinds), std::end(kKinds),
                                   [&](const Kind& each) { return each.name == name; });
-  return kind == std::end(kKinds) ? nullptr : kind;
-}
-
-Status UnknownName(std::string_view name) {
-  std::string message = "no changing scene is called '" + std::string(name) + "'; choose one of ";
-  for (const std::string_view each : kNames) {
-    if (each != kNames.front()) message += ", ";
-    message += each;
-  }
-  return {StatusCode::kNotFound, std::move(message)};
+  assert(kind != std::end(kKinds));
+  return *kind;
 }
 
 }  // namespace
 
-std::span<const std::string_view> ChangingSceneNames() { return kNames; }
+uint32_t RegimeFrames(std::string_view name) { return Find(name).regime_frames; }
 
-uint32_t RegimeFrames(std::string_view name) { return Find(name)->regime_frames; }
-
-Result<std::unique_ptr<Scene>> MakeChangingScene(std::string_view name, uint32_t object_count,
-                                                 uint64_t seed, uint32_t regime_frames) {
-  const Kind* kind = Find(name);
-  if (kind == nullptr) return UnknownName(name);
-  if (Status status = ValidateObjectCount(object_count); !status.ok()) return status;
-  try {
-    return std::unique_ptr<Scene>(
-        std::make_unique<ChangingScene>(*kind, object_count, seed, regime_frames));
-  } catch (const std::bad_alloc&) {
-    return Status(StatusCode::kResourceExhausted,
-                  "not enough memory for the scene: choose a smaller object_count");
-  }
+std::unique_ptr<Scene> MakeChangingScene(std::string_view name, uint32_t object_count,
+                                         uint64_t seed, uint32_t regime_frames) {
+  return std::make_unique<ChangingScene>(Find(name), object_count, seed, regime_frames);
 }
 
 }  // namespace sweepstake

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine_client/scene/counter_random.h"
-#include "engine_client/scene/portable_math.h"
+#include "engine_client/scene/random.h"
+#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 
@@ -38,11 +38,11 @@ Aabb CentredWorld(float half_extent) {
 
 void SpawnSizes(const SceneOptions& options, Bodies& bodies) {
   const CounterRandom random(options.spawn_seed, RandomStream::kSize);
-  const double smallest = options.half_extent_min;
-  const double log_ratio = portable::Log(options.half_extent_max / smallest);
+  const double min = options.half_extent_min;
+  const double log_ratio = math::Log(options.half_extent_max / min);
   for (uint32_t i = 0; i < options.object_count; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
-      const double drawn = smallest * portable::Exp(log_ratio * random.Unit(i, axis));
+      const double drawn = min * math::Exp(log_ratio * random.Unit(i, axis));
       bodies.half_extent[axis][i] =
           std::clamp(static_cast<float>(drawn), options.half_extent_min, options.half_extent_max);
     }

@@ -1,8 +1,8 @@
-// What all computed scenes share: bodies as centres and half extents, stepped in place and shown as
+// The base of the computed scenes: bodies as centres and half extents, moved in place and shown as
 // boxes.
 //
-// Not thread-safe. All memory is taken at construction: 48 bytes per object here, plus what the
-// motion keeps.
+// Not thread-safe. All memory is allocated at construction: 48 bytes per object here, plus the
+// motion's own state.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace sweepstake {
 
-// One array per axis; all have the object count as their size.
+// One array per axis, each with one element per object.
 struct Bodies {
   explicit Bodies(uint32_t object_count);
 
@@ -36,7 +36,7 @@ class GeneratedScene : public Scene {
   // `name` outlives the scene. The derived constructor places the bodies and then calls ShowBodies.
   GeneratedScene(std::string_view name, const Aabb& world, uint32_t object_count);
 
-  // Moves the bodies to the frame of frame_index(), which is already counted up.
+  // Moves the bodies to the frame of frame_index(), which has already been incremented.
   virtual void Move() = 0;
 
   void ShowBodies();
@@ -54,13 +54,13 @@ class GeneratedScene : public Scene {
 // The world of the scenarios: ±half_extent on each axis.
 Aabb CentredWorld(float half_extent);
 
-// Sizes for SceneOptions: log-uniform half extents, each axis on its own.
+// Draws log-uniform half extents, each axis on its own.
 void SpawnSizes(const SceneOptions& options, Bodies& bodies);
 
-// Positions for SceneOptions: uniform, the whole box inside the world.
+// Draws uniform positions with the whole box inside the world. REQUIRES: sizes are drawn.
 void SpawnInsideWalls(const SceneOptions& options, Bodies& bodies);
 
-// `x` mirrored once at the wall it passed, then clamped to [low, high].
+// `x` mirrored once at the wall that it passed, then clamped to [low, high].
 float Reflect(float x, float low, float high);
 
 }  // namespace sweepstake

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine_client/scene/aabbs_format.h"
-#include "engine_client/scene/scene_options.h"
+#include "server/decision/math/names.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {
@@ -20,15 +20,15 @@ namespace fs = std::filesystem;
 
 Status CannotWrite(const fs::path& path, const std::string& reason) {
   return {StatusCode::kUnavailable,
-          aabbs::OneLine(path.string()) + " cannot be written: " + reason};
+          math::PrintableLine(path.string()) + " cannot be written: " + reason};
 }
 
 std::string SystemReason() {
   return errno == 0 ? "unknown reason" : std::generic_category().message(errno);
 }
 
-// Beside the target, so that the rename stays on one file system; random, so that two recorders do
-// not meet.
+// The path is beside the target, so that the rename stays on one file system, and random, so that
+// two recorders do not collide.
 fs::path PartialPath(const fs::path& target) {
   std::random_device random;
   std::ostringstream suffix;
@@ -38,7 +38,7 @@ fs::path PartialPath(const fs::path& target) {
   return partial;
 }
 
-// A file that takes its name only when it is complete; dropped before that, it leaves nothing
+// A file that gets its name only when it is complete. Destroyed before that, it leaves nothing
 // behind.
 class PendingFile {
  public:
@@ -102,16 +102,16 @@ class FrameWriter {
     return file_.status();
   }
 
-  // The count table, where one is needed, and the header, which is known only now.
+  // Appends the count table if one is needed, and writes the header, which is known only now.
   Status Finish(const Scene& scene) {
     aabbs::Header header;
     header.scene_name = scene.name();
     header.world = scene.world();
     header.frame_count = static_cast<int32_t>(counts_.size() - 1);
-    const auto [fewest, most] = std::minmax_element(counts_.begin(), counts_.end());
-    if (*most == 0 || *most > kMaxSceneObjectCount) return BadCount(*most);
-    header.object_count = static_cast<int32_t>(*most);
-    if (*fewest != *most) {
+    const auto [min, max] = std::minmax_element(counts_.begin(), counts_.end());
+    if (*max == 0 || *max > kMaxSceneObjectCount) return BadCount(*max);
+    header.object_count = static_cast<int32_t>(*max);
+    if (*min != *max) {
       header.layout = aabbs::Layout::kChangingCount;
       AppendCountTable();
     }
@@ -126,10 +126,10 @@ class FrameWriter {
                 " has a coordinate that is not finite and cannot be recorded"};
   }
 
-  static Status BadCount(uint32_t most) {
+  static Status BadCount(uint32_t max) {
     return {StatusCode::kInvalidArgument,
             "a recording needs from 1 to " + std::to_string(kMaxSceneObjectCount) +
-                " objects in its fullest frame, the scene has " + std::to_string(most)};
+                " objects in its fullest frame, the scene has " + std::to_string(max)};
   }
 
   void AppendCountTable() {
@@ -146,21 +146,21 @@ class FrameWriter {
 };
 
 Status CheckTarget(uint64_t frame_count, const fs::path& path) {
-  constexpr uint64_t kMostFrames = std::numeric_limits<int32_t>::max();
-  if (frame_count > kMostFrames) {
+  constexpr uint64_t kFrameCountMax = std::numeric_limits<int32_t>::max();
+  if (frame_count > kFrameCountMax) {
     return {StatusCode::kInvalidArgument, "a recording takes at most " +
-                                              std::to_string(kMostFrames) + " frames, not " +
+                                              std::to_string(kFrameCountMax) + " frames, not " +
                                               std::to_string(frame_count)};
   }
   if (!path.has_filename()) {
     return {StatusCode::kInvalidArgument,
-            "'" + aabbs::OneLine(path.string()) + "' is no file name to record to"};
+            "'" + math::PrintableLine(path.string()) + "' is no file name to record to"};
   }
   std::error_code error;
   const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(directory, error)) {
     return {StatusCode::kNotFound,
-            aabbs::OneLine(directory.string()) + " is no directory: create it first"};
+            math::PrintableLine(directory.string()) + " is no directory: create it first"};
   }
   if (fs::is_directory(path, error)) return CannotWrite(path, "it is a directory");
   return {};

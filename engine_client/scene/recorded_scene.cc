@@ -5,7 +5,7 @@
 #include <string>
 #include <system_error>
 
-#include "engine_client/scene/scene_options.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake {
 namespace {
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 Status Broken(std::string message) { return {StatusCode::kDataLoss, std::move(message)}; }
 
 Status InFile(const fs::path& path, const Status& status) {
-  return {status.code(), aabbs::OneLine(path.string()) + ": " + status.message()};
+  return {status.code(), math::PrintableLine(path.string()) + ": " + status.message()};
 }
 
 bool ReadExactly(std::ifstream& file, std::span<std::byte> bytes) {
@@ -24,7 +24,7 @@ bool ReadExactly(std::ifstream& file, std::span<std::byte> bytes) {
   return file.gcount() == size;
 }
 
-// A directory or a pipe would open, and then fail or block.
+// A directory or a pipe could be opened, but reading it would fail or block.
 Result<uint64_t> SizeOfRegularFile(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -65,7 +65,7 @@ Status RecordedScene::ReadHeader(const fs::path& path) {
   return {};
 }
 
-// No memory is taken by what the header says before the file's size confirms it.
+// Memory is allocated only after the file's size has confirmed the counts of the header.
 Status RecordedScene::CheckSize(uint64_t file_bytes) {
   if (header_.layout == aabbs::Layout::kChangingCount) {
     if (Status status = ReadCountTable(file_bytes); !status.ok()) return status;

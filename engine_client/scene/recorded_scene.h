@@ -1,5 +1,5 @@
-// A .aabbs file as a scene: frames are read one at a time, memory is that of one frame plus, where
-// the count changes, 4 bytes per frame.
+// A .aabbs file as a scene. Frames are read one at a time; the memory is that of one frame, plus 4
+// bytes per frame if the count changes.
 //
 // Not thread-safe. Opening reads the whole file once, to find broken boxes before anybody depends
 // on them.
@@ -25,13 +25,13 @@ class RecordedScene final : public Scene {
   // a box: frame and object). kResourceExhausted: more than kMaxSceneObjectCount objects.
   static Result<std::unique_ptr<Scene>> Open(const std::filesystem::path& path);
 
-  // The header's, or "recorded" where that is empty.
+  // The name in the header, or "recorded" if that is empty.
   std::string_view name() const override { return header_.scene_name; }
   Aabb world() const override { return header_.world; }
   uint64_t frame_index() const override { return frame_index_; }
   std::span<const Aabb> aabbs() const override { return {boxes_.data(), shown_count_}; }
-  // If the file became unreadable since it was opened, the boxes stay those of the last frame that
-  // could be read.
+  // If the file has become unreadable since it was opened, the boxes stay those of the last frame
+  // that could be read.
   void Step() override;
 
  private:
@@ -42,7 +42,7 @@ class RecordedScene final : public Scene {
   Status ReadCountTable(uint64_t file_bytes);
   Status CheckBoxes();
   Status CheckFrame(uint64_t file_frame) const;
-  // Shows the next frame of the file; false leaves the boxes as they were.
+  // Shows the next frame of the file. On failure the boxes stay as they were.
   bool ReadNextFrame();
   bool ReadBoxes(size_t count);
   void Rewind();
@@ -50,9 +50,9 @@ class RecordedScene final : public Scene {
 
   std::ifstream file_;
   aabbs::Header header_;
-  std::vector<uint32_t> counts_;  // per frame; empty where the count is fixed
+  std::vector<uint32_t> counts_;  // per frame; empty if the count is fixed
   std::vector<Aabb> boxes_;
-  std::vector<std::byte> bytes_;  // one frame as it stands in the file
+  std::vector<std::byte> bytes_;  // one frame in the format of the file
   size_t shown_count_ = 0;
   uint64_t next_file_frame_ = 0;
   uint64_t frame_index_ = 0;

@@ -1,31 +1,88 @@
 #include "engine_client/scene/suite_scene.h"
 
-#include "engine_client/scene/portable_math.h"
+#include <array>
+#include <vector>
+
+#include "engine_client/scene/generated_scene.h"
+#include "engine_client/scene/random.h"
+#include "server/decision/math/portable_math.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr float kSmallestHalfExtent = 0.145F;
+constexpr float kHalfExtentMin = 0.145F;
 constexpr float kLogOfSizeRatio = 1.6094379F;  // ln 5
 constexpr float kTwoPi = 6.2831853F;
 
 float SideOfDensityOne(uint32_t object_count) {
-  return static_cast<float>(portable::CubeRoot(object_count));
+  return static_cast<float>(math::CubeRoot(object_count));
 }
 
-// The mirror at the walls of [0, side].
+// `x` mirrored at the walls of [0, side].
 float ReflectInside(float x, float side) {
   if (x < 0) x = -x;
   return x > side ? 2 * side - x : x;
 }
 
-// The results of float functions: computed in double and rounded once.
-float SinF(float x) { return static_cast<float>(portable::Sin(x)); }
-float CosF(float x) { return static_cast<float>(portable::Cos(x)); }
-float ExpF(float x) { return static_cast<float>(portable::Exp(x)); }
-float PowF(float x, float y) { return static_cast<float>(portable::Pow(x, y)); }
+// These are computed in double and rounded once.
+float SinF(float x) { return static_cast<float>(math::Sin(x)); }
+float CosF(float x) { return static_cast<float>(math::Cos(x)); }
+float ExpF(float x) { return static_cast<float>(math::Exp(x)); }
+float PowF(float x, float y) { return static_cast<float>(math::Pow(x, y)); }
 
-}  // namespace
+// Draws come in order from one splitmix64 stream and all arithmetic is in float: changing the order
+// of either changes every published pair count.
+class SuiteScene : public GeneratedScene {
+ protected:
+  // `variant` is the scene's place in the suite (B 0, G 1, H 2); it enters the seed.
+  SuiteScene(std::string_view name, uint64_t variant, uint32_t object_count);
+
+  float side() const { return side_; }
+  SequentialRandom& random() { return random_; }
+  void SpawnSize(uint32_t object);
+  void SpawnPosition(uint32_t object);
+
+ private:
+  float side_;
+  SequentialRandom random_;
+};
+
+// B: each step moves each object by ±0.1 on each axis, reflected at the walls.
+class SuiteBrownian final : public SuiteScene {
+ public:
+  explicit SuiteBrownian(uint32_t object_count);
+
+ private:
+  void Move() override;
+};
+
+// G: gravity turns every 35 frames; each object has its own floor in x and y, up to a quarter of
+// the side in.
+class SuiteGravity final : public SuiteScene {
+ public:
+  explicit SuiteGravity(uint32_t object_count);
+
+ private:
+  void Move() override;
+  void MoveAxis(uint32_t object, int axis);
+
+  std::vector<float> floor_;
+  std::array<std::vector<float>, 3> velocity_;  // units per frame
+};
+
+// H: orbits around the middle, 0.44 radians per frame at the axis to 0.04 at the rim.
+class SuiteHurricane final : public SuiteScene {
+ public:
+  explicit SuiteHurricane(uint32_t object_count);
+
+ private:
+  void Move() override;
+  void PlaceOnOrbits();
+
+  std::vector<float> radius_;
+  std::vector<float> angle_;
+  std::vector<float> phase_;
+};
 
 SuiteScene::SuiteScene(std::string_view name, uint64_t variant, uint32_t object_count)
     : GeneratedScene(name,
@@ -38,7 +95,7 @@ SuiteScene::SuiteScene(std::string_view name, uint64_t variant, uint32_t object_
 
 void SuiteScene::SpawnSize(uint32_t object) {
   for (std::vector<float>& half_extent : bodies().half_extent) {
-    half_extent[object] = kSmallestHalfExtent * ExpF(kLogOfSizeRatio * random_.Unit());
+    half_extent[object] = kHalfExtentMin * ExpF(kLogOfSizeRatio * random_.Unit());
   }
 }
 
@@ -50,7 +107,7 @@ SuiteBrownian::SuiteBrownian(uint32_t object_count) : SuiteScene("suite-b", 0, o
   for (uint32_t i = 0; i < object_count; ++i) {
     SpawnSize(i);
     SpawnPosition(i);
-    // The floor that G draws: the three scenes share their spawn's order of draws.
+    // Suite-g draws its floor here; the scenes share the order of their first draws.
     random().Unit();
   }
   ShowBodies();
@@ -138,6 +195,20 @@ void SuiteHurricane::PlaceOnOrbits() {
     bodies().centre[0][i] = middle + radius * CosF(angle_[i]);
     bodies().centre[2][i] = middle + radius * SinF(angle_[i]);
   }
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> MakeSuiteBrownian(uint32_t object_count) {
+  return std::make_unique<SuiteBrownian>(object_count);
+}
+
+std::unique_ptr<Scene> MakeSuiteGravity(uint32_t object_count) {
+  return std::make_unique<SuiteGravity>(object_count);
+}
+
+std::unique_ptr<Scene> MakeSuiteHurricane(uint32_t object_count) {
+  return std::make_unique<SuiteHurricane>(object_count);
 }
 
 }  // namespace sweepstake

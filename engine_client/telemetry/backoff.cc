@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "server/decision/math/hash.h"
+
 namespace sweepstake {
 
 Backoff::Backoff(uint32_t min_ms, uint32_t max_ms, uint64_t seed)
@@ -27,12 +29,6 @@ uint32_t Backoff::JitterMs(uint32_t bound_ms) {
   return static_cast<uint32_t>(((NextRandom() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
 }
 
-// splitmix64.
-uint64_t Backoff::NextRandom() {
-  uint64_t mixed = (random_state_ += 0x9E3779B97F4A7C15);
-  mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9;
-  mixed = (mixed ^ (mixed >> 27)) * 0x94D049BB133111EB;
-  return mixed ^ (mixed >> 31);
-}
+uint64_t Backoff::NextRandom() { return math::Mix64(random_state_ += math::kGoldenGamma); }
 
 }  // namespace sweepstake

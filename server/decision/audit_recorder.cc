@@ -8,17 +8,11 @@
 #include "server/decision/audit_runs.h"
 #include "server/decision/audit_setup.h"
 #include "server/decision/audit_text.h"
+#include "server/decision/math/hash.h"
 #include "server/decision/policy/policy.h"
 
 namespace sweepstake::decision {
 namespace {
-
-constexpr uint64_t kHashStart = 0xcbf29ce484222325;
-
-uint64_t Hash(uint64_t hash, std::string_view text) {
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return hash;
-}
 
 // What "default" stands for may change; the log names the policy itself.
 SessionSetup WithPolicyNamed(SessionSetup setup) {
@@ -35,7 +29,7 @@ AuditRecorder::AuditRecorder(AuditSink& sink, AuditOrigin origin, const SessionS
       policy_(PolicyKindOf(setup.options.policy).name),
       reward_version_(PolicyKindOf(setup.options.policy).reward_version),
       seed_(setup.seed),
-      hash_(kHashStart) {
+      hash_(math::kFnv1aStart) {
   Begin(AuditKind::kSetup, setup.start_ns);
   text_.clear();
   AppendSetup(text_, WithPolicyNamed(setup), origin_);
@@ -116,7 +110,7 @@ void AuditRecorder::Begin(AuditKind kind, std::optional<int64_t> now_ns) {
 
 void AuditRecorder::End() {
   std::string& row = Cell(AuditColumn::kLogHash);
-  hash_ = Hash(hash_, row);
+  hash_ = math::Fnv1a(hash_, row);
   char digits[16];
   const auto end = std::to_chars(digits, digits + sizeof digits, hash_, 16);
   row.append(digits, end.ptr);

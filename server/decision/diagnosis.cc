@@ -23,7 +23,7 @@ double NegligibleAbove(const BetaPosterior& p) {
   for (int i = 0; i < 100; ++i) {
     const double excess = LogitLogShape(p, offset) - kNegligibleLogDensity;
     if (excess > -4) break;
-    const double y = (1 - mean) / (1 - mean + mean * PortableExp(offset));
+    const double y = (1 - mean) / (1 - mean + mean * math::Exp(offset));
     offset -= excess / (n * y - p.beta);
   }
   return offset;
@@ -96,12 +96,12 @@ void BetaRewards::MoveTo(double t) {
   double small = 1;
   double large = 0;
   if (along < kLargestExponent) {
-    const double growth = origin_small_ * PortableExpm1(along);
-    log_ratio_ = PortableLog1p(growth);
+    const double growth = origin_small_ * math::Expm1(along);
+    log_ratio_ = math::Log1p(growth);
     small = (origin_small_ + growth) / (1 + growth);
     large = (1 - origin_small_) / (1 + growth);
   } else {
-    log_ratio_ = along + PortableLog(origin_small_);
+    log_ratio_ = along + math::Log(origin_small_);
   }
   x_ = mirrored_ ? large : small;
   y_ = mirrored_ ? small : large;
@@ -155,7 +155,7 @@ NormalLogCosts::NormalLogCosts(std::span<const double> means, std::span<const do
     const double variance = std::max(variances[i], kSmallestVariance);
     costs_.push_back({.mean = origin - means[i],
                       .precision = 1 / variance,
-                      .log_peak = -0.5 * PortableLog(variance) - kHalfLog2Pi,
+                      .log_peak = -0.5 * math::Log(variance) - kHalfLog2Pi,
                       .reach = std::sqrt(-2 * kNegligibleLogDensity * variance)});
   }
 }
@@ -169,7 +169,7 @@ LogDensity NormalLogCosts::At(size_t i) const {
 double Entropy(std::span<const double> probabilities) {
   double sum = 0;
   for (const double p : probabilities) {
-    if (p > 0) sum -= p * PortableLog(p);
+    if (p > 0) sum -= p * math::Log(p);
   }
   return std::max(sum, 0.0);
 }
@@ -230,8 +230,7 @@ Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double
   Diagnosis diagnosis = FromProbabilities(std::move(greatest.probability));
   const double lowest = *std::min_element(means.begin(), means.end());
   const double loss = greatest.expected_value + (means[diagnosis.leader] - lowest);
-  return WithLoss(std::move(diagnosis), PortableExpm1(loss),
-                  PortableExpm1(greatest.expected_value));
+  return WithLoss(std::move(diagnosis), math::Expm1(loss), math::Expm1(greatest.expected_value));
 }
 
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "server/decision/math/beta_distribution.h"
+
 namespace sweepstake::decision {
 
 // Bits of Frame::flags; the values of sweepstake.v1.FrameFlag.
@@ -116,16 +118,6 @@ struct GateTerms {
   double horizon_s = 0;
   double cooldown_s = 0;
   double cost_s = 0;  // of the switch, measured
-};
-
-// A Beta distribution of an arm's reward; both finite and > 0.
-struct BetaPosterior {
-  double alpha = 1;
-  double beta = 1;
-
-  double mean() const { return alpha / (alpha + beta); }
-  double evidence() const { return alpha + beta; }  // the paper's n, prior included
-  friend bool operator==(const BetaPosterior&, const BetaPosterior&) = default;
 };
 
 struct SwitchCommand {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/math/sampling.h"
+#include "server/decision/math/random.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine_client/scene/sequential_random.h"
+#include "engine_client/scene/random.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/pair_sorter.h"
 #include "sweepstake/proxy_set.h"

@@ -21,8 +21,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/changing_scenes.h"
-#include "engine_client/scene/degenerate_scenes.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/scene.h"
@@ -144,7 +144,7 @@ std::unique_ptr<Scene> NamedScene(std::string_view name, uint32_t object_count) 
 }
 
 void AddAll(Fingerprint& fingerprint, const std::filesystem::path& scratch) {
-  for (const std::string_view name : SceneNames()) {
+  for (const std::string_view name : SceneNames(SceneGroup::kReference)) {
     fingerprint.AddScene(*NamedScene(name, 1000), 20);
     fingerprint.AddRecording(*NamedScene(name, 100), 20, scratch);
   }
@@ -152,12 +152,12 @@ void AddAll(Fingerprint& fingerprint, const std::filesystem::path& scratch) {
   for (const std::string_view name : {"suite-b", "suite-g"}) {
     fingerprint.AddScene(*NamedScene(name, 10'000), 3);
   }
-  for (const std::string_view name : ChangingSceneNames()) {
+  for (const std::string_view name : SceneNames(SceneGroup::kChanging)) {
     constexpr uint32_t kRegimeFrames = 5;
-    fingerprint.AddScene(*Need(MakeChangingScene(name, 300, kSeed, kRegimeFrames)), 20);
+    fingerprint.AddScene(*MakeChangingScene(name, 300, kSeed, kRegimeFrames), 20);
   }
-  for (const std::string_view name : DegenerateSceneNames()) {
-    fingerprint.AddScene(*Need(MakeDegenerateScene(name, 300, kSeed)), 8);
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    fingerprint.AddScene(*MakeDegenerateScene(name, 300, kSeed), 8);
   }
 }
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "server/decision/math/hash.h"
+
 namespace sweepstake {
 namespace {
 
@@ -29,7 +31,7 @@ struct AxisSample {
 
 // The k-th draw without a period: objects often come in classes by index modulo something.
 size_t DrawIndex(size_t k, size_t box_count) {
-  const uint64_t fraction = (k * 0x9E3779B97F4A7C15U) >> 32;  // of 2^32, by the golden ratio
+  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // of 2^32, by the golden ratio
   return static_cast<size_t>((fraction * box_count) >> 32);
 }
 

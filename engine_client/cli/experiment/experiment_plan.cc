@@ -8,6 +8,7 @@
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/paper/paper_tables.h"
+#include "server/decision/math/hash.h"
 #include "server/decision/options.h"
 #include "sweepstake/broad_phase.h"
 
@@ -38,18 +39,12 @@ ExperimentOptions WithDefaults(ExperimentOptions options) {
   return options;
 }
 
-uint64_t Mixed(uint64_t word) {
-  word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9;
-  word = (word ^ (word >> 27)) * 0x94D049BB133111EB;
-  return word ^ (word >> 31);
-}
-
 // By what the run is, not where it stands in the list: another grid with the same cell has the
 // same seeds. Below 2^53, so that every reader of JSON keeps them.
 uint64_t RunSeed(uint64_t seed, const std::string& cell, uint32_t run) {
-  uint64_t word = Mixed(seed + 0x9E3779B97F4A7C15);
-  for (const char letter : cell) word = Mixed(word + static_cast<unsigned char>(letter));
-  return (Mixed(word + run) >> 11) | 1;
+  uint64_t word = math::Mix64(seed + math::kGoldenGamma);
+  for (const char letter : cell) word = math::Mix64(word + static_cast<unsigned char>(letter));
+  return (math::Mix64(word + run) >> 11) | 1;
 }
 
 Status CheckPolicies(std::span<const std::string> policies) {

@@ -1,9 +1,8 @@
 #include "engine_client/cli/game/scene_choice.h"
 
 #include <algorithm>
+#include <optional>
 
-#include "engine_client/scene/changing_scenes.h"
-#include "engine_client/scene/degenerate_scenes.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {
@@ -18,16 +17,18 @@ bool IsOneOf(std::string_view name, std::span<const std::string_view> names) {
 
 bool IsFile(std::string_view name) { return name.ends_with(".aabbs"); }
 
+// The words that stand for a group of scenes.
+std::optional<SceneGroup> GroupOf(std::string_view word) {
+  if (word == "all") return SceneGroup::kReference;
+  if (word == "changing") return SceneGroup::kChanging;
+  if (word == "degenerate") return SceneGroup::kDegenerate;
+  return std::nullopt;
+}
+
 std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed) {
   std::vector<SceneChoice> choices;
-  if (name == "all") {
-    for (const std::string_view each : SceneNames())
-      choices.push_back({std::string(each), 0, seed});
-  } else if (name == "changing") {
-    for (const std::string_view each : ChangingSceneNames())
-      choices.push_back({std::string(each), 0, seed});
-  } else if (name == "degenerate") {
-    for (const std::string_view each : DegenerateSceneNames()) {
+  if (const auto group = GroupOf(name)) {
+    for (const std::string_view each : SceneNames(*group)) {
       if (each != kMixture) choices.push_back({std::string(each), 0, seed});
     }
   } else if (name == "mixtures") {
@@ -60,25 +61,15 @@ std::string WrapNames(std::span<const std::string_view> names, const std::string
   return text;
 }
 
-Status UnknownScene(const std::string& name) {
-  std::string shown = name.substr(0, 200);
-  std::replace_if(
-      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  constexpr size_t kOneLine = 1'000'000;
-  return {StatusCode::kNotFound,
-          "unknown scene '" + shown + "', must be one of " + WrapNames(SceneNames(), "", kOneLine) +
-              ", " + WrapNames(ChangingSceneNames(), "", kOneLine) + ", " +
-              WrapNames(DegenerateSceneNames(), "", kOneLine) + " or the path of a .aabbs file"};
-}
-
 }  // namespace
 
 std::string SceneHelp() {
   return "SCENE is a FILE.aabbs, a scenario or a member of the reference suite\n" +
-         WrapNames(SceneNames(), "  ", 80) +
+         WrapNames(SceneNames(SceneGroup::kReference), "  ", 80) +
          "\nor one in which the cheapest broad phase changes\n" +
-         WrapNames(ChangingSceneNames(), "  ", 80) + "\nor one that is hard on broad phases\n" +
-         WrapNames(DegenerateSceneNames(), "  ", 80) + ".\n";
+         WrapNames(SceneNames(SceneGroup::kChanging), "  ", 80) +
+         "\nor one that is hard on broad phases\n" +
+         WrapNames(SceneNames(SceneGroup::kDegenerate), "  ", 80) + ".\n";
 }
 
 std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
@@ -97,13 +88,6 @@ std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
 }
 
 Result<std::unique_ptr<Scene>> OpenScene(const SceneChoice& choice) {
-  if (IsOneOf(choice.name, ChangingSceneNames())) {
-    return MakeChangingScene(choice.name, choice.object_count, choice.seed);
-  }
-  if (!IsOneOf(choice.name, SceneNames()) && !IsFile(choice.name)) {
-    if (!IsOneOf(choice.name, DegenerateSceneNames())) return UnknownScene(choice.name);
-    return MakeDegenerateScene(choice.name, choice.object_count, choice.seed);
-  }
   SceneOptions options;
   options.object_count = choice.object_count;
   options.spawn_seed = choice.seed;

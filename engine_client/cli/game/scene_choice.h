@@ -14,20 +14,21 @@ namespace sweepstake::cli {
 
 // One scene to open.
 struct SceneChoice {
-  std::string name;  // as MakeScene takes it, or a changing or degenerate scene's
+  std::string name;  // a name or path that MakeScene accepts
   uint32_t object_count = 0;
   uint64_t seed = 1;
 };
 
-// Scenes × object counts. Recorded files have their own count and come once. The words `all` (the
-// eight scenes), `changing`, `degenerate` and `mixtures` (ten, from ten seeds) stand for many.
+// Scenes × object counts. A recorded file has its own count and appears once. The words `all` (the
+// eight reference scenes), `changing`, `degenerate` (without the mixture) and `mixtures` (ten, from
+// ten seeds) stand for several scenes.
 std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
                                       const std::vector<uint32_t>& object_counts, uint64_t seed);
 
-// The names that a command's SCENE may have besides FILE.aabbs, in lines for its help.
+// The valid names for a command's SCENE besides FILE.aabbs, in lines for its help.
 std::string SceneHelp();
 
-// The errors of MakeScene; for an unknown name one that lists the other scenes too.
+// Both seeds of the scene are the choice's seed. The errors are those of MakeScene.
 Result<std::unique_ptr<Scene>> OpenScene(const SceneChoice& choice);
 
 // `all`, or names of backends, each once. kNotFound lists the backends.

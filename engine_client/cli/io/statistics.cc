@@ -4,21 +4,19 @@
 #include <cmath>
 #include <numeric>
 
+#include "server/decision/math/hash.h"
+
 namespace sweepstake::cli {
 namespace {
 
-// SplitMix64 (Steele, Lea and Flood 2014): std:: engines are portable, its distributions are not.
+// splitmix64: the engines of std:: are portable, its distributions are not.
 class Draws {
  public:
   explicit Draws(uint64_t seed) : state_(seed) {}
 
   // Below `count`; the bias for counts of some thousand is below 1e-15.
   size_t Index(size_t count) {
-    state_ += 0x9E3779B97F4A7C15;
-    uint64_t word = state_;
-    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9;
-    word = (word ^ (word >> 27)) * 0x94D049BB133111EB;
-    word ^= word >> 31;
+    const uint64_t word = math::Mix64(state_ += math::kGoldenGamma);
     const double unit = static_cast<double>(word >> 11) * 0x1p-53;
     return std::min(count - 1, static_cast<size_t>(unit * static_cast<double>(count)));
   }

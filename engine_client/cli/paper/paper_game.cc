@@ -6,7 +6,6 @@
 
 #include "server/decision/decision_session.h"
 #include "server/decision/math/random.h"
-#include "server/decision/math/sampling.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/io/statistics.h"
+#include "server/decision/math/hash.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -185,8 +186,8 @@ uint32_t FrameOrder::Next() {
 }
 
 uint32_t OffsetOfSeed(const ReplayScene& scene, uint64_t seed) {
-  constexpr uint64_t kGoldenRatio = 0x9E3779B97F4A7C15;  // of 2^64
-  return static_cast<uint32_t>(((seed * kGoldenRatio) >> 32) * scene.trace_frame_count() >> 32);
+  return static_cast<uint32_t>(((seed * math::kGoldenGamma) >> 32) * scene.trace_frame_count() >>
+                               32);
 }
 
 }  // namespace sweepstake::cli

@@ -11,6 +11,7 @@
 
 #include "engine_client/cli/io/whole_file.h"
 #include "engine_client/cli/trace/costs_message.h"
+#include "server/decision/math/hash.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -20,14 +21,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMagic = "SWPCOSTS";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderBytes = 32;
-
-uint64_t Fnv1a(std::string_view bytes) {
-  uint64_t hash = 0xCBF29CE484222325U;
-  for (const char byte : bytes) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3U;
-  }
-  return hash;
-}
 
 void AppendNumber(uint64_t number, size_t byte_count, std::string& bytes) {
   for (size_t i = 0; i < byte_count; ++i) bytes += static_cast<char>(number >> (8 * i) & 0xFFU);
@@ -46,7 +39,7 @@ std::string Header(std::string_view payload) {
   AppendNumber(kVersion, 4, header);
   AppendNumber(0, 4, header);
   AppendNumber(payload.size(), 8, header);
-  AppendNumber(Fnv1a(payload), 8, header);
+  AppendNumber(math::Fnv1a(math::kFnv1aStart, payload), 8, header);
   return header;
 }
 
@@ -86,7 +79,9 @@ std::string FlawOfHeader(std::string_view bytes) {
     return "is cut short or has bytes too many: " + std::to_string(payload.size()) +
            " in place of " + std::to_string(size);
   }
-  return NumberAt(bytes, 24, 8) == Fnv1a(payload) ? "" : "is damaged: its checksum does not fit";
+  return NumberAt(bytes, 24, 8) == math::Fnv1a(math::kFnv1aStart, payload)
+             ? ""
+             : "is damaged: its checksum does not fit";
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine_client/scene/sequential_random.h"
+#include "engine_client/scene/random.h"
 
 namespace sweepstake::cli {
 

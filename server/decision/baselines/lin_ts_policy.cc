@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "server/decision/math/portable_math.h"
-#include "server/decision/math/sampling.h"
+#include "server/decision/math/random.h"
 #include "server/decision/policy/choice.h"
 
 namespace sweepstake::decision {
@@ -32,7 +32,7 @@ double Squashed(const std::optional<double>& value) {
 
 // A million objects are 1.
 double LogCount(const std::optional<double>& count) {
-  return std::min(1.0, PortableLog(1 + Positive(count)) / PortableLog(1e6));
+  return std::min(1.0, math::Log(1 + Positive(count)) / math::Log(1e6));
 }
 
 }  // namespace

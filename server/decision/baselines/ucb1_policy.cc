@@ -17,7 +17,7 @@ constexpr double kLeastEvidence = 1e-6;  // a bound stays finite, whatever the p
 Choice Ucb1Policy::Choose(const ChoiceInput& /*input*/) const {
   double window_count = 0;
   for (const BetaPosterior& posterior : posteriors()) window_count += posterior.evidence();
-  const double log_count = PortableLog(std::max(window_count, 1.0));
+  const double log_count = math::Log(std::max(window_count, 1.0));
   std::vector<double> bounds;
   for (const BetaPosterior& posterior : posteriors()) {
     bounds.push_back(posterior.mean() +

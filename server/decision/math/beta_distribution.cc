@@ -11,15 +11,15 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kHalfLog2Pi = 0x1.d67f1c864beb5p-1;
-// From here on Stirling's series to x^−11 is exact to the last place.
+// From this argument on Stirling's series up to x^−11 is exact to the last place.
 constexpr double kStirlingFrom = 15;
-// From here on the tail is summed; the series would take ever more terms.
-constexpr double kSummedFrom = 3000;
+// From this parameter on the tail is integrated, since the series would need ever more terms.
+constexpr double kSumFrom = 3000;
 
-// (x − ½) ln x − x + ½ ln 2π: ln Γ(x) but for Stirling's error.
-double StirlingLeading(double x) { return (x - 0.5) * PortableLog(x) - x + kHalfLog2Pi; }
+// (x − ½) ln x − x + ½ ln 2π, which is ln Γ(x) without Stirling's error.
+double StirlingLeading(double x) { return (x - 0.5) * math::Log(x) - x + kHalfLog2Pi; }
 
-// Bernoulli numbers over 2k (2k − 1) x^(2k − 1). REQUIRES: x >= kStirlingFrom.
+// The sum of the Bernoulli numbers over 2k (2k − 1) x^(2k − 1). REQUIRES: x >= kStirlingFrom.
 double StirlingSeries(double x) {
   constexpr std::array<double, 6> kTerms = {1.0 / 12,    -1.0 / 360, 1.0 / 1260,
                                             -1.0 / 1680, 1.0 / 1188, -691.0 / 360360};
@@ -41,15 +41,14 @@ struct UnitPoint {
 };
 
 UnitPoint FromLogit(double logit) {
-  const double e = PortableExp(logit < 0 ? logit : -logit);
+  const double e = math::Exp(logit < 0 ? logit : -logit);
   const double small = e / (1 + e);
   const double large = 1 / (1 + e);
   return logit < 0 ? UnitPoint{small, large} : UnitPoint{large, small};
 }
 
-// I_x(α, β) = x^α (1 − x)^β / (α B) × this (DLMF 8.17.8): terms all positive, some
-// √α of them around the mean. REQUIRES: x <= ½, and not so far above the mean that 1 − I_x is
-// negligible.
+// The series S of I_x(α, β) = x^α (1 − x)^β / (α B) × S (DLMF 8.17.8). All its terms are positive;
+// around the mean it takes some √α of them. REQUIRES: x <= ½, and 1 − I_x is not negligible.
 double IncompleteBetaSeries(const BetaPosterior& p, double x) {
   constexpr double kPrecision = 1e-17;
   const double n = p.alpha + p.beta;
@@ -62,28 +61,29 @@ double IncompleteBetaSeries(const BetaPosterior& p, double x) {
   return sum;
 }
 
-// P(logit <= mode + offset): the trapezoidal rule, with Euler and Maclaurin's terms at the end up
-// to the third derivative. Its steps are a twelfth of the scale on which the density changes, which
-// leaves an error below 1e-10 of the result. REQUIRES: offset <= 0, α >= 1, and both parameters are
-// large or the logit is above 0.
+// P(logit <= mode + offset) by the trapezoidal rule, with the terms of Euler and Maclaurin at the
+// end up to the third derivative. Its steps are a twelfth of the scale on which the density
+// changes, which leaves a relative error below 1e-10. REQUIRES: offset <= 0, α >= 1, and both
+// parameters are large or the logit is above 0.
 double SummedTail(const BetaPosterior& p, double offset) {
   constexpr double kPrecision = 1e-17;
   const double n = p.alpha + p.beta;
   const UnitPoint at = FromLogit(LogitMode(p) + offset);
-  const double slope = p.alpha * at.y - p.beta * at.x;  // of the density's logarithm
+  // The slope of the density's logarithm.
+  const double slope = p.alpha * at.y - p.beta * at.x;
   const double h = 1 / (12 * std::max({1.0, std::sqrt(p.alpha / n * p.beta), slope / 8}));
   double sum = 0;
   double term = 1;
   for (int i = 1; term > kPrecision * sum; ++i) {
-    term = PortableExp(LogitLogShape(p, offset - i * h));
+    term = math::Exp(LogitLogShape(p, offset - i * h));
     sum += term;
   }
   const double first = h * slope;
   const double second = -h * h * n * at.x * at.y;
   const double third = second * h * (at.y - at.x);
   const double end_terms = 0.5 - first / 12 + (first * (first * first + 3 * second) + third) / 720;
-  sum += end_terms * PortableExp(LogitLogShape(p, offset));
-  return PortableExp(LogitLogPeak(p)) * h * sum;
+  sum += end_terms * math::Exp(LogitLogShape(p, offset));
+  return math::Exp(LogitLogPeak(p)) * h * sum;
 }
 
 // P(logit <= mode + offset). REQUIRES: the logit is at most 0.
@@ -91,16 +91,17 @@ double SeriesTail(const BetaPosterior& p, double offset) {
   constexpr double kNegligible = -45;
   const double log_shape = LogitLogShape(p, offset);
   if (offset > 0 && log_shape < kNegligible) return 1;
-  const double density = PortableExp(LogitLogPeak(p) + log_shape);
+  const double density = math::Exp(LogitLogPeak(p) + log_shape);
   return density / p.alpha * IncompleteBetaSeries(p, FromLogit(LogitMode(p) + offset).x);
 }
 
-// The lower tail below the mean, or above it what the upper tail leaves: so that small results have
-// all their digits.
+// Below the mean this computes the lower tail, above it 1 − the upper tail, so that small results
+// have all their digits.
 double TailAt(const BetaPosterior& p, double offset) {
-  const bool large = std::min(p.alpha, p.beta) > kSummedFrom;
+  const bool large = std::min(p.alpha, p.beta) > kSumFrom;
   if (!large && LogitMode(p) + offset <= 0) return SeriesTail(p, offset);
-  // A smaller α falls too slowly to be summed, and leaves no small tail where the logit is above 0.
+  // With a smaller α the density falls too slowly to be integrated, and no tail is small where the
+  // logit is above 0.
   if (offset <= 0 && p.alpha >= 1) return SummedTail(p, offset);
   return 1 - (large ? SummedTail(Mirrored(p), -offset) : SeriesTail(Mirrored(p), -offset));
 }
@@ -109,19 +110,20 @@ double DistributionAt(const BetaPosterior& p, double offset) {
   return std::clamp(TailAt(p, offset), 0.0, 1.0);
 }
 
-// The offset from the mode below which the share p is. The logarithm of the distribution function
-// is concave, so Newton's steps arrive from below without overshooting. REQUIRES: 0 < p <= 0.5.
+// The offset from the mode below which the distribution has mass p. The logarithm of the
+// distribution function is concave, so that Newton's steps arrive from below without overshooting.
+// REQUIRES: 0 < p <= 0.5.
 double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
-  constexpr int kMostSteps = 100;
+  constexpr int kStepMax = 100;
   const double log_peak = LogitLogPeak(posterior);
-  const double log_p = PortableLog(p);
+  const double log_p = math::Log(p);
   double offset = 0;
   double step = 0;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kStepMax; ++i) {
     const double below = DistributionAt(posterior, offset);
-    const double density = PortableExp(log_peak + LogitLogShape(posterior, offset));
-    // Where nothing is left of the tail the step was too long.
-    step = below > 0 && density > 0 ? (log_p - PortableLog(below)) * (below / density)
+    const double density = math::Exp(log_peak + LogitLogShape(posterior, offset));
+    // An empty tail means that the last step was too long.
+    step = below > 0 && density > 0 ? (log_p - math::Log(below)) * (below / density)
                                     : std::abs(step) / 2;
     offset += step;
     if (std::abs(step) <= 1e-14 * std::abs(offset)) break;
@@ -132,8 +134,8 @@ double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
 }  // namespace
 
 BetaPosterior Bounded(const BetaPosterior& posterior) {
-  return {.alpha = std::clamp(posterior.alpha, kSmallestShape, kLargestShape),
-          .beta = std::clamp(posterior.beta, kSmallestShape, kLargestShape)};
+  return {.alpha = std::clamp(posterior.alpha, kShapeMin, kShapeMax),
+          .beta = std::clamp(posterior.beta, kShapeMin, kShapeMax)};
 }
 
 BetaPosterior Mirrored(const BetaPosterior& posterior) {
@@ -147,18 +149,18 @@ double LogGamma(double x) {
     product *= shifted;
     ++shifted;
   }
-  return StirlingLeading(shifted) + StirlingSeries(shifted) - PortableLog(product);
+  return StirlingLeading(shifted) + StirlingSeries(shifted) - math::Log(product);
 }
 
 double LogitMode(const BetaPosterior& posterior) {
   const BetaPosterior p = Bounded(posterior);
-  return PortableLog(p.alpha) - PortableLog(p.beta);
+  return math::Log(p.alpha) - math::Log(p.beta);
 }
 
 double LogitLogPeak(const BetaPosterior& posterior) {
   const BetaPosterior p = Bounded(posterior);
   const double n = p.alpha + p.beta;
-  return 0.5 * PortableLog(p.alpha / n * p.beta) - kHalfLog2Pi + StirlingError(n) -
+  return 0.5 * math::Log(p.alpha / n * p.beta) - kHalfLog2Pi + StirlingError(n) -
          StirlingError(p.alpha) - StirlingError(p.beta);
 }
 
@@ -170,17 +172,17 @@ double LogitLogShape(const BetaPosterior& posterior, double offset) {
   }
   const double n = p.alpha + p.beta;
   const double mean = p.alpha / n;  // at most ½
-  // From the mode, since α ln x + β ln(1 − x) itself would cancel.
+  // Relative to the mode, since the terms of α ln x + β ln(1 − x) would cancel.
   constexpr double kLargestExponent = 700;
-  const double log_ratio = offset < kLargestExponent ? PortableLog1p(mean * PortableExpm1(offset))
-                                                     : offset + PortableLog(mean);
+  const double log_ratio = offset < kLargestExponent ? math::Log1p(mean * math::Expm1(offset))
+                                                     : offset + math::Log(mean);
   return std::min(0.0, p.alpha * offset - n * log_ratio);
 }
 
 double BetaLogDensity(const BetaPosterior& posterior, double x) {
   assert(x > 0 && x < 1);
-  const double log_x = PortableLog(x);
-  const double log_y = PortableLog1p(-x);
+  const double log_x = math::Log(x);
+  const double log_y = math::Log1p(-x);
   return LogitLogPeak(posterior) + LogitLogShape(posterior, log_x - log_y - LogitMode(posterior)) -
          log_x - log_y;
 }
@@ -189,7 +191,7 @@ double BetaDistribution(const BetaPosterior& posterior, double x) {
   assert(x >= 0 && x <= 1);
   if (x <= 0) return 0;
   if (x >= 1) return 1;
-  const double logit = PortableLog(x) - PortableLog1p(-x);
+  const double logit = math::Log(x) - math::Log1p(-x);
   return DistributionAt(Bounded(posterior), logit - LogitMode(posterior));
 }
 

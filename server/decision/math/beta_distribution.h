@@ -1,21 +1,29 @@
-// The Beta distribution of an arm's reward: density, distribution function and quantiles, the same
-// bits on every platform (portable_math.h).
+// The Beta distribution of an arm's reward: density, distribution function and quantiles, with the
+// same bits on every platform (portable_math.h).
 //
-// Pure functions, thread-safe. Both parameters may be anything that is finite and above 0; outside
-// of [kSmallestShape, kLargestShape] they are taken as the nearer bound. Errors are those measured
-// against 50 digits over that range (tests/server/decision/beta_distribution_test.cc).
+// Pure functions, thread-safe. A parameter outside of [kShapeMin, kShapeMax] counts as the nearer
+// bound. The errors were measured against 50 digits over that range
+// (tests/server/decision/math/beta_distribution_test.cc).
 #pragma once
-
-#include "server/decision/types.h"
 
 namespace sweepstake::decision {
 
-inline constexpr double kSmallestShape = 1e-6;
-inline constexpr double kLargestShape = 1e15;
+// A Beta distribution of an arm's reward. Both parameters are finite and above 0.
+struct BetaPosterior {
+  double alpha = 1;
+  double beta = 1;
 
-// With the parameters within these bounds.
+  double mean() const { return alpha / (alpha + beta); }
+  double evidence() const { return alpha + beta; }  // the paper's n, prior included
+  friend bool operator==(const BetaPosterior&, const BetaPosterior&) = default;
+};
+
+inline constexpr double kShapeMin = 1e-6;
+inline constexpr double kShapeMax = 1e15;
+
+// The posterior with both parameters clamped to these bounds.
 BetaPosterior Bounded(const BetaPosterior& posterior);
-// Of 1 − the reward.
+// The distribution of 1 − the reward.
 BetaPosterior Mirrored(const BetaPosterior& posterior);
 
 // ln Γ(x). Error: 2e-14 absolute or 1e-15 relative, whichever is larger. REQUIRES: 1e-6 <= x <=
@@ -30,17 +38,17 @@ double LogitLogPeak(const BetaPosterior& posterior);
 // <= 0, concave, 0 at offset 0. Error: 1e-13 relative, and some 1e-16 × √(α + β) absolute.
 double LogitLogShape(const BetaPosterior& posterior, double offset);
 
-// ln of the density of the reward at x. REQUIRES: 0 < x < 1. Error: 1e-12, and some 1e-16 ×
-// √(α + β) where that is more.
+// ln of the density of the reward at x. REQUIRES: 0 < x < 1. Error: 1e-12 or some 1e-16 × √(α + β),
+// whichever is larger.
 double BetaLogDensity(const BetaPosterior& posterior, double x);
 
-// P(reward <= x), the regularised incomplete beta function. Error: 1e-10, and up to 1e-9 towards α
-// + β = 2e15; of results below 1e-3 where x is below the mean, so much of the result. Cost: 0.2–5
-// µs. REQUIRES: 0 <= x <= 1.
+// P(reward <= x), the regularised incomplete beta function. Error: 1e-10, up to 1e-9 towards α + β
+// = 2e15; for results below 1e-3 with x below the mean the error is relative. Cost: 0.2–5 µs.
+// REQUIRES: 0 <= x <= 1.
 double BetaDistribution(const BetaPosterior& posterior, double x);
 
-// The reward which the arm's stays below with probability p: 0 where it is too small for a double.
-// Error: that of BetaDistribution. Cost: some ten of it. REQUIRES: 0 <= p <= 1.
+// The reward that the arm stays below with probability p; 0 if it is too small for a double. Error:
+// that of BetaDistribution. Cost: some ten calls of it. REQUIRES: 0 <= p <= 1.
 double BetaQuantile(const BetaPosterior& posterior, double p);
 
 struct CredibleInterval {
@@ -48,8 +56,8 @@ struct CredibleInterval {
   double high = 1;
 };
 
-// The central interval which the reward is in with this probability, e.g. 0.95: as much is below as
-// above. REQUIRES: 0 <= mass <= 1.
+// The central interval that holds the reward with this probability, e.g. 0.95: the tails below and
+// above it are equal. REQUIRES: 0 <= mass <= 1.
 CredibleInterval CentralInterval(const BetaPosterior& posterior, double mass);
 
 }  // namespace sweepstake::decision

@@ -9,11 +9,11 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kSmallestVariance = 1e-18;
-// Keeps the equations of hopeless variables solvable.
-constexpr double kLeastWeight = 1e-9;
-// The sums of the pairs that matter are met to 1e-6 well before.
-constexpr int kSweeps = 30;
+constexpr double kVarianceMin = 1e-18;
+// Keeps the equations solvable for variables that cannot be the lowest.
+constexpr double kWeightMin = 1e-9;
+// Fewer sweeps already bring the sums of the pairs that matter within 1e-6.
+constexpr int kSweepCount = 30;
 
 class LeastSquares {
  public:
@@ -27,7 +27,7 @@ class LeastSquares {
   };
 
   size_t count_;
-  std::vector<Pair> pairs_;  // row by row
+  std::vector<Pair> pairs_;  // a matrix, row by row
   std::vector<double> start_;
 };
 
@@ -37,7 +37,7 @@ LeastSquares::LeastSquares(std::span<const double> means, std::span<const double
     for (size_t j = 0; j < count_; ++j) {
       const double variance =
           covariance[i * count_ + i] + covariance[j * count_ + j] - 2 * covariance[i * count_ + j];
-      pairs_[i * count_ + j].variance = std::max(variance, kSmallestVariance);
+      pairs_[i * count_ + j].variance = std::max(variance, kVarianceMin);
     }
   }
   const auto lowest =
@@ -46,7 +46,7 @@ LeastSquares::LeastSquares(std::span<const double> means, std::span<const double
   for (size_t i = 0; i < count_; ++i) {
     const double variance = pairs_[lowest * count_ + i].variance;
     const double distance = means[i] - means[lowest];
-    openness[i] = kLeastWeight + PortableExp(-0.5 * distance * distance / variance);
+    openness[i] = kWeightMin + math::Exp(-0.5 * distance * distance / variance);
     start_[i] = variance / 2;
   }
   for (size_t i = 0; i < count_; ++i) {
@@ -57,10 +57,10 @@ LeastSquares::LeastSquares(std::span<const double> means, std::span<const double
   }
 }
 
-// Gauss and Seidel's sweeps, kept from going below 0.
+// Sweeps of Gauss and Seidel, clamped at 0.
 std::vector<double> LeastSquares::Solve() const {
   std::vector<double> variances = start_;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kSweepCount; ++sweep) {
     for (size_t i = 0; i < count_; ++i) {
       double weights = 0;
       double sum = 0;

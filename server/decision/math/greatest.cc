@@ -9,12 +9,13 @@
 namespace sweepstake::decision {
 namespace {
 
-// Of a step, in units of the densities' own scale. Half of it makes the error 60 times smaller.
+// The length of a step in units of the densities' own scale. Half of it makes the error 60 times
+// smaller.
 constexpr double kStep = 0.5;
-// Of the slope in a step's scale, against the curvature's 1: an exponential tail needs steps of 0.7
-// of its scale where its mass is.
+// The weight of the slope in a step's scale; the curvature's weight is 1. An exponential tail needs
+// steps of 0.7 of its scale where its mass is.
 constexpr double kSlopeWeight = 0.5;
-// Below it nothing is left to be won.
+// A lower probability changes no result.
 constexpr double kNegligibleProbability = 1e-12;
 
 // A function and its derivatives at a point.
@@ -24,18 +25,18 @@ struct Jet {
   double second = 0;
 };
 
-// Of a function known by its value and its logarithm's derivatives.
+// The jet of a function from its value and the derivatives of its logarithm.
 Jet FromLogarithm(double value, double slope, double curvature) {
   return {value, value * slope, value * (slope * slope + curvature)};
 }
 
-// The integral between two points by Hermite's rule: exact for polynomials of degree 5.
+// The integral between two points by Hermite's rule, which is exact for polynomials of degree 5.
 double Between(const Jet& left, const Jet& right, double width) {
   return width * ((left.value + right.value) / 2 + width * (left.first - right.first) / 10 +
                   width * width * (left.second + right.second) / 120);
 }
 
-// Walks down from the highest end of all variables.
+// Integrates downwards from the highest end of all variables.
 class Walk {
  public:
   explicit Walk(IndependentVariables& variables);
@@ -48,11 +49,11 @@ class Walk {
     double log_peak = 0;
     LogDensity log_density;
     Jet density;
-    double ratio = 0;        // density ÷ P(it is below t)
+    double ratio = 0;        // density ÷ P(the variable is below t)
     double ratio_slope = 0;  // its derivative
-    Jet win;                 // the density of being the greatest
-    double above = 0;        // P(it is above t)
-    double probability = 0;  // of being the greatest, above t
+    Jet win;                 // the density of being the maximum
+    double above = 0;        // P(the variable is above t)
+    double probability = 0;  // of being the maximum, above t
   };
 
   double Demand() const;
@@ -64,10 +65,10 @@ class Walk {
   void UpdateShortfall(double width, double win_ratio, double win_ratio_slope);
 
   IndependentVariables& source_;
-  std::vector<Variable> variables_;  // the highest first
-  size_t joined_ = 0;                // so many reach up to t
+  std::vector<Variable> variables_;  // sorted, the highest end first
+  size_t joined_ = 0;                // the first variables, whose ends are at t or above
   double t_;
-  double end_;              // some variable is certainly not below it
+  double end_;              // the highest low end: some variable is certainly above it
   double all_below_ = 1;    // P(all are below t)
   Jet shortfall_;           // P(some is above) · dv/dt
   double value_above_ = 0;  // its integral from t upwards
@@ -90,8 +91,8 @@ Walk::Walk(IndependentVariables& variables) : source_(variables) {
   UpdateWins(0);
 }
 
-// Takes in the variables that begin to matter at the point, after the interval above it, on whose
-// scale their densities change too fast.
+// Adds the variables whose high end is at the current point. This follows the interval above it,
+// since their densities change too fast for that interval's width. Returns whether there are any.
 bool Walk::Join() {
   const size_t before = joined_;
   while (joined_ < variables_.size() && variables_[joined_].high >= t_) ++joined_;
@@ -103,16 +104,16 @@ void Walk::EvaluateLogDensities() {
   for (size_t i = 0; i < joined_; ++i) variables_[i].log_density = source_.At(variables_[i].index);
 }
 
-// 1 ÷ the square of the scale on which the integrands change at the point. Slopes matter the less
-// the less is there.
+// 1 ÷ the square of the scale on which the integrands change at the point. A slope matters the less
+// the lower the density is.
 double Walk::Demand() const {
-  double most = -source_.scale().log_rate_curvature / 8;
+  double max = -source_.scale().log_rate_curvature / 8;
   for (size_t i = 0; i < joined_; ++i) {
     const LogDensity& at = variables_[i].log_density;
     const double own = kSlopeWeight * at.slope * at.slope / (1 - at.relative) - at.curvature;
-    most = std::max(most, own);
+    max = std::max(max, own);
   }
-  return most;
+  return max;
 }
 
 double Walk::NextPoint() const {
@@ -121,7 +122,7 @@ double Walk::NextPoint() const {
   return next;
 }
 
-// Or less far, where the integrands change too much on the way.
+// Steps to `t`, or to a nearer point if the integrands change too much on the way.
 void Walk::StepTo(double t) {
   for (;;) {
     source_.MoveTo(t);
@@ -138,11 +139,11 @@ void Walk::StepTo(double t) {
 
 void Walk::UpdateWins(double width) {
   double all_below = 1;
-  double win_ratio = 0;        // density of the greatest ÷ P(all are below)
+  double win_ratio = 0;        // density of the maximum ÷ P(all are below)
   double win_ratio_slope = 0;  // its derivative
   for (size_t i = 0; i < joined_; ++i) {
     Variable& v = variables_[i];
-    const Jet density = FromLogarithm(PortableExp(v.log_peak + v.log_density.relative),
+    const Jet density = FromLogarithm(math::Exp(v.log_peak + v.log_density.relative),
                                       v.log_density.slope, v.log_density.curvature);
     v.above += Between(density, v.density, width);
     v.density = density;

@@ -1,9 +1,9 @@
-// The greatest of several independent variables: for each the probability of being it, and the
-// expected value. By numeric integration over one adaptive grid that all of them share.
+// The maximum of several independent variables: the probability of each to be the maximum, and the
+// expected maximum, by numeric integration over one adaptive grid that all variables share.
 //
-// Deterministic, thread-safe. Cost: some 40 points of the grid where the variables are of similar
-// width, and an exponential for each variable and point. Variables that are certainly below another
-// one cost nothing. Error of each probability: 1e-6 (tests/server/decision/diagnosis_test.cc).
+// Deterministic, thread-safe. Cost: some 40 grid points if the variables are of similar width, and
+// one exponential per variable and point. Variables that are certainly below another one cost
+// nothing. Error of each probability: 1e-6 (tests/server/decision/diagnosis_test.cc).
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,17 @@
 
 namespace sweepstake::decision {
 
-// How far below its peak the logarithm of a density may be before it stops to matter.
+// A density whose logarithm is this far below its peak is negligible.
 inline constexpr double kNegligibleLogDensity = -28;
 
-// The logarithm of a density, a concave function, at a point.
+// The logarithm of a density, which is a concave function, at a point.
 struct LogDensity {
-  double relative = 0;  // to its peak, <= 0
+  double relative = 0;  // difference from the peak, <= 0
   double slope = 0;
   double curvature = 0;  // < 0
 };
 
-// How the value v of the variables runs along the axis t of the grid, at a point.
+// The value v of the variables as a function of the grid axis t, at a point.
 struct ValueScale {
   double value = 0;
   double rate = 1;  // dv/dt, > 0
@@ -34,12 +34,12 @@ class IndependentVariables {
  public:
   virtual ~IndependentVariables() = default;
   virtual size_t count() const = 0;
-  // Outside of these its density is below kNegligibleLogDensity. low < high.
+  // Outside of [low, high] the density is below kNegligibleLogDensity. low < high.
   virtual double low(size_t variable) const = 0;
   virtual double high(size_t variable) const = 0;
-  // Logarithm of its highest density along t.
+  // The logarithm of the variable's highest density along t.
   virtual double log_peak(size_t variable) const = 0;
-  // Goes to the point that the functions below speak of.
+  // Sets the point at which scale() and At() are evaluated.
   virtual void MoveTo(double t) = 0;
   virtual ValueScale scale() const = 0;
   virtual LogDensity At(size_t variable) const = 0;
@@ -47,10 +47,10 @@ class IndependentVariables {
 
 struct Greatest {
   std::vector<double> probability;  // per variable, sum 1
-  double expected_value = 0;        // of the greatest of them
+  double expected_value = 0;        // of the maximum
 };
 
-// REQUIRES: there are variables.
+// REQUIRES: variables.count() > 0.
 Greatest FindGreatest(IndependentVariables& variables);
 
 }  // namespace sweepstake::decision

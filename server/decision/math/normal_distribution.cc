@@ -8,8 +8,9 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kInverseSqrtTwoPi = 0x1.9884533d43651p-2;
-constexpr double kTail = 3;     // from here on the continued fraction is exact enough
-constexpr int kFraction = 100;  // its depth: 1e-14 at z = 3
+// From this |z| on the continued fraction is exact enough: 1e-14 at z = 3 with this depth.
+constexpr double kTail = 3;
+constexpr int kFractionDepth = 100;
 constexpr double kUnderflow = 38;
 
 // (Φ(z) − ½) ÷ φ(z) = z + z³/3 + z⁵/(3·5) + … (G. Marsaglia, "Evaluating the normal distribution",
@@ -27,13 +28,13 @@ double CentralSeries(double z) {
 // Mills' ratio (1 − Φ(z)) ÷ φ(z), by Laplace's continued fraction.
 double MillsRatio(double z) {
   double denominator = z;
-  for (int k = kFraction; k > 0; --k) denominator = z + k / denominator;
+  for (int k = kFractionDepth; k > 0; --k) denominator = z + k / denominator;
   return 1 / denominator;
 }
 
 }  // namespace
 
-double NormalDensity(double z) { return kInverseSqrtTwoPi * PortableExp(-0.5 * z * z); }
+double NormalDensity(double z) { return kInverseSqrtTwoPi * math::Exp(-0.5 * z * z); }
 
 double NormalCdf(double z) {
   if (z != z) return z;

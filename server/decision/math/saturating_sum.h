@@ -1,4 +1,4 @@
-// Sums that stay at the largest value rather than wrap. Pure.
+// Sums that stay at the maximum rather than wrap. Pure.
 #pragma once
 
 #include <concepts>
@@ -9,8 +9,8 @@ namespace sweepstake::decision {
 // REQUIRES: addend >= 0.
 template <std::integral Number>
 Number SaturatingSum(Number value, Number addend) {
-  constexpr Number kMost = std::numeric_limits<Number>::max();
-  return value > kMost - addend ? kMost : value + addend;
+  constexpr Number kMax = std::numeric_limits<Number>::max();
+  return value > kMax - addend ? kMax : value + addend;
 }
 
 }  // namespace sweepstake::decision

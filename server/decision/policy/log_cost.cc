@@ -14,7 +14,7 @@ constexpr double kLeastSpread = 1e-6;  // of a shown mean from 0 and 1
 }  // namespace
 
 double LogCostOf(double detection_us) {
-  const double log_cost = PortableLog(std::max(detection_us, 0.0));
+  const double log_cost = math::Log(std::max(detection_us, 0.0));
   return log_cost <= kMostLogCost ? std::max(log_cost, kLeastLogCost) : kMostLogCost;
 }
 

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "server/decision/math/random.h"
-#include "server/decision/math/sampling.h"
 #include "server/decision/policy/choice.h"
 
 namespace sweepstake::decision {

@@ -163,9 +163,9 @@ TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
 }
 
 TEST_P(EveryBackend, IsRightThroughTwoRoundsOfTheRegimesOfEveryChangingScene) {
-  for (const std::string_view name : ChangingSceneNames()) {
+  for (const std::string_view name : SceneNames(SceneGroup::kChanging)) {
     constexpr uint32_t kRegimeFrames = 9;
-    const auto scene = std::move(*MakeChangingScene(name, 200, 8, kRegimeFrames));
+    const auto scene = MakeChangingScene(name, 200, 8, kRegimeFrames);
     backend_->Build(scene->aabbs());
     for (int frame = 0; frame < 72; ++frame) {
       ASSERT_EQ(Verdict(*backend_, scene->aabbs(), pairs_), "") << "in " << name << frame;

@@ -34,7 +34,7 @@ static void check_boxes(void) {
 }
 
 void test_scenes(void) {
-  CHECK(swp_scene_count() == 8);
+  CHECK(swp_scene_count() == 38);
   CHECK(swp_scene_name(swp_scene_count()) == NULL);
   CHECK(strcmp(swp_scene_name(0), "brownian") == 0);
   for (uint32_t i = 0; i < 5; ++i) {
@@ -48,6 +48,10 @@ void test_scenes(void) {
   swp_scene* scene = NULL;
   CHECK(swp_scene_create("nowhere", NULL, &scene) == SWP_NOT_FOUND);
   CHECK(strstr(swp_last_error(), "hurricane") != NULL && scene == NULL);
-  CHECK_OK(swp_scene_create("suite-b", NULL, &scene));
+  for (uint32_t i = 0; i < swp_scene_count(); ++i) {
+    CHECK_OK(swp_scene_create(swp_scene_name(i), NULL, &scene));
+    swp_scene_destroy(scene);
+  }
+  CHECK_OK(swp_scene_create("waves", NULL, &scene));
   swp_scene_destroy(scene);
 }

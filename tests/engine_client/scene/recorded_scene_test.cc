@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "engine_client/scene/counter_random.h"
+#include "engine_client/scene/random.h"
 #include "tests/engine_client/scene/file_fixtures.h"
 #include "tests/engine_client/scene/scene_fixtures.h"
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/decision/math/hash.h"
 #include "sweepstake/scene.h"
 
 namespace sweepstake {
@@ -38,21 +39,17 @@ class BitHash {
  public:
   void Add(std::span<const Aabb> boxes) {
     for (const Aabb& box : boxes) {
-      for (const float x : box.min) AddWord(std::bit_cast<uint32_t>(x));
-      for (const float x : box.max) AddWord(std::bit_cast<uint32_t>(x));
+      for (const float x : box.min) Add(x);
+      for (const float x : box.max) Add(x);
     }
   }
 
   uint64_t value() const { return hash_; }
 
  private:
-  void AddWord(uint32_t word) {
-    for (int shift = 0; shift < 32; shift += 8) {
-      hash_ = (hash_ ^ ((word >> shift) & 0xFFU)) * 0x100000001B3U;
-    }
-  }
+  void Add(float value) { hash_ = math::Fnv1aOfWord(hash_, std::bit_cast<uint32_t>(value)); }
 
-  uint64_t hash_ = 0xCBF29CE484222325U;
+  uint64_t hash_ = math::kFnv1aStart;
 };
 
 inline uint64_t HashOfFrames(Scene& scene, int frame_count) {

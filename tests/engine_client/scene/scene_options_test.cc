@@ -4,14 +4,18 @@
 #include <limits>
 #include <string>
 
+#include "engine_client/scene/box_scenes.h"
 #include "sweepstake/scene.h"
 #include "tests/engine_client/scene/scene_fixtures.h"
 
 namespace sweepstake {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::SizeIs;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -31,11 +35,41 @@ constexpr FloatOption kFloatOptions[] = {
     {"direction_interval_s", &SceneOptions::direction_interval_s},
 };
 
-TEST(MakeScene, KnowsTheEightNamesOfTheCommandLine) {
-  EXPECT_THAT(SceneNames(), ElementsAre("brownian", "rotating-gravity", "hurricane", "free-fall",
-                                        "random-gravity", "suite-b", "suite-g", "suite-h"));
-  for (const std::string_view name : SceneNames()) {
-    EXPECT_EQ(MustMakeScene(name, WithCount(3))->name(), name);
+TEST(SceneRegistry, ListsTheScenesOfEachGroup) {
+  EXPECT_THAT(SceneNames(SceneGroup::kReference),
+              ElementsAre("brownian", "rotating-gravity", "hurricane", "free-fall",
+                          "random-gravity", "suite-b", "suite-g", "suite-h"));
+  EXPECT_THAT(SceneNames(SceneGroup::kChanging),
+              ElementsAre("rest-and-motion", "waves", "storms", "gather-and-scatter",
+                          "day-and-night", "arrivals"));
+  EXPECT_THAT(SceneNames(SceneGroup::kDegenerate),
+              AllOf(SizeIs(24), Contains("broken-boxes"), Contains("mixture")));
+}
+
+TEST(SceneRegistry, EveryNameMakesASceneOfThatName) {
+  ASSERT_THAT(SceneNames(), SizeIs(38));
+  for (const SceneDescription& scene : SceneDescriptions()) {
+    EXPECT_EQ(MustMakeScene(scene.name, WithCount(3))->name(), scene.name);
+    EXPECT_THAT(SceneNames(scene.group), Contains(scene.name));
+    EXPECT_FALSE(scene.summary.empty());
+  }
+}
+
+// The name brownian belongs to the scenario.
+TEST(SceneRegistry, HasEveryKindOfBoxesAsAScene) {
+  for (const std::string_view kind : BoxSceneKinds()) {
+    if (kind == "brownian") continue;
+    EXPECT_THAT(SceneNames(SceneGroup::kDegenerate), Contains(kind));
+  }
+}
+
+TEST(MakeScene, TheSpawnSeedDecidesChangingAndDegenerateScenes) {
+  SceneOptions other = WithCount(50);
+  other.spawn_seed = 2;
+  for (const std::string_view name : {"waves", "mixture"}) {
+    const uint64_t hash = HashOfFrames(*MustMakeScene(name, WithCount(50)), 5);
+    EXPECT_EQ(hash, HashOfFrames(*MustMakeScene(name, WithCount(50)), 5));
+    EXPECT_NE(hash, HashOfFrames(*MustMakeScene(name, other), 5));
   }
 }
 
@@ -47,6 +81,11 @@ TEST(MakeScene, AnUnknownNameIsAnErrorThatListsAllNames) {
   for (const std::string_view name : SceneNames()) {
     EXPECT_THAT(status.message(), HasSubstr(std::string(name)));
   }
+}
+
+TEST(MakeScene, TheNearestNameComesFirst) {
+  EXPECT_THAT(MakeScene("wave", {}).status().message(),
+              HasSubstr("unknown scene 'wave', must be one of waves, brownian, "));
 }
 
 TEST(MakeScene, AnOptionThatIsNotFiniteOrNegativeIsNamedInTheError) {
@@ -93,7 +132,7 @@ TEST(MakeScene, NoObjectsIsAValidScene) {
   for (const std::string_view name : SceneNames()) {
     const std::unique_ptr<Scene> scene = MustMakeScene(name, WithCount(0));
     scene->Step();
-    EXPECT_TRUE(scene->aabbs().empty());
+    EXPECT_EQ(scene->aabbs().empty(), name != "one" && name != "two") << name;
     EXPECT_EQ(scene->frame_index(), 1U);
   }
 }
@@ -104,7 +143,7 @@ TEST(MakeScene, ExtremeOptionsWithinTheRangesKeepEveryBoxFinite) {
   options.speed = 1e6F;
   options.gravity = 1e6F;
   options.half_extent_max = options.world_half_extent;
-  for (const std::string_view name : SceneNames()) {
+  for (const std::string_view name : SceneNames(SceneGroup::kReference)) {
     const std::unique_ptr<Scene> scene = MustMakeScene(name, options);
     StepTimes(*scene, 500);
     for (const Aabb& box : scene->aabbs()) EXPECT_TRUE(TakesPart(box)) << name;

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "server/decision/math/random.h"
-#include "server/decision/math/sampling.h"
 
 namespace sweepstake::decision {
 namespace {

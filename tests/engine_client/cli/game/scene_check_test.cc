@@ -7,8 +7,6 @@
 #include <algorithm>
 
 #include "engine_client/cli/game/scene_choice.h"
-#include "engine_client/scene/changing_scenes.h"
-#include "engine_client/scene/degenerate_scenes.h"
 #include "tests/support/pair_oracle.h"
 
 namespace sweepstake::cli {
@@ -57,8 +55,8 @@ ArmVerdict JudgeWrong(WrongBackend::Spoil spoil) {
 
 TEST(PairOracle, AgreesWithTheDefinitionInEveryDegenerateSceneAndFrame) {
   PairOracle oracle;
-  for (const std::string_view name : DegenerateSceneNames()) {
-    const auto scene = std::move(*MakeDegenerateScene(name, 150, 5));
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    const auto scene = std::move(*OpenScene({std::string(name), 150, 5}));
     for (int frame = 0; frame < 20; ++frame) {
       const auto found = oracle.Find(scene->aabbs());
       ASSERT_TRUE(std::ranges::equal(found, test_support::ScalarPairs(scene->aabbs())))
@@ -70,7 +68,7 @@ TEST(PairOracle, AgreesWithTheDefinitionInEveryDegenerateSceneAndFrame) {
 
 TEST(PairOracle, AgreesWithTheDefinitionInEveryScene) {
   PairOracle oracle;
-  for (const std::string_view name : SceneNames()) {
+  for (const std::string_view name : SceneNames(SceneGroup::kReference)) {
     const auto scene = std::move(*OpenScene({std::string(name), 400, 2}));
     for (int frame = 0; frame < 10; ++frame) {
       ASSERT_TRUE(std::ranges::equal(oracle.Find(scene->aabbs()),
@@ -94,7 +92,7 @@ TEST(CheckScene, PassesABackendThatIsRightInEveryFrame) {
 }
 
 TEST(CheckScene, RefusesAFrameWithTooManyPairsBeforeAnyArmHearsOfIt) {
-  const auto scene = std::move(*MakeDegenerateScene("all-coincident", 101, 1));
+  const auto scene = std::move(*OpenScene({"all-coincident", 101, 1}));
   std::vector<std::unique_ptr<BroadPhase>> arms;
   arms.push_back(std::make_unique<WrongBackend>(0, [](auto& pairs) { pairs.clear(); }));
   const auto verdicts = CheckScene(
@@ -147,9 +145,10 @@ TEST(ExpandScenes, MultipliesScenesByCountsAndTakesAFileOnce) {
 }
 
 TEST(ExpandScenes, KnowsTheWordsForManyScenes) {
-  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1).size(), SceneNames().size());
-  EXPECT_EQ(ExpandScenes({"changing"}, {10}, 1).size(), ChangingSceneNames().size());
-  EXPECT_EQ(ExpandScenes({"degenerate"}, {10}, 1).size(), DegenerateSceneNames().size() - 1);
+  EXPECT_EQ(ExpandScenes({"all"}, {10}, 1).size(), SceneNames(SceneGroup::kReference).size());
+  EXPECT_EQ(ExpandScenes({"changing"}, {10}, 1).size(), SceneNames(SceneGroup::kChanging).size());
+  EXPECT_EQ(ExpandScenes({"degenerate"}, {10}, 1).size(),
+            SceneNames(SceneGroup::kDegenerate).size() - 1);
   const auto mixtures = ExpandScenes({"mixtures"}, {10}, 7);
   ASSERT_EQ(mixtures.size(), 10U);
   EXPECT_EQ(mixtures.front().seed, 7U);
@@ -167,11 +166,9 @@ TEST(OpenScene, ListsEveryNameForAnUnknownOne) {
   ASSERT_FALSE(scene.ok());
   EXPECT_EQ(scene.status().code(), StatusCode::kNotFound);
   EXPECT_NE(scene.status().message().find("'no?where'"), std::string::npos);
-  for (const auto names : {SceneNames(), ChangingSceneNames(), DegenerateSceneNames()}) {
-    for (const std::string_view name : names) {
-      EXPECT_NE(scene.status().message().find(name), std::string::npos) << name;
-      EXPECT_NE(SceneHelp().find(name), std::string::npos) << name;
-    }
+  for (const std::string_view name : SceneNames()) {
+    EXPECT_NE(scene.status().message().find(name), std::string::npos) << name;
+    EXPECT_NE(SceneHelp().find(name), std::string::npos) << name;
   }
 }
 

@@ -12,7 +12,6 @@
 #include "server/decision/baselines/lin_ts_policy.h"
 #include "server/decision/baselines/thresholds_policy.h"
 #include "server/decision/math/random.h"
-#include "server/decision/math/sampling.h"
 #include "server/decision/policy/policy.h"
 #include "tests/server/decision/scripted_client.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "server/decision/math/sampling.h"
+#include "server/decision/math/random.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,4 +1,4 @@
-#include "server/decision/math/sampling.h"
+#include "server/decision/math/random.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(Sampling, NormalHasTheMomentsOfTheStandardNormal) {
 TEST(Sampling, GammaHasMeanAndVarianceOfItsShape) {
   for (const double shape : {0.3, 1.0, 2.5, 40.0}) {
     RandomStream stream(12, RandomPurpose::kChoice, 0, 0);
-    const Moments m = MomentsOf([&] { return PortableExp(DrawLogGamma(shape, stream)); });
+    const Moments m = MomentsOf([&] { return math::Exp(DrawLogGamma(shape, stream)); });
     EXPECT_NEAR(m.mean, shape, 5 * std::sqrt(shape / kDraws)) << shape;
     // The variance of the sample variance is (2 + 6/shape) shape² / draws.
     EXPECT_NEAR(m.variance, shape, 5 * shape * std::sqrt((2 + 6 / shape) / kDraws)) << shape;

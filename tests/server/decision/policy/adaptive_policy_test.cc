@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/decision/decision_session.h"
-#include "server/decision/math/sampling.h"
+#include "server/decision/math/random.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

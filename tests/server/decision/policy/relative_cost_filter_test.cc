@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "server/decision/math/sampling.h"
+#include "server/decision/math/random.h"
 
 namespace sweepstake::decision {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "server/decision/decision_session.h"
 #include "server/decision/math/random.h"
-#include "server/decision/math/sampling.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "server/decision/decision_session.h"
+#include "server/decision/math/hash.h"
 #include "server/decision/math/random.h"
 #include "tests/server/decision/scripted_client.h"
 
@@ -33,12 +34,7 @@ std::string Hex(double value) {
   return {text.data(), end.ptr};
 }
 
-// FNV-1a.
-uint64_t HashOf(std::string_view bytes) {
-  uint64_t hash = 0xcbf29ce484222325;
-  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
-  return hash;
-}
+uint64_t HashOf(std::string_view bytes) { return math::Fnv1a(math::kFnv1aStart, bytes); }
 
 // Of the draws' bits, little-endian.
 uint64_t HashOf(const std::vector<double>& draws) {

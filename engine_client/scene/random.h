@@ -1,0 +1,68 @@
+// Random numbers of scenes, the same on every platform, unlike the distributions of the standard
+// library.
+//
+// CounterRandom is a function of (seed, stream, object, counter): nothing is drawn in order, so
+// that one more draw, object or frame changes no other number. SequentialRandom draws in order, for
+// the scenes that are defined by their history of draws. Distinct values are independent; neither
+// is shared between threads while it changes. A draw costs two 64-bit mixes or one, about 3 or 1.5
+// ns.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "server/decision/math/hash.h"
+
+namespace sweepstake {
+
+// The upper 24 bits as a float in [0, 1). Every value is exact.
+inline float UnitFloat(uint64_t bits) {
+  return static_cast<float>(bits >> 40U) * (1.0F / 16777216.0F);
+}
+
+// What a number is for. The values are part of every seed's meaning: append, never reorder.
+enum class RandomStream : uint64_t { kSize = 1, kPosition, kVelocity, kDirection, kKick, kPhase };
+
+// Immutable.
+class CounterRandom {
+ public:
+  CounterRandom(uint64_t seed, RandomStream stream)
+      : key_(math::Mix64(math::Mix64(seed + math::kGoldenGamma) +
+                         static_cast<uint64_t>(stream) * math::kGoldenGamma)) {}
+
+  uint64_t Bits(uint64_t object, uint64_t counter) const {
+    const uint64_t object_key = math::Mix64(key_ + (object + 1) * math::kGoldenGamma);
+    return math::Mix64(object_key + (counter + 1) * math::kGoldenGamma);
+  }
+
+  // In [0, 1).
+  float Unit(uint64_t object, uint64_t counter) const { return UnitFloat(Bits(object, counter)); }
+
+  // In [-1, 1).
+  float Symmetric(uint64_t object, uint64_t counter) const {
+    return Unit(object, counter) * 2.0F - 1.0F;
+  }
+
+ private:
+  uint64_t key_;
+};
+
+// splitmix64.
+class SequentialRandom {
+ public:
+  explicit SequentialRandom(uint64_t seed) : state_(seed) {}
+
+  uint64_t Next() { return math::Mix64(state_ += math::kGoldenGamma); }
+  // In [0, 1), in steps of 2^-24.
+  float Unit() { return UnitFloat(Next()); }
+  // In [-1, 1).
+  float Symmetric() { return Unit() * 2.0F - 1.0F; }
+  float Between(float low, float high) { return low + (high - low) * Unit(); }
+  // In [0, count). REQUIRES: count > 0.
+  size_t Below(size_t count) { return static_cast<size_t>(Next() % count); }
+
+ private:
+  uint64_t state_;
+};
+
+}  // namespace sweepstake
