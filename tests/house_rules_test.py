@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Fails on a file that breaks a countable rule of CONTRIBUTING.md.
+
+    A folder holds at most 25 files; beyond that it gets rooms (data of tests is free: golden/, logs/, results/).
+    A source file has at most 500 lines.
+    In the command line only io/ and main.cc know the standard streams; a *_command.cc parses and wires.
+    A path that a document names, in backticks or as a link, exists.
+
+Which folder may include which is for include_direction_test.py.
+
+    house_rules_test.py ROOT          checks the files that git knows at ROOT
+    house_rules_test.py --self-test   shows that each rule can fail
+"""
+
+import collections
+import fnmatch
+import pathlib
+import posixpath
+import re
+import subprocess
+import sys
+import tempfile
+
+MAX_FOLDER_FILES = 25
+MAX_LINES = 500
+
+DATA_FOLDERS = {"golden", "logs", "results"}
+SOURCE_SUFFIXES = (".h", ".cc", ".c", ".cs", ".ts", ".tsx", ".js", ".mjs", ".css", ".py", ".sh", ".proto")
+
+# What a command hands to io/ instead: snprintf and the like write to memory, not to a stream.
+PRINTING = re.compile(r"\bstd::(?:cout|cerr|clog)\b|(?<![\w.])(?:std::)?(?:f?printf|f?puts|f?putc|putchar|perror|fwrite)\s*\(")
+PRINTING_COMMAND = re.compile(r"\bterminal\.(?:out|err)\s*<<")
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+
+CODE_BLOCK = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
+QUOTED = re.compile(r"`([^`\n]+)`")
+LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
+PATH = re.compile(r"^[\w.*@-]+(?:/[\w.*@-]+)*/?$")
+FILE_SUFFIX = re.compile(r"\.(?:h|cc|c|cs|ts|py|sh|proto|toml|cmake|md|txt|json)$")
+# Made by a build or a run, or of another program.
+MADE = re.compile(r"^(?:build|node_modules|results|usr|etc|var)/|^(?:CMakeLists\.txt|compile_commands\.json|manifest\.json)$")
+
+
+def is_data(path):
+    return any(part in DATA_FOLDERS for part in path.split("/")[:-1])
+
+
+def folder_errors(files):
+    counts = collections.Counter(posixpath.dirname(path) for path in files if not path.endswith(".meta"))
+    for folder, count in sorted(counts.items()):
+        if count > MAX_FOLDER_FILES and not is_data(folder + "/file"):
+            yield f"{folder or '.'}: {count} files; beyond {MAX_FOLDER_FILES} a folder gets rooms"
+
+
+def length_errors(path, text):
+    count = text.count("\n")
+    if path.endswith(SOURCE_SUFFIXES) and not is_data(path) and count > MAX_LINES:
+        yield f"{path}: {count} lines; a source has at most {MAX_LINES}"
+
+
+def printing_errors(path, text):
+    cli = "engine_client/cli/"
+    if not path.startswith(cli) or not path.endswith((".h", ".cc")):
+        return
+    if path.startswith(cli + "io/") or path == cli + "main.cc":
+        return
+    patterns = [PRINTING] + ([PRINTING_COMMAND] if path.endswith("_command.cc") else [])
+    code = COMMENT.sub(lambda match: "\n" * match.group().count("\n"), text)
+    for pattern in patterns:
+        for match in pattern.finditer(code):
+            line = code.count("\n", 0, match.start()) + 1
+            yield f"{path}:{line}: '{match.group()}' prints; that is for engine_client/cli/io"
+
+
+class Tree:
+    """What a document may name: files and folders that git knows."""
+
+    def __init__(self, files):
+        self.paths = set(files)
+        for path in files:
+            while path := posixpath.dirname(path):
+                self.paths.add(path)
+        self.tops = {path.split("/")[0] for path in files}
+        self.names = {posixpath.basename(path) for path in files}
+
+    def has(self, path):
+        path = posixpath.normpath(path)
+        if "*" in path:
+            return any(fnmatch.fnmatchcase(known, path) for known in self.paths)
+        return path == "." or path in self.paths
+
+    def misses(self, name, folder):
+        """Whether `name`, quoted in a document of `folder`, looks like a path of this tree and is none."""
+        if not PATH.match(name) or MADE.match(name):
+            return False
+        if "/" not in name.rstrip("/"):
+            looks = name.endswith((".cc", ".h", ".proto", ".sh", ".py"))
+            return looks and not fnmatch.filter(self.names, name)
+        first = name.split("/")[0]
+        looks = (first in self.tops or posixpath.join(folder, first) in self.paths or
+                 first in {"broad_phase", "decision", "cli", "storage", "rpc"} or FILE_SUFFIX.search(name))
+        places = ("", folder, "engine_client", "server", "engine_client/include", "engine_client/broad_phase",
+                  "engine_client/cli", "proto", "unity_client")
+        # `broad_phase/kd/kd_tree` stands for its header and source.
+        return bool(looks) and not any(
+            self.has(posixpath.join(place, name)) or self.has(posixpath.join(place, name + ".*")) for place in places)
+
+
+def document_errors(path, text, tree):
+    if not path.endswith(".md"):
+        return
+    folder = posixpath.dirname(path)
+    prose = CODE_BLOCK.sub(lambda match: "\n" * match.group().count("\n"), text)
+    for match in QUOTED.finditer(prose):
+        # The first word of a command is a path as well.
+        name = match.group(1).split(" ")[0]
+        if tree.misses(name, folder):
+            yield f"{path}:{prose.count(chr(10), 0, match.start()) + 1}: `{name}` does not exist"
+    for match in LINK.finditer(prose):
+        if "://" not in match.group(1) and not tree.has(posixpath.join(folder, match.group(1))):
+            yield f"{path}:{prose.count(chr(10), 0, match.start()) + 1}: the link to {match.group(1)} leads nowhere"
+
+
+def check(root, files):
+    errors, tree = list(folder_errors(files)), Tree(files)
+    for path in files:
+        if path.endswith(SOURCE_SUFFIXES + (".md",)):
+            text = (root / path).read_text(encoding="utf-8")
+            errors += length_errors(path, text)
+            errors += printing_errors(path, text)
+            errors += document_errors(path, text, tree)
+    return errors
+
+
+def files_of(root):
+    listed = subprocess.run(["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"],
+                            check=True, capture_output=True, text=True).stdout.splitlines()
+    return sorted(path for path in set(listed) if (root / path).is_file())
+
+
+GOOD = {
+    "README.md": "`engine_client/cli/io/text_table.cc`, `tests/run.sh asan`, `build/dev/bin`, [bench](tests/bench/README.md)\n",
+    "tests/run.sh": "x\n" * MAX_LINES,
+    "tests/bench/README.md": "`results/` and `../../README.md`\n",
+    "engine_client/cli/io/text_table.cc": "void Print() { std::cout << 1; }\n",
+    "engine_client/cli/main.cc": "int main() { std::cerr << 1; }\n",
+    "engine_client/cli/run_command.cc": "// std::cout\nvoid F() { std::snprintf(buffer, 8, \"\"); }\n",
+    **{f"server/rpc/f{index}.cc": "\n" for index in range(MAX_FOLDER_FILES)},
+    **{f"tests/server/golden/{index}.log": "\n" for index in range(MAX_FOLDER_FILES + 1)},
+}
+# Each is one error, of the file or the folder that stands before the colon.
+BAD = [
+    ("server/rpc", "server/rpc/one_more.cc", "\n"),
+    ("server/long.cc", "server/long.cc", "x\n" * (MAX_LINES + 1)),
+    ("engine_client/cli/bench/a.cc", "engine_client/cli/bench/a.cc", "void F() { std::cout << 1; }\n"),
+    ("engine_client/cli/run_command.cc", "engine_client/cli/run_command.cc", "void F() { std::printf(\"\"); }\n"),
+    ("engine_client/cli/run_command.cc", "engine_client/cli/run_command.cc", "void F() { terminal.out << 1; }\n"),
+    ("server/README.md", "server/README.md", "`server/gone/file.cc`\n"),
+    ("server/README.md", "server/README.md", "`rpc/gone.cc`\n"),
+    ("server/README.md", "server/README.md", "`gone.cc`\n"),
+    ("server/README.md", "server/README.md", "[gone](../gone.md)\n"),
+]
+
+
+def write(root, path, text):
+    (root / path).parent.mkdir(parents=True, exist_ok=True)
+    (root / path).write_text(text, encoding="utf-8")
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for path, text in GOOD.items():
+            write(root, path, text)
+        missed = ["a good tree was refused: " + error for error in check(root, sorted(GOOD))]
+        for where, path, text in BAD:
+            write(root, path, text)
+            errors = check(root, sorted({*GOOD, path}))
+            if len(errors) != 1 or not errors[0].startswith(where + ":"):
+                missed.append(f"{path} {text[:60]!r} gave {errors} instead of one error of {where}")
+            (root / path).unlink()
+            if path in GOOD:
+                write(root, path, GOOD[path])
+        return missed
+
+
+def main(arguments):
+    if arguments == ["--self-test"]:
+        errors = self_test()
+        print("\n".join(errors) or f"{len(BAD)} broken rules were each found")
+        return 1 if errors else 0
+    if len(arguments) != 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    root = pathlib.Path(arguments[0])
+    files = files_of(root)
+    errors = check(root, files) if files else [f"no file under {root}"]
+    print("\n".join(errors) or f"{len(files)} files keep the rules")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
