@@ -1,4 +1,5 @@
-// What is behind a swp_session: the frame path, the queue it fills, and who empties the queue.
+// What stands behind a swp_session: the frame path, the queue that it fills, and who empties the
+// queue.
 #pragma once
 
 #include <atomic>
@@ -6,12 +7,11 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "engine_client/c_api/boundary.h"
+#include "engine_client/telemetry/decider_loop.h"
 #include "engine_client/telemetry/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
-#include "sweepstake/embedded_decider.h"
 
 namespace sweepstake::c_api {
 
@@ -38,6 +38,5 @@ struct swp_session {
   std::deque<sweepstake::SwitchOutcome> outcomes;
   std::atomic<uint64_t> dropped_outcome_count = 0;  // read by any thread
   sweepstake::SceneDescriptor descriptor;
-  std::unique_ptr<sweepstake::EmbeddedDecider> decider;
-  std::vector<sweepstake::FrameSample> decider_frames;  // not yet observed
+  std::optional<sweepstake::DeciderLoop> decider_loop;  // absent: no decider is attached
 };

@@ -1,26 +1,19 @@
 // The embedded decider of a session: it takes the place of a transport.
 #include <algorithm>
-#include <variant>
 
 #include "engine_client/c_api/session.h"
 
+using sweepstake::AdaptiveBroadPhase;
 using sweepstake::ArmBelief;
+using sweepstake::DeciderLoop;
 using sweepstake::EmbeddedDecider;
 using sweepstake::EmbeddedOptions;
-using sweepstake::FrameSample;
-using sweepstake::ModeNote;
-using sweepstake::QueuedItem;
-using sweepstake::SceneDescriptor;
-using sweepstake::ShadowSample;
 using sweepstake::SwitchCommand;
 using sweepstake::SwitchOutcome;
 using sweepstake::SwitchReason;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 namespace {
-
-// Frames are handed on in runs of this many, so that a long queue needs little memory.
-constexpr size_t kFrameRun = 256;
 
 EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   EmbeddedOptions options;
@@ -45,22 +38,13 @@ swp_decider_options DefaultOptions() {
   return options;
 }
 
-void TellBeliefs(swp_session& session) {
-  std::vector<double> means;
-  for (const ArmBelief& belief : session.decider->beliefs()) {
-    means.push_back(belief.alpha / (belief.alpha + belief.beta));
-  }
-  session.adaptive->SetPosteriorMeans(means);
-  session.adaptive->SetVerdict(session.decider->verdict());
-}
-
 // The decider believes the first arm and epoch 0 until it hears otherwise.
-void TellActiveArm(swp_session& session, uint64_t now_ns) {
-  const uint32_t arm = session.adaptive->active_arm();
-  const uint32_t epoch = session.adaptive->switch_epoch();
-  session.decider->SetMode(session.adaptive->mode(), arm, now_ns);
+void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider, uint64_t now_ns) {
+  const uint32_t arm = adaptive.active_arm();
+  const uint32_t epoch = adaptive.switch_epoch();
+  decider.SetMode(adaptive.mode(), arm, now_ns);
   if (epoch == 0) return;
-  session.decider->Observe(
+  decider.Observe(
       SwitchOutcome{
           .arm = arm, .switch_epoch = epoch, .reason = SwitchReason::kManual, .executed = 1},
       now_ns);
@@ -72,53 +56,22 @@ uint64_t Scaled(uint64_t duration_ns, double time_scale) {
 }
 
 swp_result Attach(swp_session& session, EmbeddedOptions options, uint64_t now_ns) {
-  options.mode = session.adaptive->mode();
-  auto decider = EmbeddedDecider::Create(options, session.adaptive->arms(),
-                                         session.adaptive->arm_versions(), now_ns);
+  AdaptiveBroadPhase& adaptive = *session.adaptive;
+  options.mode = adaptive.mode();
+  auto decider = EmbeddedDecider::Create(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
   if (!decider.ok()) return ToResult(decider.status());
-  session.decider_frames.reserve(kFrameRun);
-  session.decider = std::move(*decider);
-  TellActiveArm(session, now_ns);
-  session.adaptive->SetDeciderPresent(true);
-  session.adaptive->SetSettling(Scaled(session.settling_ns, options.time_scale));
-  TellBeliefs(session);
+  TellActiveArm(adaptive, **decider, now_ns);
+  session.decider_loop.emplace(session.queue, adaptive, std::move(*decider));
+  adaptive.SetDeciderPresent(true);
+  adaptive.SetSettling(Scaled(session.settling_ns, options.time_scale));
+  session.decider_loop->PublishBeliefs();
   return SWP_OK;
 }
 
-void FlushFrames(swp_session& session, uint64_t now_ns) {
-  if (!session.decider_frames.empty()) session.decider->Observe(session.decider_frames, now_ns);
-  session.decider_frames.clear();
-}
-
-void Observe(swp_session& session, const QueuedItem& item, uint64_t now_ns) {
-  if (const auto* sample = std::get_if<FrameSample>(&item)) {
-    session.decider_frames.push_back(*sample);
-    if (session.decider_frames.size() == kFrameRun) FlushFrames(session, now_ns);
-    return;
-  }
-  FlushFrames(session, now_ns);
-  if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) {
-    session.decider->Observe(*outcome, now_ns);
-  } else if (const auto* change = std::get_if<ModeNote>(&item)) {
-    session.decider->SetMode(change->mode, change->active_arm, now_ns);
-  } else if (const auto* seen = std::get_if<SceneDescriptor>(&item)) {
-    session.decider->Observe(*seen);
-  }
-}
-
-// What the frame thread produced meanwhile goes to the decider, in the order it happened.
-std::optional<SwitchCommand> Poll(swp_session& session, uint64_t now_ns) {
-  while (const std::optional<QueuedItem> item = session.queue.Pop()) {
-    Observe(session, *item, now_ns);
-  }
-  FlushFrames(session, now_ns);
-  while (const std::optional<ShadowSample> sample = session.queue.PopShadow()) {
-    session.decider->Observe({&*sample, 1});
-  }
-  const uint64_t decision_count = session.decider->decision_count();
-  const std::optional<SwitchCommand> command = session.decider->Poll(now_ns);
-  if (command) session.adaptive->mailbox().Post(*command);
-  if (session.decider->decision_count() != decision_count) TellBeliefs(session);
+std::optional<SwitchCommand> Poll(DeciderLoop& loop, uint64_t now_ns) {
+  loop.TakeQueue(now_ns);
+  const std::optional<SwitchCommand> command = loop.Decide(now_ns);
+  if (loop.has_news()) loop.PublishBeliefs();
   return command;
 }
 
@@ -140,7 +93,7 @@ swp_result swp_decider_options_init(swp_decider_options* options) {
 swp_result swp_session_attach_decider(swp_session* session, const swp_decider_options* options,
                                       uint64_t now_ns) {
   if (session == nullptr) return NullArgument("session");
-  if (session->decider != nullptr) {
+  if (session->decider_loop) {
     return Fail(SWP_FAILED_PRECONDITION, "a decider is attached already: detach it first");
   }
   return Guard([&] {
@@ -154,10 +107,9 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
 
 swp_result swp_session_detach_decider(swp_session* session) {
   if (session == nullptr) return NullArgument("session");
-  if (session->decider == nullptr) return NoDecider();
+  if (!session->decider_loop) return NoDecider();
   return Guard([&] {
-    session->decider.reset();
-    session->decider_frames.clear();
+    session->decider_loop.reset();
     session->adaptive->SetDeciderPresent(false);
     return static_cast<swp_result>(SWP_OK);
   });
@@ -166,9 +118,9 @@ swp_result swp_session_detach_decider(swp_session* session) {
 swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                     swp_switch_command* command, uint32_t* commanded) {
   if (session == nullptr) return NullArgument("session");
-  if (session->decider == nullptr) return NoDecider();
+  if (!session->decider_loop) return NoDecider();
   return Guard([&] {
-    const std::optional<SwitchCommand> posted = Poll(*session, now_ns);
+    const std::optional<SwitchCommand> posted = Poll(*session->decider_loop, now_ns);
     if (commanded != nullptr) *commanded = posted ? 1 : 0;
     if (posted && command != nullptr) {
       *command = {posted->command_id, posted->arm, static_cast<swp_switch_reason>(posted->reason)};
@@ -181,9 +133,9 @@ swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs, 
                                uint32_t* count) {
   if (session == nullptr || count == nullptr) return NullArgument("session and count");
   if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
-  if (session->decider == nullptr) return NoDecider();
+  if (!session->decider_loop) return NoDecider();
   return Guard([&] {
-    const std::vector<ArmBelief> current = session->decider->beliefs();
+    const std::vector<ArmBelief> current = session->decider_loop->decider().beliefs();
     *count = static_cast<uint32_t>(current.size());
     if (current.size() > capacity) {
       return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer beliefs than there are arms");
@@ -195,14 +147,14 @@ swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs, 
 
 swp_result swp_session_decision_count(const swp_session* session, uint64_t* count) {
   if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (session->decider == nullptr) return NoDecider();
-  *count = session->decider->decision_count();
+  if (!session->decider_loop) return NoDecider();
+  *count = session->decider_loop->decider().decision_count();
   return SWP_OK;
 }
 
 swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count) {
   if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (session->decider == nullptr) return NoDecider();
-  *count = session->decider->prior_source_count();
+  if (!session->decider_loop) return NoDecider();
+  *count = session->decider_loop->decider().prior_source_count();
   return SWP_OK;
 }

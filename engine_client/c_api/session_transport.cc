@@ -36,7 +36,7 @@ void KeepNote(swp_session& session, const QueuedItem& item) {
 }
 
 swp_result CheckDrain(const swp_session& session) {
-  if (session.decider == nullptr) return SWP_OK;
+  if (!session.decider_loop) return SWP_OK;
   return Fail(SWP_FAILED_PRECONDITION, "the attached decider takes the samples: detach it first");
 }
 

@@ -1,6 +1,10 @@
 #include "engine_client/telemetry/daemon_connection.h"
 
+#include <algorithm>
+#include <cassert>
 #include <utility>
+
+#include "server/decision/math/hash.h"
 
 namespace sweepstake {
 namespace {
@@ -119,5 +123,29 @@ void DaemonConnection::OnDone(const grpc::Status& status) {
   wake_();
   done_.notify_all();
 }
+
+Backoff::Backoff(uint32_t min_ms, uint32_t max_ms, uint64_t seed)
+    : min_ms_(min_ms), max_ms_(max_ms), bound_ms_(min_ms), random_state_(seed) {
+  assert(min_ms >= 1 && min_ms <= max_ms);
+}
+
+uint32_t Backoff::NextMs() {
+  const uint32_t delay_ms = JitterMs(bound_ms_);
+  bound_ms_ = static_cast<uint32_t>(std::min<uint64_t>(uint64_t{bound_ms_} * 2, max_ms_));
+  return delay_ms;
+}
+
+uint32_t Backoff::LongMs() {
+  bound_ms_ = max_ms_;
+  const uint32_t half_ms = max_ms_ / 2;
+  return max_ms_ - JitterMs(half_ms);
+}
+
+uint32_t Backoff::JitterMs(uint32_t bound_ms) {
+  // The upper 32 bits, scaled: even enough for a delay.
+  return static_cast<uint32_t>(((NextRandom() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
+}
+
+uint64_t Backoff::NextRandom() { return math::Mix64(random_state_ += math::kGoldenGamma); }
 
 }  // namespace sweepstake

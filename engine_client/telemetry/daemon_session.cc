@@ -3,22 +3,18 @@
 // Each step takes what is queued, takes what the daemon said, sends what may be sent, and connects
 // or parts when it is time. It polls: the frame thread never wakes it; gRPC's threads and Stop do.
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <limits>
-#include <mutex>
+#include <optional>
 #include <random>
 #include <utility>
 
-#include "engine_client/telemetry/backoff.h"
-#include "engine_client/telemetry/daemon_address.h"
 #include "engine_client/telemetry/daemon_connection.h"
+#include "engine_client/telemetry/decider_loop.h"
 #include "engine_client/telemetry/evidence_intake.h"
-#include "engine_client/telemetry/polling_thread.h"
-#include "engine_client/telemetry/session_options.h"
-#include "engine_client/telemetry/wire.h"
-#include "sweepstake/session.h"
+#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/session_base.h"
+#include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {
 namespace {
@@ -92,11 +88,6 @@ std::string Describe(const grpc::Status& status, const std::string& address, uin
   return what + "; trying again in " + std::to_string(delay_ms) + " ms";
 }
 
-bool IsUsable(const v1::BetaPosterior& posterior) {
-  return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
-         posterior.alpha() > 0 && posterior.beta() > 0;
-}
-
 uint64_t NowNs() { return SteadyClock().NowNs(); }
 
 // What differs between sessions of one process, so that their jitter does too; nothing is decided
@@ -114,29 +105,26 @@ struct Link {
   bool half_closed = false;
 };
 
-class DaemonSession final : public Session {
+class DaemonSession final : public SessionBase {
  public:
   DaemonSession(std::string address, const SessionOptions& options)
-      : home_address_(std::move(address)),
+      : SessionBase(options.queue_frames),
+        home_address_(std::move(address)),
         options_(options),
-        queue_(options.queue_frames),
         backoff_(options.backoff_min_ms, options.backoff_max_ms, JitterSeed()) {}
-  ~DaemonSession() override { DaemonSession::Stop(0); }
-
-  FrameSink& sink() override { return queue_; }
-  Status Start(AdaptiveBroadPhase& adaptive) override;
-  void OnModeChange() override;
-  void Stop(uint32_t deadline_ms) override;
-  SessionStats stats() const override;
+  ~DaemonSession() override { Stop(0); }
 
  private:
-  bool Step(bool stopping);
+  Status Prepare(AdaptiveBroadPhase& adaptive) override;
+  bool Step(bool stopping) override;
+  std::chrono::milliseconds poll_interval() const override { return kPollInterval; }
+
   void Connect(uint64_t now_ns);
   void Converse(uint64_t now_ns);
   void Send();
   void OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns);
   void OnWelcome(const v1::Welcome& welcome, uint64_t now_ns);
-  void OnCommand(const v1::SwitchCommand& command);
+  void OnCommand(const v1::SwitchCommand& message);
   void TakeBeliefs(const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors);
   void TakeVerdict(const v1::PosteriorSnapshot& snapshot);
   void FollowRedirect(uint64_t now_ns);
@@ -148,11 +136,8 @@ class DaemonSession final : public Session {
 
   const std::string home_address_;
   const SessionOptions options_;
-  SampleQueue queue_;
-  std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
-  std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};
 
-  // On the sender thread.
+  // On the sender thread, from Prepare on.
   std::optional<SessionState> state_;
   std::optional<EvidenceIntake> intake_;
   Backoff backoff_;
@@ -165,45 +150,13 @@ class DaemonSession final : public Session {
   SceneVerdict verdict_;
   uint64_t command_count_ = 0;
   uint64_t prior_source_count_ = 0;
-
-  mutable std::mutex stats_mutex_;
-  SessionStats stats_;  // guarded by stats_mutex_
-  PollingThread thread_;
 };
 
-Status DaemonSession::Start(AdaptiveBroadPhase& adaptive) {
-  if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
-    return {StatusCode::kFailedPrecondition, "the session was started before; make a new one"};
-  }
+Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
   state_.emplace(MakeHello(options_, adaptive), options_.unacknowledged_messages);
-  intake_.emplace(queue_, *state_, LimitsOf(options_));
+  intake_.emplace(queue(), *state_, LimitsOf(options_));
   next_address_ = home_address_;
-  adaptive_.store(&adaptive);
-  thread_.Start(kPollInterval, [this](bool stopping) { return Step(stopping); });
   return {};
-}
-
-void DaemonSession::OnModeChange() {
-  const AdaptiveBroadPhase* adaptive = adaptive_.load(std::memory_order_relaxed);
-  if (adaptive == nullptr) return;
-  queue_.OnModeChange({.mode = adaptive->mode(), .active_arm = adaptive->active_arm()});
-}
-
-void DaemonSession::Stop(uint32_t deadline_ms) {
-  stop_deadline_ns_.store(std::min(stop_deadline_ns_.load(), NowNs() + deadline_ms * kNsPerMs));
-  thread_.RequestStop();
-  thread_.Join();
-  AdaptiveBroadPhase* adaptive = adaptive_.exchange(nullptr);
-  if (adaptive != nullptr) adaptive->SetDeciderPresent(false);
-  const std::lock_guard lock(stats_mutex_);
-  stats_.state = ConnectionState::kClosed;
-}
-
-SessionStats DaemonSession::stats() const {
-  const std::lock_guard lock(stats_mutex_);
-  SessionStats stats = stats_;
-  stats.dropped_frame_count += queue_.dropped_frame_count();
-  return stats;
 }
 
 bool DaemonSession::Step(bool stopping) {
@@ -221,14 +174,13 @@ bool DaemonSession::Step(bool stopping) {
 }
 
 void DaemonSession::Connect(uint64_t now_ns) {
-  const AdaptiveBroadPhase& adaptive = *adaptive_.load();
   link_.emplace();
   link_->address = next_address_;
   link_->deadline_ns = now_ns + kAnswerTimeoutNs;
-  link_->stream = std::make_unique<DaemonConnection>(next_address_, [this] { thread_.Wake(); });
-  link_->stream->Write(state_->Connect({.active_arm = adaptive.active_arm(),
-                                        .switch_epoch = adaptive.switch_epoch(),
-                                        .mode = static_cast<v1::Mode>(adaptive.mode())}));
+  link_->stream = std::make_unique<DaemonConnection>(next_address_, [this] { Wake(); });
+  link_->stream->Write(state_->Connect({.active_arm = adaptive().active_arm(),
+                                        .switch_epoch = adaptive().switch_epoch(),
+                                        .mode = ToProto(adaptive().mode())}));
 }
 
 void DaemonSession::Converse(uint64_t now_ns) {
@@ -272,7 +224,6 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
 
 void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   if (state_->online()) return;  // Once per connection; a second one says nothing new.
-  AdaptiveBroadPhase& adaptive = *adaptive_.load();
   state_->OnWelcome(welcome);
   link_->online_since_ns = now_ns;
   last_error_.clear();
@@ -280,53 +231,36 @@ void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   prior_source_count_ = welcome.prior_source_count();
   intake_->SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors());
-  adaptive.SetSettling(welcome.settling_ms() * kNsPerMs);
-  adaptive.SetBailOutLimit(welcome.bail_out_ms() * kNsPerMs);
-  adaptive.SetDeciderPresent(true);
+  adaptive().SetSettling(welcome.settling_ms() * kNsPerMs);
+  adaptive().SetBailOutLimit(welcome.bail_out_ms() * kNsPerMs);
+  adaptive().SetDeciderPresent(true);
 }
 
-void DaemonSession::OnCommand(const v1::SwitchCommand& command) {
-  AdaptiveBroadPhase& adaptive = *adaptive_.load();
-  if (command.reason() < v1::SWITCH_REASON_POLICY || command.reason() > v1::SWITCH_REASON_MANUAL) {
-    return;  // Breaks the protocol, and could not be answered within it.
-  }
+void DaemonSession::OnCommand(const v1::SwitchCommand& message) {
+  const std::optional<SwitchCommand> command = FromProto(message);
+  // An unknown reason breaks the protocol and could not be answered within it.
+  if (!command) return;
   ++command_count_;
-  if (command.arm() >= adaptive.arms().size()) {
-    return state_->Append(RefusalRequest(command, adaptive.active_arm(), adaptive.switch_epoch()));
+  if (command->arm >= adaptive().arms().size()) {
+    return state_->Append(
+        RefusalToProto(message, adaptive().active_arm(), adaptive().switch_epoch()));
   }
-  adaptive.mailbox().Post({.command_id = command.command_id(),
-                           .arm = command.arm(),
-                           .reason = static_cast<SwitchReason>(command.reason())});
+  adaptive().mailbox().Post(*command);
 }
 
 void DaemonSession::TakeBeliefs(
     const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors) {
-  AdaptiveBroadPhase& adaptive = *adaptive_.load();
-  if (static_cast<size_t>(posteriors.size()) != adaptive.arms().size()) return;
-  std::vector<ArmBelief> beliefs;
-  std::vector<double> means;
-  for (const v1::BetaPosterior& posterior : posteriors) {
-    if (!IsUsable(posterior)) return;
-    beliefs.push_back({adaptive.arms()[beliefs.size()], posterior.alpha(), posterior.beta()});
-    means.push_back(posterior.alpha() / (posterior.alpha() + posterior.beta()));
-  }
-  beliefs_ = std::move(beliefs);
-  adaptive.SetPosteriorMeans(means);
+  std::optional<std::vector<ArmBelief>> beliefs = FromProto(posteriors, adaptive().arms());
+  if (!beliefs) return;
+  beliefs_ = *std::move(beliefs);
+  SetPosteriorMeans(beliefs_, adaptive());
 }
 
-// A verdict of a later protocol than ours is none.
 void DaemonSession::TakeVerdict(const v1::PosteriorSnapshot& snapshot) {
-  AdaptiveBroadPhase& adaptive = *adaptive_.load();
-  const double probability = snapshot.leader_probability();
-  if (snapshot.leader_arm() >= adaptive.arms().size()) return;
-  if (!(probability >= 0 && probability <= 1)) return;
-  if (snapshot.verdict() < v1::VERDICT_UNSPECIFIED || snapshot.verdict() > v1::VERDICT_DEGRADED) {
-    return;
-  }
-  verdict_ = {.verdict = static_cast<Verdict>(snapshot.verdict()),
-              .leader_arm = snapshot.leader_arm(),
-              .leader_probability = probability};
-  adaptive.SetVerdict(verdict_);
+  const std::optional<SceneVerdict> verdict = FromProto(snapshot, adaptive().arms().size());
+  if (!verdict) return;
+  verdict_ = *verdict;
+  adaptive().SetVerdict(verdict_);
 }
 
 void DaemonSession::FollowRedirect(uint64_t now_ns) {
@@ -342,7 +276,7 @@ void DaemonSession::HalfClose(uint64_t now_ns) {
 void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   const Link link = std::move(*link_);
   link_.reset();
-  adaptive_.load()->SetDeciderPresent(false);
+  adaptive().SetDeciderPresent(false);
   state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND,
                      status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
@@ -372,7 +306,7 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
 // Goodbye once everything is sent. False: done, or out of time.
 bool DaemonSession::Part(uint64_t now_ns, bool queue_empty) {
   if (!link_) return false;
-  if (now_ns >= stop_deadline_ns_.load()) {
+  if (now_ns >= stop_deadline_ns()) {
     link_->stream->Cancel();
     link_.reset();
     return false;
@@ -396,24 +330,25 @@ bool DaemonSession::Part(uint64_t now_ns, bool queue_empty) {
 
 void DaemonSession::Publish() {
   const SessionState::Counts& counts = state_->counts();
-  const std::lock_guard lock(stats_mutex_);
-  stats_.state = !link_             ? ConnectionState::kOffline
-                 : state_->online() ? ConnectionState::kOnline
-                                    : ConnectionState::kConnecting;
-  stats_.last_error = last_error_;
-  stats_.refusal = refusal_;
-  stats_.session_id = state_->session_id();
-  stats_.sent_frame_count = counts.sent_frame_count;
-  stats_.dropped_frame_count = counts.discarded_frame_count;
-  stats_.acknowledged_sequence = counts.acknowledged_sequence;
-  stats_.sent_sequence = counts.sent_sequence;
-  stats_.connection_count = counts.connection_count;
-  stats_.resumed_count = counts.resumed_count;
-  stats_.resent_message_count = counts.resent_message_count;
-  stats_.command_count = command_count_;
-  stats_.prior_source_count = prior_source_count_;
-  stats_.beliefs = beliefs_;
-  stats_.verdict = verdict_;
+  UpdateStats([&](SessionStats& stats) {
+    stats.state = !link_             ? ConnectionState::kOffline
+                  : state_->online() ? ConnectionState::kOnline
+                                     : ConnectionState::kConnecting;
+    stats.last_error = last_error_;
+    stats.refusal = refusal_;
+    stats.session_id = state_->session_id();
+    stats.sent_frame_count = counts.sent_frame_count;
+    stats.dropped_frame_count = counts.discarded_frame_count;
+    stats.acknowledged_sequence = counts.acknowledged_sequence;
+    stats.sent_sequence = counts.sent_sequence;
+    stats.connection_count = counts.connection_count;
+    stats.resumed_count = counts.resumed_count;
+    stats.resent_message_count = counts.resent_message_count;
+    stats.command_count = command_count_;
+    stats.prior_source_count = prior_source_count_;
+    stats.beliefs = beliefs_;
+    stats.verdict = verdict_;
+  });
 }
 
 }  // namespace

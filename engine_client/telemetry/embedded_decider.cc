@@ -1,53 +1,17 @@
-// Step 9 in the game process: frames and outcomes to the decision core, its commands back.
+// Step 9 in the game process: frames and outcomes go to the decision core, its commands come back.
 #include "sweepstake/embedded_decider.h"
 
-#include <cmath>
 #include <set>
 #include <utility>
 
+#include "engine_client/telemetry/decision_conversion.h"
 #include "engine_client/telemetry/priors_file.h"
+#include "server/decision/audit_log.h"
 #include "server/decision/decision_session.h"
 #include "server/decision/policy/policy.h"
 
 namespace sweepstake {
 namespace {
-
-decision::Frame ToFrame(const FrameSample& sample) {
-  return {.frame_time_ns = sample.frame_time_ns,
-          .detection_time_ns = sample.detection_time_ns,
-          .aabb_check_count = sample.aabb_check_count,
-          .native_bytes = sample.native_bytes,
-          .object_count = sample.object_count,
-          .arm = sample.arm,
-          .switch_epoch = sample.switch_epoch,
-          .flags = sample.flags};
-}
-
-decision::ShadowSample ToShadow(const ShadowSample& sample) {
-  return {.first_frame_index = sample.first_frame_index,
-          .detection_time_ns = sample.detection_time_ns,
-          .build_time_ns = sample.build_time_ns,
-          .aabb_check_count = sample.aabb_check_count,
-          .native_bytes = sample.native_bytes,
-          .arm = sample.arm,
-          .object_count = sample.object_count,
-          .frame_count = sample.frame_count,
-          .flags = sample.flags};
-}
-
-decision::SceneDescriptor ToDescriptor(const SceneDescriptor& descriptor) {
-  const auto measured = [](float value) -> std::optional<double> {
-    if (!std::isfinite(value) || value < 0) return std::nullopt;
-    return value;
-  };
-  return {.object_count = measured(descriptor.object_count),
-          .density_ratio = measured(descriptor.density_ratio),
-          .size_spread = measured(descriptor.size_spread),
-          .speed_mean = measured(descriptor.speed_mean),
-          .speed_spread = measured(descriptor.speed_spread),
-          .clustering_ratio = measured(descriptor.clustering_ratio),
-          .static_ratio = measured(descriptor.static_ratio)};
-}
 
 // The evidence that applies to these arms, summed onto Beta(1,1).
 struct LoadedPriors {
@@ -97,7 +61,7 @@ decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const
   setup.options = setup.options.Scaled(options.time_scale);
   setup.arms.assign(arms.begin(), arms.end());
   setup.seed = options.seed;
-  setup.mode = static_cast<decision::Mode>(options.mode);
+  setup.mode = ToDecision(options.mode);
   setup.start_ns = static_cast<int64_t>(now_ns);
   return setup;
 }
@@ -117,7 +81,7 @@ decision::AuditOrigin OriginOf(const EmbeddedOptions& options, std::span<const u
 
 class EmbeddedDecider::Impl : private decision::AuditSink {
  public:
-  using OnDecision = std::function<void(const decision::Decision&)>;
+  using OnDecision = std::function<void(const DecisionEvent&)>;
 
   Impl(decision::SessionSetup setup, uint64_t prior_source_count, OnDecision on_decision)
       : session_(std::move(setup)),
@@ -151,16 +115,16 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   std::function<void(std::string_view)> on_audit_row_;  // null: no log
   uint32_t latest_epoch_ = 0;                           // of all frames
   std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
-  std::optional<decision::SwitchCommand> pending_command_;
+  std::optional<SwitchCommand> pending_command_;
 };
 
 void EmbeddedDecider::Impl::Observe(std::span<const FrameSample> frames, int64_t now_ns) {
   for (const FrameSample& sample : frames) {
     latest_epoch_ = sample.switch_epoch;
-    run_.push_back(ToFrame(sample));
+    run_.push_back(ToDecision(sample));
     if ((sample.flags & kFrameBailOut) == 0) continue;
     Fold();
-    Follow(session_.ObserveBailOut(ToFrame(sample), now_ns));
+    Follow(session_.ObserveBailOut(ToDecision(sample), now_ns));
   }
   Fold();
 }
@@ -178,42 +142,36 @@ void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns
   if (outcome.switch_epoch < latest_epoch_) return;
   if (outcome.arm >= session_.arms().size()) return;
   latest_epoch_ = outcome.switch_epoch;
-  const auto reason = static_cast<decision::SwitchReason>(outcome.reason);
-  session_.ObserveSwitch(
-      outcome.arm, outcome.switch_epoch, reason, now_ns,
-      {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns});
+  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, ToDecision(outcome.reason), now_ns,
+                         ToDecision(outcome));
 }
 
 void EmbeddedDecider::Impl::Observe(std::span<const ShadowSample> samples) {
   for (const ShadowSample& sample : samples) {
-    const decision::ShadowSample shadow = ToShadow(sample);
+    const decision::ShadowSample shadow = ToDecision(sample);
     session_.ObserveShadow({&shadow, 1});
   }
 }
 
 void EmbeddedDecider::Impl::Observe(const SceneDescriptor& descriptor) {
-  session_.ObserveDescriptor(ToDescriptor(descriptor));
+  session_.ObserveDescriptor(ToDecision(descriptor));
 }
 
 void EmbeddedDecider::Impl::SetMode(Mode mode, uint32_t active_arm, int64_t now_ns) {
   if (active_arm >= session_.arms().size()) return;
-  session_.SetMode(static_cast<decision::Mode>(mode), active_arm, now_ns);
+  session_.SetMode(ToDecision(mode), active_arm, now_ns);
   if (mode == Mode::kManual) pending_command_.reset();
 }
 
 std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
   if (now_ns >= session_.next_tick_ns()) Follow(session_.Tick(now_ns));
-  const auto command = std::exchange(pending_command_, std::nullopt);
-  if (!command) return std::nullopt;
-  return SwitchCommand{.command_id = command->command_id,
-                       .arm = command->arm,
-                       .reason = static_cast<SwitchReason>(command->reason)};
+  return std::exchange(pending_command_, std::nullopt);
 }
 
 // The latest command wins.
 void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
-  if (on_decision_) on_decision_(decision);
-  if (decision.command) pending_command_ = decision.command;
+  if (on_decision_) on_decision_(FromDecision(decision, session_.arms()));
+  if (decision.command) pending_command_ = FromDecision(*decision.command);
 }
 
 Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
@@ -260,22 +218,11 @@ std::optional<SwitchCommand> EmbeddedDecider::Poll(uint64_t now_ns) {
   return impl_->Poll(static_cast<int64_t>(now_ns));
 }
 
+std::string EmbeddedDecider::AuditHeader() { return decision::AuditHeader(); }
 std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
-  const decision::DecisionSession& session = impl_->session();
-  std::vector<ArmBelief> beliefs;
-  for (size_t arm = 0; arm < session.arms().size(); ++arm) {
-    const decision::BetaPosterior& posterior = session.posteriors()[arm];
-    beliefs.push_back({session.arms()[arm], posterior.alpha, posterior.beta});
-  }
-  return beliefs;
+  return FromDecision(impl_->session().posteriors(), impl_->session().arms());
 }
-SceneVerdict EmbeddedDecider::verdict() const {
-  const decision::Diagnosis& diagnosis = impl_->session().diagnosis();
-  if (diagnosis.best_probability.empty()) return {};
-  return {.verdict = static_cast<Verdict>(diagnosis.verdict),
-          .leader_arm = diagnosis.leader,
-          .leader_probability = diagnosis.best_probability[diagnosis.leader]};
-}
+SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session().diagnosis()); }
 uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
 uint64_t EmbeddedDecider::prior_source_count() const { return impl_->prior_source_count(); }
 

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <tuple>
 
-#include "engine_client/telemetry/name_limits.h"
+#include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {
 namespace {

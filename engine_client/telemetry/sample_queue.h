@@ -52,7 +52,6 @@ class SampleQueue final : public FrameSink {
   // The oldest visit of the shadow lane.
   std::optional<ShadowSample> PopShadow() { return shadows_.Pop(); }
 
-  uint64_t pushed_frame_count() const { return frames_.pushed_count(); }
   uint64_t dropped_frame_count() const { return frames_.lost_count(); }
   uint64_t dropped_note_count() const { return notes_.lost_count(); }
 

@@ -1,5 +1,8 @@
-// A C++ game that finds pairs with every backend and lets the embedded decider look on.
+// A C++ game that finds pairs with every backend, and is told what the embedded decider decides.
 #include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
@@ -19,18 +22,31 @@ bool FindsTheOnePair(std::string_view name) {
   return pairs.size() == 1 && pairs.pairs()[0] == sweepstake::OverlapPair{0, 1};
 }
 
-bool PlaysAFrame() {
+// Plays 200 frames of 16 ms, in which one decision is due, and expects both callbacks to be called.
+bool HearsADecision() {
+  std::vector<sweepstake::DecisionEvent> events;
+  std::vector<std::string> audit_rows;
+  sweepstake::EmbeddedOptions options;
+  options.on_decision = [&](const sweepstake::DecisionEvent& event) { events.push_back(event); };
+  options.on_audit_row = [&](std::string_view row) { audit_rows.emplace_back(row); };
   auto scene = sweepstake::MakeScene("suite-b", {});
   auto adaptive = sweepstake::AdaptiveBroadPhase::Create({}, nullptr);
   if (!scene.ok() || !adaptive.ok()) return false;
-  auto decider =
-      sweepstake::EmbeddedDecider::Create({}, (*adaptive)->arms(), (*adaptive)->arm_versions(), 0);
+  auto decider = sweepstake::EmbeddedDecider::Create(options, (*adaptive)->arms(),
+                                                     (*adaptive)->arm_versions(), 0);
   if (!decider.ok()) return false;
-  (*adaptive)->BeginFrame();
-  const auto pairs = (*adaptive)->FindPairs((*scene)->aabbs());
-  (*adaptive)->EndFrame({16'000'000, 0});
-  (*decider)->Observe(std::span(&(*adaptive)->last_sample(), 1), 16'000'000);
-  return !pairs.empty();
+  bool finds_pairs = true;
+  for (uint64_t frame = 1; frame <= 200; ++frame) {
+    (*adaptive)->BeginFrame();
+    finds_pairs = finds_pairs && !(*adaptive)->FindPairs((*scene)->aabbs()).empty();
+    (*adaptive)->EndFrame({16'000'000, 0});
+    const uint64_t now_ns = frame * 16'000'000;
+    (*decider)->Observe(std::span(&(*adaptive)->last_sample(), 1), now_ns);
+    if (const auto command = (*decider)->Poll(now_ns)) (*adaptive)->mailbox().Post(*command);
+  }
+  return finds_pairs && events.size() == 1 && events[0].decision_id == 1 &&
+         events[0].beliefs.size() == (*adaptive)->arms().size() && audit_rows.size() >= 2 &&
+         sweepstake::EmbeddedDecider::AuditHeader().starts_with("session,");
 }
 
 }  // namespace
@@ -41,5 +57,5 @@ int main() {
     std::fprintf(stderr, "%s is wrong\n", std::string(name).c_str());
     return 1;
   }
-  return PlaysAFrame() ? 0 : 1;
+  return HearsADecision() ? 0 : 1;
 }

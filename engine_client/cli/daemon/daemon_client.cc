@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "engine_client/telemetry/daemon_address.h"
+#include "engine_client/telemetry/validation.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine_client/cli/daemon/daemon_client.h"
+#include "engine_client/telemetry/proto_conversion.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 
 namespace sweepstake::cli {
@@ -10,40 +11,6 @@ namespace {
 
 // The protocol's bound.
 constexpr size_t kRecordsPerMessage = 200;
-
-PriorRecord FromWire(const v1::PriorRecord& wire) {
-  PriorRecord record;
-  record.project = wire.project();
-  record.scene = wire.scene();
-  record.context_bucket = wire.context_bucket();
-  record.arm = wire.arm();
-  record.backend_version = wire.backend_version();
-  record.machine_class = wire.machine_class();
-  record.reward_version = wire.reward_version();
-  record.source_id = wire.source_id();
-  record.source_sequence = wire.source_sequence();
-  record.alpha_increment = wire.alpha_increment();
-  record.beta_increment = wire.beta_increment();
-  record.window_count = wire.window_count();
-  record.bail_out_count = wire.bail_out_count();
-  return record;
-}
-
-void ToWire(const PriorRecord& record, v1::PriorRecord& wire) {
-  wire.set_project(record.project);
-  wire.set_scene(record.scene);
-  wire.set_context_bucket(record.context_bucket);
-  wire.set_arm(record.arm);
-  wire.set_backend_version(record.backend_version);
-  wire.set_machine_class(record.machine_class);
-  wire.set_reward_version(record.reward_version);
-  wire.set_source_id(record.source_id);
-  wire.set_source_sequence(record.source_sequence);
-  wire.set_alpha_increment(record.alpha_increment);
-  wire.set_beta_increment(record.beta_increment);
-  wire.set_window_count(record.window_count);
-  wire.set_bail_out_count(record.bail_out_count);
-}
 
 }  // namespace
 
@@ -62,7 +29,7 @@ Result<std::vector<PriorRecord>> ExportPriors(const std::string& address,
   std::vector<PriorRecord> records;
   v1::ExportPriorsResponse part;
   while (reader->Read(&part)) {
-    for (const v1::PriorRecord& wire : part.records()) records.push_back(FromWire(wire));
+    for (const v1::PriorRecord& message : part.records()) records.push_back(FromProto(message));
   }
   const Status status = ToStatus(reader->Finish(), address);
   if (!status.ok()) return status;
@@ -82,7 +49,7 @@ Result<ImportResult> ImportPriors(const std::string& address,
     const auto part = records.first(std::min(kRecordsPerMessage, records.size()));
     records = records.subspan(part.size());
     v1::ImportPriorsRequest request;
-    for (const PriorRecord& record : part) ToWire(record, *request.add_records());
+    for (const PriorRecord& record : part) *request.add_records() = ToProto(record);
     // A refused message shows in Finish.
     if (!writer->Write(request)) break;
   }

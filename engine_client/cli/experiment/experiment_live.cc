@@ -12,7 +12,6 @@
 #include "engine_client/cli/game/scene_choice.h"
 #include "server/decision/options.h"
 #include "server/decision/policy/policy.h"
-#include "server/decision/types.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {
@@ -33,49 +32,48 @@ constexpr uint64_t kBlockPatience = 10;
 
 double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-RecordedDecision Recorded(const decision::DecisionRecord& record, uint64_t begin_ns) {
+RecordedDecision Recorded(const DecisionEvent& event, uint64_t begin_ns) {
   RecordedDecision kept;
-  kept.time_s = Seconds(static_cast<uint64_t>(record.time_ns) - begin_ns);
-  kept.active_arm = record.active_arm;
-  if (record.candidate) kept.candidate = *record.candidate;
-  kept.outcome = static_cast<uint32_t>(record.outcome);
-  if (record.reason) kept.reason = static_cast<uint32_t>(*record.reason);
-  if (record.reward) kept.reward = *record.reward;
-  kept.leader = record.diagnosis.leader;
-  kept.expected_loss_ratio = record.diagnosis.expected_loss_ratio;
-  kept.verdict = static_cast<uint32_t>(record.diagnosis.verdict);
-  for (const decision::BetaPosterior& posterior : record.posteriors) {
-    kept.alpha.push_back(posterior.alpha);
-    kept.beta.push_back(posterior.beta);
+  kept.time_s = Seconds(event.time_ns - begin_ns);
+  kept.active_arm = event.active_arm;
+  if (event.candidate_arm) kept.candidate = *event.candidate_arm;
+  kept.outcome = static_cast<uint32_t>(event.outcome);
+  if (event.command) kept.reason = static_cast<uint32_t>(event.command->reason);
+  if (event.reward) kept.reward = *event.reward;
+  kept.leader = event.verdict.leader_arm;
+  kept.expected_loss_ratio = event.expected_loss_ratio;
+  kept.verdict = static_cast<uint32_t>(event.verdict.verdict);
+  for (const ArmBelief& belief : event.beliefs) {
+    kept.alpha.push_back(belief.alpha);
+    kept.beta.push_back(belief.beta);
   }
-  kept.best_probability = record.diagnosis.best_probability;
+  kept.best_probability = event.best_probability;
   return kept;
 }
 
-// Hears the decisions on the sender thread; what it kept is read after the session has stopped.
-// The observation window begins with the tick that ends the exploration or, where there is none,
-// with the run.
-class DecisionEar {
+// Keeps the decisions, which arrive on the sender thread; they are read after the session has
+// stopped. The observation window begins with the decision that ends the exploration or, where
+// there is none, with the run.
+class DecisionRecorder {
  public:
   static constexpr uint64_t kNotYet = ~uint64_t{0};
 
-  void Hear(const decision::Decision& decision) {
-    const bool exploring = decision.record.outcome == decision::Outcome::kExploring;
+  void Add(const DecisionEvent& event) {
+    const bool exploring = event.outcome == DecisionOutcome::kExploring;
     if (!exploring && observed_from_ns() == kNotYet) {
       const bool never_explored = decisions_.empty();
-      observed_from_ns_.store(never_explored ? 0 : static_cast<uint64_t>(decision.record.time_ns),
-                              std::memory_order_relaxed);
+      observed_from_ns_.store(never_explored ? 0 : event.time_ns, std::memory_order_relaxed);
     }
-    decisions_.push_back(decision.record);
+    decisions_.push_back(event);
   }
 
   // On the clock of the decisions; 0: since the run began.
   uint64_t observed_from_ns() const { return observed_from_ns_.load(std::memory_order_relaxed); }
-  const std::vector<decision::DecisionRecord>& decisions() const { return decisions_; }
+  const std::vector<DecisionEvent>& decisions() const { return decisions_; }
 
  private:
   std::atomic<uint64_t> observed_from_ns_{kNotYet};
-  std::vector<decision::DecisionRecord> decisions_;
+  std::vector<DecisionEvent> decisions_;
 };
 
 std::vector<ArmTotals> Totals(const GameRun& run) {
@@ -145,7 +143,7 @@ class LiveRun {
   const decision::DecisionOptions decisions_;
   MetricWindowMeter meter_;
   RunRecord record_;
-  DecisionEar ear_;
+  DecisionRecorder decision_recorder_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<FrameLog> frames_;
   std::unique_ptr<Session> session_;
@@ -164,7 +162,7 @@ Status LiveRun::Prepare() {
   embedded.policy = record_.policy;
   embedded.seed = record_.seed;
   embedded.time_scale = options_.time_scale;
-  embedded.on_decision = [this](const decision::Decision& decision) { ear_.Hear(decision); };
+  embedded.on_decision = [this](const DecisionEvent& event) { decision_recorder_.Add(event); };
   auto session = MakeEmbeddedSession(embedded, options);
   if (!session.ok()) return session.status();
   session_ = std::move(*session);
@@ -226,7 +224,8 @@ Result<bool> LiveRun::Observe() {
     if (frames_ != nullptr) frames_->Write(sample, run_->adaptive());
     if (!MayGoOn(now_ns)) return false;
     if (end_ns) continue;
-    if (const uint64_t from_ns = ear_.observed_from_ns(); from_ns != DecisionEar::kNotYet) {
+    if (const uint64_t from_ns = decision_recorder_.observed_from_ns();
+        from_ns != DecisionRecorder::kNotYet) {
       const uint64_t since_begin_ns = from_ns == 0 ? 0 : from_ns - begin_ns_;
       record_.exploration_s = Seconds(since_begin_ns);
       record_.explored = Totals(*run_);
@@ -245,7 +244,7 @@ void LiveRun::Keep(uint64_t end_ns) {
   record_.observed = Difference(Totals(*run_), record_.explored);
   record_.switches = Switches(*run_);
   record_.windows = meter_.Take(end_ns);
-  for (const decision::DecisionRecord& each : ear_.decisions()) {
+  for (const DecisionEvent& each : decision_recorder_.decisions()) {
     record_.decisions.push_back(Recorded(each, begin_ns_));
   }
   const FrameProfile& frames = run_->profile();

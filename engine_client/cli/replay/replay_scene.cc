@@ -5,25 +5,13 @@
 
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/io/statistics.h"
+#include "engine_client/telemetry/decision_conversion.h"
 #include "server/decision/math/hash.h"
 
 namespace sweepstake::cli {
 namespace {
 
 constexpr uint64_t kMostGameFrames = 100'000'000;
-std::optional<double> Measured(float value) {
-  return value < 0 ? std::nullopt : std::optional<double>(value);
-}
-
-decision::SceneDescriptor Described(const SceneDescriptor& descriptor) {
-  return {.object_count = Measured(descriptor.object_count),
-          .density_ratio = Measured(descriptor.density_ratio),
-          .size_spread = Measured(descriptor.size_spread),
-          .speed_mean = Measured(descriptor.speed_mean),
-          .speed_spread = Measured(descriptor.speed_spread),
-          .clustering_ratio = Measured(descriptor.clustering_ratio),
-          .static_ratio = Measured(descriptor.static_ratio)};
-}
 
 Status Check(const CostTrace& trace) {
   if (trace.arms.size() > decision::kMaxArms) {
@@ -153,7 +141,7 @@ void ReplayScene::FindNearestBursts(const CostTrace& trace) {
 
 void ReplayScene::TakeDescriptors(const CostTrace& trace) {
   for (const TracedDescriptor& traced : trace.descriptors) {
-    descriptors_.push_back(Described(traced.descriptor));
+    descriptors_.push_back(ToDecision(traced.descriptor));
   }
   if (descriptors_.empty()) return;
   uint32_t latest = 0;

@@ -88,7 +88,7 @@ std::string FlawOfHeader(std::string_view bytes) {
 
 Status WriteCosts(const fs::path& path, const CostTrace& trace) {
   assert(FlawOf(trace).empty());
-  const std::string payload = ToMessage(trace).SerializeAsString();
+  const std::string payload = ToProto(trace).SerializeAsString();
   if (payload.size() > kMostCostsBytes) {
     return {StatusCode::kResourceExhausted,
             path.string() + " would be larger than a cost trace may be; trace fewer frames"};
@@ -105,11 +105,11 @@ Result<CostTrace> ReadCosts(const fs::path& path) {
   if (!bytes.ok()) return bytes.status();
   if (const std::string flaw = FlawOfHeader(*bytes); !flaw.empty()) return Broken(path, flaw);
   const std::string_view payload = std::string_view(*bytes).substr(kHeaderBytes);
-  v1::CostTrace message;
+  costs::CostTrace message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
     return Broken(path, "holds no readable message");
   }
-  CostTrace trace = FromMessage(message);
+  CostTrace trace = FromProto(message);
   if (const std::string flaw = FlawOf(trace); !flaw.empty()) return Broken(path, flaw);
   return trace;
 }

@@ -6,7 +6,7 @@
 //   12      4  0
 //   16      8  size of the rest, P
 //   24      8  FNV-1a, 64 bits, of the rest
-//   32      P  a sweepstake.v1.CostTrace (proto/sweepstake/v1/costs.proto)
+//   32      P  a sweepstake.costs.CostTrace (costs.proto)
 //
 // Numbers are little-endian; the file has exactly 32 + P bytes. Reading checks all of it, the
 // trace's own shape included, before anything is handed out: what was read needs no checks. Memory

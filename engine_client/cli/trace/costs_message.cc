@@ -1,6 +1,6 @@
 #include "engine_client/cli/trace/costs_message.h"
 
-#include "engine_client/telemetry/wire.h"
+#include "engine_client/telemetry/proto_conversion.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -15,19 +15,7 @@ std::vector<Number> Take(const Repeated& repeated) {
   return {repeated.begin(), repeated.end()};
 }
 
-SceneDescriptor FromMessage(const v1::SceneDescriptor& message) {
-  SceneDescriptor descriptor;
-  if (message.has_object_count()) descriptor.object_count = message.object_count();
-  if (message.has_density_ratio()) descriptor.density_ratio = message.density_ratio();
-  if (message.has_size_spread()) descriptor.size_spread = message.size_spread();
-  if (message.has_speed_mean()) descriptor.speed_mean = message.speed_mean();
-  if (message.has_speed_spread()) descriptor.speed_spread = message.speed_spread();
-  if (message.has_clustering_ratio()) descriptor.clustering_ratio = message.clustering_ratio();
-  if (message.has_static_ratio()) descriptor.static_ratio = message.static_ratio();
-  return descriptor;
-}
-
-void PutColumns(const CostTrace& trace, v1::CostTrace& message) {
+void PutColumns(const CostTrace& trace, costs::CostTrace& message) {
   Put(trace.object_count, *message.mutable_object_count());
   Put(trace.pair_count, *message.mutable_pair_count());
   Put(trace.step_ns, *message.mutable_step_ns());
@@ -38,7 +26,7 @@ void PutColumns(const CostTrace& trace, v1::CostTrace& message) {
   message.set_held(std::string(trace.held.begin(), trace.held.end()));
 }
 
-void TakeColumns(const v1::CostTrace& message, CostTrace& trace) {
+void TakeColumns(const costs::CostTrace& message, CostTrace& trace) {
   trace.object_count = Take<uint32_t>(message.object_count());
   trace.pair_count = Take<uint32_t>(message.pair_count());
   trace.step_ns = Take<uint64_t>(message.step_ns());
@@ -51,8 +39,8 @@ void TakeColumns(const v1::CostTrace& message, CostTrace& trace) {
 
 }  // namespace
 
-v1::CostTrace ToMessage(const CostTrace& trace) {
-  v1::CostTrace message;
+costs::CostTrace ToProto(const CostTrace& trace) {
+  costs::CostTrace message;
   message.set_scene(trace.scene);
   message.set_seed(trace.seed);
   message.set_machine(trace.machine);
@@ -61,25 +49,25 @@ v1::CostTrace ToMessage(const CostTrace& trace) {
   message.set_control_arm(trace.control_arm);
   message.set_burst_frame_count(trace.burst_frame_count);
   for (const TracedArm& arm : trace.arms) {
-    v1::TracedArm& wire = *message.add_arms();
+    costs::TracedArm& wire = *message.add_arms();
     wire.set_name(arm.name);
     wire.set_version(arm.version);
   }
   PutColumns(trace, message);
   for (const TraceBurst& burst : trace.bursts) {
-    v1::TraceBurst& wire = *message.add_bursts();
+    costs::TraceBurst& wire = *message.add_bursts();
     wire.set_first_frame(burst.first_frame);
     Put(burst.detection_ns, *wire.mutable_detection_ns());
   }
   for (const TracedDescriptor& traced : trace.descriptors) {
-    v1::TracedDescriptor& wire = *message.add_descriptors();
+    costs::TracedDescriptor& wire = *message.add_descriptors();
     wire.set_frame(traced.frame);
-    *wire.mutable_scene_descriptor() = ToWire(traced.descriptor);
+    *wire.mutable_scene_descriptor() = ToProto(traced.descriptor);
   }
   return message;
 }
 
-CostTrace FromMessage(const v1::CostTrace& message) {
+CostTrace FromProto(const costs::CostTrace& message) {
   CostTrace trace;
   trace.scene = message.scene();
   trace.seed = message.seed();
@@ -88,15 +76,15 @@ CostTrace FromMessage(const v1::CostTrace& message) {
   trace.repeat_count = message.repeat_count();
   trace.control_arm = message.control_arm();
   trace.burst_frame_count = message.burst_frame_count();
-  for (const v1::TracedArm& arm : message.arms()) {
+  for (const costs::TracedArm& arm : message.arms()) {
     trace.arms.push_back({arm.name(), arm.version()});
   }
   TakeColumns(message, trace);
-  for (const v1::TraceBurst& burst : message.bursts()) {
+  for (const costs::TraceBurst& burst : message.bursts()) {
     trace.bursts.push_back({burst.first_frame(), Take<uint64_t>(burst.detection_ns())});
   }
-  for (const v1::TracedDescriptor& traced : message.descriptors()) {
-    trace.descriptors.push_back({traced.frame(), FromMessage(traced.scene_descriptor())});
+  for (const costs::TracedDescriptor& traced : message.descriptors()) {
+    trace.descriptors.push_back({traced.frame(), FromProto(traced.scene_descriptor())});
   }
   return trace;
 }

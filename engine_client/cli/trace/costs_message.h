@@ -3,11 +3,11 @@
 #pragma once
 
 #include "engine_client/cli/trace/cost_trace.h"
-#include "sweepstake/v1/costs.pb.h"
+#include "engine_client/cli/trace/costs.pb.h"
 
 namespace sweepstake::cli {
 
-v1::CostTrace ToMessage(const CostTrace& trace);
-CostTrace FromMessage(const v1::CostTrace& message);
+costs::CostTrace ToProto(const CostTrace& trace);
+CostTrace FromProto(const costs::CostTrace& message);
 
 }  // namespace sweepstake::cli

@@ -1,9 +1,9 @@
-// "AI Decides" without a daemon: the daemon's decision core in the game process, starting from a
-// priors file.
+// "AI Decides" without a daemon: the daemon's decision core runs in the game process and starts
+// from a priors file.
 //
-// Driven by its owner from one thread of its choice (a worker, or the frame thread of a game that
-// accepts the cost of a decision every 2 s); not thread-safe otherwise. Needs no gRPC, no network,
-// no thread of its own.
+// The owner drives it from one thread of its choice: a worker, or the frame thread of a game that
+// accepts the cost of a decision every 2 s. It is not thread-safe otherwise. It needs no gRPC, no
+// network and no thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -21,32 +21,64 @@
 
 namespace sweepstake {
 
-namespace decision {
-struct Decision;  // server/decision/types.h
-}
+// A posterior of an arm's reward, Beta(alpha, beta).
+struct ArmBelief {
+  std::string arm;
+  double alpha = 1;
+  double beta = 1;
+};
+
+// What became of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
+enum class DecisionOutcome : uint32_t {
+  kKept = 1,
+  kSwitched = 2,
+  kHeldCooldown = 3,  // the cooldown after the latest switch has not passed
+  kHeldSettling = 4,  // all frames were settling frames, or a commanded switch is under way
+  kNoFrames = 5,      // there was no frame to learn from since the previous decision
+  kManual = 6,        // the mode is Mode::kManual
+  kExploring = 7,     // no candidate; a command goes to the next arm of the exploration
+  kRejected = 8,      // a metric of the window is not finite
+  kHeldGate = 9,      // the expected gain is not worth the cost of the switch
+  kHeldTie = 12,      // the candidate is not better by as much as matters
+};
+
+// One decision, as EmbeddedOptions::on_decision gets it.
+struct DecisionEvent {
+  uint64_t decision_id = 0;  // from 1
+  uint64_t time_ns = 0;      // on the clock of the caller's now_ns
+  uint32_t active_arm = 0;
+  // The arm that the policy proposed; absent where it proposed none.
+  std::optional<uint32_t> candidate_arm;
+  DecisionOutcome outcome = DecisionOutcome::kKept;
+  // The switch that was commanded; absent where none was.
+  std::optional<SwitchCommand> command;
+  // The reward of the frames since the previous decision, 0–1; absent where they taught nothing.
+  std::optional<double> reward;
+  // The posteriors after the update, in the order of the arms.
+  std::vector<ArmBelief> beliefs;
+  // The probability of each arm to be the best; empty while nothing is known.
+  std::vector<double> best_probability;
+  // The expected loss of choosing the leader, relative to the cost of the best arm.
+  double expected_loss_ratio = 0;
+  SceneVerdict verdict;
+};
 
 struct EmbeddedOptions {
   std::string policy = "default";  // that of AI Decides
-  std::string project =
-      "default";  // key of the priors, with scene, machine class and backend version
+  // The priors are stored by project, scene, machine class and backend version.
+  std::string project = "default";
   std::string scene = "default";
   std::string machine_class;
   std::filesystem::path priors_file;  // as written by `sweepstake priors export`; empty: Beta(1,1)
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
   Mode mode = Mode::kAi;
-  // Is told every decision as it is made, on the thread that drives the decider; must not call it.
-  std::function<void(const decision::Decision&)> on_decision = nullptr;
-  // Gets every row of the audit log, as on_decision: a line of CSV without its end; the header is
-  // decision::AuditHeader() (server/decision/audit_log.h). Null: none is made.
+  // Called with every decision as it is made, on the thread that drives the decider. It must not
+  // call the decider.
+  std::function<void(const DecisionEvent&)> on_decision = nullptr;
+  // Called with every row of the audit log under the same rules. A row is a line of CSV without its
+  // line end; EmbeddedDecider::AuditHeader() is the header. Null: no log is made.
   std::function<void(std::string_view row)> on_audit_row = nullptr;
-};
-
-// A posterior of an arm's reward.
-struct ArmBelief {
-  std::string arm;
-  double alpha = 1;
-  double beta = 1;
 };
 
 class EmbeddedDecider {
@@ -59,23 +91,27 @@ class EmbeddedDecider {
                                                          uint64_t now_ns);
   ~EmbeddedDecider();
 
+  // The header line of the audit log, without a line end.
+  static std::string AuditHeader();
+
   // Takes frames and switch outcomes in the order they happened.
   void Observe(std::span<const FrameSample> frames, uint64_t now_ns);
   void Observe(const SwitchOutcome& outcome, uint64_t now_ns);
-  // What the shadow lane measured, and what the scene looks like; learnt at the next decision.
+  // Takes what the shadow lane measured, and what the scene looks like. The next decision learns
+  // from both.
   void Observe(std::span<const ShadowSample> samples);
   void Observe(const SceneDescriptor& descriptor);
   void SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns);
 
-  // Decides where a decision is due or a bail-out was observed; a command is to be posted into the
-  // mailbox.
+  // Makes the decision that is due, if any. A command that is returned, possibly of an earlier
+  // bail-out, is to be posted into the mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
   std::vector<ArmBelief> beliefs() const;
-  // Of the latest decision.
+  // The verdict of the latest decision.
   SceneVerdict verdict() const;
   uint64_t decision_count() const;
-  // Sources (sessions) in the priors it started from; 0: Beta(1,1).
+  // The number of sources (sessions) in the priors it started from; 0: Beta(1,1).
   uint64_t prior_source_count() const;
 
  private:

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/backoff.h"
+#include "engine_client/telemetry/daemon_connection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/daemon_address.h"
+#include "engine_client/telemetry/validation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -155,9 +155,7 @@ TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
 TEST(EmbeddedDecider, TellsEveryDecisionInOrder) {
   std::vector<uint64_t> told;
   EmbeddedOptions options = PaperOptions();
-  options.on_decision = [&](const decision::Decision& decision) {
-    told.push_back(decision.record.decision_id);
-  };
+  options.on_decision = [&](const DecisionEvent& event) { told.push_back(event.decision_id); };
   const auto decider = MakeDecider(options);
   Game game({30, 60, 15});
   game.RunFor(*decider, 100'000);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine_client/telemetry/wire.h"
+#include "engine_client/telemetry/proto_conversion.h"
 
 namespace sweepstake {
 namespace {
@@ -134,12 +134,12 @@ TEST_F(EvidenceIntakeTest, PausesWhileTheSessionIsFullAndLetsTheQueueDrop) {
   EXPECT_EQ(Sent()[0].frame_batch().dropped_frame_count(), 36U);
 }
 
-TEST(Wire, RefusesAnArmTheSessionDoesNotHave) {
+TEST(ProtoConversion, RefusesAnArmTheSessionDoesNotHave) {
   v1::SwitchCommand command;
   command.set_command_id(4);
   command.set_arm(99);
   command.set_reason(v1::SWITCH_REASON_POLICY);
-  const v1::SwitchOutcome outcome = RefusalRequest(command, 2, 3).switch_outcome();
+  const v1::SwitchOutcome outcome = RefusalToProto(command, 2, 3).switch_outcome();
   EXPECT_EQ(outcome.command_id(), 4U);
   EXPECT_EQ(outcome.arm(), 2U);
   EXPECT_EQ(outcome.switch_epoch(), 3U);

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/frame_batcher.h"
+#include "engine_client/telemetry/evidence_intake.h"
 
 #include <gtest/gtest.h>
 

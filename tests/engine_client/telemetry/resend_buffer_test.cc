@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/resend_buffer.h"
+#include "engine_client/telemetry/session_state.h"
 
 #include <gtest/gtest.h>
 

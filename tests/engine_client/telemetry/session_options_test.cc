@@ -1,11 +1,11 @@
-#include "engine_client/telemetry/session_options.h"
+#include "engine_client/telemetry/validation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "engine_client/telemetry/name_limits.h"
+#include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {
 namespace {

@@ -72,10 +72,10 @@ class CostsFile : public testing::Test {
     EXPECT_EQ(status.message().find('\n'), std::string::npos);
   }
   // The file of a trace that was changed, with a header that fits.
-  void ExpectFlaw(const std::function<void(v1::CostTrace&)>& change, const std::string& said) {
-    v1::CostTrace message = ToMessage(SmallTrace());
+  void ExpectFlaw(const std::function<void(costs::CostTrace&)>& change, const std::string& said) {
+    costs::CostTrace message = ToProto(SmallTrace());
     change(message);
-    const CostTrace trace = FromMessage(message);
+    const CostTrace trace = FromProto(message);
     EXPECT_THAT(FlawOf(trace), HasSubstr(said));
   }
 
@@ -172,7 +172,7 @@ TEST_F(CostsFile, RefusesAFileBeyondTheLargestWithoutReadingIt) {
 }
 
 TEST_F(CostsFile, RefusesCountsThatDoNotFitTheColumns) {
-  using Message = v1::CostTrace;
+  using Message = costs::CostTrace;
   constexpr uint32_t kHuge = std::numeric_limits<uint32_t>::max();
   ExpectFlaw([](Message& m) { m.set_frame_count(kHuge); }, "has 4294967295 frames");
   ExpectFlaw([](Message& m) { m.set_frame_count(0); }, "has 0 frames");
@@ -189,7 +189,7 @@ TEST_F(CostsFile, RefusesCountsThatDoNotFitTheColumns) {
 }
 
 TEST_F(CostsFile, RefusesNumbersAndNamesThatNoTraceHas) {
-  using Message = v1::CostTrace;
+  using Message = costs::CostTrace;
   ExpectFlaw([](Message& m) { m.set_detection_ns(3, 0); }, "a time of nothing");
   ExpectFlaw([](Message& m) { m.set_control_ns(3, kMostTracedNs + 1); }, "more than an hour");
   ExpectFlaw([](Message& m) { (*m.mutable_held())[4] = 2; }, "other values than 0 and 1");

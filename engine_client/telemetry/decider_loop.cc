@@ -1,0 +1,72 @@
+#include "engine_client/telemetry/decider_loop.h"
+
+#include <utility>
+#include <variant>
+
+namespace sweepstake {
+namespace {
+
+// The number of frames that are handed on at once. It bounds the buffer, not what is taken.
+constexpr size_t kFrameRun = 256;
+
+}  // namespace
+
+DeciderLoop::DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
+                         std::unique_ptr<EmbeddedDecider> decider)
+    : queue_(queue), adaptive_(adaptive), decider_(std::move(decider)) {
+  frames_.reserve(kFrameRun);
+}
+
+uint64_t DeciderLoop::TakeQueue(uint64_t now_ns) {
+  frame_count_ = 0;
+  while (const std::optional<QueuedItem> item = queue_.Pop()) Take(*item, now_ns);
+  FlushFrames(now_ns);
+  while (const std::optional<ShadowSample> sample = queue_.PopShadow()) {
+    decider_->Observe({&*sample, 1});
+  }
+  return frame_count_;
+}
+
+void DeciderLoop::Take(const QueuedItem& item, uint64_t now_ns) {
+  if (const auto* frame = std::get_if<FrameSample>(&item)) {
+    frames_.push_back(*frame);
+    if (frames_.size() == kFrameRun) FlushFrames(now_ns);
+    return;
+  }
+  FlushFrames(now_ns);
+  if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) decider_->Observe(*outcome, now_ns);
+  if (const auto* descriptor = std::get_if<SceneDescriptor>(&item)) decider_->Observe(*descriptor);
+  if (const auto* change = std::get_if<ModeNote>(&item)) {
+    decider_->SetMode(change->mode, change->active_arm, now_ns);
+  }
+}
+
+void DeciderLoop::FlushFrames(uint64_t now_ns) {
+  if (frames_.empty()) return;
+  decider_->Observe(frames_, now_ns);
+  frame_count_ += frames_.size();
+  frames_.clear();
+}
+
+std::optional<SwitchCommand> DeciderLoop::Decide(uint64_t now_ns) {
+  const std::optional<SwitchCommand> command = decider_->Poll(now_ns);
+  if (command) adaptive_.mailbox().Post(*command);
+  return command;
+}
+
+void DeciderLoop::PublishBeliefs() {
+  published_decision_count_ = decider_->decision_count();
+  SetPosteriorMeans(decider_->beliefs(), adaptive_);
+  adaptive_.SetVerdict(decider_->verdict());
+}
+
+void SetPosteriorMeans(const std::vector<ArmBelief>& beliefs, AdaptiveBroadPhase& adaptive) {
+  std::vector<double> means;
+  means.reserve(beliefs.size());
+  for (const ArmBelief& belief : beliefs) {
+    means.push_back(belief.alpha / (belief.alpha + belief.beta));
+  }
+  adaptive.SetPosteriorMeans(means);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,106 @@
+#include "engine_client/telemetry/decision_conversion.h"
+
+#include <cmath>
+#include <optional>
+
+namespace sweepstake {
+
+// The enumerations have the same values on both sides.
+static_assert(static_cast<int>(DecisionOutcome::kHeldTie) ==
+              static_cast<int>(decision::Outcome::kHeldTie));
+static_assert(static_cast<int>(SwitchReason::kManual) ==
+              static_cast<int>(decision::SwitchReason::kManual));
+static_assert(static_cast<int>(Mode::kAi) == static_cast<int>(decision::Mode::kAi));
+static_assert(static_cast<int>(Verdict::kDegraded) ==
+              static_cast<int>(decision::Verdict::kDegraded));
+static_assert(static_cast<int>(kFrameBailOut) == static_cast<int>(decision::kFrameBailOut));
+static_assert(static_cast<int>(kShadowCapped) == static_cast<int>(decision::kShadowCapped));
+
+decision::Frame ToDecision(const FrameSample& sample) {
+  return {.frame_time_ns = sample.frame_time_ns,
+          .detection_time_ns = sample.detection_time_ns,
+          .aabb_check_count = sample.aabb_check_count,
+          .native_bytes = sample.native_bytes,
+          .object_count = sample.object_count,
+          .arm = sample.arm,
+          .switch_epoch = sample.switch_epoch,
+          .flags = sample.flags};
+}
+
+decision::ShadowSample ToDecision(const ShadowSample& sample) {
+  return {.first_frame_index = sample.first_frame_index,
+          .detection_time_ns = sample.detection_time_ns,
+          .build_time_ns = sample.build_time_ns,
+          .aabb_check_count = sample.aabb_check_count,
+          .native_bytes = sample.native_bytes,
+          .arm = sample.arm,
+          .object_count = sample.object_count,
+          .frame_count = sample.frame_count,
+          .flags = sample.flags};
+}
+
+decision::SceneDescriptor ToDecision(const SceneDescriptor& descriptor) {
+  const auto measured = [](float value) -> std::optional<double> {
+    if (!std::isfinite(value) || value < 0) return std::nullopt;
+    return value;
+  };
+  return {.object_count = measured(descriptor.object_count),
+          .density_ratio = measured(descriptor.density_ratio),
+          .size_spread = measured(descriptor.size_spread),
+          .speed_mean = measured(descriptor.speed_mean),
+          .speed_spread = measured(descriptor.speed_spread),
+          .clustering_ratio = measured(descriptor.clustering_ratio),
+          .static_ratio = measured(descriptor.static_ratio)};
+}
+
+decision::SwitchCost ToDecision(const SwitchOutcome& outcome) {
+  return {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns};
+}
+
+decision::SwitchReason ToDecision(SwitchReason reason) {
+  return static_cast<decision::SwitchReason>(reason);
+}
+
+decision::Mode ToDecision(Mode mode) { return static_cast<decision::Mode>(mode); }
+
+SwitchCommand FromDecision(const decision::SwitchCommand& command) {
+  return {.command_id = command.command_id,
+          .arm = command.arm,
+          .reason = static_cast<SwitchReason>(command.reason)};
+}
+
+SceneVerdict FromDecision(const decision::Diagnosis& diagnosis) {
+  if (diagnosis.best_probability.empty()) return {};
+  return {.verdict = static_cast<Verdict>(diagnosis.verdict),
+          .leader_arm = diagnosis.leader,
+          .leader_probability = diagnosis.best_probability[diagnosis.leader]};
+}
+
+std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
+                                    std::span<const std::string> arms) {
+  std::vector<ArmBelief> beliefs;
+  beliefs.reserve(posteriors.size());
+  for (size_t arm = 0; arm < posteriors.size(); ++arm) {
+    beliefs.push_back({arms[arm], posteriors[arm].alpha, posteriors[arm].beta});
+  }
+  return beliefs;
+}
+
+DecisionEvent FromDecision(const decision::Decision& decision, std::span<const std::string> arms) {
+  const decision::DecisionRecord& record = decision.record;
+  DecisionEvent event;
+  event.decision_id = record.decision_id;
+  event.time_ns = static_cast<uint64_t>(record.time_ns);
+  event.active_arm = record.active_arm;
+  event.candidate_arm = record.candidate;
+  event.outcome = static_cast<DecisionOutcome>(record.outcome);
+  if (decision.command) event.command = FromDecision(*decision.command);
+  event.reward = record.reward;
+  event.beliefs = FromDecision(record.posteriors, arms);
+  event.best_probability = record.diagnosis.best_probability;
+  event.expected_loss_ratio = record.diagnosis.expected_loss_ratio;
+  event.verdict = FromDecision(record.diagnosis);
+  return event;
+}
+
+}  // namespace sweepstake

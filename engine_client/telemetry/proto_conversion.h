@@ -1,0 +1,49 @@
+// The only converter between the public plain structs and the messages of sweepstake.v1. ToProto
+// makes a message, FromProto reads one. Pure functions.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine_client/telemetry/priors_file.h"
+#include "engine_client/telemetry/sample_queue.h"
+#include "sweepstake/embedded_decider.h"
+#include "sweepstake/v1/priors.pb.h"
+#include "sweepstake/v1/telemetry.pb.h"
+
+namespace sweepstake {
+
+v1::SceneDescriptor ToProto(const SceneDescriptor& descriptor);
+SceneDescriptor FromProto(const v1::SceneDescriptor& message);
+
+v1::ShadowSample ToProto(const ShadowSample& sample);
+// Appends the sample to the batch's columns.
+void ToProto(const FrameSample& sample, v1::FrameBatch& batch);
+
+// A refused outcome gets an error text.
+v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome);
+v1::StreamTelemetryRequest ToProto(const ModeNote& change);
+// The report of a frame over the bail-out limit.
+v1::StreamTelemetryRequest BailOutToProto(const FrameSample& sample);
+// The answer to a command for an arm that this session does not have.
+v1::StreamTelemetryRequest RefusalToProto(const v1::SwitchCommand& command, uint32_t active_arm,
+                                          uint32_t switch_epoch);
+
+// Absent where the reason is unknown, which a daemon of this protocol version never sends.
+std::optional<SwitchCommand> FromProto(const v1::SwitchCommand& message);
+// Absent where the verdict is of a later protocol, or a value is outside of its range.
+std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size_t arm_count);
+
+v1::Mode ToProto(Mode mode);
+
+// Absent where the number of posteriors is not that of the arms, or one of them is not valid.
+std::optional<std::vector<ArmBelief>> FromProto(
+    const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors,
+    std::span<const std::string> arms);
+
+v1::PriorRecord ToProto(const PriorRecord& record);
+PriorRecord FromProto(const v1::PriorRecord& message);
+
+}  // namespace sweepstake

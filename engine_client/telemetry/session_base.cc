@@ -1,0 +1,86 @@
+#include "engine_client/telemetry/session_base.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake {
+
+PollingThread::~PollingThread() {
+  RequestStop();
+  Join();
+}
+
+void PollingThread::Start(std::chrono::milliseconds interval, Step step) {
+  const std::lock_guard lock(join_mutex_);
+  thread_ = std::thread([this, interval, step = std::move(step)] { Run(interval, step); });
+}
+
+void PollingThread::Wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    woken_ = true;
+  }
+  changed_.notify_one();
+}
+
+void PollingThread::RequestStop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    woken_ = true;
+  }
+  changed_.notify_one();
+}
+
+void PollingThread::Join() {
+  const std::lock_guard lock(join_mutex_);
+  if (thread_.joinable()) thread_.join();
+}
+
+void PollingThread::Run(std::chrono::milliseconds interval, const Step& step) {
+  for (;;) {
+    bool stopping = false;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, interval, [this] { return woken_; });
+      woken_ = false;
+      stopping = stopping_;
+    }
+    if (!step(stopping)) return;
+  }
+}
+
+Status SessionBase::Start(AdaptiveBroadPhase& adaptive) {
+  if (adaptive_.load() != nullptr || stats().state == ConnectionState::kClosed) {
+    return {StatusCode::kFailedPrecondition, "the session was started before; make a new one"};
+  }
+  if (Status status = Prepare(adaptive); !status.ok()) return status;
+  adaptive_.store(&adaptive);
+  thread_.Start(poll_interval(), [this](bool stopping) { return Step(stopping); });
+  return {};
+}
+
+void SessionBase::OnModeChange() {
+  const AdaptiveBroadPhase* adaptive = adaptive_.load(std::memory_order_relaxed);
+  if (adaptive == nullptr) return;
+  queue_.OnModeChange({.mode = adaptive->mode(), .active_arm = adaptive->active_arm()});
+}
+
+void SessionBase::Stop(uint32_t deadline_ms) {
+  const uint64_t deadline_ns = SteadyClock().NowNs() + uint64_t{deadline_ms} * 1'000'000;
+  stop_deadline_ns_.store(std::min(stop_deadline_ns_.load(), deadline_ns));
+  thread_.RequestStop();
+  thread_.Join();
+  AdaptiveBroadPhase* adaptive = adaptive_.exchange(nullptr);
+  if (adaptive != nullptr) adaptive->SetDeciderPresent(false);
+  UpdateStats([](SessionStats& stats) { stats.state = ConnectionState::kClosed; });
+}
+
+SessionStats SessionBase::stats() const {
+  const std::lock_guard lock(stats_mutex_);
+  SessionStats stats = stats_;
+  stats.dropped_frame_count += queue_.dropped_frame_count();
+  return stats;
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,97 @@
+// What the session with a daemon and the embedded session share: the queue that the frame thread
+// fills, the sender thread that empties it, the order of start and stop, and the statistics.
+//
+// Thread safety: OnModeChange and the sink belong to the frame thread, Prepare and Step to the
+// sender; Start, Stop and stats may be called on any thread.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "engine_client/telemetry/sample_queue.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake {
+
+// One thread that does a step at least every `interval`, sooner when woken.
+//
+// It polls because the frame thread must not make the system call that would wake it; Wake is for
+// other threads (a transport's callbacks, Stop). Thread safety: every method from any thread, Start
+// once.
+class PollingThread {
+ public:
+  // The step gets true from RequestStop on, and returns whether it wants to be called again.
+  using Step = std::function<bool(bool stopping)>;
+
+  PollingThread() = default;
+  // Stops and joins.
+  ~PollingThread();
+  PollingThread(const PollingThread&) = delete;
+  PollingThread& operator=(const PollingThread&) = delete;
+
+  void Start(std::chrono::milliseconds interval, Step step);
+  void Wake();
+  void RequestStop();
+  // Waits for the step that returns false. Idempotent; returns at once where Start was not called.
+  void Join();
+
+ private:
+  void Run(std::chrono::milliseconds interval, const Step& step);
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool woken_ = false;     // guarded by mutex_
+  bool stopping_ = false;  // guarded by mutex_
+  std::mutex join_mutex_;  // so that two callers of Join do not join twice
+  std::thread thread_;     // guarded by join_mutex_
+};
+
+class SessionBase : public Session {
+ public:
+  FrameSink& sink() final { return queue_; }
+  Status Start(AdaptiveBroadPhase& adaptive) final;
+  void OnModeChange() final;
+  void Stop(uint32_t deadline_ms) final;
+  SessionStats stats() const final;
+
+ protected:
+  // The destructor of a derived class must call Stop first, since the sender thread uses its
+  // members.
+  explicit SessionBase(uint32_t queue_frames) : queue_(queue_frames) {}
+
+  // Makes what Step needs, on the thread of Start, before the sender thread exists. An error makes
+  // Start fail; it may then be called again.
+  virtual Status Prepare(AdaptiveBroadPhase& adaptive) = 0;
+  // One step of the sender thread; false ends it. `stopping` is true once Stop was called.
+  virtual bool Step(bool stopping) = 0;
+  virtual std::chrono::milliseconds poll_interval() const = 0;
+
+  // The sender thread alone calls these, between Prepare and the end of Stop.
+  AdaptiveBroadPhase& adaptive() const { return *adaptive_.load(std::memory_order_relaxed); }
+  uint64_t stop_deadline_ns() const { return stop_deadline_ns_.load(); }
+
+  // Changes the statistics under their lock.
+  template <typename Change>
+  void UpdateStats(const Change& change) {
+    const std::lock_guard lock(stats_mutex_);
+    change(stats_);
+  }
+  void Wake() { thread_.Wake(); }
+  SampleQueue& queue() { return queue_; }
+
+ private:
+  SampleQueue queue_;
+  std::atomic<AdaptiveBroadPhase*> adaptive_{nullptr};
+  std::atomic<uint64_t> stop_deadline_ns_{std::numeric_limits<uint64_t>::max()};
+
+  mutable std::mutex stats_mutex_;
+  SessionStats stats_;  // guarded by stats_mutex_
+  PollingThread thread_;
+};
+
+}  // namespace sweepstake
