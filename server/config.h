@@ -17,7 +17,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/rpc/options.h"
+#include "server/rpc/common/options.h"
 
 namespace sweepstake::server {
 

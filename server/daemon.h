@@ -11,7 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/config.h"
-#include "server/rpc/clock.h"
+#include "server/rpc/common/decision_loop.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/store_thread.h"

@@ -17,7 +17,7 @@
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/exit_guard.h"
-#include "server/rpc/clock.h"
+#include "server/rpc/common/decision_loop.h"
 
 namespace {
 

@@ -56,7 +56,7 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
 RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
-      context_{options_, loop_, store, counters_, sessions_, watchers_, log},
+      context_{{options_, loop_, store, counters_, watchers_}, sessions_, watchers_, log},
       sessions_(options_, loop_),
       watchers_(context_),
       telemetry_(context_),

@@ -14,14 +14,14 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/rpc/audit_service.h"
-#include "server/rpc/decision_loop.h"
-#include "server/rpc/posteriors_service.h"
-#include "server/rpc/priors_service.h"
-#include "server/rpc/service_context.h"
-#include "server/rpc/session_table.h"
-#include "server/rpc/telemetry_service.h"
-#include "server/rpc/watch_hub.h"
+#include "server/rpc/common/decision_loop.h"
+#include "server/rpc/services/audit_service.h"
+#include "server/rpc/services/posteriors_service.h"
+#include "server/rpc/services/priors_service.h"
+#include "server/rpc/services/service_context.h"
+#include "server/rpc/services/telemetry_service.h"
+#include "server/rpc/services/watch_hub.h"
+#include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 

@@ -62,7 +62,7 @@ costs::CostTrace ToProto(const CostTrace& trace) {
   for (const TracedDescriptor& traced : trace.descriptors) {
     costs::TracedDescriptor& wire = *message.add_descriptors();
     wire.set_frame(traced.frame);
-    *wire.mutable_scene_descriptor() = ToProto(traced.descriptor);
+    *wire.mutable_scene_descriptor() = sweepstake::ToProto(traced.descriptor);
   }
   return message;
 }
@@ -84,7 +84,7 @@ CostTrace FromProto(const costs::CostTrace& message) {
     trace.bursts.push_back({burst.first_frame(), Take<uint64_t>(burst.detection_ns())});
   }
   for (const costs::TracedDescriptor& traced : message.descriptors()) {
-    trace.descriptors.push_back({traced.frame(), FromProto(traced.scene_descriptor())});
+    trace.descriptors.push_back({traced.frame(), sweepstake::FromProto(traced.scene_descriptor())});
   }
   return trace;
 }

@@ -11,7 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "server/rpc/message_validation.h"
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -80,7 +81,7 @@ TEST(MessageValidation, TakesOnlyWhatWasMeasuredOfTheScene) {
   message.set_size_spread(std::numeric_limits<float>::infinity());
   message.set_speed_mean(-1);
   message.set_static_ratio(0);
-  const decision::SceneDescriptor descriptor = DescriptorOf(message);
+  const decision::SceneDescriptor descriptor = FromProto(message);
   EXPECT_EQ(descriptor.object_count, 1000.0);
   EXPECT_FALSE(descriptor.density_ratio.has_value());
   EXPECT_FALSE(descriptor.size_spread.has_value());
@@ -93,8 +94,8 @@ TEST(MessageValidation, BoundsWhatASwitchMayHaveCost) {
   v1::SwitchOutcome outcome;
   outcome.set_rebuild_time_ns(12);
   outcome.set_settling_cost_ns(~0ull);
-  EXPECT_EQ(SwitchCostOf(outcome).rebuild_time_ns, 12u);
-  EXPECT_EQ(SwitchCostOf(outcome).settling_cost_ns, 3600u * uint64_t{kSecondNs});
+  EXPECT_EQ(FromProto(outcome).rebuild_time_ns, 12u);
+  EXPECT_EQ(FromProto(outcome).settling_cost_ns, 3600u * uint64_t{kSecondNs});
 }
 
 TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
@@ -108,7 +109,7 @@ TEST(MessageValidation, KeepsTheFieldsOfAShadowSampleApart) {
   message.set_object_count(7);
   message.set_frame_count(8);
   message.set_flags(0xFF);
-  const decision::ShadowSample sample = ShadowSampleOf(message);
+  const decision::ShadowSample sample = FromProto(message);
   EXPECT_EQ(sample.first_frame_index, 1u);
   EXPECT_EQ(sample.arm, 2u);
   EXPECT_EQ(sample.detection_time_ns, 3u);

@@ -1,0 +1,77 @@
+// The decision loop and its clock.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace sweepstake::rpc {
+
+// The clock of the decision loop: it tells the time and waits for a time. Tests script it.
+//
+// Nanoseconds from any origin, never going back, whatever the wall clock does. NowNs and Wake may
+// be called from any thread; WaitUntil from one.
+class Clock {
+ public:
+  static constexpr int64_t kNever = INT64_MAX;
+
+  virtual ~Clock() = default;
+  virtual int64_t NowNs() const = 0;
+  // Returns when NowNs() >= deadline_ns, or Wake was called since the last return, or earlier.
+  virtual void WaitUntil(int64_t deadline_ns) = 0;
+  virtual void Wake() = 0;
+};
+
+// std::chrono::steady_clock.
+class SteadyClock final : public Clock {
+ public:
+  int64_t NowNs() const override;
+  void WaitUntil(int64_t deadline_ns) override;
+  void Wake() override;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable woken_;
+  bool wake_ = false;  // guarded by mutex_
+};
+
+// The one thread on which sessions live and decisions are taken.
+//
+// gRPC's reactions and the store's callbacks only post here, so that sessions need no locks and
+// nothing waits for a decision. Post and PostAt are thread-safe. Tasks run in the order of posting,
+// those of PostAt when due; they must not wait and must not throw. The queue is bounded by its
+// posters: each stream, watcher and commit has at most a few tasks in it. The destructor runs what
+// was posted, drops what is not due yet, and ends the thread; the clock must outlive it.
+class DecisionLoop {
+ public:
+  using Task = std::function<void()>;
+
+  explicit DecisionLoop(Clock& clock);
+  ~DecisionLoop();
+  DecisionLoop(const DecisionLoop&) = delete;
+  DecisionLoop& operator=(const DecisionLoop&) = delete;
+
+  void Post(Task task);
+  // Runs `task` once the clock has reached `due_ns`.
+  void PostAt(int64_t due_ns, Task task);
+
+  Clock& clock() { return clock_; }
+
+ private:
+  void Run();
+  // Moves what is to run now into `ready`; false: closing and nothing is left.
+  bool Collect(std::vector<Task>& ready, int64_t& next_due_ns);
+
+  Clock& clock_;
+  std::mutex mutex_;
+  std::vector<Task> posted_;             // guarded by mutex_
+  std::multimap<int64_t, Task> timers_;  // guarded by mutex_
+  bool closing_ = false;                 // guarded by mutex_
+  std::thread thread_;                   // last: starts when the rest is there
+};
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,212 @@
+#include "server/rpc/common/message_validation.h"
+
+#include <set>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "server/decision/policy/policy.h"
+#include "server/rpc/common/options.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr uint64_t kMinFrameNs = 1'000;
+constexpr uint64_t kMaxChecks = 1ull << 60;
+constexpr uint64_t kMaxNativeBytes = 1ull << 46;
+constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
+
+absl::Status Invalid(absl::string_view message) { return absl::InvalidArgumentError(message); }
+
+absl::Status InvalidName(absl::string_view field) {
+  return Invalid(absl::StrCat(field, " must have 1 to 128 bytes and no control characters"));
+}
+
+absl::Status CheckArm(uint32_t arm, uint32_t arm_count) {
+  if (arm < arm_count) return absl::OkStatus();
+  return Invalid(
+      absl::StrCat("arm ", arm, " does not exist; Hello announced ", arm_count, " arms"));
+}
+
+bool IsKnownMode(v1::Mode mode) { return mode == v1::MODE_MANUAL || mode == v1::MODE_AI; }
+
+bool IsKnownReason(v1::SwitchReason reason) {
+  return reason >= v1::SWITCH_REASON_POLICY && reason <= v1::SWITCH_REASON_MANUAL;
+}
+
+absl::Status CheckArms(const v1::Hello& hello) {
+  if (hello.arms().empty() || hello.arms_size() > static_cast<int>(kMaxArms)) {
+    return Invalid(
+        absl::StrCat("Hello must announce 1 to ", kMaxArms, " arms, not ", hello.arms_size()));
+  }
+  std::set<std::string_view> names;
+  for (const v1::Arm& arm : hello.arms()) {
+    if (!IsName(arm.name())) return InvalidName("an arm's name");
+    if (arm.backend_version() == 0)
+      return Invalid(absl::StrCat("backend_version of arm ", arm.name(), " is absent"));
+    if (!names.insert(arm.name()).second)
+      return Invalid(absl::StrCat("arm ", arm.name(), " is announced twice"));
+  }
+  return CheckArm(hello.active_arm(), static_cast<uint32_t>(hello.arms_size()));
+}
+
+absl::Status CheckNames(const v1::Hello& hello) {
+  if (!IsName(hello.project())) return InvalidName("project");
+  if (!IsName(hello.scene())) return InvalidName("scene");
+  if (!IsOptionalName(hello.build())) return InvalidName("build");
+  if (!IsOptionalName(hello.machine_class())) return InvalidName("machine_class");
+  if (!IsOptionalName(hello.session_id())) return InvalidName("session_id");
+  if (!IsOptionalName(hello.policy())) return InvalidName("policy");
+  return absl::OkStatus();
+}
+
+absl::Status CheckPolicy(const std::string& policy) {
+  std::string valid;
+  for (const std::string_view name : decision::PolicyNames()) {
+    if (policy == name) return absl::OkStatus();
+    absl::StrAppend(&valid, valid.empty() ? "" : ", ", std::string(name));
+  }
+  return Invalid(absl::StrCat("policy ", policy, " is unknown; there are: ", valid));
+}
+
+absl::Status CheckColumns(const v1::FrameBatch& batch) {
+  const int count = batch.frame_time_ns_size();
+  if (count < 1 || count > static_cast<int>(kMaxBatchFrames)) {
+    return Invalid(
+        absl::StrCat("a frame batch must hold 1 to ", kMaxBatchFrames, " frames, not ", count));
+  }
+  for (const int length :
+       {batch.detection_time_ns_size(), batch.aabb_check_count_size(), batch.pair_count_size(),
+        batch.native_bytes_size(), batch.object_count_size(), batch.arm_size(),
+        batch.switch_epoch_size(), batch.flags_size()}) {
+    if (length != count) {
+      return Invalid(
+          absl::StrCat("the columns of a frame batch differ in length: ", count, " and ", length));
+    }
+  }
+  if (batch.first_frame_index() > kMaxSequence)
+    return Invalid("first_frame_index must be below 2^63");
+  return absl::OkStatus();
+}
+
+absl::Status CheckShadows(const v1::FrameBatch& batch, uint32_t arm_count) {
+  if (batch.shadow_samples_size() > static_cast<int>(kMaxBatchShadows)) {
+    return Invalid(absl::StrCat("a frame batch may hold ", kMaxBatchShadows,
+                                " shadow samples, not ", batch.shadow_samples_size()));
+  }
+  for (const v1::ShadowSample& sample : batch.shadow_samples()) {
+    if (absl::Status status = CheckArm(sample.arm(), arm_count); !status.ok()) return status;
+    if (sample.detection_time_ns() == 0)
+      return Invalid("detection_time_ns of a shadow sample is absent");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckFrameBatch(const v1::FrameBatch& batch, uint32_t arm_count) {
+  if (absl::Status status = CheckColumns(batch); !status.ok()) return status;
+  for (const uint32_t arm : batch.arm()) {
+    if (absl::Status status = CheckArm(arm, arm_count); !status.ok()) return status;
+  }
+  return CheckShadows(batch, arm_count);
+}
+
+absl::Status CheckModeChange(const v1::ModeChange& change, uint32_t arm_count) {
+  if (!IsKnownMode(change.mode()))
+    return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
+  return CheckArm(change.active_arm(), arm_count);
+}
+
+absl::Status CheckSwitchOutcome(const v1::SwitchOutcome& outcome, uint32_t arm_count) {
+  if (!IsKnownReason(outcome.reason()))
+    return Invalid("reason of the switch outcome is absent or unknown");
+  return CheckArm(outcome.arm(), arm_count);
+}
+
+absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
+  if (request.has_goodbye() || (request.sequence() >= 1 && request.sequence() <= kMaxSequence))
+    return absl::OkStatus();
+  return Invalid("sequence must be 1 to 2^63 - 1 in every message but Hello and Goodbye");
+}
+
+}  // namespace
+
+bool IsName(std::string_view name) { return !name.empty() && IsOptionalName(name); }
+
+bool IsOptionalName(std::string_view name) {
+  if (name.size() > kMaxNameBytes) return false;
+  for (size_t i = 0; i < name.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(name[i]);
+    if (byte < 0x20 || byte == 0x7f) return false;
+    // U+0080 to U+009F, the second block of control characters.
+    if (byte == 0xc2 && i + 1 < name.size() && static_cast<unsigned char>(name[i + 1]) < 0xa0)
+      return false;
+  }
+  return true;
+}
+
+absl::Status CheckHello(const v1::Hello& hello) {
+  if (hello.protocol_version() != kProtocolVersion) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("this daemon speaks protocol version ", kProtocolVersion, ", not ",
+                     hello.protocol_version(), "; update the older side"));
+  }
+  if (absl::Status status = CheckNames(hello); !status.ok()) return status;
+  if (absl::Status status = CheckArms(hello); !status.ok()) return status;
+  if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;
+  if (!IsKnownMode(hello.mode()))
+    return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
+  // Written so that NaN fails.
+  const double scale = hello.time_scale();
+  if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
+    return Invalid("time_scale must be 1 to 1000, or absent");
+  const decision::PolicyKind& policy = decision::PolicyKindOf(hello.policy());
+  if (hello.reward_version() != 0 && hello.reward_version() != policy.reward_version) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("policy ", std::string(policy.name), " learns by reward version ",
+                     policy.reward_version, ", not ", hello.reward_version(), "; leave it absent"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count) {
+  if (request.has_hello())
+    return absl::FailedPreconditionError("Hello was sent already on this stream");
+  if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET)
+    return Invalid("the request has no message");
+  if (absl::Status status = CheckSequence(request); !status.ok()) return status;
+  switch (request.message_case()) {
+    case v1::StreamTelemetryRequest::kFrameBatch:
+      return CheckFrameBatch(request.frame_batch(), arm_count);
+    case v1::StreamTelemetryRequest::kSwitchOutcome:
+      return CheckSwitchOutcome(request.switch_outcome(), arm_count);
+    case v1::StreamTelemetryRequest::kBailOut:
+      return CheckArm(request.bail_out().arm(), arm_count);
+    case v1::StreamTelemetryRequest::kModeChange:
+      return CheckModeChange(request.mode_change(), arm_count);
+    default:
+      return absl::OkStatus();
+  }
+}
+
+bool IsPlausible(const decision::Frame& frame) {
+  if (frame.frame_time_ns < kMinFrameNs || frame.frame_time_ns > kMaxFrameNs) return false;
+  if (frame.detection_time_ns > frame.frame_time_ns + frame.frame_time_ns / 100 + 1'000'000)
+    return false;
+  return frame.aabb_check_count < kMaxChecks && frame.native_bytes < kMaxNativeBytes;
+}
+
+bool IsPlausible(const decision::ShadowSample& sample) {
+  return sample.detection_time_ns <= kMaxFrameNs && sample.build_time_ns <= kMaxFrameNs &&
+         sample.aabb_check_count < kMaxChecks && sample.native_bytes < kMaxNativeBytes;
+}
+
+absl::Status CheckPriorRecord(const v1::PriorRecord& record) {
+  if (!IsName(record.project())) return InvalidName("project");
+  if (!IsName(record.scene())) return InvalidName("scene");
+  if (!IsName(record.arm())) return InvalidName("arm");
+  if (!IsName(record.source_id())) return InvalidName("source_id");
+  if (!IsOptionalName(record.context_bucket())) return InvalidName("context_bucket");
+  if (!IsOptionalName(record.machine_class())) return InvalidName("machine_class");
+  return absl::OkStatus();
+}
+
+}  // namespace sweepstake::rpc

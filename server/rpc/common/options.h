@@ -1,0 +1,86 @@
+// The bounds, intervals and counters of the services. What happens at a bound stands at the field.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "server/decision/options.h"
+#include "server/priors/audit_rows.h"
+
+namespace sweepstake::rpc {
+
+inline constexpr uint32_t kProtocolVersion = 1;
+inline constexpr uint32_t kMaxBatchFrames = 240;          // a longer batch is INVALID_ARGUMENT
+inline constexpr uint32_t kMaxBatchShadows = 64;          // more are INVALID_ARGUMENT
+inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
+inline constexpr uint32_t kMaxArms = 32;                  // more are INVALID_ARGUMENT
+inline constexpr uint32_t kMaxNameBytes = 128;            // a longer name is INVALID_ARGUMENT
+inline constexpr double kMaxTimeScale = 1000;             // a larger one is INVALID_ARGUMENT
+inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; a longer frame is left out
+inline constexpr uint32_t kRecordsPerMessage =
+    200;  // of export and import; more are INVALID_ARGUMENT
+inline constexpr uint32_t kMaxImportRecords =
+    200'000;  // of one import, and twice as many of all under way; more are RESOURCE_EXHAUSTED
+inline constexpr uint32_t kAuditSegmentsPerMessage = 100;  // of a listing
+inline constexpr uint32_t kAuditRowsPerPage = 500;         // of an export
+// An export's message is sent once it has this many bytes of rows, and may exceed it by one row.
+inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
+// Audit rows of one session that wait for the disk; then the log of this session ends, since one
+// with a gap could not be derived again. 64 of 7 arms: two minutes.
+inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024;
+inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are not given
+inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
+
+struct RpcOptions {
+  // Its policy is that of sessions that name none.
+  decision::DecisionOptions decision;
+  std::string daemon_version = "0.1.0";
+  priors::AuditLimits audit;  // of the store; with 0 rows in all no rows are made
+
+  // Sessions in memory, connected or resumable. At the bound the one that was lost longest ago
+  // leaves memory (it can still be resumed from the store); when all are connected a new one is
+  // RESOURCE_EXHAUSTED.
+  uint32_t max_sessions = 20'000;
+  // A lost session leaves memory after it; from then on it is resumed from the store.
+  int64_t resume_window_ns = 600'000'000'000;
+  // Watchers at a time; the next one is RESOURCE_EXHAUSTED.
+  uint32_t max_watchers = 256;
+  // A watcher that does not read for so long is dropped with RESOURCE_EXHAUSTED.
+  int64_t watcher_patience_ns = 20'000'000'000;
+  // A client that does not read its last messages for so long is cut off.
+  int64_t close_patience_ns = 2'000'000'000;
+  // Streams of one connection; the next one waits.
+  uint32_t max_streams_per_connection = 100;
+  // Memory of all connections' buffers; beyond it reads are slowed.
+  uint64_t memory_quota_bytes = 64ull << 20;
+  // Reconnect delay that a draining daemon asks for, before the client's jitter.
+  uint32_t reconnect_delay_ms = 500;
+  bool reflection = false;
+};
+
+// What the services have seen since the start. Their threads write it and any thread may read it.
+// Each counter is exact; together they are not of one moment.
+struct Counters {
+  std::atomic<uint64_t> connected_stream_count{0};   // streams that got a welcome
+  std::atomic<uint64_t> resumed_count{0};            // of those, resumed
+  std::atomic<uint64_t> goodbye_count{0};            // sessions that ended in order
+  std::atomic<uint64_t> malformed_message_count{0};  // did not parse
+  std::atomic<uint64_t> invalid_message_count{0};    // broke a rule of the contract
+  std::atomic<uint64_t> replayed_message_count{0};   // sequence at or below one already applied
+  std::atomic<uint64_t> applied_message_count{0};
+  std::atomic<uint64_t> accepted_frame_count{0};
+  std::atomic<uint64_t> rejected_frame_count{0};   // absurd values, see message_validation.h
+  std::atomic<uint64_t> dropped_frame_count{0};    // by the clients' queues, as they report
+  std::atomic<uint64_t> accepted_shadow_count{0};  // visits of the clients' shadow lanes
+  std::atomic<uint64_t> rejected_shadow_count{0};  // absurd values, as above
+  std::atomic<uint64_t> decision_count{0};
+  std::atomic<uint64_t> switch_command_count{0};
+  std::atomic<uint64_t> refused_switch_count{0};  // commands a client did not execute
+  std::atomic<uint64_t> stored_commit_count{0};
+  std::atomic<uint64_t> failed_commit_count{0};
+  // Audit logs that ended before their session since the disk did not keep up.
+  std::atomic<uint64_t> cut_audit_log_count{0};
+};
+
+}  // namespace sweepstake::rpc

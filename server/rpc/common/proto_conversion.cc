@@ -1,0 +1,215 @@
+#include "server/rpc/common/proto_conversion.h"
+
+#include <grpcpp/support/proto_buffer_reader.h>
+#include <grpcpp/support/proto_buffer_writer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "server/rpc/common/options.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// Bits of later protocol versions are dropped.
+constexpr uint32_t kKnownFlags = 15;
+constexpr uint32_t kKnownShadowFlags = 3;
+
+}  // namespace
+
+grpc::Status ToGrpc(const absl::Status& status) {
+  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
+}
+
+bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message) {
+  bool parsed = false;
+  {
+    grpc::ProtoBufferReader reader(&bytes);
+    parsed =
+        reader.status().ok() && message.ParseFromZeroCopyStream(&reader) && reader.status().ok();
+  }
+  bytes.Clear();
+  return parsed;
+}
+
+grpc::ByteBuffer Serialize(const google::protobuf::Message& message) {
+  grpc::ByteBuffer bytes;
+  grpc::ProtoBufferWriter writer(&bytes, grpc::kProtoBufferWriterMaxBufferLength,
+                                 static_cast<int>(message.ByteSizeLong()));
+  message.SerializeToZeroCopyStream(&writer);
+  return bytes;
+}
+
+priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
+                                  uint32_t backend_version) {
+  return {.project = scene.project,
+          .scene = scene.scene,
+          .context_bucket = {},
+          .arm = arm,
+          .backend_version = backend_version,
+          .machine_class = scene.machine_class,
+          .reward_version = scene.reward_version};
+}
+
+void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message) {
+  message.set_command_id(command.command_id);
+  message.set_arm(command.arm);
+  message.set_reason(static_cast<v1::SwitchReason>(command.reason));
+}
+
+void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message) {
+  message.set_alpha(posterior.alpha);
+  message.set_beta(posterior.beta);
+}
+
+void ToProto(std::span<const decision::BetaPosterior> posteriors,
+             const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message) {
+  for (const auto& posterior : posteriors) ToProto(posterior, *message.add_arms());
+  if (diagnosis.best_probability.empty()) return;
+  message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
+  message.set_leader_arm(diagnosis.leader);
+  message.set_leader_probability(diagnosis.best_probability[diagnosis.leader]);
+}
+
+void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
+  message.set_project(key.project);
+  message.set_scene(key.scene);
+  message.set_machine_class(key.machine_class);
+  message.set_reward_version(key.reward_version);
+}
+
+void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
+  ToProto(scene.key, message);
+  message.set_source_count(scene.source_count);
+  for (const auto& arm : scene.arms) {
+    v1::ArmPosterior& filled = *message.add_arms();
+    filled.set_arm(arm.name);
+    filled.set_backend_version(arm.backend_version);
+    ToProto({1 + arm.evidence.alpha, 1 + arm.evidence.beta}, *filled.mutable_posterior());
+    filled.set_window_count(arm.evidence.window_count);
+    filled.set_bail_out_count(arm.evidence.bail_out_count);
+  }
+}
+
+void ToProto(const decision::DecisionRecord& record, std::span<const std::string> arms,
+             v1::DecisionEvent& message) {
+  message.set_decision_id(record.decision_id);
+  message.set_active_arm(arms[record.active_arm]);
+  if (record.candidate) message.set_candidate_arm(arms[*record.candidate]);
+  message.set_outcome(static_cast<v1::DecisionOutcome>(record.outcome));
+  if (record.reason) message.set_reason(static_cast<v1::SwitchReason>(*record.reason));
+  if (record.reward) message.set_reward(*record.reward);
+  const decision::Diagnosis& diagnosis = record.diagnosis;
+  message.mutable_best_probability()->Assign(diagnosis.best_probability.begin(),
+                                             diagnosis.best_probability.end());
+  message.set_expected_loss_ratio(diagnosis.expected_loss_ratio);
+  message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
+  message.set_context_bucket(record.context);
+}
+
+void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
+  message.set_project(record.key.project);
+  message.set_scene(record.key.scene);
+  message.set_context_bucket(record.key.context_bucket);
+  message.set_arm(record.key.arm);
+  message.set_backend_version(record.key.backend_version);
+  message.set_machine_class(record.key.machine_class);
+  message.set_reward_version(record.key.reward_version);
+  message.set_source_id(record.source_id);
+  message.set_source_sequence(record.source_sequence);
+  message.set_alpha_increment(record.evidence.alpha);
+  message.set_beta_increment(record.evidence.beta);
+  message.set_window_count(record.evidence.window_count);
+  message.set_bail_out_count(record.evidence.bail_out_count);
+}
+
+void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
+  message.set_session_id(segment.session_id);
+  message.set_segment(segment.segment);
+  message.set_project(segment.project);
+  message.set_scene(segment.scene);
+  message.set_unix_start_ms(segment.unix_start_ms);
+  message.set_row_count(segment.row_count);
+}
+
+decision::Mode FromProto(v1::Mode mode) { return static_cast<decision::Mode>(mode); }
+
+decision::SwitchReason FromProto(v1::SwitchReason reason) {
+  return static_cast<decision::SwitchReason>(reason);
+}
+
+decision::Frame FrameFromProto(const v1::FrameBatch& batch, int i) {
+  return {.frame_time_ns = batch.frame_time_ns(i),
+          .detection_time_ns = batch.detection_time_ns(i),
+          .aabb_check_count = batch.aabb_check_count(i),
+          .native_bytes = batch.native_bytes(i),
+          .object_count = batch.object_count(i),
+          .arm = batch.arm(i),
+          .switch_epoch = batch.switch_epoch(i),
+          .flags = batch.flags(i) & kKnownFlags};
+}
+
+decision::Frame FromProto(const v1::BailOut& bail_out) {
+  decision::Frame frame;
+  frame.frame_time_ns = bail_out.frame_time_ns();
+  frame.detection_time_ns = bail_out.detection_time_ns();
+  frame.arm = bail_out.arm();
+  frame.switch_epoch = bail_out.switch_epoch();
+  frame.flags = bail_out.flags() & kKnownFlags;
+  return frame;
+}
+
+decision::ShadowSample FromProto(const v1::ShadowSample& sample) {
+  return {.first_frame_index = sample.first_frame_index(),
+          .detection_time_ns = sample.detection_time_ns(),
+          .build_time_ns = sample.build_time_ns(),
+          .aabb_check_count = sample.aabb_check_count(),
+          .native_bytes = sample.native_bytes(),
+          .arm = sample.arm(),
+          .object_count = sample.object_count(),
+          .frame_count = sample.frame_count(),
+          .flags = sample.flags() & kKnownShadowFlags};
+}
+
+decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
+  const auto measured = [](bool present, float value) -> std::optional<double> {
+    if (!present || !std::isfinite(value) || value < 0) return std::nullopt;
+    return value;
+  };
+  return {.object_count = measured(descriptor.has_object_count(), descriptor.object_count()),
+          .density_ratio = measured(descriptor.has_density_ratio(), descriptor.density_ratio()),
+          .size_spread = measured(descriptor.has_size_spread(), descriptor.size_spread()),
+          .speed_mean = measured(descriptor.has_speed_mean(), descriptor.speed_mean()),
+          .speed_spread = measured(descriptor.has_speed_spread(), descriptor.speed_spread()),
+          .clustering_ratio =
+              measured(descriptor.has_clustering_ratio(), descriptor.clustering_ratio()),
+          .static_ratio = measured(descriptor.has_static_ratio(), descriptor.static_ratio())};
+}
+
+decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome) {
+  return {.rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), kMaxFrameNs),
+          .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), kMaxFrameNs)};
+}
+
+priors::SceneKey FromProto(const v1::ScenePosterior& message) {
+  return {message.project(), message.scene(), message.machine_class(), message.reward_version()};
+}
+
+priors::PriorRecord FromProto(const v1::PriorRecord& message) {
+  return {.key = {.project = message.project(),
+                  .scene = message.scene(),
+                  .context_bucket = message.context_bucket(),
+                  .arm = message.arm(),
+                  .backend_version = message.backend_version(),
+                  .machine_class = message.machine_class(),
+                  .reward_version = message.reward_version()},
+          .source_id = message.source_id(),
+          .source_sequence = message.source_sequence(),
+          .evidence = {.alpha = message.alpha_increment(),
+                       .beta = message.beta_increment(),
+                       .window_count = message.window_count(),
+                       .bail_out_count = message.bail_out_count()}};
+}
+
+}  // namespace sweepstake::rpc

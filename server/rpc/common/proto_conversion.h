@@ -1,0 +1,62 @@
+// The only converter between the messages of sweepstake.v1 and the server's values. ToProto fills a
+// message, FromProto reads one. Pure functions.
+#pragma once
+
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/status.h>
+
+#include <span>
+#include <string>
+
+#include "absl/status/status.h"
+#include "server/decision/types.h"
+#include "server/priors/audit_rows.h"
+#include "server/priors/prior_store.h"
+#include "sweepstake/v1/audit.pb.h"
+#include "sweepstake/v1/posteriors.pb.h"
+#include "sweepstake/v1/priors.pb.h"
+#include "sweepstake/v1/telemetry.pb.h"
+
+namespace sweepstake::rpc {
+
+// The codes have the same values.
+grpc::Status ToGrpc(const absl::Status& status);
+
+// False: the bytes are no such message. Reuses the memory of `message`; consumes the buffer.
+bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message);
+grpc::ByteBuffer Serialize(const google::protobuf::Message& message);
+
+// Of the only context bucket.
+priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
+                                  uint32_t backend_version);
+
+void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message);
+void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
+void ToProto(std::span<const decision::BetaPosterior> posteriors,
+             const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message);
+// The key alone.
+void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
+// Beta(1,1) plus the evidence. The caller sets active_session_count.
+void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
+// All but the names of session, scene and policy.
+void ToProto(const decision::DecisionRecord& record, std::span<const std::string> arms,
+             v1::DecisionEvent& message);
+void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
+void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
+
+// The messages below must have passed message_validation.h.
+decision::Mode FromProto(v1::Mode mode);
+decision::SwitchReason FromProto(v1::SwitchReason reason);
+// Frame i of the batch.
+decision::Frame FrameFromProto(const v1::FrameBatch& batch, int i);
+decision::Frame FromProto(const v1::BailOut& bail_out);
+decision::ShadowSample FromProto(const v1::ShadowSample& sample);
+// A value that is negative or not finite was not measured.
+decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor);
+// Each cost is cut to kMaxFrameNs.
+decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome);
+// The key alone.
+priors::SceneKey FromProto(const v1::ScenePosterior& message);
+priors::PriorRecord FromProto(const v1::PriorRecord& message);
+
+}  // namespace sweepstake::rpc

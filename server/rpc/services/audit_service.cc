@@ -1,0 +1,100 @@
+#include "server/rpc/services/audit_service.h"
+
+#include <optional>
+#include <utility>
+
+#include "server/decision/audit_log.h"
+#include "server/rpc/services/page_stream.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using priors::AuditFilter;
+using priors::AuditSegment;
+
+using SegmentStream = PageStream<v1::ListAuditSegmentsResponse, uint64_t>;
+
+absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorStore& store,
+                                                 const AuditFilter& filter, uint64_t after) {
+  const auto segments = store.ListAudit(filter, after, kAuditSegmentsPerMessage);
+  if (!segments.ok()) return segments.status();
+  SegmentStream::Page page;
+  page.last = segments->size() < kAuditSegmentsPerMessage;
+  for (const AuditSegment& segment : *segments) {
+    ToProto(segment, *page.response.add_segments());
+    page.next = segment.id;
+  }
+  return page;
+}
+
+// Where an export is in the log.
+struct RowPlace {
+  uint64_t after = 0;               // segments up to this id are done
+  std::optional<uint64_t> segment;  // under way
+  uint64_t next_row = 1;            // in it
+};
+
+using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
+
+// Begins the next segment; false: there is none.
+absl::StatusOr<bool> EnterSegment(priors::PriorStore& store, const AuditFilter& filter,
+                                  RowPlace& place) {
+  if (place.segment) return true;
+  const auto segments = store.ListAudit(filter, place.after, 1);
+  if (!segments.ok()) return segments.status();
+  if (segments->empty()) return false;
+  place.segment = segments->front().id;
+  place.next_row = 1;
+  return true;
+}
+
+absl::StatusOr<RowStream::Page> LoadRows(priors::PriorStore& store, const AuditFilter& filter,
+                                         const RowPlace& place) {
+  RowStream::Page page;
+  page.next = place;
+  if (place.after == 0 && !place.segment) page.response.set_header(decision::AuditHeader());
+  for (size_t bytes = 0; bytes < kAuditBytesPerMessage;) {
+    const auto entered = EnterSegment(store, filter, page.next);
+    if (!entered.ok()) return entered.status();
+    page.last = !*entered;
+    if (page.last) return page;
+    auto rows = store.LoadAudit(*page.next.segment, page.next.next_row, kAuditRowsPerPage,
+                                kAuditBytesPerMessage - bytes);
+    if (!rows.ok()) return rows.status();
+    page.next.next_row += rows->size();
+    if (rows->empty()) {
+      page.next.after = *page.next.segment;
+      page.next.segment.reset();
+    }
+    for (std::string& row : *rows) {
+      bytes += row.size();
+      page.response.add_rows(std::move(row));
+    }
+  }
+  return page;
+}
+
+template <typename Request>
+AuditFilter FilterOf(const Request& request) {
+  return {request.session_id(), request.project(), request.scene()};
+}
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
+    grpc::CallbackServerContext* /*call*/, const v1::ListAuditSegmentsRequest* request) {
+  return SegmentStream::Start(
+      context_, [filter = FilterOf(*request)](priors::PriorStore& store, uint64_t after) {
+        return LoadSegments(store, filter, after);
+      });
+}
+
+grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
+    grpc::CallbackServerContext* /*call*/, const v1::ExportDecisionsRequest* request) {
+  return RowStream::Start(
+      context_, [filter = FilterOf(*request)](priors::PriorStore& store, const RowPlace& place) {
+        return LoadRows(store, filter, place);
+      });
+}
+
+}  // namespace sweepstake::rpc

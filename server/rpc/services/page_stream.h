@@ -1,0 +1,88 @@
+// An answer that is read from the store page by page, as fast as the client reads: the shape of
+// every streaming export.
+//
+// On the decision loop but for gRPC's reactions, which only post. It owns itself until gRPC is done
+// with it; what the store reads for it finds it through a weak pointer.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/services/service_context.h"
+
+namespace sweepstake::rpc {
+
+// `Place` says where the next page begins; it is copied to the store's thread.
+template <typename Response, typename Place>
+struct StreamPage {
+  Response response;
+  Place next;
+  bool empty = false;  // the response is not sent, and the answer ends
+  bool last = false;   // the answer ends behind it
+};
+
+template <typename Response, typename Place>
+class PageStream final : public grpc::ServerWriteReactor<Response>,
+                         public std::enable_shared_from_this<PageStream<Response, Place>> {
+ public:
+  using Page = StreamPage<Response, Place>;
+  // Reads the page that begins at the place, on the store's thread.
+  using Load = std::function<absl::StatusOr<Page>(priors::PriorStore&, const Place&)>;
+
+  static PageStream* Start(ServiceContext& context, Load load) {
+    std::shared_ptr<PageStream> stream(new PageStream(context, std::move(load)));
+    PageStream* raw = stream.get();
+    raw->self_ = std::move(stream);
+    context.loop.Post([raw] { raw->LoadNext(); });
+    return raw;
+  }
+
+  void OnWriteDone(bool ok) override {
+    context_.loop.Post(
+        [this, ok] { ok ? LoadNext() : End(absl::CancelledError("the connection was lost")); });
+  }
+  // A write under way fails and a page under way is written to nobody: both end here soon.
+  void OnCancel() override {}
+  void OnDone() override {
+    context_.loop.Post([this] { self_.reset(); });
+  }
+
+ private:
+  PageStream(ServiceContext& context, Load load) : context_(context), load_(std::move(load)) {}
+
+  void LoadNext() {
+    if (page_.last) return End(absl::OkStatus());
+    const bool submitted =
+        context_.store.Submit([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
+                               place = page_.next](priors::PriorStore& store) {
+          loop.Post([weak, page = load(store, place)]() mutable {
+            if (const auto self = weak.lock()) self->OnPage(std::move(page));
+          });
+        });
+    if (!submitted) {
+      End(absl::UnavailableError("the prior store has too much to do; ask again later"));
+    }
+  }
+
+  void OnPage(absl::StatusOr<Page> page) {
+    if (!page.ok()) return End(page.status());
+    page_ = *std::move(page);
+    if (page_.empty) return End(absl::OkStatus());
+    this->StartWrite(&page_.response);
+  }
+
+  void End(const absl::Status& status) { this->Finish(ToGrpc(status)); }
+
+  ServiceContext& context_;
+  const Load load_;
+  std::shared_ptr<PageStream> self_;  // until OnDone
+  Page page_;                         // the latest one
+};
+
+}  // namespace sweepstake::rpc

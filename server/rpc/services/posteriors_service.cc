@@ -1,0 +1,137 @@
+#include "server/rpc/services/posteriors_service.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/decision/policy/policy.h"
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/services/posterior_watcher.h"
+#include "server/rpc/sessions/session_table.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using priors::SceneEvidence;
+using priors::SceneKey;
+
+// The key as an encoded message: opaque to clients, and parsing it back checks it.
+std::string TokenOf(const SceneKey& key) {
+  v1::ScenePosterior token;
+  ToProto(key, token);
+  std::string hex;
+  for (const char c : token.SerializeAsString()) {
+    hex += "0123456789abcdef"[static_cast<unsigned char>(c) >> 4];
+    hex += "0123456789abcdef"[static_cast<unsigned char>(c) & 15];
+  }
+  return hex;
+}
+
+std::optional<int> HexDigit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return std::nullopt;
+}
+
+std::optional<SceneKey> KeyOf(const std::string& token) {
+  std::string bytes;
+  if (token.size() % 2 != 0) return std::nullopt;
+  for (size_t i = 0; i < token.size(); i += 2) {
+    const auto high = HexDigit(token[i]);
+    const auto low = HexDigit(token[i + 1]);
+    if (!high || !low) return std::nullopt;
+    bytes += static_cast<char>(*high * 16 + *low);
+  }
+  v1::ScenePosterior key;
+  if (!key.ParseFromString(bytes) || key.project().empty()) return std::nullopt;
+  return FromProto(key);
+}
+
+uint32_t DefaultRewardVersion(const RpcOptions& options) {
+  return decision::PolicyKindOf(options.decision.policy).reward_version;
+}
+
+grpc::Status TooMuch() {
+  return {grpc::StatusCode::UNAVAILABLE, "the prior store has too much to do; try again later"};
+}
+
+// Runs `read` on the store's thread and `answer(result)` on the loop, whose status ends the call.
+template <typename Read, typename Answer>
+void ReadAndAnswer(ServiceContext& context, grpc::ServerUnaryReactor* reactor, Read read,
+                   Answer answer) {
+  const bool submitted =
+      context.store.Submit([&loop = context.loop, reactor, read = std::move(read),
+                            answer = std::move(answer)](priors::PriorStore& store) {
+        loop.Post([reactor, answer, result = read(store)] {
+          reactor->Finish(ToGrpc(result.ok() ? answer(*result) : result.status()));
+        });
+      });
+  if (!submitted) reactor->Finish(TooMuch());
+}
+
+}  // namespace
+
+grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
+    grpc::CallbackServerContext* call, const v1::ListPosteriorsRequest* request,
+    v1::ListPosteriorsResponse* response) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  std::optional<SceneKey> after;
+  if (!request->page_token().empty()) {
+    after = KeyOf(request->page_token());
+    if (!after) {
+      reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
+                       "page_token is none of a next_page_token of this daemon"});
+      return reactor;
+    }
+  }
+  const uint32_t limit =
+      request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
+  ReadAndAnswer(
+      context_, reactor,
+      [filter = priors::SceneFilter{request->project(), {}}, after,
+       limit](priors::PriorStore& store) { return store.List(filter, after, limit); },
+      [this, response, limit](const std::vector<SceneEvidence>& scenes) {
+        for (const SceneEvidence& scene : scenes) {
+          ToProto(scene, *response->add_scenes());
+          response->mutable_scenes()->rbegin()->set_active_session_count(
+              context_.sessions.ActiveCount(scene.key));
+        }
+        if (scenes.size() == limit) response->set_next_page_token(TokenOf(scenes.back().key));
+        return absl::OkStatus();
+      });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerContext* call,
+                                                          const v1::GetPosteriorRequest* request,
+                                                          v1::GetPosteriorResponse* response) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  const SceneKey key{request->project(), request->scene(), request->machine_class(),
+                     request->reward_version() != 0 ? request->reward_version()
+                                                    : DefaultRewardVersion(context_.options)};
+  if (!IsName(key.project) || !IsName(key.scene) || !IsOptionalName(key.machine_class)) {
+    reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
+                     "project and scene must have 1 to 128 bytes and no control characters"});
+    return reactor;
+  }
+  ReadAndAnswer(
+      context_, reactor, [key](priors::PriorStore& store) { return store.LoadScene(key); },
+      [this, response, key](const std::optional<SceneEvidence>& scene) {
+        if (!scene)
+          return absl::NotFoundError(
+              "nothing has been learnt about this scene on this class of machines");
+        ToProto(*scene, *response->mutable_scene());
+        response->mutable_scene()->set_active_session_count(context_.sessions.ActiveCount(key));
+        return absl::OkStatus();
+      });
+  return reactor;
+}
+
+grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(
+    grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
+  return PosteriorWatcher::Start(context_, *call, *request);
+}
+
+}  // namespace sweepstake::rpc

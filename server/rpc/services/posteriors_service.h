@@ -1,0 +1,33 @@
+// sweepstake.v1.PosteriorsService: what the store has, and a stream of what changes. Thread-safe.
+//
+// A page token names the last scene of its page; one that this daemon cannot have made is
+// INVALID_ARGUMENT.
+#pragma once
+
+#include "server/rpc/services/service_context.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+
+namespace sweepstake::rpc {
+
+class PosteriorsService final
+    : public v1::PosteriorsService::WithCallbackMethod_ListPosteriors<
+          v1::PosteriorsService::WithCallbackMethod_GetPosterior<
+              v1::PosteriorsService::WithRawCallbackMethod_WatchPosteriors<
+                  v1::PosteriorsService::Service>>> {
+ public:
+  explicit PosteriorsService(ServiceContext& context) : context_(context) {}
+
+  grpc::ServerUnaryReactor* ListPosteriors(grpc::CallbackServerContext* call,
+                                           const v1::ListPosteriorsRequest* request,
+                                           v1::ListPosteriorsResponse* response) override;
+  grpc::ServerUnaryReactor* GetPosterior(grpc::CallbackServerContext* call,
+                                         const v1::GetPosteriorRequest* request,
+                                         v1::GetPosteriorResponse* response) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* WatchPosteriors(
+      grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) override;
+
+ private:
+  ServiceContext& context_;
+};
+
+}  // namespace sweepstake::rpc

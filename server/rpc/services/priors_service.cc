@@ -1,0 +1,127 @@
+#include "server/rpc/services/priors_service.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/services/page_stream.h"
+#include "server/rpc/services/watch_hub.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using priors::PriorRecord;
+// The place is the latest record that was sent; absent at the beginning.
+using ExportStream = PageStream<v1::ExportPriorsResponse, std::optional<PriorRecord>>;
+
+absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
+                                               const priors::SceneFilter& filter,
+                                               const std::optional<PriorRecord>& after) {
+  const auto records = store.Export(filter, after, kRecordsPerMessage);
+  if (!records.ok()) return records.status();
+  ExportStream::Page page;
+  page.empty = records->empty();
+  page.last = records->size() < kRecordsPerMessage;
+  for (const PriorRecord& record : *records) ToProto(record, *page.response.add_records());
+  if (!page.empty) page.next = records->back();
+  return page;
+}
+
+// One import. Reading is all on gRPC's reactions, one at a time; the store's job ends the call.
+class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
+ public:
+  // `collected_count` is of all imports together.
+  PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
+              grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
+      : context_(context), collected_count_(collected_count), call_(call), response_(response) {
+    StartRead(&bytes_);
+  }
+  ~PriorImport() override { collected_count_ -= records_.size(); }
+
+  void OnReadDone(bool ok) override {
+    if (ok) {
+      const absl::Status status = Take();
+      if (!status.ok()) return Finish(ToGrpc(status));
+      return StartRead(&bytes_);
+    }
+    // A lost connection must not pass for the end of the file.
+    if (call_.IsCancelled())
+      return Finish(ToGrpc(absl::CancelledError("the stream broke off; nothing was imported")));
+    if (!context_.store.Submit([this](priors::PriorStore& store) { Apply(store); })) {
+      Finish(
+          ToGrpc(absl::UnavailableError("the prior store has too much to do; import again later")));
+    }
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  absl::Status Take() {
+    if (!Parse(bytes_, request_)) {
+      ++context_.counters.malformed_message_count;
+      return absl::InvalidArgumentError(
+          "a message does not parse as sweepstake.v1.ImportPriorsRequest");
+    }
+    if (request_.records_size() > static_cast<int>(kRecordsPerMessage)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("a message may hold ", kRecordsPerMessage, " records"));
+    }
+    for (const v1::PriorRecord& record : request_.records()) {
+      if (records_.size() == kMaxImportRecords) {
+        return absl::ResourceExhaustedError(
+            absl::StrCat("an import may hold ", kMaxImportRecords, " records; split it"));
+      }
+      if (collected_count_ >= 2 * size_t{kMaxImportRecords}) {
+        return absl::ResourceExhaustedError("other imports are under way; import again later");
+      }
+      if (const absl::Status status = CheckPriorRecord(record); !status.ok()) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("record ", records_.size(), ": ", status.message()));
+      }
+      records_.push_back(FromProto(record));
+      ++collected_count_;
+    }
+    return absl::OkStatus();
+  }
+
+  void Apply(priors::PriorStore& store) {
+    const auto result = store.Import(records_);
+    if (!result.ok()) return Finish(ToGrpc(result.status()));
+    v1::ImportPriorsResponse answer;
+    answer.set_applied_count(result->applied_count);
+    answer.set_unchanged_count(result->unchanged_count);
+    response_ = Serialize(answer);
+    context_.loop.Post([&watchers = context_.watchers] { watchers.OnImport(); });
+    Finish(grpc::Status::OK);
+  }
+
+  ServiceContext& context_;
+  std::atomic<size_t>& collected_count_;
+  grpc::CallbackServerContext& call_;
+  grpc::ByteBuffer& response_;
+  grpc::ByteBuffer bytes_;
+  v1::ImportPriorsRequest request_;
+  std::vector<PriorRecord> records_;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
+    grpc::CallbackServerContext* /*call*/, const v1::ExportPriorsRequest* request) {
+  return ExportStream::Start(
+      context_, [filter = priors::SceneFilter{request->project(), request->scene()}](
+                    priors::PriorStore& store, const std::optional<PriorRecord>& after) {
+        return LoadRecords(store, filter, after);
+      });
+}
+
+grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
+    grpc::CallbackServerContext* call, grpc::ByteBuffer* response) {
+  return new PriorImport(context_, collected_count_, *call, *response);
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,32 @@
+// sweepstake.v1.PriorsService: evidence out of the store and into it. Thread-safe.
+//
+// An export reads the store page by page, as fast as the client reads; records committed meanwhile
+// may be in it or not, each whole. An import is collected first (up to kMaxImportRecords) and
+// applied in one transaction when the client has half-closed in order; a stream that breaks off or
+// holds a wrong record changes nothing. Imported evidence reaches sessions that begin after it.
+#pragma once
+
+#include <atomic>
+
+#include "server/rpc/services/service_context.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+
+namespace sweepstake::rpc {
+
+class PriorsService final
+    : public v1::PriorsService::WithCallbackMethod_ExportPriors<
+          v1::PriorsService::WithRawCallbackMethod_ImportPriors<v1::PriorsService::Service>> {
+ public:
+  explicit PriorsService(ServiceContext& context) : context_(context) {}
+
+  grpc::ServerWriteReactor<v1::ExportPriorsResponse>* ExportPriors(
+      grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) override;
+  grpc::ServerReadReactor<grpc::ByteBuffer>* ImportPriors(grpc::CallbackServerContext* call,
+                                                          grpc::ByteBuffer* response) override;
+
+ private:
+  ServiceContext& context_;
+  std::atomic<size_t> collected_count_{0};  // records that imports under way hold in memory
+};
+
+}  // namespace sweepstake::rpc

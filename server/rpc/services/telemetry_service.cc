@@ -1,0 +1,270 @@
+#include "server/rpc/services/telemetry_service.h"
+
+#include <grpc/grpc.h>
+#include <spdlog/logger.h>
+
+#include <set>
+#include <utility>
+
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/sessions/session_table.h"
+
+namespace sweepstake::rpc {
+
+void TelemetryOutbox::Put(v1::StreamTelemetryResponse response) {
+  slots_.at(static_cast<size_t>(response.message_case()) - 1) = std::move(response);
+}
+
+std::optional<v1::StreamTelemetryResponse> TelemetryOutbox::Take() {
+  for (auto& slot : slots_) {
+    if (slot) return std::exchange(slot, std::nullopt);
+  }
+  return std::nullopt;
+}
+
+TelemetryStream* TelemetryStream::Start(ServiceContext& context, TelemetryStreams& streams,
+                                        grpc::CallbackServerContext& call) {
+  std::shared_ptr<TelemetryStream> stream(new TelemetryStream(context, streams, call));
+  TelemetryStream* raw = stream.get();
+  raw->self_ = std::move(stream);
+  context.loop.Post([raw] {
+    raw->streams_.all.insert(raw);
+    if (raw->streams_.draining) return raw->Drain();
+    raw->StartRead(&raw->read_bytes_);
+  });
+  return raw;
+}
+
+void TelemetryStream::OnReadDone(bool ok) {
+  if (!ok) return context_.loop.Post([this] { OnHalfClose(); });
+  const bool parsed = Parse(read_bytes_, request_);
+  context_.loop.Post([this, parsed] { OnMessage(parsed); });
+}
+
+void TelemetryStream::OnWriteDone(bool ok) {
+  context_.loop.Post([this, ok] { OnWritten(ok); });
+}
+
+void TelemetryStream::OnCancel() {
+  context_.loop.Post([this] {
+    outbox_.Clear();
+    if (!end_) end_ = absl::CancelledError("the connection was lost");
+    LeaveSession();
+    WriteNext();
+  });
+}
+
+void TelemetryStream::OnDone() {
+  // Everything posted before has run by then.
+  context_.loop.Post([this] {
+    LeaveSession();
+    streams_.all.erase(this);
+    self_.reset();
+  });
+}
+
+void TelemetryStream::OnMessage(bool parsed) {
+  if (end_) return;
+  if (!parsed) {
+    ++context_.counters.malformed_message_count;
+    return Reject(absl::InvalidArgumentError(
+        "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
+  }
+  const absl::Status status = Dispatch();
+  if (!status.ok()) {
+    ++context_.counters.invalid_message_count;
+    return Reject(status);
+  }
+  // While a session is being loaded nothing is read, and nothing after a goodbye: the session then
+  // ends the stream itself, when everything is on disk.
+  if (session_ && !session_->ended() && !end_) StartRead(&read_bytes_);
+}
+
+absl::Status TelemetryStream::Dispatch() {
+  if (!session_) {
+    if (!request_.has_hello())
+      return absl::FailedPreconditionError("the first request of a stream must be Hello");
+    return Open(request_.hello());
+  }
+  const absl::Status status =
+      CheckRequest(request_, static_cast<uint32_t>(session_->identity().arms.size()));
+  if (!status.ok()) return status;
+  // Ending it makes this stream let go of it.
+  const std::shared_ptr<GameSession> session = session_;
+  if (request_.has_goodbye()) {
+    session->End();
+  } else {
+    session->Apply(request_);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status TelemetryStream::Open(const v1::Hello& given) {
+  hello_ = given;
+  if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
+  const v1::Hello& hello = *hello_;
+  if (absl::Status status = CheckHello(hello); !status.ok()) return status;
+  if (std::shared_ptr<GameSession> session = context_.sessions.Find(hello.session_id())) {
+    if (absl::Status status = CheckSame(*session, hello); !status.ok()) return status;
+    return Enter(std::move(session), /*resumed=*/true);
+  }
+  const bool submitted = context_.store.Submit(
+      [weak = weak_from_this(), &loop = context_.loop, wanted = hello](priors::PriorStore& store) {
+        loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
+          if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
+        });
+      });
+  if (submitted) return absl::OkStatus();
+  return absl::UnavailableError("the prior store has too much to do; connect again later");
+}
+
+void TelemetryStream::OnLoaded(absl::StatusOr<StoredStart> start) {
+  if (end_) return;
+  if (!start.ok()) return Reject(start.status());
+  // Another connection may have resumed the same session meanwhile, with other arms perhaps.
+  std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
+  if (session) {
+    if (absl::Status status = CheckSame(*session, *hello_); !status.ok()) return Reject(status);
+  } else {
+    auto made = MakeSession(context_, *hello_, *start);
+    if (!made.ok()) return Reject(made.status());
+    session = *std::move(made);
+    if (absl::Status added = context_.sessions.Add(session); !added.ok()) return Reject(added);
+  }
+  if (absl::Status status = Enter(std::move(session), !hello_->session_id().empty());
+      !status.ok()) {
+    return Reject(status);
+  }
+  StartRead(&read_bytes_);
+}
+
+absl::Status TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {
+  if (session->ended()) return absl::NotFoundError("the session has said goodbye; begin a new one");
+  session_ = std::move(session);
+  context_.sessions.Attach(*session_, *this);
+  ++context_.counters.connected_stream_count;
+  if (resumed) ++context_.counters.resumed_count;
+  v1::StreamTelemetryResponse response;
+  *response.mutable_welcome() = WelcomeOf(*session_, resumed, context_.options);
+  Send(std::move(response));
+  session_->Start(*hello_);
+  context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
+  return absl::OkStatus();
+}
+
+void TelemetryStream::OnHalfClose() {
+  LeaveSession();
+  if (!end_) Close(absl::OkStatus());
+}
+
+void TelemetryStream::Drain() {
+  if (end_) return;
+  if (const std::shared_ptr<GameSession> session = session_) return session->Drain();
+  SendReconnect(context_.options.reconnect_delay_ms);
+  Close(absl::UnavailableError("the daemon is draining; connect again"));
+}
+
+void TelemetryStream::SendSwitch(const decision::SwitchCommand& command) {
+  v1::StreamTelemetryResponse response;
+  ToProto(command, *response.mutable_switch_command());
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendAcknowledgement(uint64_t sequence) {
+  v1::StreamTelemetryResponse response;
+  response.mutable_acknowledgement()->set_sequence(sequence);
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                                   const decision::Diagnosis& diagnosis) {
+  v1::StreamTelemetryResponse response;
+  ToProto(posteriors, diagnosis, *response.mutable_posterior_snapshot());
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendReconnect(uint32_t delay_ms) {
+  v1::StreamTelemetryResponse response;
+  response.mutable_reconnect_elsewhere()->set_delay_ms(delay_ms);
+  Send(std::move(response));
+}
+
+void TelemetryStream::Send(v1::StreamTelemetryResponse response) {
+  if (end_) return;
+  outbox_.Put(std::move(response));
+  WriteNext();
+}
+
+void TelemetryStream::WriteNext() {
+  if (writing_ || finished_) return;
+  if (std::optional<v1::StreamTelemetryResponse> next = outbox_.Take()) {
+    write_bytes_ = Serialize(*next);
+    writing_ = true;
+    StartWrite(&write_bytes_);
+  } else if (end_) {
+    FinishOnce();
+  }
+}
+
+void TelemetryStream::OnWritten(bool ok) {
+  writing_ = false;
+  if (!ok) outbox_.Clear();
+  WriteNext();
+}
+
+void TelemetryStream::Reject(const absl::Status& status) {
+  context_.log.debug("stream of {} ended: {}", call_.peer(), std::string(status.message()));
+  outbox_.Clear();
+  Close(status);
+}
+
+void TelemetryStream::Close(const absl::Status& status) {
+  if (end_) return;
+  end_ = status;
+  LeaveSession();
+  WriteNext();
+  if (finished_) return;
+  const int64_t deadline_ns = context_.loop.clock().NowNs() + context_.options.close_patience_ns;
+  context_.loop.PostAt(deadline_ns, [weak = weak_from_this(), status] {
+    if (const auto self = weak.lock()) self->Abort(status);
+  });
+}
+
+void TelemetryStream::Abort(const absl::Status& status) {
+  if (finished_) return;
+  end_ = status;
+  outbox_.Clear();
+  LeaveSession();
+  if (writing_) {
+    // The write waits for a client that does not read; cancelling ends it, and OnWritten goes on
+    // from there.
+    grpc_call_cancel_with_status(call_.c_call(), static_cast<grpc_status_code>(status.code()),
+                                 std::string(status.message()).c_str(), nullptr);
+  }
+  WriteNext();
+}
+
+void TelemetryStream::LeaveSession() {
+  if (const std::shared_ptr<GameSession> session = std::exchange(session_, nullptr)) {
+    context_.sessions.Detach(*session, *this);
+  }
+}
+
+void TelemetryStream::FinishOnce() {
+  finished_ = true;
+  Finish(ToGrpc(*end_));
+}
+
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TelemetryService::StreamTelemetry(
+    grpc::CallbackServerContext* call) {
+  return TelemetryStream::Start(context_, streams_, *call);
+}
+
+void TelemetryService::Drain() {
+  streams_.draining = true;
+  const std::set<TelemetryStream*> streams = streams_.all;
+  for (TelemetryStream* stream : streams) stream->Drain();
+}
+
+}  // namespace sweepstake::rpc

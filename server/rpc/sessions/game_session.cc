@@ -1,0 +1,283 @@
+#include "server/rpc/sessions/game_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// Epochs wrap around; the later one is less than half of their range ahead.
+bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - epoch < (1u << 31); }
+
+}  // namespace
+
+std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
+                                                 const decision::SessionSetup& setup,
+                                                 priors::SourceProgress progress,
+                                                 uint64_t prior_source_count) {
+  std::shared_ptr<GameSession> session(
+      new GameSession(context, std::move(identity), setup, progress, prior_source_count));
+  session->ledger_ = std::make_shared<SessionLedger>(
+      context.store, context.loop, context.counters, std::move(progress),
+      [weak = session->weak_from_this()](const absl::Status& status) {
+        if (const auto self = weak.lock()) self->OnCommitted(status);
+      });
+  if (context.options.audit.rows > 0) session->StartAudit();
+  return session;
+}
+
+GameSession::GameSession(SessionContext& context, SessionIdentity identity,
+                         const decision::SessionSetup& setup,
+                         const priors::SourceProgress& progress, uint64_t prior_source_count)
+    : context_(context),
+      identity_(std::move(identity)),
+      decisions_(setup),
+      prior_source_count_(prior_source_count),
+      applied_sequence_(progress.message_sequence),
+      frame_count_(progress.frame_count),
+      acknowledged_sequence_(progress.message_sequence),
+      switch_epoch_(setup.switch_epoch) {}
+
+void GameSession::StartAudit() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch);
+  const priors::SceneKey& scene = identity_.scene;
+  ledger_->StartAudit({.segment = identity_.audit_segment,
+                       .project = scene.project,
+                       .scene = scene.scene,
+                       .unix_start_ms = now.count(),
+                       .first_row = 1,
+                       .rows = {}});
+  decisions_.StartAudit(*this, {.session_id = identity_.id,
+                                .segment = identity_.audit_segment,
+                                .project = scene.project,
+                                .scene = scene.scene,
+                                .machine_class = scene.machine_class,
+                                .program_version = context_.options.daemon_version,
+                                .backend_versions = identity_.backend_versions,
+                                .unix_start_ms = now.count()});
+}
+
+void GameSession::Attach(SessionLink& link) {
+  if (link_ != nullptr) {
+    link_->Abort(absl::AbortedError("another connection took this session over"));
+  }
+  link_ = &link;
+  // The welcome says so.
+  acknowledged_sequence_ = durable_sequence();
+  told_verdict_ = decision::Verdict::kUnknown;
+}
+
+void GameSession::Start(const v1::Hello& hello) {
+  const auto mode = FromProto(hello.mode());
+  if (mode != decisions_.mode())
+    decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
+  if (unanswered_) link_->SendSwitch(*unanswered_);
+  // From now on the store knows the session, and a restarted daemon lets it go on.
+  if (durable_sequence() == 0 && applied_sequence_ == 0) Checkpoint();
+  ScheduleTick();
+}
+
+void GameSession::Detach(SessionLink& link) {
+  if (link_ != &link) return;
+  link_ = nullptr;
+  ++timer_generation_;
+}
+
+void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
+  if (request.sequence() <= applied_sequence_) {
+    ++context_.counters.replayed_message_count;
+    return;
+  }
+  applied_sequence_ = request.sequence();
+  ApplyEvidence(request);
+  ++context_.counters.applied_message_count;
+}
+
+void GameSession::ApplyEvidence(const v1::StreamTelemetryRequest& request) {
+  switch (request.message_case()) {
+    case v1::StreamTelemetryRequest::kFrameBatch:
+      return ApplyFrames(request.frame_batch());
+    case v1::StreamTelemetryRequest::kSwitchOutcome:
+      return ApplySwitchOutcome(request.switch_outcome());
+    case v1::StreamTelemetryRequest::kBailOut:
+      return ApplyBailOut(request.bail_out());
+    case v1::StreamTelemetryRequest::kModeChange:
+      return ApplyModeChange(request.mode_change());
+    default:
+      return;
+  }
+}
+
+void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
+  frames_.clear();
+  for (int i = 0; i < batch.frame_time_ns_size(); ++i) {
+    const decision::Frame frame = FrameFromProto(batch, i);
+    if (IsPlausible(frame)) frames_.push_back(frame);
+  }
+  const auto received = static_cast<uint64_t>(batch.frame_time_ns_size());
+  frame_count_ += received;
+  context_.counters.accepted_frame_count += frames_.size();
+  context_.counters.rejected_frame_count += received - frames_.size();
+  context_.counters.dropped_frame_count += batch.dropped_frame_count();
+  decisions_.ObserveFrames(frames_);
+  ApplyShadows(batch);
+  if (batch.has_scene_descriptor()) {
+    decisions_.ObserveDescriptor(FromProto(batch.scene_descriptor()));
+  }
+}
+
+void GameSession::ApplyShadows(const v1::FrameBatch& batch) {
+  shadows_.clear();
+  for (const v1::ShadowSample& message : batch.shadow_samples()) {
+    const decision::ShadowSample sample = FromProto(message);
+    if (IsPlausible(sample)) shadows_.push_back(sample);
+  }
+  const auto received = static_cast<uint64_t>(batch.shadow_samples_size());
+  context_.counters.accepted_shadow_count += shadows_.size();
+  context_.counters.rejected_shadow_count += received - shadows_.size();
+  decisions_.ObserveShadow(shadows_);
+}
+
+void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
+  if (unanswered_ && outcome.command_id() == unanswered_->command_id) unanswered_.reset();
+  if (!outcome.executed()) {
+    ++context_.counters.refused_switch_count;
+    return decisions_.ObserveRefusal(outcome.command_id());
+  }
+  // Sent again from before the state that the client's Hello described.
+  if (IsEarlier(outcome.switch_epoch(), switch_epoch_)) return;
+  switch_epoch_ = outcome.switch_epoch();
+  decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(), FromProto(outcome.reason()),
+                           context_.loop.clock().NowNs(), FromProto(outcome));
+}
+
+void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
+  if (last_bail_out_frame_ && bail_out.frame_index() <= *last_bail_out_frame_) return;
+  last_bail_out_frame_ = bail_out.frame_index();
+  const decision::Frame frame = FromProto(bail_out);
+  if (!IsPlausible(frame)) {
+    ++context_.counters.rejected_frame_count;
+    return;
+  }
+  // Its evidence goes to disk with the next tick: until then frames before it are in memory only,
+  // and its sequence number would cover them.
+  Carry(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+}
+
+void GameSession::ApplyModeChange(const v1::ModeChange& change) {
+  decisions_.SetMode(FromProto(change.mode()), change.active_arm(), context_.loop.clock().NowNs());
+  unanswered_.reset();
+}
+
+void GameSession::ScheduleTick() {
+  const uint64_t generation = ++timer_generation_;
+  context_.loop.PostAt(decisions_.next_tick_ns(), [weak = weak_from_this(), generation] {
+    if (const auto self = weak.lock()) self->OnTimer(generation);
+  });
+}
+
+void GameSession::OnTimer(uint64_t generation) {
+  if (generation != timer_generation_ || link_ == nullptr) return;
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (now_ns >= decisions_.next_tick_ns()) {
+    Carry(decisions_.Tick(now_ns));
+    Checkpoint();
+  }
+  ScheduleTick();
+}
+
+void GameSession::Checkpoint() {
+  ledger_->Checkpoint({.message_sequence = applied_sequence_,
+                       .explored_arm_count = decisions_.explored_arm_count(),
+                       .decision_count = decisions_.decision_count(),
+                       .frame_count = frame_count_});
+}
+
+void GameSession::OnCommitted(const absl::Status& status) {
+  if (status.ok()) context_.listener.OnEvidence(identity_.scene);
+  if (link_ == nullptr) return;
+  if (durable_sequence() > acknowledged_sequence_) {
+    acknowledged_sequence_ = durable_sequence();
+    link_->SendAcknowledgement(acknowledged_sequence_);
+  }
+  // A store that cannot write must not keep anybody here: what is not acknowledged, the client has
+  // still.
+  if (!status.ok() && (ending_ || draining_)) return CloseLink();
+  CloseIfSettled();
+}
+
+void GameSession::CloseIfSettled() {
+  if ((ending_ || draining_) && ledger_->settled()) CloseLink();
+}
+
+void GameSession::CloseLink() {
+  if (link_ == nullptr) return;
+  SessionLink* link = std::exchange(link_, nullptr);
+  link->Close(ending_ ? absl::OkStatus()
+                      : absl::UnavailableError("the daemon is draining; connect again"));
+}
+
+void GameSession::End() {
+  ending_ = true;
+  ++context_.counters.goodbye_count;
+  ++timer_generation_;
+  Checkpoint();
+  CloseIfSettled();
+}
+
+void GameSession::Drain() {
+  draining_ = true;
+  ++timer_generation_;
+  if (link_ == nullptr) return;
+  link_->SendReconnect(context_.options.reconnect_delay_ms);
+  // What failed before would otherwise wait for a tick that does not come any more.
+  RetryCommit();
+  CloseIfSettled();
+}
+
+void GameSession::Carry(const decision::Decision& decision) {
+  ++context_.counters.decision_count;
+  if (decision.increment) {
+    const decision::Increment& increment = *decision.increment;
+    ledger_->Add(
+        {KeyOf(increment.arm),
+         {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
+  }
+  Inform(decision);
+  if (decision.command) {
+    ++context_.counters.switch_command_count;
+    unanswered_ = decision.command;
+    if (link_ != nullptr) link_->SendSwitch(*decision.command);
+  }
+  if (context_.listener.WatchesDecisionsOf(identity_.scene)) Publish(decision.record);
+}
+
+// The client hears of posteriors that changed, and of a verdict that did.
+void GameSession::Inform(const decision::Decision& decision) {
+  const decision::Diagnosis& diagnosis = decision.record.diagnosis;
+  if (link_ == nullptr || (!decision.increment && diagnosis.verdict == told_verdict_)) return;
+  link_->SendSnapshot(decision.record.posteriors, diagnosis);
+  told_verdict_ = diagnosis.verdict;
+}
+
+void GameSession::Publish(const decision::DecisionRecord& record) {
+  v1::DecisionEvent event;
+  event.set_session_id(identity_.id);
+  event.set_project(identity_.scene.project);
+  event.set_scene(identity_.scene.scene);
+  event.set_machine_class(identity_.scene.machine_class);
+  event.set_policy(std::string(decisions_.policy()));
+  ToProto(record, identity_.arms, event);
+  context_.listener.OnDecision(identity_.scene, event);
+}
+
+priors::EvidenceKey GameSession::KeyOf(uint32_t arm) const {
+  return EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm]);
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,161 @@
+// One game's session: from validated messages to decisions, switch commands, evidence on disk and
+// acknowledgements.
+//
+// Lives longer than a connection: a link is attached while a client is there. Without one there are
+// no ticks, since a command would have nobody to go to; the window waits. On the decision loop
+// only; held by the session table and by the stream of its link. Memory is bounded by the number of
+// arms.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "server/decision/decision_session.h"
+#include "server/priors/prior_store.h"
+#include "server/rpc/common/decision_loop.h"
+#include "server/rpc/common/options.h"
+#include "server/rpc/sessions/session_ledger.h"
+#include "sweepstake/v1/posteriors.pb.h"
+#include "sweepstake/v1/telemetry.pb.h"
+
+namespace sweepstake::rpc {
+
+// The way from a session to its client: what a session says, without knowing how it travels.
+//
+// On the decision loop only. Nothing here waits: of each kind only the latest message is kept until
+// it can be written.
+class SessionLink {
+ public:
+  virtual ~SessionLink() = default;
+
+  virtual void SendSwitch(const decision::SwitchCommand& command) = 0;
+  virtual void SendAcknowledgement(uint64_t sequence) = 0;
+  virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                            const decision::Diagnosis& diagnosis) = 0;
+  virtual void SendReconnect(uint32_t delay_ms) = 0;
+  // Ends the stream when what was said has been written. The session has let go of the link before.
+  virtual void Close(const absl::Status& status) = 0;
+  // Ends the stream at once.
+  virtual void Abort(const absl::Status& status) = 0;
+};
+
+// Is told what sessions decide and learn. On the decision loop only.
+class SessionListener {
+ public:
+  virtual ~SessionListener() = default;
+
+  // Whether anybody wants the decisions of this scene; otherwise no event is made of them.
+  virtual bool WatchesDecisionsOf(const priors::SceneKey& scene) const = 0;
+  virtual void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) = 0;
+  // Evidence about the scene has reached the disk.
+  virtual void OnEvidence(const priors::SceneKey& scene) = 0;
+};
+
+// What the sessions share. References to objects of the server, which outlives every session.
+struct SessionContext {
+  const RpcOptions& options;
+  DecisionLoop& loop;
+  priors::AsyncPriorStore& store;
+  Counters& counters;
+  SessionListener& listener;
+};
+
+// Who a session is; fixed for its life.
+struct SessionIdentity {
+  std::string id;
+  priors::SceneKey scene;
+  std::vector<std::string> arms;
+  std::vector<uint32_t> backend_versions;  // as many as arms
+  uint64_t seed = 0;
+  decision::DecisionOptions decision;  // time scale applied
+  uint32_t audit_segment = 1;          // of the session's audit log
+};
+
+class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
+ public:
+  // `progress` is what the store has of it. `prior_source_count` is for the welcome.
+  static std::shared_ptr<GameSession> Create(SessionContext& context, SessionIdentity identity,
+                                             const decision::SessionSetup& setup,
+                                             priors::SourceProgress progress,
+                                             uint64_t prior_source_count);
+
+  // Takes over from the link there was, which is aborted.
+  void Attach(SessionLink& link);
+  // After the welcome: what the client may have missed, and ticks from now on.
+  void Start(const v1::Hello& hello);
+  // The client is gone; it may come back. Nothing when `link` is not the attached one.
+  void Detach(SessionLink& link);
+  bool attached() const { return link_ != nullptr; }
+
+  // Applies a request that CheckRequest let through, or counts it as a replay.
+  void Apply(const v1::StreamTelemetryRequest& request);
+  // The client said goodbye: closes the link when everything is on disk.
+  void End();
+  bool ended() const { return ending_; }
+  // Tells the client to come back later, and closes the link when everything that is on its way to
+  // disk is there.
+  void Drain();
+  // Nothing waits for the disk. Otherwise RetryCommit offers it again.
+  bool settled() const { return ledger_->settled(); }
+  void RetryCommit() { ledger_->Retry(); }
+  bool committing() const { return ledger_->committing(); }
+
+  const SessionIdentity& identity() const { return identity_; }
+  const decision::DecisionSession& decisions() const { return decisions_; }
+  uint64_t durable_sequence() const { return ledger_->durable_sequence(); }
+  uint64_t prior_source_count() const { return prior_source_count_; }
+
+ private:
+  GameSession(SessionContext& context, SessionIdentity identity,
+              const decision::SessionSetup& setup, const priors::SourceProgress& progress,
+              uint64_t prior_source_count);
+
+  void StartAudit();
+  void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
+
+  void ApplyEvidence(const v1::StreamTelemetryRequest& request);
+  void ApplyFrames(const v1::FrameBatch& batch);
+  void ApplyShadows(const v1::FrameBatch& batch);
+  void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
+  void ApplyBailOut(const v1::BailOut& bail_out);
+  void ApplyModeChange(const v1::ModeChange& change);
+
+  void ScheduleTick();
+  void OnTimer(uint64_t generation);
+  void Checkpoint();
+  void OnCommitted(const absl::Status& status);
+  void CloseIfSettled();
+  void CloseLink();
+  void Carry(const decision::Decision& decision);
+  void Inform(const decision::Decision& decision);
+  void Publish(const decision::DecisionRecord& record);
+  priors::EvidenceKey KeyOf(uint32_t arm) const;
+
+  SessionContext& context_;
+  const SessionIdentity identity_;
+  decision::DecisionSession decisions_;
+  std::shared_ptr<SessionLedger> ledger_;
+  const uint64_t prior_source_count_;
+
+  SessionLink* link_ = nullptr;
+  uint64_t applied_sequence_;
+  uint64_t frame_count_;            // in the messages up to it
+  uint64_t acknowledged_sequence_;  // told to the client
+  uint32_t switch_epoch_;           // latest that the client named outside of frames
+  std::optional<uint64_t> last_bail_out_frame_;
+  std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that comes back
+  decision::Verdict told_verdict_ = decision::Verdict::kUnknown;  // to the client
+  uint64_t timer_generation_ = 0;                                 // timers of an older one are void
+  bool ending_ = false;
+  bool draining_ = false;
+  std::vector<decision::Frame> frames_;          // reused
+  std::vector<decision::ShadowSample> shadows_;  // reused
+};
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,214 @@
+#include "server/rpc/sessions/session_start.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "server/decision/policy/policy.h"
+#include "server/rpc/common/proto_conversion.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using decision::BetaPosterior;
+using priors::EvidenceKey;
+using priors::SceneKey;
+
+constexpr int64_t kNsPerMs = 1'000'000;
+constexpr uint32_t kMaxBatchIntervalMs = 250;
+
+uint64_t RandomBits() {
+  std::random_device device;
+  return (static_cast<uint64_t>(device()) << 32) | device();
+}
+
+std::string NewSessionId() { return absl::StrFormat("%016x%016x", RandomBits(), RandomBits()); }
+
+SceneKey SceneOf(const v1::Hello& hello) {
+  return {hello.project(), hello.scene(), hello.machine_class(),
+          decision::PolicyKindOf(hello.policy()).reward_version};
+}
+
+std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
+  std::vector<EvidenceKey> keys;
+  for (const v1::Arm& arm : hello.arms()) {
+    keys.push_back(EvidenceKeyOf(SceneOf(hello), arm.name(), arm.backend_version()));
+  }
+  return keys;
+}
+
+priors::PriorSums OwnEvidence(const v1::Hello& hello,
+                              const std::optional<priors::SourceState>& source) {
+  priors::PriorSums own;
+  for (const EvidenceKey& key : KeysOf(hello)) {
+    priors::PriorSum& sum = own.sums.emplace_back();
+    if (!source) continue;
+    for (const auto& [stored_key, evidence] : source->evidence) {
+      if (stored_key == key) sum = {.evidence = evidence, .source_count = 1};
+    }
+  }
+  return own;
+}
+
+bool BelongsTo(const priors::SourceState& source, const SceneKey& scene) {
+  return std::all_of(source.evidence.begin(), source.evidence.end(), [&](const auto& stored) {
+    const EvidenceKey& key = stored.key;
+    return SceneKey{key.project, key.scene, key.machine_class, key.reward_version} == scene;
+  });
+}
+
+decision::DecisionOptions OptionsOf(const v1::Hello& hello, const RpcOptions& options) {
+  decision::DecisionOptions scaled = options.decision;
+  scaled.policy = hello.policy();
+  return hello.time_scale() > 1 ? scaled.Scaled(hello.time_scale()) : scaled;
+}
+
+SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
+                           const RpcOptions& options) {
+  SessionIdentity identity;
+  identity.id = start.source ? start.source->progress.source_id : NewSessionId();
+  identity.scene = SceneOf(hello);
+  for (const v1::Arm& arm : hello.arms()) {
+    identity.arms.push_back(arm.name());
+    identity.backend_versions.push_back(arm.backend_version());
+  }
+  // The order of exploration follows from the seed: it stays with the session.
+  identity.seed = hello.seed() != 0 ? hello.seed() : RandomBits();
+  if (start.source) {
+    identity.seed = start.source->progress.seed;
+    identity.audit_segment = start.source->audit_segment + 1;
+  }
+  identity.decision = OptionsOf(hello, options);
+  return identity;
+}
+
+// Beta(1,1) plus the evidence; in its own proportion where so much was imported that a session
+// would not take it.
+BetaPosterior PriorOf(const priors::Evidence& evidence) {
+  constexpr double kMaxEvidence = decision::kLargestEvidence / 2;
+  const double largest = std::max(evidence.alpha, evidence.beta);
+  const double scale = largest > kMaxEvidence ? kMaxEvidence / largest : 1;
+  return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
+}
+
+// Flat priors are none: a policy that starts from priors would take them for knowledge.
+bool IsAnythingKnown(const priors::PriorSums& priors) {
+  return std::any_of(priors.sums.begin(), priors.sums.end(), [](const priors::PriorSum& sum) {
+    return sum.evidence.alpha > 0 || sum.evidence.beta > 0;
+  });
+}
+
+decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
+                               const StoredStart& start, int64_t now_ns) {
+  decision::SessionSetup setup;
+  setup.options = identity.decision;
+  setup.arms = identity.arms;
+  if (IsAnythingKnown(start.priors)) {
+    for (const priors::PriorSum& sum : start.priors.sums) {
+      setup.priors.push_back(PriorOf(sum.evidence));
+    }
+  }
+  setup.seed = identity.seed;
+  setup.mode = FromProto(hello.mode());
+  setup.active_arm = hello.active_arm();
+  setup.switch_epoch = hello.switch_epoch();
+  setup.start_ns = now_ns;
+  if (start.source) {
+    const auto arm_count = static_cast<uint32_t>(setup.arms.size());
+    setup.explored_arm_count = std::min(start.source->progress.explored_arm_count, arm_count);
+    setup.decision_count = start.source->progress.decision_count;
+  }
+  return setup;
+}
+
+uint32_t Milliseconds(int64_t interval_ns) {
+  return static_cast<uint32_t>(
+      std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
+}
+
+}  // namespace
+
+absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
+  StoredStart start;
+  if (!hello.session_id().empty()) {
+    auto source = store.LoadSource(hello.session_id());
+    if (!source.ok()) return source.status();
+    if (!source->has_value()) {
+      return absl::NotFoundError(
+          "session_id is unknown here; leave it absent to begin a new session");
+    }
+    start.source = *std::move(source);
+  }
+  if (hello.ignore_priors()) {
+    start.priors = OwnEvidence(hello, start.source);
+    return start;
+  }
+  auto priors = store.LoadPriors(KeysOf(hello));
+  if (!priors.ok()) return priors.status();
+  start.priors = *std::move(priors);
+  return start;
+}
+
+absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
+                                                         const v1::Hello& hello,
+                                                         const StoredStart& start) {
+  if (start.source && !BelongsTo(*start.source, SceneOf(hello))) {
+    return absl::InvalidArgumentError(
+        "session_id belongs to another scene, machine class or version of the reward; leave it "
+        "absent to begin a new session");
+  }
+  SessionIdentity identity = IdentityOf(hello, start, context.options);
+  const decision::SessionSetup setup =
+      SetupOf(hello, identity, start, context.loop.clock().NowNs());
+  if (const auto problem = decision::Validate(setup)) return absl::InvalidArgumentError(*problem);
+  priors::SourceProgress progress;
+  if (start.source) progress = start.source->progress;
+  progress.source_id = identity.id;
+  progress.seed = identity.seed;
+  return GameSession::Create(context, std::move(identity), setup, std::move(progress),
+                             start.priors.source_count);
+}
+
+absl::Status CheckSame(const GameSession& session, const v1::Hello& hello) {
+  const SessionIdentity& identity = session.identity();
+  bool same = identity.scene == SceneOf(hello) &&
+              identity.arms.size() == static_cast<size_t>(hello.arms_size());
+  for (int i = 0; same && i < hello.arms_size(); ++i) {
+    same = identity.arms[static_cast<size_t>(i)] == hello.arms(i).name() &&
+           identity.backend_versions[static_cast<size_t>(i)] == hello.arms(i).backend_version();
+  }
+  if (same) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "session_id was opened with another project, scene, machine class, version of the reward or "
+      "other arms; leave it absent to begin a new session");
+}
+
+v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options) {
+  const decision::DecisionOptions& decision = session.identity().decision;
+  v1::Welcome welcome;
+  welcome.set_session_id(session.identity().id);
+  welcome.set_resumed(resumed);
+  welcome.set_acknowledged_sequence(session.durable_sequence());
+  welcome.set_max_batch_frames(kMaxBatchFrames);
+  welcome.set_max_message_bytes(kMaxMessageBytes);
+  welcome.set_decision_interval_ms(std::max(1u, Milliseconds(decision.decision_interval_ns)));
+  welcome.set_batch_interval_ms(
+      std::clamp(welcome.decision_interval_ms() / 8, 1u, kMaxBatchIntervalMs));
+  welcome.set_cooldown_ms(Milliseconds(decision.cooldown_ns));
+  welcome.set_settling_ms(Milliseconds(decision.settling_ns));
+  welcome.set_bail_out_ms(Milliseconds(decision.bail_out_ns));
+  welcome.set_resume_window_ms(Milliseconds(options.resume_window_ns));
+  welcome.set_daemon_version(options.daemon_version);
+  welcome.set_reward_version(session.identity().scene.reward_version);
+  welcome.set_policy(std::string(session.decisions().policy()));
+  welcome.set_seed(session.identity().seed);
+  for (const BetaPosterior& posterior : session.decisions().posteriors()) {
+    ToProto(posterior, *welcome.add_priors());
+  }
+  welcome.set_prior_source_count(session.prior_source_count());
+  return welcome;
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,132 @@
+#include "server/rpc/sessions/session_table.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr int64_t kSweepIntervalNs = 2'000'000'000;
+
+}  // namespace
+
+std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? nullptr : found->second.session;
+}
+
+absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
+  if (entries_.size() >= options_.max_sessions && !MakeRoom()) {
+    return absl::ResourceExhaustedError(
+        "this daemon has as many sessions as it may; try again later, or use another");
+  }
+  std::string id = session->identity().id;
+  entries_[std::move(id)].session = std::move(session);
+  return absl::OkStatus();
+}
+
+bool SessionTable::MakeRoom() {
+  const std::string* unsettled = nullptr;
+  for (const auto& [key, id] : lost_) {
+    const GameSession& session = *entries_.at(id).session;
+    if (session.settled()) {
+      Remove(std::string(id));
+      return true;
+    }
+    if (unsettled == nullptr && !session.ended()) unsettled = &id;
+  }
+  if (unsettled == nullptr) return false;
+  Remove(std::string(*unsettled));
+  return true;
+}
+
+void SessionTable::Attach(GameSession& session, SessionLink& link) {
+  Entry& entry = entries_.at(session.identity().id);
+  if (entry.link == nullptr) ++active_counts_[session.identity().scene];
+  if (entry.lost) lost_.erase(*std::exchange(entry.lost, std::nullopt));
+  entry.link = &link;
+  session.Attach(link);
+}
+
+void SessionTable::Detach(GameSession& session, SessionLink& link) {
+  const auto found = entries_.find(session.identity().id);
+  if (found == entries_.end() || found->second.link != &link) return;
+  found->second.link = nullptr;
+  const auto count = active_counts_.find(session.identity().scene);
+  if (--count->second == 0) active_counts_.erase(count);
+  session.Detach(link);
+  if (session.ended() && session.settled()) {
+    Remove(std::string(found->first));
+  } else {
+    Lose(found->second);
+  }
+}
+
+void SessionTable::Lose(Entry& entry) {
+  const int64_t now_ns = loop_.clock().NowNs();
+  entry.resumable_until_ns = now_ns + options_.resume_window_ns;
+  LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
+              entry);
+  ScheduleSweep();
+}
+
+void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
+  entry.lost = LostKey{due_ns, ++last_lost_number_};
+  lost_.emplace(*entry.lost, entry.session->identity().id);
+}
+
+void SessionTable::ScheduleSweep() {
+  if (sweep_scheduled_ || lost_.empty()) return;
+  sweep_scheduled_ = true;
+  loop_.PostAt(loop_.clock().NowNs() + kSweepIntervalNs, [this] {
+    sweep_scheduled_ = false;
+    Sweep();
+  });
+}
+
+void SessionTable::Sweep() {
+  const int64_t now_ns = loop_.clock().NowNs();
+  std::vector<std::string> due;
+  for (const auto& [key, id] : lost_) {
+    if (key.first > now_ns) break;
+    due.push_back(id);
+  }
+  for (const std::string& id : due) LookAt(id);
+  ScheduleSweep();
+}
+
+void SessionTable::LookAt(const std::string& id) {
+  Entry& entry = entries_.at(id);
+  const int64_t now_ns = loop_.clock().NowNs();
+  const bool settled = entry.session->settled();
+  if (settled && (entry.session->ended() || now_ns >= entry.resumable_until_ns)) return Remove(id);
+  lost_.erase(*entry.lost);
+  LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
+  // The disk was away: its evidence is only here.
+  if (!settled) entry.session->RetryCommit();
+}
+
+void SessionTable::Remove(const std::string& id) {
+  const auto found = entries_.find(id);
+  if (found->second.lost) lost_.erase(*found->second.lost);
+  entries_.erase(found);
+}
+
+void SessionTable::RetryCommits() {
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.session->settled()) entry.session->RetryCommit();
+  }
+}
+
+bool SessionTable::committing() const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const auto& entry) { return entry.second.session->committing(); });
+}
+
+uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
+  const auto found = active_counts_.find(scene);
+  return found == active_counts_.end() ? 0 : found->second;
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,73 @@
+// The sessions in memory: connected ones, and lost ones that may come back. On the decision loop
+// only.
+//
+// Bounded by RpcOptions::max_sessions and resume_window_ns; the store knows every session that has
+// left. A lost session whose evidence is not on disk is offered to the store again every two
+// seconds. One that has said goodbye stays until that has succeeded, since nobody would send its
+// evidence again; of any other the client still has what was not acknowledged.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "server/rpc/sessions/game_session.h"
+
+namespace sweepstake::rpc {
+
+class SessionTable {
+ public:
+  explicit SessionTable(const RpcOptions& options, DecisionLoop& loop)
+      : options_(options), loop_(loop) {}
+
+  // Null: not in memory.
+  std::shared_ptr<GameSession> Find(const std::string& id) const;
+  // RESOURCE_EXHAUSTED: full of sessions that cannot leave. REQUIRES: its id is not in the table.
+  absl::Status Add(std::shared_ptr<GameSession> session);
+
+  void Attach(GameSession& session, SessionLink& link);
+  // Nothing when the link is not the session's any more. An ended session leaves the table once its
+  // evidence is on disk.
+  void Detach(GameSession& session, SessionLink& link);
+
+  // Offers to the store again what it has failed to keep.
+  void RetryCommits();
+  // Whether the store has yet to answer for any session.
+  bool committing() const;
+
+  uint32_t ActiveCount(const priors::SceneKey& scene) const;
+  size_t size() const { return entries_.size(); }
+
+ private:
+  // When a lost session is looked at next, and a number of its own.
+  using LostKey = std::pair<int64_t, uint64_t>;
+  struct Entry {
+    std::shared_ptr<GameSession> session;
+    SessionLink* link = nullptr;
+    std::optional<LostKey> lost;     // absent: connected or never connected
+    int64_t resumable_until_ns = 0;  // of a lost one
+  };
+
+  bool MakeRoom();
+  void Lose(Entry& entry);
+  void LookAgainAt(int64_t due_ns, Entry& entry);
+  void ScheduleSweep();
+  void Sweep();
+  void LookAt(const std::string& id);
+  void Remove(const std::string& id);
+
+  const RpcOptions& options_;
+  DecisionLoop& loop_;
+  std::unordered_map<std::string, Entry> entries_;
+  std::map<LostKey, std::string> lost_;
+  std::map<priors::SceneKey, uint32_t> active_counts_;
+  uint64_t last_lost_number_ = 0;
+  bool sweep_scheduled_ = false;  // one timer, however many sessions come and go
+};
+
+}  // namespace sweepstake::rpc
