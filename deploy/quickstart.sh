@@ -3,12 +3,12 @@
 # with 3,000 objects in AI mode over the real gRPC stream, prints switches and posteriors as they happen, and stops
 # everything it started. Run it again: it starts from the priors of the run before.
 #
-#   deploy/quickstart.sh            about two minutes after the build
+#   deploy/quickstart.sh            about a minute after the build
 #   deploy/quickstart.sh --fresh    forgets the priors of earlier runs first
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-data=build/quickstart
+data=build/quickstart/data
 case ${1:-} in
   '') ;;
   --fresh) rm -rf "$data" ;;
@@ -23,11 +23,11 @@ case ${1:-} in
 esac
 
 deploy/install_packages.sh
-echo "== building (the first time takes a few minutes) =="
-cmake --preset release >/dev/null
-cmake --build --preset release --target sweepstaked sweepstake_cli -j "$(nproc)"
+echo "== building the daemon and the command line without its laboratory (the first time takes a few minutes) =="
+cmake --preset quickstart >/dev/null
+cmake --build --preset quickstart -j "$(nproc)"
 
-bin=build/release/bin
+bin=build/quickstart/bin
 port_file=$data/port
 mkdir -p "$data"
 rm -f "$port_file"
@@ -57,9 +57,9 @@ until [ -s "$port_file" ]; do
 done
 address=127.0.0.1:$(head -n 1 "$port_file")
 
-# A time scale of 4 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that the whole shows in 100 s.
+# A time scale of 8 divides the paper's intervals (exploration 42 s, cooldown 40 s), so that the whole shows in 50 s.
 "$bin/sweepstake" run --daemon "$address" --project quickstart --scene hurricane --objects 3000 --seed 1 \
-  --mode ai --time-scale 4 --duration 100s
+  --mode ai --time-scale 8 --duration 50s
 
 stop_daemon
 echo "== done: the daemon has stopped; run this again to start from what it learnt =="

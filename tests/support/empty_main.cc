@@ -1,0 +1,2 @@
+// The program that owns the tests' precompiled headers does nothing.
+int main() { return 0; }
