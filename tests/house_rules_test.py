@@ -90,8 +90,10 @@ class Tree:
         return path == "." or path in self.paths
 
     def misses(self, name, folder):
-        """Whether `name`, quoted in a document of `folder`, looks like a path of this tree and is none."""
-        if not PATH.match(name) or MADE.match(name):
+        """Whether `name`, quoted in a document of `folder`, looks like a path of this tree and is none.
+
+        NAME stands for a name of the reader's choice, a lone `.cc` for the source beside a header."""
+        if not PATH.match(name) or MADE.match(name) or "NAME" in name or re.match(r"^\.\w+$", name):
             return False
         if "/" not in name.rstrip("/"):
             looks = name.endswith((".cc", ".h", ".proto", ".sh", ".py"))
