@@ -62,6 +62,14 @@ PUBLIC_HEADERS = {
 }
 PUBLIC_FOLDER = "engine_client/include/sweepstake"
 
+# Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
+ROOM_ORDER = {
+    "engine_client/broad_phase": ("common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
+    "engine_client/cli": (
+        "io", "game", "peers", "html", "paper", "bench", "trace", "replay", "experiment", "daemon", ""),
+    "server/rpc": ("common", "sessions", "services", ""),
+}
+
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
     "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/rpc",
@@ -132,6 +140,16 @@ def include_errors(folder, name):
             yield f"<{name}> must not be included from {folder}, which builds without gRPC"
 
 
+def room_errors(path, name):
+    for folder, order in ROOM_ORDER.items():
+        if path.startswith(folder + "/") and name.startswith(folder + "/"):
+            room, target = (file[len(folder) + 1:].rpartition("/")[0] for file in (path, name))
+            if room not in order:
+                yield f"the room '{room}' of {folder} has no place in the order of tests/include_direction_test.py"
+            elif target not in order[:order.index(room) + 1]:
+                yield f'"{name}" must not be included from the room \'{room or folder}\''
+
+
 def file_errors(path, text):
     folder = folder_of(path)
     if folder is None:
@@ -141,7 +159,8 @@ def file_errors(path, text):
     code = COMMENT.sub(lambda match: "\n" * match.group().count("\n"), text)
     for match in INCLUDE.finditer(code):
         line = code.count("\n", 0, match.start(match.lastindex)) + 1
-        for error in include_errors(folder, match.group(1) or match.group(2)):
+        name = match.group(1) or match.group(2)
+        for error in [*include_errors(folder, name), *room_errors(path, name)]:
             yield f"{path}:{line}: {error}"
     if is_core(folder):
         for pattern in (INEXACT_CALL, DISTRIBUTION):
@@ -162,6 +181,8 @@ def check(root):
 
 GOOD = {
     "engine_client/broad_phase/grid/grid.cc": '#include "sweepstake/broad_phase.h"\n#include <hwy/highway.h>\n',
+    "engine_client/broad_phase/dbvt/dbvt.cc": '#include "engine_client/broad_phase/kd/leaf_tree.h"\n',
+    "engine_client/broad_phase/registry.cc": '#include "engine_client/broad_phase/grid/grid.h"\n',
     "engine_client/telemetry/embedded.cc": '#include "server/decision/types.h"\n#include <unistd.h>\n',
     "engine_client/cli/watch.cc": '#include "sweepstake/v1/posteriors.pb.h"\n#include <grpcpp/grpcpp.h>\n',
     "server/decision/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
@@ -173,6 +194,10 @@ GOOD = {
 }
 BAD = {
     "engine_client/broad_phase/a.cc": '#include "engine_client/scene/world.h"\n',
+    "engine_client/broad_phase/common/b.cc": '#include "engine_client/broad_phase/grid/grid.h"\n',
+    "engine_client/broad_phase/grid/b.cc": '#include "engine_client/broad_phase/brute_force.h"\n',
+    "engine_client/cli/replay/b.cc": '#include "engine_client/cli/experiment/experiment_run.h"\n',
+    "engine_client/cli/attic/b.cc": '#include "engine_client/cli/io/text_table.h"\n',
     "engine_client/broad_phase/b.cc": '#  include "sweepstake/adaptive_broad_phase.h"\n',
     "engine_client/scene/c.cc": '#include "sweepstake/frame_sample.h"\n',
     "engine_client/scene/d.cc": "#include <sys/mman.h>\n",
