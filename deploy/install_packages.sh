@@ -1,21 +1,28 @@
 #!/usr/bin/env bash
 # Installs what the build and the tests need and is missing: with apt on Debian and Ubuntu, elsewhere lists it.
-# Does nothing, and needs no rights, when everything is there. Arguments: packages that are wanted besides.
+# Does nothing, and needs no rights, when everything is there. Arguments: packages that are wanted besides; before them
+# --programs leaves out what only tests and the report's page need.
 set -euo pipefail
 
 packages=(
-  build-essential cmake ninja-build ccache pkg-config git python3 ca-certificates
+  build-essential cmake ninja-build ccache pkg-config git ca-certificates
   libgrpc++-dev protobuf-compiler-grpc protobuf-compiler libprotobuf-dev libabsl-dev
   libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev
-  libgtest-dev libgmock-dev libbenchmark-dev clang-format
 )
+tools=(c++ cmake ninja git protoc grpc_cpp_plugin)
+if [ "${1:-}" = --programs ]; then
+  shift
+else
+  packages+=(python3 libgtest-dev libgmock-dev libbenchmark-dev clang-format)
+  tools+=(python3 npm clang-format)
+  # A Node.js that did not come from a package serves as well.
+  command -v npm >/dev/null || packages+=(nodejs npm)
+fi
 packages+=("$@")
-# A Node.js that did not come from a package serves as well.
-command -v npm >/dev/null || packages+=(nodejs npm)
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   missing_tools=()
-  for tool in c++ cmake ninja git python3 protoc grpc_cpp_plugin npm clang-format; do
+  for tool in "${tools[@]}"; do
     command -v "$tool" >/dev/null || missing_tools+=("$tool")
   done
   {

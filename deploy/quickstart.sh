@@ -22,7 +22,7 @@ case ${1:-} in
     ;;
 esac
 
-deploy/install_packages.sh
+deploy/install_packages.sh --programs
 echo "== building the daemon and the command line without its laboratory (the first time takes a few minutes) =="
 cmake --preset quickstart >/dev/null
 cmake --build --preset quickstart -j "$(nproc)"
