@@ -114,15 +114,15 @@ Setting Real(std::string key, Field field, std::string help) {
           }};
 }
 
-// A whole number from `least` to `most`, kept times `unit`.
+// A whole number from `min` to `max`, stored in multiples of `unit`.
 template <typename Field>
-Setting Whole(std::string key, int64_t least, int64_t most, int64_t unit, Field field,
+Setting Whole(std::string key, int64_t min, int64_t max, int64_t unit, Field field,
               std::string help) {
   return {std::move(key), std::move(help),
-          [field, least, most, unit](Config& config, const std::string& value) {
+          [field, min, max, unit](Config& config, const std::string& value) {
             int64_t number = 0;
-            if (!ParseNumber(value, number) || number < least || number > most) {
-              return Expected(absl::StrCat("a whole number from ", least, " to ", most));
+            if (!ParseNumber(value, number) || number < min || number > max) {
+              return Expected(absl::StrCat("a whole number from ", min, " to ", max));
             }
             auto& target = field(config);
             target = static_cast<std::remove_reference_t<decltype(target)>>(number * unit);
@@ -219,7 +219,7 @@ std::vector<Setting> DecisionSettings() {
           "time between decisions"),
       Interval(
           "decision.cooldown_ms", [](Config & c) -> auto& { return c.rpc.decision.cooldown_ns; },
-          "least time between two switches"),
+          "min time between two switches"),
       Interval(
           "decision.settling_ms", [](Config & c) -> auto& { return c.rpc.decision.settling_ns; },
           "frame time after a switch that is not learnt from"),
@@ -309,7 +309,7 @@ absl::Status Flatten(const toml::table& table, const std::string& prefix,
 
 bool IsLoopback(const std::string& listen) {
   const std::string host = listen.substr(0, listen.rfind(':'));
-  // Only numbers: what another name resolves to is not ours to know.
+  // Other names are not resolved, so only numeric addresses and localhost count.
   in_addr address{};
   const bool is_number = inet_pton(AF_INET, host.c_str(), &address) == 1;
   return host == "localhost" || host == "[::1]" ||
@@ -339,7 +339,7 @@ std::vector<SettingDescription> DescribeSettings() {
 }
 
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path) {
-  std::error_code unknown;  // what cannot be looked at is not there for us
+  std::error_code unknown;  // a file that cannot be examined is treated as missing
   if (!std::filesystem::exists(path, unknown))
     return absl::NotFoundError(absl::StrCat(path.string(), ": no such file"));
   toml::table table;

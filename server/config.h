@@ -1,11 +1,10 @@
-// What the daemon is told: defaults, then a TOML file, then the environment, then flags; the later
-// one wins.
+// The daemon's configuration: defaults, then a TOML file, then the environment, then flags; a later
+// source overrides an earlier one.
 //
-// One table (config.cc) names every setting once; its name in the file (`decision.cooldown_ms`), in
-// the environment
-// (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag (`--decision-cooldown-ms`) follow from it. An
-// unknown name is an error that says which known one is nearest. Values are checked one by one,
-// then together. Pure but for reading the file.
+// One table (config.cc) names every setting once. Its names in the file (`decision.cooldown_ms`),
+// in the environment (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag (`--decision-cooldown-ms`)
+// follow from it. An unknown name is an error that says which known one is nearest. Values are
+// checked one by one, then together. All functions are pure but for ReadConfigFile.
 #pragma once
 
 #include <filesystem>
@@ -24,13 +23,13 @@ namespace sweepstake::server {
 struct Config {
   std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 takes a free one
   std::filesystem::path data = "sweepstake-data";
-  std::filesystem::path port_file;  // empty: none; gets the port, once it listens
+  std::filesystem::path port_file;  // the port is written to it once the daemon listens
   std::string log_level = "info";   // trace, debug, info, warn, error or off
   bool insecure = false;            // listen in plain text on other addresses than loopback
   rpc::RpcOptions rpc;
 };
 
-// One setting as people see it.
+// One setting as users see it.
 struct SettingDescription {
   std::string key;       // in the file
   std::string variable;  // in the environment
@@ -40,27 +39,27 @@ struct SettingDescription {
 };
 std::vector<SettingDescription> DescribeSettings();
 
-// Where a value came from, for the message when it is wrong.
-using Assignments = std::map<std::string, std::string>;  // key to value
+// The values that a source assigns, by key.
+using Assignments = std::map<std::string, std::string>;
 
 // Errors: INVALID_ARGUMENT (what is wrong, where, and what would be right), NOT_FOUND (no such
 // file).
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path);
-// From NAME=VALUE strings. Names that begin otherwise than with SWEEPSTAKE_ are not ours, nor are
-// the ones that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT
-// and SWEEPSTAKE_PORT_7433_…).
+// Reads NAME=VALUE strings. Names that do not begin with SWEEPSTAKE_ are ignored, and so are those
+// that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT and
+// SWEEPSTAKE_PORT_7433_…).
 absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environment);
 
 // Sets what is assigned. `origin` is for messages: "config.toml", "environment", "command line".
 absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config);
 
-// What no single setting shows: loopback without --insecure, weights that sum to 1.
+// Checks what no single setting shows: loopback without --insecure, weights that sum to 1.
 absl::Status Validate(const Config& config);
 
 // Every setting and its value, as a TOML file that ReadConfigFile takes.
 std::string PrintConfig(const Config& config);
 
-// The name of `known` that is spelt most like `name`.
+// The name of `known` with the smallest edit distance to `name`.
 std::string NearestName(std::string_view name, std::span<const std::string> known);
 
 }  // namespace sweepstake::server

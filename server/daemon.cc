@@ -40,7 +40,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   return absl::OkStatus();
 }
 
-// Whoever waits for the file must not read half of it.
+// The file appears whole, so that a process that waits for it never reads half of it.
 absl::Status Daemon::WritePortFile() const {
   if (config_.port_file.empty()) return absl::OkStatus();
   const fs::path unfinished = config_.port_file.string() + ".new";
@@ -76,7 +76,7 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
 
 Daemon::~Daemon() {
   Drain(std::chrono::milliseconds(0));
-  // The store's last callbacks have run; nothing of the gRPC side may outlive what it refers to.
+  // The store's last callbacks have run. The gRPC side must end before the store that it refers to.
   rpc_.reset();
 }
 

@@ -1,7 +1,7 @@
 // The daemon: the prior store, the gRPC side and the log wired together. The program runs one;
 // tests start as many as they like in their own process.
 //
-// Thread-safe but for Drain and destruction, which one thread does. The clock must outlive the
+// Thread-safe but for Drain and destruction, which belong to one thread. The clock must outlive the
 // daemon.
 #pragma once
 
@@ -28,15 +28,15 @@ class Daemon {
   int port() const { return rpc_->port(); }
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
-  // Health says NOT_SERVING, clients are told to come back later, what is on its way to disk
-  // arrives. Within `patience`, and the time of one commit. Idempotent.
+  // Health says NOT_SERVING, clients are told to come back later, and what is on its way to disk
+  // arrives, all within `patience` plus the time of one commit. Idempotent.
   void Drain(std::chrono::milliseconds patience = std::chrono::seconds(5));
 
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
   absl::Status WritePortFile() const;
-  // Whoever waits for the file must not take an earlier daemon's for ours.
+  // A process that waits for the file must not read that of an earlier daemon.
   void RemovePortFile() const;
 
   const Config config_;

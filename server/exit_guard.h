@@ -1,7 +1,7 @@
-// Ends the process when its orderly end takes too long: a disk that never answers must not keep a
-// daemon that was told to go.
+// Ends the process when its orderly end takes too long, so that a disk that never answers cannot
+// keep a daemon alive that was told to end.
 //
-// Nothing acknowledged is lost by it: that is on disk, and clients send the rest again. Owns one
+// Nothing acknowledged is lost: that is on disk, and clients send the rest again. It owns one
 // thread; the destructor disarms and ends it.
 #pragma once
 

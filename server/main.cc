@@ -130,9 +130,9 @@ sigset_t BlockEndSignals() {
 
 int Run(const Config& config) {
   const sigset_t signals = BlockEndSignals();
-  // A log that nobody reads any more is no reason to die.
+  // A closed log pipe must not end the daemon.
   std::signal(SIGPIPE, SIG_IGN);
-  // gRPC's own lines on stderr are no JSON; what it fails at, we say ourselves.
+  // gRPC's own lines on stderr are not JSON; its failures are reported in the log anyway.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon
   sweepstake::rpc::SteadyClock clock;

@@ -1,5 +1,5 @@
-// Where C++ ends: results, the message of the latest failure, and the catch-all that every exported
-// function runs in. Thread-safe: the message is the thread's own.
+// The boundary between C++ and C: results, the message of the latest failure, and the guard that
+// catches every exception of an exported function. Thread-safe: each thread has its own message.
 #pragma once
 
 #include <exception>
@@ -21,11 +21,11 @@ swp_result ToResult(const Status& status) noexcept;
 // "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// "struct_size of NAME is … and must be …", where it is not so.
+// "struct_size of NAME is … and must be …" where the two differ, else SWP_OK.
 swp_result CheckStructSize(std::string_view name, uint32_t given, size_t expected) noexcept;
 
-// Checks the first member of an options struct; NULL is right. To be called before anything else of
-// the struct is read: a caller compiled against another version may own fewer bytes.
+// Checks the first member of an options struct; NULL is valid. It must be called before anything
+// else of the struct is read: a caller compiled against another version may own fewer bytes.
 template <typename Options>
 swp_result CheckStruct(std::string_view name, const Options* options) noexcept {
   if (options == nullptr) return SWP_OK;
@@ -46,7 +46,7 @@ swp_result Guard(const Body& body) noexcept {
   }
 }
 
-// Text of a C string; NULL gives `absent`.
+// The text of a C string, or `absent` for NULL.
 inline std::string_view TextOr(const char* text, std::string_view absent) {
   return text == nullptr ? absent : std::string_view(text);
 }

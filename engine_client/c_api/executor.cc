@@ -7,7 +7,7 @@ namespace {
 
 constexpr uint32_t kMaxThreads = 256;
 
-// A part on its way back from the caller's thread.
+// What a part needs when the caller's executor runs it.
 struct Job {
   Executor::RunPart run_part;
   void* context;

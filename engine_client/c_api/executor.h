@@ -1,4 +1,5 @@
-// The threads of a world, a session or a set of proxies: the caller's own, or a pool of ours.
+// The threads of a world, a session or a set of proxies: the caller's own, or a pool of the
+// library.
 //
 // Thread safety: as Executor (sweepstake/executor.h).
 #pragma once
@@ -11,8 +12,8 @@
 
 namespace sweepstake::c_api {
 
-// Null in `executor` where the calling thread alone is asked for. SWP_INVALID_ARGUMENT for values
-// that are none or exclude one another.
+// Leaves `executor` null where only the calling thread is asked for. SWP_INVALID_ARGUMENT for
+// values that are out of range or exclude one another.
 swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
                         std::unique_ptr<Executor>& executor);
 

@@ -1,4 +1,4 @@
-// The embedded decider of a session: it takes the place of a transport.
+// The embedded decider of a session, which takes the place of a transport.
 #include <algorithm>
 
 #include "engine_client/c_api/session.h"
@@ -38,7 +38,7 @@ swp_decider_options DefaultOptions() {
   return options;
 }
 
-// The decider believes the first arm and epoch 0 until it hears otherwise.
+// A new decider assumes the first arm and epoch 0; this tells it the actual ones.
 void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider, uint64_t now_ns) {
   const uint32_t arm = adaptive.active_arm();
   const uint32_t epoch = adaptive.switch_epoch();
@@ -50,7 +50,7 @@ void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider,
       now_ns);
 }
 
-// The largest durations are cut to 2^63 ns, 292 years: a double near 2^64 fits no integer.
+// The max duration is 2^63 ns, 292 years, since a double near 2^64 does not fit into an integer.
 uint64_t Scaled(uint64_t duration_ns, double time_scale) {
   return static_cast<uint64_t>(std::min(static_cast<double>(duration_ns) / time_scale, 0x1p63));
 }

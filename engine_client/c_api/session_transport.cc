@@ -1,4 +1,4 @@
-// The side of a session that any thread, or the caller's transport, uses.
+// The functions of a session for any thread, and for the caller's transport.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -29,7 +29,7 @@ void KeepOutcome(swp_session& session, const SwitchOutcome& outcome) {
   session.outcomes.push_back(outcome);
 }
 
-// Keeps what is no sample; a change of mode is the caller's own doing.
+// Keeps outcomes and descriptors. A change of mode is dropped: the caller made it.
 void KeepNote(swp_session& session, const QueuedItem& item) {
   if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) KeepOutcome(session, *outcome);
   if (const auto* seen = std::get_if<SceneDescriptor>(&item)) session.descriptor = *seen;

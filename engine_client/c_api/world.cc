@@ -29,7 +29,7 @@ struct swp_world {
 
 namespace {
 
-// Gives the boxes to the backend by `take`. A failure on the way leaves the world unbuilt.
+// Gives the boxes to the backend by `take`. An exception leaves the world unbuilt.
 template <typename Take>
 void TakeBoxes(swp_world& world, uint32_t count, const Take& take) {
   world.built = false;

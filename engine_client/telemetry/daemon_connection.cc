@@ -31,7 +31,7 @@ DaemonConnection::DaemonConnection(const std::string& address, std::function<voi
       channel_(MakeChannel(address)),
       stub_(v1::TelemetryService::NewStub(channel_)) {
   stub_->async()->StreamTelemetry(&context_, this);
-  // Writes start outside of gRPC's reactions; without a hold the stream could be done meanwhile.
+  // Writes start outside of gRPC's reactions. The hold keeps the stream alive in between.
   AddHold();
   StartRead(&reading_response_);
   StartCall();
@@ -117,7 +117,7 @@ void DaemonConnection::OnWriteDone(bool ok) {
 }
 
 void DaemonConnection::OnDone(const grpc::Status& status) {
-  // All of it under the lock: once it is free, the destructor may go on.
+  // All of this happens under the lock: once it is free, the destructor may return.
   const std::lock_guard lock(mutex_);
   status_ = status;
   wake_();

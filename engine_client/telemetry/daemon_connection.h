@@ -1,13 +1,13 @@
-// One connection to the daemon: a bidirectional gRPC stream on a channel of its own, driven by
-// polling.
+// One connection to the daemon, and how long to wait before the next one.
 //
-// gRPC's threads only put what they receive into a bounded inbox and wake the owner; nothing here
-// waits. A channel per connection keeps gRPC's own reconnection delays out of the session's
-// back-off. Keep-alive pings find a half-open connection within 30 s.
+// A connection is a bidirectional gRPC stream on a channel of its own, driven by polling. gRPC's
+// threads only put what they receive into a bounded inbox and wake the owner; nothing here waits. A
+// channel per connection keeps gRPC's own reconnection delays out of the session's back-off.
+// Keep-alive pings find a half-open connection within 30 s.
 //
-// Thread safety: all public methods, the destructor included, on one thread, the sender's. Never
-// gRPC's: a channel that is destroyed on the thread that serves it takes that thread's queue from
-// under it (gRPC 1.51).
+// Thread safety: all public methods, the destructor included, belong to the sender thread. They
+// must never run on one of gRPC's threads: a channel that is destroyed on the thread that serves it
+// destroys the queue that this thread is using (gRPC 1.51).
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -28,27 +28,28 @@ namespace sweepstake {
 class DaemonConnection final
     : public grpc::ClientBidiReactor<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse> {
  public:
-  // Responses kept unread; then reading pauses, and the daemon's flow control holds the rest back.
+  // The max number of unread responses. Beyond it reading pauses, and flow control holds the daemon
+  // back.
   static constexpr size_t kInboxMax = 64;
 
-  // Begins to connect. `wake` is called from gRPC's threads, until the destructor returns, whenever
-  // there is something to look at; it must not block.
+  // Begins to connect. `wake` is called from gRPC's threads whenever there is something to look at,
+  // until the destructor returns; it must not block.
   DaemonConnection(const std::string& address, std::function<void()> wake);
-  // Cancels what is left and waits until gRPC lets go, which needs no answer from the daemon.
+  // Cancels the stream and waits until gRPC releases it, which needs no answer from the daemon.
   ~DaemonConnection() override;
 
-  // Whether Write may be called: no write is in flight and the stream is open.
+  // Whether Write may be called: the stream is open and no write is in flight.
   bool writable();
   // REQUIRES: writable(), no HalfClose before.
   void Write(const v1::StreamTelemetryRequest& request);
-  // No more writes. REQUIRES: writable().
+  // Announces that there are no more writes. REQUIRES: writable().
   void HalfClose();
   // Ends the stream at once; closed() follows.
   void Cancel();
 
-  // The oldest response not taken yet.
+  // Takes the oldest response; absent: none is there.
   std::optional<v1::StreamTelemetryResponse> TakeResponse();
-  // The stream's end, once all responses were taken.
+  // How the stream ended; absent until all responses were taken.
   std::optional<grpc::Status> closed();
 
  private:

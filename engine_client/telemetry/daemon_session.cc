@@ -1,7 +1,9 @@
-// The session with a daemon: the sender thread between the frame path's queue and a gRPC stream.
+// The session with a daemon: the sender thread stands between the frame path's queue and a gRPC
+// stream.
 //
 // Each step takes what is queued, takes what the daemon said, sends what may be sent, and connects
-// or parts when it is time. It polls: the frame thread never wakes it; gRPC's threads and Stop do.
+// or disconnects when it is time. The frame thread never wakes it, so it polls; gRPC's threads and
+// Stop wake it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,9 +24,9 @@ namespace {
 constexpr uint32_t kProtocolVersion = 1;
 constexpr uint64_t kNsPerMs = 1'000'000;
 constexpr std::chrono::milliseconds kPollInterval{5};
-// A daemon that does not answer Hello, or does not end a stream that we ended, is as good as gone.
+// A daemon that neither answers Hello nor ends a stream that we ended within this time is given up.
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
-// A connection that lasted this long is a good one: the next back-off starts from its minimum.
+// After a connection that lasted this long, the next back-off starts from its minimum.
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
 constexpr uint32_t kBatchFramesMax = 240;
 
@@ -72,7 +74,7 @@ BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) 
   return limits;
 }
 
-// What trying again soon will not mend.
+// Whether trying again soon will not help.
 bool IsLasting(grpc::StatusCode code) {
   return code == grpc::StatusCode::INVALID_ARGUMENT ||
          code == grpc::StatusCode::FAILED_PRECONDITION ||
@@ -90,15 +92,15 @@ std::string Describe(const grpc::Status& status, const std::string& address, uin
 
 uint64_t NowNs() { return SteadyClock().NowNs(); }
 
-// What differs between sessions of one process, so that their jitter does too; nothing is decided
-// by it.
+// Differs between the sessions of one process, so that their jitter differs too. No decision
+// depends on it.
 uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs(); }
 
-// The connection under way or open.
+// The connection that is being opened or is open.
 struct Link {
   std::unique_ptr<DaemonConnection> stream;
   std::string address;
-  uint64_t deadline_ns = 0;  // for the daemon's answer to what we last asked for
+  uint64_t deadline_ns = 0;  // for the daemon's next answer
   std::optional<uint64_t> online_since_ns;
   std::optional<v1::ReconnectElsewhere> redirect;
   bool goodbye_sent = false;
@@ -130,7 +132,7 @@ class DaemonSession final : public SessionBase {
   void FollowRedirect(uint64_t now_ns);
   void OnClosed(const grpc::Status& status, uint64_t now_ns);
   uint32_t DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns);
-  bool Part(uint64_t now_ns, bool queue_empty);
+  bool Disconnect(uint64_t now_ns, bool queue_empty);
   void HalfClose(uint64_t now_ns);
   void Publish();
 
@@ -165,7 +167,7 @@ bool DaemonSession::Step(bool stopping) {
   if (link_) Converse(now_ns);
   bool go_on = true;
   if (stopping) {
-    go_on = Part(now_ns, queue_empty);
+    go_on = Disconnect(now_ns, queue_empty);
   } else if (!link_ && now_ns >= next_attempt_ns_) {
     Connect(now_ns);
   }
@@ -223,7 +225,7 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
 }
 
 void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
-  if (state_->online()) return;  // Once per connection; a second one says nothing new.
+  if (state_->online()) return;  // A second welcome of a connection says nothing new.
   state_->OnWelcome(welcome);
   link_->online_since_ns = now_ns;
   last_error_.clear();
@@ -281,7 +283,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
                      status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
   next_attempt_ns_ = now_ns + delay_ms * kNsPerMs;
-  // A daemon that we were sent to keeps us as long as it answers; where it does not, home is.
+  // The session stays with a daemon that it was redirected to as long as that one answers, and then
+  // returns to its home address.
   const bool answered = link.online_since_ns || status.error_code() == grpc::StatusCode::NOT_FOUND;
   next_address_ = answered ? link.address : home_address_;
   if (link.redirect && ValidateDaemonAddress(link.redirect->address()).ok()) {
@@ -303,8 +306,8 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
   return delay_ms + backoff_.JitterMs(std::max(delay_ms, options_.backoff_min_ms));
 }
 
-// Goodbye once everything is sent. False: done, or out of time.
-bool DaemonSession::Part(uint64_t now_ns, bool queue_empty) {
+// Says goodbye once everything is sent. False: that is done, or the time is over.
+bool DaemonSession::Disconnect(uint64_t now_ns, bool queue_empty) {
   if (!link_) return false;
   if (now_ns >= stop_deadline_ns()) {
     link_->stream->Cancel();

@@ -113,7 +113,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   const uint64_t prior_source_count_;
   const OnDecision on_decision_;
   std::function<void(std::string_view)> on_audit_row_;  // null: no log
-  uint32_t latest_epoch_ = 0;                           // of all frames
+  uint32_t latest_epoch_ = 0;                           // of all frames and outcomes
   std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
   std::optional<SwitchCommand> pending_command_;
 };
@@ -134,9 +134,9 @@ void EmbeddedDecider::Impl::Fold() {
   run_.clear();
 }
 
-// The frames of the new epoch have shown the switch long before its outcome, which comes when the
-// arm has settled and adds the reason; an outcome of an epoch that has ended meanwhile would turn
-// the session back.
+// The outcome of a switch arrives when the arm has settled, long after the first frame of its
+// epoch, and adds the reason. The outcome of an epoch that has ended meanwhile is ignored: it would
+// take the session back to that epoch.
 void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns) {
   if (outcome.executed == 0) return session_.ObserveRefusal(outcome.command_id);
   if (outcome.switch_epoch < latest_epoch_) return;

@@ -9,9 +9,9 @@
 namespace sweepstake {
 namespace {
 
-// Tags and lengths of the columns, the sequence number and the descriptor, generously.
+// An upper bound for the tags and lengths of the columns, the sequence number and the descriptor.
 constexpr uint32_t kBatchOverheadBytes = 160;
-constexpr uint32_t kMessageTagBytes = 2;  // and the length of a message within the batch
+constexpr uint32_t kMessageTagBytes = 2;  // tag and length of a message within the batch
 constexpr uint32_t kShadowBytesMax = kMessageTagBytes + 5 * 11 + 4 * 6;
 
 uint32_t VarintBytes(uint64_t value) {
@@ -42,7 +42,7 @@ void FrameBatcher::Add(const FrameSample& sample, uint64_t now_ns) {
   if (empty()) {
     begun_ns_ = now_ns;
     batch_.set_first_frame_index(sample.frame_index);
-    // What the queue dropped shows as a gap in the numbers.
+    // Frames that the queue dropped show as a gap in the numbers.
     if (sample.frame_index > next_frame_index_) {
       batch_.set_dropped_frame_count(sample.frame_index - next_frame_index_);
     }

@@ -26,25 +26,25 @@ class FrameBatcher {
 
   explicit FrameBatcher(const BatchLimits& limits) : limits_(limits) {}
 
-  // In force from the next frame on; the batch under way may be over them by what it already holds.
+  // The limits hold from the next frame on. The current batch may already exceed them.
   void SetLimits(const BatchLimits& limits) { limits_ = limits; }
 
-  // False: the batch under way must be taken first, since it is full or the frame does not follow
-  // its last one.
+  // False: the current batch must be taken first, since it is full or the frame does not follow its
+  // last one.
   bool Fits(const FrameSample& sample) const;
   // REQUIRES: Fits.
   void Add(const FrameSample& sample, uint64_t now_ns);
-  // Goes with the batch under way, or the next one; the latest wins.
+  // Sends the descriptor with the current batch, or the next one; the latest wins.
   void SetDescriptor(const SceneDescriptor& descriptor);
-  // Whether the batch under way, or the next one, may take another visit of the shadow lane: up to
-  // kShadowMax, and in at most half of its bytes.
+  // Whether the current batch, or the next one, has room for another visit of the shadow lane: a
+  // batch holds up to kShadowMax, in at most half of its bytes.
   bool TakesShadow() const;
   // REQUIRES: TakesShadow.
   void AddShadow(const ShadowSample& sample);
 
   bool empty() const { return batch_.frame_time_ns().empty(); }
   bool Due(uint64_t now_ns) const;
-  // The batch under way. REQUIRES: !empty().
+  // Takes the current batch. REQUIRES: !empty().
   v1::FrameBatch Take();
 
  private:
@@ -53,14 +53,14 @@ class FrameBatcher {
   BatchLimits limits_;
   v1::FrameBatch batch_;
   uint32_t batch_bytes_ = 0;
-  uint32_t shadow_bytes_ = 0;      // of these
+  uint32_t shadow_bytes_ = 0;      // the visits' share of batch_bytes_
   uint64_t begun_ns_ = 0;          // when the first frame of the batch came
   uint64_t next_frame_index_ = 0;  // after the latest frame
 };
 
 // Takes what is queued, in order, and makes messages of it.
 //
-// Frames go through the batcher. Everything else first ends the batch under way, so that the daemon
+// Frames go through the batcher. Everything else first ends the current batch, so that the daemon
 // sees things in the order they happened. A frame over the bail-out limit ends its batch too and is
 // reported at once. What the shadow lane measured goes with the next batch. Not thread-safe; it is
 // the queue's consumer.
@@ -75,7 +75,7 @@ class EvidenceIntake {
   // Takes items until the queue is empty (true) or the session is full (false: the queue then drops
   // its oldest).
   bool Pump(uint64_t now_ns);
-  // Ends the batch under way. Only while the session is not full.
+  // Ends the current batch. REQUIRES: the session is not full.
   void Flush();
   bool batch_empty() const { return batcher_.empty(); }
 

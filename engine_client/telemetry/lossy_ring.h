@@ -1,8 +1,9 @@
 // A bounded queue from one producer thread to one consumer thread that never makes the producer
-// wait: full, it overwrites the oldest element, and the consumer learns how many it lost.
+// wait: when it is full, it overwrites the oldest element, and the consumer learns how many it
+// lost.
 //
-// Each slot is a sequence lock made of atomics: the version is odd while the producer writes
-// element i (2i + 1) and 2i + 2 once it is whole, so that the consumer throws away what it read
+// Each slot is a sequence lock made of atomics. Its version is 2i + 1 while the producer writes
+// element i, and 2i + 2 once the element is complete, so that the consumer discards what it read
 // from a slot that was overwritten meanwhile. Words are stored with release and loaded with
 // acquire, which costs nothing on x86: a consumer that sees a word of element i + capacity then
 // also sees the slot's version change. (Fences would do too, but ThreadSanitizer does not
@@ -50,7 +51,7 @@ class LossyRing {
     head_.store(index + 1, std::memory_order_release);
   }
 
-  // The oldest element there still is; in order, each at most once.
+  // Takes the oldest element that is still there. Elements come in order, each at most once.
   std::optional<T> Pop() noexcept {
     for (;;) {
       const uint64_t index = passed_count();
@@ -67,11 +68,12 @@ class LossyRing {
   }
 
   uint64_t capacity() const { return mask_ + 1; }
-  // Elements pushed since the beginning.
+  // The number of elements pushed since the beginning.
   uint64_t pushed_count() const noexcept { return head_.load(std::memory_order_acquire); }
-  // Elements popped or lost since the beginning: the index of the next one.
+  // The number of elements popped or lost since the beginning, which is the index of the next one.
   uint64_t passed_count() const noexcept { return tail_.load(std::memory_order_relaxed); }
-  // Elements overwritten before they were popped, with those the consumer has yet to pass over.
+  // The number of elements that were overwritten before they were popped, including those that the
+  // consumer has not skipped yet.
   uint64_t lost_count() const noexcept {
     const uint64_t tail = passed_count();
     const uint64_t head = pushed_count();
@@ -101,7 +103,7 @@ class LossyRing {
     return std::bit_cast<T>(words);
   }
 
-  // On to the oldest element that is not overwritten yet; at least the one at `index` is lost.
+  // Moves on to the oldest element that is not overwritten yet. The one at `index` is lost.
   void SkipOverwritten(uint64_t index) noexcept {
     const uint64_t head = pushed_count();
     const uint64_t oldest = head > capacity() ? head - capacity() : 0;
@@ -112,7 +114,7 @@ class LossyRing {
 
   const uint64_t mask_;
   const std::unique_ptr<Slot[]> slots_;
-  // Apart, so that the consumer's writes do not slow the producer down.
+  // On separate cache lines, so that the consumer's writes do not slow the producer down.
   alignas(64) std::atomic<uint64_t> head_{0};
   alignas(64) std::atomic<uint64_t> tail_{0};
   std::atomic<uint64_t> lost_{0};

@@ -1,10 +1,10 @@
 // The priors file that ships with a game: what `sweepstake priors export` writes and the embedded
 // decider reads.
 //
-// One JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A record
-// has the fields of sweepstake.v1.PriorRecord in snake_case; absent context_bucket and
-// machine_class are empty, absent counts 0, every other field is required, and an unknown field is
-// an error (a misspelt one would silently change the key).
+// It is one JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A
+// record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent context_bucket or
+// machine_class is empty, an absent count is 0, and every other field is required. An unknown field
+// is an error, since a misspelt one would silently change the key.
 //
 // Bounds: 64 MiB, 200,000 records, names of 128 bytes. Errors are one line and name the record by
 // its position from 0: kNotFound (no such file), kDataLoss (broken content), kUnavailable (cannot
@@ -22,7 +22,7 @@
 
 namespace sweepstake {
 
-// What one source (a session) taught about one arm.
+// What one source (a session) has taught about one arm.
 struct PriorRecord {
   std::string project;
   std::string scene;
@@ -39,7 +39,7 @@ struct PriorRecord {
   uint64_t bail_out_count = 0;
 };
 
-// Every record is checked; a key and source that come twice are an error, since they would count
+// Every record is checked. A repeated pair of key and source is an error, since it would count
 // twice.
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
 std::string FormatPriors(std::span<const PriorRecord> records);

@@ -26,8 +26,8 @@ void SampleQueue::OnModeChange(const ModeNote& change) noexcept {
 }
 
 std::optional<QueuedItem> SampleQueue::Pop() {
-  // The frames that are there before the notes are looked at: every note older than one of them is
-  // then visible too.
+  // The number of frames is read before the notes, so that every note that is older than one of
+  // these frames is visible too.
   const uint64_t frame_limit = frames_.pushed_count();
   if (!next_note_) next_note_ = notes_.Pop();
   const bool frames_left = frames_.passed_count() < frame_limit;

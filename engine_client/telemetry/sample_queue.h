@@ -1,14 +1,14 @@
-// Step 6: what the frame path produces, on its way from the frame thread to one sender thread.
+// Step 6: the queue between the frame thread and one sender thread.
 //
-// A FrameSink that never waits: full queues drop their oldest element and count it. Frames have a
-// queue of their own; the rarer notes (descriptors, switch outcomes, mode changes) carry the number
-// of frames pushed before them, so that Pop returns everything in the order it happened.
+// It is a FrameSink that never waits: a full queue drops its oldest element and counts it. Frames
+// have a queue of their own. The rarer notes (descriptors, switch outcomes, mode changes) carry the
+// number of frames pushed before them, so that Pop returns everything in the order it happened. The
+// shadow lane's samples have a third queue, in no order with the others.
 //
-// What the shadow lane measured has a queue of its own, in no order with the others.
-//
-// Thread safety: OnShadow on the lane's thread, the sink's other calls and OnModeChange on the
-// frame thread, Pop and PopShadow on the sender thread, the counts on any. Memory: 80 bytes per
-// frame of capacity, allocated once. Cost: some 10 ns per frame, no allocation, no system call.
+// Thread safety: OnShadow belongs to the lane's thread, the sink's other calls and OnModeChange to
+// the frame thread, Pop and PopShadow to the sender thread; any thread may read the counts. Memory:
+// 80 bytes per frame of capacity, allocated once. Pushing a frame neither allocates nor makes a
+// system call.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace sweepstake {
 
-// A change of mode, as the session was told.
+// A change of mode that the session was told about.
 struct ModeNote {
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;
@@ -30,11 +30,12 @@ using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, Mod
 
 class SampleQueue final : public FrameSink {
  public:
-  // Notes kept. A scene makes one descriptor per 256 frames and a switch per many, so that they
-  // outlast the frames.
+  // The max number of notes. They outlast the frames, since a scene makes one descriptor per 128
+  // frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kFrameCapacityMax = 1 << 20;
-  // Visits kept: eight sweeps over 32 arms, which at the lane's least interval take two seconds.
+  // The max number of visits: eight sweeps over 32 arms, which at the lane's min interval take two
+  // seconds.
   static constexpr uint32_t kShadowCapacity = 256;
 
   // REQUIRES: frame_capacity is a power of two, 2 to kFrameCapacityMax.
@@ -47,9 +48,9 @@ class SampleQueue final : public FrameSink {
   void OnShadow(const ShadowSample& sample) noexcept override { shadows_.Push(sample); }
   void OnModeChange(const ModeNote& change) noexcept;
 
-  // The next item in the order they happened; absent: nothing is left.
+  // Takes the next item, in the order they happened; absent: the queue is empty.
   std::optional<QueuedItem> Pop();
-  // The oldest visit of the shadow lane.
+  // Takes the oldest visit of the shadow lane.
   std::optional<ShadowSample> PopShadow() { return shadows_.Pop(); }
 
   uint64_t dropped_frame_count() const { return frames_.lost_count(); }
@@ -72,7 +73,8 @@ class SampleQueue final : public FrameSink {
   LossyRing<FrameSample> frames_;
   LossyRing<Note> notes_;
   LossyRing<ShadowSample> shadows_;
-  std::optional<Note> next_note_;  // popped from notes_, waiting for the frames before it
+  // Popped from notes_; it waits for the frames before it.
+  std::optional<Note> next_note_;
 };
 
 }  // namespace sweepstake

@@ -1,12 +1,13 @@
-// The protocol of one session (telemetry.proto) without network, clock or threads: who we are, what
-// is numbered, what is to be sent next, and what survives a lost connection.
+// The protocol of one session (telemetry.proto) without network, clock or threads: the session's
+// identity, the numbers of its messages, what is to be sent next, and what survives a lost
+// connection.
 //
 //   disconnected → Connect (Hello) → connecting → OnWelcome → online → Disconnect → …
 //
-// Resuming: the daemon's welcome tells what is on disk already; everything later is sent again
-// under the same numbers, in order. When the daemon does not know the session any more (NOT_FOUND,
-// or a welcome that does not resume), a new session begins: what is left was never durable, so it
-// gets new numbers from 1 and counts for the new session.
+// Resuming: the daemon's welcome tells which messages are on disk. Everything later is sent again
+// under the same numbers, in order. When the daemon no longer knows the session (NOT_FOUND, or a
+// welcome that does not resume), a new session begins: what is left was never durable, so it gets
+// new numbers from 1 and counts for the new session.
 //
 // Not thread-safe.
 #pragma once
@@ -45,15 +46,15 @@ class ResendBuffer {
   const Entry* Next() const;
   // The message of Next is on its way. REQUIRES: Next() != nullptr.
   void MarkSent();
-  // A new connection: everything is to be sent again.
+  // Begins a new connection: everything is to be sent again.
   void Rewind() { cursor_ = 0; }
 
-  // Messages up to `sequence` are on disk. A number that was never given is ignored.
+  // Messages up to `sequence` are on disk. A number that was never assigned is ignored.
   void Acknowledge(uint64_t sequence);
-  // A new session: what is left gets numbers from 1 on.
+  // Begins a new session: the messages that are left get numbers from 1 on.
   void Renumber();
-  // The daemon refused one of the messages sent on this connection: drops them. Returns the frames
-  // they held.
+  // Drops the messages sent on this connection, since the daemon refused one of them. Returns the
+  // number of frames they held.
   uint64_t DiscardSent();
 
   // The first frame batch; null: none.
@@ -68,7 +69,7 @@ class ResendBuffer {
 
 class SessionState {
  public:
-  // What the session is about to observe.
+  // The state that the session's next frame will be observed in.
   struct Position {
     uint32_t active_arm = 0;
     uint32_t switch_epoch = 0;
@@ -88,24 +89,25 @@ class SessionState {
   // `hello` holds what does not change: project, scene, arms and so on.
   SessionState(v1::Hello hello, size_t unacknowledged_max);
 
-  // Evidence, in the order it happened. Never dropped here: stop adding while full().
+  // Adds evidence, in the order it happened. It is never dropped here: the caller stops adding
+  // while full().
   void Append(v1::StreamTelemetryRequest evidence) { buffer_.Append(std::move(evidence)); }
   bool full() const { return buffer_.full(); }
 
-  // Begins a connection; what to write first. Frames not sent yet are described by `position`, but
-  // the oldest one that will be sent again goes before it.
+  // Begins a connection and returns its first message. `position` describes the frames that were
+  // not sent yet; where frames will be sent again, the oldest of them takes its place.
   v1::StreamTelemetryRequest Connect(const Position& position);
   void OnWelcome(const v1::Welcome& welcome);
   void OnAcknowledgement(uint64_t sequence);
   bool online() const { return online_; }
 
-  // The next evidence to write; null: none, or not online.
+  // The next evidence to write; null: there is none, or the session is not online.
   const v1::StreamTelemetryRequest* Next() const;
   // The message of Next is on its way. REQUIRES: Next() != nullptr.
   void MarkSent();
 
-  // The connection ended. `unknown_session`: with NOT_FOUND; `refused`: with INVALID_ARGUMENT, so
-  // that one of the messages sent on it would be refused again for ever.
+  // The connection ended. `unknown_session`: it ended with NOT_FOUND. `refused`: it ended with
+  // INVALID_ARGUMENT, so that one of the messages sent on it would be refused again for ever.
   void Disconnect(bool unknown_session, bool refused);
 
   const std::string& session_id() const { return session_id_; }

@@ -8,7 +8,7 @@
 
 namespace sweepstake::priors {
 
-// Rows that go on from those stored before.
+// Rows that continue those stored before.
 struct AuditRows {
   uint32_t segment = 1;  // from 1
   std::string project;   // 1 to 128 bytes, as the scene
@@ -22,15 +22,16 @@ inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row ends its se
 
 // What a store keeps. A row of 7 arms has some 1 kB.
 struct AuditLimits {
-  // Of one session, over all its segments; then its log ends. 11 hours at a row in two seconds.
+  // Max rows of one session over all its segments; then its log ends. This is 11 hours with a row
+  // every two seconds.
   uint64_t rows_per_session = 20'000;
-  // In all; beyond it the segments that began first are removed, each as a whole. 0: nothing is
-  // kept.
+  // Max rows in all; beyond it the segments that began first are removed, each as a whole. 0:
+  // nothing is kept.
   uint64_t rows = 200'000;
 };
 
 struct AuditSegment {
-  uint64_t id = 0;  // of the store's own; ascending as they begin
+  uint64_t id = 0;  // given by the store, ascending in the order in which segments begin
   std::string session_id;
   uint32_t segment = 1;
   std::string project;

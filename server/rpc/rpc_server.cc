@@ -16,7 +16,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Linking gRPC's reflection library registers it with every server; this takes it out again.
+// Linking gRPC's reflection library registers it with every server; this removes it again.
 class WithoutReflection : public grpc::ServerBuilderOption {
  public:
   void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
@@ -32,7 +32,7 @@ constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
-  // Without a quota one connection can pin a gigabyte.
+  // Without a quota one connection can hold a gigabyte.
   grpc::ResourceQuota quota("sweepstaked");
   quota.Resize(options.memory_quota_bytes);
   builder.SetResourceQuota(quota);

@@ -1,9 +1,9 @@
-// The gRPC side of the daemon: listens, serves, drains. grpc.health.v1 says NOT_SERVING while the
-// store cannot write, and from the beginning of a drain on.
+// The gRPC side of the daemon: it listens, serves and drains. grpc.health.v1 says NOT_SERVING while
+// the store cannot write, and from the beginning of a drain on.
 //
-// Thread-safe but for Drain, which one thread calls. Owns the decision loop and the sessions; the
-// clock, the store and the log are borrowed. Order of an end: Drain, then the owner closes the
-// store (its callbacks still find the loop), then the destructor, then the store's destructor.
+// Thread-safe but for Drain, which one thread calls. It owns the decision loop and the sessions;
+// the clock, the store and the log are borrowed. The owner ends it in this order: Drain, then it
+// closes the store (whose callbacks still find the loop), then this destructor, then the store's.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -27,8 +27,8 @@ namespace sweepstake::rpc {
 
 class RpcServer {
  public:
-  // `listen` is HOST:PORT; port 0 takes a free one. Plain text: the caller has checked that this is
-  // wanted. Error: UNAVAILABLE (cannot listen there).
+  // `listen` is HOST:PORT; port 0 takes a free one. It serves plain text; the caller has checked
+  // that this is wanted. Error: UNAVAILABLE (cannot listen there).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options, Clock& clock,
                                                           priors::AsyncPriorStore& store,
@@ -38,8 +38,8 @@ class RpcServer {
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
 
-  // Refuses new streams, tells clients to come back later, lets what is on its way to disk arrive,
-  // and ends; what is not done by then is cancelled. Idempotent.
+  // Refuses new streams, tells clients to come back later, waits for what is on its way to disk,
+  // and ends. What is not done within `patience` is cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
 
  private:
@@ -49,7 +49,7 @@ class RpcServer {
   void WatchStore();
   // Runs `task` on the loop and waits for it. Never on the loop.
   void RunOnLoop(const std::function<void()>& task);
-  // Sessions that have no client any more have commits on their way, too.
+  // Waits for commits that are on their way, including those of sessions without a client.
   void AwaitCommits(std::chrono::steady_clock::time_point deadline);
 
   const RpcOptions options_;
@@ -64,7 +64,8 @@ class RpcServer {
   bool serving_ = true;    // what health says; on the loop
   bool draining_ = false;  // on the loop
   bool drained_ = false;   // of Drain's caller
-  DecisionLoop loop_;      // after everything its tasks use: its destructor runs the last ones
+  // It stands after everything that its tasks use, since its destructor runs the last ones.
+  DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;
 };

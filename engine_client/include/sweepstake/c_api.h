@@ -1,15 +1,20 @@
 /* The C ABI of Sweepstake: what Unity and other engines load from the shared library `sweepstake`.
  *
  * Threads: distinct objects are independent. A world and a scene belong to one thread at a time. A
- * session has a frame thread and, where wished, one other thread; each function below says whose it
- * is. Nothing calls back but parts of a search into an executor that was given. Ownership: what a
- * _create function returns is ended by the matching _destroy, which takes NULL as free() does;
- * using it afterwards is undefined. Memory that a function hands out belongs to the library and is
- * valid as long as its comment says. Units: lengths in world units of the caller, times in
- * nanoseconds, text in UTF-8 ending with NUL. Truth values are uint32_t, 0 or 1. Errors: functions
- * return a swp_result; other than SWP_OK, swp_last_error() says what to do. NULL where a pointer is
- * needed is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs as they were, unless its
- * comment says more. No exception leaves the library.
+ * session has a frame thread and optionally one other thread; each function below says which one
+ * may call it. The library calls back only into an executor that was given, to run parts of a
+ * search.
+ *
+ * Ownership: what a _create function returns is ended by the matching _destroy, which takes NULL as
+ * free() does; using it afterwards is undefined. Memory that a function hands out belongs to the
+ * library and is valid as long as its comment says.
+ *
+ * Units: lengths are in world units of the caller, times in nanoseconds, text is UTF-8 and ends
+ * with NUL. Truth values are uint32_t, 0 or 1.
+ *
+ * Errors: functions return a swp_result. Where it is not SWP_OK, swp_last_error() says what to do.
+ * NULL where a pointer is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs
+ * as they were, unless its comment says otherwise. No exception leaves the library.
  */
 #ifndef SWEEPSTAKE_C_API_H_
 #define SWEEPSTAKE_C_API_H_
@@ -32,7 +37,7 @@ extern "C" {
 
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
-/* Raised by every change that an already compiled caller could notice. */
+/* Incremented by every change that an already compiled caller could notice. */
 #define SWP_ABI_VERSION 2U
 
 /* ---- results ---- */
@@ -49,8 +54,8 @@ enum {
   SWP_INTERNAL = 7             /* a bug of the library */
 };
 
-/* One line about the latest failed call on this thread, "" where none failed; valid until the next
- * failure on it. */
+/* One line about the latest failed call on this thread, "" where none failed. It is valid until the
+ * next failure on this thread. */
 SWP_API const char* swp_last_error(void);
 
 /* ---- version ---- */
@@ -85,14 +90,14 @@ enum {
   SWP_STRUCT_VERDICT = 22
 };
 
-/* Bytes of a struct below as the library has it, for bindings of other languages; 0 for an unknown
- * one. */
+/* The size in bytes of a struct below in this library, for bindings of other languages; 0 for an
+ * unknown struct. */
 SWP_API uint32_t swp_struct_size(swp_struct which);
 
 /* ---- boxes and pairs ---- */
 
-/* A box takes part when all coordinates are finite and min <= max on each axis; any other overlaps
- * nothing. */
+/* A box is valid when all coordinates are finite and min <= max on each axis. An invalid box
+ * overlaps nothing. */
 typedef struct swp_aabb {
   float min[3];
   float max[3];
@@ -106,19 +111,20 @@ typedef struct swp_pair {
 
 /* ---- threads: large searches in parts ---- */
 
-/* One part of a search, for any thread of the caller. */
+/* Runs one part of a search; any thread of the caller may call it. */
 typedef void (*swp_run_part)(void* job, uint64_t part);
 
-/* The caller's own job system. Copied by who takes it; what `user` points to must outlive that
- * object. Filled by swp_executor_init, then run_parts is set. */
+/* The caller's own job system. Call swp_executor_init, then set run_parts. The object that it is
+ * given to copies it; what `user` points to must outlive that object. */
 typedef struct swp_executor {
-  uint32_t struct_size;  /* sizeof(swp_executor) */
-  uint32_t thread_count; /* that may run parts at the same time, the calling one included; 1 to 256
-                          */
+  uint32_t struct_size; /* sizeof(swp_executor) */
+  /* The number of threads that may run parts at the same time, the calling one included; 1 to 256.
+   */
+  uint32_t thread_count;
   /* Calls run_part(job, part) once for each part in [0, part_count), in any order and on any
-   * thread, and returns when all have returned. Called on the thread that is in a call of the
-   * library, which is why it should run parts itself. Nothing may leave it, run_part neither, but
-   * by returning. */
+   * thread, and returns when all have returned. It is called on the thread that is in a call of the
+   * library, so it should run parts itself. It must return normally: no exception and no longjmp
+   * may leave it or run_part. */
   void (*run_parts)(void* user, uint64_t part_count, swp_run_part run_part, void* job);
   void* user;
 } swp_executor;
@@ -139,18 +145,18 @@ typedef struct swp_counters {
 } swp_counters;
 
 SWP_API uint32_t swp_backend_count(void);
-/* Valid for ever; NULL from swp_backend_count() on. */
+/* The name is valid for ever; NULL for an index of swp_backend_count() or above. */
 SWP_API const char* swp_backend_name(uint32_t index);
 
 /* SWP_NOT_FOUND lists the backends. */
 SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
 
-/* Pairs do not depend on the threads, their order neither. */
+/* Neither the pairs nor their order depend on the threads. */
 typedef struct swp_world_options {
   uint32_t struct_size;  /* sizeof(swp_world_options) */
-  uint32_t thread_count; /* 0 or 1: the calling one alone; up to 256: with a pool of others */
-  const swp_executor* executor; /* instead of a pool; NULL: none */
-  uint32_t sorted_pairs;        /* 1: ascending, by a and then b, whatever the backend */
+  uint32_t thread_count; /* 0 or 1: the calling thread alone; up to 256: with a pool of threads */
+  const swp_executor* executor; /* takes the place of the pool; NULL: none */
+  uint32_t sorted_pairs;        /* 1: pairs ascend by a and then b, whatever the backend */
   uint32_t reserved;            /* 0 */
 } swp_world_options;
 
@@ -171,10 +177,10 @@ SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint
 SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
 
 /* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number
- * into `count`. Where the room is too small: SWP_RESOURCE_EXHAUSTED, `count` says what is needed,
- * nothing is written, and a second call with more room gives the same pairs. Searches once per
- * build or update; further calls hand out the same pairs. `pairs` may be NULL where capacity is 0.
- */
+ * into `count`. Where the room is too small, it returns SWP_RESOURCE_EXHAUSTED, `count` says what
+ * is needed and no pair is written; a second call with more room gives the same pairs. It searches
+ * once per build or update; further calls hand out the same pairs. `pairs` may be NULL where
+ * capacity is 0. */
 SWP_API swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
                                         uint64_t* count);
 
@@ -184,8 +190,8 @@ SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* coun
 
 typedef struct swp_scene swp_scene;
 
-/* As SceneOptions in sweepstake/scene.h. Filled by swp_scene_options_init, then changed where
- * wished. */
+/* The same as SceneOptions in sweepstake/scene.h. Call swp_scene_options_init, then change what you
+ * wish. */
 typedef struct swp_scene_options {
   uint32_t struct_size; /* sizeof(swp_scene_options) */
   uint32_t object_count;
@@ -202,7 +208,7 @@ typedef struct swp_scene_options {
 } swp_scene_options;
 
 SWP_API uint32_t swp_scene_count(void);
-/* Valid for ever; NULL from swp_scene_count() on. */
+/* The name is valid for ever; NULL for an index of swp_scene_count() or above. */
 SWP_API const char* swp_scene_name(uint32_t index);
 
 SWP_API swp_result swp_scene_options_init(swp_scene_options* options);
@@ -213,14 +219,14 @@ SWP_API swp_result swp_scene_create(const char* scene, const swp_scene_options* 
                                     swp_scene** out);
 SWP_API void swp_scene_destroy(swp_scene* scene);
 
-/* One fixed step on. */
+/* Moves the scene on by one fixed step. */
 SWP_API swp_result swp_scene_step(swp_scene* scene);
 
 /* The boxes of this frame, valid until the next step. */
 SWP_API swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxes, uint32_t* count);
-/* Bounds of the motion; boxes may stick out by their size. */
+/* The bounds of the motion; boxes may extend beyond them by their size. */
 SWP_API swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world);
-/* Steps taken. */
+/* The number of steps taken. */
 SWP_API swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index);
 /* FNV-1a, 64 bits, over the bytes of this frame's boxes in little-endian order: equal on every
  * platform for one seed and step. */
@@ -267,7 +273,7 @@ typedef struct swp_session_options {
   uint32_t queue_frames; /* samples kept for draining, a power of two, 2 to 2^20; full: the oldest
                             is dropped */
   uint64_t bail_out_ns;  /* a longer frame is a bail-out; > 0 */
-  uint64_t settling_ns;  /* frames after a switch whose cost is measured as the switch's */
+  uint64_t settling_ns;  /* how long after a switch the frames' extra cost is the switch's */
   const swp_executor* executor; /* as in swp_world_options */
   uint32_t thread_count;        /* as in swp_world_options */
   swp_shadow_mode shadow;       /* SWP_SHADOW_OFF unless set */
@@ -288,8 +294,8 @@ typedef struct swp_frame_sample {
   uint32_t reserved;
 } swp_frame_sample;
 
-/* What the scene looks like; a negative value was not measured. Meaning of each: SceneDescriptor,
- * frame_sample.h. */
+/* What the scene looks like; a negative value was not measured. SceneDescriptor in frame_sample.h
+ * says what each value means. */
 typedef struct swp_scene_descriptor {
   float object_count;
   float density_ratio;
@@ -311,8 +317,7 @@ typedef struct swp_switch_outcome {
   uint32_t arm;
   uint32_t switch_epoch;
   uint64_t rebuild_time_ns;
-  uint64_t
-      settling_cost_ns; /* frame time above the settled mean, summed over the settling frames */
+  uint64_t settling_cost_ns; /* frame time above the settled mean, over the settling frames */
   swp_switch_reason reason;
   uint32_t executed; /* 0: refused */
 } swp_switch_outcome;
@@ -322,8 +327,8 @@ enum {
   SWP_SHADOW_FLAG_CAPPED = 2  /* stopped at a cap: the times are those of what ran until then */
 };
 
-/* What an arm cost on the shadow lane, on copies of consecutive frames' boxes. Those with the same
- * first_frame_index were measured on the same frames. */
+/* What an arm cost on the shadow lane, on copies of consecutive frames' boxes. Samples with the
+ * same first_frame_index were measured on the same frames. */
 typedef struct swp_shadow_sample {
   uint64_t first_frame_index;
   uint64_t detection_time_ns; /* median over the measured frames */
@@ -366,15 +371,15 @@ typedef uint32_t swp_verdict_kind;
 enum {
   SWP_VERDICT_UNKNOWN = 0,   /* nothing learnt yet */
   SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
-  SWP_VERDICT_TIE = 2,       /* below, but choosing the leader loses 0.5 % or less: leave it */
-  SWP_VERDICT_AMBIGUOUS = 3, /* below, and it may lose more: expect switches */
+  SWP_VERDICT_TIE = 2,       /* below 0.8, but choosing the leader loses 0.5 % or less */
+  SWP_VERDICT_AMBIGUOUS = 3, /* below 0.8, and it may lose more: expect switches */
   SWP_VERDICT_DEGRADED = 4   /* even the leader misses the frame-rate floor: simplify the scene */
 };
 
 typedef struct swp_verdict {
   swp_verdict_kind kind;     /* a later library may have more kinds: treat those as unknown */
-  uint32_t leader_arm;       /* the best arm most probably; 0 while nothing is known */
-  double leader_probability; /* that it is, 0 to 1 */
+  uint32_t leader_arm;       /* the arm most probable to be the best; 0 while nothing is known */
+  double leader_probability; /* the probability that it is the best, 0 to 1 */
 } swp_verdict;
 
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
@@ -384,18 +389,18 @@ SWP_API swp_result swp_session_create(const swp_session_options* options, swp_se
 /* No other thread may be in a call. */
 SWP_API void swp_session_destroy(swp_session* session);
 
-/* Frame thread, once per frame and in this order. None waits, locks, or allocates in steady state.
- */
+/* The frame thread calls these once per frame and in this order. None waits, locks, or allocates in
+ * steady state. */
 
-/* Executes a pending switch. */
+/* Executes a pending switch, if there is one. */
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
-/* The active backend takes these boxes and searches; at most once per frame. A changed count
- * rebuilds. The pairs and their number go out as in swp_world_find_pairs; where the room was too
- * small, swp_session_copy_pairs gives them. */
+/* The active backend takes these boxes and searches; at most one call per frame. A changed count
+ * rebuilds its structure. The pairs and their number go out as in swp_world_find_pairs; where the
+ * room was too small, swp_session_copy_pairs gives them. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
                                           uint32_t box_count, swp_pair* pairs, uint64_t capacity,
                                           uint64_t* pair_count);
-/* The pairs of the latest search again, with its rules; until the next begin_frame. */
+/* Gives the pairs of the latest search again, under the same rules, until the next begin_frame. */
 SWP_API swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs,
                                           uint64_t capacity, uint64_t* pair_count);
 /* `frame_time_ns` is the unscaled time since the previous end; `flags` of SWP_FRAME_PAUSED and
@@ -403,9 +408,10 @@ SWP_API swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* 
 SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns,
                                          uint32_t flags);
 
-/* Frame thread. */
+/* Functions of the frame thread. */
 
-/* A choice by hand, executed at the next begin_frame; the mode stays. SWP_NOT_FOUND lists the arms.
+/* Chooses an arm by hand, from the next begin_frame on; the mode stays. SWP_NOT_FOUND lists the
+ * arms.
  */
 SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm);
 /* In SWP_MODE_MANUAL posted commands are refused unless their reason is SWP_SWITCH_MANUAL. */
@@ -416,17 +422,17 @@ SWP_API swp_result swp_session_switch_epoch(const swp_session* session, uint32_t
 /* The sample of the latest end_frame; all 0 before it. */
 SWP_API swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample);
 
-/* Any thread. */
+/* Functions for any thread. */
 
 SWP_API swp_result swp_session_arm_count(const swp_session* session, uint32_t* count);
-/* Valid until the session is destroyed. */
+/* The name is valid until the session is destroyed. */
 SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm,
                                         const char** name);
 SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                            uint32_t* backend_version);
 /* The latest verdict, for the game to react to: from the attached decider, or as the transport set
- * it. SWP_VERDICT_UNKNOWN before the first. One atomic read: neither waits nor locks, and asks no
- * network. Each frame:
+ * it; SWP_VERDICT_UNKNOWN before the first. It is one atomic read, so a game may call it each
+ * frame:
  *
  *   swp_verdict verdict;
  *   if (swp_session_verdict(session, &verdict) == SWP_OK && verdict.kind == SWP_VERDICT_DEGRADED) {
@@ -434,21 +440,21 @@ SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t 
  *   }
  */
 SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict);
-/* Samples that a full queue dropped since the session began, and switch outcomes and descriptors
- * likewise. Either pointer may be NULL. */
+/* The numbers of samples, and of switch outcomes and descriptors together, that full queues dropped
+ * since the session began. Either pointer may be NULL. */
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                        uint64_t* note_count);
 
 SWP_API swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats);
 
-/* One thread of the caller's choice: the transport. Nothing is drained while a decider is attached:
- * it takes all. */
+/* Functions of the transport, which is one thread of the caller's choice. Nothing can be drained
+ * while a decider is attached, since it takes everything. */
 
 /* Moves the oldest samples, up to `capacity`, into `samples`, and their number into `count`. */
 SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
                                              uint32_t capacity, uint32_t* count);
-/* The same for how switches went: those reported before or right after the samples drained so far,
- * so drain samples first. 256 are kept; then the oldest is dropped and counted. */
+/* The same for the outcomes of switches that were reported before or right after the samples
+ * drained so far, so drain samples first. 256 are kept; then the oldest is dropped and counted. */
 SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
                                               uint32_t capacity, uint32_t* count);
 /* The same for what the shadow lane measured, in no order with the others; 256 are kept. */
@@ -458,21 +464,21 @@ SWP_API swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sam
  * measured per 128 frames. */
 SWP_API swp_result swp_session_descriptor(const swp_session* session,
                                           swp_scene_descriptor* descriptor);
-/* To be executed at the next begin_frame, with a shadow lane some frames later; the latest wins.
- * SWP_INVALID_ARGUMENT for an arm or a reason that is none. */
+/* Posts a switch that the next begin_frame executes, with a shadow lane a later one; the latest
+ * wins. SWP_INVALID_ARGUMENT for an unknown arm or reason. */
 SWP_API swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command);
-/* Says whether somebody answers a bail-out; while nobody does, the session switches by itself. */
+/* Says whether somebody answers a bail-out. While nobody does, the session switches by itself. */
 SWP_API swp_result swp_session_set_decider_present(swp_session* session, uint32_t present);
-/* Posterior means in the order of arms, for that case; `count` is the number of arms, each mean in
- * 0..1. */
+/* Sets the posterior means in the order of arms, by which the session then chooses; `count` is the
+ * number of arms, each mean is in 0..1. */
 SWP_API swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
                                                    uint32_t count);
-/* The verdict, from the daemon's posterior snapshot. SWP_INVALID_ARGUMENT for a kind or an arm that
- * is none, or a probability outside of 0..1. */
+/* Sets the verdict of the daemon's posterior snapshot. SWP_INVALID_ARGUMENT for an unknown kind or
+ * arm, or a probability outside of 0..1. */
 SWP_API swp_result swp_session_set_verdict(swp_session* session, const swp_verdict* verdict);
-/* The settling time in force, from the daemon's welcome. */
+/* Sets the settling time from the daemon's welcome. */
 SWP_API swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns);
-/* The bail-out limit in force, from the daemon's welcome; SWP_INVALID_ARGUMENT for 0. */
+/* Sets the bail-out limit from the daemon's welcome; SWP_INVALID_ARGUMENT for 0. */
 SWP_API swp_result swp_session_set_bail_out_limit(swp_session* session, uint64_t limit_ns);
 
 /* ---- the embedded decider: "AI Decides" without a daemon ---- */
@@ -497,25 +503,25 @@ typedef struct swp_belief {
 
 SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
 
-/* The thread that polls; attach and detach while no frame runs. `now_ns` is the caller's steady
- * clock, from any origin and never going back, the same one in all calls. */
+/* Functions of the thread that polls; attach and detach while no frame runs. `now_ns` is the
+ * caller's steady clock, the same one in all calls, from any origin and never going back. */
 
-/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION where one is attached, SWP_NOT_FOUND
- * for the file, SWP_DATA_LOSS names its first broken record. */
+/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION where a decider is attached already,
+ * SWP_NOT_FOUND where there is no such file, SWP_DATA_LOSS names its first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
 /* Takes what the frames cost since the last poll, decides where a decision is due (every 2 s), and
  * posts the command. `commanded` is 1 where one was posted, which then also stands in `command`;
- * both may be NULL. Poll at least every 250 ms; it costs microseconds, more at a decision. */
+ * both may be NULL. Poll every 250 ms or more often. */
 SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                             swp_switch_command* command, uint32_t* commanded);
-/* The posteriors in the order of arms, up to `capacity`; `count` is the number of arms. Too small:
- * SWP_RESOURCE_EXHAUSTED and nothing is written but `count`. */
+/* Writes the posteriors in the order of arms; `count` is the number of arms. Where `capacity` is
+ * too small: SWP_RESOURCE_EXHAUSTED, and only `count` is written. */
 SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
                                        uint32_t capacity, uint32_t* count);
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
-/* Sources in the priors it started from; 0: Beta(1,1). */
+/* The number of sources in the priors it started from; 0: Beta(1,1). */
 SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
 
 /* NOLINTEND(modernize-use-using) */

@@ -3,8 +3,8 @@
 //
 // A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue
 // (full: the oldest sample is dropped and counted) and takes commands from the mailbox; it never
-// waits for the sender, whatever the daemon does: absent at start, slow, killed, restarted. Lost
-// connections come back with exponential back-off and jitter, and what was sent but not
+// waits for the sender, whether the daemon is absent at the start, slow, killed or restarted. A
+// lost connection is opened again with exponential back-off and jitter. What was sent but not
 // acknowledged is sent again under the same numbers, so that nothing is counted twice.
 #pragma once
 
@@ -28,16 +28,16 @@ enum class ConnectionState : uint32_t {
   kClosed = 4
 };
 
-// Counters since the session began; a consistent copy.
+// What a session has done since it began; a consistent copy.
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
-  std::string last_error;  // empty: none; what went wrong last and what to do
-  // The daemon's own words when it refused at the latest attempt what was asked for, as a policy
-  // that it does not know: trying again does not mend that. Empty: it did not.
+  std::string last_error;  // what went wrong most recently and what to do; empty: nothing
+  // The daemon's reason when it refused the latest attempt, for example an unknown policy. Trying
+  // again does not help. Empty: the daemon did not refuse.
   std::string refusal;
   std::string session_id;  // empty before the first welcome
   uint64_t sent_frame_count = 0;
-  uint64_t dropped_frame_count = 0;  // by the full queue
+  uint64_t dropped_frame_count = 0;  // because the queue was full, or the daemon refused them
   uint64_t acknowledged_sequence = 0;
   uint64_t sent_sequence = 0;
   uint64_t connection_count = 0;  // welcomes received
@@ -45,12 +45,13 @@ struct SessionStats {
   uint64_t resent_message_count = 0;
   uint64_t command_count = 0;       // switch commands received
   uint64_t prior_source_count = 0;  // sources in the priors the session started from
-  // Time of the sender thread with an embedded decider; 0 with a daemon, which decides elsewhere.
-  uint64_t intake_time_ns = 0;    // taking the queue and folding it into the decider's window
-  uint64_t decision_time_ns = 0;  // deciding, all ticks together
+  // The sender thread's time with an embedded decider; 0 with a daemon, which decides elsewhere.
+  uint64_t intake_time_ns = 0;    // to empty the queue and hand it to the decider
+  uint64_t decision_time_ns = 0;  // to decide, summed over all decisions
   uint64_t longest_decision_ns = 0;
-  std::vector<ArmBelief> beliefs;  // latest posterior snapshot; empty: none yet
-  SceneVerdict verdict;  // of the same; AdaptiveBroadPhase::verdict() has it for the frame thread
+  std::vector<ArmBelief> beliefs;  // the latest posterior snapshot; empty: none yet
+  // The verdict of the same snapshot; the frame thread reads AdaptiveBroadPhase::verdict().
+  SceneVerdict verdict;
 };
 
 struct SessionOptions {
@@ -64,38 +65,39 @@ struct SessionOptions {
   uint64_t seed = 0;  // 0: the decider chooses
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
-  // A batch goes out after whichever of these three comes first. The daemon's welcome replaces the
-  // interval and may lower the others.
+  // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces
+  // the interval and may lower the other two.
   uint32_t batch_interval_ms = 250;  // 1–10,000
   uint32_t batch_frames = 30;        // 1–240
   uint32_t batch_bytes = 16 * 1024;  // 512–262,144
-  // 1–4096; then sending pauses, and the queue drops its oldest. A daemon acknowledges every two
-  // seconds: 1024 full batches are 15,000 frames/s. A full batch is some 1.5 kB.
+  // 1–4096. At the bound sending pauses, and the queue drops its oldest samples. A daemon
+  // acknowledges every two seconds, so that 1024 full batches of about 1.5 kB allow 15,000
+  // frames/s.
   uint32_t unacknowledged_messages = 1024;
-  uint32_t backoff_min_ms = 100;  // doubles up to the maximum, full jitter
+  uint32_t backoff_min_ms = 100;  // doubles with each attempt up to the maximum, with full jitter
   uint32_t backoff_max_ms = 10'000;
 };
 
 class Session {
  public:
-  // The sink to give to AdaptiveBroadPhase::Create. Created before it, since the session needs its
-  // arms.
+  // The sink to give to AdaptiveBroadPhase::Create. The session is therefore created first and
+  // learns the arms in Start.
   virtual FrameSink& sink() = 0;
-  // Starts the sender. `adaptive` must outlive Stop. Once.
+  // Starts the sender; to be called once. `adaptive` must outlive Stop.
   virtual Status Start(AdaptiveBroadPhase& adaptive) = 0;
-  // Tells the other side about a mode change made with AdaptiveBroadPhase::SetMode. Frame thread;
-  // does not wait.
+  // Tells the decider about a mode change that was made with AdaptiveBroadPhase::SetMode. Called on
+  // the frame thread; it does not wait.
   virtual void OnModeChange() = 0;
-  // Sends what is queued and a goodbye, within `deadline_ms`, and ends the thread. Idempotent.
+  // Sends what is queued and a goodbye within `deadline_ms`, and ends the thread. Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
   virtual ~Session() = default;
 };
 
-// `address` is HOST:PORT. Does not connect yet: Start does, in the background.
+// `address` is HOST:PORT. Start connects to it in the background.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options);
-// No daemon: the embedded decider on the sender thread.
+// Without a daemon: the embedded decider runs on the sender thread.
 Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded,
                                                      const SessionOptions& options);
 

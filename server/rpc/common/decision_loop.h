@@ -39,13 +39,13 @@ class SteadyClock final : public Clock {
   bool wake_ = false;  // guarded by mutex_
 };
 
-// The one thread on which sessions live and decisions are taken.
+// The one thread on which sessions live and decisions are made.
 //
 // gRPC's reactions and the store's callbacks only post here, so that sessions need no locks and
 // nothing waits for a decision. Post and PostAt are thread-safe. Tasks run in the order of posting,
-// those of PostAt when due; they must not wait and must not throw. The queue is bounded by its
-// posters: each stream, watcher and commit has at most a few tasks in it. The destructor runs what
-// was posted, drops what is not due yet, and ends the thread; the clock must outlive it.
+// those of PostAt when they are due; they must not wait and must not throw. The queue is bounded by
+// its posters: each stream, watcher and commit has at most a few tasks in it. The destructor runs
+// what was posted, drops what is not due yet, and ends the thread. The clock must outlive the loop.
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
@@ -63,7 +63,7 @@ class DecisionLoop {
 
  private:
   void Run();
-  // Moves what is to run now into `ready`; false: closing and nothing is left.
+  // Moves the tasks that are to run now into `ready`; false: the loop closes and none is left.
   bool Collect(std::vector<Task>& ready, int64_t& next_due_ns);
 
   Clock& clock_;
@@ -71,7 +71,7 @@ class DecisionLoop {
   std::vector<Task> posted_;             // guarded by mutex_
   std::multimap<int64_t, Task> timers_;  // guarded by mutex_
   bool closing_ = false;                 // guarded by mutex_
-  std::thread thread_;                   // last: starts when the rest is there
+  std::thread thread_;                   // last: it uses the members above
 };
 
 }  // namespace sweepstake::rpc

@@ -26,8 +26,8 @@ inline constexpr uint32_t kAuditSegmentsPerMessage = 100;  // of a listing
 inline constexpr uint32_t kAuditRowsPerPage = 500;         // of an export
 // An export's message is sent once it has this many bytes of rows, and may exceed it by one row.
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
-// Audit rows of one session that wait for the disk; then the log of this session ends, since one
-// with a gap could not be derived again. 64 of 7 arms: two minutes.
+// Audit rows of one session that may wait for the disk: 64 rows of 7 arms, two minutes. Beyond it
+// the log of this session ends, since a log with a gap could not be derived again.
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024;
 inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are not given
 inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
@@ -36,25 +36,25 @@ struct RpcOptions {
   // Its policy is that of sessions that name none.
   decision::DecisionOptions decision;
   std::string daemon_version = "0.1.0";
-  priors::AuditLimits audit;  // of the store; with 0 rows in all no rows are made
+  priors::AuditLimits audit;  // of the store; no rows are made where it keeps 0
 
   // Sessions in memory, connected or resumable. At the bound the one that was lost longest ago
   // leaves memory (it can still be resumed from the store); when all are connected a new one is
   // RESOURCE_EXHAUSTED.
   uint32_t max_sessions = 20'000;
-  // A lost session leaves memory after it; from then on it is resumed from the store.
+  // A lost session leaves memory after this time; from then on it is resumed from the store.
   int64_t resume_window_ns = 600'000'000'000;
   // Watchers at a time; the next one is RESOURCE_EXHAUSTED.
   uint32_t max_watchers = 256;
-  // A watcher that does not read for so long is dropped with RESOURCE_EXHAUSTED.
+  // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED.
   int64_t watcher_patience_ns = 20'000'000'000;
-  // A client that does not read its last messages for so long is cut off.
+  // A client that does not read its last messages for this long is cut off.
   int64_t close_patience_ns = 2'000'000'000;
-  // Streams of one connection; the next one waits.
+  // Max streams of one connection; the next one waits.
   uint32_t max_streams_per_connection = 100;
   // Memory of all connections' buffers; beyond it reads are slowed.
   uint64_t memory_quota_bytes = 64ull << 20;
-  // Reconnect delay that a draining daemon asks for, before the client's jitter.
+  // The reconnect delay that a draining daemon asks for; the client adds its jitter.
   uint32_t reconnect_delay_ms = 500;
   bool reflection = false;
 };
@@ -70,16 +70,17 @@ struct Counters {
   std::atomic<uint64_t> replayed_message_count{0};   // sequence at or below one already applied
   std::atomic<uint64_t> applied_message_count{0};
   std::atomic<uint64_t> accepted_frame_count{0};
-  std::atomic<uint64_t> rejected_frame_count{0};   // absurd values, see message_validation.h
+  std::atomic<uint64_t> rejected_frame_count{
+      0};  // values that are not plausible, see message_validation.h
   std::atomic<uint64_t> dropped_frame_count{0};    // by the clients' queues, as they report
   std::atomic<uint64_t> accepted_shadow_count{0};  // visits of the clients' shadow lanes
-  std::atomic<uint64_t> rejected_shadow_count{0};  // absurd values, as above
+  std::atomic<uint64_t> rejected_shadow_count{0};  // values that are not plausible
   std::atomic<uint64_t> decision_count{0};
   std::atomic<uint64_t> switch_command_count{0};
   std::atomic<uint64_t> refused_switch_count{0};  // commands a client did not execute
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
-  // Audit logs that ended before their session since the disk did not keep up.
+  // Audit logs that ended before their session because the disk did not keep up.
   std::atomic<uint64_t> cut_audit_log_count{0};
 };
 

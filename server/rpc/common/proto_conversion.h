@@ -22,11 +22,12 @@ namespace sweepstake::rpc {
 // The codes have the same values.
 grpc::Status ToGrpc(const absl::Status& status);
 
-// False: the bytes are no such message. Reuses the memory of `message`; consumes the buffer.
+// False: the bytes are not a message of this type. Reuses the memory of `message` and consumes the
+// buffer.
 bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message);
 grpc::ByteBuffer Serialize(const google::protobuf::Message& message);
 
-// Of the only context bucket.
+// The key of an arm's evidence in the only context bucket.
 priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
                                   uint32_t backend_version);
 

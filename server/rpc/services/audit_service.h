@@ -1,7 +1,6 @@
-// sweepstake.v1.AuditService: the audit log out of the store. Thread-safe.
+// sweepstake.v1.AuditService: exports the audit log from the store. Thread-safe.
 //
-// Reads the store page by page, as fast as the client reads. Cost: some 1 ms of the store's thread
-// for a message of 128 KiB.
+// It reads the store page by page, as fast as the client reads.
 #pragma once
 
 #include "server/rpc/services/service_context.h"

@@ -1,10 +1,10 @@
-// One watcher's stream: the matching scenes as they are, then events, each encoded once for all
-// watchers.
+// One watcher's stream: first the matching scenes as they are, then events, each encoded once for
+// all watchers.
 //
-// A watcher that reads slowly costs a page of scenes and a few events: at the bound the events are
-// dropped and, when it has read what is under way, it gets the scenes as they are then. One that
-// does not read at all is cut off. On the decision loop but for gRPC's reactions, which only post.
-// Owns itself from Start until gRPC is done with it.
+// A watcher that reads slowly costs a page of scenes and a few events. At the bound the events are
+// dropped, and when it has read the current message it gets the scenes as they are then. A watcher
+// that does not read at all is cut off. Everything happens on the decision loop but gRPC's
+// reactions, which only post. It owns itself from Start until gRPC is done with it.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -26,7 +26,7 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
 
   bool Watches(const priors::SceneKey& scene) const;
   void OnEvent(const grpc::ByteBuffer& event);
-  // What was sent is out of date altogether.
+  // Sends all scenes again, since what was sent is out of date.
   void Resend();
   void Close(const absl::Status& status);
 

@@ -31,7 +31,8 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
   return page;
 }
 
-// One import. Reading is all on gRPC's reactions, one at a time; the store's job ends the call.
+// One import. All reading happens in gRPC's reactions, one at a time; the store's job ends the
+// call.
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
   // `collected_count` is of all imports together.
@@ -48,7 +49,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
       if (!status.ok()) return Finish(ToGrpc(status));
       return StartRead(&bytes_);
     }
-    // A lost connection must not pass for the end of the file.
+    // A lost connection must not be taken for the end of the file.
     if (call_.IsCancelled())
       return Finish(ToGrpc(absl::CancelledError("the stream broke off; nothing was imported")));
     if (!context_.store.Submit([this](priors::PriorStore& store) { Apply(store); })) {

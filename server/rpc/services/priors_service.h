@@ -1,9 +1,10 @@
-// sweepstake.v1.PriorsService: evidence out of the store and into it. Thread-safe.
+// sweepstake.v1.PriorsService: exports evidence from the store and imports it. Thread-safe.
 //
-// An export reads the store page by page, as fast as the client reads; records committed meanwhile
-// may be in it or not, each whole. An import is collected first (up to kMaxImportRecords) and
-// applied in one transaction when the client has half-closed in order; a stream that breaks off or
-// holds a wrong record changes nothing. Imported evidence reaches sessions that begin after it.
+// An export reads the store page by page, as fast as the client reads. Records that are committed
+// meanwhile may be missing, but none is partial. An import is collected first (up to
+// kMaxImportRecords) and applied in one transaction when the client has half-closed; a stream that
+// breaks off or holds an invalid record changes nothing. Imported evidence reaches the sessions
+// that begin after it.
 #pragma once
 
 #include <atomic>

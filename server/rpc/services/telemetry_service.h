@@ -21,19 +21,20 @@ class TelemetryOutbox {
  public:
   // Replaces an unsent message of the same kind. REQUIRES: the response has a message.
   void Put(v1::StreamTelemetryResponse response);
-  // The most urgent one: welcome, switch command, acknowledgement, snapshot, reconnect.
+  // Takes the most urgent one, in this order: welcome, switch command, acknowledgement, snapshot,
+  // reconnect.
   std::optional<v1::StreamTelemetryResponse> Take();
   void Clear() { slots_ = {}; }
 
  private:
-  static constexpr size_t kKinds =
-      5;  // of StreamTelemetryResponse.message, numbered from 1 in order of urgency
+  // The kinds of StreamTelemetryResponse.message, numbered from 1 in order of urgency.
+  static constexpr size_t kKinds = 5;
   std::array<std::optional<v1::StreamTelemetryResponse>, kKinds> slots_;
 };
 
 class TelemetryStream;
 
-// The streams there are. On the decision loop only.
+// All streams. On the decision loop only.
 struct TelemetryStreams {
   std::set<TelemetryStream*> all;
   bool draining = false;
@@ -41,14 +42,14 @@ struct TelemetryStreams {
 
 // One connection of one session: bytes to messages, messages to the session, and back.
 //
-// Reactions of gRPC run on its few threads and only parse and post; everything else happens on the
-// decision loop. One message is on its way from the socket to the session at a time: the next read
-// starts when the session has taken the last one, so a flood waits in the client's own buffers. The
-// message is parsed from raw bytes into reused memory: left to gRPC, one that does not parse would
-// look like an orderly half-close. One write is in flight; the outbox behind it is bounded. Finish
-// is called exactly once, whatever ends the stream.
+// gRPC's reactions run on its few threads and only parse and post; everything else happens on the
+// decision loop. One message at a time is on its way from the socket to the session: the next read
+// starts when the session has taken the last one, so a flood waits in the client's own buffers. A
+// message is parsed here from raw bytes into reused memory, because gRPC would report one that does
+// not parse as an orderly half-close. One write is in flight; the outbox behind it is bounded.
+// Finish is called exactly once, whatever ends the stream.
 //
-// Owns itself from Start until gRPC is done with it.
+// It owns itself from Start until gRPC is done with it.
 class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                               public SessionLink,
                               public std::enable_shared_from_this<TelemetryStream> {
@@ -56,7 +57,7 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   static TelemetryStream* Start(ServiceContext& context, TelemetryStreams& streams,
                                 grpc::CallbackServerContext& call);
 
-  // Says that the daemon goes away, and ends the stream when what it sent is on disk.
+  // Tells the client that the daemon goes away, and ends the stream when what it sent is on disk.
   void Drain();
 
   void SendSwitch(const decision::SwitchCommand& command) override;
@@ -102,8 +103,8 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
   // On the loop.
   std::shared_ptr<GameSession> session_;
-  std::optional<v1::Hello> hello_;  // received, its policy filled in; its session is being loaded
-                                    // until session_ is there
+  // As received, with the policy filled in. While session_ is null, the session is being loaded.
+  std::optional<v1::Hello> hello_;
   TelemetryOutbox outbox_;
   grpc::ByteBuffer write_bytes_;
   bool writing_ = false;

@@ -1,8 +1,8 @@
 // Tells watchers what changes: decisions at once, posteriors when their evidence is on disk.
 //
-// What is shown is what the store has: Beta(1,1) plus all committed evidence; a group commit (50
-// ms) later than the decision. A scene's posterior is read back once per change however many
-// watchers it has, and not at all when it has none. On the decision loop only.
+// A posterior is what the store has: Beta(1,1) plus all committed evidence, one group commit (50
+// ms) later than the decision. It is read back once per change, however many watchers the scene
+// has, and not at all when it has none. The hub lives on the decision loop only.
 #pragma once
 
 #include <grpcpp/support/byte_buffer.h>
@@ -29,11 +29,11 @@ class WatchHub final : public SessionListener {
   bool WatchesDecisionsOf(const priors::SceneKey& scene) const override;
   void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override;
   void OnEvidence(const priors::SceneKey& scene) override;
-  // Any scene may have changed.
+  // Tells all watchers everything anew: any scene may have changed.
   void OnImport();
   void Drain();
 
-  // A watcher's message with the scene's posterior.
+  // The message that tells a watcher the scene's posterior.
   grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;
 
  private:
@@ -44,8 +44,8 @@ class WatchHub final : public SessionListener {
 
   ServiceContext& context_;
   std::set<PosteriorWatcher*> watchers_;
-  std::set<priors::SceneKey> loading_;  // the store reads them
-  std::set<priors::SceneKey> changed_;  // while they were being read
+  std::set<priors::SceneKey> loading_;  // the store is reading them
+  std::set<priors::SceneKey> changed_;  // changed while they were being read
   bool draining_ = false;
 };
 

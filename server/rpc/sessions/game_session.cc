@@ -10,7 +10,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Epochs wrap around; the later one is less than half of their range ahead.
+// Epochs wrap around: the later one is ahead by less than half of their range.
 bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - epoch < (1u << 31); }
 
 }  // namespace
@@ -67,7 +67,7 @@ void GameSession::Attach(SessionLink& link) {
     link_->Abort(absl::AbortedError("another connection took this session over"));
   }
   link_ = &link;
-  // The welcome says so.
+  // The welcome acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
   told_verdict_ = decision::Verdict::kUnknown;
 }
@@ -77,7 +77,7 @@ void GameSession::Start(const v1::Hello& hello) {
   if (mode != decisions_.mode())
     decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
   if (unanswered_) link_->SendSwitch(*unanswered_);
-  // From now on the store knows the session, and a restarted daemon lets it go on.
+  // From now on the store knows the session, so that a restarted daemon can resume it.
   if (durable_sequence() == 0 && applied_sequence_ == 0) Checkpoint();
   ScheduleTick();
 }
@@ -149,7 +149,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
     ++context_.counters.refused_switch_count;
     return decisions_.ObserveRefusal(outcome.command_id());
   }
-  // Sent again from before the state that the client's Hello described.
+  // A message that was sent again may be older than the state that the client's Hello described.
   if (IsEarlier(outcome.switch_epoch(), switch_epoch_)) return;
   switch_epoch_ = outcome.switch_epoch();
   decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(), FromProto(outcome.reason()),
@@ -164,8 +164,8 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
     ++context_.counters.rejected_frame_count;
     return;
   }
-  // Its evidence goes to disk with the next tick: until then frames before it are in memory only,
-  // and its sequence number would cover them.
+  // Its evidence goes to disk with the next tick. Until then the frames before it are in memory
+  // only, and its sequence number would cover them.
   Carry(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
 }
 
@@ -205,8 +205,7 @@ void GameSession::OnCommitted(const absl::Status& status) {
     acknowledged_sequence_ = durable_sequence();
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
-  // A store that cannot write must not keep anybody here: what is not acknowledged, the client has
-  // still.
+  // A store that cannot write must not hold the client: it still has what is not acknowledged.
   if (!status.ok() && (ending_ || draining_)) return CloseLink();
   CloseIfSettled();
 }
@@ -235,7 +234,7 @@ void GameSession::Drain() {
   ++timer_generation_;
   if (link_ == nullptr) return;
   link_->SendReconnect(context_.options.reconnect_delay_ms);
-  // What failed before would otherwise wait for a tick that does not come any more.
+  // A commit that failed before would otherwise wait for a tick that never comes.
   RetryCommit();
   CloseIfSettled();
 }
@@ -257,7 +256,7 @@ void GameSession::Carry(const decision::Decision& decision) {
   if (context_.listener.WatchesDecisionsOf(identity_.scene)) Publish(decision.record);
 }
 
-// The client hears of posteriors that changed, and of a verdict that did.
+// The client is told about changed posteriors and a changed verdict.
 void GameSession::Inform(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
   if (link_ == nullptr || (!decision.increment && diagnosis.verdict == told_verdict_)) return;

@@ -1,10 +1,10 @@
-// One game's session: from validated messages to decisions, switch commands, evidence on disk and
-// acknowledgements.
+// One game's session: it takes validated messages and makes decisions, switch commands, evidence on
+// disk and acknowledgements of them.
 //
-// Lives longer than a connection: a link is attached while a client is there. Without one there are
-// no ticks, since a command would have nobody to go to; the window waits. On the decision loop
-// only; held by the session table and by the stream of its link. Memory is bounded by the number of
-// arms.
+// It lives longer than a connection: a link is attached while a client is connected. Without one
+// there are no ticks, since nobody could receive a command, and the window waits. It lives on the
+// decision loop only; the session table and the stream of its link hold it. Memory is bounded by
+// the number of arms.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,7 @@ class SessionLink {
   virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
                             const decision::Diagnosis& diagnosis) = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
-  // Ends the stream when what was said has been written. The session has let go of the link before.
+  // Ends the stream when what was said has been written. The session has released the link before.
   virtual void Close(const absl::Status& status) = 0;
   // Ends the stream at once.
   virtual void Abort(const absl::Status& status) = 0;
@@ -66,7 +66,7 @@ struct SessionContext {
   SessionListener& listener;
 };
 
-// Who a session is; fixed for its life.
+// The identity of a session, fixed for its life.
 struct SessionIdentity {
   std::string id;
   priors::SceneKey scene;
@@ -79,7 +79,7 @@ struct SessionIdentity {
 
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
  public:
-  // `progress` is what the store has of it. `prior_source_count` is for the welcome.
+  // `progress` is what the store has of the session. `prior_source_count` is for the welcome.
   static std::shared_ptr<GameSession> Create(SessionContext& context, SessionIdentity identity,
                                              const decision::SessionSetup& setup,
                                              priors::SourceProgress progress,
@@ -87,21 +87,21 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   // Takes over from the link there was, which is aborted.
   void Attach(SessionLink& link);
-  // After the welcome: what the client may have missed, and ticks from now on.
+  // After the welcome: sends what the client may have missed, and ticks from now on.
   void Start(const v1::Hello& hello);
-  // The client is gone; it may come back. Nothing when `link` is not the attached one.
+  // The client is gone and may come back. Does nothing when `link` is not the attached one.
   void Detach(SessionLink& link);
   bool attached() const { return link_ != nullptr; }
 
   // Applies a request that CheckRequest let through, or counts it as a replay.
   void Apply(const v1::StreamTelemetryRequest& request);
-  // The client said goodbye: closes the link when everything is on disk.
+  // The client said goodbye: closes the link once everything is on disk.
   void End();
   bool ended() const { return ending_; }
   // Tells the client to come back later, and closes the link when everything that is on its way to
   // disk is there.
   void Drain();
-  // Nothing waits for the disk. Otherwise RetryCommit offers it again.
+  // Whether nothing waits for the disk. Otherwise RetryCommit offers it again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
   bool committing() const { return ledger_->committing(); }
@@ -151,7 +151,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that comes back
   decision::Verdict told_verdict_ = decision::Verdict::kUnknown;  // to the client
-  uint64_t timer_generation_ = 0;                                 // timers of an older one are void
+  uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool ending_ = false;
   bool draining_ = false;
   std::vector<decision::Frame> frames_;          // reused

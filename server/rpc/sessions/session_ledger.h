@@ -1,16 +1,16 @@
-// What of one session is on disk, and what is on its way there.
+// Knows which evidence of one session is on disk, and which is on its way there.
 //
 // Evidence waits for a checkpoint: a moment at which every message applied so far has been folded
 // into it (a tick). A checkpoint commits the evidence together with the sequence number it covers,
-// in one atomic update, so that what a client is told to forget is never lost and what it sends
-// again is never counted twice. The rows of the session's audit log go with it; where the disk does
-// not keep up with them (kMaxWaitingAuditBytes) the log ends. One update is in flight at a time;
-// later checkpoints merge into one behind it, so memory is bounded by the number of arms. An update
-// that failed is offered again, unchanged, at the next checkpoint: should it have reached the disk
-// after all, its number makes it ignored.
+// in one atomic update. So what a client is told to forget is never lost, and what it sends again
+// is never counted twice. The rows of the session's audit log go with it; where the disk does not
+// keep up with them (kMaxWaitingAuditBytes), the log ends. One update is in flight at a time; later
+// checkpoints merge into one behind it, so memory is bounded by the number of arms. An update that
+// failed is offered again, unchanged, at the next checkpoint. If it did reach the disk, the store
+// ignores it by its number.
 //
-// On the decision loop only. The store's callback posts to the loop and holds no pointer to a
-// ledger that is gone.
+// It lives on the decision loop only. The store's callback posts to the loop and holds only a weak
+// pointer to the ledger.
 #pragma once
 
 #include <cstdint>
@@ -36,27 +36,26 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
                 std::function<void(const absl::Status&)> on_committed);
 
   void Add(const priors::KeyedEvidence& increment);
-  // `head`: where the session's audit rows belong, without any.
+  // `head` says where the session's audit rows belong; it has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
-  // The next one. REQUIRES: StartAudit was called.
+  // Adds the next row. REQUIRES: StartAudit was called.
   void AddAuditRow(std::string_view row);
-  // How far a session has come: what SourceProgress keeps of it.
+  // How far a session has come, as far as SourceProgress keeps it.
   struct Position {
     uint64_t message_sequence = 0;
     uint32_t explored_arm_count = 0;
     uint64_t decision_count = 0;
     uint64_t frame_count = 0;
   };
-  // All evidence so far belongs to messages up to the position's, and nothing of them is still
-  // outside.
+  // Declares that the evidence so far is exactly that of the messages up to the position's.
   void Checkpoint(const Position& position);
   // Offers a failed update again.
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }
-  // Nothing waits for the disk.
+  // Whether nothing waits for the disk.
   bool settled() const { return !offered_ && !checkpointed_; }
-  // The store has an update and has not answered yet.
+  // Whether the store has an update and has not answered yet.
   bool committing() const { return in_flight_; }
 
  private:

@@ -84,8 +84,8 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
   return identity;
 }
 
-// Beta(1,1) plus the evidence; in its own proportion where so much was imported that a session
-// would not take it.
+// Beta(1,1) plus the evidence. Where so much was imported that a session would refuse it, the
+// evidence is scaled down in its own proportion.
 BetaPosterior PriorOf(const priors::Evidence& evidence) {
   constexpr double kMaxEvidence = decision::kLargestEvidence / 2;
   const double largest = std::max(evidence.alpha, evidence.beta);
@@ -93,7 +93,7 @@ BetaPosterior PriorOf(const priors::Evidence& evidence) {
   return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
 }
 
-// Flat priors are none: a policy that starts from priors would take them for knowledge.
+// Flat priors are not passed on: a policy that starts from priors would take them for knowledge.
 bool IsAnythingKnown(const priors::PriorSums& priors) {
   return std::any_of(priors.sums.begin(), priors.sums.end(), [](const priors::PriorSum& sum) {
     return sum.evidence.alpha > 0 || sum.evidence.beta > 0;

@@ -1,9 +1,10 @@
-// How a session begins: from Hello and what the store knows, to a session and its Welcome.
+// How a session begins: Hello and what the store knows become a session and its Welcome.
 //
-// Three ways: new (Beta(1,1) plus all sources' evidence), resumed from the store after a restart
-// (the same, with its own evidence in it), and resumed from memory (it just goes on). With
-// ignore_priors only the session's own evidence counts. What a session learns and starts from is of
-// its policy's version of the reward; a checked Hello names the policy.
+// There are three ways. A new session starts from Beta(1,1) plus the evidence of all sources. A
+// session that is resumed from the store after a restart does the same; its own evidence is among
+// them. A session that is resumed from memory goes on as it is. With ignore_priors only the
+// session's own evidence counts. What a session learns and starts from belongs to its policy's
+// version of the reward; a checked Hello names the policy.
 #pragma once
 
 #include <memory>
@@ -24,8 +25,8 @@ struct StoredStart {
 // On the store's thread. NOT_FOUND: the session to resume is unknown.
 absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello);
 
-// A session of a checked Hello. INVALID_ARGUMENT: the stored session was about another scene, or
-// the setup is wrong.
+// Makes the session of a checked Hello. INVALID_ARGUMENT: the stored session was about another
+// scene, or the setup is wrong.
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
                                                          const v1::Hello& hello,
                                                          const StoredStart& start);

@@ -1,10 +1,10 @@
-// The sessions in memory: connected ones, and lost ones that may come back. On the decision loop
-// only.
+// The sessions in memory: the connected ones, and lost ones that may come back. It lives on the
+// decision loop only.
 //
-// Bounded by RpcOptions::max_sessions and resume_window_ns; the store knows every session that has
-// left. A lost session whose evidence is not on disk is offered to the store again every two
-// seconds. One that has said goodbye stays until that has succeeded, since nobody would send its
-// evidence again; of any other the client still has what was not acknowledged.
+// It is bounded by RpcOptions::max_sessions and resume_window_ns; the store knows every session
+// that has left. The evidence of a lost session that is not on disk is offered to the store again
+// every two seconds. A session that has said goodbye stays until that has succeeded, since nobody
+// would send its evidence again. The clients of the others still have what was not acknowledged.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ class SessionTable {
   absl::Status Add(std::shared_ptr<GameSession> session);
 
   void Attach(GameSession& session, SessionLink& link);
-  // Nothing when the link is not the session's any more. An ended session leaves the table once its
-  // evidence is on disk.
+  // Does nothing when the link is no longer the session's. An ended session leaves the table once
+  // its evidence is on disk.
   void Detach(GameSession& session, SessionLink& link);
 
   // Offers to the store again what it has failed to keep.
@@ -44,7 +44,7 @@ class SessionTable {
   size_t size() const { return entries_.size(); }
 
  private:
-  // When a lost session is looked at next, and a number of its own.
+  // When a lost session is looked at next, and a unique number.
   using LostKey = std::pair<int64_t, uint64_t>;
   struct Entry {
     std::shared_ptr<GameSession> session;
