@@ -16,6 +16,10 @@
 #include "server/storage/data_directory.h"
 #include "server/storage/store_thread.h"
 
+namespace spdlog {
+class logger;
+}
+
 namespace sweepstake::server {
 
 class Daemon {

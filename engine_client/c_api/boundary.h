@@ -1,11 +1,15 @@
 // The boundary between C++ and C: results, the message of the latest failure, and the guard that
-// catches every exception of an exported function. Thread-safe: each thread has its own message.
+// catches every exception of an exported function, and boxes and pairs, checked. Thread-safe: each
+// thread has its own message.
 #pragma once
 
+#include <cstring>
 #include <exception>
 #include <new>
+#include <span>
 #include <string_view>
 
+#include "sweepstake/aabb.h"
 #include "sweepstake/c_api.h"
 #include "sweepstake/status.h"
 
@@ -49,6 +53,28 @@ swp_result Guard(const Body& body) noexcept {
 // The text of a C string, or `absent` for NULL.
 inline std::string_view TextOr(const char* text, std::string_view absent) {
   return text == nullptr ? absent : std::string_view(text);
+}
+
+// SWP_OK where `boxes` holds `count` boxes that a backend can take.
+inline swp_result CheckBoxes(const swp_aabb* boxes, uint32_t count) noexcept {
+  if (boxes == nullptr && count > 0) return NullArgument("boxes");
+  if (count > 0x7fffffffU) return Fail(SWP_INVALID_ARGUMENT, "more than 2147483647 boxes");
+  return SWP_OK;
+}
+
+inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
+  return {reinterpret_cast<const Aabb*>(boxes), count};
+}
+
+// Writes all pairs, or only their number where `capacity` is too small for them.
+inline swp_result WritePairs(std::span<const OverlapPair> found, swp_pair* pairs, uint64_t capacity,
+                             uint64_t* count) noexcept {
+  *count = found.size();
+  if (found.size() > capacity) {
+    return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer pairs than there are");
+  }
+  if (!found.empty() && pairs != nullptr) std::memcpy(pairs, found.data(), found.size_bytes());
+  return SWP_OK;
 }
 
 }  // namespace sweepstake::c_api

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "engine_client/c_api/boundary.h"
-#include "engine_client/c_api/boxes.h"
 #include "engine_client/c_api/executor.h"
 #include "sweepstake/pair_buffer.h"
 #include "sweepstake/proxy_set.h"

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <string>
 
-#include "engine_client/c_api/boxes.h"
 #include "engine_client/c_api/executor.h"
 
 using sweepstake::AdaptiveBroadPhase;

@@ -2,7 +2,6 @@
 #include <memory>
 
 #include "engine_client/c_api/boundary.h"
-#include "engine_client/c_api/boxes.h"
 #include "engine_client/c_api/executor.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
