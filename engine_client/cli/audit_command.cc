@@ -1,8 +1,9 @@
-#include "engine_client/cli/audit_command.h"
-
+// `sweepstake audit list|export`: a daemon's log of decisions, to read and to derive again
+// (`sweepstake replay --log`).
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/audit_transfer.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
@@ -28,17 +29,14 @@ std::string TimeText(int64_t unix_ms) {
   return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
 }
 
-void PrintSegments(const std::vector<AuditSegmentRow>& segments, std::ostream& out) {
-  if (segments.empty()) {
-    out << "The daemon has no log of this\n";
-    return;
-  }
+std::string SegmentsText(const std::vector<AuditSegmentRow>& segments) {
+  if (segments.empty()) return "The daemon has no log of this\n";
   TextTable table({"session", "segment", "began (UTC)", "project", "scene", "rows"});
   for (const AuditSegmentRow& row : segments) {
     table.AddRow({row.session_id, std::to_string(row.segment), TimeText(row.unix_start_ms),
                   row.project, row.scene, std::to_string(row.row_count)});
   }
-  table.Print(out);
+  return table.Text();
 }
 
 Json SegmentsJson(const std::vector<AuditSegmentRow>& segments) {
@@ -57,32 +55,27 @@ Json SegmentsJson(const std::vector<AuditSegmentRow>& segments) {
 int RunList(const AuditOptions& options, Terminal& terminal) {
   const auto segments = ListAudit(options.daemon, options.selection);
   if (!segments.ok()) return Fail(terminal, segments.status());
-  if (options.json) {
-    PrintJson(Json{{"command", "audit list"}, {"segments", SegmentsJson(*segments)}}, terminal.out);
-  } else {
-    PrintSegments(*segments, terminal.out);
-  }
+  PrintResult(terminal, options.json,
+              {{"command", "audit list"}, {"segments", SegmentsJson(*segments)}},
+              SegmentsText(*segments));
   return kDone;
 }
 
 int RunExport(const AuditOptions& options, Terminal& terminal) {
   const auto row_count = ExportAudit(options.daemon, options.selection, options.file);
   if (!row_count.ok()) return Fail(terminal, row_count.status());
-  if (options.json) {
-    PrintJson(Json{{"command", "audit export"}, {"file", options.file}, {"rows", *row_count}},
-              terminal.out);
-  } else {
-    terminal.out << options.file << ": " << *row_count << " rows\n";
-  }
+  PrintResult(terminal, options.json,
+              {{"command", "audit export"}, {"file", options.file}, {"rows", *row_count}},
+              options.file + ": " + std::to_string(*row_count) + " rows\n");
   return kDone;
 }
 
 void Declare(CLI::App& command, AuditOptions& options) {
-  command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT")->required();
+  AddDaemonOption(command, options.daemon);
   command.add_option("--session", options.selection.session_id, "Only this session");
   command.add_option("--project", options.selection.project, "Only this project");
   command.add_option("--scene", options.selection.scene, "Only this scene");
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  AddJsonFlag(command, options.json);
 }
 
 }  // namespace

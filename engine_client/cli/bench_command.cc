@@ -1,4 +1,4 @@
-#include "engine_client/cli/bench_command.h"
+#include "engine_client/cli/commands.h"
 
 #include <memory>
 #include <sstream>

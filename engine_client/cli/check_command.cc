@@ -1,9 +1,9 @@
-#include "engine_client/cli/check_command.h"
-
+// `sweepstake check`: compares every arm with brute force, every frame, by pair identity.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/game/scene_check.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
@@ -25,10 +25,12 @@ struct CheckOptions {
   bool json = false;
 };
 
-// How one arm did in one scene.
+// The result of one arm in one scene.
 struct Row {
   SceneChoice scene;
-  ArmVerdict verdict;
+  ArmCheck check;
+
+  bool passed() const { return !check.first_difference; }
 };
 
 Json PairsJson(const std::vector<OverlapPair>& pairs) {
@@ -40,14 +42,11 @@ Json PairsJson(const std::vector<OverlapPair>& pairs) {
 }
 
 Json RowJson(const Row& row) {
-  Json json = {{"scene", row.scene.name},
-               {"objects", row.scene.object_count},
-               {"seed", row.scene.seed},
-               {"arm", row.verdict.arm},
-               {"frames", row.verdict.frame_count},
-               {"pairs", row.verdict.pair_count},
-               {"passed", !row.verdict.first_difference}};
-  if (const auto& first = row.verdict.first_difference) {
+  Json json = {{"scene", row.scene.name},         {"objects", row.scene.object_count},
+               {"seed", row.scene.seed},          {"arm", row.check.arm},
+               {"frames", row.check.frame_count}, {"pairs", row.check.pair_count},
+               {"passed", row.passed()}};
+  if (const auto& first = row.check.first_difference) {
     json["first_difference"] = {{"frame", first->frame},
                                 {"missing_count", first->pairs.missing.size()},
                                 {"extra_count", first->pairs.extra.size()},
@@ -66,26 +65,28 @@ std::string PairsText(const char* what, const std::vector<OverlapPair>& pairs) {
   return text + (pairs.size() > kShownPairs ? " …" : "");
 }
 
-void PrintFailure(const Row& row, std::ostream& out) {
-  const FirstDifference& first = *row.verdict.first_difference;
-  out << "FAILED " << row.verdict.arm << " in " << row.scene.name << " (" << row.scene.object_count
-      << " objects, seed " << row.scene.seed << "): frame " << first.frame
-      << " is the first to differ" << PairsText("missing", first.pairs.missing)
-      << PairsText("extra", first.pairs.extra) << '\n';
+std::string FailureText(const Row& row) {
+  const FirstDifference& first = *row.check.first_difference;
+  return "FAILED " + row.check.arm + " in " + row.scene.name + " (" +
+         std::to_string(row.scene.object_count) + " objects, seed " +
+         std::to_string(row.scene.seed) + "): frame " + std::to_string(first.frame) +
+         " is the first to differ" + PairsText("missing", first.pairs.missing) +
+         PairsText("extra", first.pairs.extra) + '\n';
 }
 
-void Print(const std::vector<Row>& rows, std::ostream& out) {
+std::string RowsText(const std::vector<Row>& rows) {
   TextTable table({"scene", "objects", "seed", "arm", "frames", "pairs", "result"});
   for (const Row& row : rows) {
     table.AddRow({row.scene.name, std::to_string(row.scene.object_count),
-                  std::to_string(row.scene.seed), row.verdict.arm,
-                  std::to_string(row.verdict.frame_count), std::to_string(row.verdict.pair_count),
-                  row.verdict.first_difference ? "FAILED" : "passed"});
+                  std::to_string(row.scene.seed), row.check.arm,
+                  std::to_string(row.check.frame_count), std::to_string(row.check.pair_count),
+                  row.passed() ? "passed" : "FAILED"});
   }
-  table.Print(out);
+  std::string text = table.Text();
   for (const Row& row : rows) {
-    if (row.verdict.first_difference) PrintFailure(row, out);
+    if (!row.passed()) text += FailureText(row);
   }
+  return text;
 }
 
 Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64_t frames,
@@ -98,13 +99,13 @@ Status CheckOne(SceneChoice choice, const std::vector<std::string>& arms, uint64
   for (const std::string& arm : arms) backends.push_back(std::move(*MakeBroadPhase(arm)));
   const std::string label = choice.name + ", " + std::to_string(choice.object_count) + " objects";
   const uint64_t first = rows.size() / arms.size() * (frames + 1);
-  auto verdicts = CheckScene(**scene, backends, frames,
-                             [&](uint64_t done) { progress.Show(first + done, label); });
-  if (!verdicts.ok()) {
-    return {verdicts.status().code(),
-            label + ": " + verdicts.status().message() + "; take fewer objects"};
+  auto checks = CheckScene(**scene, backends, frames,
+                           [&](uint64_t done) { progress.Show(first + done, label); });
+  if (!checks.ok()) {
+    return {checks.status().code(),
+            label + ": " + checks.status().message() + "; take fewer objects"};
   }
-  for (ArmVerdict& verdict : *verdicts) rows.push_back({choice, std::move(verdict)});
+  for (ArmCheck& check : *checks) rows.push_back({choice, std::move(check)});
   return {};
 }
 
@@ -120,16 +121,11 @@ int RunCheck(const CheckOptions& options, Terminal& terminal) {
       if (!status.ok()) return Fail(terminal, status);
     }
   }
-  const bool passed = std::none_of(rows.begin(), rows.end(), [](const Row& row) {
-    return row.verdict.first_difference.has_value();
-  });
-  if (options.json) {
-    Json document = {{"command", "check"}, {"passed", passed}, {"rows", Json::array()}};
-    for (const Row& row : rows) document["rows"].push_back(RowJson(row));
-    PrintJson(document, terminal.out);
-  } else {
-    Print(rows, terminal.out);
-  }
+  const bool passed =
+      std::all_of(rows.begin(), rows.end(), [](const Row& row) { return row.passed(); });
+  Json document = {{"command", "check"}, {"passed", passed}, {"rows", Json::array()}};
+  for (const Row& row : rows) document["rows"].push_back(RowJson(row));
+  PrintResult(terminal, options.json, document, RowsText(rows));
   return passed ? kDone : kCheckFailed;
 }
 
@@ -159,13 +155,11 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--frames", options.frames, "Steps after the first frame")
             ->check(WholeUpTo(1'000'000))
             ->capture_default_str();
-        command.add_option("--seed", options.seed, "Seed of the scenes")
-            ->check(NotNegative())
-            ->capture_default_str();
+        AddSeedOption(command, options.seed, "the scenes");
         command.add_option("--arms", options.arms, "all, or names of backends")
             ->delimiter(',')
             ->capture_default_str();
-        command.add_flag("--json", options.json, "One JSON document on stdout");
+        AddJsonFlag(command, options.json);
       },
       [&terminal](const CheckOptions& options) { return RunCheck(options, terminal); });
 }

@@ -1,11 +1,12 @@
-// What every command file of the command line has: a function that adds its subcommand to `app`,
-// which on parsing runs it and stores its exit code. The references outlive the parsing.
+// What the *_command.cc files share: how a subcommand is declared, the checks of its numbers, and
+// the options that several commands have.
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,30 +14,30 @@
 
 namespace sweepstake::cli {
 
-// Whole numbers from 0: the parser wraps "-1" around to the largest there is.
-inline CLI::Validator WholeUpTo(uint64_t most) { return CLI::Range(uint64_t{0}, most); }
+// Accepts whole numbers from 0 to `max`. Without the check, the parser wraps "-1" around to the
+// largest number there is.
+CLI::Validator WholeUpTo(uint64_t max);
 
-// A number from `least` to `most`; NaN is not, whatever it is compared with.
-inline CLI::Validator RealFrom(double least, double most) {
-  CLI::Validator range = CLI::Range(least, most);
-  return {[=](std::string& text) {
-            double value = 0;
-            const bool is_number = CLI::detail::lexical_cast(text, value);
-            return is_number && std::isnan(value) ? text + " is no number" : range(text);
-          },
-          range.get_description()};
-}
+// Accepts numbers from `min` to `max`. NaN, which passes every comparison of the parser, is
+// refused.
+CLI::Validator RealFrom(double min, double max);
 
-// For numbers of which all are good: the parser would wrap a negative one around.
-inline CLI::Validator NotNegative() {
-  return {[](const std::string& text) {
-            return text.starts_with('-') ? text + " is negative" : std::string();
-          },
-          "UINT64"};
-}
+// Accepts every number without a sign, for options of which all unsigned values are valid.
+CLI::Validator NotNegative();
 
-// Adds `name` with its `examples` (whole lines) at the end of the help; `run` is called with the
-// options that `declare` filled.
+// --daemon HOST:PORT, required.
+void AddDaemonOption(CLI::App& command, std::string& address);
+// --json.
+void AddJsonFlag(CLI::App& command, bool& json);
+// --seed, not negative; `purpose` says what it seeds.
+void AddSeedOption(CLI::App& command, uint64_t& seed, const std::string& purpose);
+
+// `words` as one line that a POSIX shell reads back as the same words. Words of letters, digits and
+// harmless punctuation stand as they are, the others in single quotes. A pure function.
+std::string CommandLine(std::span<char* const> words);
+
+// Adds the subcommand `name`. Its help ends with `examples` (whole lines). `declare` binds the
+// command's options; `run` gets them filled in and returns the exit code.
 template <typename Options>
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
                      const std::string& examples, int& exit_code,

@@ -1,4 +1,4 @@
-#include "engine_client/cli/experiment_command.h"
+#include "engine_client/cli/commands.h"
 
 #include <nlohmann/json.hpp>
 #include <sstream>

@@ -1,8 +1,8 @@
-#include "engine_client/cli/pairs_command.h"
-
+// `sweepstake pairs`: the overlap pairs of one frame, as one arm finds them.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
 #include "sweepstake/broad_phase.h"
@@ -17,8 +17,7 @@ struct PairsOptions {
   bool json = false;
 };
 
-// The arm lives through every frame up to the one asked for, so that its incremental path is what
-// answers.
+// Shows the arm every frame up to `frame`, so that its incremental path finds the pairs.
 PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   PairBuffer pairs;
   arm.Build(scene.aabbs());
@@ -69,16 +68,15 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       exit_code,
       [](CLI::App& command, PairsOptions& options) {
         command.add_option("--scene", options.scene.name, ".aabbs file or scene")->required();
-        command.add_option("--objects", options.scene.object_count, "Object count, but for a file")
+        command
+            .add_option("--objects", options.scene.object_count, "Object count; a file has its own")
             ->capture_default_str();
-        command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
-            ->check(NotNegative())
-            ->capture_default_str();
+        AddSeedOption(command, options.scene.seed, "spawn and motion");
         command.add_option("--frame", options.frame, "Frame to show")
             ->check(WholeUpTo(1'000'000))
             ->required();
         command.add_option("--arm", options.arm, "Backend that finds the pairs")->required();
-        command.add_flag("--json", options.json, "One JSON document on stdout");
+        AddJsonFlag(command, options.json);
       },
       [&terminal](const PairsOptions& options) { return RunPairs(options, terminal); });
 }

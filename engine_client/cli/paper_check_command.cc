@@ -1,4 +1,4 @@
-#include "engine_client/cli/paper_check_command.h"
+#include "engine_client/cli/commands.h"
 
 #include <algorithm>
 #include <thread>

@@ -1,9 +1,10 @@
-#include "engine_client/cli/priors_command.h"
-
+// `sweepstake priors list|export|import`: a daemon's evidence to look at, to ship with a game, and
+// to carry to another daemon.
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/daemon/posterior_listing.h"
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/posterior_view.h"
+#include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
 #include "engine_client/cli/io/json_output.h"
 
@@ -23,16 +24,8 @@ struct PriorsOptions {
 int RunList(const PriorsOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
   if (!scenes.ok()) return Fail(terminal, scenes.status());
-  if (options.json) {
-    Json document = {{"command", "priors list"}, {"scenes", Json::array()}};
-    for (const v1::ScenePosterior& scene : *scenes) {
-      document["scenes"].push_back(PosteriorJson(scene));
-    }
-    PrintJson(document, terminal.out);
-    return kDone;
-  }
-  for (const v1::ScenePosterior& scene : *scenes) terminal.out << PosteriorText(scene) << '\n';
-  if (scenes->empty()) terminal.out << "The daemon has no priors of this yet\n";
+  const Json document = {{"command", "priors list"}, {"scenes", PosteriorsJson(*scenes)}};
+  PrintResult(terminal, options.json, document, PosteriorsText(*scenes));
   return kDone;
 }
 
@@ -43,13 +36,9 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
-  if (options.json) {
-    PrintJson(
-        Json{{"command", "priors export"}, {"file", options.file}, {"records", records->size()}},
-        terminal.out);
-  } else {
-    terminal.out << options.file << ": " << records->size() << " records\n";
-  }
+  PrintResult(terminal, options.json,
+              {{"command", "priors export"}, {"file", options.file}, {"records", records->size()}},
+              options.file + ": " + std::to_string(records->size()) + " records\n");
   return kDone;
 }
 
@@ -58,24 +47,21 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   if (!records.ok()) return Fail(terminal, records.status());
   const auto result = ImportPriors(options.daemon, *records);
   if (!result.ok()) return Fail(terminal, result.status());
-  if (options.json) {
-    PrintJson(Json{{"command", "priors import"},
-                   {"file", options.file},
-                   {"records", records->size()},
-                   {"applied", result->applied_count},
-                   {"unchanged", result->unchanged_count}},
-              terminal.out);
-  } else {
-    terminal.out << options.file << ": " << result->applied_count << " of " << records->size()
-                 << " records were new or newer, " << result->unchanged_count
-                 << " were known already\n";
-  }
+  const Json document = {{"command", "priors import"},
+                         {"file", options.file},
+                         {"records", records->size()},
+                         {"applied", result->applied_count},
+                         {"unchanged", result->unchanged_count}};
+  PrintResult(terminal, options.json, document,
+              options.file + ": " + std::to_string(result->applied_count) + " of " +
+                  std::to_string(records->size()) + " records were new or newer, " +
+                  std::to_string(result->unchanged_count) + " were known already\n");
   return kDone;
 }
 
 void DeclareCommon(CLI::App& command, PriorsOptions& options) {
-  command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT")->required();
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  AddDaemonOption(command, options.daemon);
+  AddJsonFlag(command, options.json);
 }
 
 void DeclareFilter(CLI::App& command, PriorsOptions& options) {

@@ -1,9 +1,9 @@
-#include "engine_client/cli/record_command.h"
-
+// `sweepstake record`: writes a scene's frames into a .aabbs file.
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/json_output.h"
 
@@ -17,11 +17,12 @@ struct RecordOptions {
   bool json = false;
 };
 
-// Shows how far the recording is, and notes the fullest frame: one Step is one frame written.
+// Shows how far the recording is and counts the objects of the fullest frame. Recording calls Step
+// once per frame.
 class ObservedScene : public Scene {
  public:
   ObservedScene(Scene& scene, Progress& progress)
-      : scene_(scene), progress_(progress), most_objects_(scene.aabbs().size()) {}
+      : scene_(scene), progress_(progress), max_objects_(scene.aabbs().size()) {}
 
   std::string_view name() const override { return scene_.name(); }
   Aabb world() const override { return scene_.world(); }
@@ -29,43 +30,40 @@ class ObservedScene : public Scene {
   std::span<const Aabb> aabbs() const override { return scene_.aabbs(); }
   void Step() override {
     scene_.Step();
-    most_objects_ = std::max(most_objects_, scene_.aabbs().size());
+    max_objects_ = std::max(max_objects_, scene_.aabbs().size());
     progress_.Show(++steps_);
   }
-  size_t most_objects() const { return most_objects_; }
+  size_t max_objects() const { return max_objects_; }
 
  private:
   Scene& scene_;
   Progress& progress_;
   uint64_t steps_ = 0;
-  size_t most_objects_;
+  size_t max_objects_;
 };
 
 int RunRecord(const RecordOptions& options, Terminal& terminal) {
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
-  size_t most_objects = 0;
+  size_t max_objects = 0;
   {
     Progress progress(terminal, "record", options.frames);
     ObservedScene observed(**scene, progress);
     const Status status = RecordScene(observed, options.frames, options.out);
     if (!status.ok()) return Fail(terminal, status);
-    most_objects = observed.most_objects();
+    max_objects = observed.max_objects();
   }
   const auto bytes = std::filesystem::file_size(options.out);
-  if (options.json) {
-    const nlohmann::ordered_json document = {{"command", "record"},
-                                             {"scene", options.scene.name},
-                                             {"objects", most_objects},
-                                             {"seed", options.scene.seed},
-                                             {"frames", options.frames},
-                                             {"out", options.out},
-                                             {"bytes", bytes}};
-    PrintJson(document, terminal.out);
-  } else {
-    terminal.out << options.out << ": 1 + " << options.frames << " frames of " << most_objects
-                 << " boxes, " << bytes << " bytes\n";
-  }
+  const nlohmann::ordered_json document = {{"command", "record"},
+                                           {"scene", options.scene.name},
+                                           {"objects", max_objects},
+                                           {"seed", options.scene.seed},
+                                           {"frames", options.frames},
+                                           {"out", options.out},
+                                           {"bytes", bytes}};
+  PrintResult(terminal, options.json, document,
+              options.out + ": 1 + " + std::to_string(options.frames) + " frames of " +
+                  std::to_string(max_objects) + " boxes, " + std::to_string(bytes) + " bytes\n");
   return kDone;
 }
 
@@ -85,11 +83,9 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--frames", options.frames, "Frames after the spawn state")
             ->check(WholeUpTo(2'147'483'647))
             ->required();
-        command.add_option("--seed", options.scene.seed, "Seed of spawn and motion")
-            ->check(NotNegative())
-            ->capture_default_str();
+        AddSeedOption(command, options.scene.seed, "spawn and motion");
         command.add_option("--out", options.out, "File to write")->required();
-        command.add_flag("--json", options.json, "One JSON document on stdout");
+        AddJsonFlag(command, options.json);
       },
       [&terminal](const RecordOptions& options) { return RunRecord(options, terminal); });
 }

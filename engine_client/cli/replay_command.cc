@@ -1,4 +1,4 @@
-#include "engine_client/cli/replay_command.h"
+#include "engine_client/cli/commands.h"
 
 #include <algorithm>
 #include <chrono>

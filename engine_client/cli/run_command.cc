@@ -1,9 +1,10 @@
-#include "engine_client/cli/run_command.h"
-
+// `sweepstake run`: a scene on the frame path, decided by a daemon, by the embedded decider, or by
+// hand.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/machine_class.h"
@@ -13,7 +14,8 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/stop_signal.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/cli/replay/decision_log.h"
+#include "engine_client/cli/io/whole_file.h"
+#include "server/decision/audit_log.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {
@@ -40,16 +42,16 @@ struct RunOptions {
   bool json = false;
 };
 
-// The scene's key in the prior store.
+// The name of the scene in the prior store.
 std::string SceneKey(const RunOptions& options, size_t object_count) {
   if (!options.scene_key.empty()) return options.scene_key;
   return std::filesystem::path(options.scene.name).stem().string() + "-" +
          std::to_string(object_count);
 }
 
-// `decisions` gets every decision that is taken in this process; null: nobody does.
+// `decisions` gets a line for every decision that is made in this process, unless it is null.
 Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
-                                             const std::string& scene_key, DecisionLog* decisions) {
+                                             const std::string& scene_key, WholeFile* decisions) {
   SessionOptions session;
   session.project = options.project;
   session.scene = scene_key;
@@ -69,15 +71,19 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   embedded.time_scale = options.time_scale;
   embedded.mode = options.mode == "ai" ? Mode::kAi : Mode::kManual;
   if (decisions != nullptr) {
-    embedded.on_audit_row = [decisions](std::string_view row) { decisions->WriteLine(row); };
+    embedded.on_audit_row = [decisions](std::string_view row) {
+      decisions->Write(row);
+      decisions->Write("\n");
+    };
   }
   return MakeEmbeddedSession(embedded, session);
 }
 
-// What --csv writes while the run goes on; null where it is not asked for.
+// The files that --csv writes during the run; null without --csv.
 struct RunLogs {
   std::unique_ptr<FrameLog> frames;
-  std::unique_ptr<DecisionLog> decisions;  // of an embedded run: a daemon keeps its own
+  // Null with a daemon, which keeps a log of its own.
+  std::unique_ptr<WholeFile> decisions;
 
   Status Commit() {
     if (frames == nullptr) return {};
@@ -86,7 +92,7 @@ struct RunLogs {
   }
 };
 
-// frames.csv and decisions.csv in the folder of --csv, which is made.
+// Makes the folder of --csv, and frames.csv and decisions.csv in it.
 Result<RunLogs> MakeLogs(const RunOptions& options) {
   RunLogs logs;
   if (options.csv.empty()) return logs;
@@ -95,15 +101,17 @@ Result<RunLogs> MakeLogs(const RunOptions& options) {
   std::filesystem::create_directories(folder, error);
   if (error) {
     return Status(StatusCode::kInvalidArgument,
-                  options.csv + " cannot be made a folder: " + error.message());
+                  options.csv + " cannot be made a folder: " + error.message() +
+                      "; give --csv a path that does not exist yet, or a folder");
   }
   auto frames = FrameLog::Create(folder / "frames.csv");
   if (!frames.ok()) return frames.status();
   logs.frames = std::move(*frames);
   if (!options.embedded) return logs;
-  auto decisions = DecisionLog::Create(folder / "decisions.csv");
+  auto decisions = WholeFile::Create(folder / "decisions.csv");
   if (!decisions.ok()) return decisions.status();
   logs.decisions = std::move(*decisions);
+  logs.decisions->Write(std::string(decision::AuditHeader()) + '\n');
   return logs;
 }
 
@@ -128,7 +136,7 @@ std::string StateText(const SessionStats& stats) {
   return "";
 }
 
-// The frame loop and what it tells while it runs.
+// The frame loop, and what it says while it runs.
 class Player {
  public:
   Player(const RunSetup& setup, GameRun& run, const Session& session, FrameLog* log,
@@ -152,16 +160,16 @@ class Player {
     }
   }
 
-  // After the session has stopped: a short run may have its answer only by then.
+  // Call it after the session has stopped, because a short run may get its answer only by then.
   void End() {
     if (!priors_said_) LookForAnswer();
   }
 
-  // Not empty: the daemon takes no session like this one, and why.
+  // Why the daemon refuses a session like this one; empty: it does not.
   const std::string& refusal() const { return refusal_; }
 
  private:
-  // Before the decider has answered there is nothing to say.
+  // Says which priors the session starts from, as soon as the decider has answered.
   void LookForAnswer() {
     constexpr uint64_t kLookIntervalNs = 50'000'000;
     next_look_ns_ = run_.elapsed_ns() + kLookIntervalNs;
@@ -173,7 +181,7 @@ class Player {
   }
 
   void SaySwitch() {
-    Say(SwitchText(run_.switches().back(), run_.adaptive()));
+    Say(SwitchText(ToRow(run_.switches().back(), run_.adaptive())));
     const std::string beliefs = BeliefsText(session_.stats().beliefs);
     if (!beliefs.empty()) Say("       " + beliefs);
   }
@@ -181,7 +189,7 @@ class Player {
   void SayVerdict() {
     const VerdictEvent& event = run_.verdicts().back();
     said_verdict_count_ = run_.verdicts().size();
-    Say(VerdictChangeText(event, run_.adaptive()));
+    Say(VerdictChangeText(ToRow(event, run_.adaptive())));
   }
 
   void ShowProgress() {
@@ -215,31 +223,29 @@ class Player {
   const bool json_;
   Progress progress_;
   uint64_t next_look_ns_ = 0;
-  uint64_t shown_frames_ = 0;  // when the progress was shown last, and then
+  // The frame count and the time when the progress was shown last.
+  uint64_t shown_frames_ = 0;
   uint64_t shown_ns_ = 0;
   size_t said_verdict_count_ = 0;
   bool priors_said_ = false;
   std::string refusal_;
 };
 
-int Report(const RunOptions& options, const RunSetup& setup, const GameRun& run,
-           const SessionStats& stats, RunLogs& logs, Terminal& terminal) {
-  if (options.json) {
-    PrintJson(RunReportJson(setup, run, stats), terminal.out);
-  } else {
-    PrintRunReport(setup, run, stats, terminal.out);
-  }
+int Report(const RunOptions& options, const RunSummary& summary, RunLogs& logs,
+           Terminal& terminal) {
+  PrintResult(terminal, options.json, RunReportJson(summary), RunReportText(summary));
   if (!options.csv.empty()) {
     Status status = logs.Commit();
-    if (status.ok()) status = WriteRunReportCsv(run, stats, options.csv);
+    if (status.ok()) status = WriteRunReportCsv(summary, options.csv);
     if (!status.ok()) return Fail(terminal, status);
   }
-  if (options.embedded || stats.connection_count > 0) return kDone;
-  return Fail(terminal, Status(StatusCode::kUnavailable,
-                               "got no session from " + options.daemon + ": " + stats.last_error +
-                                   ". The run went on without a decider. If no daemon is there, "
-                                   "start it with sweepstaked --listen HOST:PORT, or use "
-                                   "--embedded"));
+  if (options.embedded || summary.session.connection_count > 0) return kDone;
+  return Fail(terminal,
+              Status(StatusCode::kUnavailable,
+                     "got no session from " + options.daemon + ": " + summary.session.last_error +
+                         ". The run went on without a decider. If no daemon is there, "
+                         "start it with sweepstaked --listen HOST:PORT, or use "
+                         "--embedded"));
 }
 
 Status CheckRun(const RunOptions& options) {
@@ -266,7 +272,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!options.ignore_priors) setup.priors_file = options.priors;
   setup.priors_key =
       "project " + options.project + ", scene " + scene_key + ", machines " + options.machine_class;
-  // The session must not outlive what it writes to.
+  // The logs are made before the session, which writes to them until its end.
   auto logs = MakeLogs(options);
   if (!logs.ok()) return Fail(terminal, logs.status());
   auto session = MakeSession(options, scene_key, logs->decisions.get());
@@ -289,16 +295,14 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
                                  "the daemon at " + options.daemon +
                                      " refuses the session: " + player.refusal()));
   }
-  return Report(options, setup, **run, (*session)->stats(), *logs, terminal);
+  return Report(options, Summarize(setup, **run, (*session)->stats()), *logs, terminal);
 }
 
 void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--scene", options.scene.name, "Scene or .aabbs file")->required();
   command.add_option("--objects", options.scene.object_count, "Object count")
       ->capture_default_str();
-  command.add_option("--seed", options.scene.seed, "Seed of the scene and of the decisions")
-      ->check(NotNegative())
-      ->capture_default_str();
+  AddSeedOption(command, options.scene.seed, "the scene and of the decisions");
   command.add_option("--mode", options.mode, "ai: the decider chooses; manual: --arm stays")
       ->check(CLI::IsMember({"ai", "manual"}))
       ->capture_default_str();
@@ -329,7 +333,7 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option(
       "--csv", options.csv,
       "Folder for frames.csv, switches.csv, posteriors.csv and, embedded, decisions.csv");
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  AddJsonFlag(command, options.json);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "engine_client/cli/trace_command.h"
+#include "engine_client/cli/commands.h"
 
 #include <chrono>
 #include <filesystem>

@@ -1,21 +1,12 @@
-#include "engine_client/cli/watch_command.h"
-
-#include <unistd.h>
-
-#include <atomic>
-#include <chrono>
-#include <deque>
-#include <map>
+// `sweepstake watch`: a daemon's posteriors and decisions, live.
 #include <nlohmann/json.hpp>
-#include <thread>
-#include <tuple>
 
-#include "engine_client/cli/daemon/daemon_client.h"
-#include "engine_client/cli/daemon/posterior_listing.h"
+#include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/posterior_view.h"
+#include "engine_client/cli/daemon/posteriors_transfer.h"
+#include "engine_client/cli/daemon/watch_screen.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/stop_signal.h"
-#include "sweepstake/v1/posteriors.grpc.pb.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -28,95 +19,22 @@ struct WatchOptions {
   bool json = false;
 };
 
-constexpr char kLegend[] =
-    "|: mean, -: central 95 % of the posterior, best: probability to be the best arm. Ctrl-C "
-    "ends.\n";
-
 int ShowOnce(const WatchOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
   if (!scenes.ok()) return Fail(terminal, scenes.status());
-  if (options.json) {
-    nlohmann::ordered_json document = {{"command", "watch"},
-                                       {"daemon", options.daemon},
-                                       {"scenes", nlohmann::ordered_json::array()}};
-    for (const v1::ScenePosterior& scene : *scenes) {
-      document["scenes"].push_back(PosteriorJson(scene));
-    }
-    PrintJson(document, terminal.out);
-    return kDone;
-  }
-  for (const v1::ScenePosterior& scene : *scenes) terminal.out << PosteriorText(scene) << '\n';
-  if (scenes->empty()) terminal.out << "The daemon has no posteriors of this yet\n";
+  const nlohmann::ordered_json document = {
+      {"command", "watch"}, {"daemon", options.daemon}, {"scenes", PosteriorsJson(*scenes)}};
+  PrintResult(terminal, options.json, document, PosteriorsText(*scenes));
   return kDone;
 }
 
-// What is on the screen: every scene's latest posterior and the latest decisions. On a terminal it
-// is drawn anew at most five times a second; elsewhere each event is printed as it comes.
-class Screen {
- public:
-  Screen(std::ostream& out, bool redraw) : out_(out), redraw_(redraw) {}
-
-  void Show(const v1::WatchPosteriorsResponse& event) {
-    if (event.has_posterior()) {
-      const v1::ScenePosterior& scene = event.posterior();
-      scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] =
-          scene;
-      if (!redraw_) out_ << PosteriorText(scene) << std::flush;
-    } else if (event.has_decision()) {
-      decisions_.push_back(DecisionText(event.decision()));
-      if (decisions_.size() > kDecisionMax) decisions_.pop_front();
-      if (!redraw_) out_ << decisions_.back() << std::endl;
-    }
-    const auto now = std::chrono::steady_clock::now();
-    if (redraw_ && now - drawn_at_ >= std::chrono::milliseconds(200)) {
-      drawn_at_ = now;
-      Draw();
-    }
-  }
-
- private:
-  static constexpr size_t kDecisionMax = 10;
-
-  void Draw() {
-    out_ << "\x1b[H\x1b[2J" << kLegend << '\n';
-    for (const auto& [key, scene] : scenes_) out_ << PosteriorText(scene) << '\n';
-    for (const std::string& decision : decisions_) out_ << decision << '\n';
-    out_ << std::flush;
-  }
-
-  std::ostream& out_;
-  const bool redraw_;
-  std::map<std::tuple<std::string, std::string, std::string, uint32_t>, v1::ScenePosterior> scenes_;
-  std::deque<std::string> decisions_;
-  std::chrono::steady_clock::time_point drawn_at_;
-};
-
 int WatchLive(const WatchOptions& options, Terminal& terminal) {
-  const auto channel = OpenChannel(options.daemon);
-  if (!channel.ok()) return Fail(terminal, channel.status());
-  const auto stub = v1::PosteriorsService::NewStub(*channel);
-  v1::WatchPosteriorsRequest request;
-  request.set_project(options.project);
-  request.set_scene(options.scene);
-  grpc::ClientContext context;
-  const auto reader = stub->WatchPosteriors(&context, request);
   InstallStopSignal();
-  std::atomic<bool> ended = false;
-  // Reading blocks, so Ctrl-C is looked for elsewhere.
-  std::thread canceller([&] {
-    while (!ended && !StopRequested()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    context.TryCancel();
-  });
-  Screen screen(terminal.out, isatty(STDOUT_FILENO) == 1);
-  v1::WatchPosteriorsResponse event;
-  while (reader->Read(&event)) screen.Show(event);
-  ended = true;
-  canceller.join();
-  const grpc::Status status = reader->Finish();
-  if (StopRequested()) return kDone;
-  return Fail(terminal, status.ok() ? Status(StatusCode::kUnavailable,
-                                             "the daemon at " + options.daemon + " ended the watch")
-                                    : ToStatus(status, options.daemon));
+  WatchScreen screen(terminal.out, terminal.out_is_tty);
+  const Status status =
+      WatchPosteriors(options.daemon, options.project, options.scene, StopRequested,
+                      [&](const v1::WatchPosteriorsResponse& event) { screen.Show(event); });
+  return status.ok() ? kDone : Fail(terminal, status);
 }
 
 }  // namespace
@@ -135,8 +53,7 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "misses the frame-rate floor. Exit code 3 when no daemon answers.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {
-        command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT")
-            ->required();
+        AddDaemonOption(command, options.daemon);
         command.add_option("--project", options.project, "Only this project");
         command.add_option("--scene", options.scene, "Only this scene");
         command.add_flag("--once", options.once, "Show what there is now, and end");

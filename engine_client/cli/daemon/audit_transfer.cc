@@ -3,14 +3,14 @@
 #include <chrono>
 
 #include "engine_client/cli/daemon/daemon_client.h"
-#include "engine_client/cli/replay/decision_log.h"
+#include "engine_client/cli/io/whole_file.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 
 namespace sweepstake::cli {
 namespace {
 
-// The largest log that a daemon keeps by default, 200 MB, over a slow network.
-constexpr std::chrono::minutes kExportPatience{10};
+// Enough for the largest log that a daemon keeps by default, 200 MB, over a slow network.
+constexpr std::chrono::minutes kExportDeadline{10};
 
 template <typename Request>
 Request RequestOf(const AuditSelection& selection) {
@@ -51,23 +51,23 @@ Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& s
                              const std::filesystem::path& path) {
   const auto channel = OpenChannel(address);
   if (!channel.ok()) return channel.status();
-  // The daemon's header, which may be that of another version.
-  const auto log = DecisionLog::CreateEmpty(path);
-  if (!log.ok()) return log.status();
+  const auto file = WholeFile::Create(path);
+  if (!file.ok()) return file.status();
   const auto stub = v1::AuditService::NewStub(*channel);
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + kExportPatience);
+  context.set_deadline(std::chrono::system_clock::now() + kExportDeadline);
   const auto reader =
       stub->ExportDecisions(&context, RequestOf<v1::ExportDecisionsRequest>(selection));
   uint64_t row_count = 0;
   v1::ExportDecisionsResponse part;
   while (reader->Read(&part)) {
-    if (!part.header().empty()) (*log)->WriteLine(part.header());
-    for (const std::string& row : part.rows()) (*log)->WriteLine(row);
+    // The header comes from the daemon, too, which may be of another version.
+    if (!part.header().empty()) (*file)->Write(part.header() + '\n');
+    for (const std::string& row : part.rows()) (*file)->Write(row + '\n');
     row_count += static_cast<uint64_t>(part.rows_size());
   }
   Status status = ToStatus(reader->Finish(), address);
-  if (status.ok()) status = (*log)->Commit();
+  if (status.ok()) status = (*file)->Commit();
   if (!status.ok()) return status;
   return row_count;
 }

@@ -1,4 +1,4 @@
-// A daemon's audit log, over the AuditService.
+// The audit log of a daemon, over the AuditService.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sweepstake::cli {
 
-// Empty: all.
+// An empty field selects all.
 struct AuditSelection {
   std::string session_id;
   std::string project;
@@ -29,8 +29,8 @@ struct AuditSegmentRow {
 // kUnavailable: no daemon answered.
 Result<std::vector<AuditSegmentRow>> ListAudit(const std::string& address,
                                                const AuditSelection& selection);
-// Into a CSV file, which appears whole or not at all; how many rows there are. As ListAudit, and
-// kInvalidArgument: cannot be written.
+// Writes the log as a CSV file, which appears whole or not at all, and returns the number of rows.
+// Has the errors of ListAudit, and kInvalidArgument: the file cannot be written.
 Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& selection,
                              const std::filesystem::path& path);
 

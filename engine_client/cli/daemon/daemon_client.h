@@ -1,4 +1,4 @@
-// What the commands that ask a daemon share: a channel, a deadline, and statuses in our words.
+// All calls of a daemon share this: a channel, a deadline, and statuses in our own words.
 // Thread-safe.
 #pragma once
 
@@ -11,13 +11,14 @@
 
 namespace sweepstake::cli {
 
-// A channel to HOST:PORT; it connects on the first call. kInvalidArgument: no such form of address.
+// A channel to HOST:PORT, which connects on its first call. kInvalidArgument: the address does not
+// have this form.
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address);
 
-// A call fails with kUnavailable when it takes longer than ten seconds.
+// Lets a call fail with kUnavailable after ten seconds.
 void SetDeadline(grpc::ClientContext& context);
 
-// kUnavailable where the daemon could not be reached, with what to do; else what the daemon said.
+// kUnavailable with what to do where the daemon could not be reached, else what the daemon said.
 Status ToStatus(const grpc::Status& status, const std::string& address);
 
 }  // namespace sweepstake::cli

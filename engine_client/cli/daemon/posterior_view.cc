@@ -22,7 +22,7 @@ double Mean(const v1::ArmPosterior& arm) {
   return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
 }
 
-// The words of the protocol without their prefix, in lower case: "held cooldown".
+// A name of the protocol without its prefix and in lower case, as "held cooldown".
 std::string Words(std::string name, size_t prefix_length) {
   name.erase(0, std::min(prefix_length, name.size()));
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char character) {
@@ -44,14 +44,15 @@ std::string VerdictName(v1::Verdict verdict) {
   return Words(v1::Verdict_Name(verdict), sizeof("VERDICT_") - 1);
 }
 
-// What is shown of an arm beside what the daemon sent.
+// What is computed for an arm from what the daemon sent.
 struct ArmView {
   decision::CredibleInterval interval;
-  std::optional<double> best_probability;  // absent: nothing is known, or there is a newer version
+  // Absent where nothing is known of the arm, or where its backend has a newer version.
+  std::optional<double> best_probability;
 };
 
 struct SceneView {
-  std::vector<ArmView> arms;  // as many as the scene's
+  std::vector<ArmView> arms;  // in the order of the scene's arms
   decision::Diagnosis diagnosis;
   std::string leader;
 };
@@ -134,8 +135,7 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
                   Fixed(posterior.alpha() + posterior.beta(), 1),
                   std::to_string(arm.window_count()), std::to_string(arm.bail_out_count())});
   }
-  table.Print(text);
-  return text.str();
+  return text.str() + table.Text();
 }
 
 Json PosteriorJson(const v1::ScenePosterior& scene) {
@@ -168,6 +168,19 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
                                 {"bail_outs", arm.bail_out_count()}});
   }
   return document;
+}
+
+std::string PosteriorsText(std::span<const v1::ScenePosterior> scenes) {
+  if (scenes.empty()) return "The daemon has no posteriors of this yet\n";
+  std::string text;
+  for (const v1::ScenePosterior& scene : scenes) text += PosteriorText(scene) + '\n';
+  return text;
+}
+
+Json PosteriorsJson(std::span<const v1::ScenePosterior> scenes) {
+  Json list = Json::array();
+  for (const v1::ScenePosterior& scene : scenes) list.push_back(PosteriorJson(scene));
+  return list;
 }
 
 std::string DecisionText(const v1::DecisionEvent& event) {

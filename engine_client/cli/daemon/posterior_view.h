@@ -1,7 +1,8 @@
-// Posteriors of the daemon for people and as JSON. Pure functions.
+// Shows a daemon's posteriors to people and as JSON. Pure functions.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 
 #include "server/decision/math/beta_distribution.h"
@@ -9,14 +10,19 @@
 
 namespace sweepstake::cli {
 
-// `width` characters from 0 to 1: '-' inside the interval, '|' the mean, ' ' outside.
+// Draws the range 0 to 1 with `width` characters: '-' inside the interval, '|' at the mean, ' '
+// outside.
 std::string IntervalBar(double mean, decision::CredibleInterval interval, int width);
 
-// A heading and a line per arm, each ending with a line break: the mean, the central 95 % of the
-// posterior, the probability to be the best. The verdict is that of all sessions' evidence
-// together (diagnosis.h); only the newest version of an arm's backend takes part.
+// A heading and a table with a line per arm: the mean, the central 95 % of the posterior, the
+// probability to be the best arm. The verdict comes from the evidence of all sessions together
+// (diagnosis.h) and compares only the newest version of each arm's backend.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
+
+// The same for several scenes: a text with an empty line after each scene, or an array.
+std::string PosteriorsText(std::span<const v1::ScenePosterior> scenes);
+nlohmann::ordered_json PosteriorsJson(std::span<const v1::ScenePosterior> scenes);
 
 // "hurricane-3000: decision 7, SAP → KDTree: switched (policy), reward 0.731".
 std::string DecisionText(const v1::DecisionEvent& event);

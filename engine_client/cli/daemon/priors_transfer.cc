@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The protocol's bound.
+// The bound of the protocol.
 constexpr size_t kRecordsPerMessage = 200;
 
 }  // namespace
@@ -50,7 +50,7 @@ Result<ImportResult> ImportPriors(const std::string& address,
     records = records.subspan(part.size());
     v1::ImportPriorsRequest request;
     for (const PriorRecord& record : part) *request.add_records() = ToProto(record);
-    // A refused message shows in Finish.
+    // Finish returns the reason when the daemon refuses a message.
     if (!writer->Write(request)) break;
   }
   writer->WritesDone();

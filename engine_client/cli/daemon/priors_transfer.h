@@ -1,4 +1,4 @@
-// Evidence between a daemon and memory, over the PriorsService.
+// Reads and adds to the evidence of a daemon, over the PriorsService.
 #pragma once
 
 #include <span>
@@ -15,10 +15,10 @@ struct ImportResult {
   uint64_t unchanged_count = 0;
 };
 
-// Empty `project` or `scene`: all. kUnavailable: no daemon answered.
+// An empty `project` or `scene` selects all. kUnavailable: no daemon answered.
 Result<std::vector<PriorRecord>> ExportPriors(const std::string& address,
                                               const std::string& project, const std::string& scene);
-// All records or, on an error, none.
+// Adds all records or, on an error, none.
 Result<ImportResult> ImportPriors(const std::string& address, std::span<const PriorRecord> records);
 
 }  // namespace sweepstake::cli

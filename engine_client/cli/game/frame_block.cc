@@ -11,8 +11,8 @@ void FrameBlock::Fill(Scene& scene, uint64_t step_count) {
   boxes_.clear();
   ends_.clear();
   step_ns_.clear();
-  while (ends_.size() < std::min<uint64_t>(step_count, kMostStepsInBlock) &&
-         boxes_.size() * sizeof(Aabb) < kMostBlockBytes) {
+  while (ends_.size() < std::min<uint64_t>(step_count, kMaxStepsInBlock) &&
+         boxes_.size() * sizeof(Aabb) < kMaxBlockBytes) {
     const auto start = steady_clock::now();
     scene.Step();
     step_ns_.push_back(static_cast<uint64_t>((steady_clock::now() - start).count()));

@@ -1,7 +1,7 @@
-// The boxes of the next few steps of a scene, kept so that several broad phases can be shown the
+// Keeps the boxes of the next few steps of a scene, so that several broad phases can run on the
 // same frames one after the other.
 //
-// Not thread-safe. Memory: 32 MiB of boxes and one frame more at most.
+// Not thread-safe. Memory: at most 32 MiB of boxes plus one frame.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,18 @@
 
 namespace sweepstake::cli {
 
-inline constexpr size_t kMostStepsInBlock = 20;
-inline constexpr size_t kMostBlockBytes = size_t{32} << 20;
+inline constexpr size_t kMaxStepsInBlock = 20;
+inline constexpr size_t kMaxBlockBytes = size_t{32} << 20;
 
 class FrameBlock {
  public:
-  // Steps the scene: at least once, at most `step_count` times.
+  // Steps the scene `step_count` times, or fewer where the bounds above are reached. REQUIRES:
+  // `step_count` > 0.
   void Fill(Scene& scene, uint64_t step_count);
 
   size_t step_count() const { return ends_.size(); }
   std::span<const Aabb> BoxesOf(size_t step) const;
-  // How long the scene took for the step.
+  // The time that the scene took for the step.
   uint64_t step_ns(size_t step) const { return step_ns_[step]; }
 
  private:

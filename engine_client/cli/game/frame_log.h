@@ -1,5 +1,5 @@
-// frames.csv: one row per frame, written between the frames, outside of what they measure. Appears
-// whole or not at all. Not thread-safe.
+// Writes frames.csv with a row per frame. Call it between frames, so that its time is in no
+// measurement. The file appears whole or not at all. Not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace sweepstake::cli {
 
 class FrameLog {
  public:
-  // The errors of CsvFile::Create.
+  // Has the errors of CsvFile::Create.
   static Result<std::unique_ptr<FrameLog>> Create(const std::filesystem::path& path);
 
   void Write(const FrameSample& sample, const AdaptiveBroadPhase& adaptive);

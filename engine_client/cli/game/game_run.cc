@@ -32,7 +32,7 @@ std::string ReasonName(SwitchReason reason) {
 }
 
 GameRun::GameRun(Scene& scene, FrameSink& sink) : scene_(scene), sink_(sink) {
-  // No growth on the frame thread.
+  // The frame thread never allocates for outcomes.
   outcomes_.reserve(kOutcomeMax);
 }
 

@@ -1,9 +1,9 @@
-// A game without rendering: a scene steps, the frame path finds the pairs, and what happened is
-// kept for the report.
+// A game without rendering: each frame steps a scene and finds its pairs on the frame path. The run
+// keeps what happened, for the report.
 //
-// The frame time is the measured time of the frame's work (step, detection, end of frame); nothing
-// is paced, so that a faster arm really makes more frames. Not thread-safe: Frame is the frame
-// thread. The scene is borrowed.
+// The frame time is the measured time of the frame's work (step, detection, end of frame). Frames
+// are not paced, so a faster arm completes more frames. Not thread-safe: the thread that calls
+// Frame is the frame thread. The scene is borrowed.
 #pragma once
 
 #include <cstdint>
@@ -25,37 +25,38 @@ struct SwitchEvent {
   SwitchReason reason = SwitchReason::kPolicy;
 };
 
-// The decider's verdict became another one.
+// A change of the decider's verdict.
 struct VerdictEvent {
   uint64_t frame_index = 0;  // the first frame that saw it
   uint64_t time_ns = 0;      // since the run began
   SceneVerdict verdict;
 };
 
-// What one arm did while it was active.
+// The frames of one arm.
 struct ArmActivity {
   uint64_t frame_count = 0;
-  uint64_t active_ns = 0;     // its frames' times
-  uint64_t detection_ns = 0;  // of these, the broad phase's
+  uint64_t active_ns = 0;     // the time of its frames
+  uint64_t detection_ns = 0;  // the broad phase's part of that
 };
 
-// Where the frames' time went, all frames together. The parts add up to it.
+// The time of all frames together, by what it was spent on.
 struct FrameProfile {
   uint64_t step_ns = 0;       // the scene's motion
   uint64_t detection_ns = 0;  // update and search of a standing structure
-  uint64_t rebuild_ns = 0;    // the same of frames that built the structure anew
+  uint64_t rebuild_ns = 0;    // the same in frames that built the structure anew
   uint64_t around_ns = 0;     // the rest up to EndFrame: pending switch, box copies, descriptors
   uint64_t end_ns = 0;        // EndFrame: sample, sink, bail-out guard
 };
 
 class GameRun final : private FrameSink {
  public:
-  // `sink` takes what the frame path produces; borrowed. The errors of AdaptiveBroadPhase::Create.
+  // `sink` gets what the frame path produces and is borrowed. Has the errors of
+  // AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<GameRun>> Create(const AdaptiveOptions& options, Scene& scene,
                                                  FrameSink& sink);
 
-  // One frame. Returns whether it ran on another arm than the one before; then switches() has one
-  // more.
+  // Runs one frame. Returns true when its arm is another than in the frame before; switches() then
+  // has one more event.
   bool Frame();
 
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
@@ -66,10 +67,10 @@ class GameRun final : private FrameSink {
   // In the order of arms.
   const std::vector<ArmActivity>& activities() const { return activities_; }
   const std::vector<SwitchEvent>& switches() const { return switches_; }
-  // From the first one that was not unknown.
+  // Begins with the first verdict that is not unknown.
   const std::vector<VerdictEvent>& verdicts() const { return verdicts_; }
   const FrameProfile& profile() const { return profile_; }
-  // How switches went, as they settled. At most 65,536 are kept.
+  // How the switches went, in the order in which they settled. At most 65,536 are kept.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
 
  private:
@@ -87,7 +88,7 @@ class GameRun final : private FrameSink {
   FrameSink& sink_;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   uint64_t start_ns_ = 0;
-  uint64_t end_cost_ns_ = 0;  // of the last EndFrame; belongs to the next frame's time
+  uint64_t end_cost_ns_ = 0;  // of the last EndFrame; counted in the next frame's time
   uint64_t frame_count_ = 0;
   uint32_t arm_ = 0;
   FrameProfile profile_;
@@ -98,8 +99,8 @@ class GameRun final : private FrameSink {
   std::vector<SwitchOutcome> outcomes_;
 };
 
-// The lane's options where every interval of the decider is divided by `time_scale`: its sweeps
-// come as often per decision as without.
+// The shadow lane's options for a decider whose intervals are divided by `time_scale`. The lane
+// then has as many sweeps per decision as without scaling.
 ShadowOptions ScaledShadow(ShadowMode mode, double time_scale);
 
 // "policy", "exploration", "bail-out", "manual".

@@ -1,5 +1,5 @@
-// The class of machine whose timings are comparable: system, processor family and number of
-// hardware threads, as "linux-x86_64-16". Thread-safe.
+// Names the class of machines whose timings are comparable by the operating system, the processor
+// family and the number of hardware threads, as "linux-x86_64-16". Thread-safe.
 #pragma once
 
 #include <string>

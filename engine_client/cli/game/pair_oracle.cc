@@ -7,7 +7,7 @@
 
 namespace sweepstake::cli {
 
-bool PairOracle::Sweep(size_t most_pairs, std::span<const Aabb> boxes) {
+bool PairOracle::Sweep(size_t max_pairs, std::span<const Aabb> boxes) {
   pairs_.clear();
   order_.clear();
   for (uint32_t i = 0; i < boxes.size(); ++i) {
@@ -19,7 +19,7 @@ bool PairOracle::Sweep(size_t most_pairs, std::span<const Aabb> boxes) {
     for (auto second = first + 1; second != order_.end(); ++second) {
       if (boxes[*second].min[0] > boxes[*first].max[0]) break;
       if (!Overlap(boxes[*first], boxes[*second])) continue;
-      if (pairs_.size() == most_pairs) return false;
+      if (pairs_.size() == max_pairs) return false;
       pairs_.push_back({std::min(*first, *second), std::max(*first, *second)});
     }
   }
@@ -32,18 +32,19 @@ std::span<const OverlapPair> PairOracle::Find(std::span<const Aabb> boxes) {
   return pairs_;
 }
 
-Result<std::span<const OverlapPair>> PairOracle::FindUpTo(size_t most_pairs,
+Result<std::span<const OverlapPair>> PairOracle::FindUpTo(size_t max_pairs,
                                                           std::span<const Aabb> boxes) {
-  if (Sweep(most_pairs, boxes)) return std::span<const OverlapPair>(pairs_);
+  if (Sweep(max_pairs, boxes)) return std::span<const OverlapPair>(pairs_);
   return Status(StatusCode::kResourceExhausted,
-                "more than " + std::to_string(most_pairs) + " pairs overlap");
+                "more than " + std::to_string(max_pairs) + " pairs overlap");
 }
 
 PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right) {
   std::sort(found.begin(), found.end());
   PairDifference difference;
   if (std::equal(found.begin(), found.end(), right.begin(), right.end())) return difference;
-  // set_difference keeps the surplus of repeated elements, so a pair found twice is extra once.
+  // set_difference keeps the surplus of repeated elements, so a pair that is found twice is extra
+  // once.
   std::set_difference(found.begin(), found.end(), right.begin(), right.end(),
                       std::back_inserter(difference.extra));
   std::set_difference(right.begin(), right.end(), found.begin(), found.end(),

@@ -1,10 +1,11 @@
-// The pairs that are right, found by a plain sorted sweep with the definition of overlap itself
-// (aabb.h): no vector code, no structure kept, nothing shared with the backends it judges. Sorted,
-// so that `sweepstake check` judges 3,000 objects over hundreds of frames in seconds; the tests
-// judge this oracle, too, by one that compares every two boxes (tests/support/pair_oracle.h).
+// Finds the right pairs with a plain sorted sweep and the definition of overlap itself (aabb.h). It
+// has no vector code, keeps no structure between frames, and shares nothing with the backends that
+// are compared with it. The sort makes `sweepstake check` take seconds for 3,000 objects over
+// hundreds of frames. The tests compare this oracle with one that tests every two boxes
+// (tests/support/pair_oracle.h).
 //
-// Not thread-safe; keeps its memory, 8 bytes per pair. Cost: a sort plus one test per two boxes
-// whose x intervals meet.
+// Not thread-safe. Keeps its memory, 8 bytes per pair. Cost: a sort plus one test per two boxes
+// whose x intervals overlap.
 #pragma once
 
 #include <cstdint>
@@ -18,29 +19,31 @@ namespace sweepstake::cli {
 
 class PairOracle {
  public:
-  // All overlapping pairs, sorted; valid until the next call.
+  // Returns all overlap pairs, sorted. The span is valid until the next call.
   std::span<const OverlapPair> Find(std::span<const Aabb> boxes);
-  // The same, or kResourceExhausted when there are more than `most_pairs`, found out without
-  // holding more.
-  Result<std::span<const OverlapPair>> FindUpTo(size_t most_pairs, std::span<const Aabb> boxes);
+  // The same, but kResourceExhausted when there are more than `max_pairs`; it stops as soon as it
+  // has found so many.
+  Result<std::span<const OverlapPair>> FindUpTo(size_t max_pairs, std::span<const Aabb> boxes);
 
  private:
-  // False: there are more.
-  bool Sweep(size_t most_pairs, std::span<const Aabb> boxes);
+  // Returns false when there are more than `max_pairs`.
+  bool Sweep(size_t max_pairs, std::span<const Aabb> boxes);
 
   std::vector<uint32_t> order_;
   std::vector<OverlapPair> pairs_;
 };
 
-// Where found pairs differ from the right ones. Each list is sorted.
+// How found pairs differ from the right ones. Each list is sorted.
 struct PairDifference {
   std::vector<OverlapPair> missing;
-  std::vector<OverlapPair> extra;  // wrong ones, repeated ones, and those with a >= b
+  // Wrong pairs, repeated pairs, and pairs with a >= b.
+  std::vector<OverlapPair> extra;
 
   bool empty() const { return missing.empty() && extra.empty(); }
 };
 
-// Compares by identity. `found` is in any order and is sorted in place; `right` is sorted.
+// Compares by identity. `found` may have any order and is sorted in place. REQUIRES: `right` is
+// sorted.
 PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right);
 
 }  // namespace sweepstake::cli

@@ -6,10 +6,10 @@
 namespace sweepstake::cli {
 namespace {
 
-// One arm on its way through the scene.
+// One arm while it is checked.
 struct Candidate {
   BroadPhase& backend;
-  ArmVerdict verdict;
+  ArmCheck check;
   PairBuffer pairs;
 };
 
@@ -26,20 +26,20 @@ void Judge(Candidate& candidate, uint64_t frame, std::span<const OverlapPair> ri
   candidate.backend.FindPairs(candidate.pairs);
   PairDifference difference = ComparePairs(candidate.pairs.pairs(), right);
   if (!difference.empty()) {
-    candidate.verdict.first_difference = FirstDifference{frame, std::move(difference)};
+    candidate.check.first_difference = FirstDifference{frame, std::move(difference)};
     return;
   }
-  ++candidate.verdict.frame_count;
-  candidate.verdict.pair_count += right.size();
+  ++candidate.check.frame_count;
+  candidate.check.pair_count += right.size();
 }
 
 }  // namespace
 
-Result<std::vector<ArmVerdict>> CheckScene(Scene& scene,
-                                           std::span<const std::unique_ptr<BroadPhase>> arms,
-                                           uint64_t step_count,
-                                           const std::function<void(uint64_t)>& on_frame,
-                                           size_t most_pairs) {
+Result<std::vector<ArmCheck>> CheckScene(Scene& scene,
+                                         std::span<const std::unique_ptr<BroadPhase>> arms,
+                                         uint64_t step_count,
+                                         const std::function<void(uint64_t)>& on_frame,
+                                         size_t max_pairs) {
   std::vector<Candidate> candidates;
   candidates.reserve(arms.size());
   for (const auto& arm : arms)
@@ -48,23 +48,23 @@ Result<std::vector<ArmVerdict>> CheckScene(Scene& scene,
   for (uint64_t frame = 0; frame <= step_count; ++frame) {
     if (frame > 0) scene.Step();
     const std::span<const Aabb> boxes = scene.aabbs();
-    const auto right = oracle.FindUpTo(most_pairs, boxes);
+    const auto right = oracle.FindUpTo(max_pairs, boxes);
     if (!right.ok()) {
       return Status(right.status().code(),
                     "frame " + std::to_string(frame) +
                         " is too crowded to check: " + right.status().message());
     }
     for (Candidate& candidate : candidates) {
-      if (candidate.verdict.first_difference) continue;
+      if (candidate.check.first_difference) continue;
       Take(candidate.backend, boxes, frame == 0);
       Judge(candidate, frame, *right);
     }
     on_frame(frame + 1);
   }
-  std::vector<ArmVerdict> verdicts;
-  verdicts.reserve(candidates.size());
-  for (Candidate& candidate : candidates) verdicts.push_back(std::move(candidate.verdict));
-  return verdicts;
+  std::vector<ArmCheck> checks;
+  checks.reserve(candidates.size());
+  for (Candidate& candidate : candidates) checks.push_back(std::move(candidate.check));
+  return checks;
 }
 
 }  // namespace sweepstake::cli

@@ -1,5 +1,6 @@
-// Backends against the oracle: every frame of a scene, by the identity of the pairs.
-// Not thread-safe. Cost per frame: the oracle plus each backend and a sort of its pairs.
+// Compares backends with the oracle in every frame of a scene, by the identity of the pairs.
+// Not thread-safe. A frame costs the oracle plus, for each backend, its search and a sort of its
+// pairs.
 #pragma once
 
 #include <cstdint>
@@ -22,24 +23,25 @@ struct FirstDifference {
   PairDifference pairs;
 };
 
-struct ArmVerdict {
+struct ArmCheck {
   std::string arm;
-  uint64_t frame_count = 0;                         // frames that were right, or all of them
-  uint64_t pair_count = 0;                          // right ones, summed over these frames
-  std::optional<FirstDifference> first_difference;  // absent: the arm passed
+  uint64_t frame_count = 0;  // frames before the first difference
+  uint64_t pair_count = 0;   // the pairs of these frames, summed
+  // Absent where the arm passed.
+  std::optional<FirstDifference> first_difference;
 };
 
-// A frame may have so many pairs: the oracle and every arm hold 8 bytes and, while their buffers
-// grow, up to 24 for each, which is 2 to 4 GB for all arms.
-inline constexpr size_t kMostCheckedPairs = 20'000'000;
+// The maximum number of pairs of a frame. The oracle and every arm hold 8 bytes per pair, and up to
+// 24 while their buffers grow, which makes 2 to 4 GB for all arms.
+inline constexpr size_t kMaxCheckedPairs = 20'000'000;
 
-// Checks the scene's present frame and `step_count` further ones. An arm that differed is left out
-// of what follows. `on_frame` hears the number of frames done. kResourceExhausted: a frame has more
-// than `most_pairs`, of which no arm hears.
-Result<std::vector<ArmVerdict>> CheckScene(Scene& scene,
-                                           std::span<const std::unique_ptr<BroadPhase>> arms,
-                                           uint64_t step_count,
-                                           const std::function<void(uint64_t)>& on_frame,
-                                           size_t most_pairs = kMostCheckedPairs);
+// Checks the scene's present frame and `step_count` further ones. An arm that differed is not
+// checked in later frames. `on_frame` is told the number of frames done. kResourceExhausted: a
+// frame has more than `max_pairs`; the arms do not see that frame.
+Result<std::vector<ArmCheck>> CheckScene(Scene& scene,
+                                         std::span<const std::unique_ptr<BroadPhase>> arms,
+                                         uint64_t step_count,
+                                         const std::function<void(uint64_t)>& on_frame,
+                                         size_t max_pairs = kMaxCheckedPairs);
 
 }  // namespace sweepstake::cli

@@ -1,5 +1,5 @@
-// A CSV file (RFC 4180) that appears whole or not at all.
-// Not thread-safe. What is not committed is removed with the object.
+// A CSV file (RFC 4180) that appears whole or not at all. Not thread-safe. The destructor removes a
+// file that was not committed.
 #pragma once
 
 #include <filesystem>
@@ -16,12 +16,12 @@ namespace sweepstake::cli {
 
 class CsvFile {
  public:
-  // Begins `path` with the header line. The errors of WholeFile::Create.
+  // Begins the file with the header line. Has the errors of WholeFile::Create.
   static Result<std::unique_ptr<CsvFile>> Create(std::filesystem::path path,
                                                  std::initializer_list<std::string_view> header);
 
   void Row(std::initializer_list<std::string_view> cells);
-  // Gives the file its name; kInvalidArgument: could not be written.
+  // Makes the file appear under its name. kInvalidArgument: it could not be written.
   Status Commit() { return file_->Commit(); }
 
  private:

@@ -6,9 +6,9 @@
 namespace sweepstake::cli {
 namespace {
 
-constexpr double kLongestNs = 30.0 * 24 * 3600 * 1e9;
+constexpr double kMaxNs = 30.0 * 24 * 3600 * 1e9;
 
-// Nanoseconds of a unit; 0 for an unknown one.
+// The nanoseconds of a unit, 0 for an unknown one.
 double UnitNs(std::string_view unit) {
   if (unit == "ms") return 1e6;
   if (unit == "s") return 1e9;
@@ -24,8 +24,8 @@ Result<uint64_t> ParseDuration(std::string_view text) {
       std::from_chars(text.data(), text.data() + text.size(), number, std::chars_format::fixed);
   const double unit_ns = UnitNs({rest, static_cast<size_t>(text.data() + text.size() - rest)});
   const double total_ns = number * unit_ns;
-  // Written so that NaN is refused.
-  if (error != std::errc() || !(total_ns >= 1 && total_ns <= kLongestNs)) {
+  // The negation refuses NaN, too.
+  if (error != std::errc() || !(total_ns >= 1 && total_ns <= kMaxNs)) {
     return Status(StatusCode::kInvalidArgument,
                   "'" + std::string(text) +
                       "' is no duration: give a number and ms, s, m or h, as 500ms, 60s or 15m");

@@ -1,4 +1,4 @@
-// Durations as people write them: 500ms, 60s, 15m, 1.5h. A pure function.
+// Reads durations as people write them: 500ms, 60s, 15m, 1.5h. A pure function.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace sweepstake::cli {
 
-// Nanoseconds, > 0 and at most 30 days. kInvalidArgument says what is accepted.
+// Returns nanoseconds, above 0 and at most 30 days. The message of kInvalidArgument says what is
+// accepted.
 Result<uint64_t> ParseDuration(std::string_view text);
 
 }  // namespace sweepstake::cli

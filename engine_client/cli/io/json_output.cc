@@ -9,4 +9,13 @@ void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int in
       << '\n';
 }
 
+void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
+                 const std::string& text) {
+  if (as_json) {
+    PrintJson(document, terminal.out);
+  } else {
+    terminal.out << text;
+  }
+}
+
 }  // namespace sweepstake::cli

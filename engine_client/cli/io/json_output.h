@@ -1,13 +1,20 @@
-// The one JSON document of a command's --json.
+// What a command prints as its result: one JSON document with --json, else text for people.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <ostream>
+#include <string>
+
+#include "engine_client/cli/io/terminal.h"
 
 namespace sweepstake::cli {
 
-// With a line break at the end; -1 puts all in one line. Bytes that are no UTF-8, as a file's name
-// may hold, become U+FFFD.
+// Prints `document` and a line break. An `indent` of -1 puts all in one line. Bytes that are not
+// UTF-8, which the name of a file may hold, become U+FFFD.
 void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int indent = 2);
+
+// Prints either `document` or `text` (whole lines) on `terminal.out`.
+void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
+                 const std::string& text);
 
 }  // namespace sweepstake::cli

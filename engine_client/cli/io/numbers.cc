@@ -24,10 +24,10 @@ std::string WithoutTrailingZeros(std::string text) {
   return text;
 }
 
-// 1000, 1000², … as long as `value` keeps at least one whole of it; at most `most` steps.
-int ThousandsIn(double value, int most) {
+// How often `value` can be divided by 1000 and stay at least 1 when it is rounded; at most `max`.
+int ThousandsIn(double value, int max) {
   int steps = 0;
-  while (steps < most && std::abs(value) >= 999.5) {
+  while (steps < max && std::abs(value) >= 999.5) {
     value /= 1000;
     ++steps;
   }
@@ -39,7 +39,7 @@ int ThousandsIn(double value, int most) {
 std::string Significant(double value, int digits) {
   if (!std::isfinite(value)) return kNone;
   if (value == 0) return "0";
-  // Rounding first: 9.996 has its first digit in the tens when three are shown.
+  // The value is rounded first, because 9.996 becomes 10.0 with three digits.
   const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - digits + 1);
   const double rounded = std::round(value / unit) * unit;
   const int first = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-9));

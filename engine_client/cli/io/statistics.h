@@ -1,7 +1,7 @@
-// The statistics that experiments are reported with: means with spread, bootstrap intervals, paired
-// tests. Pure functions, safe from any thread; the same numbers and seed give the same answer.
+// The statistics of the reports: means with their spread, bootstrap intervals, paired tests. Pure
+// functions, safe from any thread. The same numbers and seed give the same answer.
 //
-// Samples are few (5 to some hundred): nothing here is made for more than some thousand values.
+// The functions are made for samples of 5 to some thousand values.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,12 @@
 
 namespace sweepstake::cli {
 
-// 0 of nothing.
+// The arithmetic mean, 0 for no values.
 double Mean(std::span<const double> values);
-// Of a sample: n − 1 below the root. 0 of fewer than two values.
+// The standard deviation of a sample, with n − 1 below the root. 0 for fewer than two values.
 double SampleDeviation(std::span<const double> values);
-// Half of the values lie below; between the middle two where there are two. 0 of nothing.
+// The median of values in any order: the middle value, or the mean of the middle two. 0 for no
+// values.
 double Median(std::vector<double> values);
 
 struct Interval {
@@ -29,27 +30,30 @@ struct BootstrapOptions {
   double level = 0.95;  // 0 to 1, both excluded
 };
 
-// Of the mean, by the percentile bootstrap (Efron and Tibshirani, An Introduction to the Bootstrap,
-// ch. 13): the values are drawn anew with replacement. Narrow for fewer than some ten values.
-// {mean, mean} of fewer than two.
+// The confidence interval of the mean by the percentile bootstrap (Efron and Tibshirani, An
+// Introduction to the Bootstrap, ch. 13), which draws the values anew with replacement. It is too
+// narrow for fewer than some ten values, and {mean, mean} for fewer than two.
 Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options = {});
 
 // Wilcoxon's signed-rank test of paired differences against 0, two-sided. Zero differences are left
-// out, equal sizes share their mean rank. The probability is exact up to kExactWilcoxonMax pairs
-// (all sign patterns are counted, ties included); above, normal with correction for ties and
-// continuity.
+// out, and differences of equal size share their mean rank. Up to kExactWilcoxonMax pairs, the
+// probability is exact: all sign patterns are counted, ties included. Above, it comes from the
+// normal distribution, corrected for ties and continuity.
 struct WilcoxonResult {
-  size_t pair_count = 0;      // without zero differences
-  double positive_ranks = 0;  // W⁺: ranks of the positive differences, summed
-  double probability = 1;     // of ranks at least as lopsided by chance; 1 where no pair is left
-  double rank_correlation =
-      0;  // (W⁺ − W⁻) ÷ (W⁺ + W⁻), the matched-pairs rank-biserial effect size
+  // Pairs whose difference is not zero.
+  size_t pair_count = 0;
+  // W⁺, the sum of the ranks of the positive differences.
+  double positive_ranks = 0;
+  // The probability that chance makes the ranks at least as unequal; 1 where no pair is left.
+  double probability = 1;
+  // (W⁺ − W⁻) ÷ (W⁺ + W⁻), the matched-pairs rank-biserial effect size.
+  double rank_correlation = 0;
 };
 inline constexpr size_t kExactWilcoxonMax = 30;
 WilcoxonResult WilcoxonSignedRank(std::span<const double> differences);
 
-// Holm's step-down correction: the probabilities of a family of tests, in their order, as large as
-// they must be for each to be compared with one level.
+// Holm's step-down correction of the probabilities of a family of tests, in their order. Each
+// corrected probability can be compared with the same level.
 std::vector<double> HolmCorrected(std::span<const double> probabilities);
 
 }  // namespace sweepstake::cli

@@ -1,4 +1,4 @@
-// Where a command writes: results on `out`, everything else on `err`. Streams are borrowed.
+// Where a command writes, its exit code, and how far its work has come.
 #pragma once
 
 #include <chrono>
@@ -14,38 +14,41 @@ namespace sweepstake::cli {
 // The exit codes of the contract.
 enum ExitCode : int { kDone = 0, kCheckFailed = 1, kBadUsage = 2, kUnreachable = 3 };
 
+// Results go to `out`, everything else to `err`. The streams are borrowed.
 struct Terminal {
   std::ostream& out;
   std::ostream& err;
+  bool out_is_tty = false;
   bool err_is_tty = false;
-  size_t err_columns = 0;  // 0: no terminal
+  size_t err_columns = 0;  // 0: `err` is no terminal
 };
 
-// Prints "sweepstake: MESSAGE" and gives the exit code that fits: kUnreachable for kUnavailable,
-// kCheckFailed for kInternal, else kBadUsage.
+// Prints "sweepstake: MESSAGE" and returns the exit code of the status: kUnreachable for
+// kUnavailable, kCheckFailed for kInternal, kBadUsage for all others.
 int Fail(Terminal& terminal, const Status& status);
 
-// The start of `text` (UTF-8) that fits into `columns`, a character in each.
+// The beginning of `text` (UTF-8) that fits into `columns`, where each character takes one column.
 std::string CutToColumns(const std::string& text, size_t columns);
 
-// How far long work has come, on `err`: a bar redrawn ten times a second at most and cut to the
-// terminal's width, or, where `err` is no terminal, a line per ten seconds. Not thread-safe.
+// Shows on `err` how far long work has come. On a terminal it is a bar, redrawn at most ten times a
+// second and cut to the terminal's width; elsewhere it is a line every ten seconds. Not
+// thread-safe.
 class Progress {
  public:
-  // `total` 0 shows no bar, only the text.
+  // A `total` of 0 shows the text without a bar.
   Progress(Terminal& terminal, std::string label, uint64_t total);
-  // Ends the redrawn line.
+  // Clears the bar.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Cheap between redraws.
+  // Draws when it is due, and costs a look at the clock otherwise.
   void Show(uint64_t done, const std::string& text = {});
-  // Whether Show would draw now; saves composing a text that nobody sees.
+  // True when Show would draw now. A caller need not compose a text before that.
   bool due() const;
-  // A line of its own above the bar.
+  // Writes a line above the bar.
   void Line(const std::string& text);
-  // Takes the bar away, so that another stream may write to the same terminal.
+  // Clears the bar, so that another stream can write to the same terminal.
   void ClearBar();
 
  private:

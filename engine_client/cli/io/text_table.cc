@@ -21,20 +21,35 @@ void TextTable::AddRow(std::vector<std::string> cells) { rows_.push_back(std::mo
 
 void TextTable::AddTitle(std::string title) { rows_.push_back({std::move(title)}); }
 
-void TextTable::Print(std::ostream& out) const {
-  std::vector<size_t> widths(rows_.front().size());
-  std::vector<bool> right(widths.size(), rows_.size() > 1);
-  for (size_t row = 0; row < rows_.size(); ++row) {
-    if (rows_[row].size() < widths.size()) continue;
+std::vector<size_t> TextTable::Widths() const {
+  std::vector<size_t> widths(rows_[0].size());
+  for (const auto& row : rows_) {
+    if (IsTitle(row)) continue;
     for (size_t column = 0; column < widths.size(); ++column) {
-      const std::string& cell = rows_[row][column];
-      widths[column] = std::max(widths[column], html::LetterCount(cell));
-      if (row > 0 && !IsNumber(cell)) right[column] = false;
+      widths[column] = std::max(widths[column], html::LetterCount(row[column]));
     }
   }
+  return widths;
+}
+
+std::vector<bool> TextTable::AlignedRight() const {
+  std::vector<bool> right(rows_[0].size(), rows_.size() > 1);
+  for (size_t i = 1; i < rows_.size(); ++i) {
+    if (IsTitle(rows_[i])) continue;
+    for (size_t column = 0; column < right.size(); ++column) {
+      if (!IsNumber(rows_[i][column])) right[column] = false;
+    }
+  }
+  return right;
+}
+
+std::string TextTable::Text() const {
+  const std::vector<size_t> widths = Widths();
+  const std::vector<bool> right = AlignedRight();
+  std::string text;
   for (const auto& row : rows_) {
-    if (row.size() < widths.size()) {
-      out << '\n' << row.front() << '\n';
+    if (IsTitle(row)) {
+      text += '\n' + row.front() + '\n';
       continue;
     }
     std::string line;
@@ -44,8 +59,9 @@ void TextTable::Print(std::ostream& out) const {
       line += "  ";
     }
     line.erase(line.find_last_not_of(' ') + 1);
-    out << line << '\n';
+    text += line + '\n';
   }
+  return text;
 }
 
 std::string Fixed(double value, int decimals) {

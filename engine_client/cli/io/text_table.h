@@ -1,4 +1,4 @@
-// A table for people: columns aligned, numbers to the right, two spaces apart.
+// A table for people: columns are two spaces apart, and columns of numbers are aligned right.
 #pragma once
 
 #include <ostream>
@@ -13,13 +13,22 @@ class TextTable {
 
   // REQUIRES: as many cells as the header has.
   void AddRow(std::vector<std::string> cells);
-  // A line of its own across the columns, after an empty one: the title of the rows that follow.
+  // Adds an empty line and a line across all columns, as a title of the rows that follow.
   // REQUIRES: more than one column.
   void AddTitle(std::string title);
-  void Print(std::ostream& out) const;
+  // All lines, each with its line break.
+  std::string Text() const;
+  void Print(std::ostream& out) const { out << Text(); }
 
  private:
-  std::vector<std::vector<std::string>> rows_;  // a title has one cell
+  // The widths of the columns, in characters.
+  std::vector<size_t> Widths() const;
+  // Which columns have numbers in all their rows.
+  std::vector<bool> AlignedRight() const;
+  bool IsTitle(const std::vector<std::string>& row) const { return row.size() < rows_[0].size(); }
+
+  // The first row is the header. A title is a row of one cell.
+  std::vector<std::vector<std::string>> rows_;
 };
 
 // `value` with `decimals` digits after the point.

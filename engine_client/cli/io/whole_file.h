@@ -1,5 +1,5 @@
-// A file that appears whole or not at all: written beside its place and renamed when it is
-// complete. Not thread-safe. What is not committed is removed with the object.
+// A file that appears whole or not at all: it is written beside its place and renamed when it is
+// complete. Not thread-safe. The destructor removes a file that was not committed.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,15 @@ namespace sweepstake::cli {
 
 class WholeFile {
  public:
-  // Begins to write; finds out now what would fail later. kInvalidArgument: `path` is a folder or
-  // something else that is no file, or cannot be written.
+  // Opens the file, so that most errors show before long work begins. kInvalidArgument: `path` is a
+  // folder or another thing that is no file, or it cannot be written.
   static Result<std::unique_ptr<WholeFile>> Create(std::filesystem::path path);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 
   void Write(std::string_view bytes);
-  // Gives the file its name; kInvalidArgument: could not be written.
+  // Makes the file appear under its name. kInvalidArgument: it could not be written.
   Status Commit();
 
  private:

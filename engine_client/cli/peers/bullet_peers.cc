@@ -1,4 +1,4 @@
-#include "engine_client/cli/peers/bullet_peers.h"
+#include "engine_client/cli/peers/peer_registry.h"
 
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -16,7 +16,7 @@ uint32_t IdOf(const btBroadphaseProxy& proxy) {
   return static_cast<uint32_t>(reinterpret_cast<size_t>(proxy.m_clientObject));
 }
 
-// Bullet's pairs are those of padded or quantized boxes; a proxy keeps the exact ones.
+// Bullet's pairs are those of padded or quantized boxes, but a proxy keeps its exact box.
 bool BoxesMeet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
   return a.m_aabbMin.x() <= b.m_aabbMax.x() && b.m_aabbMin.x() <= a.m_aabbMax.x() &&
          a.m_aabbMin.y() <= b.m_aabbMax.y() && b.m_aabbMin.y() <= a.m_aabbMax.y() &&
@@ -27,8 +27,8 @@ void AppendIfMeeting(const btBroadphaseProxy& a, const btBroadphaseProxy& b, Pai
   if (BoxesMeet(a, b)) AppendPair(out, IdOf(a), IdOf(b));
 }
 
-// Takes the pairs of a deferred collision as they come. The deferred tree reports all of them
-// every frame, so that the hash table that Bullet would keep them in is time for nothing.
+// Collects the pairs of a deferred collision as they come. The deferred tree reports all of them
+// every frame, so the hash table in which Bullet would keep them only costs time.
 class PairCollector final : public btNullPairCache {
  public:
   void CollectInto(PairBuffer& out) { out_ = &out; }
@@ -42,7 +42,7 @@ class PairCollector final : public btNullPairCache {
   PairBuffer* out_ = nullptr;
 };
 
-// What all of Bullet's broad phases share: proxies that are created, moved and destroyed.
+// All of Bullet's broad phases share this: their proxies are created, moved and destroyed.
 class BulletPeer : public Peer {
  public:
   explicit BulletPeer(std::string_view name) : Peer(name) {}
@@ -54,7 +54,7 @@ class BulletPeer : public Peer {
   }
 
   void Update(std::span<const Aabb> boxes) override {
-    if (boxes.size() > most_proxies()) return Build(boxes);
+    if (boxes.size() > max_proxies()) return Build(boxes);
     while (proxies_.size() > boxes.size()) RemoveLast();
     for (size_t i = 0; i < proxies_.size(); ++i) {
       broadphase_->setAabb(proxies_[i], Corner(boxes[i].min), Corner(boxes[i].max), nullptr);
@@ -62,7 +62,7 @@ class BulletPeer : public Peer {
     for (const Aabb& box : boxes.subspan(proxies_.size())) Add(box);
   }
 
-  // The pair cache of the broad phase holds conservative pairs, old ones among them.
+  // The pair cache of the broad phase holds conservative pairs, and old ones among them.
   void FindPairs(PairBuffer& out) override {
     broadphase_->calculateOverlappingPairs(nullptr);
     const btBroadphasePairArray& pairs =
@@ -74,11 +74,11 @@ class BulletPeer : public Peer {
 
  protected:
   virtual std::unique_ptr<btBroadphaseInterface> MakeBroadphase(std::span<const Aabb> boxes) = 0;
-  virtual size_t most_proxies() const { return UINT32_MAX; }
+  virtual size_t max_proxies() const { return UINT32_MAX; }
 
   btBroadphaseInterface* broadphase() { return broadphase_.get(); }
 
-  // Forgets the pairs first: to remove a proxy, the cache looks through all pairs that are left.
+  // Drops the pairs first, because removing a proxy searches all pairs that are left.
   void Discard() {
     if (broadphase_ == nullptr) return;
     broadphase_->getOverlappingPairCache()->getOverlappingPairArray().clear();
@@ -89,7 +89,7 @@ class BulletPeer : public Peer {
     broadphase_.reset();
   }
 
-  // Whether each proxy is an allocation of its own.
+  // False where the broad phase allocates all proxies in one block.
   virtual bool owns_proxies() const { return true; }
 
  private:
@@ -112,8 +112,8 @@ class BulletPeer : public Peer {
   std::vector<btBroadphaseProxy*> proxies_;
 };
 
-// The tree as Bullet's world uses it: an object that leaves its padded box collides at once, and
-// the pairs stay in a hash table. What does not move costs nothing but the look at its box.
+// The tree as Bullet's world uses it: an object that leaves its padded box is collided at once, and
+// the pairs stay in a hash table. An object at rest costs one comparison of its box.
 class DbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -125,7 +125,7 @@ class DbvtPeer final : public BulletPeer {
   }
 };
 
-// The tree collided with itself once a frame: faster where most objects move.
+// The tree is collided with itself once per frame, which is faster where most objects move.
 class DeferredDbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -147,8 +147,8 @@ class DeferredDbvtPeer final : public BulletPeer {
   PairCollector collector_;
 };
 
-// Three sorted axes in coordinates quantized to Bullet's `Sweep`; proxies live inside it.
-template <typename Sweep, typename Handle, size_t kMostHandles>
+// Three sorted axes in the quantized coordinates of `Sweep`, which also owns the proxies.
+template <typename Sweep, typename Handle, size_t kMaxHandles>
 class AxisSweepPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -157,20 +157,20 @@ class AxisSweepPeer final : public BulletPeer {
  protected:
   std::unique_ptr<btBroadphaseInterface> MakeBroadphase(std::span<const Aabb> boxes) override {
     const Aabb world = RoomyBounds(boxes);
-    most_proxies_ = std::min(kMostHandles, 2 * boxes.size() + 1024);
+    max_proxies_ = std::min(kMaxHandles, 2 * boxes.size() + 1024);
     constexpr bool kNoRayTree = true;
     return std::make_unique<Sweep>(Corner(world.min), Corner(world.max),
-                                   static_cast<Handle>(most_proxies_), nullptr, kNoRayTree);
+                                   static_cast<Handle>(max_proxies_), nullptr, kNoRayTree);
   }
-  size_t most_proxies() const override { return most_proxies_; }
+  size_t max_proxies() const override { return max_proxies_; }
   bool owns_proxies() const override { return false; }
 
  private:
-  size_t most_proxies_ = 0;
+  size_t max_proxies_ = 0;
 };
 
-constexpr size_t kMost16BitHandles = 16'000;
-using AxisSweep16Peer = AxisSweepPeer<btAxisSweep3, unsigned short, kMost16BitHandles>;
+constexpr size_t kMax16BitHandles = 16'000;
+using AxisSweep16Peer = AxisSweepPeer<btAxisSweep3, unsigned short, kMax16BitHandles>;
 using AxisSweep32Peer = AxisSweepPeer<bt32BitAxisSweep3, unsigned int, 1'000'000>;
 
 template <typename T>
@@ -181,13 +181,13 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 }  // namespace
 
 void AddBulletPeers(PeerLibrary& library) {
-  // Building it is quadratic: each new object sinks to its place along three axes.
-  constexpr uint32_t kMostInSweep = 30'000;
+  // Building is quadratic: each new object is moved to its place along three axes.
+  constexpr uint32_t kMaxInSweep = 30'000;
   library.version =
       std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
   library.kinds = {
-      {"BulletAxisSweep3", "AxisSweep", kMost16BitHandles, false, Make<AxisSweep16Peer>},
-      {"Bullet32BitAxisSweep3", "AxisSweep", kMostInSweep, false, Make<AxisSweep32Peer>},
+      {"BulletAxisSweep3", "AxisSweep", kMax16BitHandles, false, Make<AxisSweep16Peer>},
+      {"Bullet32BitAxisSweep3", "AxisSweep", kMaxInSweep, false, Make<AxisSweep32Peer>},
       {"BulletDbvt", "DBVT", 200'000, false, Make<DbvtPeer>},
       {"BulletDbvtDeferred", "DBVT", 1'000'000, false, Make<DeferredDbvtPeer>},
   };

@@ -1,4 +1,4 @@
-#include "engine_client/cli/peers/cgal_peers.h"
+#include "engine_client/cli/peers/peer_registry.h"
 
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/version.h>
@@ -6,7 +6,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The handle is the box itself: its place in the array is the id.
+// The handle points to the box, whose place in the array is the id.
 using HandledBox =
     CGAL::Box_intersection_d::Box_with_handle_d<float, 3, const Aabb*,
                                                 CGAL::Box_intersection_d::ID_FROM_HANDLE>;

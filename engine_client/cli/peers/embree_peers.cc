@@ -1,4 +1,4 @@
-#include "engine_client/cli/peers/embree_peers.h"
+#include "engine_client/cli/peers/peer_registry.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -11,8 +11,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// The boxes of a frame as Embree sees them, and where the pairs go: slots are taken by an atomic
-// counter, as the callback comes from all of Embree's threads.
+// The boxes of a frame and the pairs found in it. An atomic counter hands out the slots for pairs,
+// because all of Embree's threads call back.
 struct Collision {
   std::span<const Aabb> boxes;
   std::vector<OverlapPair> slots;
@@ -31,7 +31,7 @@ void Bound(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = box.max[2];
 }
 
-// Embree reports the pairs of leaves; a scene against itself, each pair both ways round.
+// Embree reports pairs of leaves, and each pair in both orders where a scene collides with itself.
 void Collide(void* opaque, RTCCollision* collisions, unsigned int count) {
   auto& collision = *static_cast<Collision*>(opaque);
   OverlapPair pairs[64];
@@ -93,7 +93,7 @@ class EmbreePeer final : public Peer {
   }
 
  private:
-  // The boxes are read until the next FindPairs, so they are kept.
+  // Embree reads the boxes until FindPairs has ended, so the peer keeps a copy.
   void Commit(std::span<const Aabb> boxes) {
     boxes_.assign(boxes.begin(), boxes.end());
     collision_.boxes = boxes_;
@@ -132,8 +132,8 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t thread_count) {
 
 void AddEmbreePeers(PeerLibrary& library) {
   library.version = RTC_VERSION_STRING;
-  // At 10,000 objects of suite-b the low quality takes 2.3 ms, medium 5.1; refitting is faster at
-  // 1,000 and where little moves, and slows down as the tree ages.
+  // Low build quality is the fastest for boxes that all move. Refitting is faster for some 1,000
+  // objects and where few objects move, and slows down as the tree ages.
   library.kinds = {
       {"Embree", "KDTree", 10'000'000, true, Make<RTC_BUILD_QUALITY_LOW>},
       {"EmbreeRefit", "KDTree", 10'000'000, true, Make<RTC_BUILD_QUALITY_REFIT>},

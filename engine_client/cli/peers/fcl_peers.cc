@@ -1,4 +1,4 @@
-#include "engine_client/cli/peers/fcl_peers.h"
+#include "engine_client/cli/peers/peer_registry.h"
 
 #include <fcl/broadphase/broadphase_SSaP.h>
 #include <fcl/broadphase/broadphase_bruteforce.h>
@@ -16,7 +16,7 @@ namespace {
 using Object = fcl::CollisionObject<double>;
 using CollisionSpace = fcl::BroadPhaseCollisionManager<double>;
 
-// A shape that is nothing but its box.
+// A shape that consists of its box only.
 class BoxShape final : public fcl::CollisionGeometry<double> {
  public:
   void computeLocalAABB() override {}
@@ -52,11 +52,11 @@ bool Collect(Object* a, Object* b, void* out) {
   if (Meet(first.shape->box(), second.shape->box())) {
     AppendPair(*static_cast<PairBuffer*>(out), first.id, second.id);
   }
-  return false;  // go on
+  return false;  // FCL goes on with the next pair
 }
 
-// The edge of a cell of the spatial hash: the mean box's longest edge. Twice that is slower by 40 %
-// at 10,000 objects of suite-b.
+// The edge of a cell of the spatial hash: the mean of the boxes' longest edges. With twice that, a
+// frame of 10,000 objects of suite-b takes 40 % longer.
 double CellEdge(std::span<const Aabb> boxes) {
   double sum = 0;
   for (const Aabb& box : boxes) {
@@ -69,8 +69,8 @@ double CellEdge(std::span<const Aabb> boxes) {
   return sum > 0 ? sum / static_cast<double>(boxes.size()) : 1;
 }
 
-// Some managers take boxes as open at their faces, so boxes are larger by some 500 times what
-// rounding loses in a world of this size.
+// Some managers treat boxes as open at their faces, so every box is enlarged by this margin: some
+// 500 times the rounding error of a world of this size.
 double MarginFor(std::span<const Aabb> boxes) {
   const Aabb world = RoomyBounds(boxes);
   double farthest = 0;
@@ -115,7 +115,7 @@ class FclPeer final : public Peer {
     manager_->setup();
   }
 
-  // Registering anew in bulk is faster than one by one where many come or go.
+  // Where many objects come or go, registering all of them anew is faster than one by one.
   void Update(std::span<const Aabb> boxes) override {
     if (boxes.size() != bodies_.size()) return Build(boxes);
     for (size_t i = 0; i < boxes.size(); ++i) bodies_[i]->Take(boxes[i], margin_);
@@ -141,21 +141,21 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 }  // namespace
 
 void AddFclPeers(PeerLibrary& library) {
-  // SaPCollisionManager is left out: in 0.7.0 its update does not end where boxes coincide, and
-  // elsewhere it takes four times as long as Bullet's.
+  // SaPCollisionManager is left out: in version 0.7.0 its update does not terminate where boxes
+  // coincide, and elsewhere it takes four times as long as Bullet's.
   using S = double;
-  constexpr uint32_t kMostInSweep = 30'000;  // a second per frame is near
+  constexpr uint32_t kMaxInSweep = 30'000;  // where a frame takes about a second
   library.version = FCL_VERSION;
   library.kinds = {
       {"FclBruteForce", "BruteForce", 20'000, false,
        Make<MakeSpace<fcl::NaiveCollisionManager<S>>>},
       {"FclSpatialHash", "Grid", 200'000, false, Make<MakeHash>},
-      {"FclSSaP", "SAP", kMostInSweep, false, Make<MakeSpace<fcl::SSaPCollisionManager<S>>>},
+      {"FclSSaP", "SAP", kMaxInSweep, false, Make<MakeSpace<fcl::SSaPCollisionManager<S>>>},
       {"FclDynamicTree", "DBVT", 200'000, false,
        Make<MakeSpace<fcl::DynamicAABBTreeCollisionManager<S>>>},
       {"FclDynamicTreeArray", "DBVT", 200'000, false,
        Make<MakeSpace<fcl::DynamicAABBTreeCollisionManager_Array<S>>>},
-      {"FclIntervalTree", "SAP", kMostInSweep, false,
+      {"FclIntervalTree", "SAP", kMaxInSweep, false,
        Make<MakeSpace<fcl::IntervalTreeCollisionManager<S>>>},
   };
 }

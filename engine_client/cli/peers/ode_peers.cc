@@ -1,4 +1,4 @@
-#include "engine_client/cli/peers/ode_peers.h"
+#include "engine_client/cli/peers/peer_registry.h"
 
 #include <ode/ode.h>
 
@@ -7,7 +7,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// ODE counts its initializations.
+// ODE counts its initializations, so each peer may hold one.
 class OdeSession {
  public:
   OdeSession() {
@@ -19,8 +19,9 @@ class OdeSession {
   OdeSession& operator=(const OdeSession&) = delete;
 };
 
-// Centre and edges of a float box are exact in double, and so is the box ODE makes of them, unless
-// its coordinates are more than 2^28 apart in size. ODE ignores boxes without any edge.
+// The centre and the edges of a float box are exact in double, and so is the box that ODE computes
+// from them, unless its coordinates differ by a factor above 2^28. ODE ignores boxes whose edges
+// are all zero, hence the minimum.
 void Take(dGeomID geom, const Aabb& box) {
   dReal edge[3];
   dReal centre[3];
@@ -42,7 +43,7 @@ dSpaceID MakeSweep(std::span<const Aabb>) {
   return dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ);
 }
 
-// A level for each factor of four in the count: about one object in a leaf's column.
+// One level for each factor of four in the object count gives about one object per leaf.
 dSpaceID MakeQuadtree(std::span<const Aabb> boxes) {
   const Aabb world = RoomyBounds(boxes);
   dVector3 centre = {0, 0, 0, 0};
@@ -78,7 +79,7 @@ class OdePeer final : public Peer {
     for (const Aabb& box : boxes.subspan(geoms_.size())) Add(box);
   }
 
-  // ODE compares the boxes themselves before it calls.
+  // ODE compares the exact boxes before it calls.
   void FindPairs(PairBuffer& out) override {
     dSpaceCollide(space_, &out, [](void* pairs, dGeomID a, dGeomID b) {
       AppendPair(*static_cast<PairBuffer*>(pairs), IdOf(a), IdOf(b));
@@ -96,7 +97,7 @@ class OdePeer final : public Peer {
     geoms_.push_back(geom);
   }
 
-  // Destroying the space destroys what is in it.
+  // Destroying the space destroys its geoms, too.
   void Discard() {
     if (space_ != nullptr) dSpaceDestroy(space_);
     space_ = nullptr;
@@ -117,8 +118,9 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 }  // namespace
 
 void AddOdePeers(PeerLibrary& library) {
-  library.version = SWEEPSTAKE_ODE_VERSION;  // ODE's headers do not say
-  // dHashSpace is left out: in 0.16.2 it misses pairs (one in frame 4 of 400 objects of spawning).
+  library.version = SWEEPSTAKE_ODE_VERSION;  // ODE's headers have no version number
+  // dHashSpace is left out: version 0.16.2 misses pairs (one in frame 4 of 400 objects of the scene
+  // spawning).
   library.kinds = {
       {"OdeSimpleSpace", "BruteForce", 20'000, false, Make<MakeSimple>},
       {"OdeSweepSpace", "SAP", 30'000, false, Make<MakeSweep>},

@@ -1,9 +1,11 @@
-// Broad phases of other libraries behind our own interface, to be timed beside ours.
+// Broad phases of other libraries behind our own interface, so that `sweepstake bench --peers` can
+// time them beside ours.
 //
-// A peer is used as its library means it to be for many moving objects: every object is told its
-// new box, and all overlapping pairs are found, exact where the library's own answer is
-// conservative. REQUIRES, beyond BroadPhase: every box takes part (aabb.h). A peer counts no checks
-// and knows no bytes of its own, and its pairs come in any order. Not thread-safe.
+// A peer is used as its library intends it for many moving objects: every object gets its new box,
+// then all overlapping pairs are found. Where the library's own answer is conservative, the peer
+// drops the pairs whose exact boxes do not overlap. A peer counts no AABB checks and no bytes, and
+// its pairs come in any order. Not thread-safe.
+// REQUIRES, beyond BroadPhase: every box is valid (finite and not inverted, see aabb.h).
 #pragma once
 
 #include <algorithm>
@@ -35,32 +37,35 @@ class Peer : public BroadPhase {
 // One broad phase of a library.
 struct PeerKind {
   std::string_view name;
-  std::string_view family;    // of ours that it is compared with (BroadPhaseNames)
-  uint32_t most_objects = 0;  // what it can hold, or what takes longer than anybody waits for
+  // The backend of ours that it is compared with, one of BroadPhaseNames.
+  std::string_view family;
+  // More objects than this do not fit, or take longer than anybody waits for.
+  uint32_t most_objects = 0;
   bool takes_threads = false;
   std::unique_ptr<Peer> (*make)(std::string_view name, uint32_t thread_count) = nullptr;
 };
 
 struct PeerLibrary {
   std::string_view name;
-  std::string_view package;  // Debian's
+  std::string_view package;  // the name of Debian's package
   std::string_view licence;
-  std::string version;          // empty where it is left out of this build
-  std::vector<PeerKind> kinds;  // none where it is left out
+  std::string version;          // empty where this build leaves the library out
+  std::vector<PeerKind> kinds;  // none where this build leaves the library out
 };
 
-// Adds a pair either way round.
+// Appends the pair of `a` and `b`, the smaller id first.
 inline void AppendPair(PairBuffer& out, uint32_t a, uint32_t b) {
   out.Append({std::min(a, b), std::max(a, b)});
 }
 
-// The definition of overlap for boxes that take part.
+// The definition of overlap for valid boxes.
 inline bool Meet(const Aabb& a, const Aabb& b) {
   return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] &&
          b.min[1] <= a.max[1] && a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
 }
 
-// Around all boxes, larger by a quarter of the side on each side; a unit box where there are none.
+// The bounds of all boxes, enlarged on each side by a quarter of the edge there. A unit box where
+// there are no boxes.
 Aabb RoomyBounds(std::span<const Aabb> boxes);
 
 }  // namespace sweepstake::cli

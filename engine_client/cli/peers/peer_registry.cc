@@ -1,26 +1,5 @@
 #include "engine_client/cli/peers/peer_registry.h"
 
-#include <limits>
-
-#ifdef SWEEPSTAKE_PEER_BULLET
-#include "engine_client/cli/peers/bullet_peers.h"
-#endif
-#ifdef SWEEPSTAKE_PEER_FCL
-#include "engine_client/cli/peers/fcl_peers.h"
-#endif
-#ifdef SWEEPSTAKE_PEER_ODE
-#include "engine_client/cli/peers/ode_peers.h"
-#endif
-#ifdef SWEEPSTAKE_PEER_EMBREE
-#include "engine_client/cli/peers/embree_peers.h"
-#endif
-#ifdef SWEEPSTAKE_PEER_BOOST
-#include "engine_client/cli/peers/boost_peers.h"
-#endif
-#ifdef SWEEPSTAKE_PEER_CGAL
-#include "engine_client/cli/peers/cgal_peers.h"
-#endif
-
 namespace sweepstake::cli {
 
 std::vector<PeerLibrary> PeerLibraries() {
@@ -32,24 +11,12 @@ std::vector<PeerLibrary> PeerLibraries() {
       {"Boost.Geometry", "libboost-dev", "BSL-1.0", "", {}},
       {"CGAL", "libcgal-dev", "GPL-3.0+", "", {}},
   };
-#ifdef SWEEPSTAKE_PEER_BULLET
   AddBulletPeers(libraries[0]);
-#endif
-#ifdef SWEEPSTAKE_PEER_FCL
   AddFclPeers(libraries[1]);
-#endif
-#ifdef SWEEPSTAKE_PEER_ODE
   AddOdePeers(libraries[2]);
-#endif
-#ifdef SWEEPSTAKE_PEER_EMBREE
   AddEmbreePeers(libraries[3]);
-#endif
-#ifdef SWEEPSTAKE_PEER_BOOST
   AddBoostPeers(libraries[4]);
-#endif
-#ifdef SWEEPSTAKE_PEER_CGAL
   AddCgalPeers(libraries[5]);
-#endif
   return libraries;
 }
 

@@ -46,7 +46,7 @@ std::unique_ptr<Scene> Brownian(uint32_t object_count) {
   return std::move(*OpenScene({"suite-b", object_count, 1}));
 }
 
-ArmVerdict JudgeWrong(WrongBackend::Spoil spoil) {
+ArmCheck JudgeWrong(WrongBackend::Spoil spoil) {
   const auto scene = Brownian(200);
   std::vector<std::unique_ptr<BroadPhase>> arms;
   arms.push_back(std::make_unique<WrongBackend>(3, spoil));
@@ -84,10 +84,10 @@ TEST(CheckScene, PassesABackendThatIsRightInEveryFrame) {
   std::vector<std::unique_ptr<BroadPhase>> arms;
   arms.push_back(std::make_unique<WrongBackend>(100, [](auto& pairs) { pairs.clear(); }));
   uint64_t heard = 0;
-  const auto verdicts = *CheckScene(*scene, arms, 10, [&](uint64_t done) { heard = done; });
-  EXPECT_FALSE(verdicts.front().first_difference);
-  EXPECT_EQ(verdicts.front().frame_count, 11U);
-  EXPECT_GT(verdicts.front().pair_count, 0U);
+  const auto checks = *CheckScene(*scene, arms, 10, [&](uint64_t done) { heard = done; });
+  EXPECT_FALSE(checks.front().first_difference);
+  EXPECT_EQ(checks.front().frame_count, 11U);
+  EXPECT_GT(checks.front().pair_count, 0U);
   EXPECT_EQ(heard, 11U);
 }
 
@@ -95,45 +95,45 @@ TEST(CheckScene, RefusesAFrameWithTooManyPairsBeforeAnyArmHearsOfIt) {
   const auto scene = std::move(*OpenScene({"all-coincident", 101, 1}));
   std::vector<std::unique_ptr<BroadPhase>> arms;
   arms.push_back(std::make_unique<WrongBackend>(0, [](auto& pairs) { pairs.clear(); }));
-  const auto verdicts = CheckScene(
+  const auto checks = CheckScene(
       *scene, arms, 10, [](uint64_t) {}, 5049);
-  EXPECT_EQ(verdicts.status().code(), StatusCode::kResourceExhausted);
-  EXPECT_NE(verdicts.status().message().find("frame 0"), std::string::npos);
-  EXPECT_NE(verdicts.status().message().find("5049"), std::string::npos);
+  EXPECT_EQ(checks.status().code(), StatusCode::kResourceExhausted);
+  EXPECT_NE(checks.status().message().find("frame 0"), std::string::npos);
+  EXPECT_NE(checks.status().message().find("5049"), std::string::npos);
   EXPECT_TRUE(CheckScene(
                   *scene, arms, 10, [](uint64_t) {}, 5050)
                   .ok());
 }
 
 TEST(CheckScene, NamesTheFirstFrameWithAMissingPair) {
-  const ArmVerdict verdict = JudgeWrong([](auto& pairs) { pairs.pop_back(); });
-  ASSERT_TRUE(verdict.first_difference);
-  EXPECT_EQ(verdict.first_difference->frame, 3U);
-  EXPECT_EQ(verdict.first_difference->pairs.missing.size(), 1U);
-  EXPECT_TRUE(verdict.first_difference->pairs.extra.empty());
-  EXPECT_EQ(verdict.frame_count, 3U);
+  const ArmCheck check = JudgeWrong([](auto& pairs) { pairs.pop_back(); });
+  ASSERT_TRUE(check.first_difference);
+  EXPECT_EQ(check.first_difference->frame, 3U);
+  EXPECT_EQ(check.first_difference->pairs.missing.size(), 1U);
+  EXPECT_TRUE(check.first_difference->pairs.extra.empty());
+  EXPECT_EQ(check.frame_count, 3U);
 }
 
 TEST(CheckScene, FindsAPairThatIsReportedTwice) {
-  const ArmVerdict verdict = JudgeWrong([](auto& pairs) { pairs.push_back(pairs.front()); });
-  ASSERT_TRUE(verdict.first_difference);
-  EXPECT_TRUE(verdict.first_difference->pairs.missing.empty());
-  EXPECT_EQ(verdict.first_difference->pairs.extra.size(), 1U);
+  const ArmCheck check = JudgeWrong([](auto& pairs) { pairs.push_back(pairs.front()); });
+  ASSERT_TRUE(check.first_difference);
+  EXPECT_TRUE(check.first_difference->pairs.missing.empty());
+  EXPECT_EQ(check.first_difference->pairs.extra.size(), 1U);
 }
 
 TEST(CheckScene, FindsAPairThatIsTheWrongWayAround) {
-  const ArmVerdict verdict =
+  const ArmCheck check =
       JudgeWrong([](auto& pairs) { std::swap(pairs.front().a, pairs.front().b); });
-  ASSERT_TRUE(verdict.first_difference);
-  EXPECT_EQ(verdict.first_difference->pairs.missing.size(), 1U);
-  EXPECT_EQ(verdict.first_difference->pairs.extra.size(), 1U);
+  ASSERT_TRUE(check.first_difference);
+  EXPECT_EQ(check.first_difference->pairs.missing.size(), 1U);
+  EXPECT_EQ(check.first_difference->pairs.extra.size(), 1U);
 }
 
 TEST(CheckScene, FindsAnotherPairInPlaceOfTheRightOneThoughTheCountIsRight) {
-  const ArmVerdict verdict = JudgeWrong([](auto& pairs) { pairs.front() = {198, 4'000'000'000U}; });
-  ASSERT_TRUE(verdict.first_difference);
-  EXPECT_EQ(verdict.first_difference->pairs.missing.size(), 1U);
-  EXPECT_EQ(verdict.first_difference->pairs.extra.size(), 1U);
+  const ArmCheck check = JudgeWrong([](auto& pairs) { pairs.front() = {198, 4'000'000'000U}; });
+  ASSERT_TRUE(check.first_difference);
+  EXPECT_EQ(check.first_difference->pairs.missing.size(), 1U);
+  EXPECT_EQ(check.first_difference->pairs.extra.size(), 1U);
 }
 
 TEST(ExpandScenes, MultipliesScenesByCountsAndTakesAFileOnce) {

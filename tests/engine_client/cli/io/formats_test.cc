@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "engine_client/cli/command_line.h"
+#include "engine_client/cli/command.h"
 #include "engine_client/cli/game/run_report.h"
 #include "engine_client/cli/io/csv_file.h"
 #include "engine_client/cli/io/duration.h"

@@ -1,0 +1,71 @@
+#include "engine_client/cli/commands.h"
+
+namespace sweepstake::cli {
+namespace {
+
+// The parser's own message for a missing or unknown command does not list the commands, so this
+// looks first. `words` are the ones after the name of `app`.
+Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
+  const auto commands = app.get_subcommands({});
+  if (commands.empty() || (!words.empty() && words.front()[0] == '-')) return {};
+  std::string names;
+  for (const CLI::App* command : commands) {
+    if (!words.empty() && command->get_name() == words.front()) {
+      return CheckCommandName(*command, words.subspan(1));
+    }
+    names += (names.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::string problem =
+      words.empty() ? "give a command" : "there is no command '" + std::string(words.front()) + "'";
+  return {StatusCode::kInvalidArgument,
+          problem + "; the commands of " + app.get_name() + " are " + names};
+}
+
+void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_line,
+                 int& exit_code) {
+  AddRunCommand(app, terminal, exit_code);
+  AddCheckCommand(app, terminal, exit_code);
+  AddAuditCommand(app, terminal, exit_code);
+  AddBenchCommand(app, terminal, command_line, exit_code);
+  AddExperimentCommand(app, terminal, command_line, exit_code);
+  AddPaperCheckCommand(app, terminal, exit_code);
+  AddPairsCommand(app, terminal, exit_code);
+  AddRecordCommand(app, terminal, exit_code);
+  AddReplayCommand(app, terminal, exit_code);
+  AddTraceCommand(app, terminal, exit_code);
+  AddWatchCommand(app, terminal, exit_code);
+  AddPriorsCommand(app, terminal, exit_code);
+}
+
+}  // namespace
+
+int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
+  CLI::App app("Sweepstake: adaptive broad-phase collision detection", "sweepstake");
+  app.set_version_flag("--version", SWEEPSTAKE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "SCENE is brownian, rotating-gravity, hurricane, free-fall, random-gravity, suite-b, "
+      "suite-g,\n"
+      "suite-h, one of the other scenes that `sweepstake bench --help` lists, or a FILE.aabbs.\n"
+      "Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not reach something.\n"
+      "`sweepstake COMMAND --help` shows options and examples.");
+  int exit_code = kDone;
+  AddCommands(app, terminal, CommandLine(words), exit_code);
+  const Status status = CheckCommandName(app, words.empty() ? words : words.subspan(1));
+  if (!status.ok()) return Fail(terminal, status);
+  try {
+    app.parse(static_cast<int>(words.size()), words.data());
+  } catch (const CLI::ParseError& error) {
+    // The parser reports --help and --version as errors, too, with exit code 0.
+    return app.exit(error, terminal.out, terminal.err) == 0 ? kDone : kBadUsage;
+  }
+  terminal.out.flush();
+  if (!terminal.out) {
+    return Fail(terminal,
+                Status(StatusCode::kInvalidArgument,
+                       "could not write to stdout; is its disk full or its reader gone?"));
+  }
+  return exit_code;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,25 @@
+// The posteriors of a daemon, over the PosteriorsService.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sweepstake/status.h"
+#include "sweepstake/v1/posteriors.pb.h"
+
+namespace sweepstake::cli {
+
+// All scenes that a daemon knows. An empty `project` or `scene` selects all. kUnavailable: no
+// daemon answered.
+Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& address,
+                                                       const std::string& project,
+                                                       const std::string& scene);
+
+// Calls `on_event` with each event of the daemon until `is_stopped` holds, which another thread
+// asks every 50 ms. Returns kUnavailable when the daemon cannot be reached or ends the stream.
+Status WatchPosteriors(const std::string& address, const std::string& project,
+                       const std::string& scene, const std::function<bool()>& is_stopped,
+                       const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event);
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,44 @@
+#include "engine_client/cli/daemon/watch_screen.h"
+
+#include "engine_client/cli/daemon/posterior_view.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr size_t kDecisionMax = 10;
+constexpr std::chrono::milliseconds kRedrawInterval{200};
+constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
+constexpr char kLegend[] =
+    "|: mean, -: central 95 % of the posterior, best: probability to be the best arm. Ctrl-C "
+    "ends.\n";
+
+}  // namespace
+
+void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
+  if (event.has_posterior()) ShowPosterior(event.posterior());
+  if (event.has_decision()) ShowDecision(event.decision());
+  const auto now = std::chrono::steady_clock::now();
+  if (!redraws_ || now - drawn_at_ < kRedrawInterval) return;
+  drawn_at_ = now;
+  Draw();
+}
+
+void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
+  scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] = scene;
+  if (!redraws_) out_ << PosteriorText(scene) << std::flush;
+}
+
+void WatchScreen::ShowDecision(const v1::DecisionEvent& decision) {
+  decisions_.push_back(DecisionText(decision));
+  if (decisions_.size() > kDecisionMax) decisions_.pop_front();
+  if (!redraws_) out_ << decisions_.back() << std::endl;
+}
+
+void WatchScreen::Draw() {
+  out_ << kHomeAndClear << kLegend << '\n';
+  for (const auto& [key, scene] : scenes_) out_ << PosteriorText(scene) << '\n';
+  for (const std::string& decision : decisions_) out_ << decision << '\n';
+  out_ << std::flush;
+}
+
+}  // namespace sweepstake::cli

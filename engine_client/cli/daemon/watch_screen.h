@@ -1,0 +1,37 @@
+// What `sweepstake watch` shows: every scene's latest posteriors and the latest decisions.
+// Not thread-safe. The stream is borrowed.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <ostream>
+#include <string>
+#include <tuple>
+
+#include "sweepstake/v1/posteriors.pb.h"
+
+namespace sweepstake::cli {
+
+class WatchScreen {
+ public:
+  // With `redraws`, for a terminal, the screen is drawn anew at most five times a second. Without,
+  // each event is printed as it comes.
+  WatchScreen(std::ostream& out, bool redraws) : out_(out), redraws_(redraws) {}
+
+  void Show(const v1::WatchPosteriorsResponse& event);
+
+ private:
+  void ShowPosterior(const v1::ScenePosterior& scene);
+  void ShowDecision(const v1::DecisionEvent& decision);
+  void Draw();
+
+  std::ostream& out_;
+  const bool redraws_;
+  // By project, scene, machine class and reward version.
+  std::map<std::tuple<std::string, std::string, std::string, uint32_t>, v1::ScenePosterior> scenes_;
+  std::deque<std::string> decisions_;
+  std::chrono::steady_clock::time_point drawn_at_;
+};
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,88 @@
+// What a run of `sweepstake run` comes to, as plain values that the report is written from.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/game/scene_choice.h"
+#include "sweepstake/session.h"
+
+namespace sweepstake::cli {
+
+// How the run was asked for.
+struct RunSetup {
+  SceneChoice scene;
+  std::string mode;
+  std::string decider;      // HOST:PORT, or "embedded"
+  std::string priors_file;  // empty: none
+  std::string priors_key;   // the project, scene and machines of the priors, in words
+};
+
+// One arm at the end of the run.
+struct ArmRow {
+  std::string arm;
+  uint32_t backend_version = 0;
+  ArmBelief belief;  // Beta(1,1) where the decider told nothing
+  ArmActivity activity;
+
+  double mean() const;
+  double evidence() const { return belief.alpha + belief.beta; }
+  double active_s() const { return static_cast<double>(activity.active_ns) * 1e-9; }
+  double fps() const;
+  double detection_ms() const;  // per frame
+};
+
+struct SwitchRow {
+  uint64_t frame_index = 0;
+  double time_s = 0;  // since the run began
+  std::string from;
+  std::string to;
+  SwitchReason reason = SwitchReason::kPolicy;
+  // 0 where the switch had not settled when the run ended.
+  uint64_t rebuild_time_ns = 0;
+  uint64_t settling_cost_ns = 0;
+};
+
+// What the decider says about the scene. The default is that it says nothing.
+struct VerdictRow {
+  std::string name = "unknown";
+  std::string leader_arm;  // empty: unknown
+  double leader_probability = 0;
+};
+
+struct VerdictChangeRow {
+  uint64_t frame_index = 0;
+  double time_s = 0;
+  VerdictRow verdict;
+};
+
+struct RunSummary {
+  RunSetup setup;
+  SessionStats session;
+  ShadowStats shadow;
+  uint64_t frame_count = 0;
+  std::string active_arm;
+  VerdictRow verdict;
+  std::vector<ArmRow> arms;
+  std::vector<SwitchRow> switches;
+  std::vector<VerdictChangeRow> verdict_changes;
+
+  // The time of all frames.
+  uint64_t active_ns() const;
+  double active_s() const { return static_cast<double>(active_ns()) * 1e-9; }
+  double fps() const;
+  size_t SwitchCount(SwitchReason reason) const;
+  // The share of the run's time in which the shadow lane was at work.
+  double shadow_busy_ratio() const;
+  double shadow_copy_ns_per_frame() const;
+};
+
+RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionStats& session);
+
+SwitchRow ToRow(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive);
+VerdictRow ToRow(const SceneVerdict& verdict, const AdaptiveBroadPhase& adaptive);
+VerdictChangeRow ToRow(const VerdictEvent& event, const AdaptiveBroadPhase& adaptive);
+
+}  // namespace sweepstake::cli
