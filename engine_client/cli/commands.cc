@@ -1,5 +1,7 @@
 #include "engine_client/cli/commands.h"
 
+#include "server/decision/math/names.h"
+
 namespace sweepstake::cli {
 namespace {
 
@@ -8,17 +10,22 @@ namespace {
 Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
   const auto commands = app.get_subcommands({});
   if (commands.empty() || (!words.empty() && words.front()[0] == '-')) return {};
-  std::string names;
+  std::string list;
+  std::vector<std::string> names;
   for (const CLI::App* command : commands) {
     if (!words.empty() && command->get_name() == words.front()) {
       return CheckCommandName(*command, words.subspan(1));
     }
-    names += (names.empty() ? "" : ", ") + command->get_name();
+    names.push_back(command->get_name());
+    list += (list.empty() ? "" : ", ") + names.back();
   }
-  const std::string problem =
-      words.empty() ? "give a command" : "there is no command '" + std::string(words.front()) + "'";
+  if (words.empty()) {
+    return {StatusCode::kInvalidArgument,
+            "give a command; the commands of " + app.get_name() + " are " + list};
+  }
+  const std::vector<std::string_view> valid(names.begin(), names.end());
   return {StatusCode::kInvalidArgument,
-          problem + "; the commands of " + app.get_name() + " are " + names};
+          math::UnknownName("command of " + app.get_name(), words.front(), valid)};
 }
 
 void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_line,

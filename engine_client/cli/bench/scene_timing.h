@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "engine_client/cli/game/pair_fingerprint.h"
+#include "engine_client/cli/game/pair_oracle.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/scene.h"
 

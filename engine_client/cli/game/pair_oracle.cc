@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "server/decision/math/hash.h"
+
 namespace sweepstake::cli {
 
 bool PairOracle::Sweep(size_t max_pairs, std::span<const Aabb> boxes) {
@@ -50,6 +52,17 @@ PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const Overla
   std::set_difference(right.begin(), right.end(), found.begin(), found.end(),
                       std::back_inserter(difference.missing));
   return difference;
+}
+
+PairFingerprint FingerprintOf(std::span<const OverlapPair> pairs) {
+  PairFingerprint fingerprint;
+  fingerprint.count = pairs.size();
+  for (const OverlapPair& pair : pairs) {
+    const uint64_t key = uint64_t{pair.a} << 32 | pair.b;
+    fingerprint.sums[0] += math::Mix64(key + math::kGoldenGamma);
+    fingerprint.sums[1] += math::Mix64(~key);
+  }
+  return fingerprint;
 }
 
 }  // namespace sweepstake::cli

@@ -46,4 +46,19 @@ struct PairDifference {
 // sorted.
 PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right);
 
+// What a set of pairs is reduced to when only equality matters: the same pairs in any order give
+// the same fingerprint, and other pairs almost certainly give another one (two 64-bit sums of
+// hashes). It costs about as much as reading the pairs, far less than sorting them, so every frame
+// of every backend can be compared.
+struct PairFingerprint {
+  uint64_t count = 0;
+  uint64_t sums[2] = {0, 0};
+
+  friend bool operator==(const PairFingerprint&, const PairFingerprint&) = default;
+};
+
+// A pair that is found twice counts twice. A pair with its ids swapped is another pair. A pure
+// function.
+PairFingerprint FingerprintOf(std::span<const OverlapPair> pairs);
+
 }  // namespace sweepstake::cli

@@ -38,7 +38,7 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string said;
   } cases[] = {
       {"", "the commands of sweepstake are run, check, "},
-      {"frobnicate", "the commands of sweepstake are run, check"},
+      {"frobnicate", "unknown command of sweepstake 'frobnicate', must be one of "},
       {"pairs --scene suite-b --arm SAP --frame -3", "--frame"},
       {"record --scene suite-b --frames -1 --out x.aabbs", "--frames"},
       {"check", "--scene"},

@@ -1,0 +1,129 @@
+#include "engine_client/cli/command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+namespace sweepstake::cli {
+namespace {
+
+using testing::HasSubstr;
+
+struct Numbers {
+  uint64_t whole = 7;
+  double real = 0.5;
+  uint64_t seed = 1;
+  std::string daemon = "none";
+  bool json = false;
+};
+
+// The exit code of the command `numbers` with these arguments, or 100 + that of a parse error.
+int Parse(const std::string& arguments, Numbers& parsed) {
+  CLI::App app("test", "test");
+  int exit_code = -1;
+  AddCommand<Numbers>(
+      app, "numbers", "Reads numbers", "  test numbers --whole 1\n", exit_code,
+      [](CLI::App& command, Numbers& numbers) {
+        command.add_option("--whole", numbers.whole)->check(WholeUpTo(10));
+        command.add_option("--real", numbers.real)->check(RealFrom(0, 1));
+        AddSeedOption(command, numbers.seed, "the test");
+        AddJsonFlag(command, numbers.json);
+      },
+      [&](const Numbers& numbers) {
+        parsed = numbers;
+        return 42;
+      });
+  try {
+    app.parse("numbers " + arguments);
+  } catch (const CLI::ParseError& error) {
+    return 100 + error.get_exit_code();
+  }
+  return exit_code;
+}
+
+TEST(AddCommand, RunsWithTheOptionsAndKeepsTheExitCode) {
+  Numbers parsed;
+  EXPECT_EQ(Parse("--whole 3 --real 0.25 --seed 9 --json", parsed), 42);
+  EXPECT_EQ(parsed.whole, 3U);
+  EXPECT_EQ(parsed.real, 0.25);
+  EXPECT_EQ(parsed.seed, 9U);
+  EXPECT_TRUE(parsed.json);
+}
+
+TEST(AddCommand, KeepsTheDefaultsOfOptionsThatAreNotGiven) {
+  Numbers parsed{.whole = 0, .real = 0, .seed = 0, .daemon = "", .json = true};
+  EXPECT_EQ(Parse("", parsed), 42);
+  EXPECT_EQ(parsed.whole, 7U);
+  EXPECT_EQ(parsed.real, 0.5);
+  EXPECT_EQ(parsed.seed, 1U);
+  EXPECT_FALSE(parsed.json);
+}
+
+TEST(AddCommand, EndsItsHelpWithTheExamples) {
+  CLI::App app("test", "test");
+  int exit_code = 0;
+  CLI::App* command = AddCommand<Numbers>(
+      app, "numbers", "Reads numbers", "  test numbers\n", exit_code, [](CLI::App&, Numbers&) {},
+      [](const Numbers&) { return 0; });
+  EXPECT_THAT(command->help(), HasSubstr("Examples:\n  test numbers\n"));
+}
+
+TEST(WholeUpTo, AcceptsItsRangeAndNothingThatWouldWrapAround) {
+  Numbers parsed;
+  for (const char* valid : {"0", "10"}) {
+    EXPECT_EQ(Parse(std::string("--whole ") + valid, parsed), 42) << valid;
+  }
+  for (const char* invalid : {"11", "-1", "18446744073709551615", "1.5", "ten"}) {
+    EXPECT_GT(Parse(std::string("--whole=") + invalid, parsed), 100) << invalid;
+  }
+}
+
+TEST(RealFrom, AcceptsItsRangeAndNoNan) {
+  Numbers parsed;
+  for (const char* valid : {"0", "1", "0.5", "1e-3"}) {
+    EXPECT_EQ(Parse(std::string("--real ") + valid, parsed), 42) << valid;
+  }
+  for (const char* invalid : {"nan", "NaN", "inf", "-0.1", "1.01", "x"}) {
+    EXPECT_GT(Parse(std::string("--real=") + invalid, parsed), 100) << invalid;
+  }
+}
+
+TEST(NotNegative, AcceptsTheLargestNumberAndRefusesASign) {
+  Numbers parsed;
+  EXPECT_EQ(Parse("--seed 18446744073709551615", parsed), 42);
+  EXPECT_EQ(parsed.seed, UINT64_MAX);
+  EXPECT_GT(Parse("--seed=-1", parsed), 100);
+  EXPECT_GT(Parse("--seed=-0", parsed), 100);
+}
+
+TEST(AddDaemonOption, RequiresAnAddress) {
+  CLI::App app("test", "test");
+  std::string address;
+  AddDaemonOption(app, address);
+  EXPECT_THROW(app.parse(""), CLI::RequiredError);
+  EXPECT_NO_THROW(app.parse("--daemon 127.0.0.1:7433"));
+  EXPECT_EQ(address, "127.0.0.1:7433");
+}
+
+std::string LineOf(std::vector<std::string> words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  return CommandLine(pointers);
+}
+
+TEST(CommandLine, QuotesWhatAShellWouldReadOtherwise) {
+  EXPECT_EQ(LineOf({"./sweepstake", "--scene=a,b", "", "my file", "it's", "$HOME"}),
+            "./sweepstake --scene=a,b '' 'my file' 'it'\\''s' '$HOME'");
+  EXPECT_EQ(LineOf({}), "");
+}
+
+TEST(CommandLine, QuotesEveryCharacterWithAMeaningInAShell) {
+  for (const char character : std::string("\n\t \"#&'()*;<>?[\\]`{|}~!^$")) {
+    const std::string line = LineOf({std::string("a") + character});
+    EXPECT_THAT(line, HasSubstr("'a")) << character;
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

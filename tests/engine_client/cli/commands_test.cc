@@ -1,0 +1,333 @@
+// The command line as scripts use it: exit codes, one JSON document on stdout, and errors that say
+// what is valid.
+#include "engine_client/cli/commands.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
+
+#include "sweepstake/broad_phase.h"
+#include "tests/engine_client/cli/command_run.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using nlohmann::json;
+using test_support::TemporaryDirectory;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+// A command line that must fail, and words of its message.
+struct BadUsage {
+  std::string arguments;
+  std::string said;
+};
+
+// Each one ends with 2, writes nothing on stdout, and says what is wrong.
+void ExpectBadUsage(const std::vector<BadUsage>& cases) {
+  for (const auto& [arguments, said] : cases) {
+    const CommandRun run = RunCommand(arguments);
+    EXPECT_EQ(run.exit_code, kBadUsage) << arguments;
+    EXPECT_EQ(run.out, "") << arguments;
+    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
+  }
+}
+
+TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
+  for (const std::string command : {"run", "check", "bench", "pairs", "record", "replay", "trace",
+                                    "watch", "experiment", "audit", "audit list", "audit export",
+                                    "priors", "priors list", "priors export", "priors import"}) {
+    const CommandRun run = RunCommand(command + " --help");
+    EXPECT_EQ(run.exit_code, kDone) << command;
+    EXPECT_THAT(run.out, HasSubstr("Examples:\n  sweepstake " + command)) << command;
+    EXPECT_EQ(run.err, "") << command;
+  }
+}
+
+TEST(Commands, TheProgramsHelpListsTheCommandsAndExitCodes) {
+  const CommandRun run = RunCommand("--help");
+  EXPECT_EQ(run.exit_code, kDone);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("check"), HasSubstr("priors"), HasSubstr("watch"),
+                             HasSubstr("3 could not reach something")));
+  const CommandRun version = RunCommand("--version");
+  EXPECT_EQ(version.exit_code, kDone);
+  EXPECT_THAT(version.out, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(Commands, AnUnknownCommandGetsTheNearestOneFirst) {
+  ExpectBadUsage({
+      {"chekc", "unknown command of sweepstake 'chekc', must be one of check"},
+      {"prior list", "unknown command of sweepstake 'prior', must be one of priors"},
+      {"priors exports", "unknown command of priors 'exports', must be one of export"},
+      {"audit lost", "unknown command of audit 'lost', must be one of list"},
+  });
+}
+
+TEST(Commands, AMissingCommandListsAll) {
+  ExpectBadUsage({
+      {"priors", "the commands of priors are list, export, import"},
+      {"audit", "the commands of audit are list, export"},
+  });
+  std::ostringstream out;
+  std::ostringstream err;
+  Terminal terminal{.out = out, .err = err};
+  EXPECT_EQ(RunCommandLine({}, terminal), kBadUsage);
+  EXPECT_THAT(err.str(), HasSubstr("give a command; the commands of sweepstake are run, check"));
+}
+
+TEST(Commands, AnUnknownOptionOrAMissingOneIsNamed) {
+  ExpectBadUsage({
+      {"check --scene suite-b --colour", "--colour"},
+      {"check", "--scene is required"},
+      {"pairs --scene suite-b --arm SAP", "--frame is required"},
+      {"pairs --scene suite-b --frame 1", "--arm is required"},
+      {"record --scene suite-b --frames 1", "--out is required"},
+      {"record --scene suite-b --out x.aabbs", "--frames is required"},
+      {"watch", "--daemon is required"},
+      {"priors list", "--daemon is required"},
+      {"priors import --daemon localhost:1", "--in is required"},
+      {"priors export --daemon localhost:1", "--out is required"},
+      {"audit export --daemon localhost:1", "--out is required"},
+  });
+}
+
+TEST(Commands, ANumberOutOfRangeIsNamedWithItsOption) {
+  ExpectBadUsage({
+      {"check --scene suite-b --frames 1000001", "--frames"},
+      {"check --scene suite-b --frames=-1", "--frames"},
+      {"check --scene suite-b --seed=-1", "--seed: -1 is negative"},
+      {"check --scene suite-b --objects many", "--objects"},
+      {"pairs --scene suite-b --arm SAP --frame=-3", "--frame"},
+      {"record --scene suite-b --out x.aabbs --frames 2147483648", "--frames"},
+      {"run --scene suite-b --embedded --time-scale nan", "--time-scale: nan is no number"},
+      {"run --scene suite-b --embedded --time-scale 1001", "--time-scale"},
+      {"run --scene suite-b --embedded --time-scale 0.5", "--time-scale"},
+  });
+}
+
+TEST(Commands, AnUnknownNameGetsTheValidOnes) {
+  ExpectBadUsage({
+      {"check --scene huricane", "must be one of hurricane"},
+      {"check --scene suite-b --arms Octree", "AxisSweep"},
+      {"check --scene suite-b --arms SAP,Octree", "AxisSweep"},
+      {"pairs --scene suite-b --frame 0 --arm KDTre", "KDTree"},
+      {"pairs --scene suite-x --frame 0 --arm SAP", "suite-"},
+      {"record --scene nowhere --frames 1 --out x.aabbs", "hurricane"},
+      {"run --scene nowhere --embedded", "hurricane"},
+      {"run --scene suite-b --embedded --arm Octree", "KDTree"},
+      {"run --scene suite-b --embedded --policy coin", "paper"},
+      {"run --scene suite-b --embedded --mode auto", "manual"},
+      {"run --scene suite-b --embedded --shadow maybe", "auto"},
+  });
+}
+
+TEST(Commands, ARunNeedsExactlyOneDecider) {
+  ExpectBadUsage({
+      {"run --scene suite-b", "give either --daemon HOST:PORT or --embedded"},
+      {"run --scene suite-b --embedded --daemon localhost:1",
+       "give either --daemon HOST:PORT or --embedded"},
+      {"run --scene suite-b --daemon localhost:1 --priors x.json", "--priors goes with --embedded"},
+      {"run --scene suite-b --embedded --duration soon", "give a number and ms, s, m or h"},
+      {"run --scene suite-b --daemon nowhere", "nowhere"},
+  });
+}
+
+TEST(Commands, ADaemonsAddressIsCheckedBeforeItIsCalled) {
+  for (const std::string command :
+       {"watch", "watch --json", "priors list", "priors export --out never.json", "audit list",
+        "audit export --out never.csv"}) {
+    ExpectBadUsage({{command + " --daemon nowhere", "nowhere"},
+                    {command + " --daemon localhost:99999", "99999"}});
+  }
+}
+
+TEST(Commands, NobodyAtTheAddressEndsWithThreeAndSaysHowToStartADaemon) {
+  for (const std::string command :
+       {"watch", "watch --json", "priors list --json", "priors export --out never.json",
+        "audit list", "audit export --out never.csv"}) {
+    const CommandRun run = RunCommand(command + " --daemon 127.0.0.1:1");
+    EXPECT_EQ(run.exit_code, kUnreachable) << command;
+    EXPECT_EQ(run.out, "") << command;
+    EXPECT_THAT(run.err, AllOf(HasSubstr("no daemon answered at 127.0.0.1:1"),
+                               HasSubstr("start one with sweepstaked")))
+        << command;
+  }
+  EXPECT_FALSE(std::ifstream("never.json").good());
+  EXPECT_FALSE(std::ifstream("never.csv").good());
+}
+
+// Files that no command can read, each with what is wrong with it.
+class BrokenFiles : public testing::Test {
+ protected:
+  std::string Write(const std::string& name, const std::string& bytes) {
+    const std::string path = (folder_.path() / name).string();
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+  std::string Read(const std::string& path) {
+    std::ostringstream text;
+    text << std::ifstream(path, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  std::string Path(const std::string& name) { return (folder_.path() / name).string(); }
+
+ private:
+  TemporaryDirectory folder_;
+};
+
+TEST_F(BrokenFiles, AreNamedByEveryCommandThatReadsAScene) {
+  const std::string recorded = Path("whole.aabbs");
+  ASSERT_EQ(RunCommand("record --scene suite-b --objects 5 --frames 2 --out " + recorded).exit_code,
+            kDone);
+  const std::string whole = Read(recorded);
+  for (const std::string& path :
+       {Path("absent.aabbs"), Write("empty.aabbs", ""), Write("text.aabbs", std::string(500, 'x')),
+        Write("short.aabbs", whole.substr(0, whole.size() - 1)),
+        Write("long.aabbs", whole + "x")}) {
+    ExpectBadUsage({{"check --scene " + path, path},
+                    {"pairs --frame 0 --arm SAP --scene " + path, path},
+                    {"record --frames 1 --out " + Path("never.aabbs") + " --scene " + path, path},
+                    {"run --embedded --duration 1s --scene " + path, path}});
+  }
+  EXPECT_FALSE(std::ifstream(Path("never.aabbs")).good());
+}
+
+TEST_F(BrokenFiles, AreNamedWhereTheyArePriors) {
+  const std::string run = "run --scene suite-b --objects 10 --embedded --duration 1s --priors ";
+  const std::string import = "priors import --daemon localhost:1 --in ";
+  for (const std::string& path :
+       {Path("absent.json"), Write("empty.json", ""), Write("cut.json", "{\"format\": \"sweep"),
+        Write("other.json", "{\"format\": \"other\"}")}) {
+    ExpectBadUsage({{run + path, path}, {import + path, path}});
+  }
+}
+
+TEST_F(BrokenFiles, ThatCannotBeWrittenAreNamed) {
+  const std::string folder = Path("no-such-folder");
+  ExpectBadUsage({
+      {"record --scene suite-b --objects 5 --frames 1 --out " + folder + "/x.aabbs", folder},
+      {"audit export --daemon localhost:1 --out " + folder + "/x.csv", folder},
+      {"run --scene suite-b --embedded --duration 1s --csv " + Write("file", "") + "/x", "file"},
+  });
+}
+
+TEST(CheckCommand, PassesAndPrintsATableForPeople) {
+  const CommandRun run =
+      RunCommand("check --scene suite-b --objects 60 --frames 3 --arms SAP,Grid");
+  EXPECT_EQ(run.exit_code, kDone);
+  EXPECT_THAT(run.out, StartsWith("scene"));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("SAP"), HasSubstr("Grid"), HasSubstr("passed")));
+  EXPECT_THAT(run.out, Not(HasSubstr("FAILED")));
+}
+
+TEST(CheckCommand, PrintsARowPerSceneCountAndArmAsJson) {
+  const CommandRun run =
+      RunCommand("check --scene suite-b,suite-g --objects 20,30 --frames 2 --arms SAP,Grid --json");
+  ASSERT_EQ(run.exit_code, kDone) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["command"], "check");
+  EXPECT_EQ(document["passed"], true);
+  ASSERT_EQ(document["rows"].size(), 8U);
+  EXPECT_EQ(document["rows"][0]["scene"], "suite-b");
+  EXPECT_EQ(document["rows"][0]["objects"], 20);
+  EXPECT_EQ(document["rows"][0]["arm"], "SAP");
+  EXPECT_EQ(document["rows"][0]["frames"], 3);
+  EXPECT_EQ(document["rows"][2]["objects"], 30);
+  EXPECT_EQ(document["rows"][4]["scene"], "suite-g");
+  EXPECT_FALSE(document["rows"][0].contains("first_difference"));
+}
+
+TEST(CheckCommand, RefusesAFrameWithTooManyPairsAndSaysWhatToDo) {
+  const CommandRun run = RunCommand("check --scene all-coincident --objects 6500 --frames 0");
+  EXPECT_EQ(run.exit_code, kBadUsage);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("frame 0 is too crowded"), HasSubstr("take fewer objects")));
+}
+
+TEST(PairsCommand, PrintsTheSamePairsAsTextAndAsJson) {
+  const std::string command = "pairs --scene suite-g --objects 300 --frame 4 --arm DBVT";
+  const CommandRun text = RunCommand(command);
+  const CommandRun document = RunCommand(command + " --json");
+  ASSERT_EQ(text.exit_code, kDone) << text.err;
+  const json parsed = json::parse(document.out);
+  EXPECT_EQ(parsed["frame"], 4);
+  EXPECT_EQ(parsed["arm"], "DBVT");
+  std::string lines;
+  for (const json& pair : parsed["pairs"]) {
+    lines += pair[0].dump() + " " + pair[1].dump() + "\n";
+  }
+  EXPECT_GT(parsed["pairs"].size(), 0U);
+  EXPECT_EQ(text.out, lines);
+}
+
+TEST(PairsCommand, FindsTheSamePairsWithEveryArm) {
+  const std::string command = "pairs --scene clusters --objects 150 --frame 6 --arm ";
+  const std::string right = RunCommand(command + "BruteForce").out;
+  EXPECT_NE(right, "");
+  for (const std::string_view arm : BroadPhaseNames()) {
+    EXPECT_EQ(RunCommand(command + std::string(arm)).out, right) << arm;
+  }
+}
+
+TEST(RecordCommand, WritesTheFramesThatPairsThenReads) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "r.aabbs").string();
+  const CommandRun run =
+      RunCommand("record --scene suite-b --objects 40 --frames 3 --seed 5 --out " + file);
+  ASSERT_EQ(run.exit_code, kDone) << run.err;
+  EXPECT_EQ(run.out,
+            file + ": 1 + 3 frames of 40 boxes, " + std::to_string(304 + 4 * 40 * 32) + " bytes\n");
+  const std::string frame = " --frame 2 --arm SAP --objects 40 --seed 5";
+  EXPECT_EQ(RunCommand("pairs --scene " + file + frame).out,
+            RunCommand("pairs --scene suite-b" + frame).out);
+}
+
+TEST(RecordCommand, CountsTheFullestFrameOfAGrowingScene) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "g.aabbs").string();
+  const CommandRun run =
+      RunCommand("record --scene spawning --objects 640 --frames 30 --json --out " + file);
+  ASSERT_EQ(run.exit_code, kDone) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_GE(document["objects"], 640);
+  EXPECT_EQ(document["frames"], 30);
+  EXPECT_EQ(document["bytes"], std::filesystem::file_size(file));
+}
+
+TEST(RunOfAScene, PrintsOneDocumentAndWritesItsFiles) {
+  const TemporaryDirectory folder;
+  const CommandRun run = RunCommand(
+      "run --scene suite-b --objects 50 --embedded --mode manual --arm Grid --duration 50ms "
+      "--shadow off --json --csv " +
+      folder.path().string());
+  ASSERT_EQ(run.exit_code, kDone) << run.err;
+  const json document = json::parse(run.out);
+  EXPECT_EQ(document["command"], "run");
+  EXPECT_EQ(document["active_arm"], "Grid");
+  EXPECT_EQ(document["decider"], "embedded");
+  EXPECT_EQ(document["shadow"]["state"], "off");
+  for (const char* name : {"frames.csv", "switches.csv", "posteriors.csv", "decisions.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / name)) << name;
+  }
+}
+
+TEST(Commands, AnOutputThatCannotBeWrittenEndsWithTwo) {
+  std::ostream broken(nullptr);
+  std::ostringstream err;
+  Terminal terminal{.out = broken, .err = err};
+  std::string words[] = {"sweepstake", "pairs",   "--scene", "two",   "--objects",
+                         "2",          "--frame", "0",       "--arm", "SAP"};
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  EXPECT_EQ(RunCommandLine(pointers, terminal), kBadUsage);
+  EXPECT_THAT(err.str(), HasSubstr("could not write to stdout"));
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

@@ -1,0 +1,52 @@
+#include "engine_client/cli/daemon/daemon_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sweepstake::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(OpenChannel, ChecksTheFormOfTheAddress) {
+  EXPECT_TRUE(OpenChannel("127.0.0.1:7433").ok());
+  EXPECT_TRUE(OpenChannel("[::1]:7433").ok());
+  for (const char* address : {"", "nowhere", "host:", ":7433", "host:0", "host:65536", "a b:1"}) {
+    const auto channel = OpenChannel(address);
+    ASSERT_FALSE(channel.ok()) << address;
+    EXPECT_EQ(channel.status().code(), StatusCode::kInvalidArgument) << address;
+  }
+}
+
+TEST(ToStatus, SaysWhatToDoWhereNobodyAnswers) {
+  for (const grpc::StatusCode code :
+       {grpc::StatusCode::UNAVAILABLE, grpc::StatusCode::DEADLINE_EXCEEDED}) {
+    const Status status = ToStatus({code, "connection refused"}, "host:1");
+    EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+    EXPECT_THAT(status.message(),
+                AllOf(HasSubstr("no daemon answered at host:1 (connection refused)"),
+                      HasSubstr("sweepstaked --listen HOST:PORT")));
+  }
+}
+
+TEST(ToStatus, PassesOnWhatTheDaemonSaid) {
+  const struct {
+    grpc::StatusCode theirs;
+    StatusCode ours;
+  } cases[] = {{grpc::StatusCode::NOT_FOUND, StatusCode::kNotFound},
+               {grpc::StatusCode::RESOURCE_EXHAUSTED, StatusCode::kResourceExhausted},
+               {grpc::StatusCode::FAILED_PRECONDITION, StatusCode::kFailedPrecondition},
+               {grpc::StatusCode::INVALID_ARGUMENT, StatusCode::kInvalidArgument},
+               {grpc::StatusCode::INTERNAL, StatusCode::kInternal},
+               {grpc::StatusCode::UNIMPLEMENTED, StatusCode::kInternal}};
+  for (const auto& [theirs, ours] : cases) {
+    const Status status = ToStatus({theirs, "the reason"}, "host:1");
+    EXPECT_EQ(status.code(), ours) << theirs;
+    EXPECT_EQ(status.message(), "the reason");
+  }
+  EXPECT_TRUE(ToStatus(grpc::Status::OK, "host:1").ok());
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

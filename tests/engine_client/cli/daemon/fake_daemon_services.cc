@@ -1,0 +1,77 @@
+#include "tests/engine_client/cli/daemon/fake_daemon_services.h"
+
+#include <chrono>
+#include <thread>
+
+namespace sweepstake::test_support {
+
+grpc::Status FakePosteriors::ListPosteriors(grpc::ServerContext*,
+                                            const v1::ListPosteriorsRequest* request,
+                                            v1::ListPosteriorsResponse* response) {
+  projects.push_back(request->project());
+  const size_t page = request->page_token().empty() ? 0 : std::stoul(request->page_token());
+  *response = pages.at(page);
+  if (page + 1 < pages.size()) response->set_next_page_token(std::to_string(page + 1));
+  return grpc::Status::OK;
+}
+
+grpc::Status FakePosteriors::WatchPosteriors(
+    grpc::ServerContext* context, const v1::WatchPosteriorsRequest* request,
+    grpc::ServerWriter<v1::WatchPosteriorsResponse>* writer) {
+  watched_scene = request->scene();
+  for (const v1::WatchPosteriorsResponse& event : events) writer->Write(event);
+  while (!ends_the_watch && !context->IsCancelled()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return grpc::Status::OK;
+}
+
+grpc::Status FakePriors::ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,
+                                      grpc::ServerWriter<v1::ExportPriorsResponse>* writer) {
+  export_request = *request;
+  for (const v1::ExportPriorsResponse& part : parts) writer->Write(part);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakePriors::ImportPriors(grpc::ServerContext*,
+                                      grpc::ServerReader<v1::ImportPriorsRequest>* reader,
+                                      v1::ImportPriorsResponse* response) {
+  v1::ImportPriorsRequest request;
+  while (reader->Read(&request)) {
+    imported_sizes.push_back(request.records_size());
+    imported.insert(imported.end(), request.records().begin(), request.records().end());
+  }
+  response->set_applied_count(imported.size() - 1);
+  response->set_unchanged_count(1);
+  return import_status;
+}
+
+grpc::Status FakeAudit::ListAuditSegments(
+    grpc::ServerContext*, const v1::ListAuditSegmentsRequest*,
+    grpc::ServerWriter<v1::ListAuditSegmentsResponse>* writer) {
+  for (const v1::ListAuditSegmentsResponse& part : segments) writer->Write(part);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeAudit::ExportDecisions(grpc::ServerContext*,
+                                        const v1::ExportDecisionsRequest* request,
+                                        grpc::ServerWriter<v1::ExportDecisionsResponse>* writer) {
+  export_request = *request;
+  for (const v1::ExportDecisionsResponse& part : parts) writer->Write(part);
+  return export_status;
+}
+
+FakeDaemonServices::FakeDaemonServices() {
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
+  builder.RegisterService(&posteriors);
+  builder.RegisterService(&priors);
+  builder.RegisterService(&audit);
+  server_ = builder.BuildAndStart();
+}
+
+FakeDaemonServices::~FakeDaemonServices() {
+  server_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
+}
+
+}  // namespace sweepstake::test_support

@@ -1,0 +1,245 @@
+// What the commands ask a daemon for, against services with scripted answers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "engine_client/cli/daemon/audit_transfer.h"
+#include "engine_client/cli/daemon/posteriors_transfer.h"
+#include "engine_client/cli/daemon/priors_transfer.h"
+#include "tests/engine_client/cli/command_run.h"
+#include "tests/engine_client/cli/daemon/fake_daemon_services.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using test_support::FakeDaemonServices;
+using test_support::TemporaryDirectory;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+v1::ListPosteriorsResponse PageWith(const std::vector<std::string>& scenes) {
+  v1::ListPosteriorsResponse page;
+  for (const std::string& name : scenes) {
+    v1::ScenePosterior& scene = *page.add_scenes();
+    scene.set_project("p");
+    scene.set_scene(name);
+  }
+  return page;
+}
+
+TEST(ListPosteriors, ReadsEveryPage) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.pages = {PageWith({"a", "b"}), PageWith({}), PageWith({"c"})};
+  const auto scenes = ListPosteriors(daemon.address(), "p", "");
+  ASSERT_TRUE(scenes.ok()) << scenes.status().message();
+  ASSERT_EQ(scenes->size(), 3U);
+  EXPECT_EQ((*scenes)[2].scene(), "c");
+  EXPECT_THAT(daemon.posteriors.projects, ElementsAre("p", "p", "p"));
+}
+
+TEST(ListPosteriors, KeepsOnlyTheSceneThatIsAskedFor) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.pages = {PageWith({"a", "b"}), PageWith({"b"})};
+  const auto scenes = ListPosteriors(daemon.address(), "", "b");
+  ASSERT_TRUE(scenes.ok());
+  EXPECT_EQ(scenes->size(), 2U);
+  EXPECT_TRUE(ListPosteriors(daemon.address(), "", "z")->empty());
+}
+
+v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
+  v1::WatchPosteriorsResponse event;
+  event.mutable_decision()->set_scene("s");
+  event.mutable_decision()->set_decision_id(id);
+  event.mutable_decision()->set_active_arm("SAP");
+  return event;
+}
+
+TEST(WatchPosteriors, HandsOnEachEventUntilTheDaemonEnds) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.events = {DecisionOf(1), DecisionOf(2), DecisionOf(3)};
+  std::vector<uint64_t> seen;
+  const Status status = WatchPosteriors(
+      daemon.address(), "p", "s", [] { return false; },
+      [&](const v1::WatchPosteriorsResponse& event) {
+        seen.push_back(event.decision().decision_id());
+      });
+  EXPECT_THAT(seen, ElementsAre(1, 2, 3));
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+  EXPECT_THAT(status.message(), HasSubstr("ended the watch"));
+  EXPECT_EQ(daemon.posteriors.watched_scene, "s");
+}
+
+TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.events = {DecisionOf(1)};
+  daemon.posteriors.ends_the_watch = false;
+  std::atomic<bool> stopped = false;
+  const Status status = WatchPosteriors(
+      daemon.address(), "", "", [&] { return stopped.load(); },
+      [&](const v1::WatchPosteriorsResponse&) { stopped = true; });
+  EXPECT_TRUE(status.ok()) << status.message();
+}
+
+TEST(WatchCommand, PrintsEventsAsTheyComeAndEndsWithThreeWhenTheDaemonGoes) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.events = {DecisionOf(7)};
+  daemon.posteriors.events.emplace_back().mutable_posterior()->set_scene("arena");
+  const CommandRun run = RunCommand("watch --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.out, HasSubstr("s: decision 7, SAP"));
+  EXPECT_THAT(run.out, HasSubstr(" / arena"));
+  EXPECT_THAT(run.err, HasSubstr("ended the watch"));
+}
+
+TEST(WatchCommand, SaysOnceThatThereIsNothingYet) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.pages = {PageWith({})};
+  const CommandRun run = RunCommand("watch --once --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.out, "The daemon has no posteriors of this yet\n");
+}
+
+PriorRecord SomeRecord(uint64_t sequence) {
+  return {.project = "p",
+          .scene = "s",
+          .context_bucket = "c",
+          .arm = "SAP",
+          .backend_version = 3,
+          .machine_class = "m",
+          .reward_version = 2,
+          .source_id = "session",
+          .source_sequence = sequence,
+          .alpha_increment = 1.5,
+          .beta_increment = 2.25,
+          .window_count = 4,
+          .bail_out_count = 1};
+}
+
+TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
+  FakeDaemonServices daemon;
+  std::vector<PriorRecord> records;
+  for (uint64_t i = 1; i <= 450; ++i) records.push_back(SomeRecord(i));
+  const auto result = ImportPriors(daemon.address(), records);
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  EXPECT_THAT(daemon.priors.imported_sizes, ElementsAre(200, 200, 50));
+  EXPECT_EQ(daemon.priors.imported.back().source_sequence(), 450U);
+  EXPECT_EQ(result->applied_count, 449U);
+  EXPECT_EQ(result->unchanged_count, 1U);
+}
+
+TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
+  FakeDaemonServices daemon;
+  daemon.priors.import_status = {grpc::StatusCode::INVALID_ARGUMENT, "record 0 has no arm"};
+  const auto result = ImportPriors(daemon.address(), std::vector{SomeRecord(1)});
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(result.status().message(), "record 0 has no arm");
+}
+
+TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
+  FakeDaemonServices daemon;
+  const PriorRecord record = SomeRecord(9);
+  ASSERT_TRUE(ImportPriors(daemon.address(), std::vector{record}).ok());
+  daemon.priors.parts.resize(2);
+  *daemon.priors.parts[1].add_records() = daemon.priors.imported.at(0);
+  const auto records = ExportPriors(daemon.address(), "p", "s");
+  ASSERT_TRUE(records.ok()) << records.status().message();
+  ASSERT_EQ(records->size(), 1U);
+  EXPECT_EQ(FormatPriors(*records), FormatPriors(std::vector{record}));
+  EXPECT_EQ(daemon.priors.export_request.project(), "p");
+  EXPECT_EQ(daemon.priors.export_request.scene(), "s");
+}
+
+TEST(PriorsCommand, ExportsAFileThatImportReads) {
+  FakeDaemonServices daemon;
+  ASSERT_TRUE(ImportPriors(daemon.address(), std::vector{SomeRecord(1), SomeRecord(2)}).ok());
+  daemon.priors.parts.resize(1);
+  for (const v1::PriorRecord& record : daemon.priors.imported) {
+    *daemon.priors.parts[0].add_records() = record;
+  }
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  const std::string at = " --daemon " + daemon.address();
+  EXPECT_EQ(RunCommand("priors export --out " + file + at).out, file + ": 2 records\n");
+  daemon.priors.imported.clear();
+  EXPECT_EQ(RunCommand("priors import --in " + file + at).out,
+            file + ": 1 of 2 records were new or newer, 1 were known already\n");
+  EXPECT_EQ(daemon.priors.imported.size(), 2U);
+}
+
+TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {
+  FakeDaemonServices daemon;
+  const CommandRun run =
+      RunCommand("priors export --out /nonexistent/p.json --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("/nonexistent/p.json"));
+}
+
+v1::ListAuditSegmentsResponse SegmentsOf(const std::string& session, uint64_t row_count) {
+  v1::ListAuditSegmentsResponse part;
+  v1::AuditSegment& segment = *part.add_segments();
+  segment.set_session_id(session);
+  segment.set_segment(2);
+  segment.set_project("p");
+  segment.set_scene("s");
+  segment.set_unix_start_ms(1'700'000'000'000);
+  segment.set_row_count(row_count);
+  return part;
+}
+
+TEST(AuditCommand, ListsTheSegmentsOfAllParts) {
+  FakeDaemonServices daemon;
+  daemon.audit.segments = {SegmentsOf("one", 5), SegmentsOf("two", 7)};
+  const auto rows = ListAudit(daemon.address(), {});
+  ASSERT_TRUE(rows.ok());
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_EQ((*rows)[1].session_id, "two");
+  EXPECT_EQ((*rows)[1].row_count, 7U);
+  const CommandRun run = RunCommand("audit list --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, HasSubstr("one"));
+  EXPECT_THAT(run.out, HasSubstr("2023-11-14 22:13:20")) << "UTC";
+}
+
+TEST(AuditCommand, SaysWhenThereIsNoLog) {
+  FakeDaemonServices daemon;
+  EXPECT_EQ(RunCommand("audit list --daemon " + daemon.address()).out,
+            "The daemon has no log of this\n");
+}
+
+TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
+  FakeDaemonServices daemon;
+  daemon.audit.parts.resize(2);
+  daemon.audit.parts[0].set_header("a,b");
+  daemon.audit.parts[0].add_rows("1,2");
+  daemon.audit.parts[1].add_rows("3,4");
+  const TemporaryDirectory folder;
+  const auto count =
+      ExportAudit(daemon.address(), {.session_id = "id", .project = "p", .scene = "s"},
+                  folder.path() / "log.csv");
+  ASSERT_TRUE(count.ok()) << count.status().message();
+  EXPECT_EQ(*count, 2U);
+  std::ostringstream text;
+  text << std::ifstream(folder.path() / "log.csv").rdbuf();
+  EXPECT_EQ(text.str(), "a,b\n1,2\n3,4\n");
+  EXPECT_EQ(daemon.audit.export_request.session_id(), "id");
+}
+
+TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
+  FakeDaemonServices daemon;
+  daemon.audit.parts.resize(1);
+  daemon.audit.parts[0].set_header("a,b");
+  daemon.audit.export_status = {grpc::StatusCode::NOT_FOUND, "no session id"};
+  const TemporaryDirectory folder;
+  const auto count = ExportAudit(daemon.address(), {}, folder.path() / "log.csv");
+  EXPECT_EQ(count.status().code(), StatusCode::kNotFound);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

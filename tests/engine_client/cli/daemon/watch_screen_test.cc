@@ -1,0 +1,69 @@
+#include "engine_client/cli/daemon/watch_screen.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace sweepstake::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+v1::WatchPosteriorsResponse PosteriorOf(const std::string& scene, uint64_t source_count) {
+  v1::WatchPosteriorsResponse event;
+  event.mutable_posterior()->set_project("p");
+  event.mutable_posterior()->set_scene(scene);
+  event.mutable_posterior()->set_source_count(source_count);
+  return event;
+}
+
+v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
+  v1::WatchPosteriorsResponse event;
+  event.mutable_decision()->set_scene("arena");
+  event.mutable_decision()->set_decision_id(id);
+  event.mutable_decision()->set_active_arm("SAP");
+  return event;
+}
+
+TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
+  std::ostringstream out;
+  WatchScreen screen(out, false);
+  screen.Show(PosteriorOf("arena", 1));
+  screen.Show(DecisionOf(5));
+  EXPECT_THAT(out.str(), StartsWith("p / arena"));
+  EXPECT_THAT(out.str(), HasSubstr("arena: decision 5, SAP"));
+  EXPECT_THAT(out.str(), Not(HasSubstr("\x1b")));
+  out.str("");
+  screen.Show(PosteriorOf("desert", 1));
+  EXPECT_THAT(out.str(), Not(HasSubstr("arena")));
+}
+
+TEST(WatchScreen, OnATerminalClearsItAndDrawsTheLegend) {
+  std::ostringstream out;
+  WatchScreen screen(out, true);
+  screen.Show(PosteriorOf("arena", 1));
+  EXPECT_THAT(out.str(), StartsWith("\x1b[H\x1b[2J|: mean"));
+  EXPECT_THAT(out.str(), HasSubstr("p / arena"));
+}
+
+TEST(WatchScreen, OnATerminalDrawsAtMostFiveTimesASecond) {
+  std::ostringstream out;
+  WatchScreen screen(out, true);
+  screen.Show(PosteriorOf("arena", 1));
+  const std::string drawn = out.str();
+  screen.Show(DecisionOf(1));
+  EXPECT_EQ(out.str(), drawn);
+}
+
+TEST(WatchScreen, AnEventWithoutContentPrintsNothing) {
+  std::ostringstream out;
+  WatchScreen screen(out, false);
+  screen.Show({});
+  EXPECT_EQ(out.str(), "");
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

@@ -1,0 +1,187 @@
+#include "engine_client/cli/game/run_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using test_support::TemporaryDirectory;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr uint64_t kSecond = 1'000'000'000;
+
+// Two arms, three frames per second of the first, and one switch.
+RunSummary SomeSummary() {
+  RunSummary summary;
+  summary.setup = {{"suite-b", 100, 7}, "ai", "embedded", "", "project p"};
+  summary.frame_count = 40;
+  summary.active_arm = "Grid";
+  summary.arms = {{"SAP", 2, {"SAP", 3, 1}, {30, 10 * kSecond, 6 * kSecond}},
+                  {"Grid", 5, {"Grid", 1, 7}, {10, 30 * kSecond, kSecond}}};
+  summary.session.beliefs = {summary.arms[0].belief, summary.arms[1].belief};
+  summary.switches = {{12, 1.25, "SAP", "Grid", SwitchReason::kBailOut, 1000, 2000}};
+  summary.verdict = {"stable", "SAP", 0.875};
+  summary.verdict_changes = {{20, 2.5, {"tie", "Grid", 0.5}}};
+  return summary;
+}
+
+std::string FileText(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+TEST(RunSummary, AddsUpItsArms) {
+  const RunSummary summary = SomeSummary();
+  EXPECT_EQ(summary.active_ns(), 40 * kSecond);
+  EXPECT_EQ(summary.fps(), 1);
+  EXPECT_EQ(summary.arms[0].mean(), 0.75);
+  EXPECT_EQ(summary.arms[0].evidence(), 4);
+  EXPECT_EQ(summary.arms[0].fps(), 3);
+  EXPECT_EQ(summary.arms[0].detection_ms(), 200);
+  EXPECT_EQ(summary.SwitchCount(SwitchReason::kBailOut), 1U);
+  EXPECT_EQ(summary.SwitchCount(SwitchReason::kPolicy), 0U);
+}
+
+TEST(RunSummary, OfARunWithoutAFrameDividesByNothing) {
+  const RunSummary summary;
+  EXPECT_EQ(summary.fps(), 0);
+  EXPECT_EQ(summary.shadow_busy_ratio(), 0);
+  EXPECT_EQ(summary.shadow_copy_ns_per_frame(), 0);
+  EXPECT_EQ(ArmRow().fps(), 0);
+  EXPECT_EQ(ArmRow().detection_ms(), 0);
+  EXPECT_EQ(ArmRow().mean(), 0.5);
+}
+
+TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
+  const std::string text = RunReportText(SomeSummary());
+  EXPECT_THAT(text, HasSubstr("\nPosteriors learnt in suite-b with 100 objects (no priors yet"));
+  EXPECT_THAT(text, HasSubstr("arm    mean  alpha  beta     n  active_s  active_%  frames  fps"));
+  EXPECT_THAT(text, HasSubstr("SAP   0.750   3.00  1.00  4.00      10.0      25.0      30    3"));
+  EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s, 1 frames/s\n"));
+  EXPECT_THAT(text, HasSubstr("no samples dropped\n"));
+  EXPECT_THAT(text, HasSubstr("1 switches: 1 bail-out\n"));
+  EXPECT_THAT(text, HasSubstr("Verdict: stable: SAP is the best with probability 0.88\n"));
+  EXPECT_THAT(text, Not(HasSubstr("Nothing was learnt")));
+}
+
+TEST(RunReportText, SaysWhenNothingWasLearnt) {
+  RunSummary summary = SomeSummary();
+  summary.session.beliefs.clear();
+  summary.verdict = {};
+  const std::string text = RunReportText(summary);
+  EXPECT_THAT(text, HasSubstr("Nothing was learnt yet: these are Beta(1,1)\n"));
+  EXPECT_THAT(text, HasSubstr("Verdict: unknown\n"));
+}
+
+TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
+  const nlohmann::ordered_json document = RunReportJson(SomeSummary());
+  EXPECT_EQ(document["command"], "run");
+  EXPECT_EQ(document["scene"], "suite-b");
+  EXPECT_EQ(document["objects"], 100);
+  EXPECT_EQ(document["seed"], 7);
+  EXPECT_EQ(document["frames"], 40);
+  EXPECT_EQ(document["seconds"], 40);
+  EXPECT_EQ(document["active_arm"], "Grid");
+  EXPECT_EQ(document["arms"][1]["arm"], "Grid");
+  EXPECT_EQ(document["arms"][1]["beta"], 7);
+  EXPECT_EQ(document["arms"][0]["detection_ms"], 200);
+  EXPECT_EQ(document["switches_by_reason"]["bail-out"], 1);
+  EXPECT_EQ(document["switches_by_reason"].size(), 4U);
+  EXPECT_EQ(document["switches"][0]["to"], "Grid");
+  EXPECT_EQ(document["switches"][0]["time_s"], 1.25);
+  EXPECT_EQ(document["verdict"], "stable");
+  EXPECT_EQ(document["leader_arm"], "SAP");
+  EXPECT_EQ(document["verdict_changes"][0]["verdict"], "tie");
+  EXPECT_EQ(document["verdict_changes"][0]["frame"], 20);
+}
+
+TEST(RunReportJson, LeavesOutALeaderThatIsUnknown) {
+  RunSummary summary = SomeSummary();
+  summary.verdict = {};
+  const nlohmann::ordered_json document = RunReportJson(summary);
+  EXPECT_EQ(document["verdict"], "unknown");
+  EXPECT_FALSE(document.contains("leader_arm"));
+}
+
+TEST(WriteRunReportCsv, WritesARowPerSwitchAndPerArm) {
+  const TemporaryDirectory folder;
+  ASSERT_TRUE(WriteRunReportCsv(SomeSummary(), folder.path()).ok());
+  EXPECT_EQ(FileText(folder.path() / "switches.csv"),
+            "frame,time_s,from,to,reason,rebuild_time_ns,settling_cost_ns\r\n"
+            "12,1.250000,SAP,Grid,bail-out,1000,2000\r\n");
+  EXPECT_EQ(FileText(folder.path() / "posteriors.csv"),
+            "arm,backend_version,alpha,beta,mean,n,active_s,frames\r\n"
+            "SAP,2,3.000000000,1.000000000,0.750000000,4.000000000,10.000000,30\r\n"
+            "Grid,5,1.000000000,7.000000000,0.125000000,8.000000000,30.000000,10\r\n");
+}
+
+TEST(WriteRunReportCsv, NamesTheFileThatCannotBeWritten) {
+  const Status status = WriteRunReportCsv(SomeSummary(), "/nonexistent");
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("/nonexistent/switches.csv"));
+}
+
+TEST(PriorsText, SaysWhereTheRunStartsFrom) {
+  RunSetup setup;
+  SessionStats session;
+  EXPECT_EQ(PriorsText(setup, session), "no priors yet: every arm starts from Beta(1,1)");
+  session.prior_source_count = 1;
+  EXPECT_EQ(PriorsText(setup, session), "starts from priors of 1 earlier session");
+  session.prior_source_count = 3;
+  EXPECT_EQ(PriorsText(setup, session), "starts from priors of 3 earlier sessions");
+  setup.priors_file = "p.json";
+  setup.priors_key = "project p";
+  EXPECT_EQ(PriorsText(setup, session), "starts from priors of 3 earlier sessions");
+  session.prior_source_count = 0;
+  EXPECT_EQ(
+      PriorsText(setup, session),
+      "p.json has no priors of these backends for project p: every arm starts from Beta(1,1)");
+}
+
+TEST(SwitchText, SaysWhenWhichAndWhy) {
+  EXPECT_EQ(SwitchText(SomeSummary().switches[0]), "1.2 s  frame 12: SAP → Grid (bail-out)");
+  EXPECT_EQ(VerdictChangeText(SomeSummary().verdict_changes[0]),
+            "2.5 s  frame 20: verdict tie: Grid is the best with probability 0.50");
+}
+
+TEST(ShadowText, SaysWhyThereIsNoLaneOrWhatItCost) {
+  RunSummary summary = SomeSummary();
+  summary.shadow.state = ShadowState::kNoSpareCore;
+  summary.shadow.cold_switch_count = 2;
+  EXPECT_EQ(ShadowText(summary), "Shadow lane: off, no core to spare; 0 warm and 2 cold switches");
+  summary.shadow = {.state = ShadowState::kRunning,
+                    .sweep_count = 2,
+                    .visit_count = 9,
+                    .busy_time_ns = 4 * kSecond,
+                    .copy_time_ns = 8000,
+                    .warm_switch_count = 1};
+  EXPECT_EQ(ShadowText(summary),
+            "Shadow lane: running, 9 visits in 2 sweeps, 10.0 % of its thread's time, copying took "
+            "200 ns per frame; 1 warm and 0 cold switches");
+}
+
+TEST(BeliefsText, ListsTheArmsBestFirst) {
+  const ArmBelief beliefs[] = {{"SAP", 1, 1}, {"Grid", 4.5, 1.5}, {"KDTree", 19.5, 4.5}};
+  EXPECT_EQ(BeliefsText(beliefs), "KDTree 0.81 (n 24) · Grid 0.75 (6) · SAP 0.50 (2)");
+  EXPECT_EQ(BeliefsText({}), "");
+}
+
+TEST(DroppedText, SaysWhatALossMeans) {
+  EXPECT_EQ(DroppedText(0, 10), "no samples dropped");
+  const std::string text = DroppedText(3, 10);
+  EXPECT_THAT(text, HasSubstr("3 of 10 samples"));
+  EXPECT_THAT(text, HasSubstr("frames themselves were not affected"));
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
