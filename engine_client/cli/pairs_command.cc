@@ -42,6 +42,14 @@ void PrintPairsJson(const PairsOptions& options, const PairBuffer& pairs, std::o
   PrintJson(document, out, -1);
 }
 
+std::string PairsText(const PairBuffer& pairs) {
+  std::string text;
+  for (const OverlapPair& pair : pairs.pairs()) {
+    text += std::to_string(pair.a) + ' ' + std::to_string(pair.b) + '\n';
+  }
+  return text;
+}
+
 int RunPairs(const PairsOptions& options, Terminal& terminal) {
   auto arm = MakeBroadPhase(options.arm);
   if (!arm.ok()) return Fail(terminal, arm.status());
@@ -51,7 +59,7 @@ int RunPairs(const PairsOptions& options, Terminal& terminal) {
   if (options.json) {
     PrintPairsJson(options, pairs, terminal.out);
   } else {
-    for (const OverlapPair& pair : pairs.pairs()) terminal.out << pair.a << ' ' << pair.b << '\n';
+    PrintText(terminal, PairsText(pairs));
   }
   return kDone;
 }

@@ -210,7 +210,7 @@ class Player {
       progress_.Line(line);
     } else {
       progress_.ClearBar();
-      terminal_.out << line << std::endl;
+      PrintText(terminal_, line + '\n');
     }
   }
 

@@ -9,12 +9,14 @@ void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int in
       << '\n';
 }
 
+void PrintText(Terminal& terminal, const std::string& text) { terminal.out << text << std::flush; }
+
 void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
                  const std::string& text) {
   if (as_json) {
     PrintJson(document, terminal.out);
   } else {
-    terminal.out << text;
+    PrintText(terminal, text);
   }
 }
 

@@ -13,6 +13,9 @@ namespace sweepstake::cli {
 // UTF-8, which the name of a file may hold, become U+FFFD.
 void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int indent = 2);
 
+// Prints `text` (whole lines) on `terminal.out` and flushes it.
+void PrintText(Terminal& terminal, const std::string& text);
+
 // Prints either `document` or `text` (whole lines) on `terminal.out`.
 void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
                  const std::string& text);
