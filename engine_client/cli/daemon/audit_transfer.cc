@@ -21,9 +21,9 @@ Request RequestOf(const AuditSelection& selection) {
   return request;
 }
 
-AuditSegmentRow FromWire(const v1::AuditSegment& wire) {
-  return {wire.session_id(), wire.segment(),       wire.project(),
-          wire.scene(),      wire.unix_start_ms(), wire.row_count()};
+AuditSegmentRow FromProto(const v1::AuditSegment& message) {
+  return {message.session_id(), message.segment(),       message.project(),
+          message.scene(),      message.unix_start_ms(), message.row_count()};
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ Result<std::vector<AuditSegmentRow>> ListAudit(const std::string& address,
   std::vector<AuditSegmentRow> segments;
   v1::ListAuditSegmentsResponse part;
   while (reader->Read(&part)) {
-    for (const v1::AuditSegment& wire : part.segments()) segments.push_back(FromWire(wire));
+    for (const v1::AuditSegment& message : part.segments()) segments.push_back(FromProto(message));
   }
   const Status status = ToStatus(reader->Finish(), address);
   if (!status.ok()) return status;

@@ -153,15 +153,41 @@ TEST(EmbeddedDecider, DecidesTheSameFromTheSameSeed) {
 }
 
 TEST(EmbeddedDecider, TellsEveryDecisionInOrder) {
-  std::vector<uint64_t> told;
+  std::vector<DecisionEvent> told;
   EmbeddedOptions options = PaperOptions();
-  options.on_decision = [&](const DecisionEvent& event) { told.push_back(event.decision_id); };
+  options.on_decision = [&](const DecisionEvent& event) { told.push_back(event); };
   const auto decider = MakeDecider(options);
   Game game({30, 60, 15});
   game.RunFor(*decider, 100'000);
   ASSERT_GT(told.size(), 10U);
   ASSERT_EQ(told.size(), decider->decision_count());
-  for (size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], i + 1);
+  for (size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].decision_id, i + 1);
+}
+
+TEST(EmbeddedDecider, TellsWithADecisionWhatItBelievesAndCommands) {
+  std::vector<DecisionEvent> told;
+  EmbeddedOptions options = PaperOptions();
+  options.on_decision = [&](const DecisionEvent& event) { told.push_back(event); };
+  const auto decider = MakeDecider(options);
+  Game game({30, 60, 15});
+  game.RunFor(*decider, 100'000);
+  std::vector<uint32_t> commanded;
+  for (const DecisionEvent& event : told) {
+    if (event.command) commanded.push_back(event.command->arm);
+  }
+  ASSERT_EQ(commanded.size(), game.commands.size());
+  for (size_t i = 0; i < commanded.size(); ++i) EXPECT_EQ(commanded[i], game.commands[i].arm);
+  const std::vector<ArmBelief> beliefs = decider->beliefs();
+  ASSERT_EQ(told.back().beliefs.size(), beliefs.size());
+  for (size_t arm = 0; arm < beliefs.size(); ++arm) {
+    EXPECT_EQ(told.back().beliefs[arm].arm, beliefs[arm].arm);
+    EXPECT_EQ(told.back().beliefs[arm].alpha, beliefs[arm].alpha);
+    EXPECT_EQ(told.back().beliefs[arm].beta, beliefs[arm].beta);
+  }
+  EXPECT_EQ(told.back().verdict.verdict, decider->verdict().verdict);
+  EXPECT_EQ(told.back().best_probability[decider->verdict().leader_arm],
+            decider->verdict().leader_probability);
+  EXPECT_TRUE(told.back().reward);
 }
 
 TEST(EmbeddedDecider, AnswersABailOutAtOnce) {

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "engine_client/telemetry/proto_conversion.h"
-
 namespace sweepstake {
 namespace {
 
@@ -132,20 +130,6 @@ TEST_F(EvidenceIntakeTest, PausesWhileTheSessionIsFullAndLetsTheQueueDrop) {
   state_.OnAcknowledgement(4);
   intake_.Pump(0);
   EXPECT_EQ(Sent()[0].frame_batch().dropped_frame_count(), 36U);
-}
-
-TEST(ProtoConversion, RefusesAnArmTheSessionDoesNotHave) {
-  v1::SwitchCommand command;
-  command.set_command_id(4);
-  command.set_arm(99);
-  command.set_reason(v1::SWITCH_REASON_POLICY);
-  const v1::SwitchOutcome outcome = RefusalToProto(command, 2, 3).switch_outcome();
-  EXPECT_EQ(outcome.command_id(), 4U);
-  EXPECT_EQ(outcome.arm(), 2U);
-  EXPECT_EQ(outcome.switch_epoch(), 3U);
-  EXPECT_FALSE(outcome.executed());
-  EXPECT_EQ(outcome.reason(), v1::SWITCH_REASON_POLICY);
-  EXPECT_NE(outcome.error().find("99"), std::string::npos);
 }
 
 }  // namespace

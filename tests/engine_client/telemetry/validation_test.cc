@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-
-#include "engine_client/telemetry/validation.h"
+#include <string>
 
 namespace sweepstake {
 namespace {
@@ -37,20 +36,37 @@ TEST(SessionOptions, NamesTheOptionThatIsWrong) {
   EXPECT_EQ(complaint([](auto& o) { o.backoff_max_ms = 1; }), "backoff_min_ms");
 }
 
-TEST(NameLimits, TakePrintableUtf8UpToTheLimit) {
+TEST(Names, TakePrintableUtf8UpToTheLimit) {
   EXPECT_TRUE(IsName("Hurricane <3> \"x\"; DROP TABLE"));
   EXPECT_TRUE(IsName("\xC3\xA4\xE2\x82\xAC\xF0\x9F\x8C\x80"));
   EXPECT_TRUE(IsName(std::string(128, 'x')));
   EXPECT_FALSE(IsName(std::string(129, 'x')));
 }
 
-TEST(NameLimits, RejectControlCharactersAndBrokenUtf8) {
+TEST(Names, RejectControlCharactersAndBrokenUtf8) {
   using namespace std::string_view_literals;
   for (const std::string_view broken :
        {"a\0b"sv, "\x1F"sv, "\x7F"sv, "\xC2\x85"sv, "\x80"sv, "\xC3"sv, "\xC0\xAF"sv,
         "\xE0\x80\xAF"sv, "\xED\xA0\x80"sv, "\xF4\x90\x80\x80"sv, "\xF5\x80\x80\x80"sv,
         "\xE2\x28\xA1"sv}) {
     EXPECT_FALSE(IsName(broken)) << ::testing::PrintToString(broken);
+  }
+}
+
+TEST(DaemonAddress, TakesHostNamesAndBothKindsOfIpAddresses) {
+  for (const char* address :
+       {"localhost:1", "127.0.0.1:65535", "[::1]:7411", "daemon-1.studio.example:7411"}) {
+    EXPECT_TRUE(ValidateDaemonAddress(address).ok()) << address;
+  }
+}
+
+TEST(DaemonAddress, SaysHowToWriteOne) {
+  for (const char* address :
+       {"", ":", "host", "host:", ":80", "host:0", "host:65536", "host:-1", "host:8x", "::1:80",
+        "[]:80", "ho st:80", "unix:/tmp/x", "dns://x/host:80"}) {
+    const Status status = ValidateDaemonAddress(address);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << address;
+    EXPECT_THAT(status.message(), ::testing::HasSubstr("HOST:PORT"));
   }
 }
 
