@@ -15,6 +15,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake::server {
 namespace {
@@ -268,9 +269,10 @@ std::string FlagOf(const std::string& key) {
 
 absl::Status UnknownName(std::string_view what, std::string_view name,
                          std::span<const std::string> known) {
+  const std::vector<std::string_view> names(known.begin(), known.end());
   return absl::InvalidArgumentError(absl::StrCat("unknown ", std::string(what), " ",
                                                  std::string(name), "; did you mean ",
-                                                 NearestName(name, known), "?"));
+                                                 std::string(math::NearestName(name, names)), "?"));
 }
 
 bool IsOfKubernetes(const std::string& variable) {
@@ -423,26 +425,6 @@ std::string PrintConfig(const Config& config) {
                     " = ", setting.get(config), "  # ", setting.help, "\n");
   }
   return text;
-}
-
-std::string NearestName(std::string_view name, std::span<const std::string> known) {
-  // Levenshtein's distance, row by row.
-  const auto distance = [name](std::string_view other) {
-    std::vector<size_t> row(other.size() + 1);
-    for (size_t j = 0; j < row.size(); ++j) row[j] = j;
-    for (size_t i = 1; i <= name.size(); ++i) {
-      size_t diagonal = std::exchange(row[0], i);
-      for (size_t j = 1; j < row.size(); ++j) {
-        const size_t replaced = diagonal + (name[i - 1] == other[j - 1] ? 0 : 1);
-        diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
-      }
-    }
-    return row.back();
-  };
-  const auto nearest =
-      std::min_element(known.begin(), known.end(),
-                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-  return nearest == known.end() ? std::string() : *nearest;
 }
 
 }  // namespace sweepstake::server

@@ -59,7 +59,4 @@ absl::Status Validate(const Config& config);
 // Every setting and its value, as a TOML file that ReadConfigFile takes.
 std::string PrintConfig(const Config& config);
 
-// The name of `known` with the smallest edit distance to `name`.
-std::string NearestName(std::string_view name, std::span<const std::string> known);
-
 }  // namespace sweepstake::server

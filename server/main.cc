@@ -16,6 +16,7 @@
 
 #include "server/config.h"
 #include "server/daemon.h"
+#include "server/decision/math/names.h"
 #include "server/exit_guard.h"
 #include "server/rpc/common/decision_loop.h"
 
@@ -111,11 +112,12 @@ int CheckConfig(const std::string& file) {
 }
 
 std::string UnknownFlag(const std::string& flag) {
-  std::vector<std::string> known = {"--config", "--print-config", "--help", "--version",
-                                    "check-config"};
-  for (const auto& setting : sweepstake::server::DescribeSettings()) known.push_back(setting.flag);
+  const auto settings = sweepstake::server::DescribeSettings();
+  std::vector<std::string_view> known = {"--config", "--print-config", "--help", "--version",
+                                         "check-config"};
+  for (const auto& setting : settings) known.push_back(setting.flag);
   return "unknown argument " + flag + "; did you mean " +
-         sweepstake::server::NearestName(flag, known) + "?";
+         std::string(sweepstake::math::NearestName(flag, known)) + "?";
 }
 
 // Blocked before any thread starts, so that only sigwait sees them.

@@ -1,9 +1,12 @@
 #include "server/rpc/common/message_validation.h"
 
+#include <algorithm>
 #include <set>
+#include <span>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "server/decision/math/names.h"
 #include "server/decision/policy/policy.h"
 #include "server/rpc/common/options.h"
 
@@ -60,12 +63,9 @@ absl::Status CheckNames(const v1::Hello& hello) {
 }
 
 absl::Status CheckPolicy(const std::string& policy) {
-  std::string valid;
-  for (const std::string_view name : decision::PolicyNames()) {
-    if (policy == name) return absl::OkStatus();
-    absl::StrAppend(&valid, valid.empty() ? "" : ", ", std::string(name));
-  }
-  return Invalid(absl::StrCat("policy ", policy, " is unknown; there are: ", valid));
+  const std::span<const std::string_view> valid = decision::PolicyNames();
+  if (std::find(valid.begin(), valid.end(), policy) != valid.end()) return absl::OkStatus();
+  return Invalid(math::UnknownName("policy", policy, valid));
 }
 
 absl::Status CheckColumns(const v1::FrameBatch& batch) {

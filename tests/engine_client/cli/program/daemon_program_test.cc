@@ -84,7 +84,7 @@ TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithTwoAndItsWords) {
       RunProgram("run --scene suite-b --objects 100 --policy coin --duration 10m --daemon " +
                  daemon.address());
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("refuses the session: policy coin is unknown; there are: "));
+  EXPECT_THAT(run.err, HasSubstr("refuses the session: unknown policy 'coin', must be one of "));
   EXPECT_EQ(run.out, "");
 }
 
