@@ -32,9 +32,9 @@ class ScriptedGame {
                ArmCostsMs costs_ms = kScriptedCosts);
   ~ScriptedGame();
 
-  // Runs frames until `done` says so or `frame_limit` frames have run; true when `done` did. Waits
-  // for the sender between frames, never inside one, so that the queue drops nothing while the
-  // daemon is there.
+  // Runs frames until `done` returns true or `frame_limit` frames have run; returns the former. It
+  // waits for the sender between frames, never inside one, so that the queue drops nothing while
+  // the daemon runs.
   bool RunUntil(const std::function<bool(const SessionStats&)>& done,
                 uint64_t frame_limit = 5'000'000);
   // Runs `count` frames without looking at the session at all.

@@ -1,5 +1,5 @@
-// A daemon for tests: speaks sweepstake.v1 on a port of its own, keeps what it receives, and does
-// what it is told.
+// A daemon for tests: it speaks sweepstake.v1 on a port of its own, records what it receives, and
+// answers as the test says.
 //
 // Thread safety: all methods from the test's thread; the stream's own thread only reads the script
 // and records.
@@ -39,8 +39,7 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   // Port 0 takes a free one; a port that was ours before brings the daemon back to the same
   // address.
   void Start(int port = 0);
-  // Breaks all streams off, as kill -9 does; what it knew of sessions is kept (on disk, so to
-  // speak).
+  // Breaks off all streams, as kill -9 does. What it knew of sessions is kept, as on a disk.
   void Kill();
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
@@ -52,8 +51,8 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   // To the connection that is open. False: there is none.
   bool Send(const v1::StreamTelemetryResponse& response);
 
-  // Waits until `condition` holds for what was received; the test's own time limit ends a wait in
-  // vain.
+  // Waits until `condition` holds for what was received. The test's time limit ends a wait that
+  // never succeeds.
   void WaitUntil(const std::function<bool(const FakeDaemon&)>& condition);
 
   // What was received so far, in order, over all connections. Inside WaitUntil's condition only, or

@@ -1,8 +1,8 @@
 /* The part of the C ABI for objects by handle, filters, static objects, pair events and queries;
  * c_api.h includes it and says what holds for all: threads, ownership, units, results.
  *
- * As in sweepstake/proxy_set.h, which says what each function costs. A frame, with a world or a
- * session:
+ * The functions mirror sweepstake/proxy_set.h, which says what each of them costs. A frame, with a
+ * world or a session:
  *
  *   swp_proxies_move(proxies, handles, boxes, count);
  *   swp_proxies_moving_boxes(proxies, &moving, &moving_count);
@@ -10,8 +10,8 @@
  *   swp_world_find_pairs(world, pairs, capacity, &pair_count);
  *   swp_proxies_resolve(proxies, pairs, pair_count, resolved, resolved_capacity, &resolved_count);
  *
- * One thread at a time. A handle whose proxy was removed, or that never had one, is SWP_NOT_FOUND
- * and changes nothing.
+ * One thread at a time may use a set. A handle of a removed proxy, or one that never had a proxy,
+ * is SWP_NOT_FOUND and changes nothing.
  */
 #ifndef SWEEPSTAKE_C_PROXIES_H_
 #define SWEEPSTAKE_C_PROXIES_H_
@@ -28,16 +28,16 @@ extern "C" {
 
 typedef struct swp_proxies swp_proxies;
 
-/* Which proxy; all zero is none. `index` is its id in pairs while it lives. */
+/* A handle of a proxy; all zero means no proxy. `index` is its id in pairs while it lives. */
 typedef struct swp_proxy {
   uint32_t index;
   uint32_t generation;
 } swp_proxy;
 
-/* Set in the ids of static proxies, and only there. */
+/* This bit is set in the ids of static proxies, and only there. */
 #define SWP_STATIC_PROXY_BIT 0x80000000U
 
-/* Two proxies form a pair when each one's category has a bit of the other's mask. */
+/* Two proxies may form a pair when the category of each shares a bit with the mask of the other. */
 typedef struct swp_filter {
   uint32_t category;
   uint32_t mask;
@@ -47,7 +47,7 @@ typedef struct swp_proxy_options {
   swp_filter filter;
   uint32_t is_static; /* 1: paired with moving proxies only */
   uint32_t reserved;  /* 0 */
-  uint64_t user;      /* the caller's own word */
+  uint64_t user;      /* any value of the caller */
 } swp_proxy_options;
 
 /* a.index < b.index. */
@@ -56,7 +56,7 @@ typedef struct swp_proxy_pair {
   swp_proxy b;
 } swp_proxy_pair;
 
-/* The points origin + t * direction, t from 0 to max_distance; all values finite. */
+/* A ray is the points origin + t * direction, t from 0 to max_distance; all values are finite. */
 typedef struct swp_ray {
   float origin[3];
   float direction[3];
@@ -81,11 +81,11 @@ SWP_API swp_result swp_proxies_options_init(swp_proxies_options* options);
 SWP_API swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** proxies);
 SWP_API void swp_proxies_destroy(swp_proxies* proxies);
 
-/* `options` NULL: moving, category 1, mask all, user 0. */
+/* `options` NULL makes a moving proxy with category 1, all bits in its mask and user 0. */
 SWP_API swp_result swp_proxies_add(swp_proxies* proxies, const swp_aabb* box,
                                    const swp_proxy_options* options, swp_proxy* proxy);
 SWP_API swp_result swp_proxies_remove(swp_proxies* proxies, swp_proxy proxy);
-/* boxes[k] to moved[k], for all or, where one is SWP_NOT_FOUND, for none. */
+/* Gives boxes[k] to moved[k]. Where one handle is SWP_NOT_FOUND, no proxy is moved. */
 SWP_API swp_result swp_proxies_move(swp_proxies* proxies, const swp_proxy* moved,
                                     const swp_aabb* boxes, uint32_t count);
 SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, swp_filter filter);
@@ -93,45 +93,46 @@ SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, u
 /* Either output may be NULL. */
 SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
                                    swp_proxy_options* options);
-/* The proxy that has this id now. */
+/* Gives the handle of the proxy that has this id now. */
 SWP_API swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, swp_proxy* proxy);
-/* Living proxies, and the bytes held. Each output may be NULL. */
+/* The numbers of living proxies, and the bytes held. Each output may be NULL. */
 SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
                                       uint32_t* static_count, uint64_t* native_bytes);
 
-/* What a world or a session takes, valid until the next add. Free places are boxes that do not take
- * part. */
+/* The boxes to give to a world or a session, valid until the next add. A free place holds an
+ * invalid box, which overlaps nothing. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
-/* Once per frame, from all pairs that were found in those boxes: the pairs of ids that pass the
- * filters, those with static proxies among them. They and their number go out as in
+/* To be called once per frame with all pairs that were found in those boxes. Gives the pairs of ids
+ * that pass the filters, including those with static proxies, by the rules of buffers of
  * swp_world_find_pairs; where the room was too small, swp_proxies_copy_pairs gives them.
- * SWP_INVALID_ARGUMENT for a pair that is none of those boxes. */
+ * SWP_INVALID_ARGUMENT for a pair that is not of those boxes. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count, swp_pair* pairs,
                                        uint64_t capacity, uint64_t* pair_count);
-/* The pairs of the latest resolve again. */
+/* Gives the pairs of the latest resolve again. */
 SWP_API swp_result swp_proxies_copy_pairs(const swp_proxies* proxies, swp_pair* pairs,
                                           uint64_t capacity, uint64_t* pair_count);
-/* What came and went between the latest two resolves, ascending, by the rules of buffers of
- * swp_world_find_pairs; none without pair_events. A removed proxy's pairs are among the removed. */
+/* The pairs that began and ended between the latest two resolves, in ascending order, by the rules
+ * of buffers of swp_world_find_pairs; none without pair_events. Pairs of a removed proxy have
+ * ended. */
 SWP_API swp_result swp_proxies_added(const swp_proxies* proxies, swp_proxy_pair* added,
                                      uint64_t capacity, uint64_t* count);
 SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, swp_proxy_pair* removed,
                                        uint64_t capacity, uint64_t* count);
 
-/* Queries over moving and static proxies as they are now, those whose filter and the query's pass.
- * Rules of buffers as above; a second call with more room asks again. */
+/* Queries over the current moving and static proxies whose filter and the query's filter pass. The
+ * rules of buffers are as above; a second call with more room searches again. */
 
-/* All that overlap the box, by ascending index. */
+/* Gives all proxies that overlap the box, by ascending index. */
 SWP_API swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box,
                                          swp_filter filter, swp_proxy* found, uint64_t capacity,
                                          uint64_t* count);
-/* All hits, by ascending distance, equal ones by index. SWP_INVALID_ARGUMENT for a ray that is not
- * finite or has a negative max_distance. */
+/* Gives all hits by ascending distance, at equal distance by index. SWP_INVALID_ARGUMENT for a ray
+ * that is not finite or has a negative max_distance. */
 SWP_API swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, swp_filter filter,
                                         swp_ray_hit* hits, uint64_t capacity, uint64_t* count);
-/* The first of those; `found` is 0 where there is none, and `hit` then stays as it was. */
+/* Gives the nearest hit. Where there is none, `found` is 0 and `hit` stays as it was. */
 SWP_API swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray,
                                                 swp_filter filter, swp_ray_hit* hit,
                                                 uint32_t* found);

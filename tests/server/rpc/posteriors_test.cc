@@ -1,4 +1,4 @@
-// Posteriors and priors, read, watched, carried away and brought in.
+// Posteriors and priors are listed, watched, exported and imported.
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 #include <grpcpp/generic/generic_stub.h>

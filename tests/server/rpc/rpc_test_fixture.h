@@ -26,7 +26,7 @@ namespace sweepstake::rpc {
 
 inline constexpr int64_t kSecondNs = 1'000'000'000;
 
-// Waits for what another thread is about to bring about.
+// Waits until another thread has made the condition true.
 template <typename Condition>
 [[nodiscard]] bool Eventually(Condition condition) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -53,7 +53,7 @@ inline v1::Hello HelloMessage() {
   return hello;
 }
 
-// With one arm there is nothing to switch to, and no switch command between the other responses.
+// With one arm there is nothing to switch to, so no switch command comes between other responses.
 inline v1::Hello OneArmHello() {
   v1::Hello hello = HelloMessage();
   hello.mutable_arms()->DeleteSubrange(1, 2);
@@ -120,7 +120,7 @@ class TelemetryClient {
     if (response.has_acknowledgement()) acknowledged_ = response.acknowledgement().sequence();
     return response;
   }
-  // The next response of that kind; others are passed over. Fails the test when the stream ends.
+  // The next response of that kind; others are skipped. Fails the test when the stream ends.
   Response Await(Response::MessageCase kind) {
     while (std::optional<Response> response = Read()) {
       if (response->message_case() == kind) return *response;
@@ -132,8 +132,8 @@ class TelemetryClient {
     Send(Request(hello));
     return Await(Response::kWelcome).welcome();
   }
-  // The sequence number acknowledged last, once it is at least `sequence`; one that Await passed
-  // over counts.
+  // Waits until `sequence` is acknowledged and returns the latest acknowledged number. An
+  // acknowledgement that Await skipped counts.
   uint64_t AwaitAcknowledgement(uint64_t sequence) {
     while (acknowledged_ < sequence && !::testing::Test::HasFailure()) {
       Await(Response::kAcknowledgement);
@@ -162,7 +162,7 @@ class RpcTest : public ::testing::Test {
   explicit RpcTest(
       std::unique_ptr<priors::PriorStore> store = std::make_unique<storage::MemoryPriorStore>())
       : thread_(std::move(store), {.group_interval = std::chrono::milliseconds(0)}) {
-    // Windows are learnt from at the first tick.
+    // Without exploration and settling, windows are learnt from the first tick on.
     options_.decision.explore = false;
     options_.decision.settling_ns = 0;
   }
@@ -176,7 +176,7 @@ class RpcTest : public ::testing::Test {
     channel_ = grpc::CreateChannel("127.0.0.1:" + std::to_string(server_->port()),
                                    grpc::InsecureChannelCredentials());
   }
-  // What is not in the store is gone, as after a crash.
+  // Stops the server; what is not in the store is lost, as after a crash.
   void StopServer() {
     channel_.reset();
     if (server_ != nullptr) server_->Drain(std::chrono::milliseconds(0));
@@ -209,7 +209,7 @@ class RpcTest : public ::testing::Test {
     client.AwaitAcknowledgement(1);
     return id;
   }
-  // One decision tick, and what it leads to is awaited by the caller.
+  // Makes one decision tick; the caller waits for what follows from it.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }
 
   priors::SceneEvidence Stored(const std::string& scene = "harbour", uint32_t reward_version = 1) {
