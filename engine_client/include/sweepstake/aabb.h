@@ -1,4 +1,4 @@
-// Axis-aligned bounding boxes and the one definition of overlap that every backend answers to.
+// Axis-aligned bounding boxes, and the definition of overlap that every backend must reproduce.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace sweepstake {
 
-// Six floats in world units: 24 bytes without padding, the layout of the engine's buffer and of the
+// Six floats in world units, 24 bytes without padding: the layout of the engine's buffer and of the
 // C ABI.
 struct Aabb {
   float min[3];
@@ -22,14 +22,14 @@ struct OverlapPair {
   uint32_t a;
   uint32_t b;
 
-  // The comparison of the result with 0 is the compiler's own.
+  // The compiler itself compares the result with 0.
   // NOLINTNEXTLINE(modernize-use-nullptr)
   friend auto operator<=>(const OverlapPair&, const OverlapPair&) = default;
 };
 static_assert(sizeof(OverlapPair) == 8);
 
-// A box takes part when all six coordinates are finite and min <= max on each axis; a zero-size box
-// takes part. Any other box (NaN, infinite, inverted) overlaps nothing, itself included.
+// A box is valid when all six coordinates are finite and min <= max on each axis; its size may be
+// zero. An invalid box (NaN, infinite or inverted) overlaps nothing, itself included.
 inline bool TakesPart(const Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;
@@ -38,7 +38,7 @@ inline bool TakesPart(const Aabb& box) {
   return true;
 }
 
-// Closed boxes: touching faces overlap. Exact float comparisons, no tolerance.
+// Boxes are closed: they overlap where their faces touch. Comparisons are exact, without tolerance.
 inline bool Overlap(const Aabb& a, const Aabb& b) {
   if (!TakesPart(a) || !TakesPart(b)) return false;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,10 +1,11 @@
 // The contract of the interchangeable broad phases (paper §3, Table 1).
 //
-// Call order: Build, then any number of (Update, FindPairs); Build may come at any time and
-// discards all state. One thread at a time per object; distinct objects are independent, unless
-// they share an Executor. The boxes are read during the call only. Object id = index in the span.
-// Units: world units of the caller. Memory is kept for reuse until destruction. Errors: none;
-// memory exhaustion throws std::bad_alloc, and the next call must be Build.
+// Call order: Build first, then Update and FindPairs once per frame. Build may be called at any
+// time and discards all state. The boxes are read during the call only, and the id of an object is
+// its index in the span. Thread safety: one thread at a time per object; distinct objects are
+// independent, unless they share an Executor. Units: world units of the caller. Memory is kept for
+// reuse until destruction. Errors: when memory is out, a call throws std::bad_alloc, and the next
+// call must be Build.
 #pragma once
 
 #include <cstddef>
@@ -27,27 +28,27 @@ class BroadPhase {
   // The family's name as in BroadPhaseNames().
   virtual std::string_view name() const = 0;
 
-  // Raised whenever a change could alter the backend's cost; evidence of different versions is kept
-  // apart.
+  // Is raised whenever a change could alter the backend's cost: what has been learnt about one
+  // version is kept apart from the others.
   virtual uint32_t version() const = 0;
 
-  // Discards state and takes these boxes. Any count, 0 included, up to 2^31 − 1.
+  // Discards all state and takes these boxes: 0 to 2^31 − 1.
   virtual void Build(std::span<const Aabb> boxes) = 0;
 
   // Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller
-  // one removes the last ones; the others keep their ids. REQUIRES: a Build before.
+  // count removes the last ones; the others keep their ids. REQUIRES: Build was called before.
   virtual void Update(std::span<const Aabb> boxes) = 0;
 
-  // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, a < b; the order is
-  // unspecified and the same for the same history of calls, whatever the number of threads. May be
-  // called once per Build or Update.
+  // Appends every overlapping pair (aabb.h) of the latest boxes exactly once, with a < b. The order
+  // of the pairs is unspecified, but the same for the same history of calls, whatever the number of
+  // threads. May be called once per Build or Update.
   virtual void FindPairs(PairBuffer& out) = 0;
 
-  // AABB–AABB checks of the latest Build or Update and FindPairs. One lane of a vector comparison
-  // is one check, bounding volumes of nodes count as AABBs.
+  // How many AABB–AABB checks the latest Build or Update and FindPairs made. One lane of a vector
+  // comparison is one check, and the bounds of nodes count as AABBs.
   virtual uint64_t aabb_check_count() const = 0;
 
-  // Bytes held by the backend's own buffers, capacity not use.
+  // The capacity of the backend's own buffers in bytes, whether it is used or not.
   virtual size_t native_bytes() const = 0;
 };
 
@@ -55,12 +56,12 @@ class BroadPhase {
 std::span<const std::string_view> BroadPhaseNames();
 
 struct BroadPhaseOptions {
-  // Runs the parts of large searches (executor.h); borrowed, must outlive the backend. Null: all
-  // work is done by the calling thread.
+  // Runs the parts of large searches (executor.h). It is borrowed and must outlive the backend.
+  // With null, the calling thread does all the work.
   Executor* executor = nullptr;
 };
 
-// kNotFound for an unknown name, with a message that lists the valid ones.
+// Returns kNotFound for an unknown name, with a message that lists the valid ones.
 Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                    const BroadPhaseOptions& options = {});
 

@@ -1,4 +1,4 @@
-// A growing array of overlap pairs that a caller keeps over frames, so that a steady scene
+// A growing array of overlap pairs, which a caller keeps between frames so that a steady scene
 // allocates nothing. Not thread-safe. Memory grows by doubling and is kept until destruction.
 #pragma once
 
@@ -15,12 +15,12 @@ namespace sweepstake {
 
 class PairBuffer {
  public:
-  // Pairs that may be written past the size after EnsureRoom: a vector store may overrun by one
-  // register.
+  // How many pairs may be written behind the room that EnsureRoom has made: a vector store may
+  // overrun it by one register.
   static constexpr size_t kSlack = 64;
 
   PairBuffer() = default;
-  // The two change places: what was moved from is a sound buffer, an empty one where this was new.
+  // A move swaps the two buffers: the other one stays usable, and is empty where this one was new.
   PairBuffer(PairBuffer&& other) noexcept { *this = std::move(other); }
   PairBuffer& operator=(PairBuffer&& other) noexcept {
     std::swap(storage_, other.storage_);
@@ -34,7 +34,7 @@ class PairBuffer {
   std::span<const OverlapPair> pairs() const { return {storage_.get(), size_}; }
   std::span<OverlapPair> pairs() { return {storage_.get(), size_}; }
   void Clear() { size_ = 0; }
-  // Keeps the first pairs. REQUIRES: size <= size().
+  // Keeps the first `size` pairs. REQUIRES: size <= size().
   void Truncate(size_t size) { size_ = size; }
   size_t capacity_bytes() const {
     return (capacity_ + (capacity_ ? kSlack : 0)) * sizeof(OverlapPair);
@@ -45,9 +45,9 @@ class PairBuffer {
     ++size_;
   }
 
-  // Room for `count` more pairs plus kSlack, uninitialized, at the returned end of the array.
-  // Followed by Advance with the pairs really written. Throws std::bad_alloc when memory is out;
-  // the content is then unchanged.
+  // Makes room for `count` more pairs plus kSlack, and returns the end of the array, where they
+  // belong. The caller writes them and calls Advance with their number. Throws std::bad_alloc when
+  // memory is out; the content is then unchanged.
   OverlapPair* EnsureRoom(size_t count) {
     if (size_ + count > capacity_ || !storage_) Grow(size_ + count);
     return storage_.get() + size_;

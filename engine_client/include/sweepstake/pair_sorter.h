@@ -1,9 +1,8 @@
-// Puts overlap pairs into ascending order, by a and then by b: for callers whose outcome must not
+// Sorts overlap pairs in ascending order, by a and then by b: for callers whose results must not
 // depend on the backend, and for comparing one frame with another.
 //
-// Not thread-safe. Owns scratch memory, kept between calls: 8 bytes per pair and 48 KiB. Cost:
-// O(pairs) whatever their ids are, a pass for each 11 bits in which ids differ; see proxy_set.h for
-// figures.
+// Not thread-safe. Owns scratch memory, which is kept between calls: 8 bytes per pair and 48 KiB.
+// Cost: O(pairs), with a pass for each 11 bits in which ids differ; proxy_set.h has figures.
 #pragma once
 
 #include <memory>
@@ -20,8 +19,8 @@ class PairSorter {
   PairSorter(PairSorter&&) noexcept;
   PairSorter& operator=(PairSorter&&) noexcept;
 
-  // Equal pairs stay, side by side. Throws std::bad_alloc when memory is out; the order is then
-  // unspecified and no pair is lost.
+  // Keeps equal pairs. Throws std::bad_alloc when memory is out; the order is then unspecified, but
+  // no pair is lost.
   void Sort(std::span<OverlapPair> pairs);
 
   size_t native_bytes() const;

@@ -1,6 +1,6 @@
-// What an engine needs around a broad phase: objects by stable handle, collision filters, static
-// objects, pair events and queries. It works with any backend and with AdaptiveBroadPhase, whose
-// arms may change underneath:
+// What an engine needs around a broad phase: objects with stable handles, collision filters, static
+// objects, pair events and queries. It works with any backend, and with AdaptiveBroadPhase while
+// its arms change:
 //
 //   ProxySet proxies({.pair_events = true});
 //   const ProxyHandle player = proxies.Add(box, {.filter = {.category = 2, .mask = 5}});
@@ -9,28 +9,27 @@
 //   const auto pairs = proxies.Resolve(adaptive.FindPairs(proxies.moving_boxes()));
 //   for (const ProxyPair& pair : proxies.added()) ...
 //
-// Moving proxies stand in one dense array, which the broad phase takes; a freed place is a box that
-// does not take part until it is used again, so that adding and removing is an update like any
-// other. Static ones stand in a tree of their own, in which the moving ones are sought: they are
-// never paired with one another, and while they rest only the moving ones cost.
+// Moving proxies are in one dense array, which the broad phase takes. A freed place holds an
+// invalid box until it is used again, so that adding and removing are updates like any other.
+// Static proxies are in a tree of their own, in which the moving ones are searched for: static
+// proxies are never paired with one another, and cost nothing by themselves while they stay.
 //
-// Thread safety: one thread at a time, but for queries after PrepareQueries. Ownership: spans that
-// are handed out belong to the set. Units: world units of the caller. A box that does not take part
-// (aabb.h) is taken as it is: it overlaps nothing and no query finds it until it is moved.
-// Memory: 56 bytes per place and, for the kinds that have a tree (static ones, and all once
-// queried), 100 more; 16 bytes per pair, 24 where they are sorted.
+// Thread safety: one thread at a time, except for queries after PrepareQueries. Ownership: the set
+// owns what its spans refer to. Units: world units of the caller. An invalid box (aabb.h) is
+// accepted: it overlaps nothing, and no query finds it, until it is moved. Memory: 56 bytes per
+// place, and 70 more for proxies in a tree (static ones, and after the first query all); 16 bytes
+// per pair, 24 where pairs are sorted.
 //
-// Cost, for 10,000 moving boxes of suite-b and their 14,500 pairs: 5 ns per Move; Resolve 13 µs
-// with filters, nothing without, 70 µs where pairs are sorted and 120 µs with events; 0.28 ms with
-// 100,000 static boxes around them and 29,400 pairs more, 0.19 ms on two threads. Queries among all
-// of these: 0.33 µs for a box that finds five, 0.33 µs for the first hit of a ray, 1.1 µs for all
-// twelve; the first one after a change 20 µs more for the moving ones, 0.27 ms for the static ones.
-// (tests/bench/proxies_bench.cc)
+// Cost (tests/bench/proxies_bench.cc on one thread of an AMD EPYC, 10,000 moving boxes of suite-b
+// with 14,500 pairs): 5 ns per Move. Resolve takes 13 µs with filters and nothing without, 70 µs
+// where pairs are sorted and 120 µs with events; with 100,000 static boxes and their 29,400 pairs
+// 0.28 ms, on two threads 0.19 ms. A query among all of these takes 0.33 µs for a box that finds
+// five, 0.33 µs for the first hit of a ray and 1.1 µs for all twelve; the first query after a
+// change takes 20 µs more for the moving proxies and 0.27 ms for the static ones.
 //
-// Errors: a handle that is null, stale (its proxy was removed) or of another set that happens to
-// have none such is answered with false, null or nothing, and changes nothing; never with another
-// proxy. std::bad_alloc when memory or the 2^31 − 1 places of a kind are out; the set is then as
-// before the call.
+// Errors: a handle that is null, stale (its proxy was removed) or unknown to this set is answered
+// with false, null or nothing, never with another proxy, and changes nothing. Throws std::bad_alloc
+// when memory or the 2^31 − 1 places of a kind are out; the set is then as before the call.
 #pragma once
 
 #include <compare>
@@ -48,24 +47,24 @@
 
 namespace sweepstake {
 
-// Which proxy. `index` is its id in pairs for as long as it lives: the place in moving_boxes(), or
-// kStaticProxyBit and a place among the static ones. Ids are used again, `generation` tells the
-// owners apart (a place has 2^31 of them). All zero is null and belongs to no proxy.
+// Names a proxy. `index` is its id in pairs for as long as it lives: its place in moving_boxes(),
+// or kStaticProxyBit and its place among the static proxies. Ids are used again; `generation` tells
+// the owners apart (a place has 2^31 of them). The null handle is all zero and belongs to no proxy.
 struct ProxyHandle {
   uint32_t index = 0;
   uint32_t generation = 0;
 
   bool is_null() const { return generation == 0; }
-  // The comparison of the result with 0 is the compiler's own.
+  // The compiler itself compares the result with 0.
   // NOLINTNEXTLINE(modernize-use-nullptr)
   friend auto operator<=>(const ProxyHandle&, const ProxyHandle&) = default;
 };
 static_assert(sizeof(ProxyHandle) == 8);
 
-// Set in the ids of static proxies, and only there.
+// This bit is set in the ids of static proxies, and only there.
 inline constexpr uint32_t kStaticProxyBit = 0x80000000U;
 
-// What a proxy is, and what it meets, as sets of bits.
+// What a proxy is (category) and what it collides with (mask), as sets of bits.
 struct CollisionFilter {
   uint32_t category = 1;
   uint32_t mask = ~0U;
@@ -73,21 +72,21 @@ struct CollisionFilter {
   friend bool operator==(const CollisionFilter&, const CollisionFilter&) = default;
 };
 
-// Whether each one's category is in the other's mask.
+// Whether the category of each is in the mask of the other.
 constexpr bool Passes(const CollisionFilter& a, const CollisionFilter& b) {
   return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
 
 struct ProxyOptions {
   CollisionFilter filter = {};
-  // Paired with moving proxies only. Fixed for the life of the proxy.
+  // A static proxy is paired with moving ones only. This never changes for a proxy.
   bool is_static = false;
-  uint64_t user = 0;  // the caller's own word, for example an index or a pointer
+  uint64_t user = 0;  // for the caller's use, for example an index or a pointer
 
   friend bool operator==(const ProxyOptions&, const ProxyOptions&) = default;
 };
 
-// a.index < b.index.
+// A pair of proxies with a.index < b.index.
 struct ProxyPair {
   ProxyHandle a;
   ProxyHandle b;
@@ -96,8 +95,8 @@ struct ProxyPair {
   friend auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
 };
 
-// The points origin + t · direction for t from 0 to max_distance. All values must be finite.
-// Without a direction (all zero) it is the point itself.
+// The points origin + t · direction for t from 0 to max_distance. All values must be finite. A
+// direction of all zeros makes the ray a single point.
 struct Ray {
   float origin[3];
   float direction[3];  // distances are in multiples of its length
@@ -112,9 +111,12 @@ struct RayHit {
 };
 
 struct ProxySetOptions {
-  bool sorted_pairs = false;  // Resolve returns ascending pairs, whatever the backend
-  bool pair_events = false;   // fills added() and removed(); the pairs are then sorted too
-  // Runs the parts of the search among static proxies (executor.h); borrowed, must outlive the set.
+  // Makes Resolve return ascending pairs, whatever the backend.
+  bool sorted_pairs = false;
+  // Fills added() and removed(); the pairs are then sorted too.
+  bool pair_events = false;
+  // Runs the parts of the search among static proxies (executor.h). It is borrowed and must outlive
+  // the set.
   Executor* executor = nullptr;
 };
 
@@ -125,61 +127,61 @@ class ProxySet {
   ProxySet(ProxySet&&) noexcept;
   ProxySet& operator=(ProxySet&&) noexcept;
 
-  // Takes part from the next Resolve and the next query on. O(1) for a moving proxy; the tree of
-  // the static ones is refitted once for all changes since, O(static ones).
+  // Adds a proxy, which the next Resolve and the next query see. Cost: O(1) for a moving proxy; for
+  // all changes of static ones together, the next use refits their tree once, O(static proxies).
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options = {});
-  // False for a handle without a proxy, as below.
+  // Returns false for a handle without a proxy, as the calls below do.
   bool Remove(ProxyHandle handle);
 
-  // O(1). A static proxy may be moved as well, at the cost of an Add.
+  // Cost: O(1). A static proxy may be moved too, at the cost of an Add.
   bool Move(ProxyHandle handle, const Aabb& box);
-  // boxes[k] to handles[k]. False, and nothing is moved, where one of them has no proxy. REQUIRES:
-  // equal sizes.
+  // Gives boxes[k] to handles[k]. Where one of the handles has no proxy, it returns false and moves
+  // nothing. REQUIRES: equal sizes.
   bool Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   bool SetFilter(ProxyHandle handle, const CollisionFilter& filter);
   bool SetUser(ProxyHandle handle, uint64_t user);
 
   bool is_alive(ProxyHandle handle) const;
-  // Valid until the next Add; null without a proxy.
+  // Returns null for a handle without a proxy. Valid until the next Add.
   const Aabb* box(ProxyHandle handle) const;
   std::optional<ProxyOptions> options(ProxyHandle handle) const;
-  // The proxy that has this id now, as in a pair of Resolve; null where there is none.
+  // Returns the proxy that has this id now, for example in a pair of Resolve, or null.
   ProxyHandle handle(uint32_t id) const;
-  // Living proxies.
+  // How many proxies are alive.
   size_t moving_count() const;
   size_t static_count() const;
 
-  // What the broad phase takes, id by id; it grows at the end and does not shrink. Valid until the
-  // next Add.
+  // The boxes for the broad phase, indexed by id. The array grows at the end and does not shrink.
+  // Valid until the next Add.
   std::span<const Aabb> moving_boxes() const;
 
-  // Once per frame: from the pairs a broad phase found in moving_boxes(), those that pass their
-  // filters, and then the pairs of moving with static proxies; of ids, a < b. In the order of the
-  // backend and of the search, or ascending (ProxySetOptions). Valid until the next Resolve, and as
-  // long as `moving_pairs` is. REQUIRES: no Add, Remove or Move since the broad phase took the
-  // boxes.
+  // Is called once per frame with the pairs that a broad phase has found in moving_boxes(). Returns
+  // those that pass their filters, and behind them the pairs of moving with static proxies that do,
+  // as ids with a < b. They are in the order of the searches, or ascending (ProxySetOptions). Valid
+  // until the next Resolve, and as long as `moving_pairs` is. REQUIRES: no Add, Remove or Move
+  // since the broad phase took the boxes.
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
 
-  // Of the latest Resolve against the one before it, ascending; empty without pair_events. A pair
-  // of which one has been removed since, or whose filters do not pass any more, is among removed(),
-  // with the handles it was added with. Valid until the next Resolve.
+  // How the latest Resolve differs from the one before it, ascending; empty without pair_events. A
+  // pair is among removed() too when one of its proxies has been removed or their filters no longer
+  // pass, with the handles it was added with. Valid until the next Resolve.
   std::span<const ProxyPair> added() const;
   std::span<const ProxyPair> removed() const;
 
-  // Queries, over moving and static proxies alike, as they are now: the first one after a change
-  // refits the tree of the kind that changed, O(proxies of it). A proxy is found when its filter
-  // and the query's pass. `out` and `hits` are overwritten; their order is the same on every
+  // Queries see moving and static proxies as they are now. The first query after a change refits
+  // the tree of the kind that has changed, O(proxies of that kind). A proxy is found when its
+  // filter and the query's pass. `out` and `hits` are overwritten; their order is the same on every
   // machine.
 
-  // All that overlap `box`, by ascending index.
+  // Finds all proxies that overlap `box`, by ascending index.
   void QueryBox(const Aabb& box, const CollisionFilter& filter, std::vector<ProxyHandle>& out);
-  // All hits within max_distance, by ascending distance, equal ones by index; faces are closed.
-  // kInvalidArgument for a ray that is not finite or has a negative max_distance.
+  // Finds all hits within max_distance, by ascending distance and then by index; boxes are closed.
+  // Returns kInvalidArgument for a ray that is not finite or has a negative max_distance.
   Status CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits);
-  // The first of those; `hit` has a null proxy where there is none.
+  // Finds the first of those hits; the proxy of `hit` is null where there is none.
   Status CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit);
-  // Does what the first query would. Until the next change any number of threads may then query at
-  // the same time.
+  // Does the work of the first query after a change. Until the next change, any number of threads
+  // may then query at the same time.
   void PrepareQueries();
 
   size_t native_bytes() const;

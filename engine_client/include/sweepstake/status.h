@@ -1,6 +1,6 @@
-// The outcome of an operation that can fail for a reason outside the program: a code to branch on
-// and a message that says what to do. Value types; safe to copy between threads; constructing an OK
-// status does not allocate.
+// The outcome of an operation that can fail for a reason outside the program: a code for the
+// program and a message that tells people what to do. Both are value types, safe to copy between
+// threads; constructing an OK status does not allocate.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sweepstake {
 
-// Values are stable: the C ABI's swp_result has the same ones.
+// The values are stable, since swp_result of the C ABI has the same ones.
 enum class StatusCode : int32_t {
   kOk = 0,
   kInvalidArgument = 1,     // The caller's value is wrong.
@@ -29,7 +29,7 @@ class [[nodiscard]] Status {
 
   bool ok() const { return code_ == StatusCode::kOk; }
   StatusCode code() const { return code_; }
-  // One line without a full stop at the end; empty when ok.
+  // A single line without a full stop at its end; empty when ok.
   const std::string& message() const { return message_; }
 
  private:
@@ -37,7 +37,7 @@ class [[nodiscard]] Status {
   std::string message_;
 };
 
-// A value, or why there is none.
+// A value, or the status that says why there is none.
 template <typename T>
 class [[nodiscard]] Result {
  public:
