@@ -1,6 +1,5 @@
-// The one list of the families: a new backend adds its line here.
+// The only list of all backends: a new one adds its line here.
 #include <array>
-#include <string>
 
 #include "engine_client/broad_phase/brute_force.h"
 #include "engine_client/broad_phase/dbvt/dbvt.h"
@@ -9,6 +8,7 @@
 #include "engine_client/broad_phase/sweep/axis_sweep.h"
 #include "engine_client/broad_phase/sweep/sap.h"
 #include "engine_client/broad_phase/tracy/tracy.h"
+#include "server/decision/math/names.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
@@ -32,15 +32,6 @@ constexpr auto kNames = [] {
   return names;
 }();
 
-Status UnknownName(std::string_view name) {
-  std::string message = "no broad phase is called '" + std::string(name) + "'; choose one of ";
-  for (size_t i = 0; i < kNames.size(); ++i) {
-    if (i > 0) message += ", ";
-    message += kNames[i];
-  }
-  return {StatusCode::kNotFound, std::move(message)};
-}
-
 }  // namespace
 
 std::span<const std::string_view> BroadPhaseNames() { return kNames; }
@@ -50,7 +41,7 @@ Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
   for (const Family& family : kFamilies) {
     if (family.name == name) return family.make(options);
   }
-  return UnknownName(name);
+  return Status(StatusCode::kNotFound, math::UnknownName("broad phase", name, kNames));
 }
 
 }  // namespace sweepstake

@@ -24,6 +24,10 @@ inline constexpr float kFarthest = std::numeric_limits<float>::infinity();
 inline constexpr BoxRecord kAbsentBox = {{kFarthest, kFarthest, kFarthest, 0},
                                          {-kFarthest, -kFarthest, -kFarthest, 0}};
 
+// An invalid box that overlaps nothing and lies inside every box.
+inline constexpr Aabb kInvalidAabb = {{kFarthest, kFarthest, kFarthest},
+                                      {-kFarthest, -kFarthest, -kFarthest}};
+
 inline BoxRecord RecordOf(const Aabb& box) {
   if (!TakesPart(box)) return kAbsentBox;
   return {{box.min[0], box.min[1], box.min[2], 0}, {box.max[0], box.max[1], box.max[2], 0}};

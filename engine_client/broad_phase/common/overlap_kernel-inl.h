@@ -1,9 +1,8 @@
-// Vector kernels of the overlap test of aabb.h, for every target of Highway. Include after
-// hwy/foreach_target.h, use inside HWY_NAMESPACE, dispatch once per operation (brute_force.cc shows
-// how).
+// Vector forms of the overlap test of aabb.h, for every target of Highway. Include after
+// hwy/foreach_target.h, use inside HWY_NAMESPACE, and dispatch once per operation.
 //
-// All read BoxLanes, whose padding makes reads past the last box safe, and write pairs a < b
-// through a PairCursor. Each returns the AABB checks it made: every lane of a comparison is one.
+// All read boxes that lie in columns with padding, so that a whole register may be read behind the
+// last box. A lane of a comparison counts as one AABB check.
 #if defined(SWEEPSTAKE_OVERLAP_KERNEL_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_OVERLAP_KERNEL_INL_H_
 #undef SWEEPSTAKE_OVERLAP_KERNEL_INL_H_
@@ -24,20 +23,13 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// How a test treats the first axis of the lanes.
-enum class FirstAxis {
-  kBothSides,  // like the other axes
-  kSorted,  // lanes start no earlier than the box does: only "has it ended before the lane starts"
-            // is asked
-};
-
 HWY_INLINE Aabb BoxAt(const BoxLanes& lanes, size_t slot) {
   return {{lanes.min[0][slot], lanes.min[1][slot], lanes.min[2][slot]},
           {lanes.max[0][slot], lanes.max[1][slot], lanes.max[2][slot]}};
 }
 
-// Lanes set in both. On AVX-512 without the mask intrinsic: as a plain integer "and" the compiler
-// folds it into the comparison that made `b`, and the tile of brute force takes a tenth less.
+// The lanes set in both masks. On AVX-512 it is written as an integer "and" instead of the mask
+// intrinsic, since the compiler folds that into the comparison that made `b`.
 template <class M>
 HWY_INLINE M Both(M a, M b) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
@@ -47,33 +39,41 @@ HWY_INLINE M Both(M a, M b) {
 #endif
 }
 
-// Those of the lanes `asked` that meet `box` on one axis.
+// The lanes from slot `at` on that overlap `box`, whose axes are in the lanes' order. The
+// comparisons form two chains, so that half of them do not wait for the other half.
 template <class D>
-HWY_INLINE hn::Mask<D> AxisHits(D d, hn::Mask<D> asked, const Aabb& box, const BoxLanes& lanes,
-                                size_t axis, size_t at) {
-  asked = Both(asked, hn::Le(hn::LoadU(d, lanes.min[axis] + at), hn::Set(d, box.max[axis])));
-  return Both(asked, hn::Ge(hn::LoadU(d, lanes.max[axis] + at), hn::Set(d, box.min[axis])));
-}
-
-// Which of the lanes from slot `at` on overlap `box`, whose axes are in the lanes' order. Four
-// calls with four boxes and the same `at` share their loads.
-template <FirstAxis kFirst = FirstAxis::kBothSides, class D>
 HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t at) {
-  auto hits = hn::Le(hn::LoadU(d, lanes.min[0] + at), hn::Set(d, box.max[0]));
-  if constexpr (kFirst == FirstAxis::kBothSides) {
-    hits = Both(hits, hn::Ge(hn::LoadU(d, lanes.max[0] + at), hn::Set(d, box.min[0])));
+  auto begins = hn::Le(hn::LoadU(d, lanes.min[0] + at), hn::Set(d, box.max[0]));
+  auto ends = hn::Ge(hn::LoadU(d, lanes.max[0] + at), hn::Set(d, box.min[0]));
+  for (size_t axis = 1; axis < 3; ++axis) {
+    begins = Both(begins, hn::Le(hn::LoadU(d, lanes.min[axis] + at), hn::Set(d, box.max[axis])));
+    ends = Both(ends, hn::Ge(hn::LoadU(d, lanes.max[axis] + at), hn::Set(d, box.min[axis])));
   }
-  return AxisHits(d, AxisHits(d, hits, box, lanes, 1, at), box, lanes, 2, at);
+  return hn::And(begins, ends);
 }
 
-// All lanes but those of slots before `first`, when lane 0 is slot `at`.
+// The boxes that a register holds (one vector per face) that overlap another box, whose faces are
+// `stride` floats apart.
+template <size_t kStride, class D, class V>
+HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
+                                const float* min, const float* max) {
+  const auto begins =
+      hn::And(hn::And(hn::Le(min0, hn::Set(d, max[0])), hn::Le(min1, hn::Set(d, max[kStride]))),
+              hn::Le(min2, hn::Set(d, max[2 * kStride])));
+  const auto ends =
+      hn::And(hn::And(hn::Ge(max0, hn::Set(d, min[0])), hn::Ge(max1, hn::Set(d, min[kStride]))),
+              hn::Ge(max2, hn::Set(d, min[2 * kStride])));
+  return hn::And(begins, ends);
+}
+
+// The lanes of slots from `first` on, where lane 0 is slot `at`.
 template <class D>
 HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
   return hn::Not(hn::FirstN(d, first > at ? first - at : 0));
 }
 
-// Stores (id, ids[lane]) with a < b for each hit and returns how many; a whole register of pairs is
-// written at `out`. No branch: where hits are frequent, mispredicting costs more than storing.
+// Stores (id, ids[lane]) with a < b for each hit and returns their number. It always writes a whole
+// register of pairs at `out`: where hits are frequent, a mispredicted branch costs more.
 template <class D>
 HWY_INLINE size_t StoreHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                             OverlapPair* out) {
@@ -82,21 +82,6 @@ HWY_INLINE size_t StoreHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* 
   const auto self = hn::Set(du, id);
   hn::StoreInterleaved2(hn::Min(self, others), hn::Max(self, others), du, &out->a);
   return hn::CountTrue(d, hits);
-}
-
-// Box `id` against the slots [begin, end).
-template <FirstAxis kFirst = FirstAxis::kBothSides, class D>
-HWY_INLINE uint64_t ScanRange(D d, const Aabb& box, uint32_t id, const BoxLanes& lanes,
-                              size_t begin, size_t end, PairCursor& cursor) {
-  const size_t step = hn::Lanes(d);
-  uint64_t checks = 0;
-  for (size_t at = begin; at < end; at += step) {
-    const auto inside = hn::FirstN(d, end - at);
-    const auto hits = hn::And(inside, Hits<kFirst>(d, box, lanes, at));
-    cursor.Advance(StoreHits(d, hits, id, lanes.id + at, cursor.Room(step)));
-    checks += step;
-  }
-  return checks;
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/dbvt/dbvt_query.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -28,7 +29,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
-// False for a box that does not take part, wherever it is.
+// Returns false for an invalid box.
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   bool inside = true;
   for (int axis = 0; axis < 3; ++axis) {
@@ -43,19 +44,21 @@ HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
 
 using Half = hn::FixedTag<float, 4>;
 
+// Like RecordsOverlap (box_record-inl.h), for boxes that are not padded to whole registers: copying
+// all boxes to records every frame would cost more than it saves.
 HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
   const Half d;
   const auto overlap = hn::And(hn::Le(hn::LoadU(d, a.min), hn::LoadU(d, b.max)),
                                hn::Ge(hn::LoadU(d, a.max), hn::LoadU(d, b.min)));
-  // The fourth lanes hold what lies behind a corner.
+  // The fourth lane holds what lies behind the corner in memory.
   return hn::AllTrue(d, hn::Or(overlap, hn::Not(hn::FirstN(d, 3))));
 }
 
-// False for a box that does not take part, wherever it is.
+// Returns false for an invalid box.
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   const Half d;
   const auto min = hn::LoadU(d, box.min);
-  // One lane early: nothing behind the last box may be read.
+  // Starts one float early, since nothing behind the last box may be read.
   const auto max = hn::LoadU(d, box.min + 2);
   const auto ordered = hn::Le(min, hn::Shuffle0321(max));
   const auto low = hn::And(ordered, hn::Ge(min, hn::LoadU(d, fat.min)));
@@ -78,7 +81,8 @@ uint64_t KeepOverlapping(std::span<const OverlapPair> candidates, const Aabb* HW
   return candidates.size();
 }
 
-// The objects of [begin, end) outside their enlarged boxes go to `left`. Returns how many.
+// Lists the objects of [begin, end) that are outside their enlarged boxes in `left`. Returns how
+// many.
 size_t CollectOutside(const Aabb* boxes, const Aabb* HWY_RESTRICT fat, size_t begin, size_t end,
                       uint32_t* HWY_RESTRICT left) {
   size_t count = 0;
@@ -101,31 +105,29 @@ HWY_EXPORT(CollectOutside);
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-// Margins as shares of the median side, and in frames of motion.
-constexpr float kLeastMargin = 0.02F;
-constexpr float kMostMargin = 0.1F;
+// Margins in median sides.
+constexpr float kMinMargin = 0.02F;
+constexpr float kMaxMargin = 0.1F;
+// A margin holds for so many frames of an object's motion.
 constexpr float kMarginFrames = 8;
-// From this share of leavers on, one refit and one search for all is cheaper: 0.4 us each against
-// 20 ns per object at 10,000.
-constexpr size_t kLeaverDivisor = 20;
-// Half as many again as DBVT's pairs per object at most: beyond that, testing them takes longer
-// than the tree.
-constexpr size_t kMostCandidatesPerObject = 24;
-// Enough for a median that only scales a margin.
-constexpr size_t kSideSample = 512;
-// To a part of the work.
-constexpr size_t kLeastBoxes = 8192;
-constexpr size_t kLeastCandidates = 8192;
+// Where one object in so many leaves its margin, one refit and one search for all are cheaper: 20
+// ns per object against 0.4 us per leaver (AMD EPYC, 10,000 objects).
+constexpr size_t kObjectsPerLeaver = 20;
+// Testing more candidates takes longer than a search in the tree. This is half as many again as the
+// pairs with which DBVT still tries to rest.
+constexpr size_t kMaxCandidatesPerObject = 24;
+// Enough for a median that only scales margins.
+constexpr size_t kSideSampleSize = 512;
+// Fewer are not worth a thread.
+constexpr size_t kMinBoxesPerPart = 8192;
+constexpr size_t kMinCandidatesPerPart = 8192;
 
-constexpr Aabb kAbsent = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+bool IsInvalid(const Aabb& fat) { return fat.min[0] > fat.max[0]; }
 
-bool IsAbsent(const Aabb& fat) { return fat.min[0] > fat.max[0]; }
-
-// May be infinite. Of a long box it is a short one, for which a share of the longest would be too
-// much; of a flat one it is a long one, since the shortest would leave no margin.
+// Margins are shares of the middle side: a share of the longest side would be too much for a long
+// box, and a share of the shortest would leave a flat box without a margin. May be infinite.
 float MiddleSide(const Aabb& box) {
   const float x = box.max[0] - box.min[0];
   const float y = box.max[1] - box.min[1];
@@ -133,7 +135,7 @@ float MiddleSide(const Aabb& box) {
   return std::max(std::min(x, y), std::min(std::max(x, y), z));
 }
 
-// Largest step on an axis; infinite when the box was absent.
+// The largest distance moved on an axis; infinite when the box was invalid.
 float Motion(const Aabb& from, const Aabb& to) {
   float motion = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -143,7 +145,7 @@ float Motion(const Aabb& from, const Aabb& to) {
 }
 
 Aabb Enlarged(const Aabb& box, float margin) {
-  if (!TakesPart(box)) return kAbsent;
+  if (!TakesPart(box)) return kInvalidAabb;
   Aabb fat;
   for (int axis = 0; axis < 3; ++axis) {
     fat.min[axis] = std::max(box.min[axis] - margin, -kLargest);
@@ -154,11 +156,11 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 }  // namespace
 
-// The median middle side of an even sample of the boxes that take part.
+// Takes an even sample of the valid boxes.
 void DbvtMargins::MeasureSide(std::span<const Aabb> boxes) {
-  sides_.reserve(kSideSample + 1);
+  sides_.reserve(kSideSampleSize + 1);
   sides_.clear();
-  const size_t stride = boxes.size() / kSideSample + 1;
+  const size_t stride = boxes.size() / kSideSampleSize + 1;
   for (size_t i = 0; i < boxes.size(); i += stride) {
     if (TakesPart(boxes[i])) sides_.push_back(std::min(MiddleSide(boxes[i]), kLargest));
   }
@@ -169,13 +171,13 @@ void DbvtMargins::MeasureSide(std::span<const Aabb> boxes) {
   side_ = *middle;
 }
 
-float DbvtMargins::Step() const { return kMostMargin / kMarginFrames * side_; }
+float DbvtMargins::Step() const { return kMaxMargin / kMarginFrames * side_; }
 
 float DbvtMargins::MarginFor(float motion) const {
-  const float least = kLeastMargin * side_;
-  const float most = kMostMargin * side_;
-  if (motion > most) return least;
-  return std::clamp(kMarginFrames * motion, least, most);
+  const float min_margin = kMinMargin * side_;
+  const float max_margin = kMaxMargin * side_;
+  if (motion > max_margin) return min_margin;
+  return std::clamp(kMarginFrames * motion, min_margin, max_margin);
 }
 
 void DbvtMargins::Reserve(size_t count, size_t kept) {
@@ -204,7 +206,7 @@ bool DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tre
 }
 
 bool DbvtMargins::AreWorthKeeping() const {
-  return candidates_.size() <= kMostCandidatesPerObject * count_;
+  return candidates_.size() <= kMaxCandidatesPerObject * count_;
 }
 
 void DbvtMargins::Resize(size_t count, DbvtTree& tree) {
@@ -221,8 +223,8 @@ void DbvtMargins::Resize(size_t count, DbvtTree& tree) {
   }
   const size_t kept = std::min(count, count_);
   Reserve(count, kept);
-  std::fill_n(exact_.data() + kept, count - kept, kAbsent);
-  std::fill_n(fat_.data() + kept, count - kept, kAbsent);
+  std::fill_n(exact_.data() + kept, count - kept, kInvalidAabb);
+  std::fill_n(fat_.data() + kept, count - kept, kInvalidAabb);
   std::fill_n(has_left_.data(), count, uint8_t{0});
 }
 
@@ -231,7 +233,7 @@ bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* 
   if (boxes.size() != count_) Resize(boxes.size(), tree);
   CollectLeavers(boxes, executor);
   checks += count_;
-  if (left_count_ > count_ / kLeaverDivisor) return false;
+  if (left_count_ > count_ / kObjectsPerLeaver) return false;
   if (left_count_ == 0) return true;
   const std::span<const uint32_t> left{left_.data(), left_count_};
   for (const uint32_t object : left) Replace(object, tree);
@@ -242,11 +244,11 @@ bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* 
 }
 
 void DbvtMargins::CollectLeavers(std::span<const Aabb> boxes, Executor* executor) {
-  const size_t part_count = PartCount(executor, count_, kLeastBoxes);
+  const size_t part_count = PartCount(executor, count_, kMinBoxesPerPart);
   left_counts_.resize(std::max(left_counts_.size(), part_count));
   RunParts(executor, part_count, [&](size_t part) {
     const PartRange range = RangeOfPart(count_, part, part_count, 1);
-    left_counts_[part] = TakePart(boxes, range.begin, range.end);
+    left_counts_[part] = UpdatePart(boxes, range.begin, range.end);
   });
   left_count_ = 0;
   for (size_t part = 0; part < part_count; ++part) {
@@ -256,28 +258,28 @@ void DbvtMargins::CollectLeavers(std::span<const Aabb> boxes, Executor* executor
   }
 }
 
-// Lists the leavers from left_[begin] on and encloses them anew. Returns how many.
-size_t DbvtMargins::TakePart(std::span<const Aabb> boxes, size_t begin, size_t end) {
+// Lists the leavers from left_[begin] on and gives them new enlarged boxes. Returns how many.
+size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end) {
   uint32_t* const left = left_.data() + begin;
   const size_t outside =
       HWY_DYNAMIC_DISPATCH(CollectOutside)(boxes.data(), fat_.data(), begin, end, left);
   size_t count = 0;
   for (size_t k = 0; k < outside; ++k) {
     const uint32_t object = left[k];
-    const bool was_absent = IsAbsent(fat_[object]);
+    const bool was_invalid = IsInvalid(fat_[object]);
     fat_[object] = Enlarged(boxes[object], MarginFor(Motion(exact_[object], boxes[object])));
     left[count] = object;
-    count += was_absent && IsAbsent(fat_[object]) ? 0 : 1;
+    count += was_invalid && IsInvalid(fat_[object]) ? 0 : 1;
   }
   std::copy(boxes.begin() + static_cast<std::ptrdiff_t>(begin),
             boxes.begin() + static_cast<std::ptrdiff_t>(end), exact_.data() + begin);
   return count;
 }
 
-// Gives a leaver its place in the tree, or takes it out.
+// Gives a leaver its new place in the tree, or takes it out.
 void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   has_left_[object] = 1;
-  if (IsAbsent(fat_[object])) {
+  if (IsInvalid(fat_[object])) {
     tree.Remove(object);
   } else if (tree.Contains(object)) {
     tree.Move(object, fat_[object]);
@@ -286,8 +288,8 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   }
 }
 
-// Few are dropped: a branch that is foreseen lets the loop run four times as fast as a store whose
-// address waits for the flags.
+// Few candidates are dropped, so that the branch is well predicted. The loop runs four times as
+// fast as with branchless stores, whose addresses would wait for the flags.
 void DbvtMargins::DropCandidatesOfLeavers() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
   OverlapPair* kept = candidates.data();
@@ -301,7 +303,7 @@ void DbvtMargins::DropCandidatesOfLeavers() {
 
 uint64_t DbvtMargins::FindPairs(Executor* executor, PairParts& parts, PairBuffer& out) {
   const std::span<const OverlapPair> candidates = candidates_.pairs();
-  return parts.Run(executor, candidates.size(), kLeastCandidates, 1, out,
+  return parts.Run(executor, candidates.size(), kMinCandidatesPerPart, 1, out,
                    [&](size_t begin, size_t end, PairBuffer& pairs) {
                      return HWY_DYNAMIC_DISPATCH(KeepOverlapping)(
                          candidates.subspan(begin, end - begin), exact_.data(), pairs);

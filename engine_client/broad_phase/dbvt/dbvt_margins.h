@@ -1,17 +1,18 @@
-// What DBVT keeps while little moves: each object's box enlarged by a margin, and the pairs of
-// enlarged boxes that overlap ("candidates").
+// What DBVT keeps at rest: each object's box enlarged by a margin, and the candidates, which are
+// the pairs of enlarged boxes that overlap. (Tracy's counterpart is tracy_rest.h.)
 //
-// The tree holds the enlarged boxes meanwhile. An object that stays inside its own costs one
-// comparison; one that leaves it gets another place in the tree and its candidates anew. The exact
-// boxes of the candidates are tested in the end, so that no margin is seen outside.
+// At rest the tree holds the enlarged boxes. An object inside its enlarged box costs one comparison
+// per frame; for one that has left it, the box, its place in the tree and its candidates are
+// renewed. Pairs are found by testing the exact boxes of the candidates, so that no margin is
+// visible outside.
 //
-// Margin: kMarginFrames frames of the object's own motion, within 2 % and 10 % of the median
-// middle side of all boxes; an object that outruns the most in one frame gets the least, since no
-// margin would hold it.
+// A margin is 8 frames of the object's own motion, between 2 % and 10 % of the median middle side
+// of all boxes. An object that moves further than the maximum in one frame gets the minimum, since
+// no margin would hold it.
 //
-// Not thread-safe. Owns its memory, none before the first Start. Cost: Follow 2 ns per object and
-// 0.4 us per one that left; FindPairs 1 ns per candidate (at 10,000 objects). Memory: 53 bytes per
-// object and 8 to 16 per candidate; with more than 24 of them per object nothing rests.
+// Not thread-safe. Owns its memory, none before the first Start. Cost (one thread of an AMD EPYC,
+// 10,000 objects): Follow 2 ns per object and 0.4 us per one that has left; FindPairs 1 ns per
+// candidate. Memory: 53 bytes per object and 8 to 16 per candidate.
 #pragma once
 
 #include <cstddef>
@@ -29,20 +30,21 @@ namespace sweepstake {
 
 class DbvtMargins {
  public:
-  // Takes the measure of these boxes, for Step and all margins until the next call.
+  // Measures the median middle side of these boxes, which Step and all margins depend on until the
+  // next call.
   void MeasureSide(std::span<const Aabb> boxes);
-  // Motion in one frame up to which a margin holds for many frames.
+  // The motion in one frame up to which margins hold for many frames.
   float Step() const;
 
-  // Encloses all boxes, whose mean motion this is, in margins, the objects of the tree too, and
-  // finds all candidates. False where there are too many to keep: the tree is as it was. REQUIRES:
-  // the tree holds exactly those of the boxes that take part.
+  // Enlarges all boxes by the margin for this mean motion, those in the tree too, and finds all
+  // candidates. Returns false where there are too many to keep (24 per object); the tree is then as
+  // before. REQUIRES: the tree holds exactly the objects with valid boxes.
   bool Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree, Executor* executor);
 
-  // Takes the boxes of the next frame, however many. False: so many left their margins, or have
-  // candidates, that the tree is better refitted; it holds objects 0 … boxes.size() − 1 then, with
-  // boxes of no use, and the margins are void until the next Start. Adds the AABB checks made to
-  // `checks`.
+  // Takes the boxes of the next frame, whose count may differ, and adds the AABB checks made to
+  // `checks`. Returns false where so many objects have left their margins, or there are so many
+  // candidates, that refitting the tree is cheaper. The tree then has room for boxes.size() objects
+  // and outdated boxes, and the next call must be Start.
   bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks);
 
   // As BroadPhase::FindPairs; returns the AABB checks.
@@ -56,20 +58,20 @@ class DbvtMargins {
   void Resize(size_t count, DbvtTree& tree);
   void Reserve(size_t count, size_t kept);
   void CollectLeavers(std::span<const Aabb> boxes, Executor* executor);
-  size_t TakePart(std::span<const Aabb> boxes, size_t begin, size_t end);
+  size_t UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end);
   void Replace(uint32_t object, DbvtTree& tree);
   void DropCandidatesOfLeavers();
 
-  AlignedBuffer<Aabb> exact_;  // and room for one more: see KeepOverlapping
-  AlignedBuffer<Aabb> fat_;
-  AlignedBuffer<uint32_t> left_;  // objects
+  AlignedBuffer<Aabb> exact_;     // the latest boxes, and room to read behind the last one
+  AlignedBuffer<Aabb> fat_;       // the enlarged boxes
+  AlignedBuffer<uint32_t> left_;  // the objects that have left their enlarged boxes
   AlignedBuffer<uint8_t> has_left_;
   std::vector<size_t> left_counts_;  // by part
   std::vector<float> sides_;
   PairBuffer candidates_;
   size_t count_ = 0;
   size_t left_count_ = 0;
-  float side_ = 0;
+  float side_ = 0;  // the median middle side
 };
 
 }  // namespace sweepstake

@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_query.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
+#include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "hwy/cache_control.h"
 
@@ -13,7 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
 constexpr uint32_t kWidth = DbvtTree::kWidth;
-using Lanes16 = hn::CappedTag<float, kWidth>;
 
 HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
   return {{node.min[0], node.min[1], node.min[2]},
@@ -22,8 +22,8 @@ HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
           kWidth};
 }
 
-// The children from `first` on that overlap `box` go to `found`. Returns how many; writes up to a
-// register more.
+// Lists the children from lane `first` on that overlap `box` in `found`. Returns how many; may
+// write up to a register more.
 HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_t first,
                                   uint32_t* found) {
   const Lanes16 d;
@@ -39,7 +39,8 @@ HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_
   return count;
 }
 
-// The lanes of leaf `leaf` that overlap `box`, as slots.
+// Lists the lanes of a leaf that overlap `box`, as slots. Returns how many; may write up to a
+// register more.
 HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t leaf,
                                uint32_t* found) {
   const Lanes16 d;
@@ -48,23 +49,15 @@ HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t 
   size_t count = 0;
   for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
     const auto hits = Hits(d, box, lanes, at);
-    const auto slots = hn::Iota(du, leaf * kWidth + static_cast<uint32_t>(at));
+    const auto slots = NumbersFrom(du, leaf * kWidth + at);
     hn::StoreU(hn::Compress(slots, hn::RebindMask(du, hits)), du, found + count);
     count += hn::CountTrue(d, hits);
   }
   return count;
 }
 
-// One axis of a register of boxes against one box.
-template <class D>
-HWY_INLINE hn::Mask<D> AxisHitsOfHeld(D d, hn::Vec<D> min, hn::Vec<D> max, const DbvtNode& node,
-                                      size_t axis, size_t lane) {
-  return hn::And(hn::Le(min, hn::Set(d, node.max[axis][lane])),
-                 hn::Ge(max, hn::Set(d, node.min[axis][lane])));
-}
-
-// The leaf's boxes, as many at a time as a register holds, against those in `slots`; with kSelf
-// these are the leaf's own, and each meets the lanes behind it.
+// Tests the leaf's boxes, as many at a time as a register holds, against those in `slots`. With
+// kSelf they are tested against one another instead, each against the lanes behind it.
 template <bool kSelf>
 HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& leaf,
                           size_t leaf_size, const uint32_t* slots, size_t slot_count,
@@ -82,26 +75,25 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
     for (size_t k = 0; k < count; ++k) {
       const DbvtNode& node = kSelf ? leaf : nodes[slots[k] / kWidth];
       const size_t lane = kSelf ? k : slots[k] % kWidth;
-      auto hits = hn::And(hn::And(AxisHitsOfHeld(d, min0, max0, node, 0, lane),
-                                  AxisHitsOfHeld(d, min1, max1, node, 1, lane)),
-                          AxisHitsOfHeld(d, min2, max2, node, 2, lane));
+      auto hits = HeldHits<kWidth>(d, min0, min1, min2, max0, max1, max2, &node.min[0][lane],
+                                   &node.max[0][lane]);
       if constexpr (kSelf) hits = hn::And(hits, SlotsFrom(d, k + 1, at));
       cursor.Advance(StoreHits(d, hits, node.child[lane], leaf.child + at, cursor.Room(step)));
     }
   }
 }
 
-// Waiting nodes of a depth-first walk: each level leaves at most its siblings behind.
+// Nodes that wait in a depth-first walk: at most all siblings on each level.
 constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
 
-// The search of one leaf among those that follow it. What was found waits in two stores that are
-// emptied when full: long loops, whose ends the processor foresees.
-struct LeafSearch {
-  LeafSearch(const DbvtTree& tree, PairCursor& pairs)
+// The search of one leaf among those that follow it. The leaves and then the slots found are kept
+// in lists that are worked off when full, since long loops are predicted better than short ones.
+struct DbvtSearch {
+  DbvtSearch(const DbvtTree& tree, PairCursor& pairs)
       : nodes(tree.nodes()), links(tree.links()), cursor(pairs) {}
 
-  static constexpr size_t kLeafStore = 64;
-  static constexpr size_t kSlotStore = 256;
+  static constexpr size_t kLeafCapacity = 64;
+  static constexpr size_t kSlotCapacity = 256;
 
   const DbvtNode* nodes;
   const DbvtLink* links;
@@ -112,19 +104,19 @@ struct LeafSearch {
   uint64_t checks = 0;
   size_t leaf_count = 0;
   size_t slot_count = 0;
-  uint32_t leaves[kLeafStore + kWidth];
-  uint32_t slots[kSlotStore + kWidth];
+  uint32_t leaves[kLeafCapacity + kWidth];
+  uint32_t slots[kSlotCapacity + kWidth];
   uint32_t stack[kStackSize];
 };
 
-HWY_INLINE void EmptySlotStore(LeafSearch& search) {
+HWY_INLINE void TestFoundSlots(DbvtSearch& search) {
   TestSlots<false>(search.nodes, search.nodes[search.leaf], search.leaf_size, search.slots,
                    search.slot_count, search.cursor);
   search.checks += search.slot_count * kWidth;
   search.slot_count = 0;
 }
 
-// Of large trees leaves are not in the cache.
+// In large trees the leaves are not in the cache.
 HWY_INLINE void FetchAhead(const DbvtNode& leaf) {
   for (size_t axis = 0; axis < 3; ++axis) {
     hwy::Prefetch(leaf.min[axis]);
@@ -133,19 +125,19 @@ HWY_INLINE void FetchAhead(const DbvtNode& leaf) {
   hwy::Prefetch(leaf.child);
 }
 
-HWY_INLINE void EmptyLeafStore(LeafSearch& search) {
+HWY_INLINE void TestFoundLeaves(DbvtSearch& search) {
   for (size_t k = 0; k < search.leaf_count; ++k) {
     if (k + 3 < search.leaf_count) FetchAhead(search.nodes[search.leaves[k + 3]]);
     search.slot_count += CollectSlots(search.bounds, search.nodes, search.leaves[k],
                                       search.slots + search.slot_count);
-    if (search.slot_count > LeafSearch::kSlotStore) EmptySlotStore(search);
+    if (search.slot_count > DbvtSearch::kSlotCapacity) TestFoundSlots(search);
   }
   search.checks += search.leaf_count * kWidth;
   search.leaf_count = 0;
 }
 
-// What overlaps below the children of `node` from `first` on.
-HWY_INLINE void SearchBelow(LeafSearch& search, uint32_t node, uint32_t first) {
+// Searches below the children of `node` from lane `first` on.
+HWY_INLINE void SearchBelow(DbvtSearch& search, uint32_t node, uint32_t first) {
   size_t waiting = 0;
   for (;;) {
     search.checks += kWidth;
@@ -154,7 +146,7 @@ HWY_INLINE void SearchBelow(LeafSearch& search, uint32_t node, uint32_t first) {
     } else {
       search.leaf_count += CollectChildren(search.bounds, search.nodes[node], first,
                                            search.leaves + search.leaf_count);
-      if (search.leaf_count > LeafSearch::kLeafStore) EmptyLeafStore(search);
+      if (search.leaf_count > DbvtSearch::kLeafCapacity) TestFoundLeaves(search);
     }
     if (waiting == 0) return;
     node = search.stack[--waiting];
@@ -162,7 +154,9 @@ HWY_INLINE void SearchBelow(LeafSearch& search, uint32_t node, uint32_t first) {
   }
 }
 
-HWY_INLINE void SearchLeaf(LeafSearch& search, uint32_t group, uint32_t lane) {
+// Tests a leaf against itself, then searches its later siblings, and then the later siblings of
+// each of its ancestors.
+HWY_INLINE void SearchLeaf(DbvtSearch& search, uint32_t group, uint32_t lane) {
   const DbvtNode* const nodes = search.nodes;
   search.leaf = nodes[group].child[lane];
   search.leaf_size = search.links[search.leaf].count;
@@ -175,13 +169,13 @@ HWY_INLINE void SearchLeaf(LeafSearch& search, uint32_t group, uint32_t lane) {
     SearchBelow(search, link.parent, link.lane + 1U);
     node = link.parent;
   }
-  EmptyLeafStore(search);
-  EmptySlotStore(search);
+  TestFoundLeaves(search);
+  TestFoundSlots(search);
 }
 
 uint64_t GroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out) {
   PairCursor cursor(out);
-  LeafSearch search(tree, cursor);
+  DbvtSearch search(tree, cursor);
   for (const uint32_t group : groups) {
     const uint32_t count = search.links[group].count;
     for (uint32_t lane = 0; lane < count; ++lane) SearchLeaf(search, group, lane);
@@ -211,7 +205,7 @@ uint64_t PairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const 
       }
       const size_t met_count = CollectChildren(fat[object], nodes[node], 0, met);
       for (size_t k = 0; k < met_count; ++k) {
-        // Of two listed objects the lower one reports.
+        // A pair of two listed objects is reported by the lower one.
         if (met[k] > object || (met[k] < object && is_listed[met[k]] == 0)) {
           cursor.Append(object, met[k]);
         }

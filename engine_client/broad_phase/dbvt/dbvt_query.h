@@ -1,8 +1,8 @@
-// Searches in a DbvtTree: vector kernels chosen at run time once per call.
+// Searches in a DbvtTree: vector kernels, dispatched at run time once per call.
 //
-// Stateless; distinct outputs may be used by distinct threads. All append pairs of objects, a < b,
-// in an order that depends on the tree alone, and return the AABB checks made: every lane of a
-// comparison is one.
+// Stateless; threads may search at the same time with outputs of their own. All append pairs of
+// objects, a < b, in an order that depends on the tree alone, and return the AABB checks made:
+// every lane of a comparison is one.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,13 @@
 
 namespace sweepstake {
 
-// The overlapping pairs of the leaves below these lowest inner nodes with themselves and all that
-// follow them in depth-first order. Over all of tree.Groups(): every overlapping pair once.
+// Finds the overlapping pairs of the objects below these lowest inner nodes with one another and
+// with all objects that follow them in depth-first order. Over all of tree.Groups() that is every
+// overlapping pair once.
 uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out);
 
-// The pairs of each listed object, whose box is fat[object], with the objects in the tree; of two
-// listed ones once. `is_listed` holds 1 for these objects and 0 for the others.
+// Finds the pairs of each listed object, whose box is fat[object], with all objects in the tree; a
+// pair of two listed objects once. `is_listed` holds 1 for listed objects and 0 for the others.
 uint64_t FindPairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
                      const uint8_t* is_listed, PairBuffer& out);
 

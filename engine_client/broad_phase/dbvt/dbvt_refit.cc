@@ -8,43 +8,23 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_refit.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
+#include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "hwy/cache_control.h"
-#include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes16 = hn::CappedTag<float, DbvtNode::kWidth>;
-
-HWY_INLINE float LeastLane(const float* values) {
-  const Lanes16 d;
-  auto least = hn::Load(d, values);
-  for (size_t at = hn::Lanes(d); at < DbvtNode::kWidth; at += hn::Lanes(d)) {
-    least = hn::Min(least, hn::Load(d, values + at));
-  }
-  return hn::GetLane(hn::MinOfLanes(d, least));
-}
-
-HWY_INLINE float GreatestLane(const float* values) {
-  const Lanes16 d;
-  auto greatest = hn::Load(d, values);
-  for (size_t at = hn::Lanes(d); at < DbvtNode::kWidth; at += hn::Lanes(d)) {
-    greatest = hn::Max(greatest, hn::Load(d, values + at));
-  }
-  return hn::GetLane(hn::MaxOfLanes(d, greatest));
-}
-
 Aabb BoundsOf(const DbvtNode& node) {
   Aabb bounds;
   for (size_t axis = 0; axis < 3; ++axis) {
-    bounds.min[axis] = LeastLane(node.min[axis]);
-    bounds.max[axis] = GreatestLane(node.max[axis]);
+    bounds.min[axis] = MinOf16(node.min[axis]);
+    bounds.max[axis] = MaxOf16(node.max[axis]);
   }
   return bounds;
 }
 
-// The sum of a box's sides, lane by lane.
+// The size (sum of sides) of each lane's box.
 HWY_INLINE hn::Vec<Lanes16> Sides(const DbvtNode& node, size_t at) {
   const Lanes16 d;
   auto sides = hn::Sub(hn::Load(d, node.max[0] + at), hn::Load(d, node.min[0] + at));
@@ -61,15 +41,14 @@ uint16_t Stretched(DbvtNode& node) {
   for (size_t at = 0; at < DbvtNode::kWidth; at += hn::Lanes(d)) {
     const auto sides = Sides(node, at);
     const auto reach = hn::Load(d, node.reach + at);
-    uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, hn::Gt(sides, reach), bits);
-    stretched |= (bits[0] | uint32_t{bits[1]} << 8) << at;
-    hn::Store(hn::Min(reach, hn::Mul(sides, hn::Set(d, DbvtTree::kMargin))), d, node.reach + at);
+    stretched |= BitsOfMask(d, hn::Gt(sides, reach)) << at;
+    hn::Store(hn::Min(reach, hn::Mul(sides, hn::Set(d, DbvtTree::kReachFactor))), d,
+              node.reach + at);
   }
   return static_cast<uint16_t>(stretched);
 }
 
-HWY_INLINE bool AllTakePart(const DbvtNode& leaf, const Aabb& bounds, size_t count) {
+HWY_INLINE bool AllAreValid(const DbvtNode& leaf, const Aabb& bounds, size_t count) {
   constexpr float kLargest = std::numeric_limits<float>::max();
   const Lanes16 d;
   size_t in_order = 0;
@@ -88,7 +67,7 @@ HWY_INLINE bool AllTakePart(const DbvtNode& leaf, const Aabb& bounds, size_t cou
   return finite && in_order == count;
 }
 
-// Largest step on an axis from where the lane has the box.
+// The largest distance on an axis that the box has moved from the lane's box.
 HWY_INLINE float MotionFrom(const DbvtNode& leaf, size_t lane, const Aabb& box) {
   float motion = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -107,7 +86,7 @@ HWY_INLINE void TakeBoxes(DbvtNode& leaf, size_t count, const Aabb* HWY_RESTRICT
   }
 }
 
-// The processor does not foresee the order of a leaf's objects.
+// Prefetches the boxes of a leaf's objects, whose order the processor cannot predict.
 HWY_INLINE void FetchAhead(const DbvtNode& leaf, size_t count, const Aabb* boxes) {
   for (size_t lane = 0; lane < count; ++lane) {
     const Aabb* const box = boxes + leaf.child[lane];
@@ -121,6 +100,7 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
   DbvtNode& group = nodes[group_node];
   const size_t leaf_count = links[group_node].count;
   DbvtGroupNote note{};
+  // Samples the motion and takes the boxes, leaf by leaf.
   for (size_t lane = 0; lane < leaf_count; ++lane) {
     DbvtNode& leaf = nodes[group.child[lane]];
     if (lane + 2 < leaf_count) {
@@ -128,12 +108,12 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
       FetchAhead(nodes[ahead], links[ahead].count, boxes);
     }
     const float motion = MotionFrom(leaf, 0, boxes[leaf.child[0]]);
-    note.restless += motion <= step ? 0 : 1;
+    note.restless_count += motion <= step ? 0 : 1;
     note.motion += std::min(motion, step);
     TakeBoxes(leaf, links[group.child[lane]].count, boxes);
   }
-  // Apart from the loop above: registers that read what was just written by single floats wait for
-  // it.
+  // Computes the bounds in a loop of its own: a vector load that follows single-float stores at
+  // once would wait for them.
   for (size_t lane = 0; lane < leaf_count; ++lane) {
     const DbvtNode& leaf = nodes[group.child[lane]];
     const Aabb bounds = BoundsOf(leaf);
@@ -141,18 +121,18 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
       group.min[axis][lane] = bounds.min[axis];
       group.max[axis][lane] = bounds.max[axis];
     }
-    if (!AllTakePart(leaf, bounds, links[group.child[lane]].count)) {
-      note.broken = static_cast<uint16_t>(note.broken | 1U << lane);
+    if (!AllAreValid(leaf, bounds, links[group.child[lane]].count)) {
+      note.invalid = static_cast<uint16_t>(note.invalid | 1U << lane);
     }
   }
   note.stretched = Stretched(group);
   return note;
 }
 
-// The lane that grows least by the box; of lanes that grow alike the smaller one.
+// The lane that grows least when it covers the box; of lanes that grow alike a small one.
 HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
   const Lanes16 d;
-  float least = std::numeric_limits<float>::infinity();
+  float min_cost = std::numeric_limits<float>::infinity();
   size_t best = 0;
   for (size_t at = 0; at < DbvtNode::kWidth; at += hn::Lanes(d)) {
     auto joined = hn::Zero(d);
@@ -161,11 +141,12 @@ HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
       const auto high = hn::Max(hn::Load(d, node.max[axis] + at), hn::Set(d, box.max[axis]));
       joined = hn::Add(joined, hn::Sub(high, low));
     }
-    // Infinite for lanes without a child.
+    // The growth, and a sixteenth of the size so that smaller lanes are preferred. It is infinite
+    // for lanes without a child.
     const auto cost = hn::Sub(hn::Mul(joined, hn::Set(d, 1.0625F)), Sides(node, at));
     const float cost_here = hn::GetLane(hn::MinOfLanes(d, cost));
-    if (!(cost_here < least)) continue;
-    least = cost_here;
+    if (!(cost_here < min_cost)) continue;
+    min_cost = cost_here;
     const intptr_t lane = hn::FindFirstTrue(d, hn::Eq(cost, hn::Set(d, cost_here)));
     best = at + static_cast<size_t>(std::max<intptr_t>(lane, 0));
   }
@@ -184,7 +165,7 @@ uint32_t Descend(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_t r
       at.max[axis][lane] = std::max(at.max[axis][lane], box.max[axis]);
       sides += at.max[axis][lane] - at.min[axis][lane];
     }
-    at.reach[lane] = std::max(at.reach[lane], DbvtTree::kMargin * sides);
+    at.reach[lane] = std::max(at.reach[lane], DbvtTree::kReachFactor * sides);
     node = at.child[lane];
   }
   return node;

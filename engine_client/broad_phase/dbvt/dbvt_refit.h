@@ -1,4 +1,4 @@
-// What a DbvtTree does to whole nodes: vector kernels chosen at run time once per call.
+// Vector kernels of DbvtTree that work on whole nodes, dispatched at run time once per call.
 //
 // Stateless; calls on distinct groups may run on distinct threads.
 #pragma once
@@ -10,20 +10,20 @@
 
 namespace sweepstake {
 
-// The box around all lanes. REQUIRES: the node has an entry.
+// The bounds of all lanes. REQUIRES: the node has an entry.
 Aabb NodeBounds(const DbvtNode& node);
 
-// The children of this inner node that outgrew their reach, by lane; the others' reach shrinks with
-// them.
+// The lanes of this inner node whose children are stretched beyond their reach, as bits. Where a
+// child has become smaller, its reach shrinks with it.
 uint16_t StretchedLanes(DbvtNode& node);
 
-// Gives the objects in the leaves below `group`, a lowest inner node, their boxes, and the group's
-// lanes the leaves' bounds. Motion is sampled at the first object of each leaf.
+// Gives the objects in the leaves of a group their new boxes, and the lanes of the group the bounds
+// of the leaves. Motion is sampled at the first object of each leaf.
 DbvtGroupNote RefitGroup(DbvtNode* nodes, const DbvtLink* links, uint32_t group, const Aabb* boxes,
                          float step);
 
-// The node of `level` under which `box` makes the tree grow least; the boxes on the way there grow
-// by it. REQUIRES: no node on the way is empty.
+// Finds the node of `level` below which `box` makes the tree grow least, and widens the boxes on
+// the way there to cover it. REQUIRES: no node on the way is empty.
 uint32_t DescendWidening(DbvtNode* nodes, const DbvtLink* links, uint32_t root, uint32_t level,
                          const Aabb& box);
 

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <limits>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/common/parallel.h"
 #include "engine_client/broad_phase/dbvt/dbvt_refit.h"
 
@@ -13,10 +14,11 @@ namespace sweepstake {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Leaves are full after Build and 11 to 13 of 16 full after a while of motion.
+// How full nodes are at worst, for reserving memory: leaves are full after Build, and 11 to 13 of
+// 16 lanes are in use after a while of motion.
 constexpr size_t kObjectsPerNode = 10;
-// Of lowest inner nodes to a part: some 1,500 objects.
-constexpr size_t kLeastGroups = 8;
+// Fewer groups (some 1,500 objects) are not worth a thread.
+constexpr size_t kMinGroupsPerPart = 8;
 
 void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -43,7 +45,7 @@ float SumOfSides(const Aabb& box) {
   return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
 }
 
-// In double: the sum of two floats need not be finite.
+// In double, since the sum of two floats need not be finite.
 double DoubledCenter(const Aabb& box, int axis) {
   return static_cast<double>(box.min[axis]) + box.max[axis];
 }
@@ -52,7 +54,7 @@ double DoubledCenter(const Aabb& box, int axis) {
 template <class Entries>
 int WidestAxis(const Entries& entries) {
   int widest = 0;
-  double most = -1;
+  double max_spread = -1;
   for (int axis = 0; axis < 3; ++axis) {
     double low = DoubledCenter(entries[0].box, axis);
     double high = low;
@@ -60,30 +62,30 @@ int WidestAxis(const Entries& entries) {
       low = std::min(low, DoubledCenter(entry.box, axis));
       high = std::max(high, DoubledCenter(entry.box, axis));
     }
-    if (high - low <= most) continue;
-    most = high - low;
+    if (high - low <= max_spread) continue;
+    max_spread = high - low;
     widest = axis;
   }
   return widest;
 }
 
-// How much a row of faces recedes when the outermost one goes, and whose that is. `sign` −1: the
-// highest face is the outermost.
+// The lane with the outermost of a row of faces, and how far the bounds recede without it. With
+// `sign` +1 the lowest face is the outermost, with −1 the highest.
 struct Outermost {
   uint32_t lane;
   float gain;
 };
 Outermost OutermostLane(const float* faces, uint32_t count, float sign) {
-  float least = kInfinity;
+  float first = kInfinity;
   float second = kInfinity;
   uint32_t lane = 0;
   for (uint32_t k = 0; k < count; ++k) {
     const float face = sign * faces[k];
-    second = std::min(second, std::max(face, least));
-    if (face < least) lane = k;
-    least = std::min(face, least);
+    second = std::min(second, std::max(face, first));
+    if (face < first) lane = k;
+    first = std::min(face, first);
   }
-  return {lane, second - least};
+  return {lane, second - first};
 }
 
 // The lane without which the node shrinks most.
@@ -147,7 +149,7 @@ DbvtTree::Entry DbvtTree::EntryAt(uint32_t node, uint32_t lane) const {
   return {BoxAt(nodes_[node], lane), nodes_[node].child[lane], links_[node].level};
 }
 
-// The last lane takes its place.
+// The entry of the last lane takes its place.
 void DbvtTree::RemoveLane(uint32_t node, uint32_t lane) {
   const uint32_t last = --links_[node].count;
   const float reach = nodes_[node].reach[last];
@@ -155,8 +157,7 @@ void DbvtTree::RemoveLane(uint32_t node, uint32_t lane) {
     SetLane(node, lane, EntryAt(node, last));
     nodes_[node].reach[lane] = reach;
   }
-  SetBox(nodes_[node], last,
-         {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}});
+  SetBox(nodes_[node], last, kInvalidAabb);
   is_order_known_ &= links_[node].level == 0;
 }
 
@@ -179,7 +180,7 @@ void DbvtTree::WriteBounds(uint32_t node) {
 void DbvtTree::TightenUpFrom(uint32_t node) {
   while (node != root_) {
     const uint32_t parent = links_[node].parent;
-    links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
+    links_[node].count < kMinFill ? Dissolve(node) : WriteBounds(node);
     node = parent;
   }
 }
@@ -189,9 +190,9 @@ void DbvtTree::Reserve(size_t object_count) {
   nodes_.EnsureDiscarding(node_count);
   links_.EnsureDiscarding(node_count);
   slots_.EnsureDiscarding(object_count);
-  inner_.reserve(node_count / kLeastFill);
-  groups_.reserve(node_count / kLeastFill);
-  notes_.reserve(node_count / kLeastFill);
+  inner_.reserve(node_count / kMinFill);
+  groups_.reserve(node_count / kMinFill);
+  notes_.reserve(node_count / kMinFill);
 }
 
 void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots,
@@ -214,7 +215,7 @@ void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slot
     first = end;
   } while (node_limit_ - first > 1);
   root_ = first;
-  // Boxes and bounds.
+  // The nodes have no boxes yet: Refit takes those of the objects and computes all bounds.
   Refit(boxes, 0, executor, lost);
   Settle();
 }
@@ -228,7 +229,7 @@ void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
   }
 }
 
-// Nodes, at least one, above those of [first, end).
+// Makes the nodes, at least one, above the nodes [first, end).
 void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
   uint32_t node = AllocateNode(level);
   for (uint32_t child = first; child < end; ++child) {
@@ -269,7 +270,7 @@ void DbvtTree::Move(uint32_t object, const Aabb& box) {
   }
 }
 
-// False as long as the reach is not known.
+// Returns false also where the reach is not known yet.
 bool DbvtTree::FitsInReach(uint32_t node, const Aabb& box) const {
   const DbvtNode& parent = nodes_[links_[node].parent];
   const uint32_t lane = links_[node].lane;
@@ -301,7 +302,8 @@ void DbvtTree::AddTo(uint32_t node, const Entry& entry) {
   SetLane(node, links_[node].count++, entry);
 }
 
-// Two nodes for the entries of a full one and one more, parted at the median of the widest axis.
+// Divides the entries of a full node and one more between two nodes, at the median of the axis on
+// which their centers are spread widest.
 void DbvtTree::Split(uint32_t node, const Entry& entry) {
   std::array<Entry, kWidth + 1> entries;
   for (uint32_t lane = 0; lane < kWidth; ++lane) entries[lane] = EntryAt(node, lane);
@@ -329,7 +331,7 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
 }
 
 void DbvtTree::Settle() {
-  // Subtrees before what goes into them.
+  // Subtrees go first, since lower entries may be inserted into them.
   for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
     for (const Entry& entry : waiting_) {
       if (entry.level == level) Attach(entry);
@@ -345,10 +347,10 @@ void DbvtTree::Settle() {
   }
 }
 
-// Back within its reach, or dissolved.
+// Evicts entries until the node is within its reach again, or dissolves it.
 void DbvtTree::Shed(uint32_t node) {
   const float reach = nodes_[links_[node].parent].reach[links_[node].lane];
-  while (links_[node].count >= kLeastFill) {
+  while (links_[node].count >= kMinFill) {
     const Aabb bounds = NodeBounds(nodes_[node]);
     if (!(SumOfSides(bounds) > reach)) {
       SetBox(nodes_[links_[node].parent], links_[node].lane, bounds);
@@ -359,7 +361,7 @@ void DbvtTree::Shed(uint32_t node) {
   Dissolve(node);
 }
 
-// From the highest lane down: a child that dissolves has its place taken by the last.
+// Goes from the highest lane down: when a child dissolves, the last one takes its lane.
 void DbvtTree::ShedBelow(uint32_t node, uint32_t stretched) {
   while (stretched != 0) {
     const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;
@@ -368,8 +370,8 @@ void DbvtTree::ShedBelow(uint32_t node, uint32_t stretched) {
   }
 }
 
-void DbvtTree::RemoveBroken(uint32_t leaf, std::span<const Aabb> boxes,
-                            std::vector<uint32_t>& lost) {
+void DbvtTree::RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes,
+                             std::vector<uint32_t>& lost) {
   for (uint32_t lane = links_[leaf].count; lane-- > 0;) {
     const uint32_t object = nodes_[leaf].child[lane];
     if (TakesPart(boxes[object])) continue;
@@ -382,7 +384,7 @@ void DbvtTree::RemoveBroken(uint32_t leaf, std::span<const Aabb> boxes,
 void DbvtTree::RefitGroups(std::span<const Aabb> boxes, float step, Executor* executor) {
   CollectOrder();
   notes_.resize(groups_.size());
-  const size_t part_count = PartCount(executor, groups_.size(), kLeastGroups);
+  const size_t part_count = PartCount(executor, groups_.size(), kMinGroupsPerPart);
   RunParts(executor, part_count, [&](size_t part) {
     const PartRange range = RangeOfPart(groups_.size(), part, part_count, 1);
     for (size_t k = range.begin; k < range.end; ++k) {
@@ -402,13 +404,13 @@ DbvtTree::Motion DbvtTree::SumUpNotes() const {
   Motion motion{};
   size_t stretched = 0;
   for (size_t k = 0; k < groups_.size(); ++k) {
-    motion.sampled += links_[groups_[k]].count;
-    motion.restless += notes_[k].restless;
+    motion.sample_count += links_[groups_[k]].count;
+    motion.restless_count += notes_[k].restless_count;
     motion.mean += notes_[k].motion;
     stretched += static_cast<size_t>(std::popcount(notes_[k].stretched));
   }
-  motion.mean /= static_cast<float>(std::max<size_t>(motion.sampled, 1));
-  motion.is_upheaval = 2 * stretched > motion.sampled;
+  motion.mean /= static_cast<float>(std::max<size_t>(motion.sample_count, 1));
+  motion.needs_build = 2 * stretched > motion.sample_count;
   return motion;
 }
 
@@ -416,7 +418,7 @@ DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Execut
                                  std::vector<uint32_t>& lost) {
   RefitGroups(boxes, step, executor);
   const Motion motion = SumUpNotes();
-  if (motion.is_upheaval) return motion;
+  if (motion.needs_build) return motion;
   size_t group = groups_.size();
   for (size_t k = inner_.size(); k-- > 0;) {
     const uint32_t node = inner_[k];
@@ -424,12 +426,12 @@ DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Execut
       ShedBelow(node, StretchedLanes(nodes_[node]));
     } else {
       const DbvtGroupNote& note = notes_[--group];
-      for (uint32_t broken = note.broken; broken != 0; broken &= broken - 1) {
-        RemoveBroken(nodes_[node].child[std::countr_zero(broken)], boxes, lost);
+      for (uint32_t left = note.invalid; left != 0; left &= left - 1) {
+        RemoveInvalid(nodes_[node].child[std::countr_zero(left)], boxes, lost);
       }
-      ShedBelow(node, note.stretched | note.broken);
+      ShedBelow(node, note.stretched | note.invalid);
     }
-    if (node != root_) links_[node].count < kLeastFill ? Dissolve(node) : WriteBounds(node);
+    if (node != root_) links_[node].count < kMinFill ? Dissolve(node) : WriteBounds(node);
   }
   return motion;
 }

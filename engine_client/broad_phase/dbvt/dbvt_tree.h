@@ -1,17 +1,19 @@
-// A dynamic bounding volume tree sixteen wide: leaves hold up to sixteen objects, inner nodes up to
-// sixteen nodes, each with its box in a lane of its node.
+// A dynamic bounding volume tree sixteen wide: a leaf holds up to sixteen objects, an inner node up
+// to sixteen nodes, and the box of each is in a lane of its node.
 //
-// All leaves have one depth. An object is inserted where the tree grows least (by the sum of a
-// box's sides, which serves flat and thin boxes too), a node that overflows is split in two at the
-// median of its widest axis, and one with fewer than kLeastFill entries hands them to its
-// neighbours. Each node has a reach: how large it may become while its entries move, kMargin times
-// the smallest it was. Refit follows the objects and puts what stretches a node beyond its reach,
-// objects and whole subtrees alike, to where it fits better: the R*-tree's forced reinsertion
-// (Beckmann et al. 1990), asked for by motion.
+// All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
+// and thin boxes too. An object is inserted where the tree grows least. A node that overflows is
+// split in two at the median of its widest axis; one with fewer than kMinFill entries is dissolved,
+// and its entries are inserted elsewhere. Each node has a reach, the size up to which it may
+// stretch while its entries move: kReachFactor times the smallest size it has had. Refit takes the
+// objects' new boxes, and removes what stretches a node beyond its reach, objects and subtrees
+// alike, to insert it where it fits better. This is the forced reinsertion of the R*-tree (Beckmann
+// et al. 1990), triggered by motion instead of insertion.
 //
-// Not thread-safe. Owns its memory. Boxes must take part (aabb.h) where nothing else is said. Cost:
-// Build 10 ns per object; Refit 1.7 ns per object and 0.2 us per entry that is moved; Insert and
-// Remove 0.2 us (at 10,000 objects). Memory: 512 bytes per node, about 57 per object.
+// Not thread-safe. Owns its memory. Boxes must be valid (aabb.h) unless a comment says otherwise.
+// Cost (one thread of an AMD EPYC, 10,000 objects): Build 10 ns per object; Refit 1.7 ns per object
+// and 0.2 us per entry that is moved; Insert and Remove 0.2 us. Memory: 512 bytes per node, about
+// 57 per object.
 #pragma once
 
 #include <cstddef>
@@ -25,18 +27,18 @@
 
 namespace sweepstake {
 
-// Lanes from the count on hold boxes that overlap nothing (min = +inf, max = -inf).
+// Lanes without an entry hold sentinels, which overlap nothing (min = +inf, max = -inf).
 struct alignas(64) DbvtNode {
   static constexpr uint32_t kWidth = 16;
 
   float min[3][kWidth];
   float max[3][kWidth];
-  uint32_t child[kWidth];  // objects in a leaf, nodes elsewhere
-  float reach[kWidth];     // of child nodes
+  uint32_t child[kWidth];  // objects in a leaf, nodes in an inner node
+  float reach[kWidth];     // of the child nodes
 };
 static_assert(sizeof(DbvtNode) == 512);
 
-// Where a node hangs, and how full it is.
+// The place of a node in the tree, and how many entries it has.
 struct DbvtLink {
   uint32_t parent;
   uint8_t lane;
@@ -44,65 +46,68 @@ struct DbvtLink {
   uint8_t level;  // 0: a leaf
 };
 
-// What Refit saw below one lowest inner node; bit k speaks of its lane k.
+// A group is a lowest inner node with the leaves below it. This is what Refit found in one; bit k
+// is the leaf in lane k.
 struct DbvtGroupNote {
-  uint16_t stretched;
-  uint16_t broken;    // a leaf with boxes that do not take part
-  uint16_t restless;  // sampled objects, one per leaf, that went further than a step
-  float motion;       // sum of the samples' motion, each at most a step
+  uint16_t stretched;  // beyond its reach
+  uint16_t invalid;    // has invalid boxes
+  // One object per leaf is sampled: how many of these moved further than a step, and the sum of
+  // their motion, each at most a step.
+  uint16_t restless_count;
+  float motion;
 };
 
 class DbvtTree {
  public:
   static constexpr uint32_t kNone = 0xFFFFFFFF;
   static constexpr uint32_t kWidth = DbvtNode::kWidth;
-  static constexpr uint32_t kLeastFill = 4;
-  // 4^16 entries, and one for a root that is not full.
+  static constexpr uint32_t kMinFill = 4;
+  // Enough for 4^16 entries, and one more for a root that is not full.
   static constexpr size_t kMaxLevels = 17;
-  static constexpr float kMargin = 1.35F;
+  static constexpr float kReachFactor = 1.35F;
 
-  // Discards all and takes the objects in `slots`, of which each sixteen become a leaf, in their
-  // order; kNone and numbers that are no index of `boxes` leave a gap. Objects whose boxes do not
-  // take part go to `lost`. Objects 0 … boxes.size() − 1 can be in the tree from now on.
+  // Discards everything and takes the objects in `slots`: each sixteen slots become a leaf. kNone
+  // and numbers that are no index of `boxes` leave a gap. Objects with invalid boxes are appended
+  // to `lost`. The tree can hold objects 0 … boxes.size() − 1 from now on.
   void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
              std::vector<uint32_t>& lost);
-  // Makes room for another number of objects. REQUIRES: those at and above it are not in the tree.
+  // Changes how many objects the tree can hold. REQUIRES: none from `object_count` on is in it.
   void Resize(size_t object_count);
 
   // REQUIRES: the object is not in the tree.
   void Insert(uint32_t object, const Aabb& box);
   // REQUIRES: the object is in the tree.
   void Remove(uint32_t object);
-  // Gives the object another box, and another place where that would stretch its leaf beyond its
-  // reach. REQUIRES: as for Remove.
+  // Gives the object another box, and another leaf where the box would stretch its leaf beyond its
+  // reach. REQUIRES: the object is in the tree.
   void Move(uint32_t object, const Aabb& box);
 
   struct Motion {
-    size_t sampled;
-    size_t restless;  // of these, moved further than the step
-    float mean;       // of the samples, each cut off at the step
-    bool is_upheaval;
+    size_t sample_count;
+    size_t restless_count;  // samples that moved further than the step
+    float mean;             // of the samples, each cut off at the step
+    bool needs_build;
   };
-  // Takes the objects' new boxes. Those that no longer take part leave the tree and go to `lost`;
-  // what stretches its node too far leaves it and waits for Settle or Build. Searches before either
-  // would miss it. An upheaval, where more than half of the leaves are stretched, asks for Build at
-  // once.
+  // Takes the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
+  // appended to `lost`. Entries that stretch their node too far leave it and wait for Settle or
+  // Build; a search before that would miss them. Where more than half of the leaves are stretched,
+  // the result asks for Build, which must be the next call.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                std::vector<uint32_t>& lost);
-  // Likewise, and everything stays where it is. REQUIRES: the boxes of all objects take part.
+  // Takes the objects' new boxes, and leaves every object in its leaf. REQUIRES: the boxes of all
+  // objects in the tree are valid.
   void TakeBoxes(std::span<const Aabb> boxes, Executor* executor);
   size_t waiting_count() const { return waiting_.size(); }
+  // Inserts the entries that wait.
   void Settle();
 
   bool Contains(uint32_t object) const { return slots_[object] != kNone; }
   size_t object_count() const { return object_count_; }
-  // Never a leaf; without entries when the tree is empty.
+  // Always an inner node; it has no entries when the tree is empty.
   uint32_t root() const { return root_; }
   const DbvtNode* nodes() const { return nodes_.data(); }
   const DbvtLink* links() const { return links_.data(); }
-  // Upper bound of node numbers.
-  size_t node_limit() const { return node_limit_; }
-  // The inner nodes above leaves, depth first.
+  // The lowest inner nodes, depth first.
   std::span<const uint32_t> Groups();
   size_t native_bytes() const;
 
@@ -127,7 +132,7 @@ class DbvtTree {
   void WidenUpFrom(uint32_t node, const Aabb& box);
   void Shed(uint32_t node);
   void ShedBelow(uint32_t node, uint32_t stretched);
-  void RemoveBroken(uint32_t leaf, std::span<const Aabb> boxes, std::vector<uint32_t>& lost);
+  void RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes, std::vector<uint32_t>& lost);
   void Attach(const Entry& entry);
   void AddTo(uint32_t node, const Entry& entry);
   void Split(uint32_t node, const Entry& entry);
@@ -140,16 +145,16 @@ class DbvtTree {
 
   AlignedBuffer<DbvtNode> nodes_;
   AlignedBuffer<DbvtLink> links_;
-  AlignedBuffer<uint32_t> slots_;  // of each object: node * kWidth + lane
+  AlignedBuffer<uint32_t> slots_;  // of each object: node * kWidth + lane, or kNone
   std::vector<Entry> waiting_;
-  std::vector<uint32_t> inner_;  // parents before children
-  std::vector<uint32_t> groups_;
+  std::vector<uint32_t> inner_;   // all inner nodes, parents before children
+  std::vector<uint32_t> groups_;  // the lowest of them
   std::vector<DbvtGroupNote> notes_;
   size_t object_count_ = 0;
-  size_t node_limit_ = 0;
+  size_t node_limit_ = 0;  // all node numbers are below
   uint32_t root_ = kNone;
-  uint32_t free_ = kNone;  // list through DbvtLink::parent
-  bool is_order_known_ = false;
+  uint32_t free_ = kNone;        // the first free node; DbvtLink::parent is the next one
+  bool is_order_known_ = false;  // whether inner_ and groups_ are up to date
 };
 
 }  // namespace sweepstake

@@ -4,14 +4,12 @@
 #include <limits>
 
 #include "engine_client/broad_phase/common/parallel.h"
-#include "engine_client/broad_phase/kd/kd_centers.h"
-#include "engine_client/broad_phase/kd/size_classes.h"
 
 namespace sweepstake {
 namespace {
 
-// Up to here all splits of a range are one step: its centers stay in the cache.
-constexpr size_t kWholeRange = 4096;
+// The largest range that is split down to parts in one step: its centers stay in the cache.
+constexpr size_t kMaxWholeRange = 4096;
 
 constexpr size_t RoundUp(size_t count) {
   return (count + KdRange::kPart - 1) / KdRange::kPart * KdRange::kPart;
@@ -28,8 +26,8 @@ KdRange MakeRange(size_t begin, size_t end, const double* extent_sums, double ne
   KdRange range{begin, end, {}};
   for (size_t axis = 0; axis < 3; ++axis) {
     const double mean = extent_sums[axis] / static_cast<double>(end - begin);
-    const double least = double{std::numeric_limits<float>::min()};
-    range.axis_weight[axis] = static_cast<float>(1 / (mean + negligible + least));
+    const double min_extent = double{std::numeric_limits<float>::min()};
+    range.axis_weight[axis] = static_cast<float>(1 / (mean + negligible + min_extent));
   }
   return range;
 }
@@ -37,8 +35,8 @@ KdRange MakeRange(size_t begin, size_t end, const double* extent_sums, double ne
 }  // namespace
 
 void KdOrder::Reserve(size_t count) {
-  // Gaps behind the classes, and a register to read past the last.
-  capacity_ = RoundUp(MostSlots(count)) + kPart;
+  // There are gaps behind the classes, and a register may be read behind the last.
+  capacity_ = RoundUp(MaxSlots(count)) + kPart;
   floats_.EnsureDiscarding(6 * capacity_);
   words_.EnsureDiscarding(3 * capacity_);
   for (size_t k = 0; k < 2; ++k) {
@@ -48,20 +46,7 @@ void KdOrder::Reserve(size_t count) {
     columns_[k].box = words_.data() + k * capacity_;
   }
   result_ = words_.data() + 2 * capacity_;
-  waiting_ = run_count_ = present_count_ = absent_count_ = 0;
-}
-
-// Those that do not take part, holes excepted, from the end of the result downwards.
-void KdOrder::CollectAbsent(const BoxGroups& groups, size_t box_count) {
-  if (present_count_ == box_count) return;
-  for (size_t group = 0; group < groups.count; ++group) {
-    for (size_t lane = 0; lane < BoxGroups::kWidth; ++lane) {
-      const size_t at = group * groups.stride + lane;
-      if (groups.min[0][at] <= groups.max[0][at] || groups.id[at] == kHole) continue;
-      if (present_count_ + absent_count_ == box_count) return;  // behind the last box
-      result_[capacity_ - ++absent_count_] = groups.id[at];
-    }
-  }
+  waiting_ = run_count_ = valid_count_ = invalid_count_ = 0;
 }
 
 void KdOrder::PushRun(const KdRange& range, size_t columns) {
@@ -75,23 +60,23 @@ void KdOrder::FormRuns() {
   AxisSpread spreads[3];
   double negligible = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
-    spreads[axis] = SpreadOf(columns_[0].center[axis], extents[axis], present_count_);
-    // A millionth of the world is no size that splits should heed.
-    negligible = std::max(negligible, 1e-6 * (double{spreads[axis].greatest_center} -
-                                              double{spreads[axis].least_center}));
+    spreads[axis] = SpreadOf(columns_[0].center[axis], extents[axis], valid_count_);
+    // Extents below a millionth of the world count as equal.
+    negligible = std::max(
+        negligible, 1e-6 * (double{spreads[axis].max_center} - double{spreads[axis].min_center}));
   }
-  const SizeClasses classes(spreads, extents, present_count_);
+  const SizeClasses classes(spreads, extents, valid_count_);
   if (classes.all_ordinary()) {
     const double sums[3] = {spreads[0].extent_sum, spreads[1].extent_sum, spreads[2].extent_sum};
-    return PushRun(MakeRange(0, present_count_, sums, negligible), 0);
+    return PushRun(MakeRange(0, valid_count_, sums, negligible), 0);
   }
-  const std::span<uint32_t> of_slots(result_, present_count_);
+  const std::span<uint32_t> of_slots(result_, valid_count_);
   const auto counts = classes.ClassifyAll(extents, of_slots);
   MoveToClasses(of_slots, counts, negligible);
 }
 
-// Orders the boxes by class, from the first columns to the second, each class from a multiple of
-// kPart on.
+// Moves the boxes from the first columns to the second, class by class, each class from a multiple
+// of kPart on.
 void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
                             std::span<const size_t, SizeClasses::kCount> counts,
                             double negligible) {
@@ -120,43 +105,57 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
   }
 }
 
-void KdOrder::Begin(const BoxGroups& groups, size_t box_count) {
-  Reserve(box_count);
-  present_count_ = CollectCenters(groups, columns_[0], columns_[1]);
-  CollectAbsent(groups, box_count);
-  StartSplitting();
+// Inline, since a call per box would cost as much as the work.
+inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
+  if (!TakesPart(box)) {
+    result_[capacity_ - ++invalid_count_] = index;
+    return;
+  }
+  for (size_t axis = 0; axis < 3; ++axis) {
+    // The sum of two finite floats need not be finite, that of their halves is.
+    columns_[0].center[axis][valid_count_] = box.min[axis] * 0.5F + box.max[axis] * 0.5F;
+    columns_[1].center[axis][valid_count_] = box.max[axis] - box.min[axis];
+  }
+  columns_[0].box[valid_count_++] = index;
 }
 
 void KdOrder::Begin(std::span<const Aabb> boxes) {
   Reserve(boxes.size());
   for (size_t index = 0; index < boxes.size(); ++index) {
-    const Aabb& box = boxes[index];
-    if (!TakesPart(box)) {
-      result_[capacity_ - ++absent_count_] = static_cast<uint32_t>(index);
-      continue;
-    }
-    for (size_t axis = 0; axis < 3; ++axis) {
-      // Halves: the sum of two finite floats need not be finite.
-      columns_[0].center[axis][present_count_] = box.min[axis] * 0.5F + box.max[axis] * 0.5F;
-      columns_[1].center[axis][present_count_] = box.max[axis] - box.min[axis];
-    }
-    columns_[0].box[present_count_++] = static_cast<uint32_t>(index);
+    Collect(boxes[index], static_cast<uint32_t>(index));
   }
   StartSplitting();
 }
 
-void KdOrder::StartSplitting() {
-  whole_range_ = std::clamp(RoundUp(present_count_ / 32), size_t{64}, kWholeRange);
-  if (present_count_ > 0) FormRuns();
+void KdOrder::Begin(std::span<const LeafBlock> leaves, size_t box_count) {
+  Reserve(box_count);
+  valid_count_ = CollectCenters(leaves, columns_[0], columns_[1]);
+  if (valid_count_ != box_count) CollectInvalid(leaves);
+  StartSplitting();
 }
 
-size_t KdOrder::work() const { return present_count_ * SplitDepth(present_count_); }
+void KdOrder::CollectInvalid(std::span<const LeafBlock> leaves) {
+  for (const LeafBlock& leaf : leaves) {
+    for (size_t lane = 0; lane < LeafBlock::kWidth; ++lane) {
+      const bool is_valid = leaf.min[0][lane] <= leaf.max[0][lane];
+      if (is_valid || leaf.id[lane] == kHole) continue;
+      result_[capacity_ - ++invalid_count_] = leaf.id[lane];
+    }
+  }
+}
+
+void KdOrder::StartSplitting() {
+  whole_range_ = std::clamp(RoundUp(valid_count_ / 32), size_t{64}, kMaxWholeRange);
+  if (valid_count_ > 0) FormRuns();
+}
+
+size_t KdOrder::work() const { return valid_count_ * SplitDepth(valid_count_); }
 
 void KdOrder::SplitWhole(const Waiting& waiting) {
   SplitAll(columns_[waiting.columns], columns_[1 - waiting.columns], waiting.range, result_);
 }
 
-// Splits once: the parts wait in the other columns.
+// Splits the range once; its two parts wait in the other columns.
 void KdOrder::SplitTop(const Waiting& waiting) {
   SplitOnce(columns_[waiting.columns], columns_[1 - waiting.columns], waiting.range);
   Waiting first = waiting;
@@ -184,16 +183,16 @@ bool KdOrder::Advance(size_t budget) {
 }
 
 void KdOrder::Finish(Executor* executor) {
-  if (executor == nullptr || executor->thread_count() == 1 || present_count_ <= kWholeRange) {
-    whole_range_ = kWholeRange;
+  if (executor == nullptr || executor->thread_count() == 1 || valid_count_ <= kMaxWholeRange) {
+    whole_range_ = kMaxWholeRange;
     Advance(std::numeric_limits<size_t>::max());
     return;
   }
-  // Halves until there are enough parts, then all of them at once.
-  const size_t largest = std::max(present_count_ / (2 * executor->thread_count()), kWholeRange);
+  // Splits ranges until there are enough of them for all threads, which then work on all at once.
+  const size_t max_part = std::max(valid_count_ / (2 * executor->thread_count()), kMaxWholeRange);
   size_t next = 0;
   while (next < waiting_) {
-    if (stack_[next].range.count() <= largest) {
+    if (stack_[next].range.count() <= max_part) {
       ++next;
     } else {
       const Waiting waiting = stack_[next];
@@ -207,7 +206,7 @@ void KdOrder::Finish(Executor* executor) {
 
 size_t KdOrder::slot_count() const {
   const size_t end = run_count_ == 0 ? 0 : RoundUp(runs_[run_count_ - 1].end);
-  return end + absent_count_;
+  return end + invalid_count_;
 }
 
 void KdOrder::TakeSlots(std::span<uint32_t> slots) const {
@@ -217,20 +216,25 @@ void KdOrder::TakeSlots(std::span<uint32_t> slots) const {
     std::copy(result_ + runs_[k].begin, result_ + runs_[k].end, slots.data() + runs_[k].begin);
     at = runs_[k].end;
   }
-  std::fill(slots.data() + at, slots.data() + slots.size() - absent_count_, kHole);
-  std::copy_n(result_ + capacity_ - absent_count_, absent_count_,
-              slots.data() + slots.size() - absent_count_);
+  const std::span<uint32_t> last = slots.last(invalid_count_);
+  std::fill(slots.data() + at, last.data(), kHole);
+  std::ranges::copy(InvalidBoxes(), last.begin());
 }
 
-void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order) {
-  boxes_.Gather(boxes, order);
-  Begin(GroupsOf(boxes_.Lanes()), order.size());
-  Finish(nullptr);
+void KdOrder::TakeBoxes(std::span<uint32_t> order) const {
   uint32_t* to = order.data();
   for (size_t k = 0; k < run_count_; ++k) {
     to = std::copy(result_ + runs_[k].begin, result_ + runs_[k].end, to);
   }
-  std::copy_n(result_ + capacity_ - absent_count_, absent_count_, to);
+  std::ranges::copy(InvalidBoxes(), to);
+}
+
+void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order) {
+  Reserve(order.size());
+  for (const uint32_t index : order) Collect(boxes[index], index);
+  StartSplitting();
+  Finish(nullptr);
+  TakeBoxes(order);
 }
 
 }  // namespace sweepstake

@@ -2,12 +2,13 @@
 // the axis on which the centers are spread widest, measured in mean extents of the boxes.
 //
 // Boxes much larger than the room that sixteen boxes have are ordered among themselves, behind the
-// others: by how large (steps of 4), and by which axes they are long on. Any of them would give
-// its own bounds to the fifteen it stands with; those that are long on one axis only stand
-// together with others long on that axis.
+// others, in classes by size and by the axes on which they are long (kd_centers.h): any of them
+// would widen a leaf of ordinary boxes to its own bounds.
 //
-// Not thread-safe. Owns its memory. Cost: O(n log n), about 12 ns per box at 10,000, 30 at
-// 1,000,000 (suite-b). Memory: 32 bytes per box.
+// The work can be done at once (Finish) or spread over frames (Advance); the result is the same.
+//
+// Not thread-safe. Owns its memory. Cost: O(n log n), 12 ns per box at 10,000 and 30 at 1,000,000
+// (suite-b, one thread, AMD EPYC). Memory: 36 bytes per box.
 #pragma once
 
 #include <array>
@@ -16,10 +17,9 @@
 #include <span>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
-#include "engine_client/broad_phase/common/box_groups.h"
-#include "engine_client/broad_phase/common/soa_boxes.h"
+#include "engine_client/broad_phase/kd/kd_centers.h"
 #include "engine_client/broad_phase/kd/kd_split.h"
-#include "engine_client/broad_phase/kd/size_classes.h"
+#include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/executor.h"
 
@@ -27,79 +27,85 @@ namespace sweepstake {
 
 class KdOrder {
  public:
-  // Splits end at parts of this many boxes. Larger parts are split at the multiple of 16, 256, 4096
-  // … boxes nearest to the median, so that aligned runs of as many boxes never straddle a split.
+  // Splits end at parts of this many boxes.
   static constexpr uint32_t kPart = KdRange::kPart;
 
-  // A slot without a box: no index.
+  // A slot without a box: no valid index.
   static constexpr uint32_t kHole = 0xFFFFFFFF;
 
-  // Rearranges `order`, which names boxes by index, each at most once. Boxes that do not take part
-  // go to the end.
-  void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order);
-
-  // The same in steps, for `box_count` boxes in groups, where slots with id kHole are left out:
-  // Begin takes their centers, each Advance moves about `budget` centers once and returns whether
-  // all is done, and TakeSlots has the result. The groups need not stay. With an executor Finish
-  // works in parts; the result is the same.
-  void Begin(const BoxGroups& groups, size_t box_count);
-  // Likewise for boxes that stand in no groups, all of them.
+  // Begins with the `box_count` boxes in these leaves, where slots with id kHole are left out. The
+  // leaves are read during the call only.
+  void Begin(std::span<const LeafBlock> leaves, size_t box_count);
+  // Begins with all of these boxes.
   void Begin(std::span<const Aabb> boxes);
+  // Moves about `budget` centers once; returns whether the order is complete.
   bool Advance(size_t budget);
+  // Does all that is left; with an executor in parts.
   void Finish(Executor* executor);
-  size_t box_count() const { return present_count_ + absent_count_; }
-  // How often centers have to be moved in all.
+  // How often centers are moved in all.
   size_t work() const;
-  // The boxes in their order, with holes where others begin at the next part. REQUIRES: all is
-  // done; as many slots as slot_count().
+  size_t box_count() const { return valid_count_ + invalid_count_; }
+
+  // REQUIRES of the four that follow: the order is complete. Writes the boxes in their order with
+  // holes, so that each class begins at a multiple of kPart; invalid boxes are last. REQUIRES:
+  // slots.size() == slot_count().
+  void TakeSlots(std::span<uint32_t> slots) const;
   size_t slot_count() const;
-  static constexpr size_t MostSlots(size_t box_count) {
+  static constexpr size_t MaxSlots(size_t box_count) {
     return box_count + (SizeClasses::kCount + 1) * kPart;
   }
-  void TakeSlots(std::span<uint32_t> slots) const;
+  // Writes the same without holes. REQUIRES: order.size() == box_count().
+  void TakeBoxes(std::span<uint32_t> order) const;
 
-  size_t native_bytes() const {
-    return floats_.capacity_bytes() + words_.capacity_bytes() + boxes_.native_bytes();
-  }
+  // Rearranges `order`, which names boxes by index, each at most once: all of the above in one.
+  void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order);
+
+  size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
 
  private:
   // Each split leaves at most 15/16 of a range.
   static constexpr size_t kStackSize = 512 + SizeClasses::kCount;
 
+  // A range that is still to be split.
   struct Waiting {
     KdRange range;
     size_t columns;  // the ones that hold its centers
   };
+  // The slots of a class.
   struct Run {
     size_t begin;
     size_t end;
   };
 
   void Reserve(size_t count);
+  void Collect(const Aabb& box, uint32_t index);
+  void CollectInvalid(std::span<const LeafBlock> leaves);
   void StartSplitting();
-  void CollectAbsent(const BoxGroups& groups, size_t box_count);
   void FormRuns();
   void MoveToClasses(std::span<const uint32_t> of_slots,
                      std::span<const size_t, SizeClasses::kCount> counts, double negligible);
   void PushRun(const KdRange& range, size_t columns);
   void SplitWhole(const Waiting& waiting);
   void SplitTop(const Waiting& waiting);
+  std::span<const uint32_t> InvalidBoxes() const {
+    return {result_ + capacity_ - invalid_count_, invalid_count_};
+  }
 
-  SoaBoxes boxes_;                 // of Sort
   AlignedBuffer<float> floats_;    // of both columns
   AlignedBuffer<uint32_t> words_;  // of both columns, and the result
+  // A split moves centers from one of them to the other.
   KdColumns columns_[2] = {};
-  // Boxes by slot, each class from a multiple of kPart on; from the end downwards those that do not
-  // take part.
+  // Boxes by slot, each class from a multiple of kPart on, and the invalid boxes at the end.
   uint32_t* result_ = nullptr;
   size_t capacity_ = 0;  // of each column, in slots
-  size_t present_count_ = 0;
-  size_t absent_count_ = 0;
+  size_t valid_count_ = 0;
+  size_t invalid_count_ = 0;
   std::array<Run, SizeClasses::kCount> runs_;
   size_t run_count_ = 0;
   std::array<Waiting, kStackSize> stack_;
   size_t waiting_ = 0;
-  size_t whole_range_ = 0;  // up to here a range is split down in one go
+  // Ranges up to this size are split down to parts in one step.
+  size_t whole_range_ = 0;
 };
 
 }  // namespace sweepstake

@@ -8,22 +8,20 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/kd/kd_split.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
-#include "hwy/highway.h"
+#include "engine_client/broad_phase/common/lanes16-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes16 = hn::CappedTag<float, KdRange::kPart>;
-
 constexpr size_t kWidth = KdRange::kPart;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Keys that speak for all where there are more.
+// Where there are more keys, the median is first estimated from a sample.
 constexpr size_t kSampleSize = 256;
-// Two standard deviations of a median's rank in the sample.
+// Two standard deviations of the median's rank in the sample.
 constexpr size_t kSampleMargin = 16;
 
-// Two values and how many keys are below each; the rank sought lies between.
+// Two values and how many keys are below each; the rank sought is between those counts.
 struct Bracket {
   float low = -kInfinity;
   float high = kInfinity;
@@ -31,8 +29,8 @@ struct Bracket {
   size_t below_high = 0;
 };
 
-// Of 16 keys of the sample, or all if there are at most 32, the greatest with at most `low_rank`
-// keys below it and the least with at least `high_rank`.
+// Among 16 candidates from the sample (32 where that is nearly all), finds the largest with at most
+// `low_rank` keys below it and the smallest with at least `high_rank`.
 Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size_t high_rank) {
   const Lanes16 d;
   alignas(64) float candidates[2 * kWidth];
@@ -40,9 +38,11 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
   for (size_t k = 0; k < candidate_count; ++k) {
     candidates[k] = sample[(2 * k + 1) * count / (2 * candidate_count)];
   }
+  // Counts how many keys are below each candidate, in two chains of additions, and keeps the
+  // candidates that fit best.
   const auto one = hn::Set(d, 1.0F);
-  const auto most_below_low = hn::Set(d, static_cast<float>(low_rank));
-  const auto least_below_high = hn::Set(d, static_cast<float>(high_rank));
+  const auto max_below_low = hn::Set(d, static_cast<float>(low_rank));
+  const auto min_below_high = hn::Set(d, static_cast<float>(high_rank));
   auto low = hn::Set(d, -kInfinity);
   auto high = hn::Set(d, kInfinity);
   auto below_low = hn::Zero(d);
@@ -60,8 +60,8 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
       odd = hn::Add(odd, hn::IfThenElseZero(hn::Gt(candidate, hn::Set(d, sample[k])), one));
     }
     const auto rank = hn::Add(even, odd);
-    const auto is_low = hn::Le(rank, most_below_low);
-    const auto is_high = hn::Ge(rank, least_below_high);
+    const auto is_low = hn::Le(rank, max_below_low);
+    const auto is_high = hn::Ge(rank, min_below_high);
     low = hn::IfThenElse(is_low, hn::Max(low, candidate), low);
     below_low = hn::IfThenElse(is_low, hn::Max(below_low, rank), below_low);
     high = hn::IfThenElse(is_high, hn::Min(high, candidate), high);
@@ -83,6 +83,8 @@ size_t CountBelow(const float* keys, size_t count, float limit) {
   return below;
 }
 
+// Finds a bracket in the sample that is likely to hold the rank `left`, and counts the keys below
+// it. A side on which the estimate was wrong is left open.
 Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   alignas(64) float sample[kSampleSize];
   for (size_t k = 0; k < kSampleSize; ++k) sample[k] = keys[k * count / kSampleSize];
@@ -102,13 +104,14 @@ Bracket BracketOfMany(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Where all of the sample are the least key: that key and all others.
+// Separates the first key, of which there are too many for other brackets, from all larger ones.
 Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   Bracket bracket;
   bracket.below_high = count;
   const float above = std::nextafter(keys[0], kInfinity);
   const size_t below = CountBelow(keys, count, above);
-  if (below == 0) return bracket;  // denormals count as 0 here: as good as equal
+  // Denormals count as 0 in comparisons: these keys are as good as equal.
+  if (below == 0) return bracket;
   if (below <= left) {
     bracket.low = above;
     bracket.below_low = below;
@@ -119,7 +122,7 @@ Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   return bracket;
 }
 
-// Leaves fewer than `count` keys in between, unless they are all equal.
+// Finds a bracket with fewer than `count` keys in between, unless all keys are equal.
 Bracket FindBracket(const float* keys, size_t count, size_t left) {
   const Bracket bracket = count <= kSampleSize ? BracketInSample(keys, count, left, left)
                                                : BracketOfMany(keys, count, left);
@@ -138,8 +141,8 @@ HWY_INLINE void StoreFirst(D d, V values, size_t count, T* to, bool whole) {
   std::copy(buffer, buffer + count, to);
 }
 
-// Appends the chosen ones of the 16 or fewer slots from `source` on; returns how many. Stores whole
-// registers where those end before `limit`.
+// Appends the chosen slots of a register from `source` on; returns how many. Stores whole registers
+// where those end before `limit`.
 template <class D>
 HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, size_t source,
                                const KdColumns& to, size_t target, size_t limit) {
@@ -157,21 +160,24 @@ HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, s
   return count;
 }
 
-// The `count` slots of `from` from `source` on: those below the bracket to the slots of `to` from
-// `target` on, those above it behind the room for the ones in between, which stay in `from`. In two
-// passes: a register stored whole may reach into the slots behind, which are written later.
+// Divides the `count` slots of `from` from `source` on: those below the bracket go to the slots of
+// `to` from `target` on, those above it behind the room for the ones in between, which stay in
+// `from`. It takes two passes, since a register that is stored whole may reach into the slots
+// behind, which must be written later.
 void Scatter(const KdColumns& from, const KdColumns& to, size_t source, size_t count, size_t target,
              size_t axis, const Bracket& bracket, size_t limit) {
   const Lanes16 d;
   const auto low = hn::Set(d, bracket.low);
   const auto high = hn::Set(d, bracket.high);
   const size_t end = source + count;
+  // First pass: the slots below.
   size_t below = target;
   for (size_t at = source; at < end; at += hn::Lanes(d)) {
     const auto is_below =
         hn::And(hn::FirstN(d, end - at), hn::Lt(hn::LoadU(d, from.center[axis] + at), low));
     below += AppendChosen(d, is_below, from, at, to, below, limit);
   }
+  // Second pass: the slots above, and those in between to the front of `from`.
   size_t above = target + bracket.below_high;
   size_t between = source;
   for (size_t at = source; at < end; at += hn::Lanes(d)) {
@@ -192,26 +198,25 @@ void Copy(const KdColumns& from, const KdColumns& to, size_t source, size_t coun
   std::copy_n(from.box + source, count, to.box + target);
 }
 
-// Spread of the centers on one axis, halved: the difference of two finite floats need not be
+// Half the spread of the centers on one axis: the difference of two finite floats need not be
 // finite.
 HWY_INLINE float HalfSpread(const float* centers, size_t count) {
   const Lanes16 d;
-  auto least = hn::Set(d, centers[0]);
-  auto greatest = least;
+  auto min = hn::Set(d, centers[0]);
+  auto max = min;
   size_t at = 0;
   for (; at + hn::Lanes(d) <= count; at += hn::Lanes(d)) {
     const auto center = hn::LoadU(d, centers + at);
-    least = hn::Min(least, center);
-    greatest = hn::Max(greatest, center);
+    min = hn::Min(min, center);
+    max = hn::Max(max, center);
   }
   if (at < count) {
     const auto inside = hn::FirstN(d, count - at);
     const auto center = hn::LoadU(d, centers + at);
-    least = hn::IfThenElse(inside, hn::Min(least, center), least);
-    greatest = hn::IfThenElse(inside, hn::Max(greatest, center), greatest);
+    min = hn::IfThenElse(inside, hn::Min(min, center), min);
+    max = hn::IfThenElse(inside, hn::Max(max, center), max);
   }
-  return hn::GetLane(hn::MaxOfLanes(d, greatest)) * 0.5F -
-         hn::GetLane(hn::MinOfLanes(d, least)) * 0.5F;
+  return hn::GetLane(hn::MaxOfLanes(d, max)) * 0.5F - hn::GetLane(hn::MinOfLanes(d, min)) * 0.5F;
 }
 
 size_t WidestAxis(const KdColumns& columns, const KdRange& range) {
@@ -227,7 +232,7 @@ size_t WidestAxis(const KdColumns& columns, const KdRange& range) {
   return widest;
 }
 
-// Some slots of the columns, to be put back.
+// Keeps a register of slots, to put them back later.
 class SavedSlots {
  public:
   SavedSlots(const KdColumns& columns, size_t at) : columns_(columns), at_(at) {
@@ -254,7 +259,7 @@ class SavedSlots {
   alignas(64) uint32_t boxes_[kWidth];
 };
 
-// Scatter where the slots of `to` behind the target's are in use.
+// Does what Scatter does where the slots of `to` behind the target's are in use.
 void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, size_t count,
                   size_t target, size_t axis, const Bracket& bracket, size_t limit) {
   const size_t end = target + count;
@@ -266,7 +271,8 @@ void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, siz
   behind.PutBack();
 }
 
-// Writes no slot from `limit` on, but may disturb those between the range's end and there.
+// Splits one range. Writes no slot from `limit` on, but may overwrite those between the range's end
+// and there.
 void SplitRange(const KdColumns& from, const KdColumns& to, const KdRange& range, size_t limit) {
   const size_t axis = WidestAxis(from, range);
   const float* const keys = from.center[axis] + range.begin;
@@ -276,7 +282,7 @@ void SplitRange(const KdColumns& from, const KdColumns& to, const KdRange& range
   while (left != 0 && left != count) {
     const Bracket bracket = FindBracket(keys, count, left);
     const size_t between = bracket.below_high - bracket.below_low;
-    if (between == count) break;  // all equal
+    if (between == count) break;  // all keys are equal
     if (count == range.count()) {
       Scatter(from, to, range.begin, count, target, axis, bracket, limit);
     } else {
@@ -289,7 +295,8 @@ void SplitRange(const KdColumns& from, const KdColumns& to, const KdRange& range
   Copy(from, to, range.begin, count, target);
 }
 
-// The second part first: what the first then disturbs is in its place already.
+// Splits the second part first: by the time the first one overwrites slots behind it, they are in
+// `order` already.
 void SplitDown(const KdColumns& from, const KdColumns& to, const KdRange& range, size_t limit,
                uint32_t* order) {
   if (range.count() <= kWidth) {

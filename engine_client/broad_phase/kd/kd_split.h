@@ -1,11 +1,11 @@
 // Median splits of centers in columns: the kernel of KdOrder.
 //
-// A split finds two values of the axis that enclose the median, from a sample and a count; sends
-// what is below the one and what is above the other to its side in a second set of columns, a
-// register at a time; and does the same with the few in between. Centers of one side keep their
+// A split finds two values of the axis that enclose the median, from a sample and a count. It moves
+// the centers below the one and above the other to their sides in a second set of columns, a
+// register at a time, and repeats this with the few in between. The centers of one side keep their
 // order, so that the result does not depend on the width of a register.
 //
-// Thread-safe for ranges that share no slot. Cost: 0.5 ns per center and split.
+// Thread-safe for ranges that share no slot. Cost: 0.5 ns per center and split (AMD EPYC).
 #pragma once
 
 #include <cstddef>
@@ -13,36 +13,37 @@
 
 namespace sweepstake {
 
+// Centers of boxes and the boxes they belong to, slot by slot.
 struct KdColumns {
   float* center[3];
   uint32_t* box;
 };
 
-// A run of slots to be split. REQUIRES: `begin` is a multiple of kPart, and the slots from `end` to
-// the next multiple are nobody else's.
+// A range of slots to be split. REQUIRES: `begin` is a multiple of kPart, and the slots from `end`
+// to the next multiple are not in use.
 struct KdRange {
   // Splits end at this many boxes.
   static constexpr size_t kPart = 16;
 
   size_t begin;
   size_t end;
-  // Splits are across the axis of the greatest spread times this.
+  // A split is across the axis on which the spread of the centers times this is largest.
   float axis_weight[3];
 
   size_t count() const { return end - begin; }
 };
 
-// Strictly inside a range of more than kPart: the multiple of 16, 256, 4096 … slots, counted from
-// its begin, that is nearest to the middle, so that aligned runs of as many slots never straddle a
+// Where a range of more than kPart slots is split: at the multiple of 16, 256, 4096 … slots from
+// its begin that is nearest to the middle. Aligned runs of as many slots then never straddle a
 // split.
 size_t KdSplitPoint(const KdRange& range);
 
-// Moves the slots of the range from `from` to the same ones of `to`, those up to the split point
-// below the others. `from` is left in disorder. REQUIRES: more than kPart slots.
+// Moves the centers of the range from `from` to `to`, so that those before the split point are
+// below the others on some axis. `from` is left in disorder. REQUIRES: more than kPart slots.
 void SplitOnce(const KdColumns& from, const KdColumns& to, const KdRange& range);
 
-// Splits until no part is larger than kPart, to and fro between the columns; `order` takes the
-// boxes of the range's slots.
+// Splits until no part is larger than kPart, to and fro between the columns, and writes the boxes
+// of the range's slots to `order`.
 void SplitAll(const KdColumns& from, const KdColumns& to, const KdRange& range, uint32_t* order);
 
 }  // namespace sweepstake

@@ -2,33 +2,29 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <numeric>
 
 #include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/common/rebuild_debt.h"
 #include "engine_client/broad_phase/kd/kd_order.h"
-#include "engine_client/broad_phase/kd/leaf_boxes.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
 
 namespace sweepstake {
 namespace {
 
-// 18 ns for a split at 0.17 ns per check.
+// What a split of all boxes costs per box: 18 ns at 0.17 ns per check (AMD EPYC, suite-b, 10,000).
 constexpr uint64_t kChecksPerSplit = 105;
-// A split is spread over so many frames that each costs about a third more.
-constexpr uint64_t kMostSplitFrames = 6;
-constexpr uint64_t kSplitSpread = 3;
-constexpr uint64_t kChecksPerPair = 8;  // what writing one costs
-// Of the mean leaf, in powers of two. Finding the pairs in leaves of four times the volume costs
-// more than splitting at once.
-constexpr double kSpoilt = 2;
-// Boxes out of place or gone, as a share of all, that are worth a split.
-constexpr size_t kStrayShare = 16;
-// And that are worth splitting at once.
-constexpr size_t kUpheavalShare = 4;
-// For a thread to be called, in leaves and in blocks of 16 leaves.
-constexpr size_t kLeastLeaves = 128;
-constexpr size_t kLeastBlocks = 4;
+// The debt is counted per 256 boxes, so that it can be kept in whole checks.
+constexpr uint64_t kDebtScale = 256;
+// How much the mean volume of the leaves may grow, in powers of two. Beyond that, finding the pairs
+// costs more than splitting at once.
+constexpr double kMaxLeafGrowth = 2;
+// A split is due when so many of the slots (one in 16) are strays or holes, and is made at once
+// when one in 4 are.
+constexpr size_t kSlotsPerStray = 16;
+constexpr size_t kSlotsPerStrayAtOnce = 4;
+// Fewer blocks of 16 leaves are not worth a thread.
+constexpr size_t kMinBlocksPerPart = 4;
 
 class KdTree final : public BroadPhase {
  public:
@@ -40,45 +36,45 @@ class KdTree final : public BroadPhase {
   void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override {
-    return splitter_.native_bytes() + newcomers_.native_bytes() + order_.capacity_bytes() +
-           sorted_.native_bytes() + tree_.native_bytes() + parts_.native_bytes();
+    return splitter_.native_bytes() + stray_sorter_.native_bytes() + order_.capacity_bytes() +
+           tree_.native_bytes() + parts_.native_bytes();
   }
 
  private:
-  void TakeCount(std::span<const Aabb> boxes);
+  void Resize(std::span<const Aabb> boxes);
   void Remove(size_t count);
   void Add(std::span<const Aabb> boxes, size_t first);
   void ReserveSlots(size_t count);
-  void Refresh(std::span<const Aabb> boxes);
+  void Refit(std::span<const Aabb> boxes);
   double MeanLeafSize() const;
+  size_t StrayCount() const { return removed_count_ + slot_count_ - stray_begin_; }
   bool SplitIsDue() const;
+  bool SplitIsUrgent() const;
   void BeginSplit();
-  void Adopt(std::span<const Aabb> boxes);
+  void AdoptSplit(std::span<const Aabb> boxes);
   void SplitAtOnce(std::span<const Aabb> boxes);
-  uint64_t SplitFrames() const;
-  void CountCost(uint64_t pair_count);
+  uint64_t SplitFrames() const { return RebuildFrames(kChecksPerSplit, latest_cost_); }
+  void RecordCost(uint64_t pair_count);
 
   Executor* const executor_;
   KdOrder splitter_;
-  KdOrder newcomers_;
-  // Boxes by slot: those of the latest split with holes where some have gone, and from stray_begin_
-  // on those that have come since.
+  KdOrder stray_sorter_;
+  // The box in each slot. The slots up to stray_begin_ are in the order of the latest split, with
+  // holes where boxes have gone; the strays, which have come since, are behind them.
   AlignedBuffer<uint32_t> order_;
   size_t slot_count_ = 0;
   size_t stray_begin_ = 0;
   size_t removed_count_ = 0;  // since the latest split
   size_t box_count_ = 0;
-  LeafBoxes sorted_;
   LeafTree tree_;
   PairParts parts_;
-  // A split under way, and the fewest boxes there have been since it began: what it says of others
-  // is of boxes that have gone.
-  bool splitting_ = false;
-  bool split_done_ = false;
+  bool is_splitting_ = false;
+  bool split_is_done_ = false;
+  // The lowest box count since the split under way began. Boxes from it on have been replaced
+  // since: their places in the split are void.
   size_t lasting_count_ = 0;
   double fresh_leaf_size_ = 0;  // after the latest split
-  uint64_t fewest_checks_ = 0;  // in a frame since the latest split, per 256 boxes
-  uint64_t excess_checks_ = 0;  // above that, since the latest split
+  RebuildDebt debt_;            // since the latest split, per kDebtScale boxes
   uint64_t latest_cost_ = 0;    // of a search, in checks per box
   uint64_t checks_ = 0;
 };
@@ -87,42 +83,37 @@ void KdTree::Build(std::span<const Aabb> boxes) {
   box_count_ = slot_count_ = stray_begin_ = boxes.size();
   ReserveSlots(box_count_);
   std::iota(order_.data(), order_.data() + box_count_, 0U);
-  Refresh(boxes);
+  Refit(boxes);
   SplitAtOnce(boxes);
 }
 
 void KdTree::Update(std::span<const Aabb> boxes) {
-  if (boxes.size() != box_count_) TakeCount(boxes);
-  const bool adopts = split_done_;
-  if (adopts) Adopt(boxes);
-  Refresh(boxes);
-  const double leaf_size = MeanLeafSize();
-  if (adopts) {
-    fresh_leaf_size_ = leaf_size;
-  } else if (leaf_size > fresh_leaf_size_ + kSpoilt ||
-             removed_count_ + slot_count_ - stray_begin_ > slot_count_ / kUpheavalShare) {
+  if (boxes.size() != box_count_) Resize(boxes);
+  if (split_is_done_) {
+    AdoptSplit(boxes);
+    Refit(boxes);
+    fresh_leaf_size_ = MeanLeafSize();
+    return;
+  }
+  Refit(boxes);
+  if (SplitIsUrgent()) {
     SplitAtOnce(boxes);
-  } else if (!splitting_ && SplitIsDue()) {
+  } else if (!is_splitting_ && SplitIsDue()) {
     SplitFrames() == 1 ? SplitAtOnce(boxes) : BeginSplit();
   }
 }
 
-uint64_t KdTree::SplitFrames() const {
-  return std::clamp(kSplitSpread * kChecksPerSplit / (latest_cost_ + 1), uint64_t{1},
-                    kMostSplitFrames);
-}
-
-void KdTree::TakeCount(std::span<const Aabb> boxes) {
-  const size_t before = box_count_;
+void KdTree::Resize(std::span<const Aabb> boxes) {
+  const size_t old_count = box_count_;
   box_count_ = boxes.size();
-  if (box_count_ < before) {
+  if (box_count_ < old_count) {
     Remove(box_count_);
   } else {
-    Add(boxes, before);
+    Add(boxes, old_count);
   }
 }
 
-// What is not below `count`.
+// Leaves holes in the slots of all boxes from `count` on.
 void KdTree::Remove(size_t count) {
   for (size_t slot = 0; slot < slot_count_; ++slot) {
     if (order_[slot] == KdOrder::kHole || order_[slot] < count) continue;
@@ -132,9 +123,9 @@ void KdTree::Remove(size_t count) {
   lasting_count_ = std::min(lasting_count_, count);
 }
 
-// The boxes from `first` on, into leaves of their own, which they share with those that have come
-// before them since the latest split.
+// Makes the boxes from `first` on strays, and sorts all strays anew.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
+  // The strays that are left move together, to leaves of their own.
   uint32_t* const strays = order_.data() + stray_begin_;
   const size_t old_count = static_cast<size_t>(
       std::remove(strays, order_.data() + slot_count_, KdOrder::kHole) - strays);
@@ -145,40 +136,32 @@ void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   uint32_t* const from = order_.data() + stray_begin_;
   std::copy_backward(from, from + old_count, order_.data() + aligned + old_count);
   std::fill(from, order_.data() + aligned, KdOrder::kHole);
+  // The new boxes join them.
   const std::span<uint32_t> all(order_.data() + aligned, count);
   std::iota(all.begin() + static_cast<ptrdiff_t>(old_count), all.end(),
             static_cast<uint32_t>(first));
-  newcomers_.Sort(boxes, all);
+  stray_sorter_.Sort(boxes, all);
   stray_begin_ = aligned;
 }
 
-// For this many boxes, however many holes a split makes.
+// Makes room for this many boxes, however many holes a split leaves.
 void KdTree::ReserveSlots(size_t count) {
-  const size_t slots = KdOrder::MostSlots(count);
+  const size_t slots = KdOrder::MaxSlots(count);
   order_.EnsureDiscarding(slots);
-  sorted_.Resize(slots);
-  tree_.LayOut(slots);
+  tree_.Reserve(slots);
 }
 
-void KdTree::Refresh(std::span<const Aabb> boxes) {
+void KdTree::Refit(std::span<const Aabb> boxes) {
   checks_ = 0;
-  sorted_.Resize(slot_count_);
-  tree_.LayOut(slot_count_);
-  if (slot_count_ == 0) return;
-  const std::span<const uint32_t> order(order_.data(), slot_count_);
-  const size_t part_count = PartCount(executor_, tree_.leaf_count(), kLeastLeaves);
-  RunParts(executor_, part_count, [&](size_t part) {
-    const PartRange leaves = RangeOfPart(tree_.leaf_count(), part, part_count, 1);
-    sorted_.GatherLeaves(boxes, order, leaves.begin, leaves.end, tree_.level(0));
-  });
-  tree_.RefitNodes();
+  tree_.Refit(boxes, {order_.data(), slot_count_}, executor_);
 }
 
-// The logarithm of the volume of the leaves, on the whole: what the sum of their extents says a few
-// long ones would decide.
+// The mean logarithm of the leaves' volume: the sum of their extents would depend on a few long
+// leaves alone.
 double KdTree::MeanLeafSize() const {
-  if (tree_.leaf_count() == 0) return 0;
-  const LeafTree::Level& leaves = tree_.level(0);
+  const LeafTree::View& tree = tree_.view();
+  if (tree.top == 0) return 0;
+  const BoxLanes& leaves = tree.levels[1];
   int64_t sum = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
     for (size_t leaf = 0; leaf < leaves.count; ++leaf) {
@@ -190,24 +173,28 @@ double KdTree::MeanLeafSize() const {
 }
 
 bool KdTree::SplitIsDue() const {
-  return excess_checks_ > kChecksPerSplit * 256 ||
-         removed_count_ + slot_count_ - stray_begin_ > slot_count_ / kStrayShare;
+  return debt_.Exceeds(kChecksPerSplit * kDebtScale) || StrayCount() > slot_count_ / kSlotsPerStray;
+}
+
+bool KdTree::SplitIsUrgent() const {
+  return MeanLeafSize() > fresh_leaf_size_ + kMaxLeafGrowth ||
+         StrayCount() > slot_count_ / kSlotsPerStrayAtOnce;
 }
 
 void KdTree::BeginSplit() {
-  splitter_.Begin(sorted_.Groups(), box_count_);
+  splitter_.Begin(tree_.leaves(), box_count_);
   lasting_count_ = box_count_;
-  splitting_ = true;
+  is_splitting_ = true;
 }
 
-void KdTree::Adopt(std::span<const Aabb> boxes) {
+// Takes the order of the split that is done, and makes boxes strays that have come since it began.
+void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
   ReserveSlots(box_count_);
   slot_count_ = stray_begin_ = splitter_.slot_count();
   splitter_.TakeSlots({order_.data(), slot_count_});
-  splitting_ = split_done_ = false;
+  is_splitting_ = split_is_done_ = false;
   removed_count_ = 0;
-  fewest_checks_ = std::numeric_limits<uint64_t>::max();
-  excess_checks_ = 0;
+  debt_.Clear();
   if (lasting_count_ < box_count_ || splitter_.box_count() > lasting_count_) {
     Remove(lasting_count_);
     Add(boxes, lasting_count_);
@@ -217,31 +204,29 @@ void KdTree::Adopt(std::span<const Aabb> boxes) {
 void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
   BeginSplit();
   splitter_.Finish(executor_);
-  Adopt(boxes);
-  Refresh(boxes);
+  AdoptSplit(boxes);
+  Refit(boxes);
   fresh_leaf_size_ = MeanLeafSize();
 }
 
+// The search itself is LeafTree::FindPairs (kd_search.cc). A step of a split under way runs beside
+// it as the first item, since it reads nothing that the search writes.
 void KdTree::FindPairs(PairBuffer& out) {
   const size_t before = out.size();
-  // The step of a split is the first item: it reads nothing that the others do.
-  const size_t steps = splitting_ && !split_done_ ? 1 : 0;
-  checks_ = parts_.Run(executor_, tree_.block_count() + steps, kLeastBlocks, 1, out,
+  const size_t steps = is_splitting_ && !split_is_done_ ? 1 : 0;
+  checks_ = parts_.Run(executor_, tree_.block_count() + steps, kMinBlocksPerPart, 1, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          if (begin < steps)
-                           split_done_ = splitter_.Advance(splitter_.work() / SplitFrames() + 1);
-                         return tree_.FindPairs(sorted_.blocks(), std::max(begin, steps) - steps,
-                                                end - steps, pairs);
+                           split_is_done_ = splitter_.Advance(splitter_.work() / SplitFrames() + 1);
+                         return tree_.FindPairs(std::max(begin, steps) - steps, end - steps, pairs);
                        });
-  CountCost(out.size() - before);
+  RecordCost(out.size() - before);
 }
 
-void KdTree::CountCost(uint64_t pair_count) {
+void KdTree::RecordCost(uint64_t pair_count) {
   const uint64_t box_count = std::max<size_t>(box_count_, 1);
-  const uint64_t checks = checks_ * 256 / box_count;
-  fewest_checks_ = std::min(fewest_checks_, checks);
-  excess_checks_ += checks - fewest_checks_;
-  latest_cost_ = (checks_ + kChecksPerPair * pair_count) / box_count;
+  debt_.AddSearch(checks_ * kDebtScale / box_count);
+  latest_cost_ = SearchCost(checks_, pair_count) / box_count;
 }
 
 }  // namespace

@@ -3,24 +3,54 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine_client/broad_phase/kd/leaf_pairs.h"
+#include "engine_client/broad_phase/common/box_record.h"
+#include "engine_client/broad_phase/common/parallel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/kd/leaf_tree.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
-#include "engine_client/broad_phase/kd/leaf_bounds-inl.h"
+#include "engine_client/broad_phase/common/lanes16-inl.h"
+#include "engine_client/broad_phase/common/takes_part-inl.h"
+#include "hwy/cache_control.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The nodes of a level, from what the level below holds.
-void BoundGroups(const float* const* min, const float* const* max, const LeafTree::Level& level) {
+HWY_INLINE void ReplaceInvalid(LeafBlock& leaf) {
+  const Lanes16 d;
+  const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
+  for (size_t at = 0; at < LeafBlock::kWidth; at += hn::Lanes(d)) {
+    const auto valid = hn::And(hn::And(AxisTakesPart(d, leaf.min[0] + at, leaf.max[0] + at),
+                                       AxisTakesPart(d, leaf.min[1] + at, leaf.max[1] + at)),
+                               AxisTakesPart(d, leaf.min[2] + at, leaf.max[2] + at));
+    if (HWY_LIKELY(hn::AllTrue(d, valid))) continue;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      float* const min = leaf.min[axis] + at;
+      float* const max = leaf.max[axis] + at;
+      hn::StoreU(hn::IfThenElse(valid, hn::LoadU(d, min), infinity), d, min);
+      hn::StoreU(hn::IfThenElse(valid, hn::LoadU(d, max), hn::Neg(infinity)), d, max);
+    }
+  }
+}
+
+// Column k of a level begins at columns + k * stride: min x, max x, min y and so on.
+void FinishLeaves(LeafBlock* leaves, size_t begin, size_t end, float* columns, size_t stride) {
+  for (size_t leaf = begin; leaf < end; ++leaf) {
+    ReplaceInvalid(leaves[leaf]);
+    for (size_t axis = 0; axis < 3; ++axis) {
+      columns[2 * axis * stride + leaf] = MinOf16(leaves[leaf].min[axis]);
+      columns[(2 * axis + 1) * stride + leaf] = MaxOf16(leaves[leaf].max[axis]);
+    }
+  }
+}
+
+void BoundNodes(const BoxLanes& below, size_t node_count, float* columns, size_t stride) {
   for (size_t axis = 0; axis < 3; ++axis) {
-    for (size_t node = 0; node < level.count; ++node) {
-      level.min[axis][node] = LeastOf16(min[axis] + node * LeafTree::kWidth);
-      level.max[axis][node] = GreatestOf16(max[axis] + node * LeafTree::kWidth);
+    for (size_t node = 0; node < node_count; ++node) {
+      columns[2 * axis * stride + node] = MinOf16(below.min[axis] + node * LeafTree::kWidth);
+      columns[(2 * axis + 1) * stride + node] = MaxOf16(below.max[axis] + node * LeafTree::kWidth);
     }
   }
 }
@@ -32,61 +62,108 @@ HWY_AFTER_NAMESPACE();
 
 namespace sweepstake {
 
-HWY_EXPORT(BoundGroups);
+HWY_EXPORT(FinishLeaves);
+HWY_EXPORT(BoundNodes);
 
 namespace {
 
-constexpr size_t Groups(size_t count) { return (count + LeafTree::kWidth - 1) / LeafTree::kWidth; }
+// Leaves whose bounds are taken together: a vector load that follows single-float stores at once
+// would wait for them.
+constexpr size_t kLeavesPerBatch = 8;
+// How far ahead of their use boxes are prefetched, in slots.
+constexpr size_t kPrefetchDistance = 32;
+// Fewer leaves are not worth a thread.
+constexpr size_t kMinLeavesPerPart = 128;
 
-// Whole registers behind the last node, as behind the last box.
+constexpr size_t GroupsOf16(size_t count) {
+  return (count + LeafTree::kWidth - 1) / LeafTree::kWidth;
+}
+
+// The length of a column with its padding: whole registers may be read behind the last node.
 constexpr size_t PaddedColumn(size_t count) {
   return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }
 
+void GatherLeaf(std::span<const Aabb> boxes, std::span<const uint32_t> order, size_t first_slot,
+                LeafBlock& leaf) {
+  const auto entry = [&](size_t slot) { return slot < order.size() ? order[slot] : ~0U; };
+  for (size_t lane = 0; lane < LeafBlock::kWidth; ++lane) {
+    const uint32_t later = entry(first_slot + lane + kPrefetchDistance);
+    if (later < boxes.size()) hwy::Prefetch(&boxes[later]);
+    const uint32_t id = entry(first_slot + lane);
+    const Aabb& box = id < boxes.size() ? boxes[id] : kInvalidAabb;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      leaf.min[axis][lane] = box.min[axis];
+      leaf.max[axis][lane] = box.max[axis];
+    }
+    leaf.id[lane] = id;
+  }
+}
+
 }  // namespace
 
-void LeafTree::LayOut(size_t box_count) {
+void LeafTree::Reserve(size_t slot_count) {
+  view_.top = 0;
+  leaf_count_ = 0;
+  leaves_.EnsureDiscarding(GroupsOf16(slot_count));
+  LayOut(slot_count);
+}
+
+// Divides `bounds_` into the columns of all levels, and writes the sentinels behind each.
+void LeafTree::LayOut(size_t slot_count) {
+  view_.top = 0;
   size_t floats = 0;
-  level_count_ = 0;
-  for (size_t count = Groups(box_count); count > 0; count = count == 1 ? 0 : Groups(count)) {
-    levels_[level_count_++].count = count;
+  for (size_t count = GroupsOf16(slot_count); count > 0; count = GroupsOf16(count)) {
+    view_.levels[++view_.top].count = count;
     floats += 6 * PaddedColumn(count);
     if (count <= kWidth) break;
   }
   bounds_.EnsureDiscarding(floats);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   float* column = bounds_.data();
-  for (size_t index = 0; index < level_count_; ++index) {
-    Level& level = levels_[index];
-    const size_t stride = PaddedColumn(level.count);
+  for (size_t level = 1; level <= view_.top; ++level) {
+    BoxLanes& lanes = view_.levels[level];
+    const size_t stride = PaddedColumn(lanes.count);
+    first_column_[level] = column;
     for (size_t axis = 0; axis < 3; ++axis, column += 2 * stride) {
-      level.min[axis] = column;
-      level.max[axis] = column + stride;
-      std::fill(column + level.count, column + stride, std::numeric_limits<float>::infinity());
-      std::fill(column + stride + level.count, column + 2 * stride,
-                -std::numeric_limits<float>::infinity());
+      lanes.min[axis] = column;
+      lanes.max[axis] = column + stride;
+      std::fill(column + lanes.count, column + stride, kInfinity);
+      std::fill(column + stride + lanes.count, column + 2 * stride, -kInfinity);
     }
   }
 }
 
-void LeafTree::Refit(const BoxLanes& lanes) {
-  LayOut(lanes.count);
-  if (level_count_ == 0) return;
-  HWY_DYNAMIC_DISPATCH(BoundGroups)(lanes.min, lanes.max, levels_[0]);
-  RefitNodes();
-}
-
-void LeafTree::RefitNodes() {
-  for (size_t index = 1; index < level_count_; ++index) {
-    const Level& below = levels_[index - 1];
-    HWY_DYNAMIC_DISPATCH(BoundGroups)
-    (below.min, below.max, levels_[index]);
+void LeafTree::Refit(std::span<const Aabb> boxes, std::span<const uint32_t> order,
+                     Executor* executor) {
+  Reserve(order.size());
+  if (order.empty()) return;
+  leaf_count_ = GroupsOf16(order.size());
+  view_.leaves = leaves_.data();
+  view_.levels[0] = LanesOf(leaves_[0]);
+  view_.levels[0].count = order.size();
+  const size_t part_count = PartCount(executor, leaf_count_, kMinLeavesPerPart);
+  RunParts(executor, part_count, [&](size_t part) {
+    const PartRange range = RangeOfPart(leaf_count_, part, part_count, 1);
+    GatherLeaves(boxes, order, range.begin, range.end);
+  });
+  for (size_t level = 2; level <= view_.top; ++level) {
+    const size_t count = view_.levels[level].count;
+    HWY_DYNAMIC_DISPATCH(BoundNodes)
+    (view_.levels[level - 1], count, first_column_[level], PaddedColumn(count));
   }
 }
 
-uint64_t LeafTree::FindPairs(const LeafBlock* leaves, size_t begin, size_t end,
-                             PairBuffer& out) const {
-  if (begin == end) return 0;
-  return FindLeafPairs(leaves, levels_.data(), level_count_, begin, end, out);
+void LeafTree::GatherLeaves(std::span<const Aabb> boxes, std::span<const uint32_t> order,
+                            size_t begin, size_t end) {
+  for (size_t first = begin; first < end; first += kLeavesPerBatch) {
+    const size_t last = std::min(first + kLeavesPerBatch, end);
+    for (size_t leaf = first; leaf < last; ++leaf) {
+      GatherLeaf(boxes, order, leaf * kWidth, leaves_[leaf]);
+    }
+    HWY_DYNAMIC_DISPATCH(FinishLeaves)
+    (leaves_.data(), first, last, first_column_[1], PaddedColumn(leaf_count_));
+  }
 }
 
 }  // namespace sweepstake

@@ -11,22 +11,22 @@ namespace {
 
 constexpr uint32_t kDigitBits = 11;
 constexpr size_t kBuckets = size_t{1} << kDigitBits;
-constexpr size_t kDigits = 6;  // of b, then of a
-// Below this a comparison sort wins.
-constexpr size_t kSmall = 128;
+constexpr size_t kDigits = 6;  // three of b, then three of a
+// For fewer pairs std::sort is faster.
+constexpr size_t kMinRadixPairs = 128;
 
 using Starts = std::array<uint32_t, kBuckets>;
 
 uint64_t KeyOf(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
 
-// 11, 11 and 10 bits of each id.
+// The digits of an id have 11, 11 and 10 bits.
 template <size_t kDigit>
 uint32_t DigitOf(const OverlapPair& pair) {
   const uint32_t id = kDigit < 3 ? pair.b : pair.a;
   return id >> (kDigit % 3 * kDigitBits) & (kBuckets - 1);
 }
 
-// Bits in which the pairs are not all the same.
+// The bits in which the pairs are not all the same.
 OverlapPair Differences(std::span<const OverlapPair> pairs) {
   const OverlapPair first = pairs[0];
   OverlapPair bits{0, 0};
@@ -63,7 +63,7 @@ PairSorter::PairSorter(PairSorter&&) noexcept = default;
 PairSorter& PairSorter::operator=(PairSorter&&) noexcept = default;
 
 void PairSorter::Sort(std::span<OverlapPair> pairs) {
-  if (pairs.size() < kSmall) {
+  if (pairs.size() < kMinRadixPairs) {
     std::sort(pairs.begin(), pairs.end(), [](const OverlapPair& left, const OverlapPair& right) {
       return KeyOf(left) < KeyOf(right);
     });
@@ -73,6 +73,7 @@ void PairSorter::Sort(std::span<OverlapPair> pairs) {
   OverlapPair* from = pairs.data();
   OverlapPair* to = scratch_->pairs.data();
   const OverlapPair differences = Differences(pairs);
+  // Digits that are the same in all pairs are skipped.
   const auto pass = [&]<size_t kDigit>() {
     if (DigitOf<kDigit>(differences) == 0) return;
     Scatter<kDigit>({from, pairs.size()}, to, scratch_->starts);

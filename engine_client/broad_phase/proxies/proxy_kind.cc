@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// What the walks call back with the places they find.
+// The searches call these back with the places they find.
 struct BoxQuery {
   const ProxyKind& kind;
   const CollisionFilter& filter;

@@ -1,8 +1,8 @@
-// The proxies of one kind, moving or static, and the tree in which they are sought.
+// The proxies of one kind, moving or static, and the tree in which queries find them.
 //
-// Thread safety: const calls may run side by side; so may RefreshTree where nothing changed since
-// the last one. Owns its memory. Cost and memory: proxy_table.h and box_tree.h. Errors:
-// std::bad_alloc; a tree that could not be refreshed is tried again.
+// Thread safety: const calls may run side by side, and so may RefreshTree where nothing has changed
+// since the last one. Owns its memory. Cost and memory: see proxy_table.h and box_tree.h. Errors:
+// std::bad_alloc; the next RefreshTree then tries again.
 #pragma once
 
 #include <cstddef>
@@ -17,23 +17,23 @@ namespace sweepstake {
 
 class ProxyKind {
  public:
-  // `id_bit`: in the ids of all its proxies.
+  // `id_bit` is set in the ids of all proxies of this kind.
   explicit ProxyKind(uint32_t id_bit) : id_bit_(id_bit) {}
 
   ProxyTable& table() { return table_; }
   const ProxyTable& table() const { return table_; }
-  // Null where the place is free.
+  // Returns null where the place is free.
   ProxyHandle HandleAt(uint32_t place) const {
     const uint32_t generation = table_.generation(place);
     return generation == 0 ? ProxyHandle{} : ProxyHandle{place | id_bit_, generation};
   }
 
-  // Before those that follow, after each change.
+  // Must be called after a change and before the calls that follow.
   void RefreshTree();
 
-  const TreeView& view() const { return tree_.view(); }
+  const LeafTree::View& view() const { return tree_.view(); }
   void NoteSearch(uint64_t checks) { tree_.NoteSearch(checks); }
-  // Both append, in no order.
+  // Both append, in unspecified order.
   void QueryBox(const Aabb& box, const CollisionFilter& filter,
                 std::vector<ProxyHandle>& out) const;
   void CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) const;

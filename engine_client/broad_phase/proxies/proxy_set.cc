@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "engine_client/broad_phase/common/parallel.h"
-#include "engine_client/broad_phase/proxies/pair_events.h"
 #include "engine_client/broad_phase/proxies/proxy_kind.h"
+#include "engine_client/broad_phase/proxies/proxy_table.h"
 #include "engine_client/broad_phase/proxies/ray_slabs.h"
 #include "engine_client/broad_phase/proxies/tree_walk.h"
 #include "sweepstake/pair_buffer.h"
@@ -15,12 +15,13 @@
 namespace sweepstake {
 namespace {
 
-// Leaves of moving proxies that are worth a part of their own.
-constexpr size_t kLeavesPerPart = 32;
+// Fewer leaves of moving proxies are not worth a thread.
+constexpr size_t kMinLeavesPerPart = 32;
 
 uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
 
-// Moves the pairs that pass from `pairs` to `out`, which may be the same place; returns how many.
+// Copies the pairs that pass their filters to `out`, which may be where `pairs` are; returns how
+// many.
 size_t KeepPassing(std::span<const OverlapPair> pairs, const CollisionFilter* filters_a,
                    const CollisionFilter* filters_b, OverlapPair* out) {
   size_t count = 0;
@@ -49,7 +50,7 @@ class ProxySet::Impl {
   explicit Impl(const ProxySetOptions& options) : options_(options) {}
 
   ProxyKind& KindOf(uint32_t id) { return (id & kStaticProxyBit) != 0 ? resting_ : moving_; }
-  // Null for a handle without a proxy.
+  // Returns null for a handle without a proxy.
   ProxyKind* Find(ProxyHandle handle) {
     ProxyKind& kind = KindOf(handle.index);
     return kind.table().Holds(PlaceOf(handle.index), handle.generation) ? &kind : nullptr;
@@ -114,13 +115,13 @@ void ProxySet::Impl::AppendMoving(std::span<const OverlapPair> moving_pairs) {
 void ProxySet::Impl::AppendStatic() {
   RefreshTrees();
   const size_t first = next_.size();
-  const TreeView& leaves = moving_.view();
+  const LeafTree::View& leaves = moving_.view();
   const size_t leaf_count = leaves.levels[1].count;
   const auto find = [&](size_t begin, size_t end, PairBuffer& out) {
     return FindPairsBetween(leaves, begin, end, resting_.view(), kStaticProxyBit, out);
   };
   moving_.NoteSearch(
-      parts_.Run(options_.executor, leaf_count, kLeavesPerPart, LeafTree::kWidth, next_, find));
+      parts_.Run(options_.executor, leaf_count, kMinLeavesPerPart, LeafTree::kWidth, next_, find));
   if (all_pass()) return;
   const std::span<OverlapPair> found = next_.pairs().subspan(first);
   const size_t kept = KeepPassing(found, moving_.table().filters().data(),
@@ -155,7 +156,7 @@ RayHit ProxySet::Impl::CastRayNearest(const Ray& ray, const CollisionFilter& fil
   Ray shorter = ray;
   shorter.max_distance = moving.distance;
   const RayHit resting = resting_.CastRayNearest(shorter, filter);
-  // Equal distances belong to the moving one, whose index is less.
+  // Of equal distances the moving proxy is first, since its index is smaller.
   return resting.proxy.is_null() || resting.distance == moving.distance ? moving : resting;
 }
 

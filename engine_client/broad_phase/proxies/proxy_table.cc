@@ -1,21 +1,55 @@
 #include "engine_client/broad_phase/proxies/proxy_table.h"
 
 #include <algorithm>
-#include <limits>
 #include <new>
+
+#include "engine_client/broad_phase/common/box_record.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr Aabb kAbsent = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+uint64_t KeyOf(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
+
+// The owners of ids, in this frame and in the last one.
+class Owners {
+ public:
+  Owners(const ProxyTable& moving, const ProxyTable& resting)
+      : moving_(moving),
+        resting_(resting),
+        any_new_(moving.any_new_owner() || resting.any_new_owner()) {}
+
+  ProxyPair Now(const OverlapPair& pair) const {
+    return {{pair.a, TableOf(pair.a).generation(PlaceOf(pair.a))},
+            {pair.b, TableOf(pair.b).generation(PlaceOf(pair.b))}};
+  }
+  ProxyPair Before(const OverlapPair& pair) const {
+    return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
+            {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
+  }
+  // Whether a pair of both frames has other owners now.
+  bool Changed(const OverlapPair& pair) const {
+    return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
+                        TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));
+  }
+
+ private:
+  static uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
+  const ProxyTable& TableOf(uint32_t id) const {
+    return (id & kStaticProxyBit) != 0 ? resting_ : moving_;
+  }
+
+  const ProxyTable& moving_;
+  const ProxyTable& resting_;
+  const bool any_new_;
+};
 
 }  // namespace
 
 uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
   if (free_.empty()) EnsureRoomForOne();
   const uint32_t place = TakePlace();
-  // Not in the list: its owner of then is still there, or was the latest one.
+  // The place is not in the list yet: its owner at the last MarkSeen is still there, or was the
+  // latest one.
   if (generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
   ++generations_[place];
   boxes_[place] = box;
@@ -32,7 +66,7 @@ uint32_t ProxyTable::TakePlace() {
     free_.pop_back();
     return place;
   }
-  boxes_.push_back(kAbsent);
+  boxes_.push_back(kInvalidAabb);
   filters_.emplace_back();
   users_.push_back(0);
   generations_.push_back(0);
@@ -42,7 +76,7 @@ uint32_t ProxyTable::TakePlace() {
 
 void ProxyTable::EnsureRoomForOne() {
   if (boxes_.size() == kMaxPlaces) throw std::bad_alloc();
-  // The one that grows last: had another failed to grow, this one would try again.
+  // `boxes_` grows last: where another array failed to grow, the next Add tries again.
   if (boxes_.size() < boxes_.capacity()) return;
   const size_t places = std::max<size_t>(64, boxes_.size() * 2);
   filters_.reserve(places);
@@ -56,7 +90,7 @@ void ProxyTable::EnsureRoomForOne() {
 
 void ProxyTable::Remove(uint32_t place) {
   SetFilter(place, {});
-  boxes_[place] = kAbsent;
+  boxes_[place] = kInvalidAabb;
   ++generations_[place];
   free_.push_back(place);
   changed_ = true;
@@ -78,6 +112,29 @@ size_t ProxyTable::native_bytes() const {
          users_.capacity() * sizeof(uint64_t) +
          (generations_.capacity() + seen_.capacity() + free_.capacity() + new_owners_.capacity()) *
              sizeof(uint32_t);
+}
+
+void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
+                         const ProxyTable& moving, const ProxyTable& resting) {
+  const Owners owners(moving, resting);
+  added_.clear();
+  removed_.clear();
+  size_t b = 0;
+  size_t n = 0;
+  while (b < before.size() && n < now.size()) {
+    const uint64_t key_before = KeyOf(before[b]);
+    const uint64_t key_now = KeyOf(now[n]);
+    // Most pairs stay, so that this branch is well predicted.
+    if (key_before == key_now && !owners.Changed(now[n])) {
+      ++b;
+      ++n;
+      continue;
+    }
+    if (key_before <= key_now) removed_.push_back(owners.Before(before[b++]));
+    if (key_now <= key_before) added_.push_back(owners.Now(now[n++]));
+  }
+  while (b < before.size()) removed_.push_back(owners.Before(before[b++]));
+  while (n < now.size()) added_.push_back(owners.Now(now[n++]));
 }
 
 }  // namespace sweepstake

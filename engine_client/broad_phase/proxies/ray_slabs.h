@@ -1,9 +1,9 @@
-// Where a ray enters a box: the definition that the vector walk and the proxies answer to.
+// Where a ray enters a box: the definition that the vector search (tree_queries.cc) must reproduce.
 //
-// Slabs (Kay & Kajiya, Ray Tracing Complex Scenes, 1986) with a division each instead of a
-// reciprocal, and minima and maxima in a fixed order: every step rounds monotonically, so that the
-// bounds of a node are never missed where a box inside is hit, and all machines agree to the last
-// bit. With a finite ray and a box that takes part no step gives NaN. Stateless.
+// The slab test (Kay & Kajiya, Ray Tracing Complex Scenes, 1986), with divisions instead of a
+// reciprocal, and minima and maxima in a fixed order. Every step rounds monotonically: a ray that
+// hits a box also hits the bounds of every node around it, and all machines agree to the last bit.
+// With a finite ray and a valid box no step gives NaN. Stateless.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline bool IsFinite(const Ray& ray) {
   return finite;
 }
 
-// Absent where the ray misses the box. REQUIRES: IsFinite(ray).
+// Returns nothing where the ray misses the box. REQUIRES: IsFinite(ray).
 inline std::optional<float> EnterDistance(const Ray& ray, const Aabb& box) {
   if (!TakesPart(box)) return std::nullopt;
   float enter = 0;

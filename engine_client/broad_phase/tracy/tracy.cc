@@ -1,9 +1,9 @@
 #include "engine_client/broad_phase/tracy/tracy.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/common/rebuild_debt.h"
 #include "engine_client/broad_phase/grid/grid_plan.h"
 #include "engine_client/broad_phase/grid/grid_search.h"
 #include "engine_client/broad_phase/tracy/tracy_lists.h"
@@ -64,11 +64,10 @@ class Tracy final : public BroadPhase {
   uint32_t rested_ = 0;  // frames since margins were last taken
   uint32_t wait_ = 0;    // frames until they may be
   uint32_t last_wait_ = 1;
-  size_t pair_count_ = 0;       // of the latest search
-  uint32_t frames_ = 0;         // since the grids were laid out
-  bool unfair_ = false;         // the latest search took more checks than it should
-  uint64_t fewest_checks_ = 0;  // in a frame since the grids were laid out
-  uint64_t excess_checks_ = 0;  // above that, since then
+  size_t pair_count_ = 0;  // of the latest search
+  uint32_t frames_ = 0;    // since the grids were laid out
+  bool unfair_ = false;    // the latest search took more checks than it should
+  RebuildDebt debt_;       // since the grids were laid out
   uint64_t checks_ = 0;
 };
 
@@ -85,8 +84,7 @@ void Tracy::LayOut(std::span<const Aabb> boxes) {
   plan_.MakeGrids(executor_, boxes);
   lists_.Reset(RowGrids(plan_));
   lists_.Update(executor_, boxes);
-  fewest_checks_ = std::numeric_limits<uint64_t>::max();
-  excess_checks_ = 0;
+  debt_.Clear();
   frames_ = 0;
   unfair_ = false;
   resting_ = false;
@@ -131,7 +129,7 @@ void Tracy::TakeInMotion(std::span<const Aabb> boxes) {
   ++frames_;
   if (wait_ > 0) --wait_;
   const bool try_anew = unfair_ && frames_ >= kFramesPerTrial;
-  if (try_anew || excess_checks_ > kChecksPerLayout * boxes.size()) return LayOut(boxes);
+  if (try_anew || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
   lists_.Update(executor_, boxes);
   if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kFewLongBoxes) LayOut(boxes);
 }
@@ -144,8 +142,7 @@ void Tracy::FindPairs(PairBuffer& out) {
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return SearchGrids(view, begin, end, pairs);
                        });
-  fewest_checks_ = std::min(fewest_checks_, checks_);
-  excess_checks_ += checks_ - fewest_checks_;
+  debt_.AddSearch(checks_);
   pair_count_ = out.size() - before;
   unfair_ = checks_ > kFairChecksPerBox * lists_.size() + kFairChecksPerPair * pair_count_;
 }

@@ -234,11 +234,11 @@ TEST(DbvtTree, SaysHowMuchMoved) {
   BuildOf(tree, boxes, FirstNumbers(160));
   for (Aabb& box : boxes) box.min[1] -= 0.5F;
   const DbvtTree::Motion motion = tree.Refit(boxes, 1, nullptr, lost);
-  EXPECT_EQ(motion.sampled, 10U) << "one of each leaf";
-  EXPECT_EQ(motion.restless, 0U);
+  EXPECT_EQ(motion.sample_count, 10U) << "one of each leaf";
+  EXPECT_EQ(motion.restless_count, 0U);
   EXPECT_NEAR(motion.mean, 0.5F, 1e-5F);
   for (Aabb& box : boxes) box.min[1] -= 2;
-  EXPECT_EQ(tree.Refit(boxes, 1, nullptr, lost).restless, 10U);
+  EXPECT_EQ(tree.Refit(boxes, 1, nullptr, lost).restless_count, 10U);
 }
 
 TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {

@@ -2,12 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <vector>
 
-#include "engine_client/broad_phase/common/soa_boxes.h"
 #include "engine_client/broad_phase/kd/kd_order.h"
-#include "engine_client/broad_phase/kd/leaf_boxes.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/box_scenes.h"
@@ -69,13 +68,19 @@ TEST(KdOrder, DoesNotDependOnHowOftenCoincidentBoxesAreSorted) {
   EXPECT_EQ(order, Identity(1000));
 }
 
+// Slot k has box k.
+LeafTree TreeOf(std::span<const Aabb> boxes) {
+  LeafTree tree;
+  tree.Refit(boxes, Identity(boxes.size()), nullptr);
+  return tree;
+}
+
 // The order that Begin and so on give for these boxes, holes included.
 template <typename Split>
 std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes, const Split& split) {
-  SoaBoxes columns;
-  columns.Gather(boxes);
+  const LeafTree tree = TreeOf(boxes);
   KdOrder splitter;
-  splitter.Begin(GroupsOf(columns.Lanes()), boxes.size());
+  splitter.Begin(tree.leaves(), boxes.size());
   split(splitter);
   std::vector<uint32_t> slots(splitter.slot_count());
   splitter.TakeSlots(slots);
@@ -144,7 +149,7 @@ TEST(KdOrder, LeavesNoBoxOut) {
   for (const std::string_view kind : test_support::BoxSceneKinds()) {
     const BoxScene scene(kind, 3000, 8);
     std::vector<uint32_t> slots = SlotsOf(scene.boxes());
-    EXPECT_LE(slots.size(), KdOrder::MostSlots(3000));
+    EXPECT_LE(slots.size(), KdOrder::MaxSlots(3000));
     std::erase(slots, KdOrder::kHole);
     std::sort(slots.begin(), slots.end());
     EXPECT_EQ(slots, Identity(3000)) << kind;
@@ -172,79 +177,93 @@ TEST(KdOrder, KeepsLongBoxesApartFromTheOthersAndByTheirAxis) {
   EXPECT_LE(mixed_leaves, 2U);
 }
 
-TEST(LeafTree, BoundsEverythingBelowEachNode) {
-  const BoxScene scene("mixture", 5000, 5);
-  SoaBoxes boxes;
-  boxes.Gather(scene.boxes());
-  const BoxLanes lanes = boxes.Lanes();
-  LeafTree tree;
-  tree.Refit(lanes);
-  ASSERT_EQ(tree.level_count(), 3U);
-  size_t width = 1;
-  for (size_t index = 0; index < tree.level_count(); ++index) {
-    width *= LeafTree::kWidth;
-    const LeafTree::Level& level = tree.level(index);
-    EXPECT_EQ(level.count, (5000 + width - 1) / width);
-    for (size_t slot = 0; slot < lanes.count; ++slot) {
-      for (size_t axis = 0; axis < 3; ++axis) {
-        ASSERT_LE(level.min[axis][slot / width], lanes.min[axis][slot]);
-        ASSERT_GE(level.max[axis][slot / width], lanes.max[axis][slot]);
+TEST(KdOrder, IsTheSameFromLeavesFromBoxesAndFromAList) {
+  for (const std::string_view kind : {"brownian", "long-thin", "broken-boxes"}) {
+    const BoxScene scene(kind, 1000, 8);
+    const std::vector<uint32_t> slots = SlotsOf(scene.boxes());
+    KdOrder splitter;
+    splitter.Begin(scene.boxes());
+    splitter.Finish(nullptr);
+    std::vector<uint32_t> from_boxes(splitter.slot_count());
+    splitter.TakeSlots(from_boxes);
+    EXPECT_EQ(from_boxes, slots) << kind;
+    std::vector<uint32_t> list = Identity(1000);
+    splitter.Sort(scene.boxes(), list);
+    std::erase(from_boxes, KdOrder::kHole);
+    EXPECT_EQ(list, from_boxes) << kind;
+  }
+}
+
+// The bounds of the valid boxes among these; without any those of a sentinel.
+Aabb BoundsOf(std::span<const Aabb> boxes) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (const Aabb& box : boxes) {
+    if (!TakesPart(box)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      bounds.min[axis] = std::min(bounds.min[axis], box.min[axis]);
+      bounds.max[axis] = std::max(bounds.max[axis], box.max[axis]);
+    }
+  }
+  return bounds;
+}
+
+Aabb NodeAt(const BoxLanes& lanes, size_t node) {
+  return {{lanes.min[0][node], lanes.min[1][node], lanes.min[2][node]},
+          {lanes.max[0][node], lanes.max[1][node], lanes.max[2][node]}};
+}
+
+TEST(LeafTree, BoundsWhatIsBelowEachNodeAndNoMore) {
+  for (const std::string_view kind : {"mixture", "broken-boxes"}) {
+    const BoxScene scene(kind, 5000, 5);
+    const LeafTree tree = TreeOf(scene.boxes());
+    ASSERT_EQ(tree.view().top, 3U);
+    size_t width = 1;
+    for (size_t level = 1; level <= tree.view().top; ++level) {
+      width *= LeafTree::kWidth;
+      const BoxLanes& lanes = tree.view().levels[level];
+      ASSERT_EQ(lanes.count, (5000 + width - 1) / width);
+      for (size_t node = 0; node < lanes.count; ++node) {
+        const size_t first = node * width;
+        const auto below = scene.boxes().subspan(first, std::min(width, 5000 - first));
+        ASSERT_EQ(NodeAt(lanes, node), BoundsOf(below)) << kind << ", level " << level;
       }
     }
   }
 }
 
-// Slot k has box k.
-struct GatheredLeaves {
-  explicit GatheredLeaves(std::span<const Aabb> source) {
-    boxes.Resize(source.size());
-    tree.LayOut(source.size());
-    boxes.GatherLeaves(source, Identity(source.size()), 0, tree.leaf_count(), tree.level(0));
-    tree.RefitNodes();
-  }
-  LeafBoxes boxes;
-  LeafTree tree;
-};
-
-TEST(LeafBoxes, HaveTheBoundsThatTheTreeFindsItself) {
-  for (const std::string_view kind : {"mixture", "broken-boxes"}) {
-    const BoxScene scene(kind, 5000, 5);
-    const GatheredLeaves leaves(scene.boxes());
-    SoaBoxes columns;
-    columns.Gather(scene.boxes());
-    LeafTree tree;
-    tree.Refit(columns.Lanes());
-    ASSERT_EQ(leaves.tree.level_count(), tree.level_count());
-    for (size_t index = 0; index < tree.level_count(); ++index) {
-      const size_t count = tree.level(index).count;
-      for (size_t axis = 0; axis < 3; ++axis) {
-        EXPECT_TRUE(std::equal(tree.level(index).min[axis], tree.level(index).min[axis] + count,
-                               leaves.tree.level(index).min[axis]));
-        EXPECT_TRUE(std::equal(tree.level(index).max[axis], tree.level(index).max[axis] + count,
-                               leaves.tree.level(index).max[axis]));
-      }
+TEST(LeafTree, IsTheSameInParts) {
+  const auto pool = MakeThreadPool(3);
+  const BoxScene scene("broken-boxes", 20'000, 5);
+  const LeafTree alone = TreeOf(scene.boxes());
+  LeafTree in_parts;
+  in_parts.Refit(scene.boxes(), Identity(20'000), pool.get());
+  for (size_t level = 1; level <= alone.view().top; ++level) {
+    for (size_t node = 0; node < alone.view().levels[level].count; ++node) {
+      ASSERT_EQ(NodeAt(in_parts.view().levels[level], node),
+                NodeAt(alone.view().levels[level], node));
     }
   }
 }
 
 TEST(LeafTree, FindsAllPairsInAnyOrder) {
   const BoxScene scene("brownian", 1000, 5);
-  const GatheredLeaves leaves(scene.boxes());  // unordered: slow, and right
+  const LeafTree tree = TreeOf(scene.boxes());  // unordered: slow, and right
   PairBuffer pairs;
-  leaves.tree.FindPairs(leaves.boxes.blocks(), 0, leaves.tree.block_count(), pairs);
+  tree.FindPairs(0, tree.block_count(), pairs);
   EXPECT_EQ(PairDifference(pairs.pairs(), ScalarPairs(scene.boxes())), "");
 }
 
 TEST(LeafTree, FindsTheSamePairsInParts) {
   const BoxScene scene("clusters", 3000, 5);
-  const GatheredLeaves leaves(scene.boxes());
+  const LeafTree tree = TreeOf(scene.boxes());
   PairBuffer whole;
   PairBuffer parts;
-  ASSERT_EQ(leaves.tree.block_count(), 12U);
-  leaves.tree.FindPairs(leaves.boxes.blocks(), 0, 12, whole);
-  leaves.tree.FindPairs(leaves.boxes.blocks(), 0, 5, parts);
-  leaves.tree.FindPairs(leaves.boxes.blocks(), 5, 6, parts);
-  leaves.tree.FindPairs(leaves.boxes.blocks(), 6, 12, parts);
+  ASSERT_EQ(tree.block_count(), 12U);
+  tree.FindPairs(0, 12, whole);
+  tree.FindPairs(0, 5, parts);
+  tree.FindPairs(5, 6, parts);
+  tree.FindPairs(6, 12, parts);
   EXPECT_TRUE(std::ranges::equal(whole.pairs(), parts.pairs()));
 }
 
@@ -270,7 +289,7 @@ uint64_t ChecksOfFreshBuild(const BoxScene& scene) {
   return backend->aabb_check_count();
 }
 
-TEST(KdTree, SplitsAnewBeforeMotionHasSpoiltTheOrder) {
+TEST(KdTree, SplitsAnewBeforeMotionHasRuinedTheOrder) {
   const auto backend = MakeOrThrow("KDTree");
   BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes());

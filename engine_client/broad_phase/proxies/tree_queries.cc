@@ -1,8 +1,9 @@
-// Boxes that a ray hits: all of them, and the nearest.
+// Queries in one tree: the boxes that overlap a box, the boxes that a ray hits, and the nearest of
+// those.
 #include "engine_client/broad_phase/proxies/tree_walk.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine_client/broad_phase/proxies/ray_walk.cc"
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/proxies/tree_queries.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/proxies/tree_walk-inl.h"
@@ -10,8 +11,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Where the ray enters the lanes from slot `at` on, and in `hits` which of them it does by `limit`:
-// EnterDistance of ray_slabs.h. A sentinel is entered at +inf and left at −inf.
+// Hands the ids of the boxes found to the sink.
+HWY_INLINE void TakeIds(const LeafTree::View& tree, const FoundGroup& found, const IdSink& sink) {
+  uint32_t ids[LeafTree::kWidth];
+  for (size_t k = 0; k < found.count; ++k) ids[k] = tree.levels[0].id[found.entry[k]];
+  sink.take(sink.context, ids, found.count);
+}
+
+void WalkOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& sink) {
+  Descend(
+      tree, 0,
+      [&](size_t level, size_t base, FoundGroup& found)
+          HWY_ATTR { CollectOverlapping(box, tree.levels[level], base, found); },
+      [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
+}
+
+// EnterDistance of ray_slabs.h for the lanes from slot `at` on: returns where the ray enters them,
+// and in `hits` the lanes that it enters up to `limit`. A sentinel is entered at +inf and left at
+// −inf.
 template <class D>
 HWY_INLINE hn::Vec<D> EnterLanes(D d, const Ray& ray, float limit, const BoxLanes& lanes, size_t at,
                                  hn::Mask<D>& hits) {
@@ -38,27 +55,22 @@ HWY_INLINE hn::Vec<D> EnterLanes(D d, const Ray& ray, float limit, const BoxLane
   return enter;
 }
 
-void WalkHits(const TreeView& tree, const Ray& ray, const IdSink& sink) {
-  const uint32_t* const ids = tree.levels[0].id;
+void WalkHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {
   Descend(
       tree, 0,
-      [&](const BoxLanes& lanes, size_t base, FoundGroup& found) HWY_ATTR {
-        const GroupTag d;
+      [&](size_t level, size_t base, FoundGroup& found) HWY_ATTR {
+        const Lanes16 d;
         found.count = 0;
         for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
-          hn::Mask<GroupTag> hits;
-          EnterLanes(d, ray, ray.max_distance, lanes, at, hits);
+          hn::Mask<Lanes16> hits;
+          EnterLanes(d, ray, ray.max_distance, tree.levels[level], at, hits);
           AppendHits(d, hits, at, found);
         }
       },
-      [&](const FoundGroup& found) {
-        uint32_t found_ids[LeafTree::kWidth];
-        for (size_t k = 0; k < found.count; ++k) found_ids[k] = ids[found.entry[k]];
-        sink.take(sink.context, found_ids, found.count);
-      });
+      [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// Entries of a level on the ray and where it enters them.
+// Entries of a level that the ray hits, and where it enters them.
 struct EnteredGroup {
   FoundGroup found;
   float distance[2 * LeafTree::kWidth];
@@ -66,17 +78,17 @@ struct EnteredGroup {
 
 HWY_INLINE void CollectEntered(const Ray& ray, float limit, const BoxLanes& lanes, size_t base,
                                EnteredGroup& group) {
-  const GroupTag d;
+  const Lanes16 d;
   group.found.count = 0;
   for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
-    hn::Mask<GroupTag> hits;
+    hn::Mask<Lanes16> hits;
     const auto enter = EnterLanes(d, ray, limit, lanes, at, hits);
     hn::StoreU(hn::Compress(enter, hits), d, group.distance + group.found.count);
     AppendHits(d, hits, at, group.found);
   }
 }
 
-// Farthest first, so that the nearest is taken first from the end; equal ones keep their order.
+// Sorts the farthest first, since entries are taken from the end; equal ones keep their order.
 HWY_INLINE void SortFarthestFirst(EnteredGroup& group) {
   for (size_t k = 1; k < group.found.count; ++k) {
     const float distance = group.distance[k];
@@ -91,7 +103,7 @@ HWY_INLINE void SortFarthestFirst(EnteredGroup& group) {
   }
 }
 
-// Of the entered boxes, the nearest that is accepted and nearer than `best`.
+// Replaces `best` by the nearest of the boxes found that is accepted and nearer.
 HWY_INLINE void TakeNearer(const EnteredGroup& group, const uint32_t* ids,
                            const IdPredicate& predicate, NearestHit& best, bool& found) {
   for (size_t k = 0; k < group.found.count; ++k) {
@@ -104,7 +116,7 @@ HWY_INLINE void TakeNearer(const EnteredGroup& group, const uint32_t* ids,
   }
 }
 
-bool WalkNearest(const TreeView& tree, const Ray& ray, const IdPredicate& predicate,
+bool WalkNearest(const LeafTree::View& tree, const Ray& ray, const IdPredicate& predicate,
                  NearestHit& hit) {
   EnteredGroup waiting[LeafTree::kMaxLevels + 1];
   NearestHit best{ray.max_distance, 0};
@@ -124,7 +136,7 @@ bool WalkNearest(const TreeView& tree, const Ray& ray, const IdPredicate& predic
     if (waiting[level].distance[last] > best.distance) continue;
     const size_t node = waiting[level].found.entry[last];
     --level;
-    CollectEntered(ray, best.distance, tree.levels[level], node * LeafTree::kWidth, waiting[level]);
+    CollectEntered(ray, best.distance, tree.levels[level], FirstChild(level, node), waiting[level]);
     if (level > 0) {
       SortFarthestFirst(waiting[level]);
     } else {
@@ -141,14 +153,19 @@ HWY_AFTER_NAMESPACE();
 
 namespace sweepstake {
 
+HWY_EXPORT(WalkOverlapping);
 HWY_EXPORT(WalkHits);
 HWY_EXPORT(WalkNearest);
 
-void FindHits(const TreeView& tree, const Ray& ray, const IdSink& sink) {
+void FindOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& sink) {
+  if (TakesPart(box)) HWY_DYNAMIC_DISPATCH(WalkOverlapping)(tree, box, sink);
+}
+
+void FindHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {
   HWY_DYNAMIC_DISPATCH(WalkHits)(tree, ray, sink);
 }
 
-bool FindNearestHit(const TreeView& tree, const Ray& ray, const IdPredicate& predicate,
+bool FindNearestHit(const LeafTree::View& tree, const Ray& ray, const IdPredicate& predicate,
                     NearestHit& hit) {
   return tree.top != 0 && HWY_DYNAMIC_DISPATCH(WalkNearest)(tree, ray, predicate, hit);
 }

@@ -1,0 +1,56 @@
+// Registers that divide sixteen floats, the width of every node and leaf, for every target of
+// Highway. Include after hwy/foreach_target.h.
+#if defined(SWEEPSTAKE_LANES16_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_LANES16_INL_H_
+#undef SWEEPSTAKE_LANES16_INL_H_
+#else
+#define SWEEPSTAKE_LANES16_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes16 = hn::CappedTag<float, 16>;
+
+HWY_INLINE float MinOf16(const float* values) {
+  const Lanes16 d;
+  auto min = hn::LoadU(d, values);
+  for (size_t at = hn::Lanes(d); at < 16; at += hn::Lanes(d)) {
+    min = hn::Min(min, hn::LoadU(d, values + at));
+  }
+  return hn::GetLane(hn::MinOfLanes(d, min));
+}
+
+HWY_INLINE float MaxOf16(const float* values) {
+  const Lanes16 d;
+  auto max = hn::LoadU(d, values);
+  for (size_t at = hn::Lanes(d); at < 16; at += hn::Lanes(d)) {
+    max = hn::Max(max, hn::LoadU(d, values + at));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, max));
+}
+
+// The numbers first, first + 1 and so on. Iota with a number that is not constant is slow: it
+// writes the lanes one by one.
+template <class DU>
+HWY_INLINE hn::Vec<DU> NumbersFrom(DU du, size_t first) {
+  return hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(first)));
+}
+
+// Bit k is lane k.
+HWY_INLINE uint32_t BitsOfMask(Lanes16 d, hn::Mask<Lanes16> mask) {
+  uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  return bits[0] | uint32_t{bits[1]} << 8;
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,45 @@
+// When a structure that motion has made worse is worth rebuilding, and over how many frames the
+// rebuild is spread.
+//
+// The longer ago a structure was built, the more checks a search in it makes. Its debt is the sum
+// of the checks above those of the cheapest search since the latest rebuild. A rebuild is due when
+// the debt exceeds what the rebuild costs: neither waiting nor rebuilding then costs more than
+// twice the best choice.
+//
+// Not thread-safe: plain values. Units: AABB checks, or a fixed multiple of them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace sweepstake {
+
+class RebuildDebt {
+ public:
+  // The structure was rebuilt just now.
+  void Clear() { *this = {}; }
+  // A search made this many checks.
+  void AddSearch(uint64_t checks) {
+    min_checks_ = std::min(min_checks_, checks);
+    excess_checks_ += checks - min_checks_;
+  }
+  bool Exceeds(uint64_t rebuild_cost) const { return excess_checks_ > rebuild_cost; }
+
+ private:
+  uint64_t min_checks_ = std::numeric_limits<uint64_t>::max();
+  uint64_t excess_checks_ = 0;
+};
+
+// What a search costs in checks: writing a pair takes as long as about 8 of them.
+constexpr uint64_t SearchCost(uint64_t checks, uint64_t pair_count) {
+  return checks + 8 * pair_count;
+}
+
+// The number of frames, 1 to 6, over which to spread a rebuild so that each costs about a third
+// more than its search.
+constexpr uint64_t RebuildFrames(uint64_t rebuild_cost, uint64_t search_cost) {
+  return std::clamp<uint64_t>(3 * rebuild_cost / (search_cost + 1), 1, 6);
+}
+
+}  // namespace sweepstake
