@@ -16,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/decision/math/names.h"
+#include "server/decision/session/session_setup.h"
 
 namespace sweepstake::server {
 namespace {

@@ -3,11 +3,13 @@
 
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc, server/web
     server/decision/math <- everything else, since it is pure
-    server/decision <- telemetry, cli; server/decision <- priors <- storage, rpc, web <- daemon <- main
+    server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, rpc, web <- daemon <- main
 
-Besides: the server never includes engine_client; the decision core includes the standard library, Eigen and itself
-(its math without Eigen), and takes no clock, thread, file, distribution or libm function whose last bit differs between platforms; headers of
-one operating system stay in telemetry, the server and the command line.
+Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
+
+Besides: the server never includes engine_client; the decision core and the audit log include the standard library, Eigen
+and themselves (math without Eigen), and take no clock, thread, file, distribution or libm function whose last bit differs
+between platforms; headers of one operating system stay in telemetry, the server and the command line.
 
     include_direction_test.py ROOT          checks the tree at ROOT
     include_direction_test.py --self-test   shows that each rule can fail
@@ -18,25 +20,34 @@ import re
 import sys
 import tempfile
 
+# The decision core without the ablations, which are the laboratory's.
+DECISION = {
+    "server/decision", "server/decision/policy", "server/decision/baselines", "server/decision/session"}
+
 # A folder may include itself and these.
 ALLOWED = {
     "engine_client/broad_phase": set(),
     "engine_client/scene": {"engine_client/broad_phase"},
     "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
     "engine_client/telemetry": {
-        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "server/decision", "proto"},
+        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/audit", "proto"},
     "engine_client/c_api": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
-        "server/decision", "proto"},
+        *DECISION, "server/decision/study", "server/audit", "proto"},
     "server/decision/math": set(),
     "server/decision": set(),
-    "server/priors": {"server/decision"},
-    "server/storage": {"server/decision", "server/priors"},
-    "server/rpc": {"server/decision", "server/priors", "proto"},
-    "server/web": {"server/decision", "server/priors", "proto"},
-    "server": {"server/decision", "server/priors", "server/storage", "server/rpc", "server/web", "proto"},
+    "server/decision/policy": {"server/decision"},
+    "server/decision/baselines": {"server/decision", "server/decision/policy"},
+    "server/decision/session": DECISION,
+    "server/decision/study": DECISION,
+    "server/audit": DECISION,
+    "server/priors": DECISION | {"server/audit"},
+    "server/storage": DECISION | {"server/audit", "server/priors"},
+    "server/rpc": DECISION | {"server/audit", "server/priors", "proto"},
+    "server/web": DECISION | {"server/priors", "proto"},
+    "server": DECISION | {"server/audit", "server/priors", "server/storage", "server/rpc", "server/web", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -79,6 +90,8 @@ PLATFORM_HEADER = re.compile(
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
 RPC_HEADER = re.compile(r"^(grpc|google/protobuf|absl)")
 
+# These may know nothing but the standard library and Eigen.
+PURE_FOLDERS = DECISION | {"server/decision/math", "server/decision/study", "server/audit"}
 DECISION_HEADERS = re.compile(
     r"^(Eigen/.*|algorithm|array|bit|cassert|charconv|cmath|compare|concepts|cstddef|cstdint|cstring|deque|functional|"
     r"initializer_list|iterator|limits|map|memory|numbers|numeric|optional|ranges|set|span|string|string_view|tuple|"
@@ -120,7 +133,7 @@ def target_of(name):
 
 
 def is_core(folder):
-    return folder in ("server/decision", MATH)
+    return folder in PURE_FOLDERS
 
 
 def include_errors(folder, name):
@@ -186,7 +199,10 @@ GOOD = {
     "engine_client/telemetry/embedded.cc": '#include "server/decision/types.h"\n#include <unistd.h>\n',
     "engine_client/cli/watch.cc": '#include "sweepstake/v1/posteriors.pb.h"\n#include <grpcpp/grpcpp.h>\n',
     "server/decision/policy/reward.cc": "#include <cmath>\n// std::exp differs\ndouble F(double x) { return std::sqrt(x) + Log(x); }\n",
-    "server/rpc/telemetry_service.cc": '#include "server/decision/types.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
+    "server/decision/session/decision_session.cc": '#include "server/decision/policy/policy.h"\n',
+    "server/audit/audit_log.cc": '#include "server/decision/session/decision_session.h"\n',
+    "engine_client/cli/replay/replay_run.cc": '#include "server/decision/study/ablations.h"\n',
+    "server/rpc/telemetry_service.cc": '#include "server/audit/audit_log.h"\n#include "sweepstake/v1/telemetry.pb.h"\n',
     "engine_client/scene/suite.cc": '#include "server/decision/math/hash.h"\n',
     "server/decision/math/beta.cc": '#include "server/decision/math/portable_math.h"\n#include <cmath>\n',
     "server/main.cc": '#include "server/daemon.h"\n#include "server/storage/sqlite_prior_store.h"\n',
@@ -226,6 +242,13 @@ BAD = {
     "server/decision/math/x.cc": '#include "server/decision/types.h"\n',
     "server/decision/math/y.cc": "#include <Eigen/Core>\n",
     "server/decision/math/z.cc": "double F(double x) { return std::exp(x); }\n",
+    "server/decision/session/w.cc": '#include "server/audit/audit_log.h"\n',
+    "server/decision/policy/x.cc": '#include "server/decision/session/decision_session.h"\n',
+    "server/decision/y.cc": '#include "server/decision/policy/policy.h"\n',
+    "server/rpc/z.cc": '#include "server/decision/study/ablations.h"\n',
+    "engine_client/telemetry/aa.cc": '#include "server/decision/study/ablations.h"\n',
+    "server/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
+    "server/audit/ac.cc": "#include <fstream>\n",
 }
 
 

@@ -16,6 +16,7 @@
 #include "engine_client/cli/replay/replay_output.h"
 #include "engine_client/cli/replay/replay_study.h"
 #include "engine_client/cli/trace/costs_file.h"
+#include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -273,7 +274,8 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
 
 void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   std::string policies;
-  for (const std::string_view name : decision::PolicyNames()) policies.append(" ").append(name);
+  for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies()))
+    policies.append(" ").append(name);
   AddCommand<ReplayCommandOptions>(
       app, "replay",
       "Let policies play recorded cost traces in virtual time, or decisions be derived again",

@@ -15,7 +15,7 @@
 #include "engine_client/cli/io/stop_signal.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "server/decision/audit_log.h"
+#include "server/audit/audit_log.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {

@@ -6,9 +6,9 @@
 
 #include "engine_client/telemetry/decision_conversion.h"
 #include "engine_client/telemetry/priors_file.h"
-#include "server/decision/audit_log.h"
-#include "server/decision/decision_session.h"
-#include "server/decision/policy/policy.h"
+#include "server/audit/audit_log.h"
+#include "server/decision/session/decision_session.h"
+#include "server/decision/session/policy_registry.h"
 
 namespace sweepstake {
 namespace {
@@ -91,7 +91,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   void StartAudit(std::function<void(std::string_view)> on_audit_row,
                   decision::AuditOrigin origin) {
     on_audit_row_ = std::move(on_audit_row);
-    session_.StartAudit(*this, std::move(origin));
+    decision::StartAudit(session_, *this, std::move(origin));
   }
 
   void Observe(std::span<const FrameSample> frames, int64_t now_ns);

@@ -11,16 +11,8 @@ using Problem = std::optional<std::string>;
 
 int64_t Divided(int64_t interval_ns, double time_scale) {
   const double scaled = static_cast<double>(interval_ns) / time_scale;
-  // An interval that was not 0 stays so, since 0 has a meaning of its own or none.
+  // An interval above 0 stays above 0, because 0 means something else or is invalid.
   return interval_ns > 0 ? std::max<int64_t>(1, static_cast<int64_t>(scaled)) : interval_ns;
-}
-
-Problem CheckPolicy(const std::string& policy) {
-  const auto names = PolicyNames();
-  if (std::find(names.begin(), names.end(), policy) != names.end()) return std::nullopt;
-  std::string problem = "unknown policy \"" + policy + "\"; use one of:";
-  for (const std::string_view name : names) problem.append(" ").append(name);
-  return problem;
 }
 
 Problem CheckWeights(const RewardWeights& weights) {
@@ -36,10 +28,10 @@ Problem CheckWeights(const RewardWeights& weights) {
   return std::nullopt;
 }
 
-Problem CheckInterval(const char* name, int64_t value_ns, int64_t least_ns) {
-  if (value_ns < least_ns) {
+Problem CheckInterval(const char* name, int64_t value_ns, int64_t min_ns) {
+  if (value_ns < min_ns) {
     return std::string(name) + " is " + std::to_string(value_ns) + "; use " +
-           std::to_string(least_ns) + " or more";
+           std::to_string(min_ns) + " or more";
   }
   if (value_ns > kLongestIntervalNs) {
     return std::string(name) + " is " + std::to_string(value_ns) + "; use at most " +
@@ -52,7 +44,7 @@ Problem CheckIntervals(const DecisionOptions& options) {
   const struct {
     const char* name;
     int64_t value_ns;
-    int64_t least_ns;
+    int64_t min_ns;
   } intervals[] = {
       {"decision_interval_ns", options.decision_interval_ns, 1},
       {"cooldown_ns", options.cooldown_ns, 0},
@@ -62,7 +54,7 @@ Problem CheckIntervals(const DecisionOptions& options) {
       {"exploration_measure_ns", options.exploration_measure_ns, 1},
   };
   for (const auto& interval : intervals) {
-    if (Problem problem = CheckInterval(interval.name, interval.value_ns, interval.least_ns))
+    if (Problem problem = CheckInterval(interval.name, interval.value_ns, interval.min_ns))
       return problem;
   }
   return std::nullopt;
@@ -81,8 +73,7 @@ DecisionOptions DecisionOptions::Scaled(double time_scale) const {
   return scaled;
 }
 
-std::optional<std::string> Validate(const DecisionOptions& options) {
-  if (Problem problem = CheckPolicy(options.policy)) return problem;
+std::optional<std::string> ValidateNumbers(const DecisionOptions& options) {
   if (Problem problem = CheckWeights(options.weights)) return problem;
   if (Problem problem = CheckIntervals(options)) return problem;
   if (!(options.bail_out_penalty >= 0 && options.bail_out_penalty <= kLargestPenalty)) {

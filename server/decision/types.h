@@ -1,7 +1,8 @@
-// What goes into and comes out of the decision core. Plain values; no clock, no I/O, no threads.
+// The plain values that go into and come out of the decision core. There is no clock, no I/O and no
+// thread here.
 //
-// Times are int64_t nanoseconds of the caller's steady clock, from any origin, passed in as
-// `now_ns`. Arms are indices into the session's list of names.
+// Times are int64_t nanoseconds of the caller's steady clock, which may have any origin; they are
+// passed in as `now_ns`. Arms are indices into the session's list of names.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@
 
 namespace sweepstake::decision {
 
-// Bits of Frame::flags; the values of sweepstake.v1.FrameFlag.
+// The bits of Frame::flags have the values of sweepstake.v1.FrameFlag.
 enum FrameFlag : uint32_t {
   kFrameRebuild = 1,
   kFramePaused = 2,
@@ -34,28 +35,29 @@ struct Frame {
   uint32_t flags = 0;
 };
 
-// One visit of the shadow lane: what an arm cost off the frame thread, on copies of consecutive
-// frames' boxes. Visits with the same first_frame_index were measured on the same frames and form a
-// sweep; the arm that was active then is measured along with the others.
+// One visit of the shadow lane measures what one arm costs off the frame thread, on copies of the
+// boxes of consecutive frames. Visits with the same first_frame_index were measured on the same
+// frames and form a sweep, which includes the arm that was active then.
 struct ShadowSample {
   uint64_t first_frame_index = 0;
-  uint64_t detection_time_ns = 0;  // median over the measured frames: update and search
-  uint64_t build_time_ns = 0;     // of the first frame, which builds the structure, with its search
-  uint64_t aabb_check_count = 0;  // mean over the measured frames
+  uint64_t detection_time_ns = 0;  // median of update and search over the measured frames
+  uint64_t build_time_ns = 0;      // build and search of the first frame
+  uint64_t aabb_check_count = 0;   // mean over the measured frames
   uint64_t native_bytes = 0;
   uint32_t arm = 0;
   uint32_t object_count = 0;
-  uint32_t frame_count = 0;  // measured frames, without the build and the warm-up after it
+  uint32_t frame_count = 0;  // measured frames; the build and the warm-up are not counted
   uint32_t flags = 0;        // bits of ShadowFlag
 };
 
-// Bits of ShadowSample::flags; the values of sweepstake.v1.ShadowFlag.
+// The bits of ShadowSample::flags have the values of sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
-  kShadowActive = 1,  // the arm that was active on the frame thread
-  kShadowCapped = 2,  // stopped at the lane's time cap: the times are those of what ran until then
+  kShadowActive = 1,  // the arm was active on the frame thread
+  kShadowCapped = 2,  // the lane's time cap ended the visit; the times cover what ran until then
 };
 
-// What the scene looks like to a broad phase (sweepstake.v1.SceneDescriptor); absent: not measured.
+// What the scene looks like to a broad phase (sweepstake.v1.SceneDescriptor). A value that was not
+// measured is absent.
 struct SceneDescriptor {
   std::optional<double> object_count;
   std::optional<double> density_ratio;
@@ -68,56 +70,58 @@ struct SceneDescriptor {
 
 // What an executed switch cost, as the client measured it.
 struct SwitchCost {
-  uint64_t rebuild_time_ns = 0;   // building the structure on the frame thread; 0: built beforehand
-  uint64_t settling_cost_ns = 0;  // frame time above the settled mean, over the settling frames
+  uint64_t rebuild_time_ns = 0;   // of a build on the frame thread; 0 if it was built beforehand
+  uint64_t settling_cost_ns = 0;  // sum of the settling frames' time above the settled mean
 };
 
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
 
-// What became of a tick's candidate; the values of sweepstake.v1.DecisionOutcome.
-// 10 and 11 are retired and stay unused.
+// What became of a tick's candidate. The values are those of sweepstake.v1.DecisionOutcome; 10 and
+// 11 were used by older versions and must not be reused.
 enum class Outcome : uint32_t {
   kKept = 1,
   kSwitched = 2,
   kHeldCooldown = 3,
-  kHeldSettling = 4,  // settling frames only, nothing learnt; or a commanded switch is under way
-  kNoFrames = 5,      // none to learn from since the last tick
+  kHeldSettling = 4,  // all frames were settling ones, or a commanded switch is under way
+  kNoFrames = 5,      // no frame has arrived since the last tick
   kManual = 6,
-  kExploring = 7,  // no candidate; a command there may be goes to the next arm of the order
+  kExploring = 7,  // there is no candidate; a command, if any, names the next arm of the order
   kRejected = 8,   // a metric of the window is not finite
-  kHeldGate = 9,   // the gain expected is not worth the switch
-  kHeldTie = 12,   // the candidate is not better by as much as matters
+  kHeldGate = 9,   // the expected gain does not pay for the switch
+  kHeldTie = 12,   // the expected gain is too small to matter
 };
 
-// What the beliefs say about the scene (paper §7.1: posteriors as a diagnosis).
+// What the posteriors say about the scene (paper §7.1 uses posteriors as a diagnosis).
 enum class Verdict : uint32_t {
-  kUnknown = 0,    // nothing learnt yet
+  kUnknown = 0,    // nothing is learnt yet
   kStable = 1,     // P(best) of the leader is 0.8 or more
-  kTie = 2,        // below, and choosing the leader loses 0.5 % or less
-  kAmbiguous = 3,  // below, and it may lose more
+  kTie = 2,        // P(best) is lower, and choosing the leader loses 0.5 % or less
+  kAmbiguous = 3,  // P(best) is lower, and choosing the leader may lose more
   kDegraded = 4,   // even the leader misses the frame-rate floor
 };
 
-// How sure one is of the choice.
+// How certain the choice of an arm is.
 struct Diagnosis {
-  std::vector<double> best_probability;  // per arm, sum 1; empty: nothing learnt yet
-  uint32_t leader = 0;                   // the arm with the highest
+  std::vector<double> best_probability;  // one per arm, sum 1; empty while nothing is learnt
+  uint32_t leader = 0;                   // the arm with the highest best_probability
   double expected_loss_ratio = 0;        // of choosing the leader, relative to the best arm's cost
-  // What knowing all would gain over choosing the arm with the best mean, in the same terms.
+  // What perfect information would gain over choosing the arm with the best mean, on the same
+  // scale.
   double value_remaining_ratio = 0;
   double entropy = 0;  // of best_probability, in nats
   Verdict verdict = Verdict::kUnknown;
 };
 
-// The terms of the switch-cost gate for the candidate: it passes where
-// horizon_s · gain − cooldown_s · loss − cost_s > 0.
+// The terms of the switch-cost gate for the candidate, which passes if
+// horizon_s · gain − cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active
+// arm minus that of the candidate.
 struct GateTerms {
-  double gain = 0;  // E⁺ = E[max(d, 0)] of d, the log-cost of the active arm minus the candidate's
+  double gain = 0;  // E⁺ = E[max(d, 0)]
   double loss = 0;  // E⁻ = E[max(−d, 0)]
   double horizon_s = 0;
   double cooldown_s = 0;
-  double cost_s = 0;  // of the switch, measured
+  double cost_s = 0;  // measured cost of the switch
 };
 
 struct SwitchCommand {
@@ -126,7 +130,7 @@ struct SwitchCommand {
   SwitchReason reason = SwitchReason::kPolicy;
 };
 
-// What a tick or a bail-out taught about one arm, to be made durable.
+// The evidence about one arm that a tick or a bail-out adds, as it is stored.
 struct Increment {
   uint32_t arm = 0;
   double alpha = 0;  // >= 0
@@ -140,41 +144,42 @@ struct DecisionRecord {
   uint64_t decision_id = 0;  // from 1 within the session
   int64_t time_ns = 0;
   uint32_t active_arm = 0;
-  std::optional<uint32_t> candidate;  // highest draw; absent where none was drawn
+  std::optional<uint32_t> candidate;  // absent if the policy was not asked
   Outcome outcome = Outcome::kKept;
   std::optional<SwitchReason> reason;     // of the commanded switch
-  std::optional<double> reward;           // absent where the window taught nothing
-  std::vector<double> draws;              // one per arm; empty where none was drawn
+  std::optional<double> reward;           // absent if there was no window to learn from
+  std::vector<double> draws;              // one per arm; empty if nothing was drawn
   std::vector<BetaPosterior> posteriors;  // after the update
-  std::string context;                    // bucket of the scene's descriptors; empty: none
-  std::optional<GateTerms> gate;          // absent where the policy has no gate
+  std::string context;                    // bucket of the scene descriptors; empty if there is none
+  std::optional<GateTerms> gate;          // absent if the policy has no gate
   double propensity = 1;                  // probability with which the policy draws this candidate
   Diagnosis diagnosis;
 };
 
-// Frames and bail-outs by what became of them, since the session began.
+// Counts of frames and bail-outs since the session began, by what became of them.
 struct SessionCounts {
-  uint64_t measured_frame_count = 0;    // in a window
-  uint64_t settling_frame_count = 0;    // left out: settling or warming up
-  uint64_t suspended_frame_count = 0;   // left out: paused or loading
-  uint64_t over_limit_frame_count = 0;  // left out: over the bail-out limit
-  uint64_t other_epoch_frame_count =
-      0;  // left out: of an earlier switch epoch or of an arm that is not active in it
-  uint64_t rebuild_frame_count = 0;  // of the measured and settling ones, those that rebuilt
-  uint64_t rebuild_detection_time_ns =
-      0;  // what these cost; stays at the largest value rather than wrap
+  uint64_t measured_frame_count = 0;  // in a window
+  // The next four counts are of frames that no window contains.
+  uint64_t settling_frame_count = 0;    // settling or warming up
+  uint64_t suspended_frame_count = 0;   // paused or loading
+  uint64_t over_limit_frame_count = 0;  // over the bail-out limit
+  // Of an earlier switch epoch, or of an arm that is not active in its epoch.
+  uint64_t other_epoch_frame_count = 0;
+  uint64_t rebuild_frame_count = 0;  // measured and settling frames that rebuilt
+  // Detection time of these rebuild frames. It saturates at the maximum instead of wrapping.
+  uint64_t rebuild_detection_time_ns = 0;
   uint64_t charged_bail_out_count = 0;  // blamed on an arm
   uint64_t excused_bail_out_count = 0;  // recorded, not blamed
 };
 
-// The run since the exploration ended: the paper's active time and post-exploration switches
-// (§6.2).
+// The run since the exploration ended, in the paper's terms: active time and post-exploration
+// switches (§6.2).
 class ObservationSummary {
  public:
-  std::optional<int64_t> start_ns;  // absent: the exploration goes on
-  std::vector<uint64_t> active_ns;  // per arm
-  std::array<uint64_t, 5>
-      switch_counts{};  // executed, by the value of SwitchReason; 0: any other value
+  std::optional<int64_t> start_ns;  // absent while the exploration goes on
+  std::vector<uint64_t> active_ns;  // one per arm
+  // Executed switches by the value of SwitchReason; index 0 counts every other value.
+  std::array<uint64_t, 5> switch_counts{};
 
   uint64_t& switch_count(SwitchReason reason) { return switch_counts[Index(reason)]; }
   uint64_t switch_count(SwitchReason reason) const { return switch_counts[Index(reason)]; }

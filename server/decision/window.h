@@ -1,8 +1,8 @@
 // The frames since the last decision tick in one switch epoch, and what they cost on average (paper
 // §4).
 //
-// Plain sums in double: no input overflows them, and the order of the frames is the only order
-// there is.
+// The sums are doubles, so that no input overflows them. They are added in the order of the frames,
+// so that the result has the same bits everywhere.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,22 @@
 
 namespace sweepstake::decision {
 
-// A window in the reward's terms.
+// The metrics of a window that a reward is computed from.
 struct WindowMetrics {
-  double fps = 0;           // frames ÷ unscaled time; infinite where the frames took no time
-  double detection_ms = 0;  // mean per frame: update and search
+  double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
+  double detection_ms = 0;  // mean of update and search per frame
   double native_mib = 0;    // peak
-  double check_ratio =
-      0;  // checks ÷ n(n−1)/2, both summed over the frames; 0 and 1 where there is no pair at all
+  // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
+  // checked, else 1.
+  double check_ratio = 0;
   bool IsFinite() const;
 };
 
 class Window {
  public:
-  // A frame with kFrameRebuild counts in everything but the detection mean, which is that of the
-  // arm's ordinary frames. Where every frame of the window rebuilt (the object count changes all
-  // the time), rebuilding is what the arm costs, and the mean is over all of them.
+  // A frame with kFrameRebuild counts in every metric except the detection mean, which is that of
+  // the arm's ordinary frames. If every frame of the window rebuilt because the object count
+  // changes all the time, rebuilding is what the arm costs, and the mean is over all frames.
   void Add(const Frame& frame);
   void Clear() { *this = Window(); }
 
@@ -35,7 +36,7 @@ class Window {
   // REQUIRES: !empty().
   WindowMetrics Metrics() const;
 
-  // References to every member of a Window or const Window, for the audit log.
+  // Returns references to every member of a Window or const Window, for the audit log.
   template <typename Self>
   static auto Fields(Self& window) {
     auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, rebuild_detection_ns,
@@ -46,12 +47,12 @@ class Window {
 
  private:
   uint64_t frame_count_ = 0;
-  uint64_t ordinary_frame_count_ = 0;  // without those that rebuilt
+  uint64_t ordinary_frame_count_ = 0;  // frames that did not rebuild
   double time_ns_ = 0;
   double ordinary_detection_ns_ = 0;
   double rebuild_detection_ns_ = 0;
   double check_count_ = 0;
-  double pair_count_ = 0;  // of all objects with each other
+  double pair_count_ = 0;  // n(n−1)/2, summed over the frames
   uint64_t peak_bytes_ = 0;
 };
 

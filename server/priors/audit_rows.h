@@ -1,4 +1,4 @@
-// A session's audit log as it is stored: rows of text, in segments (server/decision/audit_log.h).
+// A session's audit log as it is stored: rows of text, in segments (server/audit/audit_log.h).
 // Plain values.
 #pragma once
 

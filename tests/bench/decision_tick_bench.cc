@@ -12,8 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "server/decision/decision_session.h"
+#include "server/audit/audit_log.h"
 #include "server/decision/math/random.h"
+#include "server/decision/session/decision_session.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -41,7 +42,7 @@ class Game {
   // Without a sink there is no audit log.
   Game(const std::string& policy, uint32_t arm_count, AuditSink* sink)
       : session_(Setup(policy, arm_count)) {
-    if (sink != nullptr) session_.StartAudit(*sink, {});
+    if (sink != nullptr) StartAudit(session_, *sink, {});
   }
 
   // Sorted, in microseconds.

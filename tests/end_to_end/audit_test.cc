@@ -2,7 +2,7 @@
 // disk, also where the daemon was killed.
 #include <gtest/gtest.h>
 
-#include "server/decision/audit_rederive.h"
+#include "server/audit/rederive.h"
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/end_to_end/store_reader.h"
 #include "tests/support/daemon_process.h"

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "server/decision/audit_log.h"
+#include "server/audit/audit_log.h"
 #include "server/storage/sqlite_prior_store.h"
 
 namespace sweepstake::test_support {

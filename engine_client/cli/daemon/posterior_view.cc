@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine_client/cli/io/text_table.h"
-#include "server/decision/diagnosis.h"
+#include "server/decision/policy/diagnosis.h"
 
 namespace sweepstake::cli {
 namespace {

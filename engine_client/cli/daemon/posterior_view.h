@@ -16,7 +16,7 @@ std::string IntervalBar(double mean, decision::CredibleInterval interval, int wi
 
 // A heading and a table with a line per arm: the mean, the central 95 % of the posterior, the
 // probability to be the best arm. The verdict comes from the evidence of all sessions together
-// (diagnosis.h) and compares only the newest version of each arm's backend.
+// (server/decision/policy/diagnosis.h) and compares only the newest version of each arm's backend.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 

@@ -7,7 +7,7 @@
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/csv_file.h"
 #include "engine_client/cli/io/text_table.h"
-#include "server/decision/audit_names.h"
+#include "server/audit/cell_text.h"
 
 namespace sweepstake::cli {
 namespace {

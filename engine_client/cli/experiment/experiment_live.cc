@@ -11,7 +11,7 @@
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "server/decision/options.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {

@@ -9,7 +9,7 @@
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/paper/paper_tables.h"
 #include "server/decision/math/hash.h"
-#include "server/decision/options.h"
+#include "server/decision/session/session_setup.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {

@@ -8,23 +8,18 @@
 
 #include "engine_client/cli/replay/replay_study.h"
 #include "server/decision/options.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {
 
 constexpr double kNormal95 = 1.96;
 
-// AI Decides without one of its parts: no baseline, and a matter of `sweepstake replay`.
-bool IsAblation(std::string_view policy) {
-  return policy.find("-without-") != std::string_view::npos;
-}
-
 // AI Decides, its baselines, each arm alone, and who knows everything.
 std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
   std::vector<std::string> words;
   for (const std::string_view policy : decision::PolicyNames()) {
-    if (policy != "default" && !IsAblation(policy)) words.emplace_back(policy);
+    if (policy != "default") words.emplace_back(policy);
   }
   words.insert(words.end(), {"fixed", "oracle"});
   return *ReplayPlayers(words, arms);

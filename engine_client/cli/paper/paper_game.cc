@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "server/decision/decision_session.h"
 #include "server/decision/math/random.h"
+#include "server/decision/session/decision_session.h"
 
 namespace sweepstake::cli {
 namespace {

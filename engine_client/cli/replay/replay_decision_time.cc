@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/decision/decision_session.h"
 #include "server/decision/math/random.h"
+#include "server/decision/session/decision_session.h"
+#include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -57,7 +58,7 @@ double ThreadMs() {
 }
 
 double RoundP99Ms(const std::string& policy, uint32_t arm_count) {
-  decision::DecisionSession session(SetupOf(policy, arm_count));
+  decision::DecisionSession session(SetupOf(policy, arm_count), decision::StudyPolicies());
   RandomStream random(1, RandomPurpose::kChoice, 0, 0);
   uint32_t epoch = 0;
   std::vector<double> times_ms;

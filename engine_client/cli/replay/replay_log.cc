@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/io/json_output.h"
-#include "server/decision/audit_rederive.h"
+#include "server/audit/rederive.h"
+#include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -69,7 +70,7 @@ void PrintReport(const AuditReport& report, std::ostream& out) {
 int ReplayLog(const std::string& file, bool json, Terminal& terminal) {
   const auto text = ReadLog(file);
   if (!text.ok()) return Fail(terminal, text.status());
-  const AuditReport report = decision::Rederive(*text);
+  const AuditReport report = decision::Rederive(*text, decision::StudyPolicies());
   if (!report.difference && report.decision_count == 0) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
                                  file + " holds no decisions; `sweepstake audit list` says which "

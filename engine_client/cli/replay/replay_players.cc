@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "server/decision/options.h"
+#include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -32,7 +32,8 @@ Result<ReplayPlayer> FixedPlayer(const std::string& word, std::span<const std::s
 
 Status CheckPolicy(const std::string& word) {
   std::vector<std::string> names;
-  for (const std::string_view name : decision::PolicyNames()) names.emplace_back(name);
+  for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies()))
+    names.emplace_back(name);
   if (IndexOf(word, names)) return {};
   return {StatusCode::kInvalidArgument, "there is no policy '" + word + "'; use " + Joined(names) +
                                             ", all, fixed, fixed:ARM, oracle"};
@@ -45,7 +46,7 @@ Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> wor
   std::vector<ReplayPlayer> players;
   for (const std::string& word : words) {
     if (word == "all") {
-      for (const std::string_view name : decision::PolicyNames()) {
+      for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies())) {
         if (name != "default") players.push_back({.name = std::string(name)});
       }
     } else if (word == "fixed") {

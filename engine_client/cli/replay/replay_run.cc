@@ -7,7 +7,7 @@
 
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/cli/replay/replay_lane.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -79,10 +79,10 @@ class Game {
 Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
     : scene_(scene),
       setup_(setup),
-      session_(SetupOf(scene, setup)),
+      session_(SetupOf(scene, setup), decision::StudyPolicies()),
       meter_(static_cast<uint64_t>(setup.options.settling_ns)),
       arm_(session_.active_arm()) {
-  const bool learns_from_lane = decision::PolicyKindOf(setup.options.policy).uses_shadow;
+  const bool learns_from_lane = session_.policy_kind().uses_shadow;
   if (setup.shadow_lane.value_or(learns_from_lane)) lane_.emplace(scene, setup.shadow);
   result_.active_ns.resize(scene.arm_count());
   result_.first_active_ns.resize(scene.arm_count());

@@ -22,7 +22,7 @@
 
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/replay/replay_scene.h"
-#include "server/decision/decision_session.h"
+#include "server/decision/session/decision_session.h"
 
 namespace sweepstake::cli {
 

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "engine_client/cli/trace/cost_trace.h"
-#include "server/decision/decision_session.h"
+#include "server/decision/session/decision_session.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {

@@ -8,7 +8,6 @@
 
 #include "server/decision/math/portable_math.h"
 #include "server/decision/math/random.h"
-#include "server/decision/policy/choice.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -17,20 +16,20 @@ constexpr int kSize = LinTsPolicy::kFeatureCount;
 using Vector = Eigen::Matrix<double, kSize, 1>;
 using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
-constexpr double kLeastEvidence = 1e-6;  // the inverse stays finite, whatever the priors
+constexpr double kMinEvidence = 1e-6;  // keeps the inverse finite, whatever the priors
 
-// Written so that NaN is 0.
+// NaN gives 0, because it fails the comparison.
 double Positive(const std::optional<double>& value) {
   return value && *value > 0 ? std::min(*value, 1e300) : 0;
 }
 
-// 0 … ∞ to 0 … 1, ½ at 1: what is 1 of these descriptors is neither small nor large.
+// Maps 0 … ∞ to 0 … 1 and 1, a medium value of these descriptors, to ½.
 double Squashed(const std::optional<double>& value) {
   const double positive = Positive(value);
   return positive / (1 + positive);
 }
 
-// A million objects are 1.
+// Maps a million objects to 1.
 double LogCount(const std::optional<double>& count) {
   return std::min(1.0, math::Log(1 + Positive(count)) / math::Log(1e6));
 }
@@ -52,7 +51,7 @@ LinTsPolicy::LinTsPolicy(const PolicySetup& setup)
     : RewardPolicy(setup), models_(setup.arms.size()), features_(FeaturesOf({})) {
   for (size_t arm = 0; arm < models_.size(); ++arm) {
     const BetaPosterior& prior = setup.priors[arm];
-    const double evidence = std::max(prior.evidence(), kLeastEvidence);
+    const double evidence = std::max(prior.evidence(), kMinEvidence);
     Matrix precision = Matrix::Identity();
     precision(0, 0) = evidence;
     Eigen::Map<Matrix>(models_[arm].precision.data()) = precision;
@@ -60,10 +59,10 @@ LinTsPolicy::LinTsPolicy(const PolicySetup& setup)
   }
 }
 
-std::optional<Lesson> LinTsPolicy::LearnWindow(const WindowObservation& observation) {
-  const std::optional<Lesson> lesson = RewardPolicy::LearnWindow(observation);
-  if (lesson) Observe(lesson->increment);
-  return lesson;
+std::optional<WindowUpdate> LinTsPolicy::LearnWindow(const WindowObservation& observation) {
+  const std::optional<WindowUpdate> update = RewardPolicy::LearnWindow(observation);
+  if (update) Observe(update->increment);
+  return update;
 }
 
 Increment LinTsPolicy::LearnBailOut(uint32_t arm) {
@@ -76,7 +75,7 @@ void LinTsPolicy::LearnDescriptor(const SceneDescriptor& descriptor, int64_t /*n
   features_ = FeaturesOf(descriptor);
 }
 
-// α + β observations of the scene as it is, whose rewards sum to α.
+// Adds α + β observations of the current scene, whose rewards sum to α.
 void LinTsPolicy::Observe(const Increment& increment) {
   const Eigen::Map<const Vector> x(features_.data());
   Model& model = models_[increment.arm];

@@ -1,20 +1,21 @@
-// Linear Thompson sampling on what the scene looks like (`lin-ts`; S. Agrawal, N. Goyal, "Thompson
+// Linear Thompson sampling on the scene's descriptor (`lin-ts`; S. Agrawal, N. Goyal, "Thompson
 // sampling for contextual bandits with linear payoffs", ICML 2013; one model per arm, as in L. Li
-// et al., WWW 2010): an arm's reward is xᵀθ of the scene's features x (lin_ts_policy.cc), with
-// B = Σxxᵀ, f = Σxr and θ ~ N(B⁻¹f, v²B⁻¹). At every tick xᵀθ is drawn for each arm from
-// N(xᵀB⁻¹f, v² xᵀB⁻¹x); the highest is the candidate.
+// et al., WWW 2010). An arm's reward is xᵀθ of the scene's features x, with B = Σxxᵀ, f = Σxr and
+// θ ~ N(B⁻¹f, v²B⁻¹). At every tick xᵀθ is drawn for each arm from N(xᵀB⁻¹f, v² xᵀB⁻¹x); the arm
+// with the highest draw is the candidate.
 //
-// v = 0.1, a tenth of the reward's range. The arm's Beta prior enters as α+β observations of the
-// constant feature with mean μ, the other coefficients with the unit prior of the paper. A bail-out
-// is as many observations of reward 0. Features that are not measured are 0; until the first
-// descriptor only the constant is there. Cost: one 8 × 8 Cholesky factorization per arm and choice,
-// below 1 µs each; the same bits on every platform (Eigen without vectorization).
+// v = 0.1, a tenth of the reward's range. The arm's Beta prior counts as α+β observations of the
+// constant feature with mean μ; the other coefficients have the unit prior of that paper. A
+// bail-out counts as its penalty's number of observations of reward 0. Features that are not
+// measured are 0; before the first descriptor only the constant is not. Each choice takes one 8 × 8
+// Cholesky factorization per arm. The results have the same bits on every platform (Eigen without
+// vectorization).
 #pragma once
 
 #include <array>
 #include <vector>
 
-#include "server/decision/policy/reward_policy.h"
+#include "server/decision/policy/paper_policy.h"
 
 namespace sweepstake::decision {
 
@@ -24,12 +25,12 @@ class LinTsPolicy : public RewardPolicy {
   static constexpr double kSpread = 0.1;  // v
   using Features = std::array<double, kFeatureCount>;
 
-  // Each in [0, 1], whatever the descriptor says.
+  // Returns features in [0, 1], for every descriptor.
   static Features FeaturesOf(const SceneDescriptor& descriptor);
 
   explicit LinTsPolicy(const PolicySetup& setup);
 
-  std::optional<Lesson> LearnWindow(const WindowObservation& observation) override;
+  std::optional<WindowUpdate> LearnWindow(const WindowObservation& observation) override;
   Increment LearnBailOut(uint32_t arm) override;
   void LearnDescriptor(const SceneDescriptor& descriptor, int64_t now_ns) override;
   Choice Choose(const ChoiceInput& input) const override;
@@ -41,7 +42,7 @@ class LinTsPolicy : public RewardPolicy {
   };
 
   void Observe(const Increment& increment);
-  // Of the reward in the scene as it is.
+  // About the reward in the current scene.
   struct Belief {
     double mean = 0;
     double variance = 0;  // without v²

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/decision/diagnosis.h"
 #include "server/decision/math/normal_distribution.h"
+#include "server/decision/policy/diagnosis.h"
 #include "server/decision/policy/log_cost.h"
 #include "server/decision/policy/posterior_update.h"
 
@@ -14,24 +14,24 @@ namespace {
 constexpr double Square(double x) { return x * x; }
 
 // Priors.
-constexpr double kFlatEvidence = 2.5;  // Beta(1,1) and hardly more
-constexpr double kPriorVariance = Square(0.15);
-constexpr double kUnknownDeviation = 0.8;
-constexpr double kFlatShare = 0.2;
-constexpr double kContradiction = 0.3;  // an arm 35 % dearer than expected to be the best is not it
-// The safe set.
+constexpr double kFlatEvidence = 2.5;            // a prior below this says nothing (Beta(1,1) is 2)
+constexpr double kPriorVariance = Square(0.15);  // minimum of a prior's log-cost
+constexpr double kUnknownDeviation = 0.8;        // of an unknown arm's log-cost
+constexpr double kFlatShare = 0.2;               // of the belief that ignores the prior
+constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
+// The safety limit.
 constexpr double kUnsafeShare = 0.6;         // of the bail-out limit
-constexpr double kUnsafeDeviations = 2.326;  // P = 1 %
+constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
 // The gate.
 constexpr double kHorizonCooldowns = 5;
-constexpr double kTie = 0.005;
+constexpr double kTie = 0.005;            // a smaller expected gain does not matter
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
-constexpr double kFirstCostShare = 0.05;  // of the settling time
-constexpr double kCostRate = 0.3;
-constexpr uint64_t kShareWindows = 10;
-// The clock. A pause is not drift.
-constexpr double kLongestAdvance = 30;  // decision intervals
-// Without a lane by then, arms are tried live.
+constexpr double kFirstCostShare = 0.05;  // of the settling time, before a switch was measured
+constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
+constexpr uint64_t kShareWindows = 10;    // memory of detection's share of the frame time
+// The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
+constexpr double kMaxAdvance = 30;
+// If the lane has not reported after this many windows, arms are tried live.
 constexpr uint64_t kPatienceWindows = 2;
 
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -42,20 +42,20 @@ bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidenc
 
 }  // namespace
 
-AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveLevers& levers)
+AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components)
     : options_(setup.options),
-      levers_(levers),
-      filter_(static_cast<uint32_t>(setup.arms.size()), levers.filter),
+      components_(components),
+      filter_(static_cast<uint32_t>(setup.arms.size()), components.filter),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
       posteriors_(setup.arms.size()),
       switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
-  if (setup.has_priors) TakePriors(setup.priors);
-  ShowBeliefs();
+  if (setup.has_priors) SetPriors(setup.priors);
+  UpdatePosteriors();
 }
 
-// An arm without a prior is taken for an average one.
-void AdaptivePolicy::TakePriors(const std::vector<BetaPosterior>& priors) {
+// An arm without a prior gets the mean of the others.
+void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
   double sum = 0;
   double count = 0;
   for (const BetaPosterior& prior : priors) {
@@ -73,6 +73,8 @@ void AdaptivePolicy::TakePriors(const std::vector<BetaPosterior>& priors) {
   }
 }
 
+// Compares the arm that the priors expect to be the cheapest with the cheapest one of the lane's
+// first visits.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
   const ShadowSample* expected = nullptr;
   const ShadowSample* cheapest = nullptr;
@@ -86,7 +88,7 @@ void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> sample
   const double excess =
       LogCostOfNs(expected->detection_time_ns) - LogCostOfNs(cheapest->detection_time_ns);
   if (excess < kContradiction) return;
-  filter_ = RelativeCostFilter(filter_.arm_count(), levers_.filter);
+  filter_ = RelativeCostFilter(filter_.arm_count(), components_.filter);
   std::fill(has_prior_.begin(), has_prior_.end(), false);
 }
 
@@ -94,13 +96,13 @@ void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
   if (last_advance_ns_ && now_ns > *last_advance_ns_) {
     const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
     const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
-    filter_.Advance(std::min(intervals, kLongestAdvance));
+    filter_.Advance(std::min(intervals, kMaxAdvance));
   }
   last_advance_ns_ = now_ns;
 }
 
 void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) {
-  if (!levers_.shadow) return;
+  if (!components_.shadow) return;
   if (!last_shadow_ns_) DropContradictedPriors(samples);
   last_shadow_ns_ = now_ns;
   AdvanceTo(now_ns);
@@ -109,10 +111,10 @@ void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t 
                           LogCostOfNs(sample.detection_time_ns));
     observed_[sample.arm] = true;
   }
-  ShowBeliefs();
+  UpdatePosteriors();
 }
 
-std::optional<Lesson> AdaptivePolicy::LearnWindow(const WindowObservation& observation) {
+std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation& observation) {
   const WindowMetrics metrics = observation.window.Metrics();
   if (!metrics.IsFinite()) return std::nullopt;
   AdvanceTo(observation.now_ns);
@@ -123,16 +125,16 @@ std::optional<Lesson> AdaptivePolicy::LearnWindow(const WindowObservation& obser
   const double share = std::clamp(metrics.detection_ms * metrics.fps * 1e-3, 1e-4, 1.0);
   const auto windows = static_cast<double>(std::min(window_count_, kShareWindows));
   detection_share_ += (share - detection_share_) / windows;
-  ShowBeliefs();
+  UpdatePosteriors();
   const double reward = RewardOf(log_cost);
-  return Lesson{.increment = LogCostIncrement(observation.arm, reward, filter_.live_noise()),
-                .reward = reward};
+  return WindowUpdate{.increment = LogCostIncrement(observation.arm, reward, filter_.live_noise()),
+                      .reward = reward};
 }
 
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
   filter_.Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
   observed_[arm] = true;
-  ShowBeliefs();
+  UpdatePosteriors();
   return BailOutIncrement(arm, options_.bail_out_penalty);
 }
 
@@ -140,15 +142,15 @@ void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
   const double cost_s =
       (static_cast<double>(cost.rebuild_time_ns) + static_cast<double>(cost.settling_cost_ns)) *
       1e-9;
-  const double most_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
-  switch_cost_s_ += kCostRate * (std::min(cost_s, most_s) - switch_cost_s_);
+  const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
+  switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
 
 std::optional<int64_t> AdaptivePolicy::cooldown_ns() const {
-  if (!levers_.short_cooldown) return std::nullopt;
-  const int64_t least_ns = options_.settling_ns + options_.decision_interval_ns;
+  if (!components_.short_cooldown) return std::nullopt;
+  const int64_t min_ns = options_.settling_ns + options_.decision_interval_ns;
   const auto earned_ns = static_cast<int64_t>(kCostsPerCooldown * switch_cost_s_ * 1e9);
-  return std::min(std::max(least_ns, earned_ns), options_.cooldown_ns);
+  return std::min(std::max(min_ns, earned_ns), options_.cooldown_ns);
 }
 
 bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
@@ -156,14 +158,16 @@ bool AdaptivePolicy::LaneReports(int64_t now_ns) const {
          Seconds(now_ns) - Seconds(*last_shadow_ns_) <= Seconds(options_.cooldown_ns);
 }
 
-// Whether enough is known of the arm, or nobody will tell more.
-bool AdaptivePolicy::IsOpen(uint32_t arm, int64_t now_ns) const {
+// Returns whether the arm may be chosen: it was observed, it has a prior, or the lane will not
+// measure it.
+bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
   if (observed_[arm] || has_prior_[arm]) return true;
   return !LaneReports(now_ns) && window_count_ >= kPatienceWindows;
 }
 
-// Without a lane an arm never seen is as safe as the active one where it is believed to cost no
-// more: its width alone would keep the game on a slow arm for ever.
+// Returns whether the arm stays below the safety limit. Without the lane, an arm never seen counts
+// as safe if it is believed to cost no more than the active one; otherwise the width of its belief
+// alone would keep the game on a slow arm for ever.
 bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
   const NormalBelief cost = filter_.LogCost(arm);
   const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
@@ -173,6 +177,7 @@ bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
 }
 
 AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t candidate) const {
+  // Expected gain and loss of the switch.
   const NormalBelief difference = filter_.Difference(active, candidate);
   const double deviation = std::sqrt(difference.variance);
   Assessment result{.arm = candidate};
@@ -181,16 +186,17 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
   terms.loss = ExpectedGain(-difference.mean, deviation);
   terms.horizon_s = kHorizonCooldowns * Seconds(options_.cooldown_ns);
   if (!observed_[candidate]) {
-    // What it may be worth if nothing that is believed of it is true.
+    // Part of the belief about an unobserved arm ignores what is assumed of it.
     const double flat = ExpectedGain(0, kUnknownDeviation);
     const double share = has_prior_[candidate] ? kFlatShare : 1;
     terms.gain += share * (flat - terms.gain);
     terms.loss += share * (flat - terms.loss);
   }
+  // The gate: gain over the horizon against loss over the cooldown and the cost of the switch.
   terms.cooldown_s = Seconds(cooldown_ns().value_or(options_.cooldown_ns));
   terms.cost_s = switch_cost_s_ / detection_share_;
   result.worth_s = terms.horizon_s * terms.gain - terms.cooldown_s * terms.loss - terms.cost_s;
-  if (!levers_.gate) result.worth_s = terms.gain - terms.loss;
+  if (!components_.gate) result.worth_s = terms.gain - terms.loss;
   return result;
 }
 
@@ -199,7 +205,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
   std::optional<Assessment> best;
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
     if (arm == input.active_arm) continue;
-    if (!input.bailed_out && (!IsOpen(arm, input.now_ns) || !IsSafe(arm, input))) continue;
+    if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
     const Assessment assessment = Assess(input.active_arm, arm);
     if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }
@@ -212,13 +218,13 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   const std::optional<Assessment> best = BestSwitch(input);
   if (!best) return choice;
   choice.gate = best->terms;
-  // Not knowing has no value where the lane finds out without a switch.
+  // While the lane reports, exploration has no value, since the lane explores without a switch.
   const bool better = best->terms.gain > best->terms.loss;
   const bool worthwhile = best->worth_s > 0 && (better || !LaneReports(input.now_ns));
-  // The one that is not worth it is a candidate only where it is better at all.
+  // An arm that does not pass the gate is still shown as the candidate if it is believed better.
   if (worthwhile || better) choice.candidate = best->arm;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;
-  if (worthwhile && levers_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
+  if (worthwhile && components_.gate && best->terms.gain < kTie) choice.hold = Outcome::kHeldTie;
   return choice;
 }
 
@@ -233,19 +239,20 @@ Diagnosis AdaptivePolicy::Diagnose() const {
   return DiagnoseCorrelatedLogCosts(means, covariance);
 }
 
-void AdaptivePolicy::ShowBeliefs() {
+// Shows the filter's beliefs as Beta posteriors.
+void AdaptivePolicy::UpdatePosteriors() {
   uint32_t leader = 0;
   for (uint32_t arm = 1; arm < filter_.arm_count(); ++arm) {
     if (filter_.LogCost(arm).mean < filter_.LogCost(leader).mean) leader = arm;
   }
-  // The leader's share of a difference's variance: half of the least.
-  double least = Square(kUnknownDeviation);
+  // Half of the smallest difference's variance is shown as the leader's.
+  double smallest = Square(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
-    if (arm != leader) least = std::min(least, filter_.Difference(arm, leader).variance);
+    if (arm != leader) smallest = std::min(smallest, filter_.Difference(arm, leader).variance);
   }
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
     const double variance =
-        arm == leader ? least / 2 : filter_.Difference(arm, leader).variance - least / 2;
+        arm == leader ? smallest / 2 : filter_.Difference(arm, leader).variance - smallest / 2;
     posteriors_[arm] = BetaOf({filter_.LogCost(arm).mean, variance});
   }
 }

@@ -1,23 +1,25 @@
-// The policy of "AI Decides": the arm that costs least, believed on what the shadow lane and the
-// live windows say, and switched to where that is worth it.
+// The policy of "AI Decides" (`adaptive`): it estimates every arm's cost from the shadow lane and
+// the live windows, and switches to a cheaper arm if the gain pays for the switch.
 //
-// - Costs are log_cost.h's (reward version 2), beliefs those of relative_cost_filter.h. Shown is a
-//   Beta distribution per arm, whose differences to the leader are as wide as the filter's.
+// - Costs are log-costs (log_cost.h, reward version 2), and beliefs are those of the filter in
+//   relative_cost_filter.h. They are shown as one Beta distribution per arm, such that the
+//   differences to the leader have the filter's variances.
 // - A switch must pass the gate of GateTerms, horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
-//   measured cost of switches, and E⁺ must be more than a tie's. The cooldown is as long as pays
-//   for the switches' cost, at least settling and one window, at most the options'.
+//   measured cost of switches, and E⁺ must be larger than a tie's. The cooldown is long enough to
+//   pay for the switches, at least settling and one window, at most that of the options.
 // - An arm that may exceed three fifths of the bail-out limit (3 s of 5) with a probability of 1 %
-//   is not switched to, unless the active one bailed out, or costs more than one never seen.
-// - While the shadow lane reports, only arms that were measured or have priors are switched to,
-//   and only where they are believed to be better: not knowing has no value there. Without it,
-//   that value (E⁺ of an arm never seen) tries every arm live.
-// - Priors are believed to 15 %, and for a fifth not at all, until an arm is observed; they are
-//   dropped where the lane's first visits put another arm well ahead of the one they do.
+//   is not chosen. Exceptions are a bail-out of the active arm and, without the lane, an arm never
+//   seen that is believed to cost no more than the active one.
+// - While the shadow lane reports, only arms that were measured or have priors are chosen, and only
+//   if they are believed to be better, since the lane explores without a switch. Without the lane,
+//   the value of exploration (E⁺ of an arm never seen) leads to every arm being tried live.
+// - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
+//   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
+//   cheaper than the one that the priors expect.
 //
-// Draws nothing: the same observations give the same choices whatever the seed. All constants that
-// are times are multiples of the options' intervals, so that a time scale changes none of it. Cost
-// of a session's tick with a sweep of all arms, p99 (tests/bench/decision_tick_bench.cc): 14 µs
-// with 7 arms, 110 µs with 32.
+// Nothing is drawn: the same observations give the same choices for every seed. All constants that
+// are times are multiples of the options' intervals, so that a time scale changes nothing.
+// tests/bench/decision_tick_bench.cc measures the cost of a tick.
 #pragma once
 
 #include <cstdint>
@@ -29,19 +31,25 @@
 
 namespace sweepstake::decision {
 
-// What the policy consists of, to be measured without.
-struct AdaptiveLevers {
-  FilterLevers filter{};
-  bool shadow = true;          // learns from the lane
-  bool gate = true;            // else any gain is worth a switch
-  bool short_cooldown = true;  // else the options'
+// The policy's components, which an ablation study can disable one by one (study/ablations.h).
+struct AdaptiveComponents {
+  FilterComponents filter{};
+  bool shadow = true;          // learns from the shadow lane
+  bool gate = true;            // false: any expected gain is enough for a switch
+  bool short_cooldown = true;  // false: the cooldown is that of the options
 };
 
 class AdaptivePolicy : public Policy {
  public:
-  explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveLevers& levers = {});
+  static constexpr PolicyKind kKind = {.name = "adaptive",
+                                       .reward_version = 2,
+                                       .explores = false,
+                                       .starts_from_priors = true,
+                                       .uses_shadow = true};
 
-  std::optional<Lesson> LearnWindow(const WindowObservation& observation) override;
+  explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components = {});
+
+  std::optional<WindowUpdate> LearnWindow(const WindowObservation& observation) override;
   Increment LearnBailOut(uint32_t arm) override;
   void LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) override;
   void LearnSwitchCost(uint32_t arm, const SwitchCost& cost) override;
@@ -56,21 +64,21 @@ class AdaptivePolicy : public Policy {
   struct Assessment {
     uint32_t arm = 0;
     GateTerms terms{};
-    double worth_s = 0;  // what the gate compares with 0
+    double worth_s = 0;  // the gate passes if this is above 0
   };
 
-  void TakePriors(const std::vector<BetaPosterior>& priors);
+  void SetPriors(const std::vector<BetaPosterior>& priors);
   void DropContradictedPriors(std::span<const ShadowSample> samples);
   void AdvanceTo(int64_t now_ns);
-  void ShowBeliefs();
+  void UpdatePosteriors();
   bool LaneReports(int64_t now_ns) const;
-  bool IsOpen(uint32_t arm, int64_t now_ns) const;
+  bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
   Assessment Assess(uint32_t active, uint32_t candidate) const;
   std::optional<Assessment> BestSwitch(const ChoiceInput& input) const;
 
   DecisionOptions options_;
-  AdaptiveLevers levers_;
+  AdaptiveComponents components_;
   RelativeCostFilter filter_;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // in this session, live or by the lane

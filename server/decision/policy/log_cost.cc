@@ -8,14 +8,14 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kLogStall = 0x1.ed992d88db147p+3;  // ln(5 s in µs)
-constexpr double kMostEvidence = 1e12;
-constexpr double kLeastSpread = 1e-6;  // of a shown mean from 0 and 1
+constexpr double kMaxEvidence = 1e12;
+constexpr double kMinDistance = 1e-6;  // of a mean from 0 and from 1
 
 }  // namespace
 
 double LogCostOf(double detection_us) {
   const double log_cost = math::Log(std::max(detection_us, 0.0));
-  return log_cost <= kMostLogCost ? std::max(log_cost, kLeastLogCost) : kMostLogCost;
+  return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
 }
 
 double RewardOf(double log_cost) { return std::clamp(1 - log_cost / kLogStall, 0.0, 1.0); }
@@ -24,12 +24,13 @@ double LogCostOfReward(double reward) { return (1 - reward) * kLogStall; }
 
 double EvidenceOf(double reward, double log_cost_variance) {
   const double variance = log_cost_variance / (kLogStall * kLogStall);
-  const double spread = reward * (1 - reward);
-  return spread < kMostEvidence * variance ? std::max(spread / variance, 1.0) : kMostEvidence;
+  const double bernoulli_variance = reward * (1 - reward);
+  return bernoulli_variance < kMaxEvidence * variance ? std::max(bernoulli_variance / variance, 1.0)
+                                                      : kMaxEvidence;
 }
 
 BetaPosterior BetaOf(const NormalBelief& log_cost) {
-  const double mean = std::clamp(RewardOf(log_cost.mean), kLeastSpread, 1 - kLeastSpread);
+  const double mean = std::clamp(RewardOf(log_cost.mean), kMinDistance, 1 - kMinDistance);
   const double evidence = EvidenceOf(mean, log_cost.variance);
   return {mean * evidence, (1 - mean) * evidence};
 }

@@ -1,35 +1,36 @@
-// Reward version 2: absolute, on the logarithm of the detection time alone, so that rewards of
-// different times and arms compare.
+// Reward version 2 depends on the logarithm of the detection time alone and is absolute, so that
+// rewards of different times and arms can be compared.
 //
-// A cost is y = ln(mean detection time in µs), its reward r = clamp(1 − y / ln(5 s in µs), 0, 1):
-// a stall of 5 s is 0, 1 µs is 1. A normal belief about y shows, and is stored, as the Beta
-// distribution with the same mean and variance of r. Pure functions; nothing is infinite or NaN.
+// A log-cost is y = ln(mean detection time in µs), and its reward is r = clamp(1 − y / ln(5 s in
+// µs), 0, 1): a stall of 5 s has reward 0, 1 µs has reward 1. A normal belief about y is shown and
+// stored as the Beta distribution with the same mean and variance of r. Pure functions; no result
+// is infinite or NaN.
 #pragma once
 
 #include "server/decision/types.h"
 
 namespace sweepstake::decision {
 
-inline constexpr double kLeastLogCost = -7;  // 1 ns
-inline constexpr double kMostLogCost = 23;   // some 3 hours
+inline constexpr double kMinLogCost = -7;  // 1 ns
+inline constexpr double kMaxLogCost = 23;  // some 3 hours
 
 struct NormalBelief {
   double mean = 0;
   double variance = 0;
 };
 
-// NaN is the most.
+// Returns the log-cost, clamped to kMinLogCost … kMaxLogCost; NaN gives the maximum.
 double LogCostOf(double detection_us);
 double RewardOf(double log_cost);
 double LogCostOfReward(double reward);
 
-// α + β of the Beta distribution with this mean whose reward varies as a log-cost of this variance
-// does; at least 1.
+// Returns α + β, at least 1, of the Beta distribution with the mean `reward` and the variance that
+// a log-cost of this variance gives a reward.
 double EvidenceOf(double reward, double log_cost_variance);
 BetaPosterior BetaOf(const NormalBelief& log_cost);
 NormalBelief BeliefOf(const BetaPosterior& posterior);
 
-// One window of this reward.
+// Returns the increment of one window with this reward (version 2's update rule).
 Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance);
 
 }  // namespace sweepstake::decision

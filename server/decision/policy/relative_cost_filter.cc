@@ -9,44 +9,47 @@ namespace {
 
 constexpr double Square(double x) { return x * x; }
 
-// Squares of standard deviations of logarithms: 0.01 is 1 %. Chosen on the traces of
-// tests/bench/tuning_scenes.txt; half or twice any of them changes little.
-constexpr double kFirstLevel = 7.6;               // 2 ms
-constexpr double kLevelVariance = Square(2);      // of a common level of which nothing is known
-constexpr double kUnknownVariance = Square(0.8);  // of an arm against the others
-constexpr double kLaneVariance = Square(0.3);     // of the lane against the frame thread
-constexpr double kBiasVariance = Square(0.04);    // of what the lane gets wrong of an arm
-constexpr double kAssumedVariance = Square(0.5);
-// Noises.
+// Variances are squares of standard deviations of logarithms: 0.01 is 1 %. They were chosen on the
+// traces of tests/bench/tuning_scenes.txt, where halving or doubling any of them changes little.
+constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
+constexpr double kLevelVariance = Square(2);      // of the unknown common level
+constexpr double kUnknownVariance = Square(0.8);  // of an arm relative to the others
+constexpr double kLaneVariance = Square(0.3);     // of the lane relative to the frame thread
+constexpr double kBiasVariance = Square(0.04);    // of the lane's bias for one arm
+constexpr double kAssumedVariance = Square(0.5);  // of a cost given by Assume
+// Noise variances.
 constexpr double kFirstNoise = Square(0.05);
-constexpr double kLeastNoise = Square(0.005);
-constexpr double kMostNoise = Square(0.5);
-// Drifts per interval.
+constexpr double kMinNoise = Square(0.005);
+constexpr double kMaxNoise = Square(0.5);
+// Drift variances per interval.
 constexpr double kBiasDrift = Square(0.003);
 constexpr double kFirstDrift = Square(0.005);
 constexpr double kFirstLevelDrift = Square(0.03);
 constexpr double kFirstLaneDrift = Square(0.01);
-constexpr double kLeastDrift = Square(0.001);
-constexpr double kMostDrift = Square(0.1);
+constexpr double kMinDrift = Square(0.001);
+constexpr double kMaxDrift = Square(0.1);
 
-constexpr double kSurprise = 3;  // standard deviations
-constexpr double kNoiseRate = 0.05;
-constexpr double kDriftRate = 0.1;
-constexpr double kMostProduct = 4;
-// Of a surprise in a live window of an arm that stays: that it is this arm's alone.
+constexpr double kOutlierDeviations = 3;
+constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
+constexpr double kDriftRate = 0.1;   // step size of the drift estimates
+constexpr double kMaxProduct = 4;    // of two normalised innovations
+// The share of a change in the active arm's live windows that may be this arm's alone.
 constexpr double kOwnShare = 0.3;
 
 double Clamped(double log_cost) {
-  return log_cost <= kMostLogCost ? std::max(log_cost, kLeastLogCost) : kMostLogCost;
+  return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
 }
 
-bool Agree(double a, double b) { return std::min(a, b) > kSurprise || std::max(a, b) < -kSurprise; }
+// Returns whether both normalised innovations are outliers on the same side.
+bool AreSameSideOutliers(double a, double b) {
+  return std::min(a, b) > kOutlierDeviations || std::max(a, b) < -kOutlierDeviations;
+}
 
 }  // namespace
 
-RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterLevers& levers)
+RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponents& components)
     : arm_count_(arm_count),
-      levers_(levers),
+      components_(components),
       mean_(Eigen::VectorXd::Zero(2 * arm_count + 1)),
       covariance_(Eigen::MatrixXd::Zero(2 * arm_count + 1, 2 * arm_count + 1)),
       live_noise_(kFirstNoise),
@@ -75,45 +78,48 @@ void RelativeCostFilter::Advance(double intervals) {
   covariance_.diagonal().segment(bias(0), arm_count_).array() += kBiasDrift * intervals;
 }
 
-// All arms' states from this one on move together.
+// Adds a variance that the states of all arms, from `first_state` on, have in common.
 void RelativeCostFilter::AddCommonVariance(uint32_t first_state, double variance) {
   auto block = covariance_.block(first_state, first_state, arm_count_, arm_count_);
-  if (levers_.common_mode) {
+  if (components_.common_mode) {
     block.array() += variance;
   } else {
     block.diagonal().array() += variance;
   }
 }
 
-// The noise that explains innovations of this size, as far as they are noise at all: where the
-// belief itself is wide they tell nothing of it.
-void RelativeCostFilter::FollowNoise(double& noise, double innovation, double variance) const {
-  if (!levers_.calibration) return;
-  const double excess = std::min(Square(innovation) / variance, Square(kSurprise)) - 1;
+// Moves a noise variance towards what explains innovations of this size. If the belief itself is
+// wide, they say little about the noise, and the step is small.
+void RelativeCostFilter::UpdateNoise(double& noise, double innovation, double variance) const {
+  if (!components_.calibration) return;
+  const double excess = std::min(Square(innovation) / variance, Square(kOutlierDeviations)) - 1;
   noise *= 1 + kNoiseRate * noise / variance * excess;
-  noise = std::clamp(noise, kLeastNoise, kMostNoise);
+  noise = std::clamp(noise, kMinNoise, kMaxNoise);
 }
 
-// `product`: of two successive normalised innovations. Where they agree, the belief lags behind.
-void RelativeCostFilter::FollowDrift(double& drift, double product) const {
-  if (!levers_.calibration) return;
-  drift *= 1 + kDriftRate * std::clamp(product, -kMostProduct, kMostProduct);
-  drift = std::clamp(drift, kLeastDrift, kMostDrift);
+// Moves a drift variance by the product of two successive normalised innovations. If these agree in
+// sign, the belief lags behind, and the drift is larger than estimated.
+void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
+  if (!components_.calibration) return;
+  drift *= 1 + kDriftRate * std::clamp(product, -kMaxProduct, kMaxProduct);
+  drift = std::clamp(drift, kMinDrift, kMaxDrift);
 }
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
+  // Innovation, and the drift that successive ones show.
   const double innovation = Clamped(log_cost) - mean_[arm];
   const bool stays = std::exchange(live_arm_, arm) == arm;
   const double variance = covariance_(arm, arm) + live_noise_;
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
-  if (stays) FollowDrift(level_drift_, normalised * last);
+  if (stays) UpdateDrift(level_drift_, normalised * last);
+  // An outlier widens the belief if it is a change, else it counts as noise. A change while the
+  // arm stays active may affect all arms; what a newly active arm shows is its own.
   double noise = live_noise_;
-  if (std::abs(normalised) > kSurprise) {
-    // What changes while an arm stays may change all of them; what another arm shows is its own.
+  if (std::abs(normalised) > kOutlierDeviations) {
     if (!stays) {
       covariance_(arm, arm) += Square(innovation);
-    } else if (Agree(last, normalised)) {
+    } else if (AreSameSideOutliers(last, normalised)) {
       AddCommonVariance(0, Square(innovation));
       covariance_(arm, arm) += kOwnShare * Square(innovation);
       last_live_ = 0;
@@ -121,7 +127,7 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
       noise = Square(innovation);
     }
   }
-  FollowNoise(live_noise_, innovation, variance);
+  UpdateNoise(live_noise_, innovation, variance);
   Update(covariance_.col(arm), innovation, covariance_(arm, arm) + noise);
 }
 
@@ -135,7 +141,7 @@ void RelativeCostFilter::BeginSweep(uint64_t sweep) {
   covariance_(offset(), offset()) = sweep_noise_;
 }
 
-// Of x_i + b_i + c, whose covariances with everything `column` holds.
+// Returns the variance of x_i + b_i + c, given its covariances with every state in `column`.
 double RelativeCostFilter::VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const {
   return column[arm] + column[bias(arm)] + column[offset()];
 }
@@ -148,47 +154,49 @@ void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_
   const double innovation = Clamped(log_cost) - mean_[arm] - mean_[bias(arm)] - mean_[offset()];
   const double variance = VisitVariance(column(), arm) + shadow_noise_;
   const bool is_reference = !std::exchange(reference_visited_, true);
-  const double noise = is_reference ? TakeReferenceVisit(innovation, variance)
-                                    : TakeVisit(arm, innovation, variance);
+  const double noise = is_reference ? NoiseOfReferenceVisit(innovation, variance)
+                                    : NoiseOfVisit(arm, innovation, variance);
   const Eigen::VectorXd widened = column();
   Update(widened, innovation, VisitVariance(widened, arm) + noise);
 }
 
-// Whatever a sweep's first visit shows, all arms may share. Returns the noise to take it with, as
-// does TakeVisit.
-double RelativeCostFilter::TakeReferenceVisit(double innovation, double variance) {
+// Learns from the innovation of a sweep's first visit, which all arms may share, and returns the
+// noise variance for its update.
+double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double variance) {
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_reference_, normalised);
-  FollowDrift(lane_drift_, normalised * last);
-  if (std::abs(normalised) > kSurprise) {
+  UpdateDrift(lane_drift_, normalised * last);
+  if (std::abs(normalised) > kOutlierDeviations) {
     AddCommonVariance(0, Square(innovation));
   } else {
-    FollowNoise(sweep_noise_, innovation, variance);
+    UpdateNoise(sweep_noise_, innovation, variance);
   }
   return shadow_noise_;
 }
 
-double RelativeCostFilter::TakeVisit(uint32_t arm, double innovation, double variance) {
+// Learns from the innovation of a later visit, which is this arm's own, and returns the noise
+// variance for its update.
+double RelativeCostFilter::NoiseOfVisit(uint32_t arm, double innovation, double variance) {
   const double normalised = innovation / std::sqrt(variance);
-  const bool surprises = std::abs(normalised) > kSurprise;
+  const bool is_outlier = std::abs(normalised) > kOutlierDeviations;
   const std::optional<double> last = std::exchange(last_visit_[arm], normalised);
-  if (last) FollowDrift(drift_, normalised * *last);
-  if (surprises && (!last || Agree(*last, normalised))) {
+  if (last) UpdateDrift(drift_, normalised * *last);
+  if (is_outlier && (!last || AreSameSideOutliers(*last, normalised))) {
     last_visit_[arm] = 0;
     covariance_(arm, arm) += Square(innovation);
     return shadow_noise_;
   }
-  const double noise = surprises ? Square(innovation) : shadow_noise_;
-  FollowNoise(shadow_noise_, innovation, variance);
+  const double noise = is_outlier ? Square(innovation) : shadow_noise_;
+  UpdateNoise(shadow_noise_, innovation, variance);
   return noise;
 }
 
-// `column`: covariances of what was observed with every state.
+// The Kalman update. `column` holds the covariances of the observed quantity with every state.
 void RelativeCostFilter::Update(const Eigen::VectorXd& column, double innovation, double variance) {
   const Eigen::VectorXd gain = column / variance;
   mean_ += gain * innovation;
   covariance_.noalias() -= column * gain.transpose();
-  mean_.head(arm_count_) = mean_.head(arm_count_).cwiseMax(kLeastLogCost).cwiseMin(kMostLogCost);
+  mean_.head(arm_count_) = mean_.head(arm_count_).cwiseMax(kMinLogCost).cwiseMin(kMaxLogCost);
   covariance_.diagonal() = covariance_.diagonal().cwiseMax(0);
 }
 

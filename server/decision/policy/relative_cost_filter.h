@@ -1,22 +1,23 @@
-// What each arm costs live, as one joint normal belief about the logarithms of all costs.
+// A Kalman filter that estimates what each arm costs live, as one joint normal belief about the
+// logarithms of all costs.
 //
-// A Kalman filter. Per arm i the state holds x_i, the log-cost on the frame thread, and b_i, by how
-// much the shadow lane reads higher than that; and one offset c of the sweep under way.
-//   live window of arm i:  x_i + noise
-//   shadow visit of arm i: x_i + b_i + c + noise
-// All x move together with the scene's load and apart by a drift of their own; so do the b, with
-// the lane's. A sweep says how arms compare, a live window how much there is of it, and both
-// together what the lane gets wrong.
+// For each arm i the state holds x_i, the log-cost on the frame thread, and b_i, the bias of the
+// shadow lane's measurements of this arm; in addition it holds one offset c of the current sweep.
+//   a live window of arm i measures  x_i + noise
+//   a shadow visit of arm i measures x_i + b_i + c + noise
+// All x_i share the drift of the scene's load and have a drift of their own besides; the b_i do so
+// with the lane's drift. A sweep thus compares the arms, a live window gives the level of the
+// costs, and both together the lane's biases.
 //
-// What is not known beforehand comes from the innovations: the noises from their size, the drifts
-// from the correlation of successive ones (R. Mehra, "On the identification of variances and
-// adaptive Kalman filtering", IEEE TAC 15, 1970). Two surprises in a row on the same side (over 3
-// standard deviations) are a change and widen the belief; a single one is an outlier and counts
-// little.
+// Noises and drifts are estimated from the innovations: noises from their size, drifts from the
+// correlation of successive ones (R. Mehra, "On the identification of variances and adaptive Kalman
+// filtering", IEEE TAC 15, 1970). Two successive innovations of more than 3 standard deviations on
+// the same side are a change and widen the belief; a single one is an outlier and has little
+// weight.
 //
 // Time is in decision intervals. Not thread-safe. Everything stays finite: log-costs are clamped to
-// kLeastLogCost … kMostLogCost, NaN is the most. Cost: O(n²) per observation, n arms, 40 µs for a
-// sweep of 32; memory O(n²).
+// kMinLogCost … kMaxLogCost, and NaN counts as the maximum. With n arms an observation takes O(n²)
+// time, and the memory is O(n²).
 #pragma once
 
 #include <Eigen/Core>
@@ -28,35 +29,35 @@
 
 namespace sweepstake::decision {
 
-// What the filter consists of, to be measured without.
-struct FilterLevers {
-  bool common_mode = true;  // arms, and what the lane gets wrong of them, move together
-  bool calibration = true;  // noises and drifts come from the data
+// The filter's components, which an ablation study can disable one by one.
+struct FilterComponents {
+  bool common_mode = true;  // the arms' costs, and the lane's biases, share a common drift
+  bool calibration = true;  // noises and drifts are estimated from the data
 };
 
 class RelativeCostFilter {
  public:
-  // Nothing known: costs of any level, apart by a factor of two or so.
-  explicit RelativeCostFilter(uint32_t arm_count, const FilterLevers& levers = {});
+  // Begins with costs of any level that differ by a factor of two or so.
+  explicit RelativeCostFilter(uint32_t arm_count, const FilterComponents& components = {});
 
-  // What is known of an arm's cost, up to a level common to all arms. To be called before anything
-  // is observed.
+  // Sets the prior of an arm's cost, up to a level common to all arms. REQUIRES: nothing was
+  // observed yet.
   void SetPrior(uint32_t arm, const NormalBelief& log_cost);
 
-  // Time passes. REQUIRES: intervals >= 0.
+  // Lets time pass. REQUIRES: intervals >= 0.
   void Advance(double intervals);
   void ObserveLive(uint32_t arm, double log_cost);
-  // `sweep` tells sweeps apart: visits that follow each other with the same one share its offset.
+  // Successive visits with the same `sweep` share that sweep's offset.
   void ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost);
-  // The arm costs this much from now on, whatever was known of it.
+  // Replaces whatever was known of the arm's cost by this value.
   void Assume(uint32_t arm, double log_cost);
 
   uint32_t arm_count() const { return arm_count_; }
   NormalBelief LogCost(uint32_t arm) const { return {mean_[arm], covariance_(arm, arm)}; }
   double Covariance(uint32_t a, uint32_t b) const { return covariance_(a, b); }
-  // Of x_a − x_b.
+  // The belief about x_a − x_b.
   NormalBelief Difference(uint32_t a, uint32_t b) const;
-  // Variances: of a live window's noise, and by which an arm drifts from the others in an interval.
+  // Variance of a live window's noise.
   double live_noise() const { return live_noise_; }
 
  private:
@@ -64,20 +65,20 @@ class RelativeCostFilter {
   uint32_t offset() const { return 2 * arm_count_; }
 
   void AddCommonVariance(uint32_t first_state, double variance);
-  void FollowNoise(double& noise, double innovation, double variance) const;
-  void FollowDrift(double& drift, double product) const;
+  void UpdateNoise(double& noise, double innovation, double variance) const;
+  void UpdateDrift(double& drift, double product) const;
   void BeginSweep(uint64_t sweep);
   double VisitVariance(const Eigen::VectorXd& column, uint32_t arm) const;
-  double TakeReferenceVisit(double innovation, double variance);
-  double TakeVisit(uint32_t arm, double innovation, double variance);
+  double NoiseOfReferenceVisit(double innovation, double variance);
+  double NoiseOfVisit(uint32_t arm, double innovation, double variance);
   void Update(const Eigen::VectorXd& column, double innovation, double variance);
 
   uint32_t arm_count_;
-  FilterLevers levers_;
+  FilterComponents components_;
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
 
-  // Variances, as they are estimated.
+  // Estimated variances.
   double live_noise_;
   double shadow_noise_;
   double sweep_noise_;
@@ -85,14 +86,15 @@ class RelativeCostFilter {
   double level_drift_;
   double lane_drift_;
 
-  // Normalised innovations of the latest observations of their kind.
+  // Normalised innovations of the latest live window, of the latest first visit of a sweep, and,
+  // per arm, of its latest other visit.
   double last_live_ = 0;
-  double last_reference_ = 0;                      // of a sweep's first visit
-  std::vector<std::optional<double>> last_visit_;  // per arm, of its other visits; absent: none yet
+  double last_reference_ = 0;
+  std::vector<std::optional<double>> last_visit_;
 
   std::optional<uint32_t> live_arm_;
   std::optional<uint64_t> sweep_;
-  bool reference_visited_ = false;  // in the sweep under way
+  bool reference_visited_ = false;  // in the current sweep
 };
 
 }  // namespace sweepstake::decision

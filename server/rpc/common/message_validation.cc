@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/decision/math/names.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 #include "server/rpc/common/options.h"
 
 namespace sweepstake::rpc {
@@ -63,7 +63,7 @@ absl::Status CheckNames(const v1::Hello& hello) {
 }
 
 absl::Status CheckPolicy(const std::string& policy) {
-  const std::span<const std::string_view> valid = decision::PolicyNames();
+  const auto valid = decision::PolicyNames();
   if (std::find(valid.begin(), valid.end(), policy) != valid.end()) return absl::OkStatus();
   return Invalid(math::UnknownName("policy", policy, valid));
 }

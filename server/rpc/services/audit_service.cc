@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "server/decision/audit_log.h"
+#include "server/audit/audit_log.h"
 #include "server/rpc/services/page_stream.h"
 
 namespace sweepstake::rpc {

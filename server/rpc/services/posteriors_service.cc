@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"

@@ -52,14 +52,15 @@ void GameSession::StartAudit() {
                        .unix_start_ms = now.count(),
                        .first_row = 1,
                        .rows = {}});
-  decisions_.StartAudit(*this, {.session_id = identity_.id,
-                                .segment = identity_.audit_segment,
-                                .project = scene.project,
-                                .scene = scene.scene,
-                                .machine_class = scene.machine_class,
-                                .program_version = context_.options.daemon_version,
-                                .backend_versions = identity_.backend_versions,
-                                .unix_start_ms = now.count()});
+  decision::StartAudit(decisions_, *this,
+                       {.session_id = identity_.id,
+                        .segment = identity_.audit_segment,
+                        .project = scene.project,
+                        .scene = scene.scene,
+                        .machine_class = scene.machine_class,
+                        .program_version = context_.options.daemon_version,
+                        .backend_versions = identity_.backend_versions,
+                        .unix_start_ms = now.count()});
 }
 
 void GameSession::Attach(SessionLink& link) {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/decision/decision_session.h"
+#include "server/decision/session/decision_session.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"

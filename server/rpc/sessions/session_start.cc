@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 #include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {

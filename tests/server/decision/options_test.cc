@@ -6,8 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "server/decision/decision_session.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/decision_session.h"
+#include "server/decision/session/policy_registry.h"
+#include "server/decision/study/ablations.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {
@@ -37,6 +38,26 @@ TEST(Options, UnknownPolicyListsTheValidOnes) {
   EXPECT_THAT(*Validate(options), HasSubstr("papre"));
   for (const std::string_view name : PolicyNames())
     EXPECT_THAT(*Validate(options), HasSubstr(std::string(name)));
+}
+
+TEST(Options, AnAblationIsUnknownOutsideTheLaboratory) {
+  size_t ablation_count = 0;
+  for (const PolicyEntry& entry : StudyPolicies()) {
+    if (!IsAblation(entry.kind.name)) continue;
+    ++ablation_count;
+    DecisionOptions options;
+    options.policy = entry.kind.name;
+    ASSERT_TRUE(Validate(options)) << entry.kind.name;
+    EXPECT_THAT(*Validate(options), HasSubstr("unknown policy"));
+    EXPECT_EQ(Validate(options, StudyPolicies()), std::nullopt);
+  }
+  EXPECT_EQ(ablation_count, 5u);
+}
+
+TEST(Options, TheLaboratoryKnowsEveryShippedPolicy) {
+  EXPECT_EQ(PolicyNames(StudyPolicies()).size(), PolicyNames().size() + 5);
+  for (const std::string_view name : PolicyNames())
+    EXPECT_NE(FindPolicy(name, StudyPolicies()), nullptr) << name;
 }
 
 TEST(Options, WeightsMustSumToOne) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/decision_session.h"
+#include "server/decision/session/decision_session.h"
 
 namespace sweepstake::decision {
 

@@ -1,5 +1,5 @@
 // The audit log of sessions over the stream: what is exported is derived again bit for bit.
-#include "server/decision/audit_rederive.h"
+#include "server/audit/rederive.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 

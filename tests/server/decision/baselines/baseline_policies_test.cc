@@ -7,12 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "server/decision/baselines/discounted_policy.h"
-#include "server/decision/baselines/epsilon_greedy_policy.h"
 #include "server/decision/baselines/lin_ts_policy.h"
-#include "server/decision/baselines/thresholds_policy.h"
+#include "server/decision/baselines/reward_baselines.h"
+#include "server/decision/baselines/thompson_baselines.h"
 #include "server/decision/math/random.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/policy_registry.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,4 +1,4 @@
-#include "server/decision/policy/choice.h"
+#include "server/decision/policy/policy.h"
 
 #include <gtest/gtest.h>
 

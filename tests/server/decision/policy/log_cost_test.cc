@@ -41,8 +41,8 @@ TEST(LogCost, AWindowCountsAsMuchAsItsNoiseWarrants) {
 TEST(LogCost, NothingIsInfiniteOrNaN) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double cost_us : {0.0, -1.0, 5e-324, 1e300, infinity, std::nan("")}) {
-    EXPECT_GE(LogCostOf(cost_us), kLeastLogCost);
-    EXPECT_LE(LogCostOf(cost_us), kMostLogCost);
+    EXPECT_GE(LogCostOf(cost_us), kMinLogCost);
+    EXPECT_LE(LogCostOf(cost_us), kMaxLogCost);
   }
   for (const double mean : {-100.0, 0.0, 100.0}) {
     for (const double variance : {0.0, 1e-300, 1e9}) {

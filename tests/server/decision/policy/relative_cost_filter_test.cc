@@ -147,8 +147,8 @@ TEST_F(FilterTest, AbsurdCostsAreClampedAndNothingGrowsWithoutBound) {
     filter.ObserveShadow(static_cast<uint32_t>(i) % kArms, static_cast<uint64_t>(i / 7), cost);
     filter.ObserveLive(static_cast<uint32_t>(i / 5) % kArms, cost);
     for (uint32_t arm = 0; arm < kArms; ++arm) {
-      ASSERT_GE(filter.LogCost(arm).mean, kLeastLogCost);
-      ASSERT_LE(filter.LogCost(arm).mean, kMostLogCost);
+      ASSERT_GE(filter.LogCost(arm).mean, kMinLogCost);
+      ASSERT_LE(filter.LogCost(arm).mean, kMaxLogCost);
       ASSERT_TRUE(filter.Difference(arm, 0).variance < 1e9);
     }
   }

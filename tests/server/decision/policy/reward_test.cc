@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "server/decision/policy/fps_reference.h"
-
 namespace sweepstake::decision {
 namespace {
 

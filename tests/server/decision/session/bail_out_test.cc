@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "server/decision/decision_session.h"
-#include "server/decision/exploration.h"
-#include "server/decision/safeguards.h"
+#include "server/decision/session/decision_session.h"
+#include "server/decision/session/run_phases.h"
+#include "server/decision/session/safeguards.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

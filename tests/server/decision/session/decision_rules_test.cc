@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "server/decision/decision_session.h"
 #include "server/decision/math/random.h"
+#include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,7 +1,7 @@
 // The verdict that takes the frame rate: the leader runs and misses the floor.
 #include <gtest/gtest.h>
 
-#include "server/decision/frame_rate_floor.h"
+#include "server/decision/session/safeguards.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -1,6 +1,6 @@
 // The initial exploration: every arm once in a seeded order, warm-up and measuring, nothing but
 // frame time.
-#include "server/decision/exploration.h"
+#include "server/decision/session/run_phases.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "server/decision/decision_session.h"
+#include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

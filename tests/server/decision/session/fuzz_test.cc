@@ -9,18 +9,25 @@
 #include <optional>
 #include <vector>
 
-#include "server/decision/decision_session.h"
 #include "server/decision/math/random.h"
-#include "server/decision/policy/policy.h"
+#include "server/decision/session/decision_session.h"
+#include "server/decision/study/ablations.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {
 namespace {
 
+std::string PolicyOfSeed(uint64_t seed) {
+  const auto names = PolicyNames(StudyPolicies());
+  return std::string(names[seed % names.size()]);
+}
+
 class Fuzzer {
  public:
   explicit Fuzzer(uint64_t seed)
-      : random_(seed, RandomPurpose::kChoice, 0, 0), setup_(MakeSetup(seed)), session_(setup_) {
+      : random_(seed, RandomPurpose::kChoice, 0, 0),
+        setup_(MakeSetup(seed)),
+        session_(setup_, StudyPolicies()) {
     now_ns_ = last_event_ns_ = setup_.start_ns;
     active_arm_ = setup_.active_arm;
     epoch_ = setup_.switch_epoch;
@@ -47,7 +54,7 @@ class Fuzzer {
     setup.switch_epoch = OneIn(3) ? ~0u - 3 : Below(5);
     setup.active_arm = Below(static_cast<uint32_t>(setup.arms.size()));
     setup.mode = OneIn(6) ? Mode::kManual : Mode::kAi;
-    setup.options.policy = PolicyNames()[seed % PolicyNames().size()];
+    setup.options.policy = PolicyOfSeed(seed);
     return setup;
   }
 
@@ -237,7 +244,7 @@ class Fuzzer {
   bool OwnCooldown() const {
     PolicySetup setup{.options = setup_.options, .arms = setup_.arms, .priors = {}};
     setup.priors.resize(setup.arms.size());
-    return MakePolicy(setup)->cooldown_ns().has_value();
+    return MakePolicy(setup, StudyPolicies())->cooldown_ns().has_value();
   }
 
   RandomStream random_;
@@ -255,8 +262,7 @@ class Fuzzer {
 
 TEST(Fuzz, InvariantsHoldUnderRandomCallSequences) {
   for (uint64_t seed = 1; seed <= 400 && !testing::Test::HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed) + ", policy " +
-                 std::string(PolicyNames()[seed % PolicyNames().size()]));
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", policy " + PolicyOfSeed(seed));
     Fuzzer(seed).Run(1'500);
   }
 }

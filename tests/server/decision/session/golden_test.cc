@@ -18,9 +18,9 @@
 #include <string>
 #include <string_view>
 
-#include "server/decision/decision_session.h"
 #include "server/decision/math/hash.h"
 #include "server/decision/math/random.h"
+#include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/decision/decision_session.h"
+#include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
 
 namespace sweepstake::decision {

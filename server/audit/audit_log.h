@@ -1,0 +1,161 @@
+// The audit log of a session has one row of CSV per decision and per event that decisions depend
+// on. Every decision can be derived again from it, bit for bit, on any platform (rederive.h).
+//
+// A log is UTF-8 text by RFC 4180 with the header line below. A segment is the life of one
+// DecisionSession: it begins with its `setup` row, and its rows are numbered from 1. Frames are not
+// logged one by one, since a game makes some 3 kB of them in a second. Instead, each event logs
+// what the frames before it amount to, the state of the arms' runs (decision/session/arm_runs.h). A
+// log may therefore lack its last rows, but no other ones.
+//
+// Numbers are the shortest decimal text that reads back as the same bits. The last cell,
+// `log_hash`, is a hash (FNV-1a, 64 bits) of the segment up to there, so that an edit is found even
+// if no decision depends on it. It protects against accidents, not against forgery.
+//
+// A row of 7 arms has some 1.0 kB, up to 2 kB with many shadow visits.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sweepstake::decision {
+
+class DecisionSession;
+
+// The columns in the order of the file. A cell that does not apply to its row is empty. Inputs come
+// first, so that everything derived depends only on cells to the left of it and above. The items of
+// a list are separated by spaces, and are in the order of the setup's arms if there is one per arm;
+// the members of an item are separated by colons.
+enum class AuditColumn : size_t {
+  kSession,
+  kSegment,
+  kRow,
+  kKind,            // setup, tick, bail-out, switch, refusal or mode
+  kTimeNs,          // of the decider's steady clock
+  kSetup,           // setup: key=value;… (cells.h)
+  kRuns,            // the arms' runs at the event (cells.h)
+  kFrame,           // bail-out: the members of Frame
+  kShadow,          // tick: list of ShadowSample's members
+  kDescriptor,      // tick: SceneDescriptor's members
+  kCommandId,       // refusal: refused; decision: commanded
+  kArm,             // switch, mode: active from now on; decision: commanded
+  kReason,          // of the switch or of the command
+  kSwitchEpoch,     // switch
+  kRebuildTimeNs,   // switch
+  kSettlingCostNs,  // switch
+  kMode,            // mode: manual or ai
+  kDecisionId,
+  kPolicy,
+  kVersionOfReward,
+  kProgramVersion,
+  kSeed,
+  kContext,
+  kActiveArm,
+  kCandidate,
+  kOutcome,
+  kReward,
+  kIncrementArm,
+  kIncrementAlpha,
+  kIncrementBeta,
+  kIncrementWindowCount,
+  kIncrementBailOutCount,
+  kAlpha,            // list, after the update
+  kBeta,             // list
+  kDraws,            // list
+  kBestProbability,  // list
+  kLeader,
+  kExpectedLossRatio,
+  kEntropy,
+  kVerdict,
+  kGain,         // E⁺
+  kLoss,         // E⁻
+  kHorizonS,     // H
+  kCooldownS,    // D
+  kSwitchCostS,  // C
+  kPropensity,
+  kLogHash,
+};
+
+inline constexpr std::array<std::string_view, static_cast<size_t>(AuditColumn::kLogHash) + 1>
+    kAuditColumnNames = {
+        "session",
+        "segment",
+        "row",
+        "kind",
+        "time_ns",
+        "setup",
+        "runs",
+        "frame",
+        "shadow",
+        "descriptor",
+        "command_id",
+        "arm",
+        "reason",
+        "switch_epoch",
+        "rebuild_time_ns",
+        "settling_cost_ns",
+        "mode",
+        "decision_id",
+        "policy",
+        "reward_version",
+        "program_version",
+        "seed",
+        "context",
+        "active_arm",
+        "candidate",
+        "outcome",
+        "reward",
+        "increment_arm",
+        "increment_alpha",
+        "increment_beta",
+        "increment_window_count",
+        "increment_bail_out_count",
+        "alpha",
+        "beta",
+        "draws",
+        "best_probability",
+        "leader",
+        "expected_loss_ratio",
+        "entropy",
+        "verdict",
+        "gain",
+        "loss",
+        "horizon_s",
+        "cooldown_s",
+        "switch_cost_s",
+        "propensity",
+        "log_hash",
+};
+
+// Returns the header line without its line end.
+std::string AuditHeader();
+
+// Where a segment comes from. This is for people; decisions do not depend on it.
+struct AuditOrigin {
+  std::string session_id;
+  uint32_t segment = 1;  // a session that goes on after a restart begins a new one
+  std::string project;
+  std::string scene;
+  std::string machine_class;
+  std::string program_version;
+  std::vector<uint32_t> backend_versions;  // per arm, or none
+  int64_t unix_start_ms = 0;               // wall clock; 0 if unknown
+};
+
+// Receives the rows as they are made.
+class AuditSink {
+ public:
+  virtual ~AuditSink() = default;
+  // The row has no line end and is valid during the call, which must not call the session back.
+  virtual void OnAuditRow(std::string_view row) = 0;
+};
+
+// From now on gives the sink a row per event and decision of the session, beginning with the
+// setup's row. Without this call a session makes no rows. The sink must outlive the session.
+// REQUIRES: the session has observed nothing yet.
+void StartAudit(DecisionSession& session, AuditSink& sink, AuditOrigin origin);
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,41 @@
+// CSV by RFC 4180, in memory. Not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sweepstake::decision {
+
+// Appends the cell, in quotes if it contains a comma, a quote or a line break.
+void AppendCsv(std::string& out, std::string_view cell);
+
+// Reads record by record. Lines end with LF or CR LF; the last line end may be missing.
+class CsvReader {
+ public:
+  // `text` must outlive the reader.
+  explicit CsvReader(std::string_view text) : text_(text) {}
+
+  // Reads the next record's cells. Returns false at the end and if the text is wrong (problem()).
+  bool Next(std::vector<std::string>& cells);
+
+  // Line of the latest record, from 1.
+  size_t line() const { return line_; }
+  // Empty if there is none.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  bool ReadCell(std::string& cell);
+  bool ReadQuoted(std::string& cell);
+  bool AtLineEnd() const;
+  void SkipLineEnd();
+
+  std::string_view text_;
+  size_t at_ = 0;
+  size_t line_ = 0;       // line where the record begins
+  size_t next_line_ = 1;  // line of at_
+  std::string problem_;
+};
+
+}  // namespace sweepstake::decision

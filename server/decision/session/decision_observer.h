@@ -1,0 +1,46 @@
+// The interface through which a session reports what it is given and what it decides, complete
+// enough to derive every decision again. The audit log (server/audit) implements it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "server/decision/session/arm_runs.h"
+#include "server/decision/types.h"
+
+namespace sweepstake::decision {
+
+// An executed switch, as DecisionSession::ObserveSwitch is told it.
+struct SwitchReport {
+  uint32_t arm = 0;
+  uint32_t switch_epoch = 0;
+  SwitchReason reason = SwitchReason::kPolicy;
+  int64_t now_ns = 0;
+  SwitchCost cost;
+};
+
+// What a tick learns from besides the active arm's run. Both are empty in manual mode.
+struct TickInput {
+  int64_t now_ns = 0;
+  std::span<const ShadowSample> shadow_samples;
+  std::optional<SceneDescriptor> descriptor;
+};
+
+// Every event is reported before the session applies it; `runs` is what the frames so far amount
+// to. Calls come on the session's thread. An observer must not call the session back.
+class DecisionObserver {
+ public:
+  virtual ~DecisionObserver() = default;
+
+  virtual void OnSwitch(const SwitchReport& report, const ArmRuns& runs) = 0;
+  virtual void OnRefusal(uint64_t command_id) = 0;
+  virtual void OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) = 0;
+
+  // Each of these two is followed by OnDecision with the result.
+  virtual void OnTick(const TickInput& input, const ArmRuns& runs) = 0;
+  virtual void OnBailOut(const Frame& frame, int64_t now_ns, const ArmRuns& runs) = 0;
+  virtual void OnDecision(const Decision& decision) = 0;
+};
+
+}  // namespace sweepstake::decision

@@ -1,0 +1,64 @@
+#include "server/decision/session/policy_registry.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "server/decision/baselines/lin_ts_policy.h"
+#include "server/decision/baselines/reward_baselines.h"
+#include "server/decision/baselines/thompson_baselines.h"
+#include "server/decision/policy/adaptive_policy.h"
+#include "server/decision/policy/paper_policy.h"
+
+namespace sweepstake::decision {
+namespace {
+
+template <typename Kind>
+std::unique_ptr<Policy> Make(const PolicySetup& setup) {
+  return std::make_unique<Kind>(setup);
+}
+
+constexpr std::array kShipped = {
+    PolicyEntry{AdaptivePolicy::kKind, Make<AdaptivePolicy>},
+    PolicyEntry{{.name = "paper"}, Make<ThompsonPolicy>},
+    PolicyEntry{{.name = "paper-one-draw"}, Make<OneDrawPolicy>},
+    PolicyEntry{{.name = "random", .explores = false}, Make<RandomPolicy>},
+    PolicyEntry{{.name = "thresholds", .explores = false}, Make<ThresholdsPolicy>},
+    PolicyEntry{{.name = "ucb1"}, Make<Ucb1Policy>},
+    PolicyEntry{{.name = "epsilon-greedy"}, Make<EpsilonGreedyPolicy>},
+    PolicyEntry{{.name = "discounted-ts"}, Make<DiscountedPolicy>},
+    PolicyEntry{{.name = "lin-ts"}, Make<LinTsPolicy>},
+    PolicyEntry{{.name = "calibrated", .reward_version = 2}, Make<CalibratedPolicy>},
+};
+
+}  // namespace
+
+PolicyRegistry ShippedPolicies() { return kShipped; }
+
+std::vector<std::string_view> PolicyNames(PolicyRegistry policies) {
+  std::vector<std::string_view> names = {"default"};
+  for (const PolicyEntry& entry : policies) names.push_back(entry.kind.name);
+  return names;
+}
+
+const PolicyEntry* FindPolicy(std::string_view name, PolicyRegistry policies) {
+  const std::string_view own_name = name == "default" ? AdaptivePolicy::kKind.name : name;
+  const auto entry = std::find_if(policies.begin(), policies.end(), [&](const PolicyEntry& each) {
+    return each.kind.name == own_name;
+  });
+  return entry == policies.end() ? nullptr : &*entry;
+}
+
+const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies) {
+  const PolicyEntry* entry = FindPolicy(name, policies);
+  assert(entry != nullptr && "Validate(options) accepts only names of the registry");
+  return entry->kind;
+}
+
+std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup, PolicyRegistry policies) {
+  const PolicyEntry* entry = FindPolicy(setup.options.policy, policies);
+  assert(entry != nullptr && "Validate(options) accepts only names of the registry");
+  return entry->make(setup);
+}
+
+}  // namespace sweepstake::decision

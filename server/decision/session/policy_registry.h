@@ -1,0 +1,37 @@
+// The policies by name. The shipped ones are those that a daemon or a game can choose; a laboratory
+// may pass a registry with more (study/ablations.h).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "server/decision/policy/policy.h"
+
+namespace sweepstake::decision {
+
+struct PolicyEntry {
+  PolicyKind kind;
+  std::unique_ptr<Policy> (*make)(const PolicySetup&);
+};
+
+using PolicyRegistry = std::span<const PolicyEntry>;
+
+PolicyRegistry ShippedPolicies();
+
+// Returns the names in the registry's order, preceded by "default", which stands for the policy of
+// "AI Decides".
+std::vector<std::string_view> PolicyNames(PolicyRegistry policies = ShippedPolicies());
+
+// Returns null if no policy has this name.
+const PolicyEntry* FindPolicy(std::string_view name, PolicyRegistry policies = ShippedPolicies());
+
+// REQUIRES: FindPolicy(name, policies) finds it.
+const PolicyKind& PolicyKindOf(std::string_view name, PolicyRegistry policies = ShippedPolicies());
+
+// Makes the policy of setup.options.policy. REQUIRES: FindPolicy finds it.
+std::unique_ptr<Policy> MakePolicy(const PolicySetup& setup,
+                                   PolicyRegistry policies = ShippedPolicies());
+
+}  // namespace sweepstake::decision

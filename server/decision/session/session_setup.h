@@ -1,0 +1,40 @@
+// All that a session is made from, and what makes it valid.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/decision/options.h"
+#include "server/decision/session/policy_registry.h"
+#include "server/decision/types.h"
+
+namespace sweepstake::decision {
+
+inline constexpr uint32_t kMaxArms = 32;
+inline constexpr double kLargestEvidence = 1e15;  // exclusive maximum of a prior's alpha and beta
+
+struct SessionSetup {
+  DecisionOptions options;
+  std::vector<std::string> arms;  // 1–kMaxArms unique, non-empty names
+  // One prior per arm, or none for Beta(1,1) each. Both parameters are in (0, kLargestEvidence).
+  std::vector<BetaPosterior> priors;
+  uint64_t seed = 1;  // of the exploration order and of all draws
+  Mode mode = Mode::kAi;
+  uint32_t active_arm = 0;
+  uint32_t switch_epoch = 0;
+  int64_t start_ns = 0;
+  // These two are above 0 if the session goes on after a restart.
+  uint32_t explored_arm_count = 0;
+  uint64_t decision_count = 0;
+};
+
+// Both return what is wrong and how to correct it, in one line, or nothing if all is valid. Policy
+// names are looked up in `policies`.
+std::optional<std::string> Validate(const DecisionOptions& options,
+                                    PolicyRegistry policies = ShippedPolicies());
+std::optional<std::string> Validate(const SessionSetup& setup,
+                                    PolicyRegistry policies = ShippedPolicies());
+
+}  // namespace sweepstake::decision
