@@ -1,4 +1,4 @@
-// A session's audit log as it is stored: rows of text, in segments (server/audit/audit_log.h).
+// A session's audit log as a store keeps it: rows of text in segments (server/audit/audit_log.h).
 // Plain values.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace sweepstake::priors {
 // Rows that continue those stored before.
 struct AuditRows {
   uint32_t segment = 1;  // from 1
-  std::string project;   // 1 to 128 bytes, as the scene
+  std::string project;   // project and scene have 1 to 128 bytes
   std::string scene;
   int64_t unix_start_ms = 0;      // when the segment began
   uint64_t first_row = 1;         // number of rows[0] in the segment, from 1
@@ -20,18 +20,18 @@ struct AuditRows {
 
 inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row ends its segment's log
 
-// What a store keeps. A row of 7 arms has some 1 kB.
+// How much a store keeps. A row of 7 arms has some 1 kB.
 struct AuditLimits {
-  // Max rows of one session over all its segments; then its log ends. This is 11 hours with a row
-  // every two seconds.
+  // The log of a session ends after this many rows in all its segments: 11 hours at one row every
+  // two seconds.
   uint64_t rows_per_session = 20'000;
-  // Max rows in all; beyond it the segments that began first are removed, each as a whole. 0:
-  // nothing is kept.
+  // Beyond this many rows of all sessions, whole segments are removed, the oldest first. 0 keeps
+  // nothing.
   uint64_t rows = 200'000;
 };
 
 struct AuditSegment {
-  uint64_t id = 0;  // given by the store, ascending in the order in which segments begin
+  uint64_t id = 0;  // given by the store, in the order in which segments begin
   std::string session_id;
   uint32_t segment = 1;
   std::string project;
@@ -42,7 +42,7 @@ struct AuditSegment {
   friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
 };
 
-// Empty fields match everything.
+// An empty field matches everything.
 struct AuditFilter {
   std::string session_id;
   std::string project;

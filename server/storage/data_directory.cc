@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
   std::error_code error;
   fs::create_directory(path, error);
-  std::error_code unknown;  // where even that cannot be asked, it is none
+  std::error_code unknown;  // if this fails too, it counts as no directory
   if (!fs::is_directory(path, unknown)) {
     return absl::UnavailableError(absl::StrCat("cannot create the data directory ", path.string(),
                                                ": ",

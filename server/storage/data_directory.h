@@ -1,6 +1,7 @@
-// The daemon's data directory, held by one process at a time.
+// The daemon's data directory, which one process at a time holds.
 //
-// Owns the lock until destroyed; a killed process loses it by itself. Movable.
+// The object owns the lock until it is destroyed; if the process is killed, the system releases the
+// lock. Movable.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +12,8 @@ namespace sweepstake::storage {
 
 class DataDirectory {
  public:
-  // Creates the directory (not its parents) when it is missing. Errors: UNAVAILABLE (cannot create
-  // or write, or another daemon holds it).
+  // Creates the directory, but not its parents, if it is missing. Errors: UNAVAILABLE (cannot
+  // create or write it, or another daemon holds it).
   static absl::StatusOr<DataDirectory> Open(const std::filesystem::path& path);
   ~DataDirectory();
   DataDirectory(DataDirectory&& other) noexcept;
@@ -24,7 +25,7 @@ class DataDirectory {
   DataDirectory(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
 
   std::filesystem::path path_;
-  int lock_;  // descriptor of the locked file; -1: moved from
+  int lock_;  // descriptor of the locked file; -1 after a move
 };
 
 }  // namespace sweepstake::storage

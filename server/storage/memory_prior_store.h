@@ -1,14 +1,45 @@
-// A prior store in memory, for tests: the reference the others must equal. Not thread-safe. Memory
-// grows with the number of sources; nothing is evicted.
+// A prior store in memory, for tests, and the reference that the other stores must equal. Not
+// thread-safe. The memory grows with the number of sources; nothing is evicted.
 #pragma once
 
+#include <deque>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "server/priors/prior_store.h"
-#include "server/storage/memory_audit_log.h"
 
 namespace sweepstake::storage {
+
+// The part of the store that holds the audit log. Its limits bound it.
+class MemoryAuditLog {
+ public:
+  explicit MemoryAuditLog(const priors::AuditLimits& limits) : limits_(limits) {}
+
+  void Append(const std::string& session_id, const priors::AuditRows& rows);
+  // Returns 0 if there is none.
+  uint32_t LastSegment(const std::string& session_id) const;
+  std::vector<priors::AuditSegment> List(const priors::AuditFilter& filter, uint64_t after,
+                                         uint32_t limit) const;
+  std::vector<std::string> Load(uint64_t segment_id, uint64_t first_row, uint32_t limit,
+                                size_t max_bytes) const;
+
+ private:
+  struct Segment {
+    priors::AuditSegment head;
+    std::vector<std::string> rows;
+  };
+
+  // Returns null if the rows do not continue what is stored.
+  Segment* Find(const std::string& session_id, const priors::AuditRows& rows);
+  uint64_t RowCount(const std::string& session_id) const;
+  void Trim();
+
+  const priors::AuditLimits limits_;
+  std::deque<Segment> segments_;  // in the order in which they began
+  uint64_t last_id_ = 0;
+  uint64_t row_count_ = 0;
+};
 
 class MemoryPriorStore final : public priors::PriorStore {
  public:

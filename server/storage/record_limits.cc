@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "absl/strings/string_view.h"
-
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -13,7 +12,7 @@ namespace {
 using priors::Evidence;
 using priors::EvidenceKey;
 
-// Empty: fine. Written so that NaN fails.
+// Returns an empty text if all is valid. The comparisons are written so that NaN fails.
 absl::string_view WrongEvidence(const Evidence& evidence) {
   if (!(evidence.alpha >= 0 && evidence.alpha < kMaxEvidence))
     return "alpha must be finite, 0 to 1e15";
@@ -85,8 +84,8 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
 }
 
 uint64_t AuditRoom(const priors::AuditLimits& limits, uint64_t stored_row_count) {
-  const uint64_t most = std::min(limits.rows_per_session, limits.rows);
-  return most > stored_row_count ? most - stored_row_count : 0;
+  const uint64_t max = std::min(limits.rows_per_session, limits.rows);
+  return max > stored_row_count ? max - stored_row_count : 0;
 }
 
 size_t StorableAuditRows(const priors::AuditRows& rows, uint64_t room) {

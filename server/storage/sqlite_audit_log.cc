@@ -11,26 +11,35 @@ using priors::AuditRows;
 using priors::AuditSegment;
 
 const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
-    {&Statements::session_rows,
-     "SELECT CAST(total(row_count) AS INTEGER) FROM audit_segment WHERE session = ?1"},
-    {&Statements::last_segment,
-     "SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = ?1"},
-    {&Statements::add_segment,
-     "INSERT INTO audit_segment (session, segment, project, scene, unix_start_ms, row_count)"
-     " VALUES (?1, ?2, ?3, ?4, ?5, ?6) ON CONFLICT DO NOTHING RETURNING id"},
-    {&Statements::advance_segment,
-     "UPDATE audit_segment SET row_count = row_count + ?4 WHERE session = ?1 AND segment = ?2"
-     " AND row_count = ?3 - 1 RETURNING id"},
-    {&Statements::add_row, "INSERT INTO audit_row (segment_id, number, text) VALUES (?1, ?2, ?3)"},
-    {&Statements::oldest_segment, "SELECT id, row_count FROM audit_segment ORDER BY id LIMIT 1"},
+    {&Statements::session_rows, R"sql(
+        SELECT CAST(total(row_count) AS INTEGER) FROM audit_segment WHERE session = ?1)sql"},
+    {&Statements::last_segment, R"sql(
+        SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = ?1)sql"},
+    {&Statements::add_segment, R"sql(
+        INSERT INTO audit_segment (session, segment, project, scene, unix_start_ms, row_count)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6)
+        ON CONFLICT DO NOTHING
+        RETURNING id)sql"},
+    {&Statements::advance_segment, R"sql(
+        UPDATE audit_segment SET row_count = row_count + ?4
+        WHERE session = ?1 AND segment = ?2 AND row_count = ?3 - 1
+        RETURNING id)sql"},
+    {&Statements::add_row, R"sql(
+        INSERT INTO audit_row (segment_id, number, text) VALUES (?1, ?2, ?3))sql"},
+    {&Statements::oldest_segment, R"sql(
+        SELECT id, row_count FROM audit_segment ORDER BY id LIMIT 1)sql"},
     {&Statements::delete_rows, "DELETE FROM audit_row WHERE segment_id = ?1"},
     {&Statements::delete_segment, "DELETE FROM audit_segment WHERE id = ?1"},
-    {&Statements::list_segments,
-     "SELECT id, session, segment, project, scene, unix_start_ms, row_count FROM audit_segment"
-     " WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)"
-     " AND (?3 = '' OR scene = ?3) ORDER BY id LIMIT ?5"},
-    {&Statements::load_rows,
-     "SELECT text FROM audit_row WHERE segment_id = ?1 AND number >= ?2 ORDER BY number LIMIT ?3"},
+    {&Statements::list_segments, R"sql(
+        SELECT id, session, segment, project, scene, unix_start_ms, row_count
+        FROM audit_segment
+        WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
+          AND (?3 = '' OR scene = ?3)
+        ORDER BY id LIMIT ?5)sql"},
+    {&Statements::load_rows, R"sql(
+        SELECT text FROM audit_row
+        WHERE segment_id = ?1 AND number >= ?2
+        ORDER BY number LIMIT ?3)sql"},
 };
 
 absl::StatusOr<SqliteAuditLog> SqliteAuditLog::Open(SqliteDatabase& database,

@@ -1,9 +1,7 @@
-// The audit log in the prior store's SQLite file: a table of segments and one of their rows. One
+// The audit log in the prior store's SQLite file has a table of segments and one of their rows. One
 // thread at a time; the database must outlive it.
 //
-// Cost: a row of 1 kB takes some 20 µs of a commit, the removal of an old one included (10,000
-// sessions with a row in two seconds: a tenth of a core). Space of removed rows is used again; the
-// file does not shrink.
+// The space of removed rows is used again, but the file does not shrink.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +20,8 @@ class SqliteAuditLog {
   static absl::StatusOr<SqliteAuditLog> Open(SqliteDatabase& database,
                                              const priors::AuditLimits& limits);
 
-  // Inside of the caller's transaction, all of it or nothing; an error leaves the transaction as it
-  // was. The rows count from Committed on, which follows if the transaction is committed.
+  // Appends all rows or none, inside the caller's transaction; after an error the transaction is as
+  // before. If the transaction is committed, the caller then calls Committed.
   absl::Status Append(SqliteDatabase& database,
                       std::span<const priors::SourceUpdate* const> updates);
   void Committed() { row_count_ = new_row_count_; }
@@ -39,7 +37,7 @@ class SqliteAuditLog {
   absl::Status Prepare(SqliteDatabase& database);
   absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates);
   absl::Status AppendOne(const std::string& session_id, const priors::AuditRows& rows);
-  // 0: the rows do not go on from anything.
+  // Returns the segment's id, or 0 if the rows do not continue what is stored.
   absl::StatusOr<int64_t> Enter(const std::string& session_id, const priors::AuditRows& rows,
                                 uint64_t count);
   absl::Status Trim();
@@ -56,8 +54,8 @@ class SqliteAuditLog {
 
   priors::AuditLimits limits_;
   Statements statements_;
-  uint64_t row_count_ = 0;      // stored, in all
-  uint64_t new_row_count_ = 0;  // with what the transaction under way adds and removes
+  uint64_t row_count_ = 0;      // of all stored segments
+  uint64_t new_row_count_ = 0;  // the same once the current transaction is committed
 };
 
 }  // namespace sweepstake::storage

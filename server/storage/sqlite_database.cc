@@ -98,8 +98,7 @@ absl::Status SqliteDatabase::EnableDefensive() {
 }
 
 SqliteTransaction::~SqliteTransaction() {
-  // After some errors SQLite has rolled back already; a second rollback then fails and that is
-  // fine.
+  // After some errors SQLite has rolled back already; then this rollback fails, which is harmless.
   if (begun_.ok() && !committed_) database_.Execute("ROLLBACK").IgnoreError();
 }
 

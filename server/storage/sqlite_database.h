@@ -1,10 +1,9 @@
-// A thin layer over SQLite's C interface: a connection, prepared statements, rows. One thread at a
-// time.
+// A thin layer over SQLite's C interface: a connection, prepared statements and rows. One thread at
+// a time.
 //
-// Statements are prepared once and kept by their owner, who must destroy them before the
-// connection. Errors map to UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a
-// database), INVALID_ARGUMENT (a CHECK failed) and INTERNAL (our SQL is wrong); the message is
-// SQLite's.
+// Statements are prepared once; their owner must destroy them before the connection. Errors map to
+// UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a database), INVALID_ARGUMENT
+// (a CHECK failed) and INTERNAL (our SQL is wrong); the message is SQLite's.
 #pragma once
 
 #include <sqlite3.h>
@@ -25,7 +24,7 @@ class SqliteRow {
   explicit SqliteRow(sqlite3_stmt* statement) : statement_(statement) {}
 
   int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
-  // Counts are stored as integers below 2^63; seeds as the same 64 bits.
+  // Counts are stored as integers below 2^63, seeds as the same 64 bits.
   uint64_t Unsigned(int column) const { return static_cast<uint64_t>(Integer(column)); }
   double Real(int column) const { return sqlite3_column_double(statement_, column); }
   std::string Text(int column) const;
@@ -34,13 +33,13 @@ class SqliteRow {
   sqlite3_stmt* statement_;
 };
 
-// A prepared statement; `?1` is the first argument.
+// A prepared statement, whose first argument is `?1`.
 class SqliteStatement {
  public:
   SqliteStatement() = default;
   explicit SqliteStatement(sqlite3_stmt* statement) : statement_(statement) {}
 
-  // Runs to the end, with `on_row(const SqliteRow&)` for each row.
+  // Runs the statement to its end and calls `on_row(const SqliteRow&)` for each row.
   template <typename OnRow, typename... Args>
   absl::Status ForEachRow(OnRow on_row, const Args&... args) {
     const Resetter resetter{statement_.get()};
@@ -61,7 +60,7 @@ class SqliteStatement {
   struct Finalizer {
     void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
   };
-  // Leaves the statement ready for its next use and lets go of the read snapshot.
+  // Makes the statement ready for its next use and releases the read snapshot.
   struct Resetter {
     sqlite3_stmt* statement;
     ~Resetter() {
@@ -76,7 +75,7 @@ class SqliteStatement {
   void Bind(int index, uint32_t value) { sqlite3_bind_int64(statement_.get(), index, value); }
   void Bind(int index, int64_t value) { sqlite3_bind_int64(statement_.get(), index, value); }
   void Bind(int index, double value) { sqlite3_bind_double(statement_.get(), index, value); }
-  // The text must live until the statement has run; ForEachRow's arguments do.
+  // The text must live until the statement has run, as the arguments of ForEachRow do.
   void Bind(int index, std::string_view text);
   absl::Status Error(int code) const;
 
@@ -87,16 +86,16 @@ class SqliteDatabase {
  public:
   enum class OpenMode { kExisting, kCreate };
 
-  // Does not read the file yet when it exists: the first statement does.
+  // If the file exists, it is not read before the first statement.
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
 
   absl::StatusOr<SqliteStatement> Prepare(std::string_view sql);
-  // Several statements, without arguments or rows.
+  // Runs several statements that have no arguments and no rows.
   absl::Status Execute(const std::string& sql);
-  // The single value of a pragma or query.
+  // These return the single value of a pragma or query.
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
   absl::StatusOr<std::string> QueryText(std::string_view sql);
-  // From here on no statement can write the schema's own tables or the file behind SQLite's back.
+  // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
 
  private:
@@ -109,7 +108,7 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Closer> database_;
 };
 
-// BEGIN IMMEDIATE now, ROLLBACK at the end of the scope unless committed.
+// Runs BEGIN IMMEDIATE now, and ROLLBACK at the end of the scope unless it was committed.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database)

@@ -30,86 +30,94 @@ struct StatementText {
   const char* sql;
 };
 
-// An upsert returns a row exactly when it changed something: that is how replays and revoked
-// sources are recognised. Counts are added by total(): sum() would make an error of an overflow,
-// and two imported records could make a scene unreadable.
+// An upsert returns a row exactly if it changed something; this is how repeated updates and revoked
+// sources are recognised. Counts are added by total(), because sum() fails on an overflow, so that
+// two imported records could make a scene unreadable.
 constexpr StatementText kStatements[] = {
-    {&Statements::advance_source,
-     "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
-     "explored_arm_count,"
-     " decision_count, frame_count, seed) VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7)"
-     " ON CONFLICT (name) DO UPDATE SET is_session = 1, commit_sequence = ?2, message_sequence = "
-     "?3,"
-     " explored_arm_count = ?4, decision_count = ?5, frame_count = ?6, seed = ?7 WHERE revoked = 0"
-     " AND ?2 > commit_sequence RETURNING id"},
-    {&Statements::find_key,
-     "SELECT id FROM evidence_key WHERE project = ?1 AND scene = ?2 AND context_bucket = ?3 AND "
-     "arm = ?4"
-     " AND backend_version = ?5 AND machine_class = ?6 AND reward_version = ?7"},
-    {&Statements::add_key,
-     "INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version, "
-     "machine_class, reward_version)"
-     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) RETURNING id"},
-    {&Statements::add_evidence,
-     "INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)"
-     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT DO UPDATE SET sequence = ?3, alpha = alpha "
-     "+ ?4,"
-     " beta = beta + ?5, window_count = window_count + ?6, bail_out_count = bail_out_count + ?7"},
-    {&Statements::key_evidence,
-     "SELECT source_id, alpha, beta, window_count, bail_out_count FROM evidence WHERE key_id = ?1"},
-    {&Statements::load_source,
-     "SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count, "
-     "frame_count, seed FROM source"
-     " WHERE name = ?1 AND is_session = 1 AND revoked = 0"},
-    {&Statements::source_evidence,
-     "SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
-     "alpha, beta,"
-     " window_count, bail_out_count FROM evidence JOIN evidence_key k ON k.id = key_id WHERE "
-     "source_id = ?1"
-     " ORDER BY project, scene, context_bucket, arm, backend_version, machine_class, "
-     "reward_version"},
-    {&Statements::list_scenes,
-     "SELECT DISTINCT project, scene, machine_class, reward_version FROM evidence_key"
-     " WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)"
-     " AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)"
-     " AND EXISTS (SELECT 1 FROM evidence WHERE key_id = evidence_key.id) ORDER BY 1, 2, 3, 4 "
-     "LIMIT ?7"},
-    {&Statements::scene_arms,
-     "SELECT arm, backend_version, sum(alpha), sum(beta), CAST(total(window_count) AS INTEGER),"
-     " CAST(total(bail_out_count) AS INTEGER)"
-     " FROM evidence_key k JOIN evidence ON k.id = key_id"
-     " WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4"
-     " GROUP BY arm, backend_version ORDER BY arm, backend_version"},
-    {&Statements::scene_sources,
-     "SELECT count(DISTINCT source_id) FROM evidence_key k JOIN evidence ON k.id = key_id"
-     " WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4"},
-    {&Statements::export_records,
-     "SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
-     "alpha, beta,"
-     " window_count, bail_out_count, name, sequence FROM evidence_key k JOIN evidence ON k.id = "
-     "key_id"
-     " JOIN source s ON s.id = source_id WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = "
-     "?2)"
-     " AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version, "
-     "name)"
-     " > (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11"},
-    {&Statements::touch_source,
-     "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
-     "explored_arm_count,"
-     " decision_count, frame_count, seed) VALUES (?1, 0, 0, ?2, 0, 0, 0, 0, 0)"
-     " ON CONFLICT (name) DO UPDATE SET commit_sequence = max(commit_sequence, ?2) WHERE revoked = "
-     "0 RETURNING id"},
-    {&Statements::import_evidence,
-     "INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)"
-     " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT DO UPDATE SET sequence = ?3, alpha = ?4, "
-     "beta = ?5,"
-     " window_count = ?6, bail_out_count = ?7 WHERE ?3 > sequence RETURNING 1"},
-    {&Statements::revoke_source,
-     "INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence, "
-     "explored_arm_count,"
-     " decision_count, frame_count, seed) VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0) ON CONFLICT (name) "
-     "DO UPDATE SET "
-     "revoked = 1 RETURNING id"},
+    {&Statements::advance_source, R"sql(
+        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
+                            explored_arm_count, decision_count, frame_count, seed)
+        VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7)
+        ON CONFLICT (name) DO UPDATE
+          SET is_session = 1, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
+              decision_count = ?5, frame_count = ?6, seed = ?7
+          WHERE revoked = 0 AND ?2 > commit_sequence
+        RETURNING id)sql"},
+    {&Statements::find_key, R"sql(
+        SELECT id FROM evidence_key
+        WHERE project = ?1 AND scene = ?2 AND context_bucket = ?3 AND arm = ?4
+          AND backend_version = ?5 AND machine_class = ?6 AND reward_version = ?7)sql"},
+    {&Statements::add_key, R"sql(
+        INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,
+                                  machine_class, reward_version)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
+        RETURNING id)sql"},
+    {&Statements::add_evidence, R"sql(
+        INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
+                              bail_out_count)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
+        ON CONFLICT DO UPDATE
+          SET sequence = ?3, alpha = alpha + ?4, beta = beta + ?5,
+              window_count = window_count + ?6, bail_out_count = bail_out_count + ?7)sql"},
+    {&Statements::key_evidence, R"sql(
+        SELECT source_id, alpha, beta, window_count, bail_out_count
+        FROM evidence WHERE key_id = ?1)sql"},
+    {&Statements::load_source, R"sql(
+        SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
+               frame_count, seed
+        FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
+    {&Statements::source_evidence, R"sql(
+        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+               alpha, beta, window_count, bail_out_count
+        FROM evidence JOIN evidence_key k ON k.id = key_id
+        WHERE source_id = ?1
+        ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
+                 reward_version)sql"},
+    {&Statements::list_scenes, R"sql(
+        SELECT DISTINCT project, scene, machine_class, reward_version FROM evidence_key
+        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+          AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
+          AND EXISTS (SELECT 1 FROM evidence WHERE key_id = evidence_key.id)
+        ORDER BY 1, 2, 3, 4 LIMIT ?7)sql"},
+    {&Statements::scene_arms, R"sql(
+        SELECT arm, backend_version, sum(alpha), sum(beta), CAST(total(window_count) AS INTEGER),
+               CAST(total(bail_out_count) AS INTEGER)
+        FROM evidence_key k JOIN evidence ON k.id = key_id
+        WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
+        GROUP BY arm, backend_version ORDER BY arm, backend_version)sql"},
+    {&Statements::scene_sources, R"sql(
+        SELECT count(DISTINCT source_id)
+        FROM evidence_key k JOIN evidence ON k.id = key_id
+        WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4)sql"},
+    {&Statements::export_records, R"sql(
+        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+               alpha, beta, window_count, bail_out_count, name, sequence
+        FROM evidence_key k JOIN evidence ON k.id = key_id JOIN source s ON s.id = source_id
+        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+          AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+               name) > (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
+        ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11)sql"},
+    {&Statements::touch_source, R"sql(
+        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
+                            explored_arm_count, decision_count, frame_count, seed)
+        VALUES (?1, 0, 0, ?2, 0, 0, 0, 0, 0)
+        ON CONFLICT (name) DO UPDATE
+          SET commit_sequence = max(commit_sequence, ?2) WHERE revoked = 0
+        RETURNING id)sql"},
+    {&Statements::import_evidence, R"sql(
+        INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
+                              bail_out_count)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
+        ON CONFLICT DO UPDATE
+          SET sequence = ?3, alpha = ?4, beta = ?5, window_count = ?6, bail_out_count = ?7
+          WHERE ?3 > sequence
+        RETURNING 1)sql"},
+    {&Statements::revoke_source, R"sql(
+        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
+                            explored_arm_count, decision_count, frame_count, seed)
+        VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0)
+        ON CONFLICT (name) DO UPDATE SET revoked = 1
+        RETURNING id)sql"},
     {&Statements::delete_evidence, "DELETE FROM evidence WHERE source_id = ?1 RETURNING 1"},
 };
 
@@ -160,20 +168,21 @@ class SqlitePriorStore final : public priors::PriorStore {
   }
 
  private:
-  // All of `body` or nothing.
+  // Runs `body` in a transaction, which is rolled back if it fails.
   template <typename Body>
   absl::Status InTransaction(Body body);
-  // False: it was applied before, or its source is revoked.
+  // Returns false if the update was applied before or its source is revoked.
   absl::StatusOr<bool> Apply(const priors::SourceUpdate& update);
   absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result);
-  // 0: no such key.
+  // Returns 0 if there is no such key.
   absl::StatusOr<int64_t> FindKey(const EvidenceKey& key);
   absl::StatusOr<int64_t> FindOrAddKey(const EvidenceKey& key);
   absl::Status LoadArms(SceneEvidence& scene);
 
   SqliteDatabase database_;
-  Statements statements_;                // after database_: destroyed before it, as the log's are
-  std::optional<SqliteAuditLog> audit_;  // from Prepare on
+  // Statements must be destroyed before the database, so they stand after it.
+  Statements statements_;
+  std::optional<SqliteAuditLog> audit_;  // present from Prepare on
 };
 
 absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
@@ -207,7 +216,7 @@ absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> upda
       if (!is_new.ok()) return is_new.status();
       if (*is_new && !update.audit.rows.empty()) applied.push_back(&update);
     }
-    // The log must not cost evidence: without its rows the commit goes on.
+    // The log must not cost evidence: if its rows cannot be written, the commit goes on without.
     audited = !applied.empty() && audit_->Append(database_, applied).ok();
     return absl::OkStatus();
   });
@@ -320,7 +329,7 @@ absl::Status SqlitePriorStore::LoadArms(SceneEvidence& scene) {
 
 absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
-  // Projects are never empty: an empty one comes before all.
+  // An empty project sorts before all, since projects are never empty.
   const SceneKey start = after.value_or(SceneKey{});
   std::vector<SceneEvidence> scenes;
   absl::Status status = statements_.list_scenes.ForEachRow(

@@ -1,7 +1,8 @@
-// The prior store on SQLite: one file, write-ahead log, synchronous commits. One thread at a time.
+// The prior store on SQLite: one file with a write-ahead log and synchronous commits. One thread at
+// a time.
 //
-// Cost: a commit of 100 increments takes one fsync; LoadPriors and LoadScene read one row per key
-// and source.
+// A commit takes one fsync, however many increments it has. LoadPriors and LoadScene read one row
+// per key and source.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +12,7 @@
 
 namespace sweepstake::storage {
 
-// Errors as in OpenPriorDatabase.
+// The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {});
 

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Step i leads from version i to i + 1. Steps are never changed once released. Bounds have two
-// sides: `alpha >= 0` alone lets +Inf through.
+// Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
+// sides, because `alpha >= 0` alone would accept +Inf.
 constexpr std::array<const char*, 2> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
@@ -82,9 +82,13 @@ absl::Status Explain(const fs::path& path, const absl::Status& status) {
 }
 
 absl::Status Configure(SqliteDatabase& database) {
-  return database.Execute(
-      "PRAGMA busy_timeout = 2000; PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;"
-      "PRAGMA cell_size_check = ON; PRAGMA synchronous = FULL;");
+  return database.Execute(R"sql(
+    PRAGMA busy_timeout = 2000;
+    PRAGMA foreign_keys = ON;
+    PRAGMA trusted_schema = OFF;
+    PRAGMA cell_size_check = ON;
+    PRAGMA synchronous = FULL;
+  )sql");
 }
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {
@@ -110,7 +114,7 @@ absl::Status Migrate(SqliteDatabase& database, int64_t from) {
   return absl::OkStatus();
 }
 
-// A file that was renamed into its place is there after a power failure only once this is done.
+// Makes a file that was renamed into this directory survive a power failure.
 absl::Status SyncDirectory(const fs::path& path) {
   const std::string name = path.empty() ? "." : path.string();
   const int directory = open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -147,7 +151,7 @@ absl::Status CreateFile(const fs::path& path) {
   return SyncDirectory(path.parent_path());
 }
 
-// Never silently adopts what is not ours.
+// Refuses the file of another program.
 absl::Status CheckOwner(SqliteDatabase& database, const fs::path& path) {
   auto id = database.QueryInteger("PRAGMA application_id");
   if (id.ok() && *id == kSqliteApplicationId) return absl::OkStatus();

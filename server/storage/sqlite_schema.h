@@ -1,10 +1,10 @@
-// Opens the database file of the prior store: creates a missing one, migrates an older one, refuses
-// every other.
+// Opens the database file of the prior store: a missing file is created, an older one is migrated,
+// and every other one is refused.
 //
-// A file that exists is never re-created or adopted: an empty one (a lost copy, a full disk), one
-// of another program and one of a newer version are errors, so that priors never turn silently
-// empty. A new file is built beside its place and renamed into it, so that a crash leaves either no
-// file or a whole one.
+// A file that exists is never created again or taken over. An empty file (a lost copy, a full
+// disk), one of another program and one of a newer version are errors, so that priors never become
+// empty silently. A new file is built beside its place and renamed into it, so that a crash leaves
+// either no file or a complete one.
 #pragma once
 
 #include <filesystem>
@@ -16,12 +16,12 @@ namespace sweepstake::storage {
 
 inline constexpr int64_t kSqliteApplicationId = 0x53575031;  // "SWP1"
 
-// Version of the schema this program writes.
+// The version of the schema that this program writes.
 int64_t SqliteSchemaVersion();
 
-// A connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write), DATA_LOSS
-// (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). Cost: reads the
-// whole file once (quick_check).
+// Returns a connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write),
+// DATA_LOSS (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). It reads
+// the whole file once (quick_check).
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

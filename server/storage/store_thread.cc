@@ -6,7 +6,7 @@
 namespace sweepstake::storage {
 namespace {
 
-// An update without increments still is a row.
+// An update without increments still writes one row.
 size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.increments.size(); }
 
 }  // namespace
@@ -110,7 +110,7 @@ void StoreThread::CommitOneByOne(std::vector<PendingCommit>& group) {
 }
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
-  // A wrong update says nothing about the disk.
+  // An invalid update says nothing about the disk.
   if (!absl::IsInvalidArgument(status)) healthy_.store(status.ok(), std::memory_order_relaxed);
   commit.done(status);
 }

@@ -1,11 +1,11 @@
-// Puts a prior store on a thread of its own and groups commits, so that an fsync serves many
-// sessions and nobody else waits for one.
+// Runs a prior store on its own thread and groups commits, so that one fsync serves many sessions
+// and no other thread waits for it.
 //
-// Thread-safe. Owns the store; the destructor runs what is queued, then ends the thread. A commit
-// waits at most `group_interval` for company, and a job or the end of the queue's life sends it off
-// at once. A group that fails on one wrong update is committed again update by update, so that one
-// cannot block the others. Once it is closing, a disk that fails is not tried again: what is queued
-// then fails at once, so that an end takes no longer than one commit.
+// Thread-safe. It owns the store; the destructor runs what is queued, then ends the thread. A
+// commit waits at most `group_interval` for others, and is started at once by a job or by Close. If
+// a group fails because of one invalid update, its updates are committed one by one, so that one
+// cannot block the others. While closing, a disk that fails is not tried again: what is still
+// queued fails at once, so that closing takes no longer than one commit.
 #pragma once
 
 #include <atomic>
@@ -23,18 +23,18 @@
 namespace sweepstake::storage {
 
 struct StoreThreadOptions {
-  std::chrono::milliseconds group_interval{
-      50};                     // what a crash may cost, and the longest delay of an acknowledgement
-  size_t group_rows = 500;     // a group is sent off early when it has this many increments
-  size_t max_queued = 65'536;  // updates and jobs; the next one is refused
+  // The maximum delay of an acknowledgement, and the time whose updates a crash may lose.
+  std::chrono::milliseconds group_interval{50};
+  size_t group_rows = 500;     // a group with this many increments is committed early
+  size_t max_queued = 65'536;  // updates and jobs; beyond it they are refused
 };
 
 class StoreThread final : public priors::AsyncPriorStore {
  public:
   explicit StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options = {});
   ~StoreThread() override;
-  // Runs what is queued and ends the thread; later commits and jobs are refused. Idempotent, one
-  // caller at a time.
+  // Runs what is queued and ends the thread; later commits and jobs are refused. It may be called
+  // again, by one thread at a time.
   void Close();
   StoreThread(const StoreThread&) = delete;
   StoreThread& operator=(const StoreThread&) = delete;
@@ -51,11 +51,11 @@ class StoreThread final : public priors::AsyncPriorStore {
   using Item = std::variant<PendingCommit, Job>;
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  // False: full or closing.
+  // Returns false if the queue is full or closing.
   bool Enqueue(Item item, size_t rows);
   void Loop();
   void WaitForGroup(std::unique_lock<std::mutex>& lock);
-  // The commits at the queue's front, as many as a group may have.
+  // Takes commits off the queue's front, as many as a group may have.
   std::vector<PendingCommit> TakeGroup();
   void CommitGroup(std::vector<PendingCommit> group, bool closing);
   void CommitOneByOne(std::vector<PendingCommit>& group);
@@ -71,7 +71,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   size_t queued_rows_ = 0;  // guarded by mutex_; of the commits in the queue
   size_t queued_jobs_ = 0;  // guarded by mutex_
   bool closing_ = false;    // guarded by mutex_
-  std::thread thread_;      // last: starts when the rest is there
+  std::thread thread_;      // the last member, because it uses the others
 };
 
 }  // namespace sweepstake::storage

@@ -9,6 +9,7 @@
 #include "engine_client/cli/replay/replay_run.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "engine_client/cli/replay/replay_study.h"
+#include "server/decision/study/ablations.h"
 #include "tests/engine_client/cli/trace/synthetic_trace.h"
 
 namespace sweepstake::cli {
@@ -337,7 +338,7 @@ TEST(ReplayPlayers, SayWhatIsValid) {
   ASSERT_EQ(players->size(), 4U);
   EXPECT_EQ((*players)[1].name, "fixed:SAP");
   EXPECT_EQ(ReplayPlayers(std::vector<std::string>{"all"}, arms)->size(),
-            decision::PolicyNames().size() - 1);
+            decision::PolicyNames(decision::StudyPolicies()).size() - 1);
 }
 
 }  // namespace
