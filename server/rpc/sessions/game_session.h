@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/audit/audit_log.h"
 #include "server/decision/session/decision_session.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/decision_loop.h"
