@@ -28,11 +28,11 @@ Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
           math::UnknownName("command of " + app.get_name(), words.front(), valid)};
 }
 
-void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_line,
-                 int& exit_code) {
-  AddRunCommand(app, terminal, exit_code);
+#ifdef SWEEPSTAKE_LABORATORY
+// The commands that measure and compare.
+void AddLaboratory(CLI::App& app, Terminal& terminal, const std::string& command_line,
+                   int& exit_code) {
   AddCheckCommand(app, terminal, exit_code);
-  AddAuditCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, command_line, exit_code);
   AddExperimentCommand(app, terminal, command_line, exit_code);
   AddPaperCheckCommand(app, terminal, exit_code);
@@ -40,6 +40,16 @@ void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_l
   AddRecordCommand(app, terminal, exit_code);
   AddReplayCommand(app, terminal, exit_code);
   AddTraceCommand(app, terminal, exit_code);
+}
+#else
+void AddLaboratory(CLI::App&, Terminal&, const std::string&, int&) {}
+#endif
+
+void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_line,
+                 int& exit_code) {
+  AddRunCommand(app, terminal, exit_code);
+  AddLaboratory(app, terminal, command_line, exit_code);
+  AddAuditCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);
   AddPriorsCommand(app, terminal, exit_code);
 }
