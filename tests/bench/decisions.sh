@@ -9,26 +9,28 @@ usage() {
   cat <<END
 Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [--ablation] [tuning|held-out] [-- OPTION…]
 
-Traces the scenes of tuning_scenes.txt or held_out_scenes.txt (the default: the final figures) into FOLDER where they are not
-there yet, lets the policies play them in virtual time and prints every goal with what was reached, the cells behind it and
-how each policy did. What follows -- goes to \`sweepstake replay\`, as --seeds 200, --json or --no-shadow.
+Traces the scenes of data/tuning_scenes.txt or data/held_out_scenes.txt (the default: the final figures) into FOLDER where
+they are not there yet, lets the policies play them in virtual time without priors, with those of the same class and with
+wrong ones, times a decision, and prints every goal with what was reached, the cells behind it and how each policy did.
+What follows -- goes to \`sweepstake replay\`, as --seeds 200 or --no-shadow; --json prints one JSON document.
   --ablation        every policy that there is, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --traces FOLDER   (default: build/traces/LIST)
-Ends with 1 when a goal was missed. Tracing takes some 5 minutes and wants the machine for itself; the rest takes some ten
-seconds on two cores, a minute with --ablation.
+Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes some 5 minutes and wants the machine for
+itself; the rest takes some twenty seconds on two cores, a minute with --ablation.
 END
 }
 
 program=$root/build/release/bin/sweepstake
 list=held-out
 traces=
-policies=default,paper
+judged=default
+policies=$judged,paper
 while (($# > 0)); do
   case $1 in
     --program) program=$2; shift ;;
     --traces) traces=$2; shift ;;
-    --ablation) policies=default,all ;;
+    --ablation) policies=$judged,all ;;
     -h | --help) usage; exit 0 ;;
     --) shift; break ;;
     tuning | held-out) list=$1 ;;
@@ -36,8 +38,33 @@ while (($# > 0)); do
   esac
   shift
 done
-scenes=$here/${list//-/_}_scenes.txt
+scenes=$here/data/${list//-/_}_scenes.txt
 traces=${traces:-$root/build/traces/$list}
+options=()
+json=()
+for option; do
+  if [[ $option == --json ]]; then json=(--json); else options+=("$option"); fi
+done
 
+tick_bench=$(dirname "$program")/decision_tick_bench
+[[ -x $tick_bench ]] || { echo "No program at $tick_bench, which times a decision: build the tests, too" >&2; exit 2; }
 "$here/traces.sh" --program "$program" "$scenes" "$traces" >&2
-exec "$program" replay --goals "$scenes" --traces "$traces" --policy "$policies" "$@"
+
+costs=
+passes=
+while read -r scene objects _ seed pass _; do
+  [[ -n $scene && $scene != \#* ]] || continue
+  costs+=,$traces/$scene-$objects-$seed.costs
+  passes+=,$pass
+done <"$scenes"
+
+documents=$(mktemp -d)
+trap 'rm -r "$documents"' EXIT
+replay() {
+  "$program" replay --costs "${costs#,}" --pass "${passes#,}" --priors "$1" --policy "$2" --json "${options[@]}" >"$documents/$1.json"
+}
+replay none "$policies"
+replay right "$judged"
+replay wrong "$judged"
+"$tick_bench" --json "$judged" >"$documents/time.json"
+"$here/judge.py" decisions --cells "$scenes" "${json[@]}" "$documents"/{none,right,wrong,time}.json

@@ -11,8 +11,8 @@ usage() {
 Usage: tests/bench/run.sh [--quick] [--program PATH] [--out FOLDER] [--json] [PART…]
 
 Runs the parts (all of them by default): ${parts[*]}.
-Each part's table goes to stdout and to FOLDER/PART.txt; with --json its document to FOLDER/PART.json instead. Its page with
-charts is FOLDER/PART.html.
+Each part's tables, with the goals of data/goals.toml, go to stdout and to FOLDER/PART.txt; with --json its document to
+FOLDER/PART.json instead. Its page with charts is FOLDER/PART.html.
   --quick         a few frames of small scenes, to see that everything works
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --out FOLDER    (default: build/bench)
@@ -51,11 +51,23 @@ bench() {
   ((quick == 0)) || sized=(--scene "$1" --objects 200,400 --frames 4 --warmup 1 --peer-cap 0.2)
   shift 5
   sized+=(--report "${file%.*}$([[ -s $file ]] && echo -2).html")
+  local measured=0
+  "$program" bench --json "${sized[@]}" "$@" >"$document" || measured=$?
+  ((measured <= 1)) || return "$measured"
+  judge || return
+  return "$measured"
+}
+
+# Adds the goals. A goal that is missed shows in the table and fails nothing: another machine, or another program beside it,
+# has other ratios.
+judge() {
+  local judged=0
   if ((json)); then
-    "$program" bench --json "${sized[@]}" "$@" >>"$file"
+    "$here/judge.py" bench --json "$document" >>"$file" || judged=$?
   else
-    "$program" bench "${sized[@]}" "$@" | tee -a "$file"
+    "$here/judge.py" bench "$document" | tee -a "$file" || judged=$?
   fi
+  ((judged <= 1)) || return "$judged"
 }
 
 # Brute force is quadratic: it is left out above 10,000 objects.
@@ -70,8 +82,10 @@ measure() {
     million) bench suite-b 10000,100000,1000000 8 8 5 --peers --arms Grid,DBVT,Tracy,KDTree ;;
     slow) bench nearly-resting,few-moving 1000,10000 120 20 2 --peers ;;
     shapes)
-      bench $shapes 1000,10000 60 20 1 --peers
-      bench long-thin 3000 60 20 1 --peers
+      local status=0
+      bench $shapes 1000,10000 60 20 1 --peers || status=$?
+      bench long-thin 3000 60 20 1 --peers || status=$?
+      return "$status"
       ;;
     coincident) bench all-coincident 500,1000 40 5 1 --peers ;;
     counts) bench spawning 1000,10000 128 20 2 --peers ;;
@@ -93,6 +107,8 @@ frame_path() {
   "$path_bench" "${options[@]}" | tee -a "$file"
 }
 
+document=$(mktemp)
+trap 'rm "$document"' EXIT
 failed=()
 for part in "${chosen[@]}"; do
   file=$out/$part.$( ((json)) && echo json || echo txt)

@@ -9,7 +9,7 @@ usage() {
   cat <<END
 Usage: tests/bench/traces.sh [--again] [--quick] [--program PATH] LIST FOLDER
 
-Traces every scene of LIST (tuning_scenes.txt, held_out_scenes.txt or one of your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
+Traces every scene of LIST (data/tuning_scenes.txt, data/held_out_scenes.txt or one of your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
 A trace that is there already is kept, so that what was interrupted can go on.
   --again         make it anew
   --quick         120 frames of 300 objects at most, to see that everything works

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <string_view>
 
-#include "engine_client/cli/replay/replay_study.h"
+#include "engine_client/cli/replay/replay_plan.h"
 #include "server/decision/options.h"
 #include "server/decision/session/policy_registry.h"
 

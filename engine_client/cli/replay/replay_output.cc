@@ -38,6 +38,8 @@ Json VerdictsJson(const std::vector<double>& shares) {
 Json RowJson(const ReplayReport& report, const StudyRow& row) {
   Json json = {{"costs", report.scenes[row.scene].name},
                {"policy", report.options.players[row.player].name},
+               {"priors", kReplayPriorsNames[static_cast<size_t>(report.options.priors)]},
+               {"pass_ns", report.scenes[row.scene].scene.options().pass_ns},
                {"regret_best_fixed", row.regret_best_fixed},
                {"regret_oracle", row.regret_oracle},
                {"ci95", IntervalJson(row.ci95)},
@@ -62,6 +64,13 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
   return json;
 }
 
+// "+1.23%"
+std::string Percent(double ratio) {
+  std::string text = Fixed(100 * ratio, 2);
+  if (text == "-0.00") text = "0.00";
+  return (text.starts_with('-') ? "" : "+") + text + "%";
+}
+
 std::string IntervalText(const Interval& interval) {
   return Percent(interval.low) + " to " + Percent(interval.high);
 }
@@ -79,12 +88,6 @@ std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
 }
 
 }  // namespace
-
-std::string Percent(double ratio) {
-  std::string text = Fixed(100 * ratio, 2);
-  if (text == "-0.00") text = "0.00";
-  return (text.starts_with('-') ? "" : "+") + text + "%";
-}
 
 void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
   TextTable table({"policy", "regret", "ci95", "after_start", "vs_oracle", "captured", "switches",
@@ -112,17 +115,11 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
          "time. Noise floor: the same arm measured twice.\n";
 }
 
-Json RowsJson(const ReplayReport& report) {
-  Json rows = Json::array();
-  for (const StudyRow& row : report.rows) rows.push_back(RowJson(report, row));
-  return rows;
-}
-
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
   Json document = {{"command", "replay"},
                    {"seeds", report.options.seed_count},
                    {"scenes", Json::array()},
-                   {"rows", RowsJson(report)}};
+                   {"rows", Json::array()}};
   for (const StudyScene& each : report.scenes) {
     const GameOptions& game = each.scene.options();
     document["scenes"].push_back({{"costs", each.name},
@@ -135,6 +132,7 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
                                   {"other_work_ns", game.other_work_ns},
                                   {"control_regret", each.scene.control_regret()}});
   }
+  for (const StudyRow& row : report.rows) document["rows"].push_back(RowJson(report, row));
   PrintJson(document, out);
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <ostream>
 #include <span>
 #include <string>
@@ -20,15 +19,10 @@ struct ReplayReport {
 };
 
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
-// The rows alone, an array.
-nlohmann::ordered_json RowsJson(const ReplayReport& report);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 
 // One row per game. The errors of CsvFile.
 Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path);
 void WriteReplayCsv(const ReplayReport& report, CsvFile& csv);
-
-// "+1.23 %"
-std::string Percent(double ratio);
 
 }  // namespace sweepstake::cli

@@ -1,7 +1,6 @@
 #include "engine_client/cli/replay/replay_study.h"
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 
 #include "engine_client/cli/io/parallel.h"
@@ -166,7 +165,7 @@ void Summarize(StudyRow& row) {
   row.regret_oracle = Mean(Column(games, &StudyGame::regret_oracle));
   row.headroom = Mean(Column(games, &StudyGame::headroom));
   row.frame_headroom = Mean(Column(games, &StudyGame::frame_headroom));
-  if (row.headroom >= kLeastHeadroom) row.headroom_captured = -row.regret_best_fixed / row.headroom;
+  if (row.headroom >= kMinHeadroom) row.headroom_captured = -row.regret_best_fixed / row.headroom;
   row.active_share = Mean(Column(games, &StudyGame::active_share));
   row.shadow_share = Mean(Column(games, &StudyGame::shadow_share));
   row.dominant_arm = MostOften(games);

@@ -4,26 +4,35 @@
 // fixed arm on the same frames, minus 1: negative is better than any fixed arm.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine_client/cli/io/statistics.h"
-#include "engine_client/cli/replay/replay_players.h"
 #include "engine_client/cli/replay/replay_run.h"
 #include "engine_client/cli/replay/replay_scene.h"
 
 namespace sweepstake::cli {
+
+// Who plays a traced scene: a policy, one arm all the time, or the oracle that knows everything.
+struct ReplayPlayer {
+  enum class Kind { kPolicy, kFixed, kOracle };
+  std::string name;  // "paper", "fixed:SAP", "oracle"
+  Kind kind = Kind::kPolicy;
+  uint32_t arm = 0;  // of kFixed
+};
 
 enum class ReplayPriors {
   kNone,
   kRight,  // what another seed's run of the same policy on the same trace had learnt at its end
   kWrong,  // the same, the arms' ranking reversed
 };
+inline constexpr std::array<std::string_view, 3> kReplayPriorsNames = {"none", "right", "wrong"};
 
 struct StudyOptions {
   std::vector<ReplayPlayer> players;
@@ -70,7 +79,7 @@ struct StudyRow {
   Interval after_start_up_ci95;
   double headroom = 0;
   double frame_headroom = 0;
-  std::optional<double> headroom_captured;  // absent: less than kLeastHeadroom is there
+  std::optional<double> headroom_captured;  // absent: less than kMinHeadroom is there
   double switches = 0;
   double active_share = 0;
   uint32_t dominant_arm = 0;  // in most games
@@ -86,7 +95,7 @@ struct StudyRow {
   std::optional<AgainstPaper> against_paper;
 };
 
-inline constexpr double kLeastHeadroom = 0.005;
+inline constexpr double kMinHeadroom = 0.005;
 
 // Rows by scene, then by player. `on_game` hears from the calling thread how many of all games are
 // done. REQUIRES: valid decision options; scenes with the same arms.

@@ -1,4 +1,4 @@
-#include "tests/bench/system_call_counter.h"
+#include "tests/bench/programs/system_call_counter.h"
 
 #include <linux/filter.h>
 #include <linux/seccomp.h>

@@ -28,7 +28,7 @@
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/telemetry/sample_queue.h"
-#include "tests/bench/system_call_counter.h"
+#include "tests/bench/programs/system_call_counter.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/malloc_counter.h"
 #include "tests/support/wait_counter.h"

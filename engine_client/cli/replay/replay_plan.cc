@@ -1,0 +1,151 @@
+#include "engine_client/cli/replay/replay_plan.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/trace/costs_file.h"
+#include "server/decision/study/ablations.h"
+
+namespace sweepstake::cli {
+namespace {
+
+Status Invalid(const std::string& message) { return {StatusCode::kInvalidArgument, message}; }
+
+std::string Joined(std::span<const std::string> words) {
+  std::string joined;
+  for (const std::string& word : words) joined += (joined.empty() ? "" : ", ") + word;
+  return joined;
+}
+
+std::optional<uint32_t> IndexOf(std::string_view name, std::span<const std::string> names) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) return std::nullopt;
+  return static_cast<uint32_t>(found - names.begin());
+}
+
+Result<ReplayPlayer> FixedPlayer(const std::string& word, std::span<const std::string> arms) {
+  const auto arm = IndexOf(std::string_view(word).substr(std::string_view("fixed:").size()), arms);
+  if (!arm) {
+    return Invalid("the traces have no arm for '" + word + "'; their arms are " + Joined(arms));
+  }
+  return ReplayPlayer{.name = word, .kind = ReplayPlayer::Kind::kFixed, .arm = *arm};
+}
+
+Status CheckPolicy(const std::string& word) {
+  std::vector<std::string> names;
+  for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies()))
+    names.emplace_back(name);
+  if (IndexOf(word, names)) return {};
+  return Invalid("there is no policy '" + word + "'; use " + Joined(names) +
+                 ", all, fixed, fixed:ARM, oracle");
+}
+
+Status ReadDuration(const std::string& text, uint64_t& ns) {
+  if (text.empty()) return {};
+  const auto duration = ParseDuration(text);
+  if (!duration.ok()) return duration.status();
+  ns = *duration;
+  return {};
+}
+
+// The game of the trace number `trace`.
+Result<GameOptions> GameOf(const ReplayRequest& request, size_t trace) {
+  GameOptions game;
+  const std::string pass = request.passes.empty()       ? ""
+                           : request.passes.size() == 1 ? request.passes.front()
+                                                        : request.passes[trace];
+  for (const auto& [text, ns] : {std::pair(&request.run, &game.run_ns),
+                                 {&pass, &game.pass_ns},
+                                 {&request.frame, &game.frame_ns},
+                                 {&request.other_work, &game.other_work_ns}}) {
+    if (const Status status = ReadDuration(*text, *ns); !status.ok()) return status;
+  }
+  return game;
+}
+
+Result<StudyScene> ReadScene(const ReplayRequest& request, size_t trace) {
+  const std::string& file = request.costs[trace];
+  const auto game = GameOf(request, trace);
+  if (!game.ok()) return game.status();
+  const auto costs = ReadCosts(file);
+  if (!costs.ok()) return costs.status();
+  auto scene = ReplayScene::Create(*costs, *game);
+  if (!scene.ok()) return Status(scene.status().code(), file + ": " + scene.status().message());
+  return StudyScene{file, std::move(*scene)};
+}
+
+Status CheckSameArms(const std::vector<StudyScene>& scenes) {
+  for (const StudyScene& each : scenes) {
+    if (each.scene.arms() == scenes.front().scene.arms()) continue;
+    return Invalid(each.name + " has the arms " + Joined(each.scene.arms()) + ", but " +
+                   scenes.front().name + " has " + Joined(scenes.front().scene.arms()) +
+                   "; replay them apart, or trace them with the same --arms");
+  }
+  return {};
+}
+
+Result<std::vector<StudyScene>> ReadScenes(const ReplayRequest& request) {
+  if (request.passes.size() > 1 && request.passes.size() != request.costs.size()) {
+    return Invalid("--pass has " + std::to_string(request.passes.size()) + " durations for " +
+                   std::to_string(request.costs.size()) +
+                   " traces; give one, or one for each of --costs");
+  }
+  std::vector<StudyScene> scenes;
+  for (size_t trace = 0; trace < request.costs.size(); ++trace) {
+    auto scene = ReadScene(request, trace);
+    if (!scene.ok()) return scene.status();
+    scenes.push_back(std::move(*scene));
+  }
+  if (const Status status = CheckSameArms(scenes); !status.ok()) return status;
+  return scenes;
+}
+
+}  // namespace
+
+Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
+                                                std::span<const std::string> arms) {
+  std::vector<ReplayPlayer> players;
+  for (const std::string& word : words) {
+    if (word == "all") {
+      for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies())) {
+        if (name != "default") players.push_back({.name = std::string(name)});
+      }
+    } else if (word == "fixed") {
+      for (const std::string& arm : arms) players.push_back(*FixedPlayer("fixed:" + arm, arms));
+    } else if (word.starts_with("fixed:")) {
+      const auto player = FixedPlayer(word, arms);
+      if (!player.ok()) return player.status();
+      players.push_back(*player);
+    } else if (word == "oracle") {
+      players.push_back({.name = word, .kind = ReplayPlayer::Kind::kOracle});
+    } else {
+      if (const Status status = CheckPolicy(word); !status.ok()) return status;
+      players.push_back({.name = word});
+    }
+  }
+  return players;
+}
+
+Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
+  auto scenes = ReadScenes(request);
+  if (!scenes.ok()) return scenes.status();
+  auto players = ReplayPlayers(request.policies, scenes->front().scene.arms());
+  if (!players.ok()) return players.status();
+  const auto priors =
+      std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
+  if (priors == kReplayPriorsNames.end()) {
+    return Invalid("there are no priors '" + request.priors + "'; use none, right or wrong");
+  }
+  ReplayPlan plan{.scenes = std::move(*scenes), .study = {}};
+  plan.study.players = std::move(*players);
+  plan.study.seed_count = request.seed_count;
+  plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());
+  if (request.no_shadow) plan.study.shadow_lane = false;
+  plan.study.thread_count = request.thread_count;
+  return plan;
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,308 @@
+"""Tests of judge.py: goals that are met and missed, and input that is incomplete, which is an error."""
+
+import contextlib
+import copy
+import io
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import judge  # noqa: E402
+
+
+def run(words, documents=()):
+    """The exit code, stdout and stderr of judge.py with `documents` written to files at the end of its words."""
+    out, err = io.StringIO(), io.StringIO()
+    with tempfile.TemporaryDirectory() as folder:
+        paths = []
+        for number, document in enumerate(documents):
+            paths.append(pathlib.Path(folder) / f"{number}.json")
+            paths[-1].write_text(document if isinstance(document, str) else json.dumps(document))
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = judge.main([*words, *map(str, paths)])
+    return code, out.getvalue(), err.getvalue()
+
+
+# Backends -----------------------------------------------------------------------------------------------------------------
+
+
+def bench_row(arm, ms=1.0, kind="arm", family=None, scene="suite-b", objects=10_000, threads=1, **more):
+    return {"scene": scene, "objects": objects, "arm": arm, "threads": threads, "frames": 10, "ms_median": ms, "ms_mean": ms,
+            "ms_min": ms, "ms_p99": ms, "pairs_mean": 5.0, "aabb_checks_mean": None, "bytes": None, "kind": kind,
+            "family": family or arm} | more
+
+
+def ratio(kind, ours, other, value, scene="suite-b", objects=10_000, threads=1, family=None):
+    return {"scene": scene, "objects": objects, "threads": threads, "kind": kind, "family": family or ours, "ours": ours,
+            "other": other, "value": value, "value_mean": value}
+
+
+def speedup(arm, peer, times, scene="suite-b", objects=10_000):
+    return {"scene": scene, "objects": objects, "arm": arm, "peer": peer, "median": times, "mean": 2 * times}
+
+
+def bench_document(rows, ratios=(), speedups=()):
+    machine = {"date": "2026-01-31", "program": "1", "cpu": "A processor", "cores": 2, "system": "Linux", "compiler": "gcc",
+               "simd": "AVX2", "libraries": {"hwy": "1"}, "absent_peers": []}
+    return {"command": "bench", "machine": machine, "rows": list(rows), "ratios": list(ratios), "speedups": list(speedups)}
+
+
+def judged(document):
+    code, out, err = run(["bench", "--json"], [document])
+    return code, json.loads(out), err
+
+
+class BenchGoals(unittest.TestCase):
+    def goal_of(self, **fields):
+        goals = judge.read_goals(judge.DATA / "goals.toml")
+        return judge.bench_goal(goals, ratio(**({"kind": "family", "ours": "Grid", "other": "Peer", "value": 1.0} | fields)))[0]
+
+    def test_depend_on_the_scene_and_its_size(self):
+        for fields, goal in (
+            ({"kind": "overall", "objects": 1_000}, 5),
+            ({"kind": "overall", "scene": "suite-h", "objects": 100_000}, 10),
+            ({"kind": "overall", "scene": "suite-g", "objects": 1_000}, 10),
+            ({"kind": "overall", "scene": "beams"}, 3),
+            ({"kind": "overall", "scene": "nearly-resting"}, None),
+            ({"ours": "DBVT", "objects": 1_000}, 7),
+            ({"ours": "DBVT", "scene": "nearly-resting"}, 1.3),
+            ({"ours": "DBVT", "scene": "beams"}, None),
+            ({"ours": "Tracy"}, 20),
+            ({"ours": "Tracy", "other": "PhysxMbp"}, 4),
+            ({"kind": "threads", "threads": 2}, 1.7),
+            ({"kind": "threads", "threads": 4}, None),
+            ({"kind": "threads", "threads": 2, "objects": 1_000}, None),
+            ({"kind": "spike"}, 2),
+            ({"kind": "growth"}, 2),
+        ):
+            self.assertEqual(self.goal_of(**fields), goal, fields)
+
+    def test_exist_for_every_family(self):
+        for family in ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"):
+            self.assertIsNotNone(self.goal_of(ours=family), family)
+
+    def test_are_met_at_the_limit_and_missed_beside_it(self):
+        for kind, ours, value, code in (("family", "Grid", 6.0, 0), ("family", "Grid", 5.99, 1),
+                                        ("spike", "KDTree", 2.0, 0), ("spike", "KDTree", 2.01, 1)):
+            found, document, _ = judged(bench_document([bench_row(ours)], [ratio(kind, ours, "Peer", value)]))
+            self.assertEqual(found, code, (kind, value))
+            self.assertEqual(document["goals"][0]["met"], code == 0)
+            self.assertEqual(document["rows"], [bench_row(ours)], "the document stays whole")
+
+    def test_of_memory_count_the_pairs(self):
+        row = bench_row("KDTree", objects=100_000, bytes_with_pairs=9_000_000)
+        code, document, _ = judged(bench_document([row]))
+        self.assertEqual((code, document["goals"][0]["value"], document["goals"][0]["other"]), (0, 0.75, "12 MB"))
+        row["bytes_with_pairs"] = 12_000_001
+        self.assertEqual(judged(bench_document([row]))[0], 1)
+
+
+class PublishedFigures(unittest.TestCase):
+    def test_are_reached_through_embree(self):
+        _, document, _ = judged(bench_document(
+            [bench_row("SAP")], speedups=[speedup("SAP", "Embree", 5), speedup("SAP", "BulletDbvtDeferred", 7)]))
+        own = [each for each in document["published"] if each["kind"] == "family"]
+        self.assertEqual([(each["other"], each["derived_through"]) for each in own], [("BroadmarkSap", "Embree")])
+        self.assertAlmostEqual(own[0]["value"], 5 * 2.39 / 2.50)
+        self.assertAlmostEqual(own[0]["value_mean"], 10 * 2.39 / 2.50)
+
+    def test_are_reached_through_bullet_without_embree(self):
+        _, document, _ = judged(bench_document([bench_row("SAP")], speedups=[speedup("SAP", "BulletDbvtDeferred", 7)]))
+        overall = [each for each in document["published"] if each["kind"] == "overall"]
+        self.assertEqual([(each["other"], each["derived_through"]) for each in overall], [("PhysxAbp", "BulletDbvtDeferred")])
+        self.assertAlmostEqual(overall[0]["value"], 7 * 1.00 / 5.93)
+
+    def test_are_compared_with_our_fastest_arm_of_one_thread(self):
+        rows = [bench_row("Grid", 2.0), bench_row("SAP", 1.0), bench_row("KDTree", 0.5, threads=2)]
+        _, document, _ = judged(bench_document(rows, speedups=[speedup(arm, "Embree", 5) for arm in ("Grid", "SAP")]))
+        self.assertEqual([each["ours"] for each in document["published"] if each["kind"] == "overall"], ["SAP"])
+
+    def test_do_not_exist_for_other_cells(self):
+        for scene, objects in (("suite-b", 2_000), ("planar", 10_000), ("suite-h", 1_000_000)):
+            row = bench_row("SAP", scene=scene, objects=objects)
+            _, document, _ = judged(bench_document([row], speedups=[speedup("SAP", "Embree", 5, scene, objects)]))
+            self.assertEqual(document["published"], [])
+
+    def test_belong_to_families_and_have_a_figure_of_the_suite(self):
+        figures, families, bridges = judge.read_published(judge.DATA / "published_figures.csv")
+        self.assertEqual(bridges, ["Embree", "BulletDbvtDeferred"])
+        for peer, family in families.items():
+            self.assertIn((peer, "suite-b", 10_000), figures)
+            self.assertIn(family, ("any", "BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"))
+
+
+class BenchText(unittest.TestCase):
+    def test_has_every_row_and_says_which_goal_is_missed(self):
+        document = bench_document(
+            [bench_row("Grid"), bench_row("Peer", kind="peer", family="Grid", note="stopped by the cap of 2.0 s"),
+             bench_row("Wrong", kind="peer", family="Grid", difference="step 1: other pairs")],
+            [ratio("overall", "Grid", "Peer", 9.0), ratio("family", "Grid", "Peer", 2.0)])
+        code, out, _ = run(["bench"], [document])
+        self.assertEqual(code, 1)
+        for text in ("suite-b, 10000 objects, 5.0 pairs per frame", "Peer in suite-b (10000 objects): stopped by the cap",
+                     "FAILED Wrong in suite-b", "A processor, 2 cores"):
+            self.assertIn(text, out)
+        lines = [line.split() for line in out.splitlines()]
+        self.assertIn(["overall", "Grid", "1", "Peer", "9.00", "9.00", "5.0", "met", "-"], lines)
+        self.assertIn(["family", "Grid", "1", "Peer", "2.00", "2.00", "6.0", "NOT", "MET", "-"], lines)
+
+    def test_puts_what_was_measured_elsewhere_behind_what_was_measured_here(self):
+        document = bench_document([bench_row("SAP"), bench_row("Grid")],
+                                  [ratio("overall", "SAP", "Peer", 9.0), ratio("family", "SAP", "Peer", 8.0),
+                                   ratio("family", "Grid", "Peer", 7.0)],
+                                  [speedup("SAP", "Embree", 50), speedup("Grid", "Embree", 50)])
+        ratios = judge.BenchJudge(document, judge.read_goals(judge.DATA / "goals.toml"),
+                                  judge.read_published(judge.DATA / "published_figures.csv")).ratios()
+        self.assertEqual([(each["kind"], each["ours"], each["other"]) for each in ratios],
+                         [("overall", "SAP", "Peer"), ("overall", "SAP", "PhysxAbp"), ("family", "SAP", "Peer"),
+                          ("family", "SAP", "BroadmarkSap"), ("family", "Grid", "Peer"), ("family", "Grid", "BroadmarkGrid")])
+
+
+# Decisions ----------------------------------------------------------------------------------------------------------------
+
+
+CELLS = {"stationary": "brownian-1000-1", "changing": "waves-3000-2", "resonant": "waves-3000-2"}
+LIST = ("# a comment\n\nbrownian 1000 3000 1 15m stationary # the paper's\n"
+        "waves 3000 3600 2 12m changing\nwaves 3000 3600 2 90s resonant\n")
+PASS_NS = {"stationary": 900_000_000_000, "changing": 720_000_000_000, "resonant": 90_000_000_000}
+
+
+def replay_row(category, policy, priors, **figures):
+    good = {"none": -0.08 if category == "changing" else 0.01, "right": 0.005, "wrong": 0.03}[priors]
+    return {"costs": f"traces/{CELLS[category]}.costs", "policy": policy, "priors": priors, "pass_ns": PASS_NS[category],
+            "regret_best_fixed": 0.2 if policy == "paper" else good, "ci95": [0.0, 0.02], "regret_after_start": 0.005,
+            "headroom": 0.1, "headroom_captured": 0.8, "switches": 1.0, "active_share": 0.9, "bail_outs": 0.0} | figures
+
+
+class Replays:
+    """Documents of a policy that reaches every goal, to be changed by a test."""
+
+    def __init__(self):
+        scenes = [{"costs": f"traces/{cell}.costs", "control_regret": -0.004} for cell in CELLS.values()]
+        self.documents = [{"command": "replay", "seeds": 30, "scenes": scenes, "rows": []} for _ in range(3)]
+        for document, priors in zip(self.documents, ("none", "right", "wrong")):
+            for category in CELLS:
+                for policy in ("default", "paper") if priors == "none" else ("default",):
+                    document["rows"].append(replay_row(category, policy, priors))
+        self.documents.append({"command": "decision_tick_bench", "rows": [
+            {"policy": "default", "arms": 7, "p99_ms": 0.02}, {"policy": "default", "arms": 32, "p99_ms": 0.2}]})
+
+    def change(self, category, priors, policy="default", **figures):
+        for document in self.documents[:3]:
+            for row in document["rows"]:
+                if (row["pass_ns"], row["priors"], row["policy"]) == (PASS_NS[category], priors, policy):
+                    row.update(figures)
+        return self
+
+    def judge(self, words=()):
+        with tempfile.TemporaryDirectory() as folder:
+            cells = pathlib.Path(folder) / "cells.txt"
+            cells.write_text(LIST)
+            return run(["decisions", "--cells", str(cells), *words], copy.deepcopy(self.documents))
+
+    def missed(self):
+        code, out, err = self.judge(["--json"])
+        assert code in (0, 1), err
+        goals = json.loads(out)["goals"]
+        names = [goal["goal"] for goal in goals if goal["reached"] is not None and not goal["met"]]
+        assert code == (1 if names else 0)
+        return names
+
+
+class DecisionGoals(unittest.TestCase):
+    def test_are_all_met_by_a_policy_that_reaches_every_limit(self):
+        self.assertEqual(Replays().missed(), [])
+
+    def test_are_each_missed_by_their_own_figure(self):
+        for category, priors, figures, goal in (
+            ("stationary", "none", {"regret_after_start": 0.0101}, "stationary, after start-up"),
+            ("stationary", "right", {"regret_best_fixed": 0.0101}, "stationary, with a same-class prior"),
+            ("changing", "none", {"regret_best_fixed": 0.0}, "changing: better than the best fixed arm"),
+            ("changing", "none", {"headroom_captured": 0.49}, "changing: share of the oracle's headroom"),
+            ("resonant", "none", {"regret_best_fixed": 0.041}, "regimes up to the cooldown"),
+            ("stationary", "wrong", {"regret_best_fixed": 0.041}, "wrong prior"),
+            ("resonant", "wrong", {"bail_outs": 0.1}, "bail-outs with the shadow lane"),
+        ):
+            self.assertEqual(Replays().change(category, priors, **figures).missed(), [goal])
+        cold = Replays().change("stationary", "none", regret_best_fixed=0.0251)
+        self.assertEqual(cold.change("stationary", "none", "paper", regret_best_fixed=0.5).missed(),
+                         ["stationary, with the cold start"])
+        self.assertEqual(Replays().change("stationary", "none", "paper", regret_best_fixed=0.09).missed(),
+                         ["stationary regret of paper against it"])
+
+    def test_of_a_decisions_time_excludes_the_limit(self):
+        replays = Replays()
+        replays.documents[3]["rows"][1]["p99_ms"] = 1.0
+        self.assertEqual(replays.missed(), ["a decision, p99 with 32 arms"])
+
+    def test_leave_out_changing_scenes_without_headroom(self):
+        self.assertEqual(Replays().change("changing", "none", headroom=0.04, regret_best_fixed=0.02).missed(), [])
+
+    def test_the_worst_cell_speaks_for_a_goal_and_comes_first(self):
+        goals = json.loads(Replays().change("resonant", "wrong", regret_best_fixed=0.05).judge(["--json"])[1])["goals"]
+        goal = next(each for each in goals if each["goal"] == "wrong prior")
+        self.assertEqual(goal["reached"], 0.05)
+        self.assertEqual([cell["met"] for cell in goal["cells"]], [False, True, True])
+
+    def test_a_policy_without_regret_leaves_nothing_of_papers(self):
+        code, out, _ = Replays().change("stationary", "none", regret_best_fixed=-0.01).judge()
+        self.assertEqual(code, 0)
+        self.assertIn("none left", out)
+
+
+class Incomplete(unittest.TestCase):
+    """What is missing is an error, never a goal that is met."""
+
+    def check(self, replays, *said):
+        code, out, err = replays.judge()
+        self.assertEqual((code, out), (2, ""))
+        for text in said:
+            self.assertIn(text, err)
+
+    def test_a_cell_without_a_row_of_any_prior(self):
+        for number, priors in enumerate(("none", "right", "wrong")):
+            replays = Replays()
+            rows = replays.documents[number]["rows"]
+            rows[:] = [row for row in rows if row["pass_ns"] != PASS_NS["resonant"]]
+            self.check(replays, "waves-3000-2", f"priors {priors}", "90s")
+
+    def test_no_row_of_paper(self):
+        replays = Replays()
+        replays.documents[0]["rows"] = [row for row in replays.documents[0]["rows"] if row["policy"] != "paper"]
+        self.check(replays, "policy paper")
+
+    def test_no_time_of_a_decision(self):
+        replays = Replays()
+        del replays.documents[3]
+        self.check(replays, "time of a decision")
+
+    def test_a_figure_that_nobody_knows(self):
+        self.check(Replays().change("changing", "none", headroom_captured=None), "waves-3000-2 has no headroom_captured")
+
+    def test_a_row_without_a_column(self):
+        replays = Replays()
+        del replays.documents[0]["rows"][0]["headroom"]
+        self.check(replays, "'headroom'")
+
+    def test_documents_of_other_commands_and_broken_ones(self):
+        for document in ("{", "[]", {"command": "trace", "rows": []}, bench_document([])):
+            self.assertEqual(run(["bench"], [document])[0], 2, document)
+
+    def test_lists_with_lines_that_are_none(self):
+        for text in ("brownian 1000 3000 1 15m", "brownian 1000 3000 1 15m calm", "brownian 1000 3000 1 15 stationary", "# none"):
+            with tempfile.TemporaryDirectory() as folder:
+                path = pathlib.Path(folder) / "cells.txt"
+                path.write_text(text)
+                with self.assertRaises(judge.InputError):
+                    judge.read_cells(path)
+
+    def test_goals_without_a_limit(self):
+        with self.assertRaises(judge.InputError):
+            judge.limit_of({"goal": "nothing"})
+
+
+if __name__ == "__main__":
+    unittest.main()
