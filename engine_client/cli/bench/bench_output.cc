@@ -180,12 +180,22 @@ const char* RatioKindName(RatioKind kind) {
 void PrintBenchJson(const BenchReport& report, std::ostream& out) {
   Json document = {{"command", "bench"},          {"warmup", report.options.warmup},
                    {"seed", report.options.seed}, {"machine", MachineJson(report.machine)},
-                   {"rows", Json::array()},       {"ratios", Json::array()}};
+                   {"rows", Json::array()},       {"ratios", Json::array()},
+                   {"speedups", Json::array()}};
   for (const BenchRow& row : report.rows) {
     document["rows"].push_back(RowJson(row, report.cells[row.cell]));
   }
   for (const BenchRatio& ratio : report.ratios) {
     document["ratios"].push_back(RatioJson(ratio, report.cells[ratio.cell]));
+  }
+  for (const BenchSpeedup& speedup : report.speedups) {
+    const BenchCell& cell = report.cells[speedup.cell];
+    document["speedups"].push_back({{"scene", cell.scene},
+                                    {"objects", cell.object_count},
+                                    {"arm", speedup.arm},
+                                    {"peer", speedup.peer},
+                                    {"median", speedup.median},
+                                    {"mean", speedup.mean}});
   }
   PrintJson(document, out);
 }

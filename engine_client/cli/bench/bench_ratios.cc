@@ -236,4 +236,22 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
   return ratios;
 }
 
+std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report) {
+  const auto rows_of = [&](ContestantKind kind) {
+    return RowsWhere(
+        report, [&](const BenchRow& row) { return row.kind == kind && row.thread_count == 1; });
+  };
+  std::vector<BenchSpeedup> speedups;
+  const Rows peers = rows_of(ContestantKind::kPeer);
+  for (const BenchRow* arm : rows_of(ContestantKind::kArm)) {
+    for (const BenchRow* peer : peers) {
+      if (peer->cell != arm->cell) continue;
+      const auto speedup = SpeedupOver(*arm, *peer);
+      if (!speedup) continue;
+      speedups.push_back({arm->cell, arm->name, peer->name, speedup->median, speedup->mean});
+    }
+  }
+  return speedups;
+}
+
 }  // namespace sweepstake::cli

@@ -12,5 +12,6 @@ namespace sweepstake::cli {
 
 // Of report.cells and report.rows. Rows with a difference count on neither side.
 std::vector<BenchRatio> RatiosOf(const BenchReport& report);
+std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
 
 }  // namespace sweepstake::cli

@@ -107,12 +107,22 @@ struct BenchRatio {
   std::string derived_through;
 };
 
+// How many times faster an arm is than a peer over the frames that both measured, one thread each.
+struct BenchSpeedup {
+  size_t cell = 0;
+  std::string arm;
+  std::string peer;
+  double median = 0;
+  double mean = 0;
+};
+
 struct BenchReport {
   BenchMachine machine;
   BenchOptions options;
   std::vector<BenchCell> cells;
   std::vector<BenchRow> rows;  // by cell, family, kind, name and threads
   std::vector<BenchRatio> ratios;
+  std::vector<BenchSpeedup> speedups;  // every arm and every peer of a cell
 };
 
 }  // namespace sweepstake::cli

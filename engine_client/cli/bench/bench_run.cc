@@ -220,6 +220,7 @@ Result<BenchReport> RunBench(const BenchOptions& options, Terminal& terminal) {
     if (!status.ok()) return status;
   }
   report.ratios = RatiosOf(report);
+  report.speedups = SpeedupsOf(report);
   return report;
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "engine_client/cli/experiment/experiment_summary.h"
-#include "engine_client/cli/paper/paper_tables.h"
+#include "engine_client/cli/experiment/paper_tables.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {

@@ -47,6 +47,8 @@ class Bench {
     return *this;
   }
 
+  std::vector<BenchSpeedup> Speedups() const { return SpeedupsOf(report_); }
+
   // The ratios of one kind.
   std::vector<BenchRatio> Ratios(RatioKind kind) const {
     std::vector<BenchRatio> ratios = RatiosOf(report_);
@@ -130,6 +132,26 @@ TEST(Ratios, LeaveOutTheWarmUp) {
                           .Ratios(RatioKind::kFamily);
   EXPECT_DOUBLE_EQ(ratios.at(0).value, 3);
   EXPECT_DOUBLE_EQ(ratios.at(0).value_mean.value(), 3);
+}
+
+TEST(Speedups, CompareEveryArmWithEveryPeerOfItsCellOverTheirCommonFrames) {
+  const auto speedups = Bench()
+                            .Cell("suite-b", 500)
+                            .Arm("Grid", {1, 1, 10})
+                            .Arm("Grid", {1}, 2)
+                            .Peer("SAP", "Capped", {8})
+                            .Peer("SAP", "Wrong", {8})
+                            .Differs()
+                            .Cell("suite-b", 600)
+                            .Arm("SAP", {2})
+                            .Peer("Grid", "Slow", {6})
+                            .Speedups();
+  ASSERT_EQ(speedups.size(), 2U);
+  EXPECT_EQ(speedups[0].arm, "Grid");
+  EXPECT_EQ(speedups[0].peer, "Capped");
+  EXPECT_DOUBLE_EQ(speedups[0].median, 8);
+  EXPECT_EQ(speedups[1].cell, 1U);
+  EXPECT_DOUBLE_EQ(speedups[1].mean, 3);
 }
 
 TEST(Ratios, IgnoreAPeerWhosePairsAreWrong) {

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 TEST(Program, HelpOfEveryCommandEndsWithZeroAndShowsExamples) {
   for (const std::string command :
-       {"run", "check", "bench", "pairs", "record", "replay", "trace", "watch", "paper-check"}) {
+       {"run", "check", "bench", "pairs", "record", "replay", "trace", "watch"}) {
     const ProgramRun run = RunProgram(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command;
     EXPECT_THAT(run.out, HasSubstr("Examples:\n  sweepstake " + command)) << command;
@@ -60,7 +60,6 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"pairs --scene suite-b --frame 0 --arm Octree", "AxisSweep"},
       {"record --scene suite-b --frames 2 --out /nonexistent/x.aabbs", "/nonexistent"},
       {"bench --scene suite-b --colour", "--colour"},
-      {"paper-check --seeds 0", "--seeds"},
   };
   for (const auto& [arguments, said] : cases) {
     const ProgramRun run = RunProgram(arguments);
@@ -69,13 +68,6 @@ TEST(Program, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
     EXPECT_EQ(run.out, "") << arguments;
   }
-}
-
-TEST(Program, PaperCheckJudgesTheNineCellsAndItsExitCodeSaysWhetherAllMatch) {
-  const ProgramRun run = RunProgram("paper-check --seeds 1 --json");
-  const auto document = nlohmann::json::parse(run.out);
-  EXPECT_EQ(document["rows"].size(), 9U);
-  EXPECT_EQ(run.exit_code, document["matches"].get<bool>() ? 0 : 1);
 }
 
 TEST(Program, CheckPassesEveryArmInDegenerateScenesAndMixtures) {

@@ -15,9 +15,9 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/cli/io/statistics.h"
-#include "engine_client/cli/paper/paper_game.h"
-#include "engine_client/cli/paper/paper_tables.h"
+#include "tests/bench/paper_check/paper_game.h"
 
 namespace sweepstake::cli {
 

@@ -4,7 +4,7 @@
 #include <ostream>
 #include <span>
 
-#include "engine_client/cli/paper/paper_check.h"
+#include "tests/bench/paper_check/paper_check.h"
 
 namespace sweepstake::cli {
 

@@ -1,4 +1,4 @@
-#include "engine_client/cli/paper/paper_tables.h"
+#include "engine_client/cli/experiment/paper_tables.h"
 
 #include <algorithm>
 

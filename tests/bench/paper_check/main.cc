@@ -1,19 +1,26 @@
-#include "engine_client/cli/commands.h"
+// The program `paper_check`: is the policy `paper` the paper's? Its Table 4 beside what the real
+// decision core gives.
 
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iostream>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "engine_client/cli/experiment/paper_tables.h"
+#include "engine_client/cli/io/terminal.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/cli/paper/paper_check.h"
-#include "engine_client/cli/paper/paper_check_output.h"
-#include "engine_client/cli/paper/paper_fit.h"
-#include "engine_client/cli/paper/paper_tables.h"
+#include "tests/bench/paper_check/paper_check.h"
+#include "tests/bench/paper_check/paper_check_output.h"
+#include "tests/bench/paper_check/paper_fit.h"
 
 namespace sweepstake::cli {
 namespace {
 
-struct PaperCheckCommandOptions {
+struct PaperCheckProgramOptions {
   PaperCheckOptions check{.seed_count = 100,
                           .thread_count = std::max(std::thread::hardware_concurrency(), 1U)};
   bool refit = false;
@@ -44,7 +51,7 @@ std::vector<PaperCellFit> Refit(const PaperCheckOptions& options, Terminal& term
   return fits;
 }
 
-int PaperCheck(const PaperCheckCommandOptions& options, Terminal& terminal) {
+int PaperCheck(const PaperCheckProgramOptions& options, Terminal& terminal) {
   const std::vector<PaperCellFit> fits =
       options.refit ? Refit(options.check, terminal) : PaperFits();
   std::vector<PaperCheckRow> rows;
@@ -67,36 +74,46 @@ int PaperCheck(const PaperCheckCommandOptions& options, Terminal& terminal) {
   return all_match ? kDone : kCheckFailed;
 }
 
-void Declare(CLI::App& command, PaperCheckCommandOptions& options) {
-  command.add_option("--seeds", options.check.seed_count, "Runs per cell")
+constexpr char kFooter[] =
+    "Examples:\n"
+    "  paper_check\n"
+    "  paper_check --seeds 1000 --json\n"
+    "  paper_check --refit\n"
+    "The paper prints no costs of the arms. With costs fitted to each cell, the policy plays runs\n"
+    "of exploration and 15 min in virtual time; its mean switches, active share, posterior mean\n"
+    "and evidence of the dominant arm must all lie within the paper's mean ± 2 SD. Where the\n"
+    "paper's SD is 0 (five equal whole numbers), within half a switch. Exit code 1 where one does\n"
+    "not.\n";
+
+int Run(int argc, char** argv) {
+  CLI::App app("Compares the policy `paper` with the paper's Table 4", "paper_check");
+  PaperCheckProgramOptions options;
+  app.add_option("--seeds", options.check.seed_count, "Runs per cell")
       ->check(CLI::Range(uint32_t{1}, uint32_t{10'000}))
       ->capture_default_str();
-  command.add_option("--threads", options.check.thread_count, "Threads; the result is the same")
+  app.add_option("--threads", options.check.thread_count, "Threads; the result is the same")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
-  command.add_flag("--refit", options.refit,
-                   "Search for the arms' costs anew in place of the checked-in ones, and say them");
-  command.add_flag("--json", options.json, "One JSON document on stdout");
+  app.add_flag("--refit", options.refit,
+               "Search for the arms' costs anew in place of the checked-in ones, and say them");
+  app.add_flag("--json", options.json, "One JSON document on stdout");
+  app.footer(kFooter);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, std::cout, std::cerr) == 0 ? kDone : kBadUsage;
+  }
+  const bool is_tty = isatty(STDERR_FILENO) == 1;
+  constexpr size_t kColumns = 80;
+  Terminal terminal{.out = std::cout,
+                    .err = std::cerr,
+                    .out_is_tty = isatty(STDOUT_FILENO) == 1,
+                    .err_is_tty = is_tty,
+                    .err_columns = is_tty ? kColumns : 0};
+  return PaperCheck(options, terminal);
 }
 
 }  // namespace
-
-void AddPaperCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  AddCommand<PaperCheckCommandOptions>(
-      app, "paper-check", "Compare the policy `paper` with the paper's Table 4",
-      "  sweepstake paper-check\n"
-      "  sweepstake paper-check --seeds 1000 --json\n"
-      "  sweepstake paper-check --refit\n"
-      "The paper prints no costs of the arms. With costs fitted to each cell, the policy plays "
-      "runs\n"
-      "of exploration and 15 min in virtual time; its mean switches, active share, posterior mean\n"
-      "and evidence of the dominant arm must all lie within the paper's mean ± 2 SD. Where the\n"
-      "paper's SD is 0 (five equal whole numbers), within half a switch. Exit code 1 where one "
-      "does\n"
-      "not.\n",
-      exit_code, Declare, [&terminal](const PaperCheckCommandOptions& options) {
-        return PaperCheck(options, terminal);
-      });
-}
-
 }  // namespace sweepstake::cli
+
+int main(int argc, char** argv) { return sweepstake::cli::Run(argc, argv); }

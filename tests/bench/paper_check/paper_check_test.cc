@@ -1,5 +1,5 @@
 // The paper's Table 4 against the real decision core, with few seeds that stay the same.
-#include "engine_client/cli/paper/paper_check.h"
+#include "tests/bench/paper_check/paper_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <sstream>
 #include <vector>
 
-#include "engine_client/cli/paper/paper_check_output.h"
-#include "engine_client/cli/paper/paper_fit.h"
+#include "tests/bench/paper_check/paper_check_output.h"
+#include "tests/bench/paper_check/paper_fit.h"
 
 namespace sweepstake::cli {
 namespace {

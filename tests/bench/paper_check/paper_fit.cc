@@ -1,4 +1,4 @@
-#include "engine_client/cli/paper/paper_fit.h"
+#include "tests/bench/paper_check/paper_fit.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine_client/cli/paper/paper_check.h"
+#include "tests/bench/paper_check/paper_check.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine_client/cli/paper/paper_check_output.h"
+#include "tests/bench/paper_check/paper_check_output.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

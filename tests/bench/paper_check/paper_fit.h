@@ -14,9 +14,9 @@
 #include <span>
 #include <vector>
 
-#include "engine_client/cli/paper/paper_check.h"
-#include "engine_client/cli/paper/paper_game.h"
-#include "engine_client/cli/paper/paper_tables.h"
+#include "engine_client/cli/experiment/paper_tables.h"
+#include "tests/bench/paper_check/paper_check.h"
+#include "tests/bench/paper_check/paper_game.h"
 
 namespace sweepstake::cli {
 

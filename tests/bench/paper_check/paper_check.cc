@@ -1,4 +1,4 @@
-#include "engine_client/cli/paper/paper_check.h"
+#include "tests/bench/paper_check/paper_check.h"
 
 #include <algorithm>
 #include <cassert>
@@ -19,7 +19,7 @@ constexpr double kNotLearnt = 2 + 2;  // of n*: the prior and the exploration's 
 
 // Five equal whole numbers have a deviation of 0, which says no more than that the mean is nearer
 // to theirs than to the next.
-constexpr double kLeastSwitchTolerance = 0.5;
+constexpr double kMinSwitchTolerance = 0.5;
 
 PaperCheckFigure Figure(std::string_view name, const PaperFigure& paper, double tolerance,
                         const std::vector<double>& values) {
@@ -76,7 +76,7 @@ PaperCheckRow JudgePaperGames(const PaperCell& cell, const PaperCellFit& fit,
     switches.push_back(static_cast<double>(game.switch_count));
     if (Dominates(cell, game)) dominant.push_back(game);
   }
-  const double tolerance = std::max(2 * cell.switches.deviation, kLeastSwitchTolerance);
+  const double tolerance = std::max(2 * cell.switches.deviation, kMinSwitchTolerance);
   return {
       .cell = cell,
       .fit = fit,

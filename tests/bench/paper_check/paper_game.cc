@@ -1,4 +1,4 @@
-#include "engine_client/cli/paper/paper_game.h"
+#include "tests/bench/paper_check/paper_game.h"
 
 #include <algorithm>
 #include <optional>
