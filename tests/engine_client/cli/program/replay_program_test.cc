@@ -16,7 +16,7 @@ using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// A folder with brownian-100-1.costs and a list that names it.
+// A folder with brownian-100-1.costs.
 class ReplayProgram : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -27,7 +27,6 @@ class ReplayProgram : public testing::Test {
         "--out " +
         Costs());
     ASSERT_EQ(run.exit_code, 0) << run.err;
-    std::ofstream(List()) << "brownian 100 80 1 60s stationary\n";
   }
   static void TearDownTestSuite() { std::filesystem::remove_all(folder()); }
 
@@ -36,7 +35,6 @@ class ReplayProgram : public testing::Test {
     return path;
   }
   static std::string Costs() { return folder() + "/brownian-100-1.costs"; }
-  static std::string List() { return folder() + "/scenes.txt"; }
 };
 
 TEST_F(ReplayProgram, PrintsOneJsonDocumentWithTheRowsOfTheContract) {
@@ -96,20 +94,16 @@ TEST_F(ReplayProgram, WritesEveryGameAsARow) {
   EXPECT_EQ(rows, 8);
 }
 
-TEST_F(ReplayProgram, JudgesTheGoalsAndSaysWhereItMissedOne) {
-  const ProgramRun run = RunProgram("replay --goals " + List() + " --traces " + folder() +
-                                    " --policy random,paper --seeds 3 --run 2m --json");
-  EXPECT_EQ(run.exit_code, 1) << "a random choice among arms misses goals; " << run.err;
-  const json document = json::parse(run.out);
-  EXPECT_EQ(document["policy"], "random");
-  ASSERT_EQ(document["goals"].size(), 10U);
-  const json& goal = document["goals"][0];
-  EXPECT_EQ(goal["goal"], "stationary, after start-up");
-  EXPECT_EQ(goal["limit"], 0.01);
-  EXPECT_EQ(goal["met"], false);
-  EXPECT_GT(goal["reached"], 0.01);
-  EXPECT_EQ(goal["cells"][0]["cell"], "brownian-100-1");
-  EXPECT_TRUE(document["goals"][3]["reached"].is_null()) << "no scene of the list changes";
+TEST_F(ReplayProgram, RowsSayTheirPriorsAndTheirPassOfWhichEachTraceMayHaveItsOwn) {
+  const ProgramRun run =
+      RunProgram("replay --costs " + Costs() + "," + Costs() +
+                 " --pass 90s,30s --policy random --seeds 2 --run 20s --priors wrong --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json rows = json::parse(run.out)["rows"];
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["pass_ns"], 90'000'000'000);
+  EXPECT_EQ(rows[1]["pass_ns"], 30'000'000'000);
+  EXPECT_EQ(rows[0]["priors"], "wrong");
 }
 
 TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
@@ -117,7 +111,10 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
     std::string arguments;
     std::string said;
   } cases[] = {
-      {"", "--goals SCENES.txt --traces FOLDER"},
+      {"", "give one of --costs FILE.costs and --log FILE.csv"},
+      {"--costs " + Costs() + " --log x.csv", "give one of --costs"},
+      {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
+      {"--costs " + Costs() + " --pass soon", "'soon' is no duration"},
       {"--costs " + Costs() + " --policy pape", "use default, "},
       {"--costs " + Costs() + " --policy fixed:KDTree", "their arms are BruteForce, Grid, SAP"},
       {"--costs " + Costs() + " --run 1", "'1' is no duration"},
@@ -125,8 +122,6 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"--costs " + Costs() + " --priors maybe", "--priors"},
       {"--costs " + Costs() + " --seeds 0", "--seeds"},
       {"--costs /nonexistent.costs", "/nonexistent.costs"},
-      {"--goals " + List(), "--traces"},
-      {"--goals " + List() + " --traces " + folder() + " --policy default", "paper"},
   };
   for (const auto& [arguments, said] : cases) {
     const ProgramRun run = RunProgram("replay " + arguments);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "engine_client/cli/replay/replay_fixed.h"
+#include "engine_client/cli/replay/replay_plan.h"
 #include "engine_client/cli/replay/replay_run.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "engine_client/cli/replay/replay_study.h"
