@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "engine_client/cli/experiment/experiment_html_words.h"
+#include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/cli/experiment/paper_tables.h"
 
 namespace sweepstake::cli {
 namespace {

@@ -5,9 +5,9 @@
 #include <set>
 #include <span>
 
+#include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/duration.h"
-#include "engine_client/cli/experiment/paper_tables.h"
 #include "server/decision/math/hash.h"
 #include "server/decision/session/session_setup.h"
 #include "sweepstake/broad_phase.h"

@@ -13,13 +13,13 @@
 namespace sweepstake::cli {
 
 struct ReplayRequest {
-  std::vector<std::string> costs;  // files of cost traces
+  std::vector<std::string> costs{};  // files of cost traces
   std::vector<std::string> policies = {"default", "paper"};
   // Durations as ParseDuration takes them; empty: the default of GameOptions.
   std::string run = "15m";
   std::string frame = "10ms";
-  std::string other_work;
-  std::vector<std::string> passes;  // none, one for all traces, or one for each
+  std::string other_work{};
+  std::vector<std::string> passes{};  // none, one for all traces, or one for each
   std::string priors = "none";      // none, right, wrong
   bool no_shadow = false;
   uint32_t seed_count = 30;
