@@ -11,6 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import judge  # noqa: E402
+from judging import backends, common, decisions  # noqa: E402
 
 
 def run(words, documents=()):
@@ -57,8 +58,8 @@ def judged(document):
 
 class BenchGoals(unittest.TestCase):
     def goal_of(self, **fields):
-        goals = judge.read_goals(judge.DATA / "goals.toml")
-        return judge.bench_goal(goals, ratio(**({"kind": "family", "ours": "Grid", "other": "Peer", "value": 1.0} | fields)))[0]
+        goals = common.read_goals(judge.DATA / "goals.toml")
+        return backends.bench_goal(goals, ratio(**({"kind": "family", "ours": "Grid", "other": "Peer", "value": 1.0} | fields)))[0]
 
     def test_depend_on_the_scene_and_its_size(self):
         for fields, goal in (
@@ -127,7 +128,7 @@ class PublishedFigures(unittest.TestCase):
             self.assertEqual(document["published"], [])
 
     def test_belong_to_families_and_have_a_figure_of_the_suite(self):
-        figures, families, bridges = judge.read_published(judge.DATA / "published_figures.csv")
+        figures, families, bridges = backends.read_published(judge.DATA / "published_figures.csv")
         self.assertEqual(bridges, ["Embree", "BulletDbvtDeferred"])
         for peer, family in families.items():
             self.assertIn((peer, "suite-b", 10_000), figures)
@@ -154,8 +155,8 @@ class BenchText(unittest.TestCase):
                                   [ratio("overall", "SAP", "Peer", 9.0), ratio("family", "SAP", "Peer", 8.0),
                                    ratio("family", "Grid", "Peer", 7.0)],
                                   [speedup("SAP", "Embree", 50), speedup("Grid", "Embree", 50)])
-        ratios = judge.BenchJudge(document, judge.read_goals(judge.DATA / "goals.toml"),
-                                  judge.read_published(judge.DATA / "published_figures.csv")).ratios()
+        ratios = backends.BenchJudge(document, common.read_goals(judge.DATA / "goals.toml"),
+                                  backends.read_published(judge.DATA / "published_figures.csv")).ratios()
         self.assertEqual([(each["kind"], each["ours"], each["other"]) for each in ratios],
                          [("overall", "SAP", "Peer"), ("overall", "SAP", "PhysxAbp"), ("family", "SAP", "Peer"),
                           ("family", "SAP", "BroadmarkSap"), ("family", "Grid", "Peer"), ("family", "Grid", "BroadmarkGrid")])
@@ -296,12 +297,12 @@ class Incomplete(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 path = pathlib.Path(folder) / "cells.txt"
                 path.write_text(text)
-                with self.assertRaises(judge.InputError):
-                    judge.read_cells(path)
+                with self.assertRaises(common.InputError):
+                    decisions.read_cells(path)
 
     def test_goals_without_a_limit(self):
-        with self.assertRaises(judge.InputError):
-            judge.limit_of({"goal": "nothing"})
+        with self.assertRaises(common.InputError):
+            common.limit_of({"goal": "nothing"})
 
 
 if __name__ == "__main__":

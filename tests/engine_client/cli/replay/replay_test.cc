@@ -8,10 +8,7 @@
 #include "engine_client/cli/replay/replay_fixed.h"
 #include "engine_client/cli/replay/replay_plan.h"
 #include "engine_client/cli/replay/replay_run.h"
-#include "engine_client/cli/replay/replay_scene.h"
-#include "engine_client/cli/replay/replay_study.h"
-#include "server/decision/study/ablations.h"
-#include "tests/engine_client/cli/trace/synthetic_trace.h"
+#include "tests/engine_client/cli/replay/replay_fixtures.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -21,25 +18,6 @@ using testing::Each;
 using testing::HasSubstr;
 
 constexpr double kMs = 1e6;
-
-ReplayScene SceneOf(const SyntheticTrace& trace, const GameOptions& options = {}) {
-  auto scene = ReplayScene::Create(MakeTrace(trace), options);
-  EXPECT_TRUE(scene.ok()) << scene.status().message();
-  return std::move(*scene);
-}
-
-// KDTree takes twice as long as AxisSweep, which `thresholds` prefers; a new structure's first
-// frame takes four times as long as a running one's, the five after the warm-up a tenth longer.
-SyntheticTrace TwiceAsSlow() {
-  SyntheticTrace trace;
-  trace.arms = {"AxisSweep", "KDTree"};
-  trace.detection_ns = [](uint32_t, uint32_t arm) { return arm == 0 ? 50'000 : 100'000; };
-  trace.slowdown = [](uint32_t k) {
-    if (k == 0) return 4.0;
-    return k < 3 ? 1.0 : 1.1;
-  };
-  return trace;
-}
 
 // Each arm takes a third of the other's time in one half of the trace.
 SyntheticTrace TwoRegimes() {
@@ -325,21 +303,6 @@ TEST(RunStudy, WrongPriorsAreTheRightOnesWithTheArmsRankingReversed) {
   const double wrong = Study(TwiceAsSlow(), options)[0].regret_best_fixed;
   EXPECT_LT(right, none);
   EXPECT_LT(none, wrong);
-}
-
-TEST(ReplayPlayers, SayWhatIsValid) {
-  const std::vector<std::string> arms = {"Grid", "SAP"};
-  const auto message = [&](std::vector<std::string> words) {
-    return ReplayPlayers(words, arms).status().message();
-  };
-  EXPECT_THAT(message({"pape"}), HasSubstr("use default, "));
-  EXPECT_THAT(message({"pape"}), HasSubstr("all, fixed, fixed:ARM, oracle"));
-  EXPECT_THAT(message({"fixed:Octree"}), HasSubstr("their arms are Grid, SAP"));
-  const auto players = ReplayPlayers(std::vector<std::string>{"fixed", "oracle", "paper"}, arms);
-  ASSERT_EQ(players->size(), 4U);
-  EXPECT_EQ((*players)[1].name, "fixed:SAP");
-  EXPECT_EQ(ReplayPlayers(std::vector<std::string>{"all"}, arms)->size(),
-            decision::PolicyNames(decision::StudyPolicies()).size() - 1);
 }
 
 }  // namespace

@@ -1,0 +1,196 @@
+"""Backends against peers: the comparisons of `sweepstake bench --json`, each with its goal."""
+
+import csv
+import fnmatch
+
+from judging.common import InputError, limit_of, meets, or_dash, table
+
+
+def read_published(path):
+    """Milliseconds by (peer, scene, objects), and the family that each peer without a package is compared with."""
+    figures, families = {}, {}
+    with open(path, newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            figures[row["peer"], row["scene"], int(row["objects"])] = float(row["ms_median"])
+            families[row["peer"]] = row["family"]
+    bridges = [peer for peer, family in families.items() if family == "bridge"]
+    return figures, {peer: family for peer, family in families.items() if family != "bridge"}, bridges
+
+
+def cell_of(row):
+    return row["scene"], row["objects"]
+
+
+def bench_goal(goals, ratio):
+    """The number that a comparison is held against, or None, and whether it is reached."""
+    def fits(goal):
+        return (
+            goal["compared"] == ratio["kind"]
+            and goal.get("family", ratio["family"]) == ratio["family"]
+            and goal.get("with", ratio["other"]) == ratio["other"]
+            and goal.get("threads", ratio["threads"]) == ratio["threads"]
+            and goal.get("min_objects", 0) <= ratio["objects"]
+            and any(fnmatch.fnmatchcase(ratio["scene"], each) for each in goal.get("scenes", ["*"]))
+            and not any(fnmatch.fnmatchcase(ratio["scene"], each) for each in goal.get("not_scenes", []))
+        )
+
+    goal = next((each for each in goals["bench"] if fits(each)), None)
+    return (None, None) if goal is None else (limit_of(goal)[1], meets(goal, ratio["value"]))
+
+
+class BenchJudge:
+    """The comparisons of one document, in the order of its cells and arms, each with its goal."""
+
+    def __init__(self, document, goals, published):
+        if document.get("command") != "bench" or not document.get("rows"):
+            raise InputError("this is no document of `sweepstake bench --json` with rows")
+        self.document, self.goals = document, goals
+        self.figures, self.published_families, self.bridges = published
+        self.speedups = {(cell_of(row), row["arm"], row["peer"]): row for row in document.get("speedups", [])}
+
+    def ratios(self):
+        ratios = []
+        for cell in dict.fromkeys(cell_of(row) for row in self.document["rows"]):
+            ratios += self.of_cell(cell)
+        for ratio in ratios:
+            ratio["goal"], ratio["met"] = bench_goal(self.goals, ratio)
+        return ratios
+
+    def of_cell(self, cell):
+        measured = [self.plain(ratio) for ratio in self.document["ratios"] if cell_of(ratio) == cell]
+        overall = [ratio for ratio in measured if ratio["kind"] == "overall"]
+        at = 1 if overall and overall[0]["threads"] == 1 else 0
+        ratios = overall[:at] + self.published_overall(cell) + overall[at:]
+        for row in self.document["rows"]:
+            if cell_of(row) != cell or row["kind"] != "arm" or not counts(row):
+                continue
+            own = [each for each in measured if each["kind"] != "overall" and own_key(each) == (row["arm"], row["threads"])]
+            family = [each for each in own if each["kind"] == "family"]
+            rest = [each for each in own if each["kind"] != "family"]
+            ratios += family + self.published_family(row) + rest + self.memory(row)
+        return ratios
+
+    @staticmethod
+    def plain(ratio):
+        return {key: value for key, value in ratio.items() if key not in ("goal", "met")}
+
+    def published_family(self, row):
+        if row["threads"] != 1:
+            return []
+        peers = [peer for peer, family in self.published_families.items() if family == row["family"]]
+        return [ratio for ratio in (self.derived("family", row, peer) for peer in peers) if ratio]
+
+    def published_overall(self, cell):
+        """Our fastest arm against the best of all peers that are published."""
+        arms = [row for row in self.document["rows"]
+                if cell_of(row) == cell and row["kind"] == "arm" and row["threads"] == 1 and counts(row)]
+        if not arms:
+            return []
+        fastest = min(arms, key=lambda row: row["ms_median"])
+        ratios = [ratio for ratio in (self.derived("overall", fastest, peer) for peer in self.published_families) if ratio]
+        return [min(ratios, key=lambda ratio: ratio["value"])] if ratios else []
+
+    def derived(self, kind, row, peer):
+        """What `peer` would take here: a bridge's time here × the quotient of their published figures of the cell."""
+        for bridge in self.bridges:
+            speedup = self.speedups.get((cell_of(row), row["arm"], bridge))
+            figure, of_bridge = (self.figures.get((each, *cell_of(row))) for each in (peer, bridge))
+            if speedup is None or figure is None or of_bridge is None:
+                continue
+            quotient = figure / of_bridge
+            return ratio_row(row, kind, peer, speedup["median"] * quotient, speedup["mean"] * quotient) | {
+                "derived_through": bridge}
+        return None
+
+    def memory(self, row):
+        goal = self.goals["memory"]
+        held = row.get("bytes_with_pairs")
+        if cell_of(row) != (goal["scene"], goal["objects"]) or held is None:
+            return []
+        return [ratio_row(row, "memory", f"{goal['bytes'] / 1e6:.0f} MB", held / goal["bytes"], None)]
+
+
+def counts(row):
+    return row["frames"] > 0 and "difference" not in row
+
+
+def own_key(ratio):
+    return ratio["ours"], ratio["threads"]
+
+
+def ratio_row(row, kind, other, value, value_mean):
+    return {"scene": row["scene"], "objects": row["objects"], "threads": row["threads"], "kind": kind,
+            "family": row["family"], "ours": row["arm"], "other": other, "value": value, "value_mean": value_mean}
+
+
+def bench_json(document, ratios):
+    """The document with its goals: `goals` holds the comparisons measured here, `published` those with figures from elsewhere."""
+    measured = [ratio for ratio in ratios if "derived_through" not in ratio and ratio["goal"] is not None]
+    derived = [ratio for ratio in ratios if "derived_through" in ratio]
+    return document | {"goals": measured, "published": derived}
+
+
+def title_of(cell):
+    return f"{cell[0]}, {cell[1]} objects"
+
+
+def bench_rows_text(document):
+    peers = any(row["kind"] == "peer" for row in document["rows"])
+    header = ["arm", "thr", "ms_median", "ms_mean", "ms_min", "ms_p99", "aabb_checks", "bytes"]
+    if peers:
+        header = ["family", "arm", "thr", "frames", *header[2:]]
+    rows, before = [], None
+    for row in document["rows"]:
+        if cell_of(row) != before:
+            before = cell_of(row)
+            arm = next((each for each in document["rows"] if cell_of(each) == before and each["kind"] == "arm"), None)
+            pairs = "" if arm is None else f", {arm['pairs_mean']:.1f} pairs per frame"
+            rows.append([title_of(before) + pairs])
+        cells = [row["arm"], str(row["threads"]), *(f"{row[key]:.4f}" for key in ("ms_median", "ms_mean", "ms_min", "ms_p99")),
+                 or_dash(row["aabb_checks_mean"], "{:.0f}".format), or_dash(row["bytes"])]
+        rows.append([row["family"], *cells[:2], str(row["frames"]), *cells[2:]] if peers else cells)
+    return table(header, rows)
+
+
+def notes_text(document):
+    text = ""
+    for row in document["rows"]:
+        where = f"{row['arm']} in {row['scene']} ({row['objects']} objects): "
+        if "note" in row:
+            text += where + row["note"] + "\n"
+        if "difference" in row:
+            text += "FAILED " + where + row["difference"] + "\n"
+    return text
+
+
+def ratios_text(ratios):
+    rows, before = [], None
+    for ratio in ratios:
+        if cell_of(ratio) != before:
+            before = cell_of(ratio)
+            rows.append([title_of(before)])
+        result = "-" if ratio["goal"] is None else "met" if ratio["met"] else "NOT MET"
+        rows.append([ratio["kind"], ratio["ours"], str(ratio["threads"]), ratio["other"], f"{ratio['value']:.2f}",
+                     or_dash(ratio["value_mean"], "{:.2f}".format), or_dash(ratio["goal"], "{:.1f}".format), result,
+                     ratio.get("derived_through", "-")])
+    return table(["compared", "ours", "thr", "with", "ratio", "mean", "goal", "result", "through"], rows)
+
+
+def machine_text(machine):
+    text = f"{machine['cpu']}, {machine['cores']} cores, {machine['compiler']}, {machine['simd']}, {machine['date']}\n"
+    text += ", ".join(f"{name} {version}" for name, version in machine["libraries"].items()) + "\n"
+    return text + "".join(f"Left out: {absent}\n" for absent in machine["absent_peers"])
+
+
+def bench_text(document, ratios):
+    text = bench_rows_text(document) + notes_text(document)
+    if ratios:
+        text += "\n" + ratios_text(ratios)
+    if any(row["kind"] == "peer" for row in document["rows"]):
+        text += "\n" + machine_text(document["machine"])
+    return text
+
+
+def judge(document, goals, published):
+    """The comparisons of a document of `sweepstake bench`, in its order."""
+    return BenchJudge(document, goals, published).ratios()

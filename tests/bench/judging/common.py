@@ -1,0 +1,72 @@
+"""What both judgements share: text tables, limits of goals, and reading input."""
+
+import json
+import sys
+import tomllib
+
+LIMITS = ("at_least", "at_most", "below")
+
+
+class InputError(Exception):
+    """What a user gave cannot be judged; the message says why."""
+
+
+def percent(ratio):
+    text = f"{100 * ratio:.2f}"
+    text = "0.00" if text == "-0.00" else text
+    return ("" if text.startswith("-") else "+") + text + "%"
+
+
+def is_number(cell):
+    return cell != "" and not cell.strip("+-.0123456789e%")
+
+
+def table(header, rows):
+    """Aligned columns, numbers to the right; a row of one cell is a title. The layout of engine_client/cli/io/text_table.h."""
+    body = [row for row in rows if len(row) == len(header)]
+    widths = [max(len(row[i]) for row in [header, *body]) for i in range(len(header))]
+    right = [len(rows) > 0 and all(is_number(row[i]) for row in body) for i in range(len(header))]
+    lines = []
+    for row in [header, *rows]:
+        if len(row) < len(header):
+            lines += ["", row[0]]
+            continue
+        cells = [cell.rjust(width) if to_right else cell.ljust(width) for cell, width, to_right in zip(row, widths, right)]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines) + "\n"
+
+
+def or_dash(value, text=str):
+    return "-" if value is None else text(value)
+
+
+def limit_of(goal):
+    """The word and the number of a goal's limit."""
+    given = [word for word in LIMITS if word in goal]
+    if len(given) != 1:
+        raise InputError(f"a goal has to have one of {', '.join(LIMITS)}: {goal}")
+    return given[0], goal[given[0]]
+
+
+def meets(goal, value):
+    word, limit = limit_of(goal)
+    return value >= limit if word == "at_least" else value <= limit if word == "at_most" else value < limit
+
+
+def read_goals(path):
+    with open(path, "rb") as file:
+        goals = tomllib.load(file)
+    for goal in goals["bench"] + goals["decisions"]:
+        limit_of(goal)
+    return goals
+
+
+def read_json(path):
+    try:
+        with sys.stdin if path == "-" else open(path, encoding="utf-8") as file:
+            document = json.load(file)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: {error}") from error
+    if not isinstance(document, dict):
+        raise InputError(f"{path} holds no JSON object")
+    return document

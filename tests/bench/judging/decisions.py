@@ -1,0 +1,184 @@
+"""The policy of AI Decides: rows of `sweepstake replay --json` against its goals."""
+
+import math
+import pathlib
+
+from judging.common import InputError, limit_of, meets, or_dash, percent, table
+
+UNIT_NS = {"ms": 1e6, "s": 1e9, "m": 60e9, "h": 3600e9}
+CATEGORIES = ("stationary", "changing", "resonant")
+
+
+def duration_ns(text):
+    number = text.rstrip("hms")
+    unit = UNIT_NS.get(text[len(number):])
+    if unit is None:
+        raise InputError(f"'{text}' is no duration: give a number and ms, s, m or h")
+    return round(float(number) * unit)
+
+
+def read_cells(path):
+    """The cells of a list: lines of scene, objects, frames, seed, pass and category (data/tuning_scenes.txt)."""
+    cells = []
+    for number, line in enumerate(pathlib.Path(path).read_text(encoding="utf-8").splitlines(), 1):
+        words = line.split("#")[0].split()
+        if not words:
+            continue
+        if len(words) != 6 or words[5] not in CATEGORIES:
+            raise InputError(f"{path}: line {number} is no line of scene, objects, frames, seed, pass and "
+                             f"{', '.join(CATEGORIES)}")
+        name = f"{pathlib.PurePath(words[0]).stem}-{words[1]}-{words[3]}"
+        cells.append({"cell": name, "category": words[5], "pass": words[4], "pass_ns": duration_ns(words[4])})
+    if not cells:
+        raise InputError(f"{path}: there is no scene in the list")
+    return cells
+
+
+class Replays:
+    """The rows of several replay documents, found by cell, policy and priors."""
+
+    def __init__(self, documents):
+        self.rows, self.controls, self.decisions, self.policies, self.seeds = {}, {}, [], [], 0
+        for document in documents:
+            if document.get("command") == "decision_tick_bench":
+                self.decisions += document["rows"]
+            elif document.get("command") == "replay" and "scenes" in document:
+                self.add(document)
+            else:
+                raise InputError("a document is neither of `sweepstake replay --json` nor of `decision_tick_bench --json`")
+        if not self.rows:
+            raise InputError("there is no document of `sweepstake replay --json`")
+
+    def add(self, document):
+        self.seeds = document["seeds"]
+        for scene in document["scenes"]:
+            self.controls[pathlib.PurePath(scene["costs"]).stem] = scene["control_regret"]
+        for row in document["rows"]:
+            self.rows[pathlib.PurePath(row["costs"]).stem, row["pass_ns"], row["policy"], row["priors"]] = row
+            if row["policy"] not in self.policies:
+                self.policies.append(row["policy"])
+
+    def row(self, cell, policy, priors):
+        row = self.rows.get((cell["cell"], cell["pass_ns"], policy, priors))
+        if row is None:
+            raise InputError(f"there is no row of policy {policy} with priors {priors} in {cell['cell']} "
+                             f"at a pass of {cell['pass']}")
+        return row
+
+    def decision(self, policy, arms):
+        rows = [row for row in self.decisions if (row["policy"], row["arms"]) == (policy, arms)]
+        if not rows:
+            raise InputError(f"there is no time of a decision of {policy} with {arms} arms")
+        return rows[0]["p99_ms"]
+
+
+def figure_of(goal, cell, policy, replays):
+    """What the policy reached in the cell; None: the goal does not judge it."""
+    rows = [replays.row(cell, policy, priors) for priors in goal["priors"]]
+    if goal.get("category", cell["category"]) != cell["category"] or rows[0]["headroom"] < goal.get("min_headroom", -math.inf):
+        return None
+    values = [row[goal["figure"]] for row in rows]
+    if None in values:
+        raise InputError(f"{cell['cell']} has no {goal['figure']}")
+    return sum(values)
+
+
+def judged_cells(goal, cells, policy, replays):
+    """The cells behind a goal, the worst first."""
+    values = [(cell["cell"], figure_of(goal, cell, policy, replays)) for cell in cells]
+    judged = [{"cell": name, "value": value, "met": meets(goal, value)} for name, value in values if value is not None]
+    return sorted(judged, key=lambda each: each["value"], reverse="at_least" not in goal)
+
+
+def against_peer(goal, cells, policy, replays):
+    own, peer = ([figure_of(goal, cell, each, replays) for cell in cells] for each in (policy, goal["peer"]))
+    own, peer = (sum(value for value in values if value is not None) for values in (own, peer))
+    if not any(cell["category"] == goal.get("category", cell["category"]) for cell in cells):
+        return None
+    return peer / own if own > 0 else math.inf
+
+
+def judge_goal(goal, cells, policy, replays):
+    behind = []
+    if "decision_arms" in goal:
+        reached = replays.decision(policy, goal["decision_arms"])
+    elif "peer" in goal:
+        reached = against_peer(goal, cells, policy, replays)
+    else:
+        behind = judged_cells(goal, cells, policy, replays)
+        reached = behind[0]["value"] if behind else None
+    return {"goal": goal["goal"], "limit": limit_of(goal)[1], "limit_text": limit_text(goal), "unit": goal["unit"],
+            "reached": reached, "met": reached is not None and meets(goal, reached), "cells": behind}
+
+
+def figure_text(unit, value):
+    if unit == "times":
+        return "none left" if math.isinf(value) else f"{value:.1f}x"
+    return {"percent": percent, "count": "{:.2f}".format, "milliseconds": "{:.3f} ms".format}[unit](value)
+
+
+def limit_text(goal):
+    word, limit = limit_of(goal)
+    return word.replace("_", " ") + " " + figure_text(goal["unit"], limit)
+
+
+def goals_text(goals):
+    rows = []
+    for goal in goals:
+        met = sum(cell["met"] for cell in goal["cells"])
+        cells = f"{met} of {len(goal['cells'])}, worst {goal['cells'][0]['cell']}" if goal["cells"] else "-"
+        result = "nothing to judge" if goal["reached"] is None else "met" if goal["met"] else "NOT MET"
+        reached = or_dash(goal["reached"], lambda value, unit=goal["unit"]: figure_text(unit, value))
+        rows.append([goal["goal"], goal["limit_text"], reached, cells, result])
+    return table(["goal", "limit", "reached", "cells", "result"], rows)
+
+
+def cells_text(cells, policy, replays):
+    rows = []
+    for cell in cells:
+        row = replays.row(cell, policy, "none")
+        prior, wrong_prior, paper = (replays.row(cell, each, priors)["regret_best_fixed"]
+                                     for each, priors in ((policy, "right"), (policy, "wrong"), ("paper", "none")))
+        rows.append([cell["cell"], cell["category"], percent(abs(replays.controls[cell["cell"]])), percent(row["headroom"]),
+                     percent(row["regret_best_fixed"]), percent(row["ci95"][0]) + " to " + percent(row["ci95"][1]),
+                     percent(row["regret_after_start"]), percent(prior), percent(wrong_prior),
+                     or_dash(row["headroom_captured"], lambda ratio: f"{100 * ratio:.0f}%"), f"{row['switches']:.1f}",
+                     f"{row['active_share']:.2f}", or_dash(row["bail_outs"], "{:.2f}".format), percent(paper)])
+    return table(["cell", "category", "floor", "headroom", "regret", "ci95", "after_start", "prior", "wrong_prior", "captured",
+                  "switches", "share", "bail_outs", "paper"], rows)
+
+
+def mean(values):
+    return sum(values) / len(values)
+
+
+def policies_text(cells, replays):
+    rows = []
+    for policy in replays.policies:
+        for category in CATEGORIES:
+            own = [replays.row(cell, policy, "none") for cell in cells if cell["category"] == category]
+            if own:
+                regret = [row["regret_best_fixed"] for row in own]
+                rows.append([policy, category, str(len(own)), percent(mean(regret)), percent(max(regret)),
+                             percent(mean([row["regret_after_start"] for row in own])),
+                             f"{mean([row['switches'] for row in own]):.1f}",
+                             f"{mean([row['bail_outs'] or 0 for row in own]):.2f}"])
+    return table(["policy", "category", "cells", "regret", "worst", "after_start", "switches", "bail_outs"], rows)
+
+
+def decisions_text(goals, cells, policy, replays):
+    return (f"Policy {policy}, {replays.seeds} seeds in each of {len(cells)} cells; regret is frame time against the best "
+            f"fixed arm's.\n\n{goals_text(goals)}\n{cells_text(cells, policy, replays)}\n"
+            "floor: the same arm measured twice. headroom: of the best sequence of arms that pays for\n"
+            "its switches; captured: how much of it was reached. prior: with what another seed's game\nhad learnt.\n\n"
+            + policies_text(cells, replays))
+
+
+def decisions_json(goals, cells, policy, replays):
+    return {"command": "replay", "policy": policy, "seeds": replays.seeds,
+            "goals": [goal | {"reached": None if goal["reached"] == math.inf else goal["reached"]} for goal in goals],
+            "cells": [{"cell": cell["cell"], "category": cell["category"], "pass_ns": cell["pass_ns"],
+                       "control_regret": replays.controls[cell["cell"]],
+                       "regret_right_prior": replays.row(cell, policy, "right")["regret_best_fixed"],
+                       "regret_wrong_prior": replays.row(cell, policy, "wrong")["regret_best_fixed"]} for cell in cells],
+            "rows": [replays.row(cell, each, "none") for cell in cells for each in replays.policies]}

@@ -1,0 +1,99 @@
+// The shadow lane of a replayed game, on a trace whose every number is known.
+#include "engine_client/cli/replay/replay_lane.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/engine_client/cli/replay/replay_fixtures.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using testing::ElementsAre;
+
+constexpr int64_t kMs = 1'000'000;
+
+// AxisSweep's frames take 10 ms, KDTree's 20 ms.
+class ReplayLaneTest : public testing::Test {
+ protected:
+  // The visits that end in the next `count` events, each seen when it is due.
+  std::vector<decision::ShadowSample> Visits(int count, uint32_t active_arm = 0) {
+    std::vector<decision::ShadowSample> visits;
+    for (int i = 0; i < count; ++i) {
+      const int64_t now_ns = lane_.next_event_ns();
+      if (const auto sample = lane_.Advance({now_ns, 7, 0, active_arm})) visits.push_back(*sample);
+    }
+    return visits;
+  }
+
+  const ReplayScene scene_ = SceneOf(TwiceAsSlow());
+  const ShadowScheduleOptions options_{.duty_ratio = 0.5};
+  ReplayLane lane_{scene_, options_};
+};
+
+TEST_F(ReplayLaneTest, SweepsAllArmsFromTheStartTheActiveOneFirst) {
+  EXPECT_EQ(lane_.next_event_ns(), 0);
+  const auto visits = Visits(3, 1);
+  ASSERT_EQ(visits.size(), 2U) << "the first event begins the sweep";
+  EXPECT_EQ(visits[0].arm, 1U);
+  EXPECT_EQ(visits[1].arm, 0U);
+  EXPECT_EQ(visits[0].flags, decision::kShadowActive);
+  EXPECT_EQ(visits[1].flags, 0U);
+  EXPECT_EQ(visits[0].first_frame_index, 7U);
+  EXPECT_EQ(visits[0].object_count, 1000U);
+  EXPECT_EQ(lane_.visit_count(), 2U);
+}
+
+TEST_F(ReplayLaneTest, MeasuresTheFramesAfterTheWarmUpAndTheBuildApart) {
+  const auto visits = Visits(2);
+  ASSERT_EQ(visits.size(), 1U);
+  EXPECT_EQ(visits[0].frame_count, kShadowBurstFrames - 1 - kShadowWarmUpFrames);
+  EXPECT_NEAR(static_cast<double>(visits[0].detection_time_ns), 11e6, 1);
+  EXPECT_NEAR(static_cast<double>(visits[0].build_time_ns), 40e6, 1);
+}
+
+TEST_F(ReplayLaneTest, AVisitLastsAsLongAsItsFramesTake) {
+  Visits(1);
+  // 40 ms to build, two frames of 10 ms, five of 11 ms.
+  EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 115e6, 10);
+  Visits(1);
+  EXPECT_NEAR(static_cast<double>(lane_.busy_ns()), 115e6, 10);
+  EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 345e6, 10);
+}
+
+TEST_F(ReplayLaneTest, SpacesItsSweepsByTheBudget) {
+  Visits(3);
+  EXPECT_NEAR(static_cast<double>(lane_.next_event_ns()), 2 * 345e6, 20)
+      << "half of the time is the lane's";
+}
+
+TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
+  ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMs});
+  capped.Advance({});
+  const auto sample = capped.Advance({capped.next_event_ns(), 0, 0, 0});
+  ASSERT_TRUE(sample);
+  EXPECT_EQ(sample->flags, decision::kShadowActive | decision::kShadowCapped);
+  EXPECT_NEAR(static_cast<double>(capped.busy_ns()), 50e6, 10)
+      << "the frame that reaches the cap ends it";
+}
+
+TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
+  Visits(1);
+  const int64_t visit_end_ns = lane_.next_event_ns();
+  // 40 ms to build, three frames of the game that take 10 ms or as long as the arm's.
+  const int64_t ready_ns = lane_.WarmUp(0, {5 * kMs, 1, 1, 1});
+  EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
+  EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMs);
+}
+
+TEST(ReplayLane, WarmUpsGoOverTheEndOfTheTraceToItsBeginning) {
+  const ReplayScene scene = SceneOf(TwiceAsSlow());
+  ReplayLane lane(scene, {});
+  const uint32_t last = scene.trace_frame_count() - 1;
+  EXPECT_EQ(lane.WarmUp(1, {0, 0, last, 0}), lane.WarmUp(1, {0, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace sweepstake::cli
