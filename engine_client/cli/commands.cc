@@ -35,7 +35,6 @@ void AddLaboratory(CLI::App& app, Terminal& terminal, const std::string& command
   AddCheckCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, command_line, exit_code);
   AddExperimentCommand(app, terminal, command_line, exit_code);
-  AddPaperCheckCommand(app, terminal, exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
   AddReplayCommand(app, terminal, exit_code);

@@ -24,7 +24,6 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
                           int& exit_code);
 void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
-void AddPaperCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code);

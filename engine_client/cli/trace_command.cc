@@ -8,7 +8,7 @@
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
-#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/cost_trace.h"
 #include "engine_client/cli/trace/trace_output.h"
 #include "engine_client/cli/trace/trace_pass.h"
 #include "engine_client/cli/trace/trace_run.h"
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using std::chrono::steady_clock;
 
-constexpr uint32_t kMostFrames = 200'000;
+constexpr uint32_t kMaxFrames = 200'000;
 
 struct TraceCommandOptions {
   std::vector<std::string> scenes;
@@ -41,16 +41,16 @@ struct TraceJob {
   std::string file;
 };
 
-Status Unfit(const std::string& message) { return {StatusCode::kInvalidArgument, message}; }
+Status Invalid(const std::string& message) { return {StatusCode::kInvalidArgument, message}; }
 
 Status CheckWords(const TraceCommandOptions& options, size_t job_count) {
   if (options.scenes.empty() == options.costs.empty()) {
-    return Unfit("give --scene to trace a scene, or --costs to look at a trace");
+    return Invalid("give --scene to trace a scene, or --costs to look at a trace");
   }
   if (options.scenes.empty() != options.out.empty()) {
-    return Unfit("--scene needs --out FILE.costs, and --costs takes no --out");
+    return Invalid("--scene needs --out FILE.costs, and --costs takes no --out");
   }
-  if (!options.csv.empty() && job_count != 1) return Unfit("--csv takes one trace at a time");
+  if (!options.csv.empty() && job_count != 1) return Invalid("--csv takes one trace at a time");
   return {};
 }
 
@@ -76,7 +76,7 @@ std::vector<TraceJob> JobsOf(const TraceCommandOptions& options) {
 Status CheckPlaces(const TraceCommandOptions& options, const std::vector<TraceJob>& jobs) {
   if (options.scenes.empty()) return {};
   if (jobs.size() > 1 && options.out.ends_with(".costs")) {
-    return Unfit("--out names a folder where there are several traces, one file each");
+    return Invalid("--out names a folder where there are several traces, one file each");
   }
   if (jobs.size() > 1 || !options.out.ends_with(".costs")) {
     std::error_code told_below;
@@ -131,8 +131,7 @@ int Trace(const TraceCommandOptions& options, Terminal& terminal) {
     } else {
       PrintTrace(*trace, summary, job.file, terminal.out);
     }
-    const std::string warning = ControlWarning(*trace, summary);
-    if (!warning.empty()) terminal.err << warning << '\n';
+    PrintControlWarning(*trace, summary, terminal.err);
     if (options.csv.empty()) continue;
     if (const Status status = WriteTraceCsv(*trace, options.csv); !status.ok()) {
       return Fail(terminal, status);
@@ -152,7 +151,7 @@ void Declare(CLI::App& command, TraceCommandOptions& options) {
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--frames", options.frames, "Frames of the trace")
-      ->check(CLI::Range(kBurstFrames, kMostFrames))
+      ->check(CLI::Range(kBurstFrames, kMaxFrames))
       ->capture_default_str();
   command.add_option("--seed", options.seed, "Seed of the scenes")
       ->check(NotNegative())

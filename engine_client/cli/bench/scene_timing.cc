@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "engine_client/cli/game/frame_block.h"
+#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -159,11 +160,6 @@ TimeSummary Summarize(std::span<const double> times_ms) {
 double Quantile(const std::vector<double>& sorted, double ratio) {
   const auto rank = static_cast<size_t>(std::ceil(ratio * static_cast<double>(sorted.size())));
   return sorted[std::clamp<size_t>(rank, 1, sorted.size()) - 1];
-}
-
-double Median(const std::vector<double>& sorted) {
-  const size_t middle = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
 }
 
 }  // namespace sweepstake::cli

@@ -63,7 +63,4 @@ TimeSummary Summarize(std::span<const double> times_ms);
 // The value below which a share of `ratio` lies (nearest rank). REQUIRES: sorted, not empty.
 double Quantile(const std::vector<double>& sorted, double ratio);
 
-// The middle value, or the mean of the two middle ones. REQUIRES: sorted, not empty.
-double Median(const std::vector<double>& sorted);
-
 }  // namespace sweepstake::cli

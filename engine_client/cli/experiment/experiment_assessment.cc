@@ -5,7 +5,7 @@
 
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/stop_signal.h"
-#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/cost_trace.h"
 #include "engine_client/cli/trace/trace_run.h"
 
 namespace sweepstake::cli {

@@ -77,21 +77,21 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
         paths[arm] = std::min(paths[arm], other, cheaper);
       }
     }
-    double least_ns = std::numeric_limits<double>::infinity();
+    double min_ns = std::numeric_limits<double>::infinity();
     for (uint32_t arm = 0; arm < arms; ++arm) {
       const double ns = FrameNs(frame, arm);
       paths[arm].cost_ns += ns;
       ++paths[arm].frame_counts[arm];
-      least_ns = std::min(least_ns, ns);
+      min_ns = std::min(min_ns, ns);
     }
-    oracle.frame_ns += least_ns;
+    oracle.frame_ns += min_ns;
   }
   const Path best = *std::min_element(paths.begin(), paths.end(), cheaper);
   oracle.regime_ns = best.cost_ns;
   oracle.switch_count = best.switch_count;
-  const auto most = std::max_element(best.frame_counts.begin(), best.frame_counts.end());
-  oracle.dominant_arm = static_cast<uint32_t>(most - best.frame_counts.begin());
-  oracle.active_share = static_cast<double>(*most) / scene_.frame_count();
+  const auto dominant = std::max_element(best.frame_counts.begin(), best.frame_counts.end());
+  oracle.dominant_arm = static_cast<uint32_t>(dominant - best.frame_counts.begin());
+  oracle.active_share = static_cast<double>(*dominant) / scene_.frame_count();
   return oracle;
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine_client/cli/io/duration.h"
-#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/cost_trace.h"
 #include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {

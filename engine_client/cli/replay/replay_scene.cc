@@ -11,7 +11,7 @@
 namespace sweepstake::cli {
 namespace {
 
-constexpr uint64_t kMostGameFrames = 100'000'000;
+constexpr uint64_t kMaxGameFrames = 100'000'000;
 
 Status Check(const CostTrace& trace) {
   if (trace.arms.size() > decision::kMaxArms) {
@@ -32,10 +32,10 @@ Status Check(const GameOptions& options) {
   if (options.run_ns < options.frame_ns) {
     return refused("the run is shorter than a frame; make --run longer");
   }
-  if (options.run_ns / options.frame_ns > kMostGameFrames) {
+  if (options.run_ns / options.frame_ns > kMaxGameFrames) {
     return refused("the run has " + std::to_string(options.run_ns / options.frame_ns) +
                    " frames; make --run shorter or --frame longer, for at most " +
-                   std::to_string(kMostGameFrames));
+                   std::to_string(kMaxGameFrames));
   }
   return {};
 }

@@ -4,10 +4,8 @@
 // kWindowFrameCount consecutive frames of the trace moves through it evenly, once per pass of the
 // run; the game shows the window's frames in turn, again and again. So the scene changes as slowly
 // as the pass says, while two seconds of the game hold tens of different frames as they do in real
-// life. (Where each frame was held for its share of the run instead, or the window had 16 frames,
-// what disturbed a few measured frames, and the rebuilds of a tree every 20 to 80 frames, lasted
-// for seconds of the game: two copies of one arm then differed by up to 2.6 % from window to
-// window, against 0.4 to 1.2 % with 64 frames.)
+// life. A shorter window, or a frame held for its share of the run, would let a few disturbed
+// frames, or the rebuild of a tree, last for seconds of the game.
 //
 // Recorded times are multiplied by one factor, so that the mean frame of the best fixed arm, the
 // other work included, takes GameOptions::frame_ns: only ratios between arms are judged, and at 10
@@ -39,8 +37,8 @@ class ReplayScene {
  public:
   static constexpr uint32_t kWindowFrameCount = 64;
 
-  // REQUIRES: a sound trace, as ReadCosts gives. kInvalidArgument: the options make no game, or the
-  // trace has more arms than a session.
+  // REQUIRES: a valid trace, as ReadCosts gives it. kInvalidArgument: the options make no game, or
+  // the trace has more arms than a session.
   static Result<ReplayScene> Create(const CostTrace& trace, const GameOptions& options);
 
   const GameOptions& options() const { return options_; }

@@ -1,18 +1,39 @@
 // What every arm costs on every frame of a scene: the full information that policies are judged
-// against (`sweepstake trace` measures it, `sweepstake replay` reads it). Plain data.
+// against (`sweepstake trace` measures it, `sweepstake replay` reads it), and its file FILE.costs.
 //
 // Times are nanoseconds on the measuring machine. "Frame-major" columns hold frame_count ×
 // arm_count values: that of arm a in frame f is at f · arm_count + a. How they were measured:
-// trace_run.h.
+// trace_run.h. The file:
+//
+//   at  bytes
+//    0      8  "SWPCOSTS"
+//    8      4  version, now 1
+//   12      4  0
+//   16      8  size of the rest, P
+//   24      8  FNV-1a, 64 bits, of the rest
+//   32      P  a sweepstake.costs.CostTrace (costs.proto)
+//
+// Numbers are little-endian; the file has exactly 32 + P bytes. Reading checks all of it, the
+// trace's own shape included, before anything is handed out: what was read needs no checks. Memory
+// while reading: some ten times the file, which may have kMaxCostsBytes. Functions are safe from
+// any thread on different files.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "sweepstake/frame_sample.h"
+#include "sweepstake/status.h"
 
 namespace sweepstake::cli {
+
+inline constexpr uint64_t kMaxCostsBytes = uint64_t{256} << 20;
+inline constexpr uint32_t kMaxTracedArms = 64;
+inline constexpr uint32_t kMaxTracedFrames = 1'000'000;
+inline constexpr uint32_t kMaxBurstFrames = 64;
+inline constexpr uint64_t kMaxTracedNs = 3'600'000'000'000;  // an hour for one frame
 
 struct TracedArm {
   std::string name;
@@ -20,9 +41,9 @@ struct TracedArm {
 };
 
 // A short visit to every arm by structures that do not run along with the scene: built on the
-// burst's first frame, updated on the frames after it. Says what a switch costs, and is what the
-// shadow lane of a game sees. An arm that is held in the burst's first frame ran frames 0 and 1 at
-// most; its last measured time stands for the others.
+// burst's first frame, updated on the frames after it. It says what a switch costs, and it is what
+// the shadow lane of a game sees. An arm that is held in the burst's first frame ran frames 0 and 1
+// at most; its last measured time stands for the others.
 struct TraceBurst {
   uint32_t first_frame = 0;
   // Arm-major: of arm a in the burst's frame k, at a · burst_frame_count + k. k = 0: Build and
@@ -52,7 +73,7 @@ struct CostTrace {
   std::vector<uint64_t> detection_ns;
   std::vector<uint64_t> aabb_check_count;
   std::vector<uint64_t> native_bytes;
-  // 1: a very slow arm was not measured in this frame; what is here was measured on another one.
+  // 1: the arm is very slow and was not measured in this frame; its values are another frame's.
   std::vector<uint8_t> held;
 
   uint32_t control_arm = 0;
@@ -65,5 +86,18 @@ struct CostTrace {
     return detection_ns[size_t{frame} * arms.size() + arm];
   }
 };
+
+// What makes `trace` unfit for a file; empty where nothing does. Flaws are a column of another
+// length than its frames and arms ask for, a number out of bounds, and bursts or descriptors out of
+// order.
+std::string FlawOf(const CostTrace& trace);
+
+// The file appears whole or not at all. REQUIRES: FlawOf(trace).empty(). The errors of WholeFile;
+// kResourceExhausted: the file would have more than kMaxCostsBytes.
+Status WriteCosts(const std::filesystem::path& path, const CostTrace& trace);
+
+// kNotFound: there is no such file. kDataLoss: it holds no valid cost trace. Every message names
+// the file, what is wrong and what to do.
+Result<CostTrace> ReadCosts(const std::filesystem::path& path);
 
 }  // namespace sweepstake::cli

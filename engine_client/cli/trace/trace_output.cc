@@ -32,10 +32,10 @@ Json ControlJson(const CostTrace& trace, const TraceSummary& summary) {
 }
 
 std::string ObjectCounts(const TraceSummary& summary) {
-  const std::string most = std::to_string(summary.object_count_max);
+  const std::string max = std::to_string(summary.object_count_max);
   return summary.object_count_min == summary.object_count_max
-             ? most
-             : std::to_string(summary.object_count_min) + " to " + most;
+             ? max
+             : std::to_string(summary.object_count_min) + " to " + max;
 }
 
 void WriteRow(uint32_t frame, const std::string& arm, const CostTrace& trace, uint64_t ns,
@@ -95,12 +95,12 @@ void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::
       << Fixed(summary.control_high, 4) << ").\n";
 }
 
-std::string ControlWarning(const CostTrace& trace, const TraceSummary& summary) {
-  if (summary.ControlIsFair()) return "";
-  return "Warning: " + trace.scene + ": two structures of " + trace.arms[trace.control_arm].name +
-         " differ by " + Percent(summary.control_ratio - 1, 2) +
-         ", more than 0.5 %: keep the machine free of other work, or take more --repeats or "
-         "--frames";
+void PrintControlWarning(const CostTrace& trace, const TraceSummary& summary, std::ostream& err) {
+  if (summary.ControlIsFair()) return;
+  err << "Warning: " << trace.scene << ": two structures of " << trace.arms[trace.control_arm].name
+      << " differ by " << Percent(summary.control_ratio - 1, 2)
+      << ", more than 0.5 %: keep the machine free of other work, or take more --repeats or "
+         "--frames\n";
 }
 
 Status WriteTraceCsv(const CostTrace& trace, const std::filesystem::path& path) {

@@ -20,8 +20,8 @@ nlohmann::ordered_json TraceJson(const CostTrace& trace, const TraceSummary& sum
 void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::string& file,
                 std::ostream& out);
 
-// What to say about an A/A control that is too far off; empty for a fair one.
-std::string ControlWarning(const CostTrace& trace, const TraceSummary& summary);
+// A line about an A/A control that is too far off; nothing for a fair one.
+void PrintControlWarning(const CostTrace& trace, const TraceSummary& summary, std::ostream& err);
 
 // A line per frame and arm, the control as an arm of its own, "ARM control": frame, arm, objects,
 // pairs, detection_ms, aabb_checks, bytes, held. The errors of CsvFile.

@@ -8,8 +8,7 @@
 
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/cli/game/frame_block.h"
-#include "engine_client/cli/trace/arm_pace.h"
-#include "engine_client/cli/trace/turn_order.h"
+#include "engine_client/cli/trace/trace_turns.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {
@@ -117,7 +116,8 @@ class TracePass {
   }
 
   void WarmUp() {
-    // Where a structure's memory lies is worth up to one percent: another place in every run.
+    // Structures are built in another order in every run, because where the memory of a structure
+    // lies changes its times, too.
     for (const size_t contestant : order_.Next()) {
       bench_.Build(*structures_[contestant], scene_.aabbs());
     }
@@ -188,7 +188,7 @@ class TracePass {
     trace_.native_bytes[at] = cost.native_bytes;
   }
 
-  // Never called for the first block: no arm sits it out (arm_pace.h).
+  // Never called for the first block: no arm sits it out.
   void CopyLastFrame(uint32_t frame, size_t arm) {
     const size_t at = frame * arm_count() + arm;
     trace_.detection_ns[at] = trace_.detection_ns[at - arm_count()];
@@ -204,17 +204,17 @@ class TracePass {
     // One frame that the machine disturbed must not make an arm a slow one.
     const auto middle = times.begin() + static_cast<ptrdiff_t>(times.size() / 2);
     std::nth_element(times.begin(), middle, times.end());
-    // A sparse turn's other frame costs as much, or more.
+    // The frame of a sparse turn that was not measured costs as much, or more.
     pace_.Note(arm, turn, ObjectCount(), *middle, turn == ArmTurn::kLastFrame ? 2 * sum : sum);
   }
 
   void CheckPairs(uint32_t frame, size_t arm, uint32_t pair_count) {
-    uint32_t& right = trace_.pair_count[frame];
-    if (right == kPairsUnknown) right = pair_count;
-    if (right == pair_count || !status_.ok()) return;
+    uint32_t& expected = trace_.pair_count[frame];
+    if (expected == kPairsUnknown) expected = pair_count;
+    if (expected == pair_count || !status_.ok()) return;
     status_ = {StatusCode::kInternal, plan_.arms[arm] + " finds " + std::to_string(pair_count) +
                                           " pairs in frame " + std::to_string(frame) +
-                                          ", another arm " + std::to_string(right) +
+                                          ", another arm " + std::to_string(expected) +
                                           "; `sweepstake check` tells who is right"};
   }
 
@@ -233,8 +233,8 @@ class TracePass {
     trace_.bursts.push_back(std::move(burst));
   }
 
-  // A sparse arm runs two frames, of which the second one's time stands for the others; one that
-  // sits the block out shows the burst before.
+  // A sparse arm runs two frames, and the time of the second one stands for the others. An arm that
+  // sits the block out repeats its times of the burst before.
   uint64_t BurstFrame(BroadPhase& fresh, size_t arm, size_t k, ArmTurn turn,
                       const TraceBurst& burst) {
     const size_t at = arm * kBurstFrames + k;
@@ -271,15 +271,15 @@ std::vector<uint64_t> ProbeArms(const std::vector<std::string>& arms, Scene& sce
     bench.Build(*structures.back(), scene.aabbs());
   }
   block.Fill(scene, kProbeFrames);
-  std::vector<uint64_t> least;
+  std::vector<uint64_t> min_ns;
   for (const auto& structure : structures) {
     uint64_t ns = std::numeric_limits<uint64_t>::max();
     for (size_t step = 0; step < block.step_count(); ++step) {
       ns = std::min(ns, bench.Update(*structure, block.BoxesOf(step)).ns);
     }
-    least.push_back(ns);
+    min_ns.push_back(ns);
   }
-  return least;
+  return min_ns;
 }
 
 Result<CostTrace> RunTracePass(Scene& scene, const TracePlan& plan,

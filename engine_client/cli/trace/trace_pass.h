@@ -3,13 +3,13 @@
 // In every frame the arms take turns, in an order drawn anew: what disturbs the machine, and what
 // one leaves in the caches for the next, hits all alike. The control (a second structure of one
 // arm) never runs right after its twin nor right before it. Before each measured call its boxes are
-// written to memory, as a game has just done. (Turns of 20 frames on end gave the same means within
-// 2 %, the same A/A ratio within ±0.3 %, and a 99th percentile that was 2 to 10 % higher, because
-// every twentieth frame then met cold caches.)
+// written to memory, as a game has just done. (Turns of 20
+// frames on end would give the same means and a higher 99th percentile, because every twentieth
+// frame would meet cold caches.)
 //
 // The scene advances in blocks of up to 20 frames whose boxes are kept: in every third block the
 // arms also run a burst (cost_trace.h), by fresh structures, on the block's first frames; and very
-// slow arms, but for the control's twin, are measured once per block or less (arm_pace.h).
+// slow arms, but for the control's twin, are measured once per block or less (trace_turns.h).
 //
 // Not thread-safe. Memory: a block of boxes, the structures, and 26 bytes per frame and arm.
 #pragma once
@@ -33,15 +33,15 @@ inline constexpr uint32_t kTraceWarmupFrames = 20;
 struct TracePlan {
   std::vector<std::string> arms;  // known ones
   uint32_t control_arm = 0;
-  std::vector<uint64_t> frame_ns;  // what a frame costs each arm, roughly
+  std::vector<uint64_t> frame_ns;  // roughly what a frame costs each arm
   uint32_t frame_count = 0;
   uint64_t order_seed = 0;  // of the order in which the arms take turns
 };
 
-// What a frame costs each arm, roughly: the least of a few. Steps the scene.
+// Roughly what a frame costs each arm: the minimum of a few frames. Steps the scene.
 std::vector<uint64_t> ProbeArms(const std::vector<std::string>& arms, Scene& scene);
 
-// Fills all of a trace but scene, seed, machine and repeat_count. kInternal: two arms found
+// Returns a trace that lacks only scene, seed, machine and repeat_count. kInternal: two arms found
 // different numbers of pairs. REQUIRES: frame_count >= kBurstFrames; the scene stands at its start
 // and its blocks hold kBurstFrames frames or more. `on_frame` hears the frames done, between
 // blocks.

@@ -10,14 +10,14 @@
 namespace sweepstake::cli {
 namespace {
 
-// Of five values the second; of four and fewer the least.
+// The second of five values, the minimum of four or fewer.
 uint64_t LowerQuartile(std::vector<uint64_t>& values) {
   const auto quartile = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 4);
   std::nth_element(values.begin(), quartile, values.end());
   return *quartile;
 }
 
-// Into the first run's column, which `column` finds in each.
+// Writes the quartiles of a column, which `column` finds in each run, to that of the first run.
 void TakeQuartiles(std::vector<CostTrace>& runs,
                    const std::function<std::vector<uint64_t>&(CostTrace&)>& column) {
   std::vector<std::vector<uint64_t>*> columns;
@@ -39,17 +39,17 @@ void KeepHeldInAll(std::vector<CostTrace>& runs) {
 
 Status TooManyObjects() {
   return {StatusCode::kInvalidArgument,
-          "a trace takes up to " + std::to_string(kMostTracedObjects) + " objects per frame"};
+          "a trace takes up to " + std::to_string(kMaxTracedObjects) + " objects per frame"};
 }
 
 // The scene at its start.
 Result<std::unique_ptr<Scene>> Open(const SceneChoice& choice) {
   auto scene = OpenScene(choice);
-  if (scene.ok() && (*scene)->aabbs().size() > kMostTracedObjects) return TooManyObjects();
+  if (scene.ok() && (*scene)->aabbs().size() > kMaxTracedObjects) return TooManyObjects();
   return scene;
 }
 
-// Everything but the seed of the order.
+// The plan of every run, but for the seed of the order.
 Result<TracePlan> MakePlan(const TraceOptions& options) {
   auto scene = Open(options.scene);
   if (!scene.ok()) return scene.status();
@@ -67,14 +67,14 @@ Result<CostTrace> RunOnce(const TraceOptions& options, const TracePlan& plan,
   auto scene = Open(options.scene);
   if (!scene.ok()) return scene.status();
   auto trace = RunTracePass(**scene, plan, on_frame);
-  // Of a recorded file's later frames.
+  // A recorded file may have too many objects in its later frames.
   if (trace.ok() && trace->bursts.empty()) return TooManyObjects();
   return trace;
 }
 
 }  // namespace
 
-CostTrace PutTogether(std::vector<CostTrace> runs) {
+CostTrace MergeRuns(std::vector<CostTrace> runs) {
   TakeQuartiles(
       runs, [](CostTrace & run) -> auto& { return run.step_ns; });
   TakeQuartiles(
@@ -104,7 +104,7 @@ Result<CostTrace> RunTrace(const TraceOptions& options,
     if (!run.ok()) return run.status();
     runs.push_back(std::move(*run));
   }
-  CostTrace trace = PutTogether(std::move(runs));
+  CostTrace trace = MergeRuns(std::move(runs));
   trace.scene = std::filesystem::path(options.scene.name).filename().string();
   trace.seed = options.scene.seed;
   trace.machine = MachineClass();

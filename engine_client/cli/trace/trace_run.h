@@ -1,10 +1,10 @@
-// A scene's cost trace: the runs, put together.
+// A scene's cost trace, merged from several runs.
 //
 // The scene is run `repeat_count` times, and every time in the trace is the lower quartile over the
 // runs: what a backend does at a certain frame (a rebuild, a rebalanced tree) happens there in
 // every run and stays; what disturbs the machine only ever adds time, somewhere else in every run,
-// and goes unless it hits three runs in four. An arm of which no run measured a frame counts as
-// held there. The control's twin is the arm that is cheapest in the scene's first frames.
+// and goes unless it hits three runs in four. Where no run measured an arm in a frame, the
+// arm counts as held. The control's twin is the arm that is cheapest in the scene's first frames.
 //
 // Not thread-safe. Cost: some 1.2 times the arms' frames per run, bursts included. Memory: 26 bytes
 // per frame, arm and run.
@@ -21,8 +21,8 @@
 
 namespace sweepstake::cli {
 
-// A block then holds the frames of a burst (frame_block.h).
-inline constexpr uint32_t kMostTracedObjects = 100'000;
+// Up to this count, a block (frame_block.h) holds the frames of a burst.
+inline constexpr uint32_t kMaxTracedObjects = 100'000;
 
 struct TraceOptions {
   SceneChoice scene;
@@ -31,12 +31,13 @@ struct TraceOptions {
   uint32_t repeat_count = 5;
 };
 
-// The errors of OpenScene and RunTracePass; kInvalidArgument: more than kMostTracedObjects.
+// The errors of OpenScene and RunTracePass; kInvalidArgument: more than kMaxTracedObjects.
 // `on_progress` hears the share that is done.
 Result<CostTrace> RunTrace(const TraceOptions& options,
                            const std::function<void(double share)>& on_progress);
 
-// Runs of one scene by the same arms as one trace. REQUIRES: one or more, of the same shape.
-CostTrace PutTogether(std::vector<CostTrace> runs);
+// One trace of several runs of a scene by the same arms. REQUIRES: one or more runs, of the same
+// shape.
+CostTrace MergeRuns(std::vector<CostTrace> runs);
 
 }  // namespace sweepstake::cli

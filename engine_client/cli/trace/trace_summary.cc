@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "engine_client/cli/bench/scene_timing.h"
+#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -25,8 +27,7 @@ double MedianBuild(const CostTrace& trace, uint32_t arm) {
     builds.push_back(
         kMsPerNs * static_cast<double>(burst.detection_ns[size_t{arm} * trace.burst_frame_count]));
   }
-  std::sort(builds.begin(), builds.end());
-  return Median(builds);
+  return Median(std::move(builds));
 }
 
 double HeldRatio(const CostTrace& trace, uint32_t arm) {
@@ -123,10 +124,9 @@ TraceSummary SummarizeTrace(const CostTrace& trace) {
     summary.arms.push_back(SummarizeArm(trace, arm));
     if (summary.arms[arm].ms_mean < summary.arms[summary.best_arm].ms_mean) summary.best_arm = arm;
   }
-  const auto [least, most] =
-      std::minmax_element(trace.object_count.begin(), trace.object_count.end());
-  summary.object_count_min = *least;
-  summary.object_count_max = *most;
+  const auto [min, max] = std::minmax_element(trace.object_count.begin(), trace.object_count.end());
+  summary.object_count_min = *min;
+  summary.object_count_max = *max;
   summary.pair_count_mean =
       std::accumulate(trace.pair_count.begin(), trace.pair_count.end(), 0.0) / trace.frame_count;
   SummarizeControl(trace, summary);

@@ -18,13 +18,13 @@ struct TracedArmSummary {
 };
 
 struct TraceSummary {
-  // Over which "the cheapest arm" is taken: a single frame's is as often one of luck.
+  // The cheapest arm is that of a window: in a single frame it is too often a matter of luck.
   static constexpr uint32_t kWindowFrames = 20;
-  // An A/A control further off than this says that the arms were not measured alike.
+  // A control that differs by more than this shows that the arms were not measured alike.
   static constexpr double kFairWithin = 0.005;
 
   std::vector<TracedArmSummary> arms;
-  size_t best_arm = 0;  // of the least total time: the best fixed arm
+  size_t best_arm = 0;  // with the minimum total time: the best fixed arm
   uint32_t object_count_min = 0;
   uint32_t object_count_max = 0;
   double pair_count_mean = 0;

@@ -7,12 +7,11 @@
 #include <array>
 #include <set>
 
-#include "engine_client/cli/trace/arm_pace.h"
-#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/cost_trace.h"
 #include "engine_client/cli/trace/trace_pass.h"
 #include "engine_client/cli/trace/trace_run.h"
 #include "engine_client/cli/trace/trace_summary.h"
-#include "engine_client/cli/trace/turn_order.h"
+#include "engine_client/cli/trace/trace_turns.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -140,7 +139,7 @@ TEST(Trace, ShowsTheFramesAfterTheWarmUp) {
 
 TEST(Trace, SaysThatAScenesObjectsAreTooMany) {
   TraceOptions options;
-  options.scene = {"brownian", kMostTracedObjects + 1, 1};
+  options.scene = {"brownian", kMaxTracedObjects + 1, 1};
   options.arms = {"KDTree"};
   const auto trace = RunTrace(options, Nothing);
   ASSERT_FALSE(trace.ok());
@@ -210,14 +209,14 @@ TEST(Trace, TakesTheSecondOfFiveRunsAndTheLeastOfFewerAndHoldsWhatNoRunMeasured)
     runs[run].held[3] = run == 4 ? 0 : 1;
     runs[run].held[5] = 1;
   }
-  const CostTrace of_five = PutTogether(runs);
+  const CostTrace of_five = MergeRuns(runs);
   EXPECT_EQ(of_five.detection_ns[7], 20U);
   EXPECT_EQ(of_five.control_ns[2], 101U);
   EXPECT_EQ(of_five.step_ns[3], 197U);
   EXPECT_EQ(of_five.bursts[0].detection_ns[1], 301U);
   EXPECT_EQ(of_five.held[3], 0);
   EXPECT_EQ(of_five.held[5], 1);
-  EXPECT_EQ(PutTogether({runs[0], runs[1], runs[2]}).detection_ns[7], 30U);
+  EXPECT_EQ(MergeRuns({runs[0], runs[1], runs[2]}).detection_ns[7], 30U);
 }
 
 TEST(TraceSummary, NamesTheBestFixedArmAndWhatTheOracleWouldSave) {

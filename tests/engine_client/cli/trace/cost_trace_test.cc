@@ -1,4 +1,4 @@
-#include "engine_client/cli/trace/costs_file.h"
+#include "engine_client/cli/trace/cost_trace.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,6 @@
 #include <limits>
 #include <string>
 
-#include "engine_client/cli/trace/costs_message.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
@@ -33,7 +32,7 @@ CostTrace SmallTrace() {
     trace.object_count.push_back(100 + frame);
     trace.pair_count.push_back(200 + frame);
     trace.step_ns.push_back(300 + frame);
-    trace.control_ns.push_back(kMostTracedNs - frame);
+    trace.control_ns.push_back(kMaxTracedNs - frame);
     for (uint32_t arm = 0; arm < 2; ++arm) {
       trace.detection_ns.push_back(1 + 2 * frame + arm);
       trace.aabb_check_count.push_back(5000 + 2 * frame + arm);
@@ -71,11 +70,9 @@ class CostsFile : public testing::Test {
     EXPECT_THAT(status.message(), HasSubstr("sweepstake trace"));
     EXPECT_EQ(status.message().find('\n'), std::string::npos);
   }
-  // The file of a trace that was changed, with a header that fits.
-  void ExpectFlaw(const std::function<void(costs::CostTrace&)>& change, const std::string& said) {
-    costs::CostTrace message = ToProto(SmallTrace());
-    change(message);
-    const CostTrace trace = FromProto(message);
+  static void ExpectFlaw(const std::function<void(CostTrace&)>& change, const std::string& said) {
+    CostTrace trace = SmallTrace();
+    change(trace);
     EXPECT_THAT(FlawOf(trace), HasSubstr(said));
   }
 
@@ -165,44 +162,41 @@ TEST_F(CostsFile, NamesAVersionThatItDoesNotRead) {
 
 TEST_F(CostsFile, RefusesAFileBeyondTheLargestWithoutReadingIt) {
   Bytes(SmallTrace());
-  std::filesystem::resize_file(Place(), kMostCostsBytes + 1000);  // a hole: takes no room on disk
+  std::filesystem::resize_file(Place(), kMaxCostsBytes + 1000);  // a hole: takes no room on disk
   const Status status = ReadCosts(Place()).status();
   EXPECT_EQ(status.code(), StatusCode::kDataLoss);
   EXPECT_THAT(status.message(), HasSubstr("larger than a cost trace may be"));
 }
 
 TEST_F(CostsFile, RefusesCountsThatDoNotFitTheColumns) {
-  using Message = costs::CostTrace;
   constexpr uint32_t kHuge = std::numeric_limits<uint32_t>::max();
-  ExpectFlaw([](Message& m) { m.set_frame_count(kHuge); }, "has 4294967295 frames");
-  ExpectFlaw([](Message& m) { m.set_frame_count(0); }, "has 0 frames");
-  ExpectFlaw([](Message& m) { m.set_frame_count(11); }, "column object_count of another length");
-  ExpectFlaw([](Message& m) { m.set_control_arm(2); }, "no such control arm");
-  ExpectFlaw([](Message& m) { m.set_repeat_count(0); }, "was measured no time");
-  ExpectFlaw([](Message& m) { m.set_burst_frame_count(kHuge); }, "has bursts of 4294967295");
-  ExpectFlaw([](Message& m) { m.set_burst_frame_count(5); }, "of a burst of another length");
-  ExpectFlaw([](Message& m) { m.clear_arms(); }, "has 0 arms");
-  ExpectFlaw([](Message& m) { m.clear_bursts(); }, "has no burst");
-  ExpectFlaw([](Message& m) { m.mutable_detection_ns()->RemoveLast(); }, "column detection_ns");
-  ExpectFlaw([](Message& m) { m.add_native_bytes(1); }, "column native_bytes");
-  ExpectFlaw([](Message& m) { m.set_held("x"); }, "column held of another length");
+  ExpectFlaw([](CostTrace& t) { t.frame_count = kHuge; }, "has 4294967295 frames");
+  ExpectFlaw([](CostTrace& t) { t.frame_count = 0; }, "has 0 frames");
+  ExpectFlaw([](CostTrace& t) { t.frame_count = 11; }, "column object_count of another length");
+  ExpectFlaw([](CostTrace& t) { t.control_arm = 2; }, "no such control arm");
+  ExpectFlaw([](CostTrace& t) { t.repeat_count = 0; }, "was measured no time");
+  ExpectFlaw([](CostTrace& t) { t.burst_frame_count = kHuge; }, "has bursts of 4294967295");
+  ExpectFlaw([](CostTrace& t) { t.burst_frame_count = 5; }, "of a burst of another length");
+  ExpectFlaw([](CostTrace& t) { t.arms.clear(); }, "has 0 arms");
+  ExpectFlaw([](CostTrace& t) { t.bursts.clear(); }, "has no burst");
+  ExpectFlaw([](CostTrace& t) { t.detection_ns.pop_back(); }, "column detection_ns");
+  ExpectFlaw([](CostTrace& t) { t.native_bytes.push_back(1); }, "column native_bytes");
+  ExpectFlaw([](CostTrace& t) { t.held = {1}; }, "column held of another length");
 }
 
 TEST_F(CostsFile, RefusesNumbersAndNamesThatNoTraceHas) {
-  using Message = costs::CostTrace;
-  ExpectFlaw([](Message& m) { m.set_detection_ns(3, 0); }, "a time of nothing");
-  ExpectFlaw([](Message& m) { m.set_control_ns(3, kMostTracedNs + 1); }, "more than an hour");
-  ExpectFlaw([](Message& m) { (*m.mutable_held())[4] = 2; }, "other values than 0 and 1");
-  ExpectFlaw([](Message& m) { m.mutable_arms(1)->set_name("SAP"); }, "has the arm SAP twice");
-  ExpectFlaw([](Message& m) { m.mutable_arms(1)->set_name("\x1b[2J"); }, "without a name");
-  ExpectFlaw([](Message& m) { m.set_scene("a\nb"); }, "name is no short line");
-  ExpectFlaw([](Message& m) { m.mutable_bursts(1)->set_first_frame(2); }, "burst out of order");
-  ExpectFlaw([](Message& m) { m.mutable_bursts(1)->set_first_frame(7); }, "burst out of order");
-  ExpectFlaw([](Message& m) { m.mutable_descriptors(0)->set_frame(11); }, "descriptor out of");
+  ExpectFlaw([](CostTrace& t) { t.detection_ns[3] = 0; }, "a time of nothing");
+  ExpectFlaw([](CostTrace& t) { t.control_ns[3] = kMaxTracedNs + 1; }, "more than an hour");
+  ExpectFlaw([](CostTrace& t) { t.held[4] = 2; }, "other values than 0 and 1");
+  ExpectFlaw([](CostTrace& t) { t.arms[1].name = "SAP"; }, "has the arm SAP twice");
+  ExpectFlaw([](CostTrace& t) { t.arms[1].name = "\x1b[2J"; }, "without a name");
+  ExpectFlaw([](CostTrace& t) { t.scene = "a\nb"; }, "name is no short line");
+  ExpectFlaw([](CostTrace& t) { t.bursts[1].first_frame = 2; }, "burst out of order");
+  ExpectFlaw([](CostTrace& t) { t.bursts[1].first_frame = 7; }, "burst out of order");
+  ExpectFlaw([](CostTrace& t) { t.descriptors[0].frame = 11; }, "descriptor out of");
   ExpectFlaw(
-      [](Message& m) {
-        m.mutable_descriptors(0)->mutable_scene_descriptor()->set_speed_mean(
-            std::numeric_limits<float>::infinity());
+      [](CostTrace& t) {
+        t.descriptors[0].descriptor.speed_mean = std::numeric_limits<float>::infinity();
       },
       "not finite");
 }
