@@ -19,7 +19,7 @@
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.
-// tests/bench/decision_tick_bench.cc measures the cost of a tick.
+// tests/bench/programs/decision_tick_bench.cc measures the cost of a tick.
 #pragma once
 
 #include <cstdint>

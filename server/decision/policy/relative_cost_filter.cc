@@ -10,7 +10,8 @@ namespace {
 constexpr double Square(double x) { return x * x; }
 
 // Variances are squares of standard deviations of logarithms: 0.01 is 1 %. They were chosen on the
-// traces of tests/bench/tuning_scenes.txt, where halving or doubling any of them changes little.
+// traces of tests/bench/data/tuning_scenes.txt, where halving or doubling any of them changes
+// little.
 constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
 constexpr double kLevelVariance = Square(2);      // of the unknown common level
 constexpr double kUnknownVariance = Square(0.8);  // of an arm relative to the others
