@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Fails on an #include that runs against the direction of dependencies.
 
-    broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc, server/web
+    broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     server/decision/math <- everything else, since it is pure
-    server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, rpc, web <- daemon <- main
+    server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, rpc <- daemon <- main
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
 
@@ -46,8 +46,7 @@ ALLOWED = {
     "server/priors": DECISION | {"server/audit"},
     "server/storage": DECISION | {"server/audit", "server/priors"},
     "server/rpc": DECISION | {"server/audit", "server/priors", "proto"},
-    "server/web": DECISION | {"server/priors", "proto"},
-    "server": DECISION | {"server/audit", "server/priors", "server/storage", "server/rpc", "server/web", "proto"},
+    "server": DECISION | {"server/audit", "server/priors", "server/storage", "server/rpc", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -83,8 +82,7 @@ ROOM_ORDER = {
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/rpc",
-    "server/web"}
+    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/rpc"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
@@ -226,8 +224,7 @@ BAD = {
     "engine_client/include/sweepstake/new.h": "\n",
     "engine_client/telemetry/j.cc": '#include "server/storage/prior_store.h"\n',
     "server/rpc/k.cc": '#include "server/storage/prior_store.h"\n',
-    "server/storage/l.cc": '#include "server/web/http.h"\n',
-    "server/web/m.cc": '#include "server/rpc/telemetry_service.h"\n',
+    "server/storage/l.cc": '#include "server/rpc/rpc_server.h"\n',
     "server/rpc/n.cc": '#include "sweepstake/frame_sample.h"\n',
     "server/main.cc": '#include "engine_client/scene/world.h"\n',
     "server/rpc/o.cc": '#include "server/daemon.h"\n',
