@@ -69,6 +69,7 @@ PUBLIC_HEADERS = {
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",
     "c_proxies.h": "engine_client/c_api",
+    "c_scenes.h": "engine_client/c_api",
 }
 PUBLIC_FOLDER = "engine_client/include/sweepstake"
 

@@ -31,7 +31,7 @@ foreach(line IN LISTS lines)
 endforeach()
 
 set(declarations)
-foreach(name c_api.h c_proxies.h)
+foreach(name c_api.h c_proxies.h c_scenes.h)
   file(READ ${HEADERS}/${name} header)
   string(REGEX MATCHALL "SWP_API[^(]*swp_[a-z_]+\\(" found "${header}")
   list(APPEND declarations ${found})

@@ -1,0 +1,68 @@
+/* The part of the C ABI for scenes, moving boxes to try a broad phase on; c_api.h includes it and
+ * says what holds for all: threads, ownership, units, results. The functions mirror
+ * sweepstake/scene.h.
+ */
+#ifndef SWEEPSTAKE_C_SCENES_H_
+#define SWEEPSTAKE_C_SCENES_H_
+
+#include <stdint.h>
+
+#include "sweepstake/c_api.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* NOLINTBEGIN(modernize-use-using): C has none. */
+
+typedef struct swp_scene swp_scene;
+
+/* The same as SceneOptions in sweepstake/scene.h. Call swp_scene_options_init, then change what you
+ * wish. */
+typedef struct swp_scene_options {
+  uint32_t struct_size; /* sizeof(swp_scene_options) */
+  uint32_t object_count;
+  uint64_t spawn_seed;
+  uint64_t motion_seed;
+  float world_half_extent;
+  float fixed_step_s;
+  float half_extent_min;
+  float half_extent_max;
+  float speed;
+  float gravity;
+  float direction_interval_s;
+  uint32_t reserved; /* 0 */
+} swp_scene_options;
+
+SWP_API uint32_t swp_scene_count(void);
+/* The name is valid for ever; NULL for an index of swp_scene_count() or above. */
+SWP_API const char* swp_scene_name(uint32_t index);
+
+SWP_API swp_result swp_scene_options_init(swp_scene_options* options);
+
+/* `scene` is one of swp_scene_name() or the path of a .aabbs file; `options` NULL takes the
+ * defaults. SWP_NOT_FOUND lists the names, SWP_DATA_LOSS says what is broken in the file. */
+SWP_API swp_result swp_scene_create(const char* scene, const swp_scene_options* options,
+                                    swp_scene** out);
+SWP_API void swp_scene_destroy(swp_scene* scene);
+
+/* Moves the scene on by one fixed step. */
+SWP_API swp_result swp_scene_step(swp_scene* scene);
+
+/* The boxes of this frame, valid until the next step. */
+SWP_API swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxes, uint32_t* count);
+/* The bounds of the motion; boxes may extend beyond them by their size. */
+SWP_API swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world);
+/* The number of steps taken. */
+SWP_API swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index);
+/* FNV-1a, 64 bits, over the bytes of this frame's boxes in little-endian order: equal on every
+ * platform for one seed and step. */
+SWP_API swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash);
+
+/* NOLINTEND(modernize-use-using) */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SWEEPSTAKE_C_SCENES_H_ */
