@@ -35,7 +35,8 @@ ALLOWED = {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
-        *DECISION, "server/decision/study", "server/audit", "proto"},
+        *DECISION, "server/decision/study", "server/audit", "server/dashboard", "proto"},
+    "server/dashboard": set(),
     "server/decision/math": set(),
     "server/decision": set(),
     "server/decision/policy": {"server/decision"},

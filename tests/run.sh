@@ -40,8 +40,8 @@ narrowed=$*
 tree=$(tree_to_test)
 for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
-# With the libraries that `sweepstake bench --peers` compares with.
-deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libboost-dev libcgal-dev
+# With the libraries that `sweepstake bench --peers` compares with, and the browser that the reports are tested in.
+deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libboost-dev libcgal-dev chromium
 (cd tests/proto && npm ci --no-audit --no-fund --silent)
 
 jobs=$(nproc)

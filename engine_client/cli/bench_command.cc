@@ -1,29 +1,29 @@
 #include "engine_client/cli/commands.h"
 
+#include <array>
 #include <memory>
 #include <sstream>
 
-#include "engine_client/cli/bench/bench_html.h"
 #include "engine_client/cli/bench/bench_output.h"
 #include "engine_client/cli/bench/bench_run.h"
 #include "engine_client/cli/game/scene_choice.h"
-#include "engine_client/cli/io/whole_file.h"
+#include "engine_client/cli/io/report_file.h"
 
 namespace sweepstake::cli {
 namespace {
 
-std::string Json(const BenchReport& report) {
+Status WriteReport(const BenchReport& report, ReportFile& file, Terminal& terminal) {
   std::ostringstream json;
   PrintBenchJson(report, json);
-  return json.str();
+  return file.Commit(std::array{json.str()}, terminal);
 }
 
-int Bench(const BenchOptions& options, const std::string& command_line, Terminal& terminal) {
-  std::unique_ptr<WholeFile> page;
+int Bench(const BenchOptions& options, Terminal& terminal) {
+  std::unique_ptr<ReportFile> file;
   if (options.report_file) {
-    auto file = WholeFile::Create(*options.report_file);
-    if (!file.ok()) return Fail(terminal, file.status());
-    page = std::move(*file);
+    auto created = ReportFile::Create(*options.report_file);
+    if (!created.ok()) return Fail(terminal, created.status());
+    file = std::move(*created);
   }
   const auto report = RunBench(options, terminal);
   if (!report.ok()) return Fail(terminal, report.status());
@@ -32,10 +32,9 @@ int Bench(const BenchOptions& options, const std::string& command_line, Terminal
   } else {
     PrintBenchTables(*report, terminal.out);
   }
-  if (page) {
-    page->Write(BenchHtml(*report, command_line, Json(*report)));
-    if (const Status status = page->Commit(); !status.ok()) return Fail(terminal, status);
-    terminal.err << "The report is in " << *options.report_file << '\n';
+  if (file) {
+    if (Status status = WriteReport(*report, *file, terminal); !status.ok())
+      return Fail(terminal, status);
   }
   return AnyDiffers(*report) ? kCheckFailed : kDone;
 }
@@ -90,7 +89,9 @@ void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& comma
       "Milliseconds per frame; pairs and AABB checks are means per frame, bytes the most held.\n" +
           SceneHelp(),
       exit_code, Declare, [&terminal, command_line](const BenchOptions& options) {
-        return Bench(options, command_line, terminal);
+        BenchOptions given = options;
+        given.command_line = command_line;
+        return Bench(given, terminal);
       });
 }
 

@@ -38,6 +38,7 @@ void AddLaboratory(CLI::App& app, Terminal& terminal, const std::string& command
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
   AddReplayCommand(app, terminal, exit_code);
+  AddReportCommand(app, terminal, exit_code);
   AddTraceCommand(app, terminal, exit_code);
 }
 #else

@@ -27,6 +27,7 @@ void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code);

@@ -1,35 +1,26 @@
 #include "engine_client/cli/commands.h"
 
-#include <nlohmann/json.hpp>
+#include <array>
 #include <sstream>
 
-#include "engine_client/cli/bench/bench_machine.h"
-#include "engine_client/cli/experiment/experiment_assessment.h"
-#include "engine_client/cli/experiment/experiment_csv.h"
-#include "engine_client/cli/experiment/experiment_folder.h"
-#include "engine_client/cli/experiment/experiment_grid.h"
-#include "engine_client/cli/experiment/experiment_html.h"
-#include "engine_client/cli/experiment/experiment_report.h"
-#include "engine_client/cli/experiment/experiment_tables.h"
-#include "engine_client/cli/experiment/experiment_truth_output.h"
-#include "engine_client/cli/game/game_run.h"
-#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/experiment/experiment_output.h"
+#include "engine_client/cli/experiment/experiment_run.h"
+#include "engine_client/cli/io/report_file.h"
 #include "engine_client/cli/io/stop_signal.h"
 #include "engine_client/cli/io/whole_file.h"
 
 namespace sweepstake::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct CommandOptions {
   ExperimentOptions experiment;
   std::string out;
   std::string resume;
+  std::string report;
   bool json = false;
 };
 
-// What is under way: a new experiment, or the one in the folder.
+// A new experiment, or the one that the folder holds already.
 struct Opened {
   ExperimentFolder folder;
   ExperimentPlan plan;
@@ -56,6 +47,11 @@ Result<Opened> OpenExperiment(const CommandOptions& options) {
   return Opened{folder, std::move(*plan), std::move(manifest.sittings)};
 }
 
+std::filesystem::path ReportPath(const CommandOptions& options, const ExperimentFolder& folder) {
+  if (!options.report.empty()) return options.report;
+  return folder.path() / "report.html";
+}
+
 Status WriteText(const std::string& text, const std::filesystem::path& path) {
   auto file = WholeFile::Create(path);
   if (!file.ok()) return file.status();
@@ -63,107 +59,68 @@ Status WriteText(const std::string& text, const std::filesystem::path& path) {
   return (*file)->Commit();
 }
 
-// A flat row per cell and policy.
-Json CellJson(const ExperimentReport& report, const CellSummary& cell) {
-  Json row = {{"policy", cell.policy},
-              {"scene", cell.cell.scene},
-              {"objects", cell.cell.object_count},
-              {"runs", cell.runs.size()},
-              {"dominance", cell.DominanceText()},
-              {"dominant", cell.dominance.front().first},
-              {"verdict", VerdictName(cell.verdict)},
-              {"switches", cell.switches.mean},
-              {"switches_sd", cell.switches.deviation},
-              {"active_percent", cell.active_percent.mean},
-              {"active_percent_sd", cell.active_percent.deviation},
-              {"mu", cell.posterior_mean.mean},
-              {"mu_sd", cell.posterior_mean.deviation},
-              {"n", cell.evidence.mean},
-              {"n_sd", cell.evidence.deviation}};
-  const CellTruth* truth = report.TruthOf(cell.cell);
-  if (truth == nullptr) return row;
-  row["truly_fastest"] = truth->ranking.front().arm;
-  for (const ReplayedPlayer& player : truth->players) {
-    if (player.name == OwnPolicyName(cell.policy)) row["replay_regret"] = player.regret;
-  }
-  for (const Agreement& each : truth->agreements) {
-    if (each.policy != cell.policy) continue;
-    row["live_regret"] = each.regret;
-    row["live_regret_agrees"] = each.regret_agrees();
-    row["active_share_agrees"] = each.share_agrees();
-  }
-  return row;
-}
-
-Json SummaryJson(const ExperimentFolder& folder, const ExperimentReport& report) {
-  Json document = {{"command", "experiment"},
-                   {"folder", folder.path().string()},
-                   {"complete", report.complete()},
-                   {"finished_runs", report.records.size()},
-                   {"planned_runs", report.plan.runs.size()},
-                   {"time_scale", report.plan.options.time_scale},
-                   {"rows", Json::array()}};
-  for (const CellSummary& cell : report.cells) document["rows"].push_back(CellJson(report, cell));
-  return document;
-}
-
-// All that is made of the runs that are there.
+// Everything that is made of the runs that are there; no report where `page` is null.
 Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& report,
-                    const std::string& text, const std::string& json) {
+                    ReportFile* page, Terminal& terminal) {
   const std::filesystem::path& path = folder.path();
-  Status status = WriteTables(report.cells, path);
-  if (status.ok()) status = WriteText(text, path / "tables.txt");
-  if (status.ok()) status = WriteRawCsv(report.records, path);
-  if (status.ok()) status = WriteTruthCsv(report, path);
-  if (status.ok()) status = WriteText(ExperimentHtml(report, json), path / "report.html");
+  std::ostringstream text, json;
+  PrintExperiment(report, path, text);
+  PrintExperimentJson(report, path, json);
+  Status status = WriteExperimentCsv(report, path);
+  if (status.ok()) status = WriteText(text.str(), path / "tables.txt");
+  if (status.ok()) status = WriteText(json.str(), path / "experiment.json");
+  if (status.ok() && page != nullptr) status = page->Commit(std::array{json.str()}, terminal);
   if (!status.ok()) return status;
   return folder.WriteManifest(ManifestJson(report.plan, report.sittings, report.records.size()));
 }
 
-std::string Text(const ExperimentFolder& folder, const ExperimentReport& report) {
-  std::ostringstream text;
-  if (!report.complete()) {
-    text << "PARTIAL: " << report.records.size() << " of " << report.plan.runs.size()
-         << " runs; --resume " << folder.path().string() << " goes on with it\n";
-  }
-  PrintTables(report.cells, text);
-  PrintTruth(report, text);
-  return text.str();
-}
-
-int Finish(const CommandOptions& options, Opened opened, Terminal& terminal) {
+Result<ExperimentReport> MakeReport(Opened opened, Terminal& terminal) {
   ExperimentReport report;
   report.machine = DescribeMachine({});
   report.records = opened.folder.ReadRecords(opened.plan);
   report.cells = SummarizeCells(opened.plan, report.records);
+  auto truths = Assess(opened.plan, opened.folder, report.cells, terminal);
+  if (!truths.ok()) return truths.status();
+  report.truths = std::move(*truths);
   report.plan = std::move(opened.plan);
   report.sittings = std::move(opened.sittings);
-  Status status = Assess(opened.folder, terminal, report);
   report.sittings.back().end_utc = DescribeMachine({}).date_utc;
-  const std::string text = Text(opened.folder, report);
-  std::ostringstream json;
-  PrintJson(SummaryJson(opened.folder, report), json);
-  if (status.ok()) status = WriteResults(opened.folder, report, text, json.str());
+  return report;
+}
+
+int Finish(const CommandOptions& options, Opened opened, ReportFile* page, Terminal& terminal) {
+  const ExperimentFolder folder = opened.folder;
+  const auto report = MakeReport(std::move(opened), terminal);
+  if (!report.ok()) return Fail(terminal, report.status());
+  const Status status = WriteResults(folder, *report, page, terminal);
   if (!status.ok()) return Fail(terminal, status);
-  terminal.out << (options.json ? json.str() : text);
-  terminal.err << "The report is " << (opened.folder.path() / "report.html").string()
-               << "; all else lies beside it\n";
-  return report.complete() ? kDone : kCheckFailed;
+  if (options.json) {
+    PrintExperimentJson(*report, folder.path(), terminal.out);
+  } else {
+    PrintExperiment(*report, folder.path(), terminal.out);
+  }
+  return report->complete() ? kDone : kCheckFailed;
 }
 
 int RunExperiment(const CommandOptions& options, const std::string& command_line,
                   Terminal& terminal) {
   auto opened = OpenExperiment(options);
   if (!opened.ok()) return Fail(terminal, opened.status());
+  const auto page = ReportFile::Create(ReportPath(options, opened->folder).string());
+  if (!page.ok()) {
+    const int exit_code = Fail(terminal, page.status());
+    // Without --report the experiment goes on: `sweepstake report` can make its report later.
+    if (!options.report.empty()) return exit_code;
+  }
   opened->sittings.push_back({command_line, DescribeMachine({}).date_utc, ""});
-  // Written before the first run, so that an experiment that is killed can be gone on with.
+  // Written before the first run, so that an experiment that is killed can be resumed.
   Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sittings, 0));
   if (!status.ok()) return Fail(terminal, status);
   InstallStopSignal();
   status = TraceCells(opened->plan, opened->folder, terminal);
   if (status.ok()) status = PlayGrid(opened->plan, opened->folder, terminal);
   if (!status.ok()) return Fail(terminal, status);
-  return Finish(options, std::move(*opened), terminal);
+  return Finish(options, std::move(*opened), page.ok() ? page->get() : nullptr, terminal);
 }
 
 void Declare(CLI::App& command, CommandOptions& options) {
@@ -210,6 +167,8 @@ void Declare(CLI::App& command, CommandOptions& options) {
   command.add_flag("--quick", experiment.quick,
                    "Six cells (1000 and 3000 objects) and one run of each, to see that it works");
   command.add_flag("--frames", experiment.frames, "Keep every frame's metrics, some GB");
+  command.add_option("--report", options.report,
+                     "Charts and tables as one HTML file (default: report.html in the folder)");
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 

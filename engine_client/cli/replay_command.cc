@@ -1,11 +1,14 @@
 #include "engine_client/cli/commands.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <thread>
 
+#include "engine_client/cli/io/report_file.h"
 #include "engine_client/cli/replay/replay_log.h"
 #include "engine_client/cli/replay/replay_output.h"
 #include "engine_client/cli/replay/replay_plan.h"
@@ -18,6 +21,7 @@ struct ReplayCommandOptions {
   ReplayRequest request{.thread_count = std::max(std::thread::hardware_concurrency(), 1U)};
   std::string log_file;
   std::string csv_file;
+  std::string report_file;
   bool json = false;
 };
 
@@ -54,6 +58,12 @@ void Print(const ReplayReport& report, bool json, Terminal& terminal) {
   }
 }
 
+Status WriteReport(const ReplayReport& report, ReportFile& file, Terminal& terminal) {
+  std::ostringstream json;
+  PrintReplayJson(report, json);
+  return file.Commit(std::array{json.str()}, terminal);
+}
+
 int ReplayTraces(const ReplayCommandOptions& options, Terminal& terminal) {
   const auto plan = MakeReplayPlan(options.request);
   if (!plan.ok()) return Fail(terminal, plan.status());
@@ -63,11 +73,21 @@ int ReplayTraces(const ReplayCommandOptions& options, Terminal& terminal) {
     if (!created.ok()) return Fail(terminal, created.status());
     csv = std::move(*created);
   }
+  std::unique_ptr<ReportFile> file;
+  if (!options.report_file.empty()) {
+    auto created = ReportFile::Create(options.report_file);
+    if (!created.ok()) return Fail(terminal, created.status());
+    file = std::move(*created);
+  }
   std::optional<StudyProgress> progress(terminal);
   const std::vector<StudyRow> rows = RunStudy(plan->scenes, plan->study, progress->listener());
   progress.reset();
   const ReplayReport report{plan->scenes, plan->study, rows};
   Print(report, options.json, terminal);
+  if (file != nullptr) {
+    Status status = WriteReport(report, *file, terminal);
+    if (!status.ok()) return Fail(terminal, status);
+  }
   if (csv == nullptr) return kDone;
   WriteReplayCsv(report, *csv);
   const Status status = csv->Commit();
@@ -121,6 +141,8 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
   command.add_option("--csv", options.csv_file, "Every game as a row of this file");
+  command.add_option("--report", options.report_file,
+                     "Charts and tables as one HTML file that needs no network");
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 

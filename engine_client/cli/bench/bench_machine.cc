@@ -6,6 +6,7 @@
 
 #include <ctime>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 namespace sweepstake::cli {
@@ -21,7 +22,7 @@ std::string DateUtc() {
   return text;
 }
 
-// Linux's own word for it; elsewhere, and where it says none, the architecture must do.
+// The processor's name as Linux gives it; "unknown" elsewhere.
 std::string CpuName() {
   std::ifstream cpus("/proc/cpuinfo");
   for (std::string line; std::getline(cpus, line);) {
@@ -47,7 +48,7 @@ std::string CompilerName() {
 #endif
 }
 
-// Of the targets that are both compiled and supported the best one has the lowest bit.
+// Among the targets that are both compiled and supported, the best one has the lowest bit.
 std::string SimdTarget() {
   const int64_t usable = hwy::SupportedTargets() & int64_t{HWY_TARGETS};
   return hwy::TargetName(usable & -usable);
@@ -77,6 +78,20 @@ BenchMachine DescribeMachine(std::span<const PeerLibrary> peers) {
     }
   }
   return machine;
+}
+
+nlohmann::ordered_json MachineJson(const BenchMachine& machine) {
+  auto libraries = nlohmann::ordered_json::object();
+  for (const LibraryVersion& library : machine.libraries) libraries[library.name] = library.version;
+  return {{"date", machine.date_utc},
+          {"program", machine.program},
+          {"cpu", machine.cpu},
+          {"cores", machine.core_count},
+          {"system", machine.system},
+          {"compiler", machine.compiler},
+          {"simd", machine.simd_target},
+          {"libraries", libraries},
+          {"absent_peers", machine.absent_peers}};
 }
 
 }  // namespace sweepstake::cli

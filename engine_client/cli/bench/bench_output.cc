@@ -55,20 +55,6 @@ Json RatioJson(const BenchRatio& ratio, const BenchCell& cell) {
   return json;
 }
 
-Json MachineJson(const BenchMachine& machine) {
-  Json libraries = Json::object();
-  for (const LibraryVersion& library : machine.libraries) libraries[library.name] = library.version;
-  return {{"date", machine.date_utc},
-          {"program", machine.program},
-          {"cpu", machine.cpu},
-          {"cores", machine.core_count},
-          {"system", machine.system},
-          {"compiler", machine.compiler},
-          {"simd", machine.simd_target},
-          {"libraries", libraries},
-          {"absent_peers", machine.absent_peers}};
-}
-
 std::string OrDash(const std::optional<uint64_t>& value) {
   return value ? std::to_string(*value) : "-";
 }
@@ -178,9 +164,18 @@ const char* RatioKindName(RatioKind kind) {
 }
 
 void PrintBenchJson(const BenchReport& report, std::ostream& out) {
-  Json document = {{"command", "bench"},          {"warmup", report.options.warmup},
-                   {"seed", report.options.seed}, {"machine", MachineJson(report.machine)},
-                   {"rows", Json::array()},       {"ratios", Json::array()},
+  const BenchOptions& options = report.options;
+  Json document = {{"command", "bench"},
+                   {"command_line", options.command_line},
+                   {"frames", options.frames},
+                   {"warmup", options.warmup},
+                   {"seed", options.seed},
+                   {"threads", options.thread_counts},
+                   {"peers", options.peers},
+                   {"peer_cap_s", options.peer_cap_s},
+                   {"machine", MachineJson(report.machine)},
+                   {"rows", Json::array()},
+                   {"ratios", Json::array()},
                    {"speedups", Json::array()}};
   for (const BenchRow& row : report.rows) {
     document["rows"].push_back(RowJson(row, report.cells[row.cell]));

@@ -1,9 +1,9 @@
 // What one run of `sweepstake bench` found, as plain values: the machine, what was asked for, a
-// cell per scene and object count, a row per contestant in a cell, and the ratios and goals derived
-// from the rows. The commands' outputs are made from this and from nothing else.
+// cell per scene and object count, a row per contestant in a cell, and the ratios derived from the
+// rows. The command's outputs are made from this and from nothing else.
 //
-// Times in milliseconds per frame, sizes in bytes. Optional values are absent where nobody knows
-// them or nothing was measured.
+// Times are in milliseconds per frame, sizes in bytes. Optional values are absent where they are
+// unknown or were not measured.
 #pragma once
 
 #include <cstddef>
@@ -11,6 +11,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "engine_client/cli/bench/bench_machine.h"
 
 namespace sweepstake::cli {
 
@@ -25,25 +27,8 @@ struct BenchOptions {
   bool peers = false;
   double peer_cap_s = 5;  // of a peer's own time in a cell, before it is left out
   bool json = false;
-  std::optional<std::string> report_file;  // where the page goes
-};
-
-struct LibraryVersion {
-  std::string name;
-  std::string version;
-};
-
-// Where and with what the run was made.
-struct BenchMachine {
-  std::string date_utc;     // of the start, as 2026-01-31T12:00:00Z
-  std::string program;      // version of Sweepstake
-  std::string cpu;          // the processor's own name
-  uint32_t core_count = 0;  // hardware threads
-  std::string system;       // kernel and architecture
-  std::string compiler;
-  std::string simd_target;                // the one Highway chose on this machine
-  std::vector<LibraryVersion> libraries;  // Highway, then those of the peers that took part
-  std::vector<std::string> absent_peers;  // a line each: library, and the package that brings it
+  std::optional<std::string> report_file;  // an HTML file with charts and tables
+  std::string command_line;                // as it was given
 };
 
 // A scene with one number of objects. All contestants of a cell saw the same frames.
@@ -124,5 +109,12 @@ struct BenchReport {
   std::vector<BenchRatio> ratios;
   std::vector<BenchSpeedup> speedups;  // every arm and every peer of a cell
 };
+
+// The comparisons of `report`'s rows. Rows with a difference are left out on both sides. Pure, safe
+// from any thread.
+std::vector<BenchRatio> RatiosOf(const BenchReport& report);
+
+// How many times faster each arm is than each peer of its cell, with one thread each.
+std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
 
 }  // namespace sweepstake::cli

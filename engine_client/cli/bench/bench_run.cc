@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "engine_client/cli/bench/bench_machine.h"
-#include "engine_client/cli/bench/bench_ratios.h"
 #include "engine_client/cli/bench/scene_timing.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/text_table.h"

@@ -1,9 +1,11 @@
-#include "engine_client/cli/experiment/experiment_csv.h"
+// The CSV files of an experiment.
 
 #include <functional>
+#include <span>
 #include <string>
 
-#include "engine_client/cli/experiment/experiment_summary.h"
+#include "engine_client/cli/experiment/experiment_output.h"
+#include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/csv_file.h"
 #include "engine_client/cli/io/text_table.h"
@@ -116,8 +118,6 @@ void TimeRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
            std::to_string(record.decisions.size()), std::to_string(record.dropped_frame_count)});
 }
 
-}  // namespace
-
 Status WriteRawCsv(std::span<const RunRecord> records, const std::filesystem::path& folder) {
   const struct {
     const char* name;
@@ -157,6 +157,197 @@ Status WriteRawCsv(std::span<const RunRecord> records, const std::filesystem::pa
     }
   }
   return {};
+}
+
+const PaperCell* PaperOf(const CellSummary& cell) {
+  return FindPaperCell(cell.cell.scene, cell.cell.object_count);
+}
+
+Status WriteTable3(std::span<const CellSummary> cells, const std::filesystem::path& path) {
+  auto csv =
+      CsvFile::Create(path, {"policy", "scene", "objects", "runs", "dominance", "interpretation",
+                             "verdict", "paper_dominance", "paper_interpretation"});
+  if (!csv.ok()) return csv.status();
+  for (const CellSummary& cell : cells) {
+    const PaperCell* paper = PaperOf(cell);
+    (*csv)->Row({cell.policy, cell.cell.scene, std::to_string(cell.cell.object_count),
+                 std::to_string(cell.runs.size()), cell.DominanceText(), cell.Interpretation(),
+                 VerdictName(cell.verdict), paper == nullptr ? "" : paper->dominance,
+                 paper == nullptr ? "" : paper->interpretation});
+  }
+  return (*csv)->Commit();
+}
+
+// A measure's four cells: ours and the paper's, mean and deviation.
+std::string Number(double value) { return Fixed(value, 6); }
+
+Status WriteTable4(std::span<const CellSummary> cells, const std::filesystem::path& path) {
+  auto csv = CsvFile::Create(path, {"policy",
+                                    "scene",
+                                    "objects",
+                                    "runs",
+                                    "dominant",
+                                    "dominant_runs",
+                                    "switches_mean",
+                                    "switches_sd",
+                                    "active_percent_mean",
+                                    "active_percent_sd",
+                                    "mu_mean",
+                                    "mu_sd",
+                                    "n_mean",
+                                    "n_sd",
+                                    "paper_dominant",
+                                    "paper_dominant_runs",
+                                    "paper_switches_mean",
+                                    "paper_switches_sd",
+                                    "paper_active_percent_mean",
+                                    "paper_active_percent_sd",
+                                    "paper_mu_mean",
+                                    "paper_mu_sd",
+                                    "paper_n_mean",
+                                    "paper_n_sd"});
+  if (!csv.ok()) return csv.status();
+  for (const CellSummary& cell : cells) {
+    const PaperCell* paper = PaperOf(cell);
+    const auto printed = [&](double PaperFigure::*part, PaperFigure PaperCell::*figure) {
+      return paper == nullptr ? std::string() : Fixed(paper->*figure.*part, 3);
+    };
+    const auto mean = [&](PaperFigure PaperCell::*figure) {
+      return printed(&PaperFigure::mean, figure);
+    };
+    const auto deviation = [&](PaperFigure PaperCell::*figure) {
+      return printed(&PaperFigure::deviation, figure);
+    };
+    (*csv)->Row({cell.policy,
+                 cell.cell.scene,
+                 std::to_string(cell.cell.object_count),
+                 std::to_string(cell.runs.size()),
+                 cell.dominance.front().first,
+                 std::to_string(cell.dominance.front().second),
+                 Number(cell.switches.mean),
+                 Number(cell.switches.deviation),
+                 Number(cell.active_percent.mean),
+                 Number(cell.active_percent.deviation),
+                 Number(cell.posterior_mean.mean),
+                 Number(cell.posterior_mean.deviation),
+                 Number(cell.evidence.mean),
+                 Number(cell.evidence.deviation),
+                 paper == nullptr ? "" : paper->dominant,
+                 paper == nullptr ? "" : std::to_string(paper->dominant_run_count),
+                 mean(&PaperCell::switches),
+                 deviation(&PaperCell::switches),
+                 mean(&PaperCell::active_percent),
+                 deviation(&PaperCell::active_percent),
+                 mean(&PaperCell::posterior_mean),
+                 deviation(&PaperCell::posterior_mean),
+                 mean(&PaperCell::evidence),
+                 deviation(&PaperCell::evidence)});
+  }
+  return (*csv)->Commit();
+}
+
+Status WriteTables(std::span<const CellSummary> cells, const std::filesystem::path& folder) {
+  if (Status status = WriteTable3(cells, folder / "table3.csv"); !status.ok()) return status;
+  return WriteTable4(cells, folder / "table4.csv");
+}
+
+using CellRows = std::function<void(const CellTruth& truth, const std::string& cell, CsvFile& csv)>;
+
+Status WriteCells(const ExperimentTruths& truths, const std::filesystem::path& path,
+                  std::initializer_list<std::string_view> header, const CellRows& rows) {
+  auto csv = CsvFile::Create(path, header);
+  if (!csv.ok()) return csv.status();
+  for (const CellTruth& truth : truths.cells) rows(truth, truth.cell.label(), **csv);
+  return (*csv)->Commit();
+}
+
+void RankingRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
+  for (const ArmCost& arm : truth.ranking) {
+    csv.Row({cell, arm.arm, Fixed(arm.mean_ns, 1), Exact(arm.ratio), Exact(truth.control_ratio)});
+  }
+}
+
+void RegretRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
+  for (const ReplayedPlayer& player : truth.players) {
+    for (size_t i = 0; i < player.regrets.size(); ++i) {
+      csv.Row({cell, player.name, std::to_string(i + 1), Exact(player.regrets[i]),
+               Exact(player.regret), Exact(player.ci95.low), Exact(player.ci95.high)});
+    }
+  }
+}
+
+void AgreementRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
+  for (const Agreement& each : truth.agreements) {
+    csv.Row({cell, each.policy, std::to_string(each.runs.size()), Exact(each.regret),
+             Exact(each.replayed_regret.low), Exact(each.replayed_regret.high),
+             each.regret_agrees() ? "1" : "0", Exact(each.active_share),
+             Exact(each.replayed_active_share.low), Exact(each.replayed_active_share.high),
+             each.share_agrees() ? "1" : "0", Exact(each.measured_regret)});
+  }
+}
+
+void LiveRegretRows(const CellTruth& truth, const std::string& cell, CsvFile& csv) {
+  for (const Agreement& each : truth.agreements) {
+    for (const LiveRegret& run : each.runs) {
+      csv.Row({cell, each.policy, std::to_string(run.run), Exact(run.measured), Exact(run.by_trace),
+               Exact(run.active_share)});
+    }
+  }
+}
+
+void ComparisonRow(const PairedComparison& each, const std::string& cell, CsvFile& csv) {
+  csv.Row({cell, each.policy, each.baseline, std::to_string(each.wilcoxon.pair_count),
+           Exact(each.difference), Exact(each.ci95.low), Exact(each.ci95.high),
+           Exact(each.wilcoxon.probability), Exact(each.corrected_probability),
+           Exact(each.wilcoxon.rank_correlation)});
+}
+
+Status WriteComparisons(const ExperimentTruths& truths, const std::filesystem::path& path) {
+  auto csv = CsvFile::Create(path, {"cell", "policy", "baseline", "pairs", "difference", "ci95_low",
+                                    "ci95_high", "p_wilcoxon", "p_holm", "rank_biserial"});
+  if (!csv.ok()) return csv.status();
+  for (const PairedComparison& each : truths.over_cells) ComparisonRow(each, "all", **csv);
+  for (const PairedComparison& each : truths.over_live) ComparisonRow(each, "live", **csv);
+  for (const CellTruth& truth : truths.cells) {
+    for (const PairedComparison& each : truth.comparisons) {
+      ComparisonRow(each, truth.cell.label(), **csv);
+    }
+  }
+  return (*csv)->Commit();
+}
+
+Status WriteTruthCsv(const ExperimentTruths& truths, const std::filesystem::path& folder) {
+  Status status =
+      WriteCells(truths, folder / "ranking.csv",
+                 {"cell", "arm", "detection_ns_mean", "ratio", "control_ratio"}, RankingRows);
+  if (status.ok()) {
+    status = WriteCells(truths, folder / "regret.csv",
+                        {"cell", "player", "seed", "regret", "mean", "ci95_low", "ci95_high"},
+                        RegretRows);
+  }
+  if (status.ok()) {
+    status =
+        WriteCells(truths, folder / "agreement.csv",
+                   {"cell", "policy", "live_runs", "live_regret", "replay_regret_low",
+                    "replay_regret_high", "regret_agrees", "live_active_share", "replay_share_low",
+                    "replay_share_high", "share_agrees", "measured_regret"},
+                   AgreementRows);
+  }
+  if (status.ok()) {
+    status =
+        WriteCells(truths, folder / "live_regret.csv",
+                   {"cell", "policy", "run", "measured_regret", "regret_by_trace", "active_share"},
+                   LiveRegretRows);
+  }
+  return status.ok() ? WriteComparisons(truths, folder / "comparisons.csv") : status;
+}
+
+}  // namespace
+
+Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder) {
+  Status status = WriteTables(report.cells, folder);
+  if (status.ok()) status = WriteRawCsv(report.records, folder);
+  return status.ok() ? WriteTruthCsv(report.truths, folder) : status;
 }
 
 }  // namespace sweepstake::cli

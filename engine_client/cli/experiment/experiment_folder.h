@@ -1,12 +1,12 @@
 // The folder of an experiment: where each file lies, the manifest that says what is being run, and
 // which runs are there already. Files appear whole or not at all, so that a folder whose program
-// was killed can be gone on with.
+// was killed can be resumed.
 //
 //   manifest.json   options, seeds, machine, versions, command lines, state
 //   runs/           a record per finished run
 //   traces/         every arm on every frame of a cell's scene
 //   frames/         with --frames: every frame of a run
-//   *.csv, tables.txt, report.html
+//   *.csv, tables.txt, experiment.json, report.html
 #pragma once
 
 #include <filesystem>
@@ -19,11 +19,11 @@
 
 namespace sweepstake::cli {
 
-// A start of the program on this experiment.
+// One start of the program on this experiment.
 struct ExperimentSitting {
   std::string command_line;
   std::string start_utc;
-  std::string end_utc;  // empty: it did not come to write one
+  std::string end_utc;  // empty where the program was killed
 };
 
 struct ExperimentManifest {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine_client/cli/bench/bench_machine.h"
-#include "engine_client/cli/experiment/metric_window_meter.h"
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/scene_choice.h"
@@ -19,12 +18,13 @@ namespace {
 
 constexpr uint32_t kStopDeadlineMs = 2000;
 constexpr uint64_t kGoOnIntervalNs = 2'000'000;
-// At a frame of 10 µs a sixth of a second, in which the sender thread may not get a core.
+// With frames of 10 µs this is a sixth of a second, for which the sender thread may be without a
+// core.
 constexpr uint32_t kQueueFrames = 16'384;
 
-// Controls: each arm in turn, in rounds, a block of this share of the window, and of as many frames
-// as two turns of rotating gravity take unless that lasts ten times as long. A fifth of each block
-// warms up.
+// The controls run each arm in turn, in rounds. A block lasts for this share of the window, and for
+// at least the frames of two turns of rotating gravity unless those take ten times as long. The
+// first fifth of each block is warm-up.
 constexpr uint64_t kControlRounds = 2;
 constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds: a fifteenth of the window
 constexpr uint64_t kBlockFrames = 360;
@@ -149,7 +149,7 @@ class LiveRun {
   std::unique_ptr<Session> session_;
   std::unique_ptr<GameRun> run_;
   uint64_t begin_ns_ = 0;  // on the steady clock
-  uint64_t next_question_ns_ = 0;
+  uint64_t next_check_ns_ = 0;
 };
 
 Status LiveRun::Prepare() {
@@ -200,17 +200,17 @@ Result<bool> LiveRun::Play() {
 }
 
 bool LiveRun::MayGoOn(uint64_t now_ns) {
-  if (now_ns < next_question_ns_) return true;
-  next_question_ns_ = now_ns + kGoOnIntervalNs;
+  if (now_ns < next_check_ns_) return true;
+  next_check_ns_ = now_ns + kGoOnIntervalNs;
   return options_.go_on(now_ns);
 }
 
 uint64_t LiveRun::LongestExplorationNs() const {
   constexpr uint64_t kPatience = 10;
-  constexpr uint64_t kLeastNs = 60'000'000'000;  // an arm that is slow at a large scale is no fault
+  constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms at a large time scale are no fault
   const auto slot_ns =
       static_cast<uint64_t>(decisions_.exploration_warm_up_ns + decisions_.exploration_measure_ns);
-  return std::max(kLeastNs, kPatience * slot_ns * record_.arms.size());
+  return std::max(kMinNs, kPatience * slot_ns * record_.arms.size());
 }
 
 // Frames until the window has passed.
@@ -304,6 +304,39 @@ bool LiveRun::ControlBlock(uint32_t arm, std::vector<ArmTotals>& sums) {
 }
 
 }  // namespace
+
+void MetricWindowMeter::Add(const FrameSample& sample, uint64_t now_ns) {
+  if (sums_.frame_count > 0 && (sample.arm != sums_.arm || now_ns - begin_ns_ >= interval_ns_)) {
+    Close(now_ns);
+  }
+  const double frame_us = static_cast<double>(sample.frame_time_ns) * 1e-3;
+  ++sums_.frame_count;
+  sums_.arm = sample.arm;
+  sums_.object_count = sample.object_count;
+  sums_.frame_us_mean += frame_us;
+  sums_.frame_us_max = std::max(sums_.frame_us_max, frame_us);
+  sums_.detection_us_mean += static_cast<double>(sample.detection_time_ns) * 1e-3;
+  sums_.check_count_mean += static_cast<double>(sample.aabb_check_count);
+  sums_.pair_count_mean += static_cast<double>(sample.pair_count);
+  sums_.native_bytes_max = std::max(sums_.native_bytes_max, sample.native_bytes);
+}
+
+std::vector<MetricWindow> MetricWindowMeter::Take(uint64_t now_ns) {
+  if (sums_.frame_count > 0) Close(now_ns);
+  return std::exchange(windows_, {});
+}
+
+void MetricWindowMeter::Close(uint64_t now_ns) {
+  const double count = static_cast<double>(sums_.frame_count);
+  sums_.time_s = static_cast<double>(now_ns) * 1e-9;
+  sums_.frame_us_mean /= count;
+  sums_.detection_us_mean /= count;
+  sums_.check_count_mean /= count;
+  sums_.pair_count_mean /= count;
+  windows_.push_back(sums_);
+  sums_ = {};
+  begin_ns_ = now_ns;
+}
 
 Result<std::optional<RunRecord>> PlayLive(const PlannedRun& planned, const LiveOptions& options) {
   LiveRun live(planned, options);

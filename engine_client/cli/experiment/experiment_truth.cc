@@ -216,6 +216,12 @@ bool Holds(const Interval& interval, double value) {
 bool Agreement::regret_agrees() const { return Holds(replayed_regret, regret); }
 bool Agreement::share_agrees() const { return Holds(replayed_active_share, active_share); }
 
+const CellTruth* ExperimentTruths::Of(const ExperimentCell& cell) const {
+  const auto truth = std::find_if(cells.begin(), cells.end(),
+                                  [&](const CellTruth& each) { return each.cell == cell; });
+  return truth == cells.end() ? nullptr : &*truth;
+}
+
 std::string OwnPolicyName(const std::string& policy) {
   return std::string(decision::PolicyKindOf(policy).name);
 }

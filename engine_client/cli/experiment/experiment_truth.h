@@ -83,6 +83,16 @@ struct CellTruth {
   std::vector<Agreement> agreements;          // per policy that has live runs
 };
 
+// All cells that were traced, and AI Decides against each baseline over them.
+struct ExperimentTruths {
+  std::vector<CellTruth> cells;
+  std::vector<PairedComparison> over_cells;  // by replay
+  std::vector<PairedComparison> over_live;   // by the live runs
+
+  // Null where the cell was not traced.
+  const CellTruth* Of(const ExperimentCell& cell) const;
+};
+
 struct TruthOptions {
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;

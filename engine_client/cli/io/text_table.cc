@@ -26,7 +26,7 @@ std::vector<size_t> TextTable::Widths() const {
   for (const auto& row : rows_) {
     if (IsTitle(row)) continue;
     for (size_t column = 0; column < widths.size(); ++column) {
-      widths[column] = std::max(widths[column], html::LetterCount(row[column]));
+      widths[column] = std::max(widths[column], LetterCount(row[column]));
     }
   }
   return widths;
@@ -54,7 +54,7 @@ std::string TextTable::Text() const {
     }
     std::string line;
     for (size_t column = 0; column < widths.size(); ++column) {
-      const std::string padding(widths[column] - html::LetterCount(row[column]), ' ');
+      const std::string padding(widths[column] - LetterCount(row[column]), ' ');
       line += right[column] ? padding + row[column] : row[column] + padding;
       line += "  ";
     }

@@ -8,6 +8,7 @@
 
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
+#include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -118,6 +119,7 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
   Json document = {{"command", "replay"},
                    {"seeds", report.options.seed_count},
+                   {"own_policy", decision::PolicyKindOf("default").name},
                    {"scenes", Json::array()},
                    {"rows", Json::array()}};
   for (const StudyScene& each : report.scenes) {

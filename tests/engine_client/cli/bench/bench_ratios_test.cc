@@ -1,5 +1,5 @@
 // What a bench run concludes from its rows, on made-up times.
-#include "engine_client/cli/bench/bench_ratios.h"
+#include "engine_client/cli/bench/bench_report.h"
 
 #include <gtest/gtest.h>
 

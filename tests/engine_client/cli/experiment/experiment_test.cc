@@ -7,12 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include "engine_client/cli/experiment/experiment_csv.h"
-#include "engine_client/cli/experiment/experiment_folder.h"
-#include "engine_client/cli/experiment/experiment_grid.h"
-#include "engine_client/cli/experiment/experiment_summary.h"
-#include "engine_client/cli/experiment/experiment_tables.h"
-#include "engine_client/cli/experiment/metric_window_meter.h"
+#include "engine_client/cli/experiment/experiment_live.h"
+#include "engine_client/cli/experiment/experiment_output.h"
+#include "engine_client/cli/experiment/experiment_run.h"
 #include "tests/engine_client/cli/experiment/experiment_records.h"
 #include "tests/support/temporary_directory.h"
 
@@ -195,8 +192,12 @@ TEST(ExperimentTables, StandInThePapersLayoutWithItsFiguresBeside) {
   const ExperimentCell cell{"rotating-gravity", 1000, 1};
   const std::vector<RunRecord> records{MakeRecord(cell, "paper", 1, 0, 60),
                                        MakeRecord(cell, "paper", 2, 0, 70)};
+  ExperimentReport report;
+  report.cells = SummarizeCells(PlanOf(options), records);
+  report.records = records;
+  report.plan.runs.resize(records.size());
   std::ostringstream out;
-  PrintTables(SummarizeCells(PlanOf(options), records), out);
+  PrintExperiment(report, "out", out);
   EXPECT_EQ(out.str(),
             "\nTable 3 with policy paper. Dominant algorithms across the runs.\n\n"
             "Scenario       Objects  Dominance frequency  Interpretation              Paper\n"
@@ -261,9 +262,9 @@ TEST(ExperimentFolder, ItsManifestBringsTheOptionsBack) {
 TEST(RawCsv, HasEveryRunAndQuotesWhatNeedsIt) {
   const TemporaryDirectory folder;
   const ExperimentCell odd{"a,b.aabbs", 7, 1};
-  const std::vector<RunRecord> records{MakeRecord(kCell, "paper", 1, 1, 60),
-                                       MakeRecord(odd, "paper", 1, 0, 60)};
-  ASSERT_TRUE(WriteRawCsv(records, folder.path()).ok());
+  ExperimentReport report;
+  report.records = {MakeRecord(kCell, "paper", 1, 1, 60), MakeRecord(odd, "paper", 1, 0, 60)};
+  ASSERT_TRUE(WriteExperimentCsv(report, folder.path()).ok());
   const std::string final_rows = FileText(folder.path() / "final.csv");
   EXPECT_THAT(final_rows, HasSubstr("\r\nbrownian-1000-paper-1,KDTree,9.000000000,1.000000000,"
                                     "0.900000000,10.000000000,0.600000000,1,"));

@@ -59,13 +59,16 @@ TEST_F(ExperimentProgram, WritesTablesRawRowsAndManifest) {
                            "regret.csv",
                            "agreement.csv",
                            "comparisons.csv",
-                           "report.html",
+                           "experiment.json",
                            "traces/brownian-60.costs",
                            "runs/brownian-60-paper-1.json",
                            "runs/brownian-60-paper-2.json",
                            "frames/brownian-60-paper-1.csv"}) {
     EXPECT_GT(FileText(folder_ / name).size(), 60U) << name;
   }
+  EXPECT_EQ(json::parse(FileText(folder_ / "experiment.json")), document);
+  const bool has_page = run.err.find("built without the page") == std::string::npos;
+  EXPECT_EQ(std::filesystem::exists(folder_ / "report.html"), has_page);
   const json manifest = json::parse(FileText(folder_ / "manifest.json"));
   EXPECT_EQ(manifest["state"], "complete");
   EXPECT_EQ(manifest["runs"].size(), 2U);

@@ -1,0 +1,257 @@
+#include "engine_client/cli/bench/bench_report.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "engine_client/cli/bench/bench_goals.h"
+#include "engine_client/cli/bench/published_figures.h"
+#include "engine_client/cli/bench/scene_timing.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Rows = std::vector<const BenchRow*>;
+
+bool Counts(const BenchRow& row) { return row.frame_count > 0 && row.difference.empty(); }
+
+Rows RowsWhere(const BenchReport& report, const auto& wanted) {
+  Rows rows;
+  for (const BenchRow& row : report.rows) {
+    if (Counts(row) && wanted(row)) rows.push_back(&row);
+  }
+  return rows;
+}
+
+// Steps of the scene, [begin, end).
+struct Steps {
+  uint64_t begin;
+  uint64_t end;
+};
+
+Steps TakenBy(const BenchRow& row) { return {row.first_step, row.first_step + row.step_ms.size()}; }
+
+Steps MeasuredBy(const BenchRow& row) {
+  const Steps taken = TakenBy(row);
+  return {taken.end - row.frame_count, taken.end};
+}
+
+std::span<const double> TimesIn(const BenchRow& row, Steps steps) {
+  return std::span(row.step_ms).subspan(steps.begin - row.first_step, steps.end - steps.begin);
+}
+
+// How many times faster `ours` is than `other`, on the frames that the one with fewer measured.
+// Absent where they have none in common.
+struct Speedup {
+  double median;
+  double mean;
+};
+std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) {
+  const bool ours_is_shorter = ours.frame_count < other.frame_count;
+  const Steps measured = MeasuredBy(ours_is_shorter ? ours : other);
+  const Steps taken = TakenBy(ours_is_shorter ? other : ours);
+  const Steps common = {std::max(measured.begin, taken.begin), std::min(measured.end, taken.end)};
+  if (common.begin >= common.end) return std::nullopt;
+  const TimeSummary our_times = Summarize(TimesIn(ours, common));
+  const TimeSummary other_times = Summarize(TimesIn(other, common));
+  if (our_times.ms_median <= 0 || our_times.ms_mean <= 0) return std::nullopt;
+  return Speedup{other_times.ms_median / our_times.ms_median,
+                 other_times.ms_mean / our_times.ms_mean};
+}
+
+BenchRatio WithGoal(BenchRatio ratio, const BenchReport& report) {
+  ratio.goal = GoalOf(ratio, report.cells[ratio.cell]);
+  ratio.met = MeetsGoal(ratio);
+  return ratio;
+}
+
+BenchRatio RatioOf(RatioKind kind, const BenchRow& ours, std::string_view other, double value) {
+  BenchRatio ratio;
+  ratio.cell = ours.cell;
+  ratio.kind = kind;
+  ratio.family = ours.family;
+  ratio.ours = ours.name;
+  ratio.other = other;
+  ratio.thread_count = ours.thread_count;
+  ratio.value = value;
+  return ratio;
+}
+
+BenchRatio Against(RatioKind kind, const BenchRow& ours, std::string_view other, Speedup speedup) {
+  BenchRatio ratio = RatioOf(kind, ours, other, speedup.median);
+  ratio.value_mean = speedup.mean;
+  return ratio;
+}
+
+std::optional<BenchRatio> AgainstBest(RatioKind kind, const BenchRow& ours, const Rows& peers) {
+  std::optional<BenchRatio> least;
+  for (const BenchRow* peer : peers) {
+    const auto speedup = SpeedupOver(ours, *peer);
+    if (!speedup || (least && least->value <= speedup->median)) continue;
+    least = Against(kind, ours, peer->name, *speedup);
+  }
+  return least;
+}
+
+// The peers that a published figure of this cell can be reached through, the better one first.
+constexpr std::array<std::string_view, 2> kBridges = {"Embree", "BulletDbvtDeferred"};
+
+std::optional<BenchRatio> AgainstPublished(RatioKind kind, const BenchRow& ours,
+                                           std::string_view peer, const Rows& peers,
+                                           const BenchCell& cell) {
+  const auto figure = PublishedFigure(peer, cell.scene, cell.object_count);
+  if (!figure) return std::nullopt;
+  for (const std::string_view bridge : kBridges) {
+    const auto bridge_figure = PublishedFigure(bridge, cell.scene, cell.object_count);
+    const auto here = std::find_if(peers.begin(), peers.end(),
+                                   [&](const BenchRow* each) { return each->name == bridge; });
+    if (!bridge_figure || here == peers.end()) continue;
+    const auto speedup = SpeedupOver(ours, **here);
+    if (!speedup) continue;
+    const double quotient = *figure / *bridge_figure;
+    BenchRatio ratio =
+        Against(kind, ours, peer, {speedup->median * quotient, speedup->mean * quotient});
+    ratio.derived_through = bridge;
+    return ratio;
+  }
+  return std::nullopt;
+}
+
+// One arm, one thread: the best peer of its family that ran here, and each that is published.
+void AddFamily(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == ours.cell && row.kind == ContestantKind::kPeer && row.thread_count == 1;
+  });
+  Rows family = peers;
+  std::erase_if(family, [&](const BenchRow* peer) { return peer->family != ours.family; });
+  if (const auto ratio = AgainstBest(RatioKind::kFamily, ours, family)) {
+    ratios.push_back(WithGoal(*ratio, report));
+  }
+  for (const PublishedPeer& published : PublishedPeers()) {
+    if (published.family != ours.family) continue;
+    const auto ratio =
+        AgainstPublished(RatioKind::kFamily, ours, published.name, peers, report.cells[ours.cell]);
+    if (ratio) ratios.push_back(WithGoal(*ratio, report));
+  }
+}
+
+const BenchRow* Fastest(const Rows& rows) {
+  const auto least = std::min_element(
+      rows.begin(), rows.end(),
+      [](const BenchRow* a, const BenchRow* b) { return a->ms_median < b->ms_median; });
+  return least == rows.end() ? nullptr : *least;
+}
+
+// Our best with so many threads against the best of all peers with as many or fewer; with one
+// thread against the best of the published ones too.
+void AddOverall(const BenchReport& report, size_t cell, uint32_t thread_count,
+                std::vector<BenchRatio>& ratios) {
+  const BenchRow* ours = Fastest(RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == cell && row.kind == ContestantKind::kArm && row.thread_count == thread_count;
+  }));
+  if (ours == nullptr) return;
+  const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == cell && row.kind == ContestantKind::kPeer &&
+           row.thread_count <= thread_count;
+  });
+  if (const auto ratio = AgainstBest(RatioKind::kOverall, *ours, peers)) {
+    ratios.push_back(WithGoal(*ratio, report));
+  }
+  if (thread_count != 1) return;
+  std::optional<BenchRatio> least;
+  for (const PublishedPeer& published : PublishedPeers()) {
+    auto ratio =
+        AgainstPublished(RatioKind::kOverall, *ours, published.name, peers, report.cells[cell]);
+    if (ratio && (!least || ratio->value < least->value)) least = std::move(ratio);
+  }
+  if (least) ratios.push_back(WithGoal(*least, report));
+}
+
+void AddThreads(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const Rows alone = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == ours.cell && row.name == ours.name && row.kind == ours.kind &&
+           row.thread_count == 1;
+  });
+  if (alone.empty()) return;
+  const auto speedup = SpeedupOver(ours, *alone.front());
+  if (!speedup) return;
+  ratios.push_back(WithGoal(Against(RatioKind::kThreads, ours, "1 thread", *speedup), report));
+}
+
+bool GrowsWithTheCount(std::string_view family) {
+  return family == "Grid" || family == "DBVT" || family == "Tracy" || family == "KDTree";
+}
+
+// 10,000 to 1,000,000 objects of one scene of the suite.
+void AddGrowth(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  constexpr uint32_t kFrom = 10'000;
+  constexpr uint32_t kTo = 1'000'000;
+  const BenchCell& cell = report.cells[ours.cell];
+  if (cell.object_count != kTo || !GrowsWithTheCount(ours.family)) return;
+  const Rows small = RowsWhere(report, [&](const BenchRow& row) {
+    return report.cells[row.cell].scene == cell.scene &&
+           report.cells[row.cell].object_count == kFrom && row.name == ours.name &&
+           row.kind == ours.kind && row.thread_count == ours.thread_count;
+  });
+  if (small.empty() || small.front()->ms_median <= 0) return;
+  const double per_object = (ours.ms_median / kTo) / (small.front()->ms_median / kFrom);
+  ratios.push_back(
+      WithGoal(RatioOf(RatioKind::kGrowth, ours, "10000 objects", per_object), report));
+}
+
+void AddSpike(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  constexpr uint64_t kEnoughFrames = 100;
+  if (ours.family != "KDTree" || ours.frame_count < kEnoughFrames || ours.ms_median <= 0) return;
+  if (!report.cells[ours.cell].scene.starts_with("suite-")) return;
+  ratios.push_back(
+      WithGoal(RatioOf(RatioKind::kSpike, ours, "median", ours.ms_p99 / ours.ms_median), report));
+}
+
+void AddMemory(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const BenchCell& cell = report.cells[ours.cell];
+  if (cell.scene != "suite-b" || cell.object_count != 100'000 || !ours.bytes_with_pairs) return;
+  const double quotient = static_cast<double>(*ours.bytes_with_pairs) / kMemoryGoalBytes;
+  ratios.push_back(WithGoal(RatioOf(RatioKind::kMemory, ours, "12 MB", quotient), report));
+}
+
+}  // namespace
+
+std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
+  std::vector<BenchRatio> ratios;
+  const Rows arms =
+      RowsWhere(report, [](const BenchRow& row) { return row.kind == ContestantKind::kArm; });
+  for (size_t cell = 0; cell < report.cells.size(); ++cell) {
+    for (const uint32_t thread_count : report.options.thread_counts) {
+      AddOverall(report, cell, thread_count, ratios);
+    }
+    for (const BenchRow* arm : arms) {
+      if (arm->cell != cell) continue;
+      if (arm->thread_count == 1) AddFamily(report, *arm, ratios);
+      if (arm->thread_count != 1) AddThreads(report, *arm, ratios);
+      AddGrowth(report, *arm, ratios);
+      AddSpike(report, *arm, ratios);
+      AddMemory(report, *arm, ratios);
+    }
+  }
+  return ratios;
+}
+
+std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report) {
+  const auto rows_of = [&](ContestantKind kind) {
+    return RowsWhere(
+        report, [&](const BenchRow& row) { return row.kind == kind && row.thread_count == 1; });
+  };
+  std::vector<BenchSpeedup> speedups;
+  const Rows peers = rows_of(ContestantKind::kPeer);
+  for (const BenchRow* arm : rows_of(ContestantKind::kArm)) {
+    for (const BenchRow* peer : peers) {
+      if (peer->cell != arm->cell) continue;
+      const auto speedup = SpeedupOver(*arm, *peer);
+      if (!speedup) continue;
+      speedups.push_back({arm->cell, arm->name, peer->name, speedup->median, speedup->mean});
+    }
+  }
+  return speedups;
+}
+
+}  // namespace sweepstake::cli

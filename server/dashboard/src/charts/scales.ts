@@ -1,0 +1,52 @@
+// Ticks and domains of axes. Plot labels every digit of a logarithmic axis, or only decades.
+import * as Plot from '@observablehq/plot';
+
+const MIN_FACTOR = 4; // an axis reaches at least so far from end to end
+
+// A little beyond the values on both sides. REQUIRES: positive values.
+export function logDomain(values: number[], margin = 1.25): [number, number] {
+  let low = Math.min(...values) / margin;
+  let high = Math.max(...values) * margin;
+  const factor = high / low;
+  if (factor < MIN_FACTOR) {
+    const grow = Math.sqrt(MIN_FACTOR / factor);
+    [low, high] = [low / grow, high * grow];
+  }
+  return [low, high];
+}
+
+// Decades, with 2 and 5 between where there is room for them.
+export function logTicks([low, high]: [number, number]): number[] {
+  const decades = Math.log10(high / low);
+  const step = Math.max(1, Math.round(decades / 6));
+  const digits = decades > 3.5 ? [1] : [1, 2, 5];
+  const ticks: number[] = [];
+  for (let decade = Math.floor(Math.log10(low)); decade <= Math.log10(high); ++decade) {
+    if (decade % step !== 0) continue;
+    for (const digit of digits) {
+      const tick = Number(`${digit}e${decade}`);
+      if (tick >= low && tick <= high) ticks.push(tick);
+    }
+  }
+  return ticks;
+}
+
+export const linearTicks = ([low, high]: [number, number]) =>
+  Array.from({ length: 11 }, (_, i) => low + (i * (high - low)) / 10).map((tick) => Number(tick.toPrecision(3)));
+
+// An axis with labels at `ticks` and lines across the picture.
+export function axes(side: 'x' | 'y', ticks: number[], format: (tick: number) => string, label: string): Plot.Markish[] {
+  const options = { text: format, label, labelAnchor: 'center', labelArrow: false } as const;
+  return side === 'x' ? [Plot.gridX(ticks), Plot.axisX(ticks, options)] : [Plot.gridY(ticks), Plot.axisY(ticks, options)];
+}
+
+// Places in `[top, bottom]`, in the order of `wanted` and as near to it as `height` for each allows.
+export function spreadOut(wanted: number[], height: number, top: number, bottom: number): number[] {
+  const order = wanted.map((_, index) => index).sort((a, b) => wanted[a]! - wanted[b]!);
+  const placed = [...wanted];
+  let low = top;
+  for (const index of order) low = (placed[index] = Math.max(placed[index]!, low)) + height;
+  let high = bottom;
+  for (const index of order.reverse()) high = (placed[index] = Math.min(placed[index]!, high)) - height;
+  return placed;
+}

@@ -1,0 +1,30 @@
+import { describe, expect, it } from 'vitest';
+import { bytes, compact, grouped, percent, share, significant, spread } from './format';
+
+describe('numbers', () => {
+  it('show significant digits without an exponent', () => {
+    expect([0.034567, 12.345, 9.996, 99.96, 1234, 0, 0.00001].map((value) => significant(value)))
+      .toEqual(['0.0346', '12.3', '10.0', '100', '1230', '0', '0.0000100']);
+    expect(significant(NaN)).toBe('–');
+    expect(significant(null)).toBe('–');
+  });
+
+  it('are grouped by thousands', () => {
+    expect([0, 999, 1000, 12345678].map(grouped)).toEqual(['0', '999', '1,000', '12,345,678']);
+  });
+
+  it('use larger units', () => {
+    expect([800, 1000, 2500, 999_999, 1e6, 1.7].map(compact)).toEqual(['800', '1k', '2.5k', '1M', '1M', '1.7']);
+    expect([512, 11_240, 3_400_000].map(bytes)).toEqual(['512 B', '11.2 kB', '3.40 MB']);
+  });
+
+  it('of ratios have a sign unless they round to nothing', () => {
+    expect([0.0123, -0.0123, 0.5, 12, 0.00001, -0.00001].map(percent)).toEqual(['+1.23 %', '−1.23 %', '+50.0 %', '+1,200 %', '0 %', '0 %']);
+    expect(share(0.99996)).toBe('100 %');
+  });
+
+  it('have no deviation when they are single', () => {
+    expect(spread(12.25, 2, 1, 1)).toBe('12.3');
+    expect(spread(12.2, 2.81, 5, 1)).toBe('12.2±2.8');
+  });
+});

@@ -1,0 +1,66 @@
+// Numbers as people read them.
+const NONE = '–';
+
+export function significant(value: number | null | undefined, digits = 3): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  if (value === 0) return '0';
+  const rounded = Number(value.toPrecision(digits));
+  const first = Math.floor(Math.log10(Math.abs(rounded)) + 1e-9);
+  return rounded.toFixed(Math.max(0, digits - 1 - first));
+}
+
+export const grouped = (value: number) => String(Math.round(value)).replace(/\B(?=(\d{3})+(?!\d))/g, ',');
+
+// Divides by 1000 while a whole number remains; returns the quotient and the number of divisions.
+function thousands(value: number, most: number): [number, number] {
+  let steps = 0;
+  while (steps < most && Math.abs(value) >= 999.5) {
+    value /= 1000;
+    ++steps;
+  }
+  return [value, steps];
+}
+
+export function compact(value: number): string {
+  if (!Number.isFinite(value)) return NONE;
+  const [rest, steps] = thousands(value, 3);
+  return significant(rest).replace(/\.0+$|(\.\d*[1-9])0+$/, '$1') + ['', 'k', 'M', 'G'][steps];
+}
+
+export function bytes(value: number): string {
+  if (!Number.isFinite(value)) return NONE;
+  const [rest, steps] = thousands(value, 4);
+  return (steps === 0 ? rest.toFixed(0) : significant(rest)) + [' B', ' kB', ' MB', ' GB', ' TB'][steps];
+}
+
+export const times = (ratio: number) => `${significant(ratio)}×`;
+export const milliseconds = (ms: number) => significant(ms);
+export const microseconds = (ns: number) => `${significant(ns * 1e-3)} µs`;
+
+// Hundredths below 10 %, tenths below 100 %, whole numbers above. REQUIRES: ratio >= 0.
+export function share(ratio: number): string {
+  const percent = 100 * ratio;
+  if (percent < 9.995) return `${percent.toFixed(2)} %`;
+  if (percent < 99.95) return `${percent.toFixed(1)} %`;
+  return `${grouped(percent)} %`;
+}
+
+// With a sign, unless it rounds to nothing.
+export function percent(ratio: number): string {
+  const size = share(Math.abs(ratio));
+  return /[1-9]/.test(size) ? (ratio < 0 ? '−' : '+') + size : '0 %';
+}
+
+export type Interval = [number, number];
+export const interval = ([low, high]: Interval) => `${percent(low)} to ${percent(high)}`;
+export const shareInterval = ([low, high]: Interval) => `${share(Math.max(low, 0))} to ${share(Math.max(high, 0))}`;
+export const probability = (p: number) => (p < 0.0001 ? '< 0.0001' : significant(p, 2));
+export const counted = (count: number, one: string, many: string) => `${count} ${count === 1 ? one : many}`;
+
+export function mean(values: number[]): number {
+  return values.reduce((sum, value) => sum + value, 0) / values.length;
+}
+
+// "12.2±2.8" with that many decimals; of one value only "12.2".
+export const spread = (value: number, deviation: number, count: number, decimals: number) =>
+  value.toFixed(decimals) + (count > 1 ? `±${deviation.toFixed(decimals)}` : '');

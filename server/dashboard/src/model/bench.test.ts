@@ -1,0 +1,51 @@
+import { describe, expect, it } from 'vitest';
+import { familyLines, goalLines, indexBench, overallSpan, sceneTitle, type BenchDocument, type BenchRow, type Ratio } from './bench';
+
+const row = (more: Partial<BenchRow>): BenchRow => ({
+  scene: 'suite-b', objects: 1000, arm: 'SAP', threads: 1, frames: 40, ms_median: 1, ms_mean: 1, ms_min: 1, ms_p99: 2, pairs_mean: 9,
+  aabb_checks_mean: 5, bytes: 10, bytes_with_pairs: 20, kind: 'arm', family: 'SAP', ...more });
+const ratio = (more: Partial<Ratio>): Ratio => ({
+  scene: 'suite-b', objects: 1000, threads: 1, kind: 'overall', family: 'SAP', ours: 'SAP', other: 'Bullet', value: 5, ...more });
+const document = (rows: BenchRow[], more: Partial<BenchDocument> = {}): BenchDocument => ({
+  command: 'bench', warmup: 1, seed: 1, rows, ratios: [],
+  machine: { date: '', program: '', cpu: '', cores: 1, system: '', compiler: '', simd: '', libraries: {} }, ...more });
+
+describe('the index of a bench', () => {
+  it('orders cells by count and contestants by family, ours first', () => {
+    const index = indexBench(document([row({ objects: 3000, arm: 'Bullet', kind: 'peer' }), row({ objects: 3000 }), row({}), row({ arm: 'Grid', family: 'Grid' })]));
+    expect(index.scenes).toEqual([{ name: 'suite-b', cells: [{ scene: 'suite-b', objects: 1000 }, { scene: 'suite-b', objects: 3000 }] }]);
+    expect(index.contestants.map(({ name }) => name)).toEqual(['Grid', 'SAP', 'Bullet']);
+  });
+
+  it('takes the fewest threads for a contestant and leaves out what measured nothing', () => {
+    const index = indexBench(document([row({ threads: 2, ms_median: 0.1 }), row({}), row({ arm: 'Slow', kind: 'peer', frames: 0, note: 'too slow' })]));
+    expect(index.contestants).toEqual([{ name: 'SAP', family: 'SAP', kind: 'arm', threads: 1 }]);
+    expect(index.threadCounts).toEqual([1, 2]);
+    expect(index.fastest(index.cells[0]!)!.ms_median).toBe(1);
+  });
+
+  it('names a recording by its file unless two have the same name', () => {
+    const one = indexBench(document([row({ scene: '/a/x.aabbs' })]));
+    expect(sceneTitle(one, '/a/x.aabbs')).toBe('x.aabbs');
+    const two = indexBench(document([row({ scene: '/a/x.aabbs' }), row({ scene: '/b/x.aabbs' })]));
+    expect(sceneTitle(two, '/a/x.aabbs')).toBe('/a/x.aabbs');
+  });
+});
+
+describe('comparisons', () => {
+  it('are merged with published ones and with their goals', () => {
+    const index = indexBench(document([row({})], {
+      ratios: [ratio({}), ratio({ objects: 3000, value: 9 })],
+      published: [ratio({ other: 'PhysX', value: 3, derived_through: 'Embree' })],
+      goals: [ratio({ goal: 4, met: true }), ratio({ other: 'PhysX', value: 3, derived_through: 'Embree', goal: 4, met: false })] }));
+    expect(index.ratios).toHaveLength(3);
+    expect(overallSpan(index, false)).toEqual({ low: 5, high: 9, count: 2 });
+    expect(overallSpan(index, true)).toEqual({ low: 3, high: 3, count: 1 });
+    expect(goalLines(index).map(({ kind, met, all, missed }) => [kind, met, all, missed.map(({ other }) => other)])).toEqual([['overall', 1, 2, ['PhysX']]]);
+  });
+
+  it('by family make a line per published peer and one for those that ran', () => {
+    const lines = familyLines([ratio({ kind: 'family' }), ratio({ kind: 'family', other: 'Ode' }), ratio({ kind: 'family', other: 'PhysX', derived_through: 'Embree' })]);
+    expect(lines).toEqual([{ ours: 'SAP', threads: 1, published: '' }, { ours: 'SAP', threads: 1, published: 'PhysX' }]);
+  });
+});

@@ -1,0 +1,35 @@
+import { describe, expect, it } from 'vitest';
+import { activeShares, agreementCounts, chosenWell, meanRegret, noisyCells, timeParts, verdictCounts, type ExperimentDocument, type Run, type Truth } from './experiment';
+
+const player = (name: string, regret: number) => ({ name, is_policy: true, regret, ci95: [0, 0] as [number, number], after_start_up: 0, switches: 0, active_share: 1 });
+const truth = (cell: string, regret: number, more: Partial<Truth> = {}): Truth => ({
+  cell, ranking: [{ arm: 'KDTree', mean_ns: 20, ratio: 1 }, { arm: 'SAP', mean_ns: 20.4, ratio: 1.02 }], control_ratio: 1, headroom: 0,
+  players: [player('adaptive', regret)], comparisons: [], agreements: [], ...more });
+const time = { scene_step: 1, detection: 2, rebuild: 3, copying: 4, around: 5, frame_end: 6, intake: 7, decision: 8, lane: 9 };
+const run = (active_shares: number[]) => ({ arms: ['SAP', 'KDTree'], active_shares, verdicts: { stable: 2 }, time_ns: time }) as unknown as Run;
+const document = { arms: ['KDTree', 'SAP'], truths: [truth('a', 0.1), truth('b', 0.3, { control_ratio: 1.05 })], rows: [
+  { policy: 'paper', cell: 'a', dominant: 'KDTree' }, { policy: 'paper', cell: 'b', dominant: 'SAP' }] } as unknown as ExperimentDocument;
+
+describe('an experiment', () => {
+  it('has a mean regret over its cells', () => {
+    expect(meanRegret(document, 'adaptive')).toBeCloseTo(0.2);
+    expect(meanRegret(document, 'nobody')).toBeUndefined();
+  });
+
+  it('counts the cells where the choice was truly good', () => {
+    expect(chosenWell(document, 'paper')).toEqual({ all: 2, fastest: 1, tied: 1 });
+  });
+
+  it('knows where the machine was disturbed', () => {
+    expect(noisyCells(document)).toEqual(['b']);
+    const agreement = { regret: 0.1, measured_regret: 0.3, regret_agrees: true, share_agrees: false };
+    const disturbed = { truths: [truth('a', 0, { agreements: [agreement] as never })] } as unknown as ExperimentDocument;
+    expect(agreementCounts(disturbed)).toEqual({ all: 1, regret: 1, share: 0, disturbed: 1 });
+  });
+
+  it('sums shares by algorithm, verdicts and time by part', () => {
+    expect(activeShares(document, [run([0.25, 0.75]), run([0, 1])])).toEqual([1.75, 0.25]);
+    expect(verdictCounts([run([1, 0]), run([1, 0])])).toEqual([0, 4, 0, 0, 0]);
+    expect(timeParts([run([1, 0])])).toEqual([1, 2, 3, 4, 5, 6, 7, 8, 9]);
+  });
+});

@@ -1,0 +1,27 @@
+// The document of `sweepstake replay --json`. Ratios are plain numbers, 0.1 for 10 %.
+import { mean, type Interval } from '../format';
+
+export interface ReplayRow {
+  costs: string; policy: string; regret_best_fixed: number; regret_oracle: number; ci95: Interval; switches: number; active_share: number;
+  bail_outs: number | null; regret_after_start: number; headroom: number; headroom_frame: number; headroom_captured: number | null;
+  dominant: string; seeds: number; first_best_s: number | null; shadow_share: number; verdicts: Record<string, number>;
+  against_paper?: { difference: number; ci95: Interval; wilcoxon_p: number };
+}
+export interface ReplayScene {
+  costs: string; arms: string[]; trace_frames: number; frames: number; frame_ns: number; run_ns: number; pass_ns: number; control_regret: number;
+}
+// Added by tests/bench: a goal with the figure it is judged by.
+export interface ReplayGoal { goal: string; limit_text: string; reached: number | null; met: boolean; cells: { cell: string; value: number; met: boolean }[] }
+export interface ReplayDocument {
+  command: 'replay'; command_line?: string; seeds: number; own_policy?: string; scenes?: ReplayScene[]; rows: ReplayRow[]; goals?: ReplayGoal[];
+}
+
+export const isFixed = (policy: string) => policy.startsWith('fixed:') || policy === 'oracle';
+export const costsOf = ({ rows }: ReplayDocument) => [...new Set(rows.map(({ costs }) => costs))];
+export const fileName = (path: string) => path.split(/[\\/]/).at(-1)!.replace(/\.costs$/, '');
+
+// The mean over the traces.
+export function meanRegretOf({ rows }: ReplayDocument, policy: string): number | undefined {
+  const regrets = rows.filter((row) => row.policy === policy).map((row) => row.regret_best_fixed);
+  return regrets.length > 0 ? mean(regrets) : undefined;
+}
