@@ -10,7 +10,7 @@
 #include "engine_client/broad_phase/proxies/ray_slabs.h"
 #include "hwy/highway.h"
 #include "sweepstake/proxy_set.h"
-#include "tests/engine_client/broad_phase/proxy_game.h"
+#include "tests/engine_client/broad_phase/proxies/proxy_game.h"
 
 namespace sweepstake {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "sweepstake/proxy_set.h"
-#include "tests/engine_client/broad_phase/proxy_game.h"
+#include "tests/engine_client/broad_phase/proxies/proxy_game.h"
 
 namespace sweepstake {
 namespace {

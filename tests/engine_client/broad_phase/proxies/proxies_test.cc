@@ -10,7 +10,7 @@
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/proxy_set.h"
-#include "tests/engine_client/broad_phase/proxy_game.h"
+#include "tests/engine_client/broad_phase/proxies/proxy_game.h"
 #include "tests/support/allocation_counter.h"
 
 namespace sweepstake {
