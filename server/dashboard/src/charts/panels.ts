@@ -19,7 +19,7 @@ function draw(panel: Panel, x: [number, number], y: [number, number]): HTMLEleme
   const points = panel.lines.flatMap((line) => line.points);
   const strong = panel.lines.filter((line) => line.strong && line.points.length > 0);
   const picture = Plot.plot({
-    width: 260, height: 150, marginLeft: 34, marginRight: 8, marginTop: 8, marginBottom: 24, className: 'picture panel-picture',
+    width: 260, height: 150, marginLeft: 34, marginRight: 8, marginTop: 8, marginBottom: 24, className: 'picture',
     x: { domain: x, ticks: 4, label: null }, y: { domain: y, ticks: 4, label: null, grid: true },
     marks: [
       ...panel.lines.map((line) => Plot.line(line.points, { x: 'x', y: 'y', stroke: line.colour, strokeWidth: line.strong ? 2.8 : 1.3, clip: true })),
