@@ -73,6 +73,28 @@ TEST(ReplayScene, TheControlsRegretIsItsExcessOverItsTwin) {
   EXPECT_NEAR(ReplayScene::Create(trace, {})->control_regret(), 0.02, 1e-12);
 }
 
+TEST(ReplayScene, AFreshStructureIsComparedWithTheRunningOneAroundItsFrame) {
+  const ReplayScene scene = SceneOf(TwiceAsSlow());
+  const auto slowdown = scene.slowdown(0, 1);
+  ASSERT_EQ(slowdown.size(), 8U);
+  EXPECT_NEAR(slowdown[0], 4, 1e-9);
+  EXPECT_NEAR(slowdown[2], 1, 1e-9);
+  for (size_t k = 3; k < slowdown.size(); ++k) EXPECT_NEAR(slowdown[k], 1.1, 1e-9) << k;
+}
+
+TEST(ReplayScene, AFrameHasTheDescriptorThatWasSentLastAndMayHaveNone) {
+  CostTrace trace = MakeTrace(TwiceAsSlow());
+  SceneDescriptor later;
+  later.object_count = 2000;
+  trace.descriptors.push_back({.frame = 32, .descriptor = later});
+  const auto scene = ReplayScene::Create(trace, {});
+  EXPECT_EQ(scene->descriptor(31)->object_count, 1000);
+  EXPECT_EQ(scene->descriptor(32)->object_count, 2000);
+  EXPECT_FALSE(scene->descriptor(32)->speed_mean) << "was not measured";
+  trace.descriptors.clear();
+  EXPECT_EQ(ReplayScene::Create(trace, {})->descriptor(0), nullptr);
+}
+
 SyntheticTrace OfFrames(uint32_t frame_count) {
   SyntheticTrace trace = TwiceAsSlow();
   trace.frame_count = frame_count;
