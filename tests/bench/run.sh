@@ -12,7 +12,7 @@ Usage: tests/bench/run.sh [--quick] [--program PATH] [--out FOLDER] [--json] [PA
 
 Runs the parts (all of them by default): ${parts[*]}.
 Each part's tables, with the goals of data/goals.toml, go to stdout and to FOLDER/PART.txt; with --json its document to
-FOLDER/PART.json instead. Its page with charts is FOLDER/PART.html.
+FOLDER/PART.json instead. The page with charts of all its documents is FOLDER/PART.html.
   --quick         a few frames of small scenes, to see that everything works
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --out FOLDER    (default: build/bench)
@@ -50,9 +50,8 @@ bench() {
   local sized=(--scene "$1" --objects "$2" --frames "$3" --warmup "$4" --peer-cap "$5")
   ((quick == 0)) || sized=(--scene "$1" --objects 200,400 --frames 4 --warmup 1 --peer-cap 0.2)
   shift 5
-  sized+=(--report "${file%.*}$([[ -s $file ]] && echo -2).html")
   local measured=0
-  "$program" bench --json "${sized[@]}" "$@" >"$document" || measured=$?
+  "$program" bench --json "${sized[@]}" "$@" >"$documents/measured.json" || measured=$?
   ((measured <= 1)) || return "$measured"
   judge || return
   return "$measured"
@@ -61,13 +60,20 @@ bench() {
 # Adds the goals. A goal that is missed shows in the table and fails nothing: another machine, or another program beside it,
 # has other ratios.
 judge() {
-  local judged=0
-  if ((json)); then
-    "$here/judge.py" bench --json "$document" >>"$file" || judged=$?
-  else
-    "$here/judge.py" bench "$document" | tee -a "$file" || judged=$?
-  fi
+  local judged=0 document=$documents/$part-${#pages[@]}.json
+  "$here/judge.py" bench --json "$documents/measured.json" >"$document" || judged=$?
   ((judged <= 1)) || return "$judged"
+  pages+=("$document")
+  if ((json)); then
+    cat "$document" >>"$file"
+  else
+    { "$here/judge.py" bench "$documents/measured.json" || true; } | tee -a "$file"
+  fi
+}
+
+# One page for all documents of the part. A program that was built without the page says so and loses nothing else.
+page() {
+  ((${#pages[@]} == 0)) || "$program" report "${pages[@]}" --out "$out/$part.html" || (($? == 3))
 }
 
 # Brute force is quadratic: it is left out above 10,000 objects.
@@ -107,13 +113,15 @@ frame_path() {
   "$path_bench" "${options[@]}" | tee -a "$file"
 }
 
-document=$(mktemp)
-trap 'rm "$document"' EXIT
+documents=$(mktemp -d)
+trap 'rm -r "$documents"' EXIT
 failed=()
 for part in "${chosen[@]}"; do
   file=$out/$part.$( ((json)) && echo json || echo txt)
+  pages=()
   : >"$file"
   echo "== $part" >&2
   measure "$part" || failed+=("$part")
+  page || failed+=("$part")
 done
 ((${#failed[@]} == 0)) || { echo "Failed: ${failed[*]}" >&2; exit 1; }

@@ -40,19 +40,15 @@ Json RowJson(const BenchRow& row, const BenchCell& cell) {
 }
 
 Json RatioJson(const BenchRatio& ratio, const BenchCell& cell) {
-  Json json = {{"scene", cell.scene},
-               {"objects", cell.object_count},
-               {"threads", ratio.thread_count},
-               {"kind", RatioKindName(ratio.kind)},
-               {"family", ratio.family},
-               {"ours", ratio.ours},
-               {"other", ratio.other},
-               {"value", ratio.value},
-               {"value_mean", OrNull(ratio.value_mean)},
-               {"goal", OrNull(ratio.goal)},
-               {"met", ratio.goal ? Json(ratio.met) : Json(nullptr)}};
-  if (!ratio.derived_through.empty()) json["derived_through"] = ratio.derived_through;
-  return json;
+  return {{"scene", cell.scene},
+          {"objects", cell.object_count},
+          {"threads", ratio.thread_count},
+          {"kind", RatioKindName(ratio.kind)},
+          {"family", ratio.family},
+          {"ours", ratio.ours},
+          {"other", ratio.other},
+          {"value", ratio.value},
+          {"value_mean", OrNull(ratio.value_mean)}};
 }
 
 std::string OrDash(const std::optional<uint64_t>& value) {
@@ -103,8 +99,7 @@ TextTable RowTable(const BenchReport& report) {
 }
 
 TextTable RatioTable(const BenchReport& report) {
-  TextTable table(
-      {"compared", "ours", "thr", "with", "ratio", "mean", "goal", "result", "through"});
+  TextTable table({"compared", "ours", "thr", "with", "ratio", "mean"});
   const BenchRatio* before = nullptr;
   for (const BenchRatio& ratio : report.ratios) {
     if (before == nullptr || before->cell != ratio.cell) {
@@ -113,12 +108,7 @@ TextTable RatioTable(const BenchReport& report) {
     before = &ratio;
     table.AddRow({RatioKindName(ratio.kind), ratio.ours, std::to_string(ratio.thread_count),
                   ratio.other, Fixed(ratio.value, 2),
-                  ratio.value_mean ? Fixed(*ratio.value_mean, 2) : "-",
-                  ratio.goal ? Fixed(*ratio.goal, 1) : "-",
-                  !ratio.goal ? "-"
-                  : ratio.met ? "met"
-                              : "NOT MET",
-                  ratio.derived_through.empty() ? "-" : ratio.derived_through});
+                  ratio.value_mean ? Fixed(*ratio.value_mean, 2) : "-"});
   }
   return table;
 }
@@ -157,8 +147,6 @@ const char* RatioKindName(RatioKind kind) {
       return "threads";
     case RatioKind::kSpike:
       return "spike";
-    case RatioKind::kMemory:
-      return "memory";
   }
   return "";
 }

@@ -9,7 +9,7 @@ namespace sweepstake::cli {
 
 void PrintBenchJson(const BenchReport& report, std::ostream& out);
 
-// The rows, then, where there are any, the ratios, with whether their goals are met.
+// The rows, then, where there are any, the ratios.
 void PrintBenchTables(const BenchReport& report, std::ostream& out);
 
 }  // namespace sweepstake::cli

@@ -1,11 +1,8 @@
 #include "engine_client/cli/bench/bench_report.h"
 
 #include <algorithm>
-#include <array>
 #include <span>
 
-#include "engine_client/cli/bench/bench_goals.h"
-#include "engine_client/cli/bench/published_figures.h"
 #include "engine_client/cli/bench/scene_timing.h"
 
 namespace sweepstake::cli {
@@ -59,12 +56,6 @@ std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) 
                  other_times.ms_mean / our_times.ms_mean};
 }
 
-BenchRatio WithGoal(BenchRatio ratio, const BenchReport& report) {
-  ratio.goal = GoalOf(ratio, report.cells[ratio.cell]);
-  ratio.met = MeetsGoal(ratio);
-  return ratio;
-}
-
 BenchRatio RatioOf(RatioKind kind, const BenchRow& ours, std::string_view other, double value) {
   BenchRatio ratio;
   ratio.cell = ours.cell;
@@ -93,31 +84,7 @@ std::optional<BenchRatio> AgainstBest(RatioKind kind, const BenchRow& ours, cons
   return least;
 }
 
-// The peers that a published figure of this cell can be reached through, the better one first.
-constexpr std::array<std::string_view, 2> kBridges = {"Embree", "BulletDbvtDeferred"};
-
-std::optional<BenchRatio> AgainstPublished(RatioKind kind, const BenchRow& ours,
-                                           std::string_view peer, const Rows& peers,
-                                           const BenchCell& cell) {
-  const auto figure = PublishedFigure(peer, cell.scene, cell.object_count);
-  if (!figure) return std::nullopt;
-  for (const std::string_view bridge : kBridges) {
-    const auto bridge_figure = PublishedFigure(bridge, cell.scene, cell.object_count);
-    const auto here = std::find_if(peers.begin(), peers.end(),
-                                   [&](const BenchRow* each) { return each->name == bridge; });
-    if (!bridge_figure || here == peers.end()) continue;
-    const auto speedup = SpeedupOver(ours, **here);
-    if (!speedup) continue;
-    const double quotient = *figure / *bridge_figure;
-    BenchRatio ratio =
-        Against(kind, ours, peer, {speedup->median * quotient, speedup->mean * quotient});
-    ratio.derived_through = bridge;
-    return ratio;
-  }
-  return std::nullopt;
-}
-
-// One arm, one thread: the best peer of its family that ran here, and each that is published.
+// An arm with one thread against the best peer of its family.
 void AddFamily(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
   const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
     return row.cell == ours.cell && row.kind == ContestantKind::kPeer && row.thread_count == 1;
@@ -125,13 +92,7 @@ void AddFamily(const BenchReport& report, const BenchRow& ours, std::vector<Benc
   Rows family = peers;
   std::erase_if(family, [&](const BenchRow* peer) { return peer->family != ours.family; });
   if (const auto ratio = AgainstBest(RatioKind::kFamily, ours, family)) {
-    ratios.push_back(WithGoal(*ratio, report));
-  }
-  for (const PublishedPeer& published : PublishedPeers()) {
-    if (published.family != ours.family) continue;
-    const auto ratio =
-        AgainstPublished(RatioKind::kFamily, ours, published.name, peers, report.cells[ours.cell]);
-    if (ratio) ratios.push_back(WithGoal(*ratio, report));
+    ratios.push_back(*ratio);
   }
 }
 
@@ -142,8 +103,7 @@ const BenchRow* Fastest(const Rows& rows) {
   return least == rows.end() ? nullptr : *least;
 }
 
-// Our best with so many threads against the best of all peers with as many or fewer; with one
-// thread against the best of the published ones too.
+// Our best with so many threads against the best of all peers with as many or fewer.
 void AddOverall(const BenchReport& report, size_t cell, uint32_t thread_count,
                 std::vector<BenchRatio>& ratios) {
   const BenchRow* ours = Fastest(RowsWhere(report, [&](const BenchRow& row) {
@@ -155,16 +115,8 @@ void AddOverall(const BenchReport& report, size_t cell, uint32_t thread_count,
            row.thread_count <= thread_count;
   });
   if (const auto ratio = AgainstBest(RatioKind::kOverall, *ours, peers)) {
-    ratios.push_back(WithGoal(*ratio, report));
+    ratios.push_back(*ratio);
   }
-  if (thread_count != 1) return;
-  std::optional<BenchRatio> least;
-  for (const PublishedPeer& published : PublishedPeers()) {
-    auto ratio =
-        AgainstPublished(RatioKind::kOverall, *ours, published.name, peers, report.cells[cell]);
-    if (ratio && (!least || ratio->value < least->value)) least = std::move(ratio);
-  }
-  if (least) ratios.push_back(WithGoal(*least, report));
 }
 
 void AddThreads(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
@@ -175,7 +127,7 @@ void AddThreads(const BenchReport& report, const BenchRow& ours, std::vector<Ben
   if (alone.empty()) return;
   const auto speedup = SpeedupOver(ours, *alone.front());
   if (!speedup) return;
-  ratios.push_back(WithGoal(Against(RatioKind::kThreads, ours, "1 thread", *speedup), report));
+  ratios.push_back(Against(RatioKind::kThreads, ours, "1 thread", *speedup));
 }
 
 bool GrowsWithTheCount(std::string_view family) {
@@ -195,23 +147,14 @@ void AddGrowth(const BenchReport& report, const BenchRow& ours, std::vector<Benc
   });
   if (small.empty() || small.front()->ms_median <= 0) return;
   const double per_object = (ours.ms_median / kTo) / (small.front()->ms_median / kFrom);
-  ratios.push_back(
-      WithGoal(RatioOf(RatioKind::kGrowth, ours, "10000 objects", per_object), report));
+  ratios.push_back(RatioOf(RatioKind::kGrowth, ours, "10000 objects", per_object));
 }
 
 void AddSpike(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
   constexpr uint64_t kEnoughFrames = 100;
   if (ours.family != "KDTree" || ours.frame_count < kEnoughFrames || ours.ms_median <= 0) return;
   if (!report.cells[ours.cell].scene.starts_with("suite-")) return;
-  ratios.push_back(
-      WithGoal(RatioOf(RatioKind::kSpike, ours, "median", ours.ms_p99 / ours.ms_median), report));
-}
-
-void AddMemory(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
-  const BenchCell& cell = report.cells[ours.cell];
-  if (cell.scene != "suite-b" || cell.object_count != 100'000 || !ours.bytes_with_pairs) return;
-  const double quotient = static_cast<double>(*ours.bytes_with_pairs) / kMemoryGoalBytes;
-  ratios.push_back(WithGoal(RatioOf(RatioKind::kMemory, ours, "12 MB", quotient), report));
+  ratios.push_back(RatioOf(RatioKind::kSpike, ours, "median", ours.ms_p99 / ours.ms_median));
 }
 
 }  // namespace
@@ -230,7 +173,6 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
       if (arm->thread_count != 1) AddThreads(report, *arm, ratios);
       AddGrowth(report, *arm, ratios);
       AddSpike(report, *arm, ratios);
-      AddMemory(report, *arm, ratios);
     }
   }
   return ratios;

@@ -68,12 +68,11 @@ enum class RatioKind {
   kGrowth,   // time per object at the largest count and at 10,000 objects
   kThreads,  // one thread and several
   kSpike,    // the 99th percentile frame and the median
-  kMemory,   // bytes with pairs and the goal's
 };
 // The word for it in JSON and tables.
 const char* RatioKindName(RatioKind kind);
 
-// A comparison that a goal may exist for. In kFamily, kOverall and kThreads `value` says how many
+// A comparison between rows of one run. In kFamily, kOverall and kThreads `value` says how many
 // times faster `ours` is than `other` over the frames that both measured, by the median; in the
 // others it is a quotient that should be small.
 struct BenchRatio {
@@ -85,11 +84,6 @@ struct BenchRatio {
   uint32_t thread_count = 1;
   double value = 0;
   std::optional<double> value_mean;  // by the mean in place of the median
-  std::optional<double> goal;        // absent: no goal for this
-  bool met = true;                   // false: there is a goal, and it is missed
-  // Not empty: `other` did not run here. Its time is that of this peer, measured here, times the
-  // quotient of their published figures (published_figures.h).
-  std::string derived_through;
 };
 
 // How many times faster an arm is than a peer over the frames that both measured, one thread each.
