@@ -27,10 +27,10 @@ export function segmentsOf({ kinds, rows }: Pick<StackedBars, 'kinds' | 'rows'>)
 function picture(chart: StackedBars): SVGElement | HTMLElement {
   const segments = segmentsOf(chart);
   const left = LETTER * Math.max(...chart.rows.map(({ name }) => name.length)) + 20;
-  const fits = ({ from, to, label }: Segment) => (to - from) * (WIDTH - left - 16) > LETTER * label.length + 6;
+  const fits = ({ from, to, label }: Segment) => (to - from) * (WIDTH - left - 28) > LETTER * label.length + 6;
   const bar = { x1: 'from', x2: 'to', y: 'row', fill: 'colour' };
   return Plot.plot({
-    width: WIDTH, height: 26 * chart.rows.length + 60, marginLeft: left, marginRight: 16, marginTop: 8, marginBottom: 44, className: 'picture',
+    width: WIDTH, height: 26 * chart.rows.length + 60, marginLeft: left, marginRight: 28, marginTop: 8, marginBottom: 44, className: 'picture',
     x: { domain: [0, 1], percent: false, ticks: 10, tickFormat: (tick: number) => `${Math.round(100 * tick)} %`, label: null },
     y: { domain: chart.rows.map(({ name }) => name), label: null, padding: 0.18, tickSize: 0 },
     color: { type: 'identity' },
