@@ -136,8 +136,12 @@ def check(root, files):
 
 def files_of(root):
     listed = subprocess.run(["git", "-C", str(root), "ls-files", "--cached", "--others", "--exclude-standard"],
-                            check=True, capture_output=True, text=True).stdout.splitlines()
-    return sorted(path for path in set(listed) if (root / path).is_file())
+                            capture_output=True, text=True)
+    if listed.returncode != 0:  # an archive of the tree is no clone
+        made = {"build", "node_modules"}
+        paths = (path.relative_to(root) for path in root.rglob("*") if path.is_file())
+        return sorted(path.as_posix() for path in paths if not made & set(path.parts))
+    return sorted(path for path in set(listed.stdout.splitlines()) if (root / path).is_file())
 
 
 GOOD = {

@@ -77,8 +77,7 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 # Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
 ROOM_ORDER = {
     "engine_client/broad_phase": ("common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
-    "engine_client/cli": (
-        "io", "game", "peers", "html", "paper", "bench", "trace", "replay", "experiment", "daemon", ""),
+    "engine_client/cli": ("io", "game", "daemon", "peers", "bench", "trace", "replay", "experiment", ""),
     "server/rpc": ("common", "sessions", "services", ""),
 }
 
