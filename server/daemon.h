@@ -6,8 +6,11 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <memory>
-#include <optional>
+#include <mutex>
+#include <string>
+#include <thread>
 
 #include "absl/status/statusor.h"
 #include "server/config.h"
@@ -49,6 +52,26 @@ class Daemon {
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<rpc::RpcServer> rpc_;
   bool drained_ = false;
+};
+
+// Ends the process when its orderly end takes too long, so that a disk that never answers cannot
+// keep a daemon alive that was told to end.
+//
+// Nothing acknowledged is lost: that is on disk, and clients send the rest again. It owns one
+// thread; the destructor disarms and ends it.
+class ExitGuard {
+ public:
+  // After `patience` writes `message` to stderr and exits with `code`, without running destructors.
+  ExitGuard(std::chrono::milliseconds patience, int code, std::string message);
+  ~ExitGuard();
+  ExitGuard(const ExitGuard&) = delete;
+  ExitGuard& operator=(const ExitGuard&) = delete;
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool disarmed_ = false;  // guarded by mutex_
+  std::thread thread_;     // last: starts when the rest is there
 };
 
 }  // namespace sweepstake::server

@@ -17,7 +17,6 @@
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/decision/math/names.h"
-#include "server/exit_guard.h"
 #include "server/rpc/common/decision_loop.h"
 
 namespace {

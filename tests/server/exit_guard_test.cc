@@ -1,4 +1,4 @@
-#include "server/exit_guard.h"
+#include "server/daemon.h"
 
 #include <gtest/gtest.h>
 
