@@ -21,8 +21,8 @@ namespace sweepstake::rpc {
 // `Place` says where the next page begins; it is copied to the store's thread.
 template <typename Response, typename Place>
 struct StreamPage {
-  Response response;
-  Place next;
+  Response response{};
+  Place next{};
   bool empty = false;  // the response is not sent, and the answer ends
   bool last = false;   // the answer ends behind it
 };
