@@ -57,7 +57,7 @@ int PaperCheck(const PaperCheckProgramOptions& options, Terminal& terminal) {
   std::vector<PaperCheckRow> rows;
   {
     const uint64_t game_count = fits.size() * options.check.seed_count;
-    Progress progress(terminal, "paper-check", game_count);
+    Progress progress(terminal, "paper_check", game_count);
     rows = CheckPaper(PaperCells(), fits, options.check, [&](uint64_t done) {
       if (progress.due()) {
         progress.Show(done, std::to_string(done) + " of " + std::to_string(game_count) + " runs");

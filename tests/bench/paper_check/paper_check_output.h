@@ -1,4 +1,4 @@
-// `sweepstake paper-check` as people and scripts read it. Pure functions.
+// What `paper_check` prints, for people and for scripts. Pure functions.
 #pragma once
 
 #include <ostream>

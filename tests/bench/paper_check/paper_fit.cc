@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kNoiseRatio = 0.01;
 
-// Where steps as FindFit's lead with kFitSeedCount runs per point. `sweepstake paper-check --refit`
-// takes them anew; where the loss is flat it may end beside these, in points that fit as well.
+// The points that FindFit reached with kFitSeedCount runs per point. `paper_check --refit` searches
+// for them anew; where the loss is flat, it may end in other points that fit as well.
 constexpr std::array<PaperFitPoint, 9> kPoints = {{
     {0.4217, 0.9264, 0, 12, 0, 200},
     {0.7502, 4.8, 0, 12, 0, 200},
@@ -39,10 +39,10 @@ std::optional<std::string_view> SecondArm(const PaperCell& cell) {
 bool RanBelowTheStall(const PaperCell& cell) { return SecondsPerUpdate(cell) > 3; }
 
 PaperFitPoint StartOf(const PaperCell& cell) {
-  constexpr double kMost = 0.985;                // what memory, checks and noise leave
+  constexpr double kMaxMean = 0.985;             // what memory, checks and noise leave
   constexpr double kMsPerReward = 16.67 / 0.25;  // of the detection score and its weight
   PaperFitPoint start;
-  start.detection_ms = std::clamp((kMost - cell.posterior_mean.mean) * kMsPerReward, 0.3, 30.0);
+  start.detection_ms = std::clamp((kMaxMean - cell.posterior_mean.mean) * kMsPerReward, 0.3, 30.0);
   start.gap_ms = 3;
   if (cell.posterior_mean.mean < 0.5) start.rest_ms = start.gap_ms = 100;  // some 7 FPS
   if (SecondArm(cell)) start.second_gap_ms = 1;
