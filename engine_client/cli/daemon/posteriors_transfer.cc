@@ -12,15 +12,15 @@ namespace sweepstake::cli {
 namespace {
 
 // Cancels a call as soon as `is_stopped` holds. Reading from a stream blocks, so a thread of its
-// own has to look.
+// own has to look. A call that has ended is left alone, or its status would become CANCELLED.
 class Canceller {
  public:
   Canceller(grpc::ClientContext& context, const std::function<bool()>& is_stopped)
       : thread_([this, &context, &is_stopped] {
-          while (!ended_ && !is_stopped()) {
+          while (!ended_) {
+            if (is_stopped()) return context.TryCancel();
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
           }
-          context.TryCancel();
         }) {}
   ~Canceller() {
     ended_ = true;

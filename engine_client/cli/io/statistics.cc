@@ -25,7 +25,8 @@ class Draws {
   uint64_t state_;
 };
 
-// Twice the ranks of the sizes of `differences`, so that shared ranks are whole numbers.
+// Twice the ranks of the absolute values of `differences`. Doubling makes shared ranks whole
+// numbers.
 std::vector<size_t> DoubledRanks(std::span<const double> differences) {
   std::vector<size_t> order(differences.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -42,24 +43,27 @@ std::vector<size_t> DoubledRanks(std::span<const double> differences) {
   return ranks;
 }
 
-// The share of sign patterns whose doubled rank sum is at most `least`.
-double ShareAtMost(std::span<const size_t> ranks, size_t least) {
+// The share of sign patterns whose doubled rank sum is at most `max_sum`.
+double ShareAtMost(std::span<const size_t> ranks, size_t max_sum) {
   const size_t total = std::accumulate(ranks.begin(), ranks.end(), size_t{0});
   std::vector<double> patterns(total + 1, 0);  // by sum; below 2^53, so exact
   patterns[0] = 1;
   for (const size_t rank : ranks) {
     for (size_t sum = total; sum >= rank; --sum) patterns[sum] += patterns[sum - rank];
   }
-  const auto end = patterns.begin() + static_cast<std::ptrdiff_t>(least) + 1;
+  const auto end = patterns.begin() + static_cast<std::ptrdiff_t>(max_sum) + 1;
   return std::ldexp(std::accumulate(patterns.begin(), end, 0.0), -static_cast<int>(ranks.size()));
 }
 
-double NormalProbability(std::span<const size_t> ranks, double least) {
-  double variance = 0;  // of half the doubled ranks, each with a fair sign
+// The probability of a rank sum at most `sum` or as far on the other side, by the normal
+// approximation.
+double NormalProbability(std::span<const size_t> ranks, double sum) {
+  // The variance of the rank sum where each sign is equally probable.
+  double variance = 0;
   for (const size_t rank : ranks) variance += static_cast<double>(rank * rank) / 16;
   const double mean =
       static_cast<double>(std::accumulate(ranks.begin(), ranks.end(), size_t{0})) / 4;
-  const double z = std::max(0.0, mean - least - 0.5) / std::sqrt(variance);
+  const double z = std::max(0.0, mean - sum - 0.5) / std::sqrt(variance);
   return std::erfc(z / std::sqrt(2.0));
 }
 
@@ -113,10 +117,10 @@ WilcoxonResult WilcoxonSignedRank(std::span<const double> differences) {
     total += ranks[i];
     if (kept[i] > 0) positive += ranks[i];
   }
-  const size_t least = std::min(positive, total - positive);
+  const size_t smaller = std::min(positive, total - positive);
   const double doubled = kept.size() <= kExactWilcoxonMax
-                             ? 2 * ShareAtMost(ranks, least)
-                             : NormalProbability(ranks, static_cast<double>(least) / 2);
+                             ? 2 * ShareAtMost(ranks, smaller)
+                             : NormalProbability(ranks, static_cast<double>(smaller) / 2);
   result.positive_ranks = static_cast<double>(positive) / 2;
   result.probability = std::min(1.0, doubled);
   result.rank_correlation =

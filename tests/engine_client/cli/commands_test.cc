@@ -279,11 +279,11 @@ TEST(RecordCommand, WritesTheFramesThatPairsThenReads) {
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "r.aabbs").string();
   const CommandRun run =
-      RunCommand("record --scene suite-b --objects 40 --frames 3 --seed 5 --out " + file);
+      RunCommand("record --scene suite-b --objects 300 --frames 3 --seed 5 --out " + file);
   ASSERT_EQ(run.exit_code, kDone) << run.err;
-  EXPECT_EQ(run.out,
-            file + ": 1 + 3 frames of 40 boxes, " + std::to_string(304 + 4 * 40 * 32) + " bytes\n");
-  const std::string frame = " --frame 2 --arm SAP --objects 40 --seed 5";
+  EXPECT_EQ(run.out, file + ": 1 + 3 frames of 300 boxes, " + std::to_string(304 + 4 * 300 * 32) +
+                         " bytes\n");
+  const std::string frame = " --frame 2 --arm SAP --objects 300 --seed 5";
   EXPECT_EQ(RunCommand("pairs --scene " + file + frame).out,
             RunCommand("pairs --scene suite-b" + frame).out);
 }

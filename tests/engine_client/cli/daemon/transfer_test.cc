@@ -112,7 +112,7 @@ PriorRecord SomeRecord(uint64_t sequence) {
           .backend_version = 3,
           .machine_class = "m",
           .reward_version = 2,
-          .source_id = "session",
+          .source_id = "session-" + std::to_string(sequence),
           .source_sequence = sequence,
           .alpha_increment = 1.5,
           .beta_increment = 2.25,

@@ -40,7 +40,7 @@ TEST(FrameBlock, StopsOnceItsMemoryIsFull) {
 }
 
 TEST(FrameBlock, OfAnEmptySceneHasEmptySteps) {
-  const auto scene = std::move(*OpenScene({"empty", 0, 1}));
+  const auto scene = std::move(*OpenScene({"empty", 10, 1}));
   FrameBlock block;
   block.Fill(*scene, 3);
   ASSERT_EQ(block.step_count(), 3U);

@@ -10,6 +10,10 @@ TEST(Grouped, SetsACommaBeforeEveryThirdDigitFromTheRight) {
   EXPECT_EQ(Grouped(999), "999");
   EXPECT_EQ(Grouped(1000), "1,000");
   EXPECT_EQ(Grouped(12'345'678), "12,345,678");
+}
+
+TEST(GroupedWhole, RoundsToTheNearestWholeNumber) {
+  EXPECT_EQ(GroupedWhole(999.4), "999");
   EXPECT_EQ(GroupedWhole(999.5), "1,000");
 }
 

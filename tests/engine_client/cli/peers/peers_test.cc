@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <vector>
 
 #include "engine_client/cli/game/pair_oracle.h"
 #include "engine_client/cli/game/scene_choice.h"
@@ -74,6 +76,67 @@ TEST(Peers, SayWhatBringsThemAndWhichFamilyTheyAreComparedWith) {
           << kind.name;
     }
   }
+}
+
+TEST(Peers, EachHasANameOfItsOwnThatNoBackendHas) {
+  const auto backends = BroadPhaseNames();
+  std::set<std::string_view> names(backends.begin(), backends.end());
+  for (const PeerLibrary& library : PeerLibraries()) {
+    for (const PeerKind& kind : library.kinds) {
+      EXPECT_TRUE(names.insert(kind.name).second) << kind.name;
+      EXPECT_EQ(kind.make(kind.name, 1)->name(), kind.name);
+      EXPECT_GT(kind.most_objects, 0U) << kind.name;
+    }
+  }
+}
+
+TEST(Peers, KeepTheOrderOfTheLibrariesWhateverIsBuiltIn) {
+  std::vector<std::string_view> names;
+  for (const PeerLibrary& library : PeerLibraries()) names.push_back(library.name);
+  EXPECT_EQ(names, (std::vector<std::string_view>{"Bullet", "FCL", "ODE", "Embree",
+                                                  "Boost.Geometry", "CGAL"}));
+}
+
+TEST(Peers, StartAnewAfterASecondBuild) {
+  for (const PeerLibrary& library : PeerLibraries()) {
+    for (const PeerKind& kind : library.kinds) {
+      const auto peer = kind.make(kind.name, 1);
+      const auto crowd = std::move(*OpenScene({"all-coincident", 40, 1}));
+      const auto scene = std::move(*OpenScene({"suite-g", 300, 3}));
+      EXPECT_EQ(FirstWrongFrame(*peer, *crowd, 2), -1) << kind.name;
+      EXPECT_EQ(FirstWrongFrame(*peer, *scene, 5), -1) << kind.name;
+    }
+  }
+}
+
+TEST(RoomyBounds, AreLargerByAQuarterOfTheEdgeOnEachSide) {
+  const Aabb boxes[] = {{{0, 0, 0}, {4, 1, 1}}, {{2, -1, 0}, {8, 3, 1}}};
+  const Aabb bounds = RoomyBounds(boxes);
+  EXPECT_EQ(bounds, (Aabb{{-2, -2, -0.25F}, {10, 4, 1.25F}}));
+  EXPECT_EQ(RoomyBounds({}), (Aabb{{0, 0, 0}, {1, 1, 1}}));
+}
+
+TEST(Meet, CountsTouchingFacesOnEveryAxis) {
+  const Aabb box{{0, 0, 0}, {1, 1, 1}};
+  for (int axis = 0; axis < 3; ++axis) {
+    Aabb beside = box;
+    beside.min[axis] = 1;
+    beside.max[axis] = 2;
+    EXPECT_TRUE(Meet(box, beside)) << axis;
+    EXPECT_TRUE(Meet(beside, box)) << axis;
+    beside.min[axis] = 1.001F;
+    EXPECT_FALSE(Meet(box, beside)) << axis;
+    EXPECT_FALSE(Meet(beside, box)) << axis;
+  }
+}
+
+TEST(AppendPair, SetsTheSmallerIdFirst) {
+  PairBuffer pairs;
+  AppendPair(pairs, 7, 2);
+  AppendPair(pairs, 3, 5);
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs.pairs()[0], (OverlapPair{2, 7}));
+  EXPECT_EQ(pairs.pairs()[1], (OverlapPair{3, 5}));
 }
 
 }  // namespace
