@@ -22,7 +22,7 @@ function(install_modules)
     return()
   endif()
   execute_process(
-    COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --loglevel=error --fetch-retries=1 --fetch-timeout=30000
+    COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --loglevel=error --fetch-retries=0 --fetch-timeout=20000
     WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result OUTPUT_QUIET)
   if(result EQUAL 0)
     file(WRITE ${modules}/.sweepstake-lock ${wanted})
