@@ -1,10 +1,11 @@
 // The frame path, steps 2 to 6, in the order of BeginFrame, FindPairs, EndFrame.
 //
-// A backend that is not active keeps its buffers, so that a switch back to it need not allocate
-// again; only the active one's bytes are reported, since those are what its arm costs.
+// An inactive backend keeps its buffers, so that a switch back to it need not allocate; only the
+// active backend's bytes are reported, since they are the cost of its arm.
 #include "sweepstake/adaptive_broad_phase.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <thread>
 #include <utility>
@@ -15,27 +16,48 @@
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake {
 namespace {
 
-// What a commanded switch waits for the shadow lane at most, in frame time: some 30 frames at 60
-// frames/s, where a preparation takes 5; one frame where the active arm is so slow that leaving it
-// matters more than a smooth switch.
-constexpr uint64_t kPreparationNs = 500'000'000;
+// The maximum frame time for which a commanded switch waits for the shadow lane: some 30 frames at
+// 60 frames/s, of which a preparation takes 5. It is one frame if the active arm is so slow that
+// leaving it matters more than a smooth switch.
+constexpr uint64_t kPreparationNsMax = 500'000'000;
 
-// The active arm and its epoch in one word: other threads read both at once.
+// The active arm and its epoch in one word, so that other threads read both at once.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
 
-std::string Join(std::span<const std::string> names) {
-  std::string joined;
-  for (const std::string& name : names) joined += (joined.empty() ? "" : ", ") + name;
-  return joined;
+constexpr uint64_t kCommandIdMask = (uint64_t{1} << 48) - 1;
+// A larger arm becomes 255, which no client has (there are at most 32 arms), so that it is refused
+// and not mistaken for another one.
+constexpr uint32_t kCommandArmMax = 255;
+
+uint64_t Pack(const SwitchCommand& command) {
+  const uint64_t arm = std::min(command.arm, kCommandArmMax);
+  const uint64_t reason = static_cast<uint32_t>(command.reason) & 0xFF;
+  return ((command.command_id & kCommandIdMask) << 16) | (arm << 8) | reason;
 }
 
+SwitchCommand Unpack(uint64_t packed) {
+  return {.command_id = packed >> 16,
+          .arm = static_cast<uint32_t>((packed >> 8) & 0xFF),
+          .reason = static_cast<SwitchReason>(packed & 0xFF)};
+}
+
+class ChronoSteadyClock final : public Clock {
+ public:
+  uint64_t NowNs() noexcept override {
+    const auto since_origin = std::chrono::steady_clock::now().time_since_epoch();
+    return static_cast<uint64_t>(
+        std::chrono::duration_cast<std::chrono::nanoseconds>(since_origin).count());
+  }
+};
+
 Status UnknownArm(std::string_view name, std::span<const std::string> arms) {
-  return {StatusCode::kNotFound,
-          "there is no arm '" + std::string(name) + "' here; the arms are " + Join(arms)};
+  const std::vector<std::string_view> valid(arms.begin(), arms.end());
+  return {StatusCode::kNotFound, math::UnknownName("arm", name, valid)};
 }
 
 std::optional<uint32_t> IndexOf(std::string_view name, std::span<const std::string> arms) {
@@ -84,7 +106,7 @@ Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor) {
   return made;
 }
 
-// kRunning: there is to be a lane.
+// kRunning if there will be a lane.
 ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_t arm_count) {
   const size_t used = options.executor == nullptr ? 1 : options.executor->thread_count();
   if (!lane.make || options.shadow.enabled == ShadowMode::kOff) return ShadowState::kOff;
@@ -93,6 +115,22 @@ ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_
 }
 
 }  // namespace
+
+Clock& SteadyClock() {
+  static ChronoSteadyClock clock;  // It has no state, so that all may share it.
+  return clock;
+}
+
+void SwitchMailbox::Post(const SwitchCommand& command) noexcept {
+  slot_.store(Pack(command), std::memory_order_release);
+}
+
+std::optional<SwitchCommand> SwitchMailbox::Take() noexcept {
+  // A plain load comes first, since nearly every frame finds nothing and an exchange would cost a
+  // locked bus cycle.
+  if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
+  return Unpack(slot_.exchange(0, std::memory_order_acquire));
+}
 
 class AdaptiveBroadPhase::Impl {
  public:
@@ -123,14 +161,14 @@ class AdaptiveBroadPhase::Impl {
   SwitchReason last_switch_reason = SwitchReason::kPolicy;
 
  private:
-  // A command from the mailbox, and the frame time it has waited for the shadow lane.
+  // A command from the mailbox, and the frame time for which it has waited for the shadow lane.
   struct PendingSwitch {
     SwitchCommand command;
     uint64_t waited_ns = 0;
   };
 
   void TakeCommand(const SwitchCommand& command);
-  void Obey();
+  void ExecutePending();
   bool IsAllowed(const SwitchCommand& command) const;
   bool WaitsForLane();
   void Execute(const SwitchCommand& command);
@@ -147,7 +185,7 @@ class AdaptiveBroadPhase::Impl {
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;
-  std::optional<SwitchCommand> local_command_;  // SelectArm or the guard, for the next frame
+  std::optional<SwitchCommand> local_command_;  // from SelectArm or the guard, for the next frame
   std::optional<PendingSwitch> pending_;
   bool built_ = false;  // the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
@@ -155,8 +193,8 @@ class AdaptiveBroadPhase::Impl {
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};
   std::atomic<uint64_t> cold_switch_count_{0};
-  const ShadowState lane_state_;      // kRunning: there is a lane
-  std::unique_ptr<ShadowLane> lane_;  // ends first: its thread uses what is above
+  const ShadowState lane_state_;      // kRunning if there is a lane
+  std::unique_ptr<ShadowLane> lane_;  // destroyed first, since its thread uses the members above
 };
 
 AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::string> arm_names,
@@ -187,7 +225,8 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
   lane_->Start();
 }
 
-// Step 2: a pending switch, at most one per frame. What was decided here wins over the mailbox.
+// Step 2: executes a pending switch, at most one per frame. A local decision takes precedence over
+// the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
@@ -195,19 +234,19 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
     if (pending_) Refuse(pending_->command);
     Drop();
   } else if (pending_) {
-    Obey();
+    ExecutePending();
   }
   sample_.arm = arm();
   sample_.switch_epoch = epoch();
 }
 
-// The latest wins; where it is for the same arm, what was prepared for the one before serves.
+// The latest command wins. If it names the same arm as the one before, the preparation goes on.
 void AdaptiveBroadPhase::Impl::TakeCommand(const SwitchCommand& command) {
   const bool same_arm = pending_ && pending_->command.arm == command.arm;
   pending_ = PendingSwitch{command, same_arm ? pending_->waited_ns : 0};
 }
 
-void AdaptiveBroadPhase::Impl::Obey() {
+void AdaptiveBroadPhase::Impl::ExecutePending() {
   const SwitchCommand command = pending_->command;
   if (!IsAllowed(command)) {
     Refuse(command);
@@ -225,11 +264,11 @@ bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
   return may_choose && command.arm < arms.size() && command.arm != arm();
 }
 
-// A bail-out, the command's or the last frame's, does not wait.
+// A bail-out does not wait, whether the command's reason or the last frame's flag says so.
 bool AdaptiveBroadPhase::Impl::WaitsForLane() {
-  const bool flees = pending_->command.reason == SwitchReason::kBailOut ||
-                     (last_sample.flags & kFrameBailOut) != 0;
-  return lane_ != nullptr && !flees && pending_->waited_ns < kPreparationNs &&
+  const bool bails_out = pending_->command.reason == SwitchReason::kBailOut ||
+                         (last_sample.flags & kFrameBailOut) != 0;
+  return lane_ != nullptr && !bails_out && pending_->waited_ns < kPreparationNsMax &&
          lane_->Ask(pending_->command.arm) == ShadowLane::Preparation::kUnderWay;
 }
 
@@ -255,7 +294,7 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
                        .executed = 0});
 }
 
-// Step 3, measured (step 4).
+// Step 3, with its measurement (step 4).
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
   const uint64_t start_ns = clock_.NowNs();
   UpdateStructure(boxes, start_ns);
@@ -271,7 +310,7 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   return std::as_const(pairs_).pairs();
 }
 
-// A backend that ran out of memory on the way is built anew in the next frame.
+// A backend that has run out of memory in the middle is rebuilt in the next frame.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   if (std::exchange(built_, false)) {
     backends_[sample_.arm].backend->Update(boxes);
@@ -297,7 +336,7 @@ void AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes, uin
   descriptors_.Observe(boxes);
 }
 
-// Steps 4 to 6: the whole frame's sample, its bail-out mark, and out to the sink.
+// Steps 4 to 6: completes the frame's sample, flags a bail-out, and passes the sample to the sink.
 void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   sample_.frame_time_ns = frame.frame_time_ns;
   sample_.flags |= frame.flags & (kFramePaused | kFrameLoading);
@@ -323,8 +362,8 @@ void AdaptiveBroadPhase::Impl::Emit() {
 
 void AdaptiveBroadPhase::Impl::GuardLocally() {
   if (mode.load(std::memory_order_relaxed) != Mode::kAi || local_command_) return;
-  const std::optional<uint32_t> refuge = guard.LocalChoice(last_sample);
-  if (refuge) local_command_ = SwitchCommand{.arm = *refuge, .reason = SwitchReason::kBailOut};
+  const std::optional<uint32_t> fallback = guard.LocalChoice(last_sample);
+  if (fallback) local_command_ = SwitchCommand{.arm = *fallback, .reason = SwitchReason::kBailOut};
 }
 
 void AdaptiveBroadPhase::Impl::Report(const std::optional<SwitchOutcome>& outcome) {

@@ -1,30 +1,68 @@
-// Makes an AdaptiveBroadPhase from backends that the caller brings, beside the public Create with
-// the registry's: scripted backends in tests take this way. Internal to this repository.
+// Backends with detachable executors, and a factory that makes an AdaptiveBroadPhase from the
+// caller's backends instead of the registry's, for scripted backends in tests. Internal to this
+// repository.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
-#include "engine_client/adaptive/arm_backend.h"
 #include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
 
-// What the shadow lane is made from; without `make` there is none.
+// Forwards parts to another executor while it is attached, otherwise runs them on the calling
+// thread.
+class DetachableExecutor final : public Executor {
+ public:
+  // `shared` is borrowed.
+  explicit DetachableExecutor(Executor& shared) : shared_(shared) {}
+
+  void Attach(bool attached) { attached_ = attached; }
+
+  // That of the shared executor, attached or not, since backends size their buffers by it.
+  size_t thread_count() const noexcept override { return shared_.thread_count(); }
+  void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
+    if (attached_) return shared_.RunParts(part_count, run_part, context);
+    for (size_t part = 0; part < part_count; ++part) run_part(context, part);
+  }
+
+ private:
+  Executor& shared_;
+  bool attached_ = false;
+};
+
+// A backend and its executor. The frame path and the shadow lane have one each per arm and exchange
+// them at a warm switch: the lane's backend works on the lane's thread alone, the frame path's on
+// the engine's threads. Not thread-safe; owned by one thread at a time.
+struct ArmBackend {
+  std::unique_ptr<DetachableExecutor> executor;  // may be null; outlives the backend
+  std::unique_ptr<BroadPhase> backend;
+
+  void Attach(bool attached) const {
+    if (executor != nullptr) executor->Attach(attached);
+  }
+};
+
+// Makes another, detached backend of the arm with this index. Throws std::bad_alloc.
+using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
+
+// The parts of the shadow lane; there is no lane without `make`.
 struct LaneParts {
-  ArmBackendFactory make;  // of its own backends
+  ArmBackendFactory make;  // makes the lane's own backends
   size_t core_count = 0;   // of the machine
 };
 
 class AdaptiveFactory {
  public:
-  // `backends` replace options.arms: the arms are their names. Errors as
+  // `backends` replace options.arms: their names are the arms. The errors are those of
   // AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(const AdaptiveOptions& options,
                                                           std::vector<ArmBackend> backends,
                                                           const LaneParts& lane, FrameSink* sink,
                                                           Clock& clock);
-  // Without a lane.
+  // The same without a lane.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(
       const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
       FrameSink* sink, Clock& clock);

@@ -7,8 +7,8 @@
 namespace sweepstake {
 namespace {
 
-// The broad phase is to blame only for a frame of which it took at least half.
-bool IsToBlame(const FrameSample& sample) {
+// The broad phase causes a long frame only if it takes at least half of it.
+bool IsCausedByDetection(const FrameSample& sample) {
   if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return false;
   const uint64_t detection_ns = std::min(sample.detection_time_ns, sample.frame_time_ns);
   return detection_ns >= sample.frame_time_ns - detection_ns;
@@ -41,7 +41,8 @@ void BailOutGuard::SetPosteriorMeans(std::span<const double> means) {
 }
 
 std::optional<uint32_t> BailOutGuard::LocalChoice(const FrameSample& sample) const {
-  if (!Exceeds(sample.frame_time_ns) || !IsToBlame(sample) || arm_count_ < 2) return std::nullopt;
+  if (!Exceeds(sample.frame_time_ns) || !IsCausedByDetection(sample) || arm_count_ < 2)
+    return std::nullopt;
   if (decider_present_.load(std::memory_order_relaxed)) return std::nullopt;
   if (!has_means_.load(std::memory_order_acquire)) return (sample.arm + 1) % arm_count_;
   return BestOther(sample.arm);

@@ -1,9 +1,9 @@
 // Step 5 of the one path: finds frames over the bail-out limit (paper §4) and, while no decider is
-// there to answer, names the arm to flee to.
+// present, chooses the arm to switch to.
 //
 // The setters may be called from any thread, the rest on the frame thread; nothing waits. Posterior
-// means are read one by one: a choice made while a new snapshot is being written may mix the two,
-// which costs at worst the second-best refuge.
+// means are read one by one: a choice that is made while a new snapshot is written may mix the two
+// and take the second-best arm.
 #pragma once
 
 #include <array>
@@ -26,16 +26,16 @@ class BailOutGuard {
   // 0 is ignored.
   void SetLimit(uint64_t limit_ns);
   void SetDeciderPresent(bool present);
-  // Takes the snapshot only when it has one finite mean per arm.
+  // Ignores a snapshot that does not have one finite mean per arm.
   void SetPosteriorMeans(std::span<const double> means);
 
   bool Exceeds(uint64_t frame_time_ns) const {
     return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
   }
 
-  // The arm to switch to after this frame; absent when the frame is within the limit, was long for
-  // another reason (detection under half of it, paused, loading), a decider is present, or there is
-  // no other arm.
+  // The arm to switch to after this frame. Absent if the frame is within the limit or was long for
+  // another reason (detection took less than half of it, paused, loading), if a decider is present,
+  // or if there is no other arm.
   std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
 
  private:

@@ -36,7 +36,7 @@ void BoxTap::Reserve(uint32_t slot_count, size_t object_count) {
   slot_count_ = 0;
   capacity_ = 0;
   std::vector<Aabb>().swap(storage_);
-  // Written here, so that the frame thread meets no page that is new.
+  // resize writes to the memory, so that the frame thread causes no page fault.
   storage_.resize(slot_count * object_count);
   slot_count_ = slot_count;
   capacity_ = object_count;

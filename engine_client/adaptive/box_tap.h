@@ -1,13 +1,13 @@
-// Copies of consecutive frames' boxes, on their way from the frame thread to the shadow lane.
+// Passes copies of consecutive frames' boxes from the frame thread to the shadow lane.
 //
-// The lane reserves memory and requests a number of frames; the frame thread copies the next ones
-// as they come, and nothing at all while nothing is requested. One atomic word says how many are
-// requested and how many are there; only the frame thread writes it while some are missing, only
-// the lane while none is. Memory: slots × objects × 24 bytes.
+// The lane reserves memory and requests a number of frames; the frame thread copies the next
+// frames, and nothing while nothing is requested. One atomic word holds the numbers of requested
+// and of copied frames; only the frame thread writes it while frames are missing, only the lane
+// otherwise. Memory: slots × objects × 24 bytes.
 //
 // Thread safety: OnFrame on the frame thread, the rest on the lane's. Cost of OnFrame: two loads
-// and a store; while frames are requested, the copy and two readings of the clock. It never waits,
-// allocates or calls the system beyond the clock.
+// and a store; while frames are requested, also the copy and two readings of the clock. It never
+// waits, allocates or makes a system call other than the clock.
 #pragma once
 
 #include <array>
@@ -22,11 +22,11 @@
 
 namespace sweepstake {
 
-// What the frame thread knows about a frame that it offers.
+// The frame thread's description of a frame.
 struct FrameNote {
   uint64_t frame_index = 0;
-  uint64_t frame_time_ns = 0;  // of the frame before: this one has not ended yet
-  uint32_t arm = 0;            // active
+  uint64_t frame_time_ns = 0;  // of the previous frame, since this one has not ended yet
+  uint32_t arm = 0;            // the active arm
 };
 
 struct TappedFrame {
@@ -39,27 +39,29 @@ class BoxTap {
  public:
   static constexpr uint32_t kSlotMax = kShadowBurstFrames;
 
-  // Copies the boxes where a frame is requested. Boxes over the reserved count end the request.
+  // Copies the boxes if a frame is requested. More boxes than reserved end the request.
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note, Clock& clock) noexcept;
 
-  // Memory for `slot_count` frames of up to `object_count` objects; what was there is freed first.
-  // Throws std::bad_alloc, and then has none. REQUIRES: complete(), slot_count <= kSlotMax.
+  // Allocates memory for `slot_count` frames of up to `object_count` objects; the old memory is
+  // freed first. Throws std::bad_alloc and then holds no memory. REQUIRES: complete(), slot_count
+  // <= kSlotMax.
   void Reserve(uint32_t slot_count, size_t object_count);
   // REQUIRES: complete(), 1 <= frame_count <= slot_count().
   void Request(uint32_t frame_count);
 
-  // Frames of the latest request that are there.
+  // The number of frames of the latest request that are copied.
   uint32_t filled_count() const;
-  // Nothing is requested any more: all frames are there, or one was too big.
+  // Whether the request is over: all frames are copied, or one was too big.
   bool complete() const;
-  // Objects of the frame that did not fit and so ended the request; 0: none. REQUIRES: complete().
+  // The object count of the frame that did not fit and so ended the request; 0 if there is none.
+  // REQUIRES: complete().
   size_t too_big_count() const { return too_big_count_; }
   // REQUIRES: slot < filled_count().
   TappedFrame frame(uint32_t slot) const;
 
   uint32_t slot_count() const { return slot_count_; }
   size_t memory_bytes() const { return storage_.capacity() * sizeof(Aabb); }
-  // Of the latest frame, copied or not.
+  // The index of the latest frame, copied or not.
   uint64_t latest_frame_index() const { return latest_frame_.load(std::memory_order_relaxed); }
 
  private:
@@ -71,7 +73,7 @@ class BoxTap {
 
   std::atomic<uint32_t> word_{0};  // requested << 8 | filled
   std::atomic<uint64_t> latest_frame_{0};
-  // Whose turn it is, by the word.
+  // Accessed by the thread whose turn it is according to the word.
   std::array<Slot, kSlotMax> slots_{};
   std::vector<Aabb> storage_;
   size_t capacity_ = 0;  // objects per slot

@@ -9,7 +9,7 @@ namespace sweepstake {
 namespace {
 
 constexpr uint32_t kCellsPerAxis = 4;
-// Fewer points say nothing about how they cluster.
+// Fewer points do not show clustering.
 constexpr uint32_t kClusteringPointMin = 16;
 
 double Side(const Aabb& box, int axis) {
@@ -31,7 +31,7 @@ double CentreDistance(const Aabb& a, const Aabb& b) {
   return std::sqrt(square);
 }
 
-// A measured value as the descriptor carries it: not finite or negative means not measured.
+// The value for the descriptor: -1, not measured, if it is negative or not finite.
 float Measured(double value) {
   const float narrow = static_cast<float>(value);
   return std::isfinite(narrow) && narrow >= 0 ? narrow : -1.0F;
@@ -69,14 +69,14 @@ double DescriptorEstimator::Moments::Spread() const {
 void DescriptorEstimator::Observe(std::span<const Aabb> boxes) {
   object_count_ = static_cast<uint32_t>(boxes.size());
   if (frame_count_ % 2 == 0) {
-    Remember(boxes);
+    StoreSample(boxes);
   } else {
-    Compare(boxes);
+    MeasureMotion(boxes);
   }
   ++frame_count_;
 }
 
-void DescriptorEstimator::Remember(std::span<const Aabb> boxes) {
+void DescriptorEstimator::StoreSample(std::span<const Aabb> boxes) {
   step_object_count_ = object_count_;
   if (boxes.empty()) return;
   for (uint32_t i = 0; i < kObjectsPerStep; ++i) {
@@ -86,7 +86,7 @@ void DescriptorEstimator::Remember(std::span<const Aabb> boxes) {
   }
 }
 
-void DescriptorEstimator::Compare(std::span<const Aabb> boxes) {
+void DescriptorEstimator::MeasureMotion(std::span<const Aabb> boxes) {
   if (step_object_count_ != object_count_ || boxes.empty()) return;
   for (uint32_t i = 0; i < kObjectsPerStep; ++i) {
     const Aabb& before = step_box_[i];
@@ -116,7 +116,7 @@ void DescriptorEstimator::AddShape(const Aabb& box) {
 uint32_t DescriptorEstimator::NextIndex(uint32_t object_count) {
   const uint64_t step = walk_++;
   if (object_count <= kSampleCount) return static_cast<uint32_t>(step % object_count);
-  // Multiples of the golden ratio modulo 1 fill [0, 1) evenly however far the walk has come.
+  // Multiples of the golden ratio modulo 1 fill [0, 1) evenly at any length of the walk.
   const uint64_t fraction = (step * math::kGoldenGamma) >> 32;
   return static_cast<uint32_t>((fraction * object_count) >> 32);
 }

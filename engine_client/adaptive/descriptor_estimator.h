@@ -1,10 +1,10 @@
-// Scene descriptors from a small sample of objects, so that describing the scene costs tens of
-// nanoseconds per frame whatever its size.
+// Scene descriptors from a small sample of objects, so that they cost tens of nanoseconds per frame
+// whatever the size of the scene.
 //
-// In frames 2k the boxes of kObjectsPerStep objects are remembered, in frames 2k + 1 the same
-// objects are looked at again for their motion; after kPeriodFrames frames kSampleCount objects
-// have been seen and a descriptor is ready. Up to kSampleCount objects are visited in turn, more by
-// a low-discrepancy walk over the indices that reaches all in time.
+// Even frames store the boxes of kObjectsPerStep objects, odd frames compare them with the same
+// objects' new boxes to measure their motion; after kPeriodFrames frames kSampleCount objects have
+// been sampled and a descriptor is ready. Up to kSampleCount objects are visited in turn, more
+// objects by a low-discrepancy walk over the indices, which reaches all of them in time.
 //
 // Accuracy (standard error, independent objects): size_spread ±5 %, speed_mean ±6 % × speed_spread
 // ÷ speed_mean, static_ratio ±0.03, density_ratio biased up by some 2 % (the sample's bounds stay
@@ -14,8 +14,8 @@
 // clustered, not one clustering from a slightly different one. A scene with a changing object count
 // has no motion fields while it changes: an index may then mean another object.
 //
-// One thread. Allocates nothing, holds about 4 KB. Boxes that take no part (aabb.h) are skipped.
-// Units: world units and frames.
+// Not thread-safe. Allocates nothing, holds about 4 KB. Invalid boxes (aabb.h) are skipped. Units:
+// world units and frames.
 #pragma once
 
 #include <array>
@@ -37,8 +37,8 @@ class DescriptorEstimator {
 
   // True once per kPeriodFrames frames, until Take.
   bool ready() const { return frame_count_ >= kPeriodFrames; }
-  // The descriptor of the period that ended; begins the next one. A field that could not be
-  // measured is -1.
+  // Returns the descriptor of the period that has ended and begins the next one. A field that could
+  // not be measured is -1.
   SceneDescriptor Take();
 
  private:
@@ -56,20 +56,20 @@ class DescriptorEstimator {
     double Spread() const;
   };
 
-  void Remember(std::span<const Aabb> boxes);
-  void Compare(std::span<const Aabb> boxes);
+  void StoreSample(std::span<const Aabb> boxes);
+  void MeasureMotion(std::span<const Aabb> boxes);
   void AddShape(const Aabb& box);
   uint32_t NextIndex(uint32_t object_count);
   double DensityRatio(const Aabb& bounds) const;
   double ClusteringRatio(const Aabb& bounds) const;
 
-  // The step under way.
+  // The present step.
   std::array<uint32_t, kObjectsPerStep> step_index_{};
   std::array<Aabb, kObjectsPerStep> step_box_{};
-  uint32_t step_object_count_ = 0;  // 0: nothing remembered
+  uint32_t step_object_count_ = 0;  // 0: nothing stored
   uint64_t walk_ = 0;
 
-  // The period under way.
+  // The present period.
   uint32_t frame_count_ = 0;
   uint32_t object_count_ = 0;
   std::array<Point, kSampleCount> centre_{};

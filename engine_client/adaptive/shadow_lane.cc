@@ -11,13 +11,14 @@ namespace {
 
 using State = SwitchHandover::State;
 
-// A frame at 60 frames/s is 16 ms: the lane sees a copied one, and an order, within a small part of
+// A frame at 60 frames/s takes 16 ms: the lane sees a copied frame or an order within a fraction of
 // it.
 constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
-// While a preparation waits for a frame: a game of 5,000 frames/s shows one meanwhile.
+// Yields while a preparation waits for a frame: long enough for the next frame of a game with 5,000
+// frames/s.
 constexpr int kYieldMax = 200;
-constexpr uint64_t kLookAgainNs = 1'000'000'000;
+constexpr uint64_t kRetryNs = 1'000'000'000;
 
 void Add(std::atomic<uint64_t>& counter, uint64_t amount) {
   counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
@@ -78,16 +79,16 @@ bool ShadowLane::enabled() const {
 
 bool ShadowLane::sweep_is_due() const {
   const uint64_t now_ns = setup_.clock.NowNs();
-  return now_ns >= schedule_.next_sweep_ns() && now_ns >= next_look_ns_ &&
+  return now_ns >= schedule_.next_sweep_ns() && now_ns >= next_try_ns_ &&
          tap_.latest_frame_index() >= next_burst_frame_;
 }
 
-// A visit may take long; stopping and switches do not wait for its end.
+// Whether a visit has to end early, since stopping and switches must not wait for it.
 bool ShadowLane::interrupted() const {
   return stopping_.load(std::memory_order_relaxed) || handover_.order().state == State::kWanted;
 }
 
-// Without room the request only tells how many objects there are.
+// Without memory the request only returns the object count.
 void ShadowLane::RequestBurst() {
   if (tap_.slot_count() == 0) tap_.Reserve(1, 0);
   accounted_frames_ = 0;
@@ -104,8 +105,8 @@ void ShadowLane::OnBurst() {
   if (tap_.filled_count() >= kFramesMin && !tap_.frame(0).boxes.empty()) Sweep();
 }
 
-// Slots for as many objects and some more, so that a slowly growing scene does not ask for room all
-// the time. False: there is none within the cap.
+// Reserves memory for slightly more objects, so that a slowly growing scene does not reallocate all
+// the time. False if they do not fit within the cap.
 bool ShadowLane::MakeRoom(size_t object_count) {
   const size_t capacity = object_count + object_count / 8 + 64;
   const uint64_t cap_bytes = setup_.options.memory_cap_bytes / 2;
@@ -120,10 +121,10 @@ bool ShadowLane::MakeRoom(size_t object_count) {
   return fits;
 }
 
-// Once per frame of the tap's request. By the mean frame: engines report times near 0 after a
-// pause.
+// Counts each copied frame once. The spacing is based on the mean frame time, since engines report
+// times near 0 after a pause.
 void ShadowLane::AccountCopies() {
-  constexpr uint64_t kLeastFrameNs = 1000;
+  constexpr uint64_t kFrameNsMin = 1000;
   const uint32_t filled = tap_.filled_count();
   const uint32_t fresh = filled - accounted_frames_;
   uint64_t copy_ns = 0;
@@ -136,7 +137,7 @@ void ShadowLane::AccountCopies() {
   Add(counters_.copied_frame_count, fresh);
   Add(counters_.copy_time_ns, copy_ns);
   accounted_frames_ = filled;
-  const uint64_t mean_frame_ns = std::max(frame_ns / std::max(fresh, 1U), kLeastFrameNs);
+  const uint64_t mean_frame_ns = std::max(frame_ns / std::max(fresh, 1U), kFrameNsMin);
   const double spacing =
       static_cast<double>(copy_ns) / (kCopyRatio * static_cast<double>(mean_frame_ns));
   next_burst_frame_ =
@@ -156,7 +157,7 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
-// Absent: interrupted.
+// Absent if the visit was interrupted.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   BroadPhase& backend = *BackendOf(arm).backend;
   const uint32_t frame_count = tap_.filled_count();
@@ -203,7 +204,7 @@ void ShadowLane::Report(const ShadowVisit& visit) {
                          .flags = flags});
 }
 
-// False: nobody waits for a switch.
+// False if no switch is wanted.
 bool ShadowLane::PrepareSwitch() {
   const SwitchHandover::Order order = handover_.order();
   if (order.state == State::kReady || order.state == State::kTaken) return true;
@@ -215,7 +216,8 @@ bool ShadowLane::PrepareSwitch() {
 void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   if (!progress_ || progress_->ticket != order.ticket) {
     progress_ = Progress{.ticket = order.ticket};
-    // A burst under way serves; one that is over is of the past.
+    // The frames of a burst that is still being copied are used; those of a complete one are too
+    // old.
     next_slot_ = std::exchange(collecting_, false) ? 0 : tap_.filled_count();
   }
   while (AwaitFrame(order)) {
@@ -231,7 +233,7 @@ void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   }
 }
 
-// Whether there is a frame in the next slot; where none comes soon, the next Step goes on.
+// Whether there is a frame in the next slot. If none arrives soon, the next Step continues.
 bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   for (int yields = 0; yields < kYieldMax; ++yields) {
     if (stopping_.load(std::memory_order_relaxed) || handover_.order() != order) return false;
@@ -246,7 +248,7 @@ bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   return false;
 }
 
-// False: there is no room for the boxes.
+// False if there is no memory for the boxes.
 bool ShadowLane::RequestForPreparation() {
   AccountCopies();
   if (tap_.too_big_count() > 0 && !MakeRoom(tap_.too_big_count())) return false;
@@ -257,7 +259,7 @@ bool ShadowLane::RequestForPreparation() {
   return true;
 }
 
-// Takes the frame in the next slot. False: the structure is over the memory cap.
+// Processes the frame in the next slot. False if the structure exceeds the memory cap.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   BroadPhase& backend = *BackendOf(order.arm).backend;
   const TappedFrame frame = tap_.frame(next_slot_++);
@@ -267,7 +269,7 @@ bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   return backend.native_bytes() <= structure_cap_bytes();
 }
 
-// The search is what makes a backend's buffers grow to what the scene needs.
+// The search is included, since it makes a backend's buffers grow to the size that the scene needs.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes) {
   const uint64_t start_ns = setup_.clock.NowNs();
   if (build) {
@@ -295,7 +297,7 @@ uint64_t ShadowLane::structure_bytes() const {
                          });
 }
 
-// The arm that was just visited goes where all together are over the cap.
+// Frees the structure of the arm just visited if all together exceed the cap.
 void ShadowLane::TrimMemory(uint32_t arm) {
   if (structure_bytes() > structure_cap_bytes()) {
     backends_[arm] = {};
@@ -310,7 +312,7 @@ void ShadowLane::FreeMemory() {
   progress_.reset();
   if (tap_.complete()) tap_.Reserve(0, 0);
   counters_.memory_bytes.store(tap_.memory_bytes(), std::memory_order_relaxed);
-  next_look_ns_ = setup_.clock.NowNs() + kLookAgainNs;
+  next_try_ns_ = setup_.clock.NowNs() + kRetryNs;
 }
 
 ShadowLane::Preparation ShadowLane::Ask(uint32_t arm) {

@@ -1,20 +1,20 @@
 // The shadow lane's thread (sweepstake/shadow.h): visits arms in sweeps, and prepares the arm of a
 // commanded switch.
 //
-// A sweep: the frame thread copies up to kShadowBurstFrames consecutive frames, and only then
-// (box_tap.h); each arm that is due (shadow_schedule.h) builds its structure on the first and
-// updates it on the others, so that all arms of a sweep are compared on the same boxes. Sweeps are
-// also spaced so that copying takes at most kCopyRatio of the frame time on average.
+// For a sweep the frame thread copies up to kShadowBurstFrames consecutive frames (box_tap.h). Each
+// arm that is due (shadow_schedule.h) builds its structure on the first frame and updates it on the
+// others, so that all arms of a sweep are compared on the same boxes. Sweeps are also spaced so
+// that copying takes at most kCopyRatio of the frame time on average.
 //
-// A preparation goes before sweeps: the arm's structure is built on the next frame, kept up to date
-// on the frames that follow until its buffers have grown and what a new structure costs more is
-// past, and offered (switch_handover.h).
+// A preparation has priority over sweeps: the lane builds the arm's structure on the next frame,
+// updates it on the following frames until its buffers have grown and the extra cost of a new
+// structure is over, and offers it (switch_handover.h).
 //
 // Thread safety: Ask, Cancel, TakeOver and OnFrame on the frame thread; they never wait, lock,
-// allocate, or call the system beyond the clock. stats() on any thread. Step is the thread's own
-// and public for tests, which drive the lane by hand in place of Start. Ownership: sink, clock and
-// mode are borrowed. The destructor waits for the backend's call under way. Errors: where memory
-// runs out the lane frees its own and looks again a second later.
+// allocate, or make a system call other than the clock. stats() on any thread. Step belongs to the
+// lane's thread and is public for tests, which call it instead of Start. Ownership: sink, clock and
+// mode are borrowed. The destructor waits for the present call of a backend. Errors: if memory runs
+// out, the lane frees its own memory and tries again a second later.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine_client/adaptive/arm_backend.h"
+#include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/box_tap.h"
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/adaptive/switch_handover.h"
@@ -46,13 +46,13 @@ class ShadowLane {
     const std::atomic<Mode>& mode;
   };
 
-  // What a switch that was asked for has come to.
+  // The state of a requested preparation.
   enum class Preparation { kNever, kUnderWay, kReady };
 
   static constexpr double kCopyRatio = 0.01;
-  // Frames that a structure is kept up to date on before it is offered.
+  // The number of frames that a structure processes before it is offered.
   static constexpr uint32_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
-  // A structure this many frames behind is brought up to date once more before it is offered.
+  // A structure that is more frames behind than this is updated once more before it is offered.
   static constexpr uint64_t kRecentFrames = 4;
 
   explicit ShadowLane(Setup setup);
@@ -61,26 +61,25 @@ class ShadowLane {
   ShadowLane& operator=(const ShadowLane&) = delete;
 
   void Start();
-  // Does what there is to do. Returns how long to wait before the next call.
+  // Does the present work. Returns the time to wait before the next call.
   std::chrono::microseconds Step();
 
-  // Begins to prepare `arm`, or says how far its preparation is. An earlier one of another arm is
-  // given up.
+  // Begins to prepare `arm`, or returns the state of its preparation. Abandons the preparation of
+  // another arm.
   Preparation Ask(uint32_t arm);
   void Cancel();
-  // Exchanges `own` for the backend prepared for `arm`: true, and `own` then holds boxes of a few
-  // frames ago. False where none is ready. `pairs` gets the lane's room where that is larger; what
-  // it held is then lost.
+  // Exchanges `own` for the backend prepared for `arm`, whose boxes are a few frames old; false if
+  // none is ready. `pairs` gets the lane's buffer if that is larger, and then loses its content.
   bool TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs);
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note) noexcept {
     tap_.OnFrame(boxes, note, setup_.clock);
   }
 
-  // All but the switches.
+  // All fields but the switch counts.
   ShadowStats stats() const;
 
  private:
-  // Least frames of a burst: a visit then still measures one.
+  // The minimum number of frames of a burst, of which a visit still measures one.
   static constexpr uint32_t kFramesMin = 1 + kShadowWarmUpFrames + 1;
 
   struct Counters {
@@ -95,9 +94,9 @@ class ShadowLane {
 
   struct Progress {
     uint32_t ticket = 0;
-    uint32_t frame_count = 0;  // the structure has seen
+    uint32_t frame_count = 0;  // frames that the structure has processed
     uint64_t frame_index = 0;  // the latest of them
-    bool caught_up = false;    // was brought up to date once more
+    bool caught_up = false;    // whether it was updated once more
   };
 
   void Run();
@@ -132,14 +131,14 @@ class ShadowLane {
   Counters counters_;
   std::atomic<ShadowState> state_{ShadowState::kRunning};
 
-  // On the lane's thread.
+  // Accessed on the lane's thread only.
   ShadowSchedule schedule_;
   std::vector<ArmBackend> backends_;
   PairBuffer pairs_;
   bool collecting_ = false;        // the tap's request is a burst for a sweep
-  uint32_t accounted_frames_ = 0;  // of the tap's request
+  uint32_t accounted_frames_ = 0;  // frames of the tap's request
   uint64_t next_burst_frame_ = 0;
-  uint64_t next_look_ns_ = 0;
+  uint64_t next_try_ns_ = 0;
   uint32_t next_slot_ = 0;  // of the preparation
   std::optional<Progress> progress_;
 

@@ -13,7 +13,7 @@ bool HasMoved(uint64_t now, uint64_t reference) {
   return std::max(change, -change) > ShadowSchedule::kChangeRatio * before;
 }
 
-// The lower one of an even number.
+// The lower median of an even number of values.
 uint64_t Median(std::span<const uint64_t> values) {
   std::array<uint64_t, kShadowBurstFrames> sorted;
   std::copy(values.begin(), values.end(), sorted.begin());

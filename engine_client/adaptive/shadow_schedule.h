@@ -1,22 +1,22 @@
-// Which arms the shadow lane visits, and when: sweeps over the arms, spaced by a budget.
+// Decides which arms the shadow lane visits, and when: in sweeps over the arms, spaced by a budget.
 //
 //   if (now_ns >= schedule.next_sweep_ns()) {
 //     schedule.Begin(now_ns, active_arm, object_count);
-//     while (const auto arm = schedule.NextArm()) schedule.OnVisit(/* what visiting it cost */);
+//     while (const auto arm = schedule.NextArm()) schedule.OnVisit(/* its cost */);
 //   }
 //
-// The first sweep is due at once and visits every arm. From then on:
-// - The active arm is in every sweep, first: the others are compared with it.
-// - An arm within kContenderRatio of the cheapest known cost is in every sweep, one that costs r
-//   times as much in every r²-th, so that it takes 1/r of a cheap arm's share of the budget; at
-//   least in every kPeriodMax-th.
-// - Where the object count, or the cost of the active arm, has moved by more than kChangeRatio
-//   since every arm was visited, the scene is another one: the sweep takes in every arm again.
-// - An arm whose visits end at the time cap is visited half as often each time, down to every
-//   kPeriodMax-th sweep, until a visit does not or the object count has changed; but not where it
-//   is the active one, or within kContenderRatio all the same. One whose structure is over the
-//   memory cap likewise, and without these exceptions.
-// - Sweeps are spaced so that visits take duty_ratio of the time from the first one on.
+// The first sweep is due at once and visits every arm. After that:
+// - Every sweep begins with the active arm, since the others are compared with it.
+// - An arm within kContenderRatio of the cheapest known cost is in every sweep. An arm that costs r
+//   times as much is in every r²-th sweep, so that it takes 1/r of a cheap arm's share of the
+//   budget, but at least in every kPeriodMax-th.
+// - If the object count or the cost of the active arm has changed by more than kChangeRatio since
+//   every arm was visited, the scene is a different one: the sweep visits every arm again.
+// - An arm whose visit ends at the time cap is visited half as often each time, down to every
+//   kPeriodMax-th sweep, until a visit stays below the cap or the object count changes. The active
+//   arm and arms within kContenderRatio are exempt. The same holds for an arm whose structure
+//   exceeds the memory cap, without these exceptions.
+// - Sweeps are spaced so that visits take duty_ratio of the time since the first one.
 //
 // Pure and deterministic: time and costs come in as arguments. Not thread-safe. Times are ns of one
 // clock, from any origin, that does not go back.
@@ -29,8 +29,8 @@
 
 namespace sweepstake {
 
-// Frames of a visit: the structure is built on the first, the next two show what a new structure
-// still costs more, the others are measured.
+// Frames of a visit: the structure is built on the first one; the next two still include the extra
+// cost of a new structure; the others are measured.
 inline constexpr uint32_t kShadowBurstFrames = 8;
 inline constexpr uint32_t kShadowWarmUpFrames = 2;
 
@@ -38,15 +38,15 @@ struct ShadowScheduleOptions {
   double duty_ratio = 0.15;                      // of one thread's time, (0, 1]
   uint64_t visit_cap_ns = 250'000'000;           // a visit ends with the frame that reaches it
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // of one arm's structure
-  // Decisions are seconds apart: more sweeps than these would tell the same again.
+  // Decisions are seconds apart, so that more frequent sweeps would add no information.
   uint64_t sweep_interval_min_ns = 250'000'000;
 };
 
-// What visiting one arm cost.
+// The cost of a visit to one arm.
 struct ShadowVisit {
   uint32_t arm = 0;
-  uint32_t frame_count = 0;   // measured ones
-  uint64_t detection_ns = 0;  // median of them; where there is none, the fastest frame that ran
+  uint32_t frame_count = 0;   // measured frames
+  uint64_t detection_ns = 0;  // their median, or the fastest frame if none was measured
   uint64_t build_ns = 0;      // the first frame
   uint64_t busy_ns = 0;       // all frames
   uint64_t native_bytes = 0;
@@ -54,8 +54,8 @@ struct ShadowVisit {
   bool capped = false;            // at the time cap, before the last frame
 };
 
-// The visit whose frames took `frame_ns`, as far as `cap_ns` lets it come; arm, native_bytes and
-// aabb_check_count are left to the caller. REQUIRES: 1 to kShadowBurstFrames frames.
+// The visit whose frames took `frame_ns`, up to `cap_ns`. The caller sets arm, native_bytes and
+// aabb_check_count. REQUIRES: 1 to kShadowBurstFrames frames.
 ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns);
 
 class ShadowSchedule {
@@ -78,14 +78,14 @@ class ShadowSchedule {
   std::optional<uint32_t> NextArm() const;
   // REQUIRES: visit.arm is NextArm().
   void OnVisit(const ShadowVisit& visit);
-  // Other work of the thread that does the visits: it goes to the sweep's account.
+  // Adds other work of the visiting thread to the sweep's cost.
   void Spend(uint64_t busy_ns) { busy_ns_ += busy_ns; }
 
  private:
   struct Arm {
     uint64_t cost_ns = 0;       // of the latest visit; 0: none yet
-    uint64_t reference_ns = 0;  // of the first visit since everything was anew
-    uint64_t last_sweep = 0;    // 0: none since everything was anew
+    uint64_t reference_ns = 0;  // of the first visit since the latest Renew
+    uint64_t last_sweep = 0;    // 0: none since the latest Renew
     uint32_t back_off = 0;      // sweeps between visits; 0: not over a cap
     bool too_big = false;       // over the memory cap
   };
@@ -101,7 +101,7 @@ class ShadowSchedule {
   uint64_t begun_ns_ = 0;
   uint64_t busy_ns_ = 0;  // since it began
   uint32_t active_arm_ = 0;
-  uint64_t reference_count_ = 0;  // objects when everything was anew
+  uint64_t reference_count_ = 0;  // the object count at the latest Renew
 };
 
 }  // namespace sweepstake

@@ -1,12 +1,13 @@
-// What a switch of arms cost: the time of building the new backend's structure, and the frame time
-// lost until the new arm had settled.
+// Measures the cost of a switch of arms: the build time of the new backend's structure, and the
+// frame time lost until the new arm has settled.
 //
-// The settled mean is the mean frame time of the second half of the settling time; the settling
-// cost is what the frames of the first half took above it, summed, at least 0. Paused and loading
-// frames count for neither. A switch that comes before the last one has settled ends that one's
-// measurement early.
+// The settled mean is the mean frame time of the second half of the settling time. The settling
+// cost is the sum of what the frames of the first half took above that mean, at least 0. Paused and
+// loading frames count for neither. A switch before the last one has settled ends that measurement
+// early.
 //
-// SetSettling from any thread, the rest on the frame thread. Nothing waits or allocates.
+// SetSettling may be called from any thread, the rest on the frame thread. Nothing waits or
+// allocates.
 #pragma once
 
 #include <atomic>
@@ -25,16 +26,16 @@ class SwitchCostMeter {
     settling_ns_.store(settling_ns, std::memory_order_relaxed);
   }
 
-  // An arm was switched on; `warm`: its structure is there already. Returns the outcome of the
-  // switch before, where that one had not settled.
+  // Begins the measurement of a switch; `warm` says that the structure exists already. Returns the
+  // outcome of the previous switch if that one has not settled.
   std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch,
                                      bool warm = false);
 
-  // True from the Begin of a cold switch to OnRebuild: the next build is the switch's.
+  // True from the Begin of a cold switch to OnRebuild: the next build belongs to the switch.
   bool awaits_rebuild() const { return awaits_rebuild_; }
   void OnRebuild(uint64_t rebuild_time_ns);
 
-  // Takes a finished frame. Returns the outcome with the frame that settles the arm.
+  // Adds a finished frame. Returns the outcome at the frame that settles the arm.
   std::optional<SwitchOutcome> OnFrame(const FrameSample& sample);
 
  private:

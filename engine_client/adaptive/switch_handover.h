@@ -1,12 +1,11 @@
-// How a backend that the shadow lane has prepared comes to the frame thread: one atomic word that
+// Passes a backend that the shadow lane has prepared to the frame thread, with one atomic word that
 // both sides change, so that neither waits.
 //
 //   frame: Want(arm) → wanted → lane: Offer → ready → frame: Take → taken → frame: Done → none
 //                             → lane: Decline → declined
 //
-// While the word says wanted, or nothing, the lane's backend of the arm is the lane's; from Take to
-// Done it is the frame thread's. A new Want or a Cancel makes every earlier order void: the lane's
-// answer to it is lost.
+// The lane's backend of the arm belongs to the frame thread from Take to Done, otherwise to the
+// lane. A new Want or a Cancel voids every earlier order: the lane's answer to it is ignored.
 //
 // Thread safety: Want, Cancel, Take and Done on the frame thread, Offer and Decline on the lane's,
 // order() on both. Lock-free.
@@ -24,7 +23,7 @@ class SwitchHandover {
   struct Order {
     State state = State::kNone;
     uint32_t arm = 0;
-    uint32_t ticket = 0;  // one more with each Want and Cancel
+    uint32_t ticket = 0;  // incremented by each Want and Cancel
 
     friend bool operator==(const Order&, const Order&) = default;
   };
@@ -34,14 +33,15 @@ class SwitchHandover {
   // REQUIRES: arm < 256.
   void Want(uint32_t arm) { Store({State::kWanted, arm, order().ticket + 1}); }
   void Cancel() { Store({State::kNone, 0, order().ticket + 1}); }
-  // True where the order is ready: the lane's backend of its arm is the caller's until Done.
+  // True if the order is ready: the lane's backend of its arm then belongs to the caller until
+  // Done.
   bool Take() {
     const Order ready = order();
     return ready.state == State::kReady && Replace(ready, State::kTaken);
   }
   void Done() { Store({State::kNone, 0, order().ticket}); }
 
-  // The answer to `wanted`; false where it is void.
+  // Answers the order `wanted`; false if it is void.
   bool Offer(const Order& wanted) { return Replace(wanted, State::kReady); }
   bool Decline(const Order& wanted) { return Replace(wanted, State::kDeclined); }
 

@@ -1,5 +1,5 @@
-// The latest verdict, from the thread that hears of it to any other. Lock-free; parts of two
-// verdicts never mix.
+// Passes the latest verdict from the thread that receives it to any other. Lock-free; a verdict is
+// read as a whole.
 #pragma once
 
 #include <atomic>

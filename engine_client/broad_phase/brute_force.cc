@@ -8,36 +8,36 @@
 namespace sweepstake {
 namespace {
 
-// Fewer rows take less time than waking a thread.
-constexpr size_t kLeastRows = 512;
-constexpr size_t kLeastBoxes = 2048;
+// A part with fewer rows or boxes takes less time than waking a thread.
+constexpr size_t kRowsPerPartMin = 512;
+constexpr size_t kBoxesPerPartMin = 2048;
 
 class BruteForce final : public BroadPhase {
  public:
   explicit BruteForce(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "BruteForce"; }
   uint32_t version() const override { return 2; }
-  void Build(std::span<const Aabb> boxes) override { Take(boxes); }
-  void Update(std::span<const Aabb> boxes) override { Take(boxes); }
+  void Build(std::span<const Aabb> boxes) override { Load(boxes); }
+  void Update(std::span<const Aabb> boxes) override { Load(boxes); }
   void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override { return boxes_.native_bytes() + parts_.native_bytes(); }
 
  private:
-  void Take(std::span<const Aabb> boxes);
+  void Load(std::span<const Aabb> boxes);
 
   Executor* executor_;
-  ByteBoxes boxes_;  // slot = id
+  ByteBoxes boxes_;  // the slot is the id
   PairParts parts_;
   uint64_t checks_ = 0;
 };
 
-void BruteForce::Take(std::span<const Aabb> boxes) {
+void BruteForce::Load(std::span<const Aabb> boxes) {
   checks_ = 0;
   boxes_.Resize(boxes.size(), false);
   std::iota(boxes_.ids(), boxes_.ids() + boxes.size(), 0U);
   const CoordinateRange range = CoordinateRange::Sample(boxes);
-  const size_t part_count = PartCount(executor_, boxes.size(), kLeastBoxes);
+  const size_t part_count = PartCount(executor_, boxes.size(), kBoxesPerPartMin);
   RunParts(executor_, part_count, [&](size_t part) {
     const PartRange slots = RangeOfPart(boxes.size(), part, part_count, ByteBoxes::kGranule);
     boxes_.Fill(boxes, range, {}, slots.begin, slots.end);
@@ -46,7 +46,7 @@ void BruteForce::Take(std::span<const Aabb> boxes) {
 
 void BruteForce::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
-  checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+  checks_ = parts_.Run(executor_, lanes.count, kRowsPerPartMin, kRowsPerTile, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return FindPairsOfAll(lanes, begin, end, pairs);
                        });

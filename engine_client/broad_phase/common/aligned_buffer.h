@@ -1,9 +1,9 @@
-// An array that only grows: 64-byte aligned, uninitialised, for plain values. The storage of every
-// backend, so that a steady scene allocates nothing and native_bytes() is a sum of
-// capacity_bytes().
+// An array that only grows: 64-byte aligned, uninitialised, for trivially copyable values. All
+// backends store their data in it, so that a steady scene allocates nothing and native_bytes() is a
+// sum of capacity_bytes().
 //
 // Not thread-safe. Owns its memory until destruction; movable. Throws std::bad_alloc when memory is
-// out.
+// exhausted.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class AlignedBuffer {
   static constexpr size_t kAlignment = 64;  // one cache line, one AVX-512 register
 
   AlignedBuffer() = default;
-  // The two change places: what was moved from is a sound buffer, an empty one where this was new.
+  // A move swaps the two buffers: the source stays valid, and is empty if the target was new.
   AlignedBuffer(AlignedBuffer&& other) noexcept { *this = std::move(other); }
   AlignedBuffer& operator=(AlignedBuffer&& other) noexcept {
     std::swap(storage_, other.storage_);
@@ -39,7 +39,7 @@ class AlignedBuffer {
   size_t capacity() const { return capacity_; }
   size_t capacity_bytes() const { return capacity_ * sizeof(T); }
 
-  // Room for `count` elements; what was inside is lost if the array has to grow.
+  // Makes room for `count` elements; the content is lost if the array has to grow.
   void EnsureDiscarding(size_t count) {
     if (count <= capacity_) return;
     const size_t grown = GrownCapacity(count);
@@ -49,13 +49,13 @@ class AlignedBuffer {
     capacity_ = grown;
   }
 
-  // The same for a count that wavers from frame to frame: growing takes room for more, or it would
-  // take memory again and again.
+  // The same for a count that fluctuates from frame to frame: growing reserves a quarter more,
+  // which avoids repeated allocation.
   void EnsureWithSpare(size_t count) {
     if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);
   }
 
-  // Room for `count` elements; the first `kept` ones stay. REQUIRES: kept <= capacity().
+  // Makes room for `count` elements and keeps the first `kept` ones. REQUIRES: kept <= capacity().
   void EnsureKeeping(size_t count, size_t kept) {
     if (count <= capacity_) return;
     const size_t grown = GrownCapacity(count);
@@ -71,8 +71,8 @@ class AlignedBuffer {
   };
   using Storage = std::unique_ptr<T[], Free>;
 
-  // Half as much again, so that a count rising frame by frame seldom allocates; exact for the first
-  // use.
+  // Grows by half, so that a count that rises frame by frame seldom allocates. The first allocation
+  // is exact.
   size_t GrownCapacity(size_t count) const { return std::max(count, capacity_ + capacity_ / 2); }
 
   static Storage Allocate(size_t count) {

@@ -1,5 +1,5 @@
-// Box records (box_record.h) as vectors, for every target of Highway; the scalar forms are the
-// definition. Include after hwy/foreach_target.h, use inside HWY_NAMESPACE.
+// Box records (box_record.h) as vectors, for every target of Highway; the scalar functions define
+// the results. Include after hwy/foreach_target.h, use inside HWY_NAMESPACE.
 #if defined(SWEEPSTAKE_BOX_RECORD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_BOX_RECORD_INL_H_
 #undef SWEEPSTAKE_BOX_RECORD_INL_H_
@@ -21,14 +21,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-// Not by value: a record that goes over the stack is stored in halves and loaded whole, which waits
-// for the stores (5 ns).
+// The result is a reference: a record returned by value is stored in halves and loaded whole, which
+// stalls until the stores have finished (5 ns on an EPYC at 2.6 GHz).
 HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) { record = RecordOf(box); }
 
 HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) { return Overlap(a, b); }
 HWY_INLINE bool RecordsAreEqual(const BoxRecord& a, const BoxRecord& b) { return a == b; }
 
-// Four coordinates to whole numbers in 0 to `last`: min(max((x − origin) · scale, 0), last).
+// Converts four coordinates to integers in [0, last]: min(max((x − origin) · scale, 0), last).
 HWY_INLINE void ToLevels(const float* x, const float* origin, const float* scale, float last,
                          int32_t* levels) {
   for (size_t k = 0; k < 4; ++k) {
@@ -46,7 +46,7 @@ HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) {
   const auto first_three = hn::FirstN(d, 3);
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
   const auto min = hn::IfThenElseZero(first_three, hn::LoadU(d, box.min));
-  // From z of min on, so that nothing behind the box is read.
+  // The load begins at min's z, so that nothing behind the box is read.
   const auto max = hn::ShiftRightLanes<1>(d, hn::LoadU(d, box.min + 2));
   const auto finite = hn::And(hn::Ge(min, hn::Neg(limit)), hn::Le(max, limit));
   if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(finite, hn::Le(min, max))))) {

@@ -34,7 +34,7 @@ namespace sweepstake {
 HWY_EXPORT(LoadRecords);
 HWY_EXPORT(CollectMoved);
 
-void TakeRecords(std::span<const Aabb> boxes, BoxRecord* records) {
+void StoreRecords(std::span<const Aabb> boxes, BoxRecord* records) {
   HWY_DYNAMIC_DISPATCH(LoadRecords)(boxes, records);
 }
 

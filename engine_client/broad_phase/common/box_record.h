@@ -1,5 +1,4 @@
-// A box in one half of a cache line, as two vectors of four floats: what an exact test of two boxes
-// loads.
+// A box in half a cache line, as two vectors of four floats: the form that exact tests load.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +10,8 @@
 
 namespace sweepstake {
 
-// The fourth element is 0, so that it always passes the comparison of the other three. A box that
-// does not take part (aabb.h) is kAbsentBox, which overlaps nothing.
+// The fourth element is 0, so that it passes every comparison. A box that is not valid (TakesPart
+// in aabb.h) becomes kAbsentBox, which overlaps nothing.
 struct alignas(32) BoxRecord {
   float min[4];
   float max[4];
@@ -33,11 +32,11 @@ inline BoxRecord RecordOf(const Aabb& box) {
   return {{box.min[0], box.min[1], box.min[2], 0}, {box.max[0], box.max[1], box.max[2], 0}};
 }
 
-// records[i] takes boxes[i]: 1 ns each.
-void TakeRecords(std::span<const Aabb> boxes, BoxRecord* records);
+// Stores boxes[i] in records[i].
+void StoreRecords(std::span<const Aabb> boxes, BoxRecord* records);
 
-// Of the boxes that are not the same as the record with their index: that index in `moved`, with
-// kMovedAway where the box does not take part. Returns how many; `moved` has room for all.
+// Lists in `moved` the index of each box that differs from its record, with the bit kMovedAway set
+// if the box is not valid. Returns their number. REQUIRES: `moved` has room for all.
 inline constexpr uint32_t kMovedAway = 0x80000000;
 size_t FindMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint32_t* moved);
 

@@ -10,11 +10,11 @@
 #define SWEEPSTAKE_BYTE_BOXES_ONCE
 namespace sweepstake {
 
-// q of all three axes, in the form of a record's halves.
+// The function q of all three axes, in the layout of a record's halves.
 struct ByteScale {
   alignas(16) float origin[4];
   alignas(16) float scale[4];
-  size_t axis[3];  // which coordinate is the k-th of the lanes
+  size_t axis[3];  // the coordinate that the k-th lanes hold
 };
 
 }  // namespace sweepstake
@@ -38,7 +38,8 @@ HWY_INLINE void PutBytes(const ByteScale& scale, const BoxRecord& record, const 
 
 void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const SweepAxis& sweep,
                    const ByteLanes& lanes, BoxRecord* records, size_t begin, size_t end) {
-  const ByteScale local = scale;  // which no store can alias, like the lanes
+  // Copies that no store can alias, so that their fields stay in registers.
+  const ByteScale local = scale;
   const ByteLanes to = lanes;
   const size_t axis = scale.axis[0];
   for (size_t slot = begin; slot < end; ++slot) {
@@ -53,7 +54,7 @@ void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const Sw
 
 void FillFromRecords(const BoxRecord* records, const ByteScale& scale, const SweepAxis& sweep,
                      const ByteLanes& lanes, size_t begin, size_t end) {
-  const ByteScale local = scale;
+  const ByteScale local = scale;  // copies, as in FillFromBoxes
   const ByteLanes to = lanes;
   const size_t axis = scale.axis[0];
   for (size_t slot = begin; slot < end; ++slot) {

@@ -1,12 +1,12 @@
-// Boxes for scans over very many of them: each coordinate once more in a byte, so that one register
-// compares 64 boxes, and the exact boxes for what then is left.
+// Boxes for scans over very many of them: each coordinate also as a byte, so that one register
+// compares 64 boxes, and the exact boxes to test the candidates that remain.
 //
-// A coordinate x becomes q(x) in 0 to 255 by one monotone function, linear over the range where
-// most boxes lie and constant outside. a.min <= b.max implies q(a.min) <= q(b.max): boxes that
-// overlap do so in bytes too, whatever the range, rounding and outliers.
+// A monotone function q maps a coordinate to [0, 255]; it is linear over the range of most boxes
+// and constant outside. a.min <= b.max implies q(a.min) <= q(b.max): boxes that overlap also
+// overlap in bytes, whatever the range, rounding and outliers.
 //
 // Not thread-safe, but distinct slots may be filled at the same time. Owns its memory: 42 bytes per
-// box, swept ones 50, of which 32 are the exact boxes. Cost of Fill: 2 to 4 ns per box.
+// box, 50 with a sweep axis, of which 32 are the exact boxes. Cost of Fill: O(slots).
 #pragma once
 
 #include <algorithm>
@@ -21,9 +21,9 @@
 
 namespace sweepstake {
 
-// Where boxes lie on the sweep axis: as exactly as floats do, or in whole steps from 0 to `last`,
-// which are monotone like q. Slots need only be sorted by their position: a sweep in steps looks at
-// a few boxes more and is still right.
+// Positions on the sweep axis: the exact coordinate, or whole steps from 0 to `last`, which are
+// monotone like q. A sweep needs its slots sorted by position only; with steps it tests a few more
+// boxes and is still correct.
 struct SweepAxis {
   bool exact = true;
   float low = 0;
@@ -37,12 +37,13 @@ struct SweepAxis {
   float Position(float x) const { return exact ? x : static_cast<float>(Step(x)); }
 };
 
-// The slots of a ByteBoxes; the first axis is the sweep axis. What a kernel reads, and what Fill
-// writes.
+// A view of the slots of a ByteBoxes, which kernels read and Fill writes. The first axis is the
+// sweep axis.
 struct ByteLanes {
   uint8_t* low[3];
   uint8_t* high[3];
-  // Where a slot begins and ends on the sweep axis; `begin` ascends. Null where nothing sweeps.
+  // The first and last position of a slot's box on the sweep axis; `begin` ascends. Null without a
+  // sweep axis.
   float* begin;
   float* end;
   uint32_t* id;
@@ -53,18 +54,20 @@ struct ByteLanes {
 
 class ByteBoxes {
  public:
-  // No kernel compares more slots at a time. Behind the last box, up to the next multiple, at least
-  // one slot holds kAbsentBox.
+  // The maximum number of slots that a kernel compares at a time. The slots behind the last box, up
+  // to the next multiple, hold kAbsentBox; there is at least one.
   static constexpr size_t kGranule = 64;
 
-  // Room for `count` boxes whose records are kept by slot; `swept` ones have a begin and an end.
+  // Makes room for `count` boxes whose records are stored by slot; `swept` boxes have positions on
+  // the sweep axis.
   void Resize(size_t count, bool swept);
-  // The same for swept boxes whose records are borrowed, by id and with a kAbsentBox behind them.
+  // The same for swept boxes with borrowed records, which are stored by id and end with a
+  // kAbsentBox.
   void ResizeFor(const BoxRecord* records, size_t count);
-  // Which box a slot takes: for the caller to fill, count() of them, before Fill.
+  // The box of each slot. The caller writes count() ids before Fill.
   uint32_t* ids() { return ids_.data(); }
-  // Slots [begin, end) take their boxes, from `boxes` or else from the borrowed records. REQUIRES:
-  // begin, and end unless it is the count, are multiples of kGranule.
+  // Fills the slots [begin, end) from `boxes`, or from the borrowed records. REQUIRES: begin, and
+  // end unless it is the count, are multiples of kGranule.
   void Fill(std::span<const Aabb> boxes, const CoordinateRange& range, const SweepAxis& axis,
             size_t begin, size_t end);
   void Fill(const CoordinateRange& range, const SweepAxis& axis, size_t begin, size_t end);
@@ -79,8 +82,9 @@ class ByteBoxes {
   void PadSlots();
 
   AlignedBuffer<BoxRecord> records_;
-  AlignedBuffer<uint8_t> bytes_;  // low of the three axes from the sweep axis on, high of them
-  AlignedBuffer<float> ends_;     // begin, end
+  // The low bytes of the three axes from the sweep axis on, then the high bytes.
+  AlignedBuffer<uint8_t> bytes_;
+  AlignedBuffer<float> ends_;  // begin, then end
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;

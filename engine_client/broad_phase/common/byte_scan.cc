@@ -15,18 +15,19 @@ namespace sweepstake::HWY_NAMESPACE {
 
 using Bytes = hn::CappedTag<uint8_t, ByteBoxes::kGranule>;
 
-// Bit k: the slot `at` + k may overlap the one at `row`.
+// Bit k is set if the slot `at` + k may overlap the one at `row`.
 struct Candidates {
   uint64_t bits;
   uint32_t row;
   uint32_t at;
 };
-// They are collected before they are tested.
+// Candidates are collected before they are tested.
 constexpr size_t kCandidatesRoom = 256;
 
-// Tests them exactly. A box's record is at its slot, or at its id with kById. One loop over all
-// bits, without a branch on how many there are or which pass: neither can be predicted, and with
-// such branches a pair took four times as long. REQUIRES: two entries behind the last may be read.
+// Tests candidates exactly. A box's record is at its slot, or at its id if kById. One loop runs
+// over all bits without a branch on their number or on the results: neither can be predicted, and
+// such branches made a pair take four times as long. REQUIRES: two entries behind the last are
+// readable.
 template <bool kById>
 HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, size_t count,
                               PairCursor& cursor) {
@@ -36,17 +37,20 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
   OverlapPair* const out = cursor.Room(total);
   size_t found = 0;
   uint64_t bits = all[0].bits;
-  uint64_t next_bits = all[1].bits;  // loaded a turn ahead: the turns wait for one another here
+  // Loaded one iteration ahead, since each iteration depends on the bits of the one before.
+  uint64_t next_bits = all[1].bits;
   for (size_t k = 0; k < total; ++k) {
     const size_t row = all->row;
     const size_t slot = all->at + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
     const uint32_t a = lanes.id[row];
     const uint32_t b = lanes.id[slot];
-    const uint32_t swapped = (a ^ b) & (a > b ? ~0U : 0U);  // std::minmax jumps
-    // As one word, or the compiler joins the two in a vector register.
+    // Puts the smaller id first; std::minmax compiles to a branch.
+    const uint32_t swapped = (a ^ b) & (a > b ? ~0U : 0U);
+    // One 64-bit store, since the compiler would combine two ids in a vector register.
     const uint64_t pair = uint64_t{b ^ swapped} << 32 | (a ^ swapped);
     std::memcpy(out + found, &pair, sizeof(pair));
     found += RecordsOverlap(lanes.record[kById ? a : row], lanes.record[kById ? b : slot]) ? 1 : 0;
+    // Removes the bit; after the last one, goes to the next candidates.
     bits &= bits - 1;
     const uint64_t is_last = bits == 0 ? 1 : 0;
     bits |= next_bits & (0 - is_last);
@@ -67,7 +71,7 @@ HWY_INLINE uint64_t BitsOf(Bytes d, hn::Mask<Bytes> mask) {
 #endif
 }
 
-// One box in bytes: a copy that no store can alias, so that it stays in registers.
+// One box in bytes. It is a copy that no store can alias, so that it stays in registers.
 struct RowBytes {
   uint8_t low[3];
   uint8_t high[3];
@@ -78,8 +82,8 @@ HWY_INLINE RowBytes RowAt(const ByteLanes& lanes, size_t row) {
           {lanes.high[0][row], lanes.high[1][row], lanes.high[2][row]}};
 }
 
-// Which of the slots from `at` on may overlap `row`: those no gap apart on any axis. Swept slots
-// are not before it on the first axis. Gaps in bytes, combined before they are compared: six
+// The slots from `at` on that may overlap `row`: those without a gap on any axis. Swept slots
+// cannot be before it on the first axis. The gaps are combined in bytes before one comparison; six
 // comparisons into masks took three times as long.
 template <bool kSwept>
 HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at) {
@@ -95,13 +99,13 @@ HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes
   return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
 }
 
-// Bits of the slots behind `row`, when bit 0 is slot `at`.
+// The bits of the slots behind `row` if bit 0 is slot `at`.
 HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   if (row < at) return ~uint64_t{0};
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;
 }
 
-// All tiles of [begin, end).
+// Scans all tiles of kRowsPerTile rows in [begin, end).
 template <bool kSwept, bool kById>
 HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_t end,
                               PairBuffer& out) {
@@ -117,6 +121,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
   };
   uint64_t checks = 0;
   for (size_t row = begin; row < end; row += kRowsPerTile) {
+    // The four rows of the tile stay in registers.
     const RowBytes row0 = RowAt(lanes, row);
     const RowBytes row1 = RowAt(lanes, row + 1);
     const RowBytes row2 = RowAt(lanes, row + 2);
@@ -124,6 +129,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
     float tile_end = 0;
     if constexpr (kSwept)
       tile_end = *std::max_element(lanes.end + row, lanes.end + row + kRowsPerTile);
+    // Compares them with a register of slots at a time, from the one that holds the first row.
     const size_t first = row / step * step;
     size_t at = first;
     for (; at < lanes.count; at += step) {
@@ -132,6 +138,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
       uint64_t bits1 = Compare<kSwept>(d, row1, lanes, at);
       uint64_t bits2 = Compare<kSwept>(d, row2, lanes, at);
       uint64_t bits3 = Compare<kSwept>(d, row3, lanes, at);
+      // Drops the rows themselves and earlier slots.
       if (at < row + kRowsPerTile) {
         bits0 &= BitsBehind(row, at);
         bits1 &= BitsBehind(row + 1, at);
@@ -139,6 +146,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
         bits3 &= BitsBehind(row + 3, at);
       }
       if (!kSwept && (bits0 | bits1 | bits2 | bits3) == 0) continue;
+      // Collects the candidates and tests them exactly once the room is nearly used up.
       add(bits0, row, at);
       add(bits1, row + 1, at);
       add(bits2, row + 2, at);

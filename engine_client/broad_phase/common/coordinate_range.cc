@@ -11,12 +11,14 @@ namespace sweepstake {
 namespace {
 
 constexpr size_t kSampleCount = 128;
-// A sample of 128 takes longer than half of what sorting 1,000 boxes does.
+// Below this number of boxes a smaller sample is taken: 128 draws take longer than half of the time
+// that sorting 1,000 boxes does.
 constexpr size_t kFewBoxes = 4096;
 constexpr size_t kSmallSampleCount = 64;
-// Of the sample on either side, outliers perhaps: one box at 1e30 must not make all others one.
+// This many values at either end of the sample may be outliers: one box at 1e30 must not map all
+// others to one value.
 constexpr size_t kTail = 2;
-constexpr float kFarthestBound = 1e38F;  // the difference of two is finite
+constexpr float kBoundMax = 1e38F;  // the difference of two bounds is finite
 
 struct AxisSample {
   float low[kSampleCount] = {};
@@ -29,9 +31,10 @@ struct AxisSample {
   }
 };
 
-// The k-th draw without a period: objects often come in classes by index modulo something.
+// The k-th draw. The draws have no period, since objects often come in classes by index modulo some
+// number.
 size_t DrawIndex(size_t k, size_t box_count) {
-  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // of 2^32, by the golden ratio
+  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // of 2^32
   return static_cast<size_t>((fraction * box_count) >> 32);
 }
 
@@ -40,28 +43,28 @@ void SetBounds(AxisSample& sample, float& low, float& high) {
   std::nth_element(sample.low, sample.low + tail, sample.low + sample.count);
   const auto upper = sample.high + (sample.count - 1 - tail);
   std::nth_element(sample.high, upper, sample.high + sample.count);
-  low = std::clamp(sample.low[tail], -kFarthestBound, kFarthestBound);
-  high = std::clamp(*upper, -kFarthestBound, kFarthestBound);
-  const float margin = std::max((high - low) / 16, CoordinateRange::kNarrowest);
-  low = std::max(low - margin, -kFarthestBound);
-  high = std::max(std::min(high + margin, kFarthestBound), low + CoordinateRange::kNarrowest);
+  low = std::clamp(sample.low[tail], -kBoundMax, kBoundMax);
+  high = std::clamp(*upper, -kBoundMax, kBoundMax);
+  const float margin = std::max((high - low) / 16, CoordinateRange::kWidthMin);
+  low = std::max(low - margin, -kBoundMax);
+  high = std::max(std::min(high + margin, kBoundMax), low + CoordinateRange::kWidthMin);
 }
 
-// The mean part of `width` that a box takes up.
-float MeanShare(const AxisSample& sample, float width) {
+// The mean fraction of `width` that a box covers.
+float MeanFraction(const AxisSample& sample, float width) {
   float sum = 0;
   for (size_t k = 0; k < sample.count; ++k)
     sum += std::min(1.0F, (sample.high[k] - sample.low[k]) / width);
   return sum / static_cast<float>(sample.count);
 }
 
-// Points have no share: the wider of two axes is then the better.
-int AxisOfLeastShare(const float (&share)[3], const CoordinateRange& range) {
+// The axis with the smallest fraction. Points cover nothing: then the widest axis wins.
+int BestSweepAxis(const float (&fraction)[3], const CoordinateRange& range) {
   const float widest = std::max({range.width(0), range.width(1), range.width(2)});
   int best = 0;
   float best_cost = std::numeric_limits<float>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    const float cost = share[axis] + 1e-5F * (widest / range.width(axis));
+    const float cost = fraction[axis] + 1e-5F * (widest / range.width(axis));
     if (cost >= best_cost) continue;
     best = axis;
     best_cost = cost;
@@ -82,13 +85,13 @@ CoordinateRange CoordinateRange::Sample(std::span<const Aabb> boxes) {
   }
   CoordinateRange range;
   if (samples[0].count == 0) return range;
-  float share[3];
+  float fraction[3];
   for (int axis = 0; axis < 3; ++axis) {
-    AxisSample bounds = samples[axis];  // whose order is lost
+    AxisSample bounds = samples[axis];  // a copy, since SetBounds reorders it
     SetBounds(bounds, range.low[axis], range.high[axis]);
-    share[axis] = MeanShare(samples[axis], range.width(axis));
+    fraction[axis] = MeanFraction(samples[axis], range.width(axis));
   }
-  range.sweep_axis = AxisOfLeastShare(share, range);
+  range.sweep_axis = BestSweepAxis(fraction, range);
   return range;
 }
 

@@ -1,7 +1,7 @@
-// Where most of a scene lies, from a sample of it: what coordinates are quantised over, and the
-// axis along which a sweep meets the fewest boxes.
+// The range that holds most of a scene, estimated from a sample, over which coordinates are
+// quantised; and the axis along which a sweep compares the fewest boxes.
 //
-// Nothing correct may depend on it: boxes may lie outside, and do where a scene has outliers.
+// Correctness must not depend on it: boxes may lie outside, and outliers do.
 #pragma once
 
 #include <algorithm>
@@ -13,18 +13,18 @@ namespace sweepstake {
 
 // Cost of Sample: 2 to 4 µs. Reads at most 128 boxes.
 struct CoordinateRange {
-  static constexpr float kNarrowest = 1e-30F;
+  static constexpr float kWidthMin = 1e-30F;
 
   // Finite, low <= high, with a finite difference.
   float low[3] = {0, 0, 0};
   float high[3] = {1, 1, 1};
-  // Where the boxes' extents are the smallest part of the range.
+  // The axis on which the boxes' extents are the smallest fraction of the range.
   int sweep_axis = 0;
 
   static CoordinateRange Sample(std::span<const Aabb> boxes);
 
-  // At least kNarrowest: what divides by it stays finite.
-  float width(int axis) const { return std::max(high[axis] - low[axis], kNarrowest); }
+  // At least kWidthMin, so that a quotient by it stays finite.
+  float width(int axis) const { return std::max(high[axis] - low[axis], kWidthMin); }
 };
 
 }  // namespace sweepstake

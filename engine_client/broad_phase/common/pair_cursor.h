@@ -1,7 +1,7 @@
-// The write end of a PairBuffer for a kernel: room is claimed in chunks, so that the inner loop
-// compares two registers.
+// Writes a kernel's pairs to a PairBuffer. Room is claimed in chunks, so that the inner loop
+// compares two registers only.
 //
-// Not thread-safe. Borrows the buffer; what was written counts as its content from Flush on. Vector
+// Not thread-safe. Borrows the buffer; Flush makes the written pairs part of its content. Vector
 // stores may overrun the claimed room by PairBuffer::kSlack pairs.
 #pragma once
 
@@ -18,7 +18,7 @@ class PairCursor {
   PairCursor(const PairCursor&) = delete;
   PairCursor& operator=(const PairCursor&) = delete;
 
-  // Where the next `count` pairs go. Throws std::bad_alloc.
+  // The place for the next `count` pairs. Throws std::bad_alloc.
   OverlapPair* Room(size_t count) {
     if (used_ + count > room_) Claim(count);
     return at_ + used_;
@@ -37,7 +37,7 @@ class PairCursor {
   }
 
  private:
-  // PairBuffer's first capacity: a small scene claims once.
+  // The first capacity of a PairBuffer, so that a small scene claims once.
   static constexpr size_t kChunk = 1024;
 
   void Claim(size_t count) {

@@ -1,8 +1,7 @@
-// A backend's loops in parts, with or without an Executor.
+// Splits a backend's loops into parts, which run with or without an Executor.
 //
-// Not thread-safe; what runs inside a part may touch nothing that another part writes. Errors: the
-// first exception of a part, as when memory runs out, is thrown again on the calling thread, after
-// all parts have ended.
+// Not thread-safe; a part must not access what another part writes. Errors: the first exception of
+// a part, e.g. std::bad_alloc, is rethrown on the calling thread after all parts have ended.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +16,7 @@
 
 namespace sweepstake {
 
-// fn(part) for each part in [0, part_count); without an executor one after the other.
+// Calls fn(part) for each part in [0, part_count), in order if there is no executor.
 template <typename Fn>
 void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   if (executor == nullptr || part_count <= 1) {
@@ -43,7 +42,7 @@ void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   if (context.has_failed) std::rethrow_exception(context.error);
 }
 
-// [begin, end) of a part of `item_count` items; borders are multiples of `granule`.
+// The items [begin, end) of a part of `item_count` items. Borders are multiples of `granule`.
 struct PartRange {
   size_t begin;
   size_t end;
@@ -55,26 +54,25 @@ inline PartRange RangeOfPart(size_t item_count, size_t part, size_t part_count, 
   return {border(part), part + 1 == part_count ? item_count : border(part + 1)};
 }
 
-// Parts that are worth it: none smaller than `least_items`, a few per thread so that uneven ones
-// even out.
-inline size_t PartCount(const Executor* executor, size_t item_count, size_t least_items) {
+// The number of parts: several per thread, so that uneven parts balance out, with at least
+// `items_min` items each.
+inline size_t PartCount(const Executor* executor, size_t item_count, size_t items_min) {
   constexpr size_t kPartsPerThread = 8;
   if (executor == nullptr || executor->thread_count() <= 1) return 1;
-  return std::clamp<size_t>(item_count / std::max<size_t>(least_items, 1), 1,
+  return std::clamp<size_t>(item_count / std::max<size_t>(items_min, 1), 1,
                             kPartsPerThread * executor->thread_count());
 }
 
-// Finds pairs in parts and joins what they found in the order of the parts, so that the order of
-// pairs does not depend on the number of threads. Owns one pair buffer per part, kept between
-// calls.
+// Finds pairs in parts and joins the results in the order of the parts, so that the order of pairs
+// does not depend on the number of threads. Owns one pair buffer per part, kept between calls.
 class PairParts {
  public:
-  // find(begin, end, pairs) -> AABB checks, for each part's items; appends to `pairs`, which is
-  // `out` itself for the first part. Returns the sum of the checks.
+  // Calls find(begin, end, pairs) for each part's items; it appends to `pairs`, which is `out`
+  // itself for the first part, and returns its AABB checks. Returns the sum of the checks.
   template <typename Find>
-  uint64_t Run(Executor* executor, size_t item_count, size_t least_items, size_t granule,
+  uint64_t Run(Executor* executor, size_t item_count, size_t items_min, size_t granule,
                PairBuffer& out, const Find& find) {
-    const size_t part_count = PartCount(executor, item_count, least_items);
+    const size_t part_count = PartCount(executor, item_count, items_min);
     if (part_count == 1) return find(size_t{0}, item_count, out);
     if (parts_.size() < part_count) parts_.resize(part_count);
     RunParts(executor, part_count, [&](size_t part) {
@@ -96,7 +94,7 @@ class PairParts {
   }
 
  private:
-  // A cache line each: threads that count on one line wait for one another.
+  // Each part has its own cache line, since threads that write to one line wait for one another.
   struct alignas(64) Part {
     PairBuffer pairs;
     uint64_t checks = 0;
@@ -104,7 +102,7 @@ class PairParts {
   };
 
   void Join(Executor* executor, size_t part_count, PairBuffer& out) {
-    constexpr size_t kWorthSpreading = 32'768;
+    constexpr size_t kPairsToCopyInParallel = 32'768;
     size_t total = 0;
     for (size_t part = 1; part < part_count; ++part) {
       parts_[part].offset = total;
@@ -112,11 +110,12 @@ class PairParts {
     }
     if (total == 0) return;
     OverlapPair* const end = out.EnsureRoom(total);
-    RunParts(total < kWorthSpreading ? nullptr : executor, part_count - 1, [&](size_t index) {
-      const Part& part = parts_[index + 1];
-      const auto pairs = part.pairs.pairs();
-      std::copy(pairs.begin(), pairs.end(), end + part.offset);
-    });
+    RunParts(total < kPairsToCopyInParallel ? nullptr : executor, part_count - 1,
+             [&](size_t index) {
+               const Part& part = parts_[index + 1];
+               const auto pairs = part.pairs.pairs();
+               std::copy(pairs.begin(), pairs.end(), end + part.offset);
+             });
     out.Advance(total);
   }
 

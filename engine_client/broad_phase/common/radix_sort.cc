@@ -6,7 +6,7 @@
 namespace sweepstake {
 namespace {
 
-// Below this clearing and summing the buckets costs more than moving items one by one.
+// Up to this count, clearing and summing the buckets costs more than an insertion sort.
 constexpr size_t kInsertionLimit = 64;
 
 size_t Digit(uint64_t item, size_t pass) { return (item >> (31 + 11 * pass)) & 2047; }
@@ -60,7 +60,7 @@ void RadixSort::CountDigits(const uint64_t* items, size_t count) {
 void RadixSort::Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count) {
   uint32_t* const starts = starts_.data() + pass * kBuckets;
   const uint64_t* const from = items.data();
-  if (starts[Digit(from[0], pass)] == count) return;  // one bucket holds all: the order stands
+  if (starts[Digit(from[0], pass)] == count) return;  // One bucket holds all: nothing to move.
   uint32_t sum = 0;
   for (size_t bucket = 0; bucket < kBuckets; ++bucket) sum += std::exchange(starts[bucket], sum);
   uint64_t* const to = spare_.data();

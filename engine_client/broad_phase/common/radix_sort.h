@@ -1,8 +1,7 @@
-// Sorts boxes by one float each: three passes of 11 bits, least significant first, in reused
+// Sorts boxes by one float each, in three passes of 11 bits, least significant first, with reused
 // buffers.
 //
-// Not thread-safe. Owns its memory. Cost: O(n), about 3 ns per item. Memory: 16 bytes per item + 24
-// KiB.
+// Not thread-safe. Owns its memory. Cost: O(n). Memory: 16 bytes per item + 24 KiB.
 #pragma once
 
 #include <bit>
@@ -14,29 +13,30 @@
 
 namespace sweepstake {
 
-// Unsigned keys in the order of the floats; −0 and +0 have one key. REQUIRES: not NaN.
+// An unsigned key in the order of the floats; −0 and +0 have the same key. REQUIRES: not NaN.
 inline uint32_t SortableKey(float value) {
   const uint32_t bits = std::bit_cast<uint32_t>(value + 0.0F);  // −0 + 0 = +0
   return bits ^ ((bits >> 31) != 0 ? 0xFFFFFFFFU : 0x80000000U);
 }
 
-// A key and what it belongs to, in one word. The topmost bit of the payload is the key's tie-break:
-// 33 bits decide the order, which is what three passes of 11 bits see.
+// A key and its payload in one word. The highest bit of the payload breaks ties: the order is by 33
+// bits, which three passes of 11 bits cover.
 constexpr uint64_t PackSortItem(uint32_t key, uint32_t payload) {
   return uint64_t{key} << 32 | payload;
 }
 constexpr uint32_t SortItemKey(uint64_t item) { return static_cast<uint32_t>(item >> 32); }
 constexpr uint32_t SortItemPayload(uint64_t item) { return static_cast<uint32_t>(item); }
-// Those 33 bits.
+// The 33 bits that define the order.
 constexpr uint64_t SortItemRank(uint64_t item) { return item >> 31; }
 
 class RadixSort {
  public:
-  // `count` items for the caller to fill with PackSortItem; valid until the next call.
+  // Returns `count` items, which the caller fills with PackSortItem; valid until the next call.
   std::span<uint64_t> Items(size_t count);
-  // Sorts them; items of equal rank keep their order. The result is valid until the next call.
+  // Sorts these items; those of equal rank keep their order. The result is valid until the next
+  // call.
   std::span<const uint64_t> Sort();
-  // Sorts the first `count` of the caller's items likewise; swaps their storage with the sorter's.
+  // Sorts the first `count` of the caller's items; swaps their storage with the sorter's.
   void Sort(AlignedBuffer<uint64_t>& items, size_t count);
 
   size_t native_bytes() const {

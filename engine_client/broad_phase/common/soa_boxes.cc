@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Boxes that do not take part are rare: the arrays are only written where there are some.
+// Invalid boxes are rare: a register of the arrays is written only if it holds one.
 void ReplaceAbsentBoxes(float* const* columns, size_t padded_count) {
   const HWY_FULL(float) d;
   const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
@@ -88,7 +88,7 @@ void SoaBoxes::Resize(size_t count) {
   ids_.EnsureDiscarding(stride_);
 }
 
-// Replaces boxes that do not take part and fills the padding behind the last box.
+// Replaces invalid boxes and fills the padding behind the last box.
 void SoaBoxes::Finish() {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (size_t axis = 0; axis < 3; ++axis) {

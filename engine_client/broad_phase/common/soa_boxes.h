@@ -1,4 +1,4 @@
-// Boxes as six float arrays and the array of their ids: the form the vector kernels read.
+// Boxes as six float arrays and an array of their ids: the form that vector kernels read.
 //
 // Not thread-safe. Owns its memory. Cost of Gather: O(n), 28 bytes written per box. Memory: 28 (n +
 // kPadding) bytes.
@@ -13,8 +13,8 @@
 
 namespace sweepstake {
 
-// A view of SoaBoxes, valid until its next Gather. The first axis is the one the caller asked for,
-// then the others in cyclic order: overlap does not depend on the order of the axes.
+// A view of SoaBoxes, valid until its next Gather. The first axis is the one that the caller asked
+// for, the others follow in cyclic order: overlap does not depend on the order of the axes.
 struct BoxLanes {
   const float* min[3];
   const float* max[3];
@@ -24,16 +24,17 @@ struct BoxLanes {
 
 class SoaBoxes {
  public:
-  // Sentinels behind the last box, at least one register of every target: a kernel may read [i, i +
-  // lanes) for any i <= count. A sentinel (min = +inf, max = -inf) overlaps nothing, another
-  // sentinel included.
+  // Number of sentinels behind the last box, at least one register of every target: a kernel may
+  // read [i, i + lanes) for any i <= count. A sentinel (min = +inf, max = -inf) overlaps nothing,
+  // not even another sentinel.
   static constexpr size_t kPadding = 64;
 
-  // Slot k takes boxes[k] with id k.
+  // In both, a box that is not valid (aabb.h) becomes a sentinel and keeps its slot and id.
+  //
+  // Puts boxes[k] with id k in slot k.
   void Gather(std::span<const Aabb> boxes);
-  // Slot k takes boxes[order[k]] with id order[k]. REQUIRES: every entry is an index of `boxes`.
+  // Puts boxes[order[k]] with id order[k] in slot k. REQUIRES: every entry is an index of `boxes`.
   void Gather(std::span<const Aabb> boxes, std::span<const uint32_t> order);
-  // Both: a box that does not take part (aabb.h) becomes a sentinel and keeps its slot and id.
 
   size_t count() const { return count_; }
   BoxLanes Lanes(int first_axis = 0) const;
@@ -44,7 +45,7 @@ class SoaBoxes {
   void Finish();
   float* Column(size_t index) { return floats_.data() + index * stride_; }
 
-  AlignedBuffer<float> floats_;  // min x y z, max x y z; stride_ floats each
+  AlignedBuffer<float> floats_;  // min x y z, max x y z, each stride_ floats
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;

@@ -1,4 +1,4 @@
-// Which lanes hold a box that takes part (aabb.h), for every target of Highway. Include after
+// The lanes that hold a valid box (TakesPart in aabb.h), for every target of Highway. Include after
 // hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_TAKES_PART_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_TAKES_PART_INL_H_
@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lanes whose box takes part on one axis. NaN fails every comparison; infinities fail the outer
+// The lanes whose box is valid on one axis. NaN fails every comparison; infinities fail the first
 // two.
 template <class D>
 HWY_INLINE hn::Mask<D> AxisTakesPart(D d, const float* min, const float* max) {

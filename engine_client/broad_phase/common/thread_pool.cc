@@ -1,4 +1,4 @@
-// The pool of executor.h: one word says which job there is and which of its parts are unclaimed.
+// The thread pool of executor.h: one atomic word holds the job's number and its unclaimed parts.
 #include <atomic>
 #include <cassert>
 #include <condition_variable>
@@ -16,9 +16,9 @@
 namespace sweepstake {
 namespace {
 
-// About 150 µs of looking: a sleeping thread takes some 50 µs to wake, half a frame of 10,000
-// boxes, and the parallel parts of a frame are not that far apart.
-constexpr int kLooksBeforeSleep = 6000;
+// About 150 µs of spinning. A sleeping thread takes some 50 µs to wake, half a frame of 10,000
+// boxes, and the parallel loops of a frame follow one another faster than that.
+constexpr int kSpinsBeforeSleep = 6000;
 
 void Pause() {
 #if defined(__x86_64__) || defined(_M_X64)
@@ -52,35 +52,36 @@ class ThreadPool final : public Executor {
     Publish(part_count);
     while (RunOne(End::kFront)) {
     }
-    for (int looks = 0; done_.load(std::memory_order_acquire) != part_count; ++looks) {
-      // The thread whose part it is may want this core.
-      looks < kLooksBeforeSleep ? Pause() : std::this_thread::yield();
+    for (int spins = 0; done_.load(std::memory_order_acquire) != part_count; ++spins) {
+      // The thread that runs the last part may need this core.
+      spins < kSpinsBeforeSleep ? Pause() : std::this_thread::yield();
     }
   }
 
  private:
-  // Of job_, from the top: the number of the job (32 bits), the first unclaimed part and the one
-  // behind the last (16 each).
+  // The fields of job_, from the top: the number of the job (32 bits), the first unclaimed part and
+  // the one behind the last unclaimed part (16 bits each).
   static constexpr uint64_t kLast = 0xFFFF;
   static constexpr uint64_t First(uint64_t job) { return job >> 16 & kLast; }
   static constexpr uint64_t Behind(uint64_t job) { return job & kLast; }
   static constexpr bool HasUnclaimed(uint64_t job) { return First(job) < Behind(job); }
 
-  // The caller takes parts from the front, the others from the back: what a thread wrote in one
-  // loop it mostly reads in the next, and finds in its own cache.
+  // The caller takes parts from the front, the workers from the back, so that a thread mostly reads
+  // in the next loop what it wrote in the last one and finds it in its own cache.
   enum class End { kFront, kBack };
 
   void Publish(uint64_t part_count) noexcept {
     const uint64_t number = (job_.load(std::memory_order_relaxed) >> 32) + 1;
     job_.store(number << 32 | part_count);
     if (sleeper_count_.load() == 0) return;
-    // A sleeper that has looked for the last time is waiting once the mutex is free.
+    // Once the mutex is free, a sleeper that has seen no job is waiting.
     { const std::scoped_lock lock(sleep_); }
     wake_.notify_all();
   }
 
-  // Until there is something to do. No std::atomic::wait: libstdc++ loses wake-ups where there is
-  // no futex, as on Windows. Either the sleeper sees the job or who publishes it sees the sleeper.
+  // Waits until there is a job. std::atomic::wait is not used, since libstdc++ loses wake-ups
+  // without a futex, as on Windows. Either the sleeper sees the job or the publisher sees the
+  // sleeper.
   void Sleep(const std::stop_token& stop) noexcept {
     std::unique_lock lock(sleep_);
     sleeper_count_.fetch_add(1);
@@ -88,8 +89,8 @@ class ThreadPool final : public Executor {
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  // Claims a part and runs it; false when there is none. The job's fields are read only once a part
-  // is claimed: until that is done they do not change.
+  // Claims a part and runs it; false if there is none. The job's fields are read only after a part
+  // is claimed: they do not change until that part is done.
   bool RunOne(End end) noexcept {
     const uint64_t step = end == End::kFront ? kLast + 1 : uint64_t{0} - 1;
     uint64_t job = job_.load(std::memory_order_acquire);
@@ -103,21 +104,21 @@ class ThreadPool final : public Executor {
 
   void Work(const std::stop_token& stop) noexcept {
     while (!stop.stop_requested()) {
-      if (!LookForJob()) Sleep(stop);
+      if (!SpinForJob()) Sleep(stop);
       while (RunOne(End::kBack)) {
       }
     }
   }
 
-  bool LookForJob() const noexcept {
-    for (int look = 0; look < kLooksBeforeSleep; ++look) {
+  bool SpinForJob() const noexcept {
+    for (int spin = 0; spin < kSpinsBeforeSleep; ++spin) {
       if (HasUnclaimed(job_.load(std::memory_order_relaxed))) return true;
       Pause();
     }
     return false;
   }
 
-  // Apart: those who look do not slow down those who finish.
+  // Separate cache lines, so that spinning threads do not slow down finishing ones.
   alignas(64) std::atomic<uint64_t> job_{0};
   alignas(64) std::atomic<size_t> done_{0};
   alignas(64) RunPart run_part_ = nullptr;

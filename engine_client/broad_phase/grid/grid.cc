@@ -8,8 +8,8 @@
 namespace sweepstake {
 namespace {
 
-// About 25 µs of work.
-constexpr size_t kLeastBoxesPerPart = 1024;
+// A part of this size is about 25 µs of work.
+constexpr size_t kBoxesPerPartMin = 1024;
 
 class Grid final : public BroadPhase {
  public:
@@ -27,8 +27,8 @@ class Grid final : public BroadPhase {
     sort_.Sort(executor_, boxes, plan_.grids(), plan_.choice());
   }
   void FindPairs(PairBuffer& out) override {
-    const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.looks_into()};
-    checks_ = parts_.Run(executor_, count_, kLeastBoxesPerPart, GridView::kBatch, out,
+    const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};
+    checks_ = parts_.Run(executor_, count_, kBoxesPerPartMin, GridView::kBatch, out,
                          [&](size_t begin, size_t end, PairBuffer& pairs) {
                            return SearchGrids(view, begin, end, pairs);
                          });

@@ -1,5 +1,5 @@
-// Boxes in the caller's order and the cells of coordinates, a register at a time, for every target
-// of Highway. Include after hwy/foreach_target.h.
+// Registers of boxes in the caller's order, their classes of shape and their cells, for every
+// target of Highway. Include after hwy/foreach_target.h.
 #if defined(SWEEPSTAKE_GRID_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_GRID_BOXES_INL_H_
 #undef SWEEPSTAKE_GRID_BOXES_INL_H_
@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 
+#include "engine_client/broad_phase/grid/grid_measure.h"
 #include "engine_client/broad_phase/grid/group_grid.h"
 #include "hwy/highway.h"
 #include "sweepstake/aabb.h"
@@ -20,8 +22,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lanes whose box takes part on one axis; NaN fails every comparison. Halves the coordinates of
-// all.
+// Halves the coordinates on one axis and returns the lanes whose box is valid there; NaN fails
+// every comparison.
 template <class D, class V>
 HWY_INLINE hn::Mask<D> HalveAxis(D d, V& min, V& max) {
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
@@ -32,8 +34,8 @@ HWY_INLINE hn::Mask<D> HalveAxis(D d, V& min, V& max) {
   return present;
 }
 
-// The coordinates of as many boxes as there are lanes. By reference, since no struct may hold
-// vectors whose size the compiler does not know.
+// Loads the coordinates of as many boxes as there are lanes. The results are references, since no
+// struct may hold vectors of a size that the compiler does not know (SVE).
 template <class D, class V>
 HWY_INLINE void LoadBoxes(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, V& max_x, V& max_y,
                           V& max_z) {
@@ -62,7 +64,7 @@ HWY_INLINE void LoadBoxes(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, 
 #endif
 }
 
-// The same halved; returns which of the boxes take part.
+// Loads and halves the coordinates; returns which of the boxes are valid.
 template <class D, class V>
 HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V& min_z, V& max_x,
                                   V& max_y, V& max_z) {
@@ -72,8 +74,7 @@ HWY_INLINE hn::Mask<D> LoadHalved(D d, const Aabb* boxes, V& min_x, V& min_y, V&
   return hn::And(hn::And(on_x, on_y), HalveAxis(d, min_z, max_z));
 }
 
-// action(boxes, index) for each register of boxes; the last one is filled up with boxes that do not
-// take part.
+// Calls action(boxes, index) for each register of boxes; invalid boxes fill the last one.
 template <class D, class Action>
 HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& action) {
   const size_t step = hn::Lanes(d);
@@ -87,8 +88,7 @@ HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& 
   action(last, at);
 }
 
-// Numbers on one axis of the cells that hold half coordinates. Those of boxes that do not take part
-// are some cells.
+// The cell numbers of half coordinates on one axis; those of invalid boxes are arbitrary cells.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, size_t axis,
                                                   hn::Vec<D> halved) {
@@ -97,6 +97,56 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, si
   const auto last = hn::Set(d, static_cast<float>(grid.cells[axis] - 1));
   const hn::RebindToSigned<D> di;
   return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
+}
+
+// The class of half a side on one axis, shifted to the bits of this axis.
+template <class D>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, int axis,
+                                                        hn::Vec<D> side) {
+  const hn::RebindToSigned<D> di;
+  const auto one = hn::Set(di, int32_t{1} << (ShapeClasses::kBitsPerAxis * axis));
+  auto classes = hn::Zero(di);
+  for (int k = 0; k < 3; ++k, threshold *= ShapeClasses::kRatio) {
+    const auto longer = hn::RebindMask(di, hn::Gt(side, hn::Set(d, threshold)));
+    classes = hn::Add(classes, hn::IfThenElseZero(longer, one));
+  }
+  return classes;
+}
+
+// The class of shape of each box, from half its sides.
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOfSides(D d, const ShapeClasses& classes, V x, V y,
+                                                         V z) {
+  return hn::Or(
+      ClassesOnAxis(d, classes.threshold, 0, x),
+      hn::Or(ClassesOnAxis(d, classes.threshold, 1, y), ClassesOnAxis(d, classes.threshold, 2, z)));
+}
+
+// The cell of each min corner.
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellOfCorner(D d, const GroupGrid& grid, V x, V y, V z) {
+  const hn::RebindToSigned<D> di;
+  const auto along = [&](size_t axis, auto corner) HWY_ATTR {
+    const auto stride = hn::Set(di, static_cast<int32_t>(grid.stride[axis]));
+    return hn::Mul(CellsAt(d, grid, axis, corner), stride);
+  };
+  const auto in_grid = hn::Add(along(0, x), hn::Add(along(1, y), along(2, z)));
+  return hn::Add(in_grid, hn::Set(di, static_cast<int32_t>(grid.first_cell)));
+}
+
+// The same in the grid of the box's group.
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellInGroup(D d, std::span<const GroupGrid> grids,
+                                                      hn::Vec<hn::RebindToSigned<D>> groups, V x,
+                                                      V y, V z) {
+  const hn::RebindToSigned<D> di;
+  auto cells = hn::Zero(di);
+  for (size_t group = 0; group < grids.size(); ++group) {
+    const auto here = hn::Eq(groups, hn::Set(di, static_cast<int32_t>(group)));
+    if (hn::AllFalse(di, here)) continue;
+    cells = hn::IfThenElse(here, CellOfCorner(d, grids[group], x, y, z), cells);
+  }
+  return cells;
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

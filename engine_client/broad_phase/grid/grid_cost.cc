@@ -7,11 +7,12 @@
 namespace sweepstake {
 namespace {
 
-// Nanoseconds, measured: a box looking into a grid, a row of cells, a box tested.
-constexpr double kLook = 4;
-constexpr double kRow = 3;
-constexpr double kTest = 0.3;
-// Mean side of a group's boxes in longest ones.
+// Nanoseconds for one box that searches a grid, for one row of cells and for one tested box,
+// measured on an EPYC at 2.6 GHz with AVX-512.
+constexpr double kSearchNs = 4;
+constexpr double kRowNs = 3;
+constexpr double kTestNs = 0.3;
+// The assumed mean side of a group's boxes, as a fraction of its maximum side.
 constexpr double kMeanSide = 0.6;
 
 struct Group {
@@ -20,7 +21,7 @@ struct Group {
   uint64_t classes = 0;
 };
 
-// At most one per class: no allocation.
+// Holds at most one group per class, without allocation.
 class Groups {
  public:
   void Add(const Group& group) { groups_[size_++] = group; }
@@ -43,26 +44,26 @@ double Extent(const CornerBounds& bounds, int axis) {
   return std::max(1e-30, bounds.high[axis] - bounds.low[axis]);
 }
 
-// All boxes of `from` looking for those of `into`.
-double LookCost(const CornerBounds& bounds, const Group& from, const Group& into) {
+// The cost if all boxes of `from` search the grid of `into`.
+double SearchCost(const CornerBounds& bounds, const Group& from, const Group& into) {
   double rows = 1;
   double share = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const double side = 1 / static_cast<double>(into.grid.scale[axis]);
-    const double span = kMeanSide * from.shape.longest[axis] + into.shape.longest[axis];
+    const double span = kMeanSide * from.shape.max_side[axis] + into.shape.max_side[axis];
     const double cells = std::min<double>(into.grid.cells[axis], span / side + 1);
     if (axis != into.grid.row_axis) rows *= cells;
     share *= std::min(1.0, cells * side / Extent(bounds, axis));
   }
-  return from.shape.count * (kLook + kRow * rows + kTest * share * into.shape.count);
+  return from.shape.count * (kSearchNs + kRowNs * rows + kTestNs * share * into.shape.count);
 }
 
 double OwnCost(const CornerBounds& bounds, const Group& group) {
-  return LookCost(bounds, group, group) / 2;
+  return SearchCost(bounds, group, group) / 2;
 }
 
 double PairCost(const CornerBounds& bounds, const Group& a, const Group& b) {
-  return std::min(LookCost(bounds, a, b), LookCost(bounds, b, a));
+  return std::min(SearchCost(bounds, a, b), SearchCost(bounds, b, a));
 }
 
 Group Joined(const CornerBounds& bounds, const Group& a, const Group& b) {
@@ -70,11 +71,11 @@ Group Joined(const CornerBounds& bounds, const Group& a, const Group& b) {
   both.shape = a.shape;
   both.shape.Add(b.shape);
   both.classes = a.classes | b.classes;
-  both.grid = MakeGroupGrid(bounds, both.shape, MostCellsFor(both.shape.count));
+  both.grid = MakeGroupGrid(bounds, both.shape, MaxCellCount(both.shape.count));
   return both;
 }
 
-// What joining two groups saves.
+// The cost that joining two groups saves.
 double Saving(const CornerBounds& bounds, const Groups& groups, size_t a, size_t b) {
   const Group both = Joined(bounds, groups[a], groups[b]);
   double before = OwnCost(bounds, groups[a]) + OwnCost(bounds, groups[b]) +
@@ -93,7 +94,7 @@ void Join(const CornerBounds& bounds, Groups& groups, size_t a, size_t b) {
   groups.Remove(b);
 }
 
-// Steps between two classes, over the axes.
+// The number of steps between two classes, summed over the axes.
 int Distance(uint32_t a, uint32_t b) {
   int distance = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -107,13 +108,14 @@ uint32_t FirstClass(const Group& group) {
   return static_cast<uint32_t>(std::countr_zero(group.classes));
 }
 
-// The rarest class into the one most alike, until there are few enough to compare all.
-void JoinRarest(const CornerBounds& bounds, Groups& groups) {
-  while (groups.size() > kMostGridGroups) {
-    const auto rarest = std::min_element(
+// Joins the smallest group with the most similar one until the number of groups is small enough to
+// compare all of them.
+void JoinSmallest(const CornerBounds& bounds, Groups& groups) {
+  while (groups.size() > kGridGroupCountMax) {
+    const auto smallest = std::min_element(
         groups.begin(), groups.end(),
         [](const Group& a, const Group& b) { return a.shape.count < b.shape.count; });
-    const auto from = static_cast<size_t>(rarest - groups.begin());
+    const auto from = static_cast<size_t>(smallest - groups.begin());
     size_t into = from == 0 ? 1 : 0;
     for (size_t k = 0; k < groups.size(); ++k) {
       if (k == from) continue;
@@ -126,19 +128,19 @@ void JoinRarest(const CornerBounds& bounds, Groups& groups) {
 
 void JoinWhereItSaves(const CornerBounds& bounds, Groups& groups) {
   while (groups.size() > 1) {
-    double most = 0;
+    double best_saving = 0;
     size_t best_a = 0;
     size_t best_b = 0;
     for (size_t a = 0; a < groups.size(); ++a) {
       for (size_t b = a + 1; b < groups.size(); ++b) {
         const double saving = Saving(bounds, groups, a, b);
-        if (saving <= most) continue;
-        most = saving;
+        if (saving <= best_saving) continue;
+        best_saving = saving;
         best_a = a;
         best_b = b;
       }
     }
-    if (most <= 0) return;
+    if (best_saving <= 0) return;
     Join(bounds, groups, best_a, best_b);
   }
 }
@@ -147,28 +149,28 @@ void JoinWhereItSaves(const CornerBounds& bounds, Groups& groups) {
 
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
-                    std::array<uint32_t, kMostGridGroups>& looks_into) {
+                    std::array<uint32_t, kGridGroupCountMax>& searches) {
   Groups groups;
   for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
     if ((known_classes >> k & 1) == 0) continue;
     Group group;
     group.shape.Add(measure.shapes[k]);
     group.classes = uint64_t{1} << k;
-    group.grid = MakeGroupGrid(bounds, group.shape, MostCellsFor(group.shape.count));
+    group.grid = MakeGroupGrid(bounds, group.shape, MaxCellCount(group.shape.count));
     groups.Add(group);
   }
-  JoinRarest(bounds, groups);
+  JoinSmallest(bounds, groups);
   JoinWhereItSaves(bounds, groups);
   std::fill_n(group_of_class, ShapeClasses::kCount, 0U);
-  looks_into.fill(0);
+  searches.fill(0);
   for (uint32_t g = 0; g < groups.size(); ++g) {
     for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
       if ((groups[g].classes >> k & 1) != 0) group_of_class[k] = g;
     }
     for (uint32_t h = g + 1; h < groups.size(); ++h) {
-      const bool g_looks =
-          LookCost(bounds, groups[g], groups[h]) <= LookCost(bounds, groups[h], groups[g]);
-      looks_into[g_looks ? g : h] |= 1U << (g_looks ? h : g);
+      const bool g_searches =
+          SearchCost(bounds, groups[g], groups[h]) <= SearchCost(bounds, groups[h], groups[g]);
+      searches[g_searches ? g : h] |= 1U << (g_searches ? h : g);
     }
   }
   return groups.size();

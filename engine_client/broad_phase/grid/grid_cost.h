@@ -1,4 +1,4 @@
-// What a search over groups of boxes would cost, and the groups for which that is least.
+// The estimated cost of a search over groups of boxes, and the groups that minimise it.
 //
 // Pure functions. Cost: 1 µs for one class of shape, up to 0.3 ms for many.
 #pragma once
@@ -12,13 +12,13 @@
 
 namespace sweepstake {
 
-constexpr size_t kMostGridGroups = 8;
+constexpr size_t kGridGroupCountMax = 8;
 
-// Joins the known classes (a bit each) to at most kMostGridGroups groups, and
-// says of each group into which others its boxes look. Classes that are not known join the group of
-// the first. Returns the number of groups. REQUIRES: a class is known.
+// Joins the known classes (one bit each) to at most kGridGroupCountMax groups. Bit h of searches[g]
+// says that the boxes of group g search the grid of group h. Unknown classes belong to the first
+// group. Returns the number of groups. REQUIRES: at least one class is known.
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
-                    std::array<uint32_t, kMostGridGroups>& looks_into);
+                    std::array<uint32_t, kGridGroupCountMax>& searches);
 
 }  // namespace sweepstake

@@ -8,18 +8,18 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
-#include "engine_client/broad_phase/grid/grid_classes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
+// Adds the valid boxes of a register to the shapes of their classes.
 template <class D>
-HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mask<D> present,
+HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mask<D> valid,
                             hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z, GridMeasure& measure) {
   const hn::RebindToSigned<D> di;
   HWY_ALIGN int32_t class_of[HWY_MAX_BYTES / sizeof(float)];
   HWY_ALIGN float sides[3][HWY_MAX_BYTES / sizeof(float)];
-  hn::Store(hn::IfThenElse(hn::RebindMask(di, present), classes, hn::Set(di, -1)), di, class_of);
+  hn::Store(hn::IfThenElse(hn::RebindMask(di, valid), classes, hn::Set(di, -1)), di, class_of);
   hn::Store(x, d, sides[0]);
   hn::Store(y, d, sides[1]);
   hn::Store(z, d, sides[2]);
@@ -27,7 +27,7 @@ HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mas
     if (class_of[lane] < 0) continue;
     GroupShape& shape = measure.shapes[static_cast<size_t>(class_of[lane])];
     ++shape.count;
-    for (size_t k = 0; k < 3; ++k) shape.longest[k] = std::max(shape.longest[k], sides[k][lane]);
+    for (size_t k = 0; k < 3; ++k) shape.max_side[k] = std::max(shape.max_side[k], sides[k][lane]);
   }
 }
 
@@ -51,27 +51,30 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     auto max_x = x;
     auto max_y = x;
     auto max_z = x;
-    const auto present = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
-    low_x = hn::Min(low_x, hn::IfThenElse(present, x, limit));
-    low_y = hn::Min(low_y, hn::IfThenElse(present, y, limit));
-    low_z = hn::Min(low_z, hn::IfThenElse(present, z, limit));
-    high_x = hn::Max(high_x, hn::IfThenElse(present, x, hn::Neg(limit)));
-    high_y = hn::Max(high_y, hn::IfThenElse(present, y, hn::Neg(limit)));
-    high_z = hn::Max(high_z, hn::IfThenElse(present, z, hn::Neg(limit)));
-    const auto side_x = hn::IfThenElseZero(present, hn::Sub(max_x, x));
-    const auto side_y = hn::IfThenElseZero(present, hn::Sub(max_y, y));
-    const auto side_z = hn::IfThenElseZero(present, hn::Sub(max_z, z));
+    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+    // The bounds of the min corners.
+    low_x = hn::Min(low_x, hn::IfThenElse(valid, x, limit));
+    low_y = hn::Min(low_y, hn::IfThenElse(valid, y, limit));
+    low_z = hn::Min(low_z, hn::IfThenElse(valid, z, limit));
+    high_x = hn::Max(high_x, hn::IfThenElse(valid, x, hn::Neg(limit)));
+    high_y = hn::Max(high_y, hn::IfThenElse(valid, y, hn::Neg(limit)));
+    high_z = hn::Max(high_z, hn::IfThenElse(valid, z, hn::Neg(limit)));
+    // A register whose boxes are all of the first class needs no classes per lane.
+    const auto side_x = hn::IfThenElseZero(valid, hn::Sub(max_x, x));
+    const auto side_y = hn::IfThenElseZero(valid, hn::Sub(max_y, y));
+    const auto side_z = hn::IfThenElseZero(valid, hn::Sub(max_z, z));
     const auto longest = hn::Max(side_x, hn::Max(side_y, side_z));
     if (hn::AllTrue(d, hn::Le(longest, hn::Set(d, classes.threshold)))) {
       longest_x = hn::Max(longest_x, side_x);
       longest_y = hn::Max(longest_y, side_y);
       longest_z = hn::Max(longest_z, side_z);
-      first_class_count += static_cast<uint32_t>(hn::CountTrue(d, present));
+      first_class_count += static_cast<uint32_t>(hn::CountTrue(d, valid));
       return;
     }
     const auto shapes = ClassesOfSides(d, classes, side_x, side_y, side_z);
-    CountShapes(d, shapes, present, side_x, side_y, side_z, measure);
+    CountShapes(d, shapes, valid, side_x, side_y, side_z, measure);
   });
+  // Reduces the registers and adds them to what the other classes counted.
   const auto low = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, v)); };
   const auto high = [&](auto v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
   GridMeasure measured;

@@ -1,7 +1,7 @@
-// What a grid is planned from: where the boxes begin, how long they are, and how many there are of
-// each shape.
+// The measurements that a grid is planned from: the bounds of the boxes' min corners, their maximum
+// sides, and their number in each class of shape.
 //
-// Values. Cost: O(n), about 1 ns per box where all boxes are of one shape, 5 ns where they are not.
+// Values. Cost: O(n), five times as much if the boxes are of several classes.
 #pragma once
 
 #include <array>
@@ -14,30 +14,30 @@
 
 namespace sweepstake {
 
-// Shapes are told apart axis by axis: shorter than the threshold, up to 4 times as long, up to 16
-// times, and longer.
+// Classes of shape, by the side on each axis: up to the threshold, up to 4 times and up to 16 times
+// as long, and longer.
 struct ShapeClasses {
   static constexpr int kBitsPerAxis = 2;
   static constexpr uint32_t kCount = 64;
   static constexpr float kRatio = 4;
 
-  // Half the longest side in the first class of an axis.
+  // Half the maximum side in the first class of an axis.
   float threshold;
 };
 
 struct GridMeasure {
-  // Half coordinates of the min corners; low > high when no box takes part.
+  // Half coordinates of the min corners; low > high if no box is valid.
   float low[3];
   float high[3];
   std::array<GroupShape, ShapeClasses::kCount> shapes{};
 
   GridMeasure();
-  // As if both had been measured at once.
+  // Merges the measurements of two sets of boxes.
   void Join(const GridMeasure& other);
   uint32_t count() const;
 };
 
-// Boxes that do not take part (aabb.h) count nowhere.
+// Ignores invalid boxes (aabb.h).
 GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes);
 
 }  // namespace sweepstake

@@ -10,21 +10,22 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kMostParts = 8;
-constexpr size_t kLeastBoxesPerPart = 4096;
-// Frames after which it is asked whether the scene has become denser or emptier.
-constexpr uint32_t kFramesPerLook = 32;
-// Enough for the outer tenths of a distribution.
+constexpr size_t kPartCountMax = 8;
+constexpr size_t kBoxesPerPartMin = 4096;
+// The interval in frames at which the plan checks whether the scene's density has changed.
+constexpr uint32_t kFramesPerDensityCheck = 32;
+// Large enough to estimate the outer tenths of a distribution.
 constexpr size_t kCornerSample = 64;
-// Half the longest side of the first class, in mean distances of boxes.
+// Half the maximum side of the first class, in mean distances between boxes.
 constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
                            const ShapeClasses& classes) {
-  const size_t most = executor == nullptr ? 1 : std::min(executor->thread_count(), kMostParts);
-  const size_t parts = std::clamp<size_t>(boxes.size() / kLeastBoxesPerPart, 1, most);
+  const size_t part_max =
+      executor == nullptr ? 1 : std::min(executor->thread_count(), kPartCountMax);
+  const size_t parts = std::clamp<size_t>(boxes.size() / kBoxesPerPartMin, 1, part_max);
   if (parts == 1) return MeasureBoxes(boxes, classes);
-  std::array<GridMeasure, kMostParts> measures;
+  std::array<GridMeasure, kPartCountMax> measures;
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(boxes.size(), part, parts, 64);
     measures[part] = MeasureBoxes(boxes.subspan(range.begin, range.end - range.begin), classes);
@@ -33,7 +34,7 @@ GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
   return measures[0];
 }
 
-CornerBounds AllCorners(const GridMeasure& measure) {
+CornerBounds CornersOf(const GridMeasure& measure) {
   CornerBounds bounds{};
   for (int axis = 0; axis < 3; ++axis) {
     bounds.low[axis] = measure.low[axis];
@@ -42,8 +43,8 @@ CornerBounds AllCorners(const GridMeasure& measure) {
   return bounds;
 }
 
-// Without the outer tenths of a sample, widened by half their extent, within all corners.
-CornerBounds MostCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
+// The bounds without the outer tenths of a sample, widened by half their extent, within `all`.
+CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
   CornerBounds bounds = all;
   const size_t stride = boxes.size() / kCornerSample + 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,16 +66,16 @@ CornerBounds MostCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
   return bounds;
 }
 
-// Half the longest side of the first class: what cells of a few boxes each would hold.
-float WantedThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
+// Half the maximum side of the first class, so that a cell would hold a few boxes.
+float SuitableThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
   double volume = 1;
-  float longest[3] = {};
+  float max_side[3] = {};
   for (const GroupShape& shape : measure.shapes) {
     for (int axis = 0; axis < 3; ++axis)
-      longest[axis] = std::max(longest[axis], shape.longest[axis]);
+      max_side[axis] = std::max(max_side[axis], shape.max_side[axis]);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    volume *= std::max(bounds.high[axis] - bounds.low[axis], static_cast<double>(longest[axis]));
+    volume *= std::max(bounds.high[axis] - bounds.low[axis], static_cast<double>(max_side[axis]));
   }
   const double spacing = 2 * std::cbrt(volume / std::max(1U, measure.count()));
   return static_cast<float>(std::clamp(kThresholdSpacings * spacing, 1e-30, 1e37));
@@ -99,20 +100,21 @@ void GridPlan::Reset() {
 
 void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes) {
   GridMeasure measure = MeasureInParts(executor, boxes, choice_.classes);
-  if (WantsOtherClasses(boxes, measure)) {
+  if (UpdateClasses(boxes, measure)) {
     measure = MeasureInParts(executor, boxes, choice_.classes);
   }
   if (!Fits(measure)) Plan(measure);
   LayOut(boxes, measure);
 }
 
-// Now and then, since the scene may have become denser or emptier.
-bool GridPlan::WantsOtherClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
-  if (measure.count() == 0 || frame_++ % kFramesPerLook != 0) return false;
-  const float wanted = WantedThreshold(MostCorners(boxes, AllCorners(measure)), measure);
-  float& kept = choice_.classes.threshold;
-  if (wanted >= kept / 2 && wanted <= 2 * kept) return false;
-  kept = wanted;
+// Every kFramesPerDensityCheck frames: takes another threshold if the density has changed, and
+// returns whether it did.
+bool GridPlan::UpdateClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
+  if (measure.count() == 0 || frame_++ % kFramesPerDensityCheck != 0) return false;
+  const float wanted = SuitableThreshold(TypicalCorners(boxes, CornersOf(measure)), measure);
+  float& present = choice_.classes.threshold;
+  if (wanted >= present / 2 && wanted <= 2 * present) return false;
+  present = wanted;
   known_classes_ = 0;
   return true;
 }
@@ -124,25 +126,25 @@ bool GridPlan::Fits(const GridMeasure& measure) const {
 void GridPlan::Plan(const GridMeasure& measure) {
   known_classes_ |= Populated(measure);
   if (known_classes_ == 0) known_classes_ = 1;
-  group_count_ = ChooseGroups(AllCorners(measure), measure, known_classes_, choice_.group_of_class,
-                              looks_into_);
+  group_count_ =
+      ChooseGroups(CornersOf(measure), measure, known_classes_, choice_.group_of_class, searches_);
 }
 
 void GridPlan::LayOut(std::span<const Aabb> boxes, const GridMeasure& measure) {
-  std::array<GroupShape, kMostGroups> shapes{};
+  std::array<GroupShape, kGroupCountMax> shapes{};
   for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
     shapes[choice_.group_of_class[k]].Add(measure.shapes[k]);
   }
-  CornerBounds bounds = AllCorners(measure);
-  bool all_corners = true;
+  CornerBounds bounds = CornersOf(measure);
+  bool has_all_corners = true;
   uint32_t first_cell = 0;
   for (size_t g = 0; g < group_count_; ++g) {
-    const size_t most = MostCellsFor(shapes[g].count);
-    if (all_corners && CellsWanted(bounds, shapes[g]) > static_cast<double>(most)) {
-      bounds = MostCorners(boxes, bounds);
-      all_corners = false;
+    const size_t cell_max = MaxCellCount(shapes[g].count);
+    if (has_all_corners && CellsWanted(bounds, shapes[g]) > static_cast<double>(cell_max)) {
+      bounds = TypicalCorners(boxes, bounds);
+      has_all_corners = false;
     }
-    grids_[g] = MakeGroupGrid(bounds, shapes[g], most);
+    grids_[g] = MakeGroupGrid(bounds, shapes[g], cell_max);
     grids_[g].first_cell = first_cell;
     first_cell = grids_[g].last_cell();
   }

@@ -1,11 +1,11 @@
-// Which boxes share a grid: groups of alike shapes, so that neither a few huge boxes nor long thin
-// ones make the cells of the others large.
+// The groups of boxes that share a grid: boxes of similar shape, so that neither a few huge boxes
+// nor long thin ones enlarge the cells of the others.
 //
-// A plan is made from the boxes of one frame and serves while boxes of the same shapes are all
-// there are; it is never wrong, only slower where it does not fit. Grids are made each frame.
+// A plan is made from the boxes of one frame and used until a box of another shape appears. A plan
+// that does not fit is slower, never wrong. Grids are made in each frame.
 //
-// Not thread-safe. Owns its memory. Cost: Grids below 2 µs per group; a new plan 1 µs where all
-// boxes are of one class, up to 0.3 ms where they are of many.
+// Not thread-safe. Owns its memory. Cost: below 2 µs per grid; a new plan takes 1 µs if all boxes
+// are of one class, up to 0.3 ms if they are of many.
 #pragma once
 
 #include <array>
@@ -22,30 +22,30 @@ namespace sweepstake {
 
 class GridPlan {
  public:
-  static constexpr size_t kMostGroups = kMostGridGroups;
+  static constexpr size_t kGroupCountMax = kGridGroupCountMax;
 
-  // Nothing planned: the next MakeGrids plans.
+  // Drops the plan: the next MakeGrids makes a new one.
   void Reset();
-  // Measures the boxes, plans anew where the plan does not fit them, and makes the grids.
+  // Measures the boxes, makes a new plan if the present one does not fit them, and makes the grids.
   void MakeGrids(Executor* executor, std::span<const Aabb> boxes);
 
   std::span<const GroupGrid> grids() const { return {grids_.data(), group_count_}; }
   const GroupChoice& choice() const { return choice_; }
-  // Bit h of looks_into()[g]: of the pairs of groups g and h, boxes of g look for those of h.
-  const uint32_t* looks_into() const { return looks_into_.data(); }
+  // Bit h of searches()[g] says that boxes of group g search the grid of group h for their pairs.
+  const uint32_t* searches() const { return searches_.data(); }
 
  private:
-  bool WantsOtherClasses(std::span<const Aabb> boxes, const GridMeasure& measure);
+  bool UpdateClasses(std::span<const Aabb> boxes, const GridMeasure& measure);
   bool Fits(const GridMeasure& measure) const;
   void Plan(const GridMeasure& measure);
   void LayOut(std::span<const Aabb> boxes, const GridMeasure& measure);
 
   GroupChoice choice_{};
-  uint64_t known_classes_ = 0;  // bit per class that the plan knows of
+  uint64_t known_classes_ = 0;  // one bit per class that the plan covers
   size_t group_count_ = 0;
   uint32_t frame_ = 0;
-  std::array<GroupGrid, kMostGroups> grids_{};
-  std::array<uint32_t, kMostGroups> looks_into_{};
+  std::array<GroupGrid, kGroupCountMax> grids_{};
+  std::array<uint32_t, kGroupCountMax> searches_{};
 };
 
 }  // namespace sweepstake

@@ -9,14 +9,14 @@
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
-// Seen by every target's pass of this file, hence guarded.
+// Guarded, since every target's pass of this file sees it.
 #ifndef SWEEPSTAKE_GRID_SEARCH_
 #define SWEEPSTAKE_GRID_SEARCH_
 namespace sweepstake {
 
-// The box in a slot against the boxes in the slots [begin, end); as many of them as the room says.
+// A list of ranges: the box in `slot` is tested against those in the slots [begin, end).
 struct RangeList {
-  // Five per box of a batch, and one that is written but not wanted.
+  // Five per box of a batch, and one element that an empty range overwrites.
   static constexpr size_t kRoom = 5 * GridView::kBatch + 1;
 
   uint32_t slot[kRoom];
@@ -25,12 +25,12 @@ struct RangeList {
   size_t count = 0;
 };
 
-// A register more than a batch.
+// One register more than a batch.
 constexpr size_t kBatchRoom = GridView::kBatch + HWY_MAX_BYTES / sizeof(float);
 
-// Where cells hold the longest box of the group, a box finds its partners in the later boxes of its
-// own row and in four rows of cells behind it: first cell, and the one behind the last. The two are
-// the same where a box does not reach into the row.
+// If the cells are at least as large as the boxes, a box finds its partners in the later boxes of
+// its own row and in four rows of cells behind it. Each row is given by its first cell and the one
+// behind its last; they are equal if the box does not reach the row.
 struct BatchRows {
   static constexpr size_t kCount = 5;
 
@@ -38,8 +38,8 @@ struct BatchRows {
   int32_t behind[kCount][kBatchRoom];
 };
 
-// Where they do not: the block of cells, along the rows (x) and, relative to the min corner's cell,
-// across them (y, z).
+// Otherwise it searches a block of cells, given along the rows (x) and, relative to the min
+// corner's cell, across them (y, z).
 struct BatchBlocks {
   int32_t row[kBatchRoom];  // first cell of the row that holds the min corner
   int32_t first_x[kBatchRoom];
@@ -56,8 +56,8 @@ struct BatchBlocks {
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Cells on one axis in which the partners of the boxes from `slot` on can begin, and in which the
-// boxes themselves do.
+// On one axis, for the boxes from `slot` on: the first and last cell that can hold their partners'
+// min corners, and the cell of their own.
 template <class D, class V>
 HWY_INLINE void CellsOnAxis(D d, const BoxLanes& lanes, const GroupGrid& grid, size_t axis,
                             size_t slot, V& first, V& own, V& last) {
@@ -69,6 +69,7 @@ HWY_INLINE void CellsOnAxis(D d, const BoxLanes& lanes, const GroupGrid& grid, s
   last = CellsAt(d, grid, axis, max);
 }
 
+// Fills `blocks` for the slots [begin, end).
 void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
                 BatchBlocks& blocks) {
   const HWY_FULL(float) d;
@@ -81,6 +82,7 @@ void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size
   const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
   for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
     const size_t k = slot - begin;
+    // Along the rows the cells are absolute, across them relative to the own cell.
     auto first = hn::Zero(di);
     auto own = first;
     auto last = first;
@@ -98,7 +100,7 @@ void FindBlocks(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size
   }
 }
 
-// Moves a row's cells by `offset` where that is not 0; the row is empty where it is.
+// Moves a row's cells by `offset`; the row is empty if that is 0.
 template <class D, class V>
 HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k, BatchRows& rows) {
   const auto wanted = hn::Ne(offset, hn::Zero(di));
@@ -107,7 +109,7 @@ HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k
   hn::StoreU(behind, di, rows.behind[row] + k);
 }
 
-// False when one of the boxes is longer than a cell across the rows.
+// Fills `rows` for the slots [begin, end). False if a box is longer than a cell across the rows.
 bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
               BatchRows& rows) {
   const HWY_FULL(float) d;
@@ -118,9 +120,10 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
   const auto y_stride = hn::Set(di, static_cast<int32_t>(grid.stride[y_axis]));
   const auto z_stride = hn::Set(di, static_cast<int32_t>(grid.stride[z_axis]));
   const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
-  auto most = hn::Zero(di);
+  auto reach_max = hn::Zero(di);
   for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
     const size_t k = slot - begin;
+    // The cells on each axis, and how many rows the box reaches beyond its own.
     auto first_x = hn::Zero(di);
     auto own = first_x;
     auto last_x = first_x;
@@ -136,11 +139,11 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     CellsOnAxis(d, lanes, grid, z_axis, slot, unused, own, last_z);
     row = hn::Add(row, hn::Mul(own, z_stride));
     const auto beyond = hn::Sub(last_z, own);
-    most = hn::Max(most, hn::Max(beyond, hn::Max(up, down)));
+    reach_max = hn::Max(reach_max, hn::Max(beyond, hn::Max(up, down)));
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
-    // 0 and 1 are all there is, or what is stored here is not used.
+    // The four rows behind. Reaches are 0 or 1; with any other the result is not used.
     StoreRow(di, first, behind, hn::Mul(up, y_stride), 1, k, rows);
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, down), hn::Sub(z_stride, y_stride)), 2, k,
              rows);
@@ -148,10 +151,10 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, up), hn::Add(z_stride, y_stride)), 4, k,
              rows);
   }
-  return hn::AllFalse(di, hn::Gt(most, one));
+  return hn::AllFalse(di, hn::Gt(reach_max, one));
 }
 
-// As StoreHits, for few hits: the second half of a register of pairs is seldom needed.
+// StoreHits for few hits: the second half of a register of pairs is seldom needed.
 template <class D>
 HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                                OverlapPair* out) {
@@ -178,8 +181,8 @@ HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_
 #endif
 }
 
-// Lanes from slot `at` on that overlap `box`. The columns lie one stride apart: two registers point
-// to all six, where six pointers would leave none for the box.
+// The lanes from slot `at` on that overlap `box`. The columns lie one stride apart, so that two
+// registers address all six; six pointers would leave no registers for the box.
 template <class D>
 HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns, size_t stride,
                                      size_t at) {
@@ -194,6 +197,7 @@ HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns,
   return hn::And(hn::And(x, y), z);
 }
 
+// Tests all ranges of a list and returns the number of AABB checks.
 HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, PairBuffer& out) {
   const HWY_FULL(float) d;
   const size_t step = hn::Lanes(d);
@@ -207,6 +211,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
   uint64_t checks = 0;
   const size_t count = list.count;
   for (size_t k = 0; k < count; ++k) {
+    // The box of the range stays in registers.
     const uint32_t slot = list.slot[k];
     const float* const own = columns + slot;
     const Aabb box = {{own[0], own[stride], own[2 * stride]},
@@ -214,6 +219,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
     const uint32_t id = ids[slot];
     const size_t end = list.end[k];
     size_t at = list.begin[k];
+    // A range is never empty. Room for the pairs is claimed in chunks.
     do {
       if (HWY_UNLIKELY(to >= full)) {
         out.Advance(static_cast<size_t>(to - from));
@@ -237,7 +243,7 @@ class BatchSearch {
 
   uint64_t checks() const { return checks_; }
 
-  // Slots of one group against the later ones of it.
+  // Tests slots of one group against the later slots of this group.
   void SearchOwn(const GroupGrid& grid, size_t begin, size_t end) {
     if (FindRows(lanes_, grid, begin, end, rows_)) {
       ListFiveRows(begin, end);
@@ -248,7 +254,7 @@ class BatchSearch {
     Test();
   }
 
-  // Slots of one group against all of another.
+  // Tests slots of one group against all slots of another.
   void SearchOther(const GroupGrid& grid, size_t begin, size_t end) {
     FindBlocks(lanes_, grid, begin, end, blocks_);
     for (size_t slot = begin; slot < end; ++slot) {
@@ -274,7 +280,7 @@ class BatchSearch {
     list_.count = count;
   }
 
-  // Lists a range unless it is empty, without a branch; returns the new count.
+  // Lists a range unless it is empty, without a branch, and returns the new count.
   HWY_INLINE size_t List(size_t count, size_t slot, uint32_t begin, uint32_t end) {
     list_.slot[count] = static_cast<uint32_t>(slot);
     list_.begin[count] = begin;
@@ -282,7 +288,7 @@ class BatchSearch {
     return count + static_cast<size_t>(begin < end);
   }
 
-  // What follows the slot in its own row, and the rows of cells after that.
+  // Lists what follows the slot in its own row, and the later rows of cells.
   void ListLaterRows(const GroupGrid& grid, size_t k, size_t slot) {
     const uint32_t end = view_.starts[blocks_.row[k] + blocks_.last_x[k] + 1];
     MakeRoom();
@@ -291,7 +297,7 @@ class BatchSearch {
     for (int32_t z = 1; z <= blocks_.last_z[k]; ++z) ListRows(grid, k, slot, z, blocks_.first_y[k]);
   }
 
-  // The rows of one z from `first_y` on.
+  // Lists the rows of one z from `first_y` on.
   HWY_INLINE void ListRows(const GroupGrid& grid, size_t k, size_t slot, int32_t z,
                            int32_t first_y) {
     const auto y_stride = static_cast<int32_t>(grid.stride[grid.AxisOf(1)]);
@@ -313,7 +319,8 @@ class BatchSearch {
   }
 
   const GridView& view_;
-  const BoxLanes lanes_;  // a copy no store can alias, so that the pointers stay in registers
+  // A copy that no store can alias, so that the pointers stay in registers.
+  const BoxLanes lanes_;
   PairBuffer& out_;
   uint64_t checks_ = 0;
   BatchRows rows_;
@@ -332,7 +339,7 @@ uint64_t Search(const GridView& view, size_t begin, size_t end, PairBuffer& out)
       if (first >= last) continue;
       search.SearchOwn(grid, first, last);
       for (size_t h = 0; h < view.grids.size(); ++h) {
-        if ((view.looks_into[g] >> h & 1) != 0) search.SearchOther(view.grids[h], first, last);
+        if ((view.searches[g] >> h & 1) != 0) search.SearchOther(view.grids[h], first, last);
       }
     }
   }

@@ -1,12 +1,11 @@
-// Pairs of boxes that lie in the order of the cells of their grids.
+// Finds the pairs of boxes that are stored in the order of their grids' cells.
 //
-// Each box looks for partners among the later boxes of its own group and among all boxes of the
-// groups its group is to look into: row by row of cells, a range of slots each. The ranges of a
-// batch of boxes are listed first and then tested one after the other, so that which rows a box
-// reaches into costs no mispredicted branch.
+// A box searches the later boxes of its own group and all boxes of the groups that its group
+// searches, row by row of cells; a row is a range of slots. The ranges of a batch of boxes are
+// listed first and tested afterwards, so that the rows that a box reaches cost no mispredicted
+// branch.
 //
-// Not thread-safe. Borrows everything for the call. Cost: 14 ns per box in suite-b, where a box is
-// tested against 2.5 registers of 16 others. Memory: 34 KiB on the stack.
+// Not thread-safe. Borrows everything for the call. Memory: 34 KiB on the stack.
 #pragma once
 
 #include <cstddef>
@@ -20,18 +19,18 @@
 namespace sweepstake {
 
 struct GridView {
-  // Slots searched at a time; parts of a search begin at multiples of it.
+  // The number of slots searched at a time; parts of a search begin at multiples of it.
   static constexpr size_t kBatch = 256;
 
   BoxLanes lanes;          // in the order of the cells
   const uint32_t* starts;  // first slot of each cell; one more at the end
   std::span<const GroupGrid> grids;
-  // Bit h of looks_into[g]: boxes of group g look for partners in group h.
-  const uint32_t* looks_into;
+  // Bit h of searches[g] says that boxes of group g search group h.
+  const uint32_t* searches;
 };
 
-// Appends the pairs that the boxes in the slots [begin, end) find; returns the AABB checks. Parts
-// that begin at multiples of kBatch give the pairs in the order of the whole.
+// Appends the pairs that the boxes in the slots [begin, end) find and returns the number of AABB
+// checks. Parts that begin at multiples of kBatch find the pairs in the order of the whole search.
 uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out);
 
 }  // namespace sweepstake

@@ -1,20 +1,21 @@
 #include "engine_client/broad_phase/grid/grid_sort.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine_client/broad_phase/common/parallel.h"
+#include "hwy/cache_control.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid/grid_sort.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
-#include "engine_client/broad_phase/grid/grid_classes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Keys of the boxes, and how many boxes have each. Writes a register of keys at a time.
+// Writes the cell of each box to `keys`, a register at a time, and counts the boxes of each cell.
 void CountKeys(std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
                const GroupChoice& choice, uint32_t* keys, uint32_t* counts) {
   const HWY_FULL(float) d;
@@ -29,7 +30,7 @@ void CountKeys(std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
     auto max_x = x;
     auto max_y = x;
     auto max_z = x;
-    const auto present = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
     auto cells = hn::Zero(di);
     if (grids.size() == 1) {
       cells = CellOfCorner(d, grids[0], x, y, z);
@@ -38,7 +39,7 @@ void CountKeys(std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
                                           hn::Sub(max_z, z));
       cells = CellInGroup(d, grids, hn::GatherIndex(di, group_of_class, classes), x, y, z);
     }
-    cells = hn::IfThenElse(hn::RebindMask(di, present), cells, absent);
+    cells = hn::IfThenElse(hn::RebindMask(di, valid), cells, absent);
     hn::StoreU(hn::BitCast(du, cells), du, keys + at);
     const size_t end = std::min(at + hn::Lanes(d), boxes.size());
     for (size_t k = at; k < end; ++k) ++counts[keys[k]];
@@ -56,17 +57,72 @@ HWY_EXPORT(CountKeys);
 
 namespace {
 
-// Each part has counts of its own, which cost as much as the boxes of a cell.
-constexpr size_t kMostParts = 8;
-constexpr size_t kLeastBoxesPerPart = 2048;
+// The prefetch distance in boxes: large enough to hide the latency of main memory.
+constexpr size_t kAhead = 24;
+
+// Includes padding for kernels that read a register behind the last slot.
+constexpr size_t Padded(size_t count) {
+  return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
+}
+
+// Each part has its own counts, which cost as much per cell as its boxes do.
+constexpr size_t kPartCountMax = 8;
+constexpr size_t kBoxesPerPartMin = 2048;
 
 size_t PartsFor(const Executor* executor, size_t count) {
   if (executor == nullptr) return 1;
-  const size_t most = std::min(executor->thread_count(), kMostParts);
-  return std::clamp<size_t>(count / kLeastBoxesPerPart, 1, most);
+  const size_t part_max = std::min(executor->thread_count(), kPartCountMax);
+  return std::clamp<size_t>(count / kBoxesPerPartMin, 1, part_max);
 }
 
 }  // namespace
+
+void GridColumns::Resize(size_t count) {
+  count_ = count;
+  stride_ = Padded(count);
+  floats_.EnsureDiscarding(6 * stride_);
+  ids_.EnsureDiscarding(stride_);
+  for (size_t column = 0; column < 6; ++column) {
+    float* const floats = floats_.data() + column * stride_;
+    std::fill(floats + count, floats + stride_, std::numeric_limits<float>::quiet_NaN());
+  }
+  std::fill(ids_.data() + count, ids_.data() + stride_, 0U);
+}
+
+void GridColumns::Gather(std::span<const Aabb> boxes, size_t begin, size_t end) {
+  float* const columns[6] = {floats_.data(),
+                             floats_.data() + stride_,
+                             floats_.data() + 2 * stride_,
+                             floats_.data() + 3 * stride_,
+                             floats_.data() + 4 * stride_,
+                             floats_.data() + 5 * stride_};
+  const uint32_t* const ids = ids_.data();
+  for (size_t k = begin; k < end; ++k) {
+    hwy::Prefetch(&boxes[ids[std::min(k + kAhead, end - 1)]]);
+    const Aabb& box = boxes[ids[k]];
+    for (size_t axis = 0; axis < 3; ++axis) {
+      columns[axis][k] = box.min[axis];
+      columns[axis + 3][k] = box.max[axis];
+    }
+  }
+}
+
+void GridColumns::Invalidate(size_t slot) {
+  for (size_t column = 0; column < 6; ++column) {
+    floats_[column * stride_ + slot] = std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
+BoxLanes GridColumns::lanes() const {
+  BoxLanes lanes{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    lanes.min[axis] = floats_.data() + axis * stride_;
+    lanes.max[axis] = floats_.data() + (axis + 3) * stride_;
+  }
+  lanes.id = ids_.data();
+  lanes.count = count_;
+  return lanes;
+}
 
 void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
                     std::span<const GroupGrid> grids, const GroupChoice& choice) {
@@ -76,7 +132,7 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
   MakeRoom(parts);
   CountInParts(executor, parts, boxes, grids, choice);
   SumCounts(parts);
-  // By cells, not by boxes: threads that write into one another's cache lines wait for one another.
+  // Parts are ranges of cells, not of boxes, so that threads do not write to the same cache lines.
   RunParts(executor, parts, [&](size_t part) {
     const size_t begin = FirstCellOfPart(part, parts);
     const size_t end = FirstCellOfPart(part + 1, parts);
@@ -88,7 +144,7 @@ void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
 void GridSort::MakeRoom(size_t parts) {
   keys_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   columns_.Resize(count_);
-  // The number of cells follows the bounds.
+  // The number of cells fluctuates with the bounds.
   starts_.EnsureWithSpare(cells_ + 1);
   part_counts_.EnsureWithSpare(parts * cells_);
 }
@@ -105,8 +161,8 @@ void GridSort::CountInParts(Executor* executor, size_t parts, std::span<const Aa
   });
 }
 
-// From the counts of the parts to the slots where cells begin. The counts of the first part become
-// the slots that are free next.
+// Turns the counts of the parts into the first slots of the cells. The counts of the first part
+// become the next free slots.
 void GridSort::SumCounts(size_t parts) {
   uint32_t slot = 0;
   for (size_t cell = 0; cell < cells_; ++cell) {
@@ -117,7 +173,7 @@ void GridSort::SumCounts(size_t parts) {
   starts_[cells_] = slot;
 }
 
-// Such that parts hold about as many boxes each.
+// Parts hold about the same number of boxes.
 size_t GridSort::FirstCellOfPart(size_t part, size_t parts) const {
   if (part == 0) return 0;
   if (part == parts) return cells_;
@@ -126,7 +182,7 @@ size_t GridSort::FirstCellOfPart(size_t part, size_t parts) const {
   return static_cast<size_t>(std::lower_bound(starts, starts + cells_, slot) - starts);
 }
 
-// The boxes of the cells [begin, end) into their slots.
+// Writes the boxes of the cells [begin, end) to their slots.
 void GridSort::Place(size_t begin, size_t end) {
   uint32_t* const next = part_counts_.data();
   uint32_t* const order = columns_.ids();
@@ -135,11 +191,12 @@ void GridSort::Place(size_t begin, size_t end) {
     for (size_t i = 0; i < count_; ++i) order[next[keys[i]]++] = static_cast<uint32_t>(i);
     return;
   }
-  // Listed before they are placed, since a branch on cells in no order is mispredicted.
-  constexpr size_t kListed = 256;
-  uint32_t listed[kListed];
-  for (size_t from = 0; from < count_; from += kListed) {
-    const size_t to = std::min(from + kListed, count_);
+  // Lists the boxes of these cells before it places them, since a branch on the cell is
+  // mispredicted.
+  constexpr size_t kListRoom = 256;
+  uint32_t listed[kListRoom];
+  for (size_t from = 0; from < count_; from += kListRoom) {
+    const size_t to = std::min(from + kListRoom, count_);
     size_t count = 0;
     for (size_t i = from; i < to; ++i) {
       listed[count] = static_cast<uint32_t>(i);

@@ -1,9 +1,8 @@
-// Boxes in the order of the cells of their grids: a counting sort, in parts where there are several
-// threads.
+// Sorts boxes by the cells of their grids: a counting sort, in parts if there are several threads.
 //
 // Boxes of one cell stay in the caller's order, so that the result does not depend on the parts.
-// Not thread-safe. Owns its memory. Cost: O(n + cells), 3 ns per box of suite-b. Memory: 36 bytes
-// per box, 4 per cell, and 4 more per cell and part where there are several.
+// Not thread-safe. Owns its memory. Cost: O(n + cells). Memory: 36 bytes per box, 4 per cell, and 4
+// per cell and part if there are several parts.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +11,6 @@
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/common/soa_boxes.h"
-#include "engine_client/broad_phase/grid/grid_columns.h"
 #include "engine_client/broad_phase/grid/grid_measure.h"
 #include "engine_client/broad_phase/grid/group_grid.h"
 #include "sweepstake/aabb.h"
@@ -20,7 +18,33 @@
 
 namespace sweepstake {
 
-// Which grid a box belongs to.
+// Boxes as six float columns one stride apart and their ids, in an order that is given slot by
+// slot: the form that grid_search.h reads. Parts may gather disjoint ranges of slots at the same
+// time. Memory: 28 bytes per slot.
+class GridColumns {
+ public:
+  // Makes room for `count` slots, with undefined content, and for reads of a register behind them.
+  void Resize(size_t count);
+  // The caller writes the ids, Gather reads them.
+  uint32_t* ids() { return ids_.data(); }
+  const uint32_t* ids() const { return ids_.data(); }
+  // Copies boxes[id] to the slots [begin, end).
+  void Gather(std::span<const Aabb> boxes, size_t begin, size_t end);
+
+  // Makes the box of the slot overlap nothing.
+  void Invalidate(size_t slot);
+
+  BoxLanes lanes() const;
+  size_t native_bytes() const { return floats_.capacity_bytes() + ids_.capacity_bytes(); }
+
+ private:
+  AlignedBuffer<float> floats_;  // min x y z, max x y z, each stride_ floats
+  AlignedBuffer<uint32_t> ids_;
+  size_t count_ = 0;
+  size_t stride_ = 0;
+};
+
+// The grid that a box belongs to.
 struct GroupChoice {
   ShapeClasses classes;
   uint32_t group_of_class[ShapeClasses::kCount];
@@ -28,13 +52,13 @@ struct GroupChoice {
 
 class GridSort {
  public:
-  // REQUIRES: the grids number their cells one after the other, from 0.
+  // REQUIRES: the cell numbers of the grids follow one another, from 0.
   void Sort(Executor* executor, std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
             const GroupChoice& choice);
 
-  // In the order of the cells; behind them boxes that do not take part, and room to read past.
+  // The boxes in the order of the cells, then the invalid ones, then padding.
   BoxLanes lanes() const { return columns_.lanes(); }
-  // starts()[c] is the first slot of cell c; one more at the end.
+  // starts()[c] is the first slot of cell c; the last element is the number of slots.
   const uint32_t* starts() const { return starts_.data(); }
   size_t native_bytes() const {
     return columns_.native_bytes() + keys_.capacity_bytes() + starts_.capacity_bytes() +
@@ -54,7 +78,7 @@ class GridSort {
   AlignedBuffer<uint32_t> part_counts_;
   GridColumns columns_;
   size_t count_ = 0;
-  size_t cells_ = 0;  // and one for boxes that do not take part
+  size_t cells_ = 0;  // including one for invalid boxes
 };
 
 }  // namespace sweepstake

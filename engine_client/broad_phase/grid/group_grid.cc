@@ -6,16 +6,16 @@
 namespace sweepstake {
 namespace {
 
-// Rounding a side to cells must not make the box longer than one of them.
+// Keeps a box within one cell in spite of rounding.
 constexpr double kCellSlack = 1.0001;
 // Keeps the scale finite.
-constexpr double kLeastCell = 1e-36;
-// Cells are shorter along the rows: their neighbours there cost no search of their own.
+constexpr double kCellSideMin = 1e-36;
+// Cells are this many times shorter along the rows, where more cells cost no more searches.
 constexpr double kRowCells = 2;
-// Halvings of the logarithm of the cell size; the last step is below a hundredth for any scene.
-constexpr int kBisections = 14;
+// Bisections of the logarithm of the cell size; the last step is below 0.01 for any scene.
+constexpr int kBisectionCount = 14;
 // A float holds every cell number on an axis exactly.
-constexpr double kMostCellsOfAxis = 1 << 22;
+constexpr double kCellsPerAxisMax = 1 << 22;
 
 struct Cells {
   double side[3];
@@ -24,36 +24,37 @@ struct Cells {
   double Product() const { return count[0] * count[1] * count[2]; }
 };
 
-Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double least_side) {
+Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double side_min) {
   Cells cells{};
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = std::max(0.0, bounds.high[axis] - bounds.low[axis]);
-    const double wanted = std::max({kCellSlack * shape.longest[axis], least_side, kLeastCell});
-    cells.side[axis] = std::max(wanted, extent / kMostCellsOfAxis);
+    const double wanted = std::max({kCellSlack * shape.max_side[axis], side_min, kCellSideMin});
+    cells.side[axis] = std::max(wanted, extent / kCellsPerAxisMax);
     cells.count[axis] = std::floor(extent / cells.side[axis]) + 1;
   }
   return cells;
 }
 
-// The smallest cells of which no more than `most` are needed.
-Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double most) {
+// The smallest cells such that there are at most `count_max`.
+Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double count_max) {
   const Cells finest = Divide(bounds, shape, 0);
-  if (finest.Product() <= most) return finest;
+  if (finest.Product() <= count_max) return finest;
   double low = 0;
   double high = 0;
   for (int axis = 0; axis < 3; ++axis) {
     high = std::max(high, std::log2(std::max(1e-37, bounds.high[axis] - bounds.low[axis])) + 1);
     low = std::min(low, std::log2(finest.side[axis]));
   }
-  for (int step = 0; step < kBisections; ++step) {
+  for (int step = 0; step < kBisectionCount; ++step) {
     const double middle = (low + high) / 2;
-    (Divide(bounds, shape, std::exp2(middle)).Product() > most ? low : high) = middle;
+    (Divide(bounds, shape, std::exp2(middle)).Product() > count_max ? low : high) = middle;
   }
   return Divide(bounds, shape, std::exp2(high));
 }
 
-// Along the shortest side, where a long box has the most cells to cross. Needles have two short
-// sides: one of them, so that of two groups of needles one lies along the rows of the other.
+// The rows run along the shortest side, where a long box crosses the most cells. Needles have two
+// short sides; the choice between them makes one of two groups of needles lie along the rows of the
+// other.
 int ChooseRowAxis(const double (&side)[3]) {
   const int shortest = static_cast<int>(std::min_element(side, side + 3) - side);
   const int longest = static_cast<int>(std::max_element(side, side + 3) - side);
@@ -68,18 +69,18 @@ int ChooseRowAxis(const double (&side)[3]) {
 
 void GroupShape::Add(const GroupShape& other) {
   count += other.count;
-  for (int axis = 0; axis < 3; ++axis) longest[axis] = std::max(longest[axis], other.longest[axis]);
+  for (int axis = 0; axis < 3; ++axis)
+    max_side[axis] = std::max(max_side[axis], other.max_side[axis]);
 }
 
 double CellsWanted(const CornerBounds& bounds, const GroupShape& shape) {
   return kRowCells * Divide(bounds, shape, 0).Product();
 }
 
-GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t most_cells) {
+GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t cell_max) {
   GroupGrid grid;
   if (bounds.low[0] > bounds.high[0]) return grid;
-  Cells cells =
-      DivideInto(bounds, shape, std::max(1.0, static_cast<double>(most_cells) / kRowCells));
+  Cells cells = DivideInto(bounds, shape, std::max(1.0, static_cast<double>(cell_max) / kRowCells));
   grid.row_axis = ChooseRowAxis(cells.side);
   cells.side[grid.row_axis] /= kRowCells;
   cells.count[grid.row_axis] *= kRowCells;
@@ -88,7 +89,7 @@ GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, siz
     const int axis = (grid.row_axis + k) % 3;
     grid.origin[axis] = static_cast<float>(bounds.low[axis]);
     grid.scale[axis] = static_cast<float>(1 / cells.side[axis]);
-    grid.reach[axis] = std::nextafter(shape.longest[axis] * 1.000001F + 1e-37F, INFINITY);
+    grid.reach[axis] = std::nextafter(shape.max_side[axis] * 1.000001F + 1e-37F, INFINITY);
     grid.cells[axis] = static_cast<uint32_t>(cells.count[axis]);
     grid.stride[axis] = stride;
     stride *= grid.cells[axis];

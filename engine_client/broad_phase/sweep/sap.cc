@@ -10,15 +10,15 @@
 namespace sweepstake {
 namespace {
 
-// Fewer take less time than waking a thread.
-constexpr size_t kLeastRows = 1024;
-constexpr size_t kLeastFilled = 2048;
-constexpr size_t kLeastSorted = 16384;
+// A part with fewer rows or boxes takes less time than waking a thread.
+constexpr size_t kRowsPerPartMin = 1024;
+constexpr size_t kFilledPerPartMin = 2048;
+constexpr size_t kSortedPerPartMin = 16384;
 
-// Boxes that share a step, in the mean over boxes, from which on sorting exactly pays: a sweep
-// compares one register more for each.
-constexpr uint64_t kCrowd = 64;
-// In the mean: finer steps take longer to count than they save, as a box takes up dozens of them.
+// If more boxes than this share a step, on average over boxes, an exact sort pays: a sweep compares
+// one more register for each 64 of them.
+constexpr uint64_t kSharedStepMax = 64;
+// On average. Counting finer steps costs more than they save, since a box covers dozens of them.
 constexpr size_t kBoxesPerStep = 8;
 
 class Sap final : public BroadPhase {
@@ -44,9 +44,9 @@ class Sap final : public BroadPhase {
 
   Executor* executor_;
   SweepAxis sweep_;
-  size_t part_count_ = 1;           // of sorting
+  size_t part_count_ = 1;           // for sorting
   AlignedBuffer<uint32_t> steps_;   // of each box
-  AlignedBuffer<uint32_t> starts_;  // per part and step: boxes, then the slot of the next one
+  AlignedBuffer<uint32_t> starts_;  // per part and step: box count, then the next free slot
   RadixSort sort_;
   ByteBoxes boxes_;
   PairParts parts_;
@@ -61,18 +61,18 @@ void Sap::Update(std::span<const Aabb> boxes) {
       static_cast<float>(std::clamp<size_t>(boxes.size() / kBoxesPerStep, 512, 65536));
   sweep_ = {false, range.low[axis], steps / range.width(range.sweep_axis), steps - 1};
   boxes_.Resize(boxes.size(), true);
-  part_count_ = PartCount(executor_, boxes.size(), kLeastSorted);
+  part_count_ = PartCount(executor_, boxes.size(), kSortedPerPartMin);
   CountSteps(boxes, axis);
   sweep_.exact = !CountSlots();
   sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
-  const size_t fill_parts = PartCount(executor_, boxes.size(), kLeastFilled);
+  const size_t fill_parts = PartCount(executor_, boxes.size(), kFilledPerPartMin);
   RunParts(executor_, fill_parts, [&](size_t part) {
     const PartRange slots = RangeOfPart(boxes.size(), part, fill_parts, ByteBoxes::kGranule);
     boxes_.Fill(boxes, range, sweep_, slots.begin, slots.end);
   });
 }
 
-// Boxes that do not take part go last.
+// Counts the boxes of each step. Invalid boxes belong to the last one.
 void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
   steps_.EnsureDiscarding(boxes.size());
   starts_.EnsureDiscarding(part_count_ * step_count());
@@ -90,7 +90,7 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
   });
 }
 
-// False where too many share a step.
+// Turns the counts into first slots. False if too many boxes share a step.
 bool Sap::CountSlots() {
   uint64_t neighbours = 0;
   uint32_t sum = 0;
@@ -100,10 +100,10 @@ bool Sap::CountSlots() {
       sum += std::exchange(starts_[part * step_count() + step], sum);
     neighbours += (sum - before) * (sum - before);
   }
-  return neighbours <= kCrowd * boxes_.count();
+  return neighbours <= kSharedStepMax * boxes_.count();
 }
 
-// Boxes of one step in the order of their ids, however many parts there are.
+// The boxes of a step are in the order of their ids, whatever the number of parts.
 void Sap::SortBySteps() {
   RunParts(executor_, part_count_, [&](size_t part) {
     uint32_t* const starts = starts_.data() + part * step_count();
@@ -126,7 +126,7 @@ void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
 
 void Sap::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
-  checks_ = parts_.Run(executor_, lanes.count, kLeastRows, kRowsPerTile, out,
+  checks_ = parts_.Run(executor_, lanes.count, kRowsPerPartMin, kRowsPerTile, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return FindPairsOfSwept(lanes, begin, end, pairs);
                        });

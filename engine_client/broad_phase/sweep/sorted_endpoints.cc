@@ -7,9 +7,9 @@
 namespace sweepstake {
 namespace {
 
-// Couples of faces that share a step, per face, from which on sorting exactly pays: a sweep
-// compares a quarter of a register more for each.
-constexpr uint64_t kCrowd = 16;
+// If more faces than this share a step, on average over faces, an exact sort pays: a sweep compares
+// more registers for each of them.
+constexpr uint64_t kSharedStepMax = 16;
 
 uint64_t ItemOf(float coordinate, Endpoint endpoint) {
   return PackSortItem(SortableKey(coordinate), endpoint);
@@ -33,20 +33,20 @@ void SortedEndpoints::Sort(std::span<const BoxRecord> records, const SweepAxis& 
   std::transform(room.items.data(), room.items.data() + count_, endpoints_.data(), SortItemPayload);
 }
 
-// False where too many share a step.
+// False if too many faces share a step.
 bool SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
                                   EndpointRoom& room) {
-  const SweepAxis step = steps;  // which no store can alias
+  const SweepAxis step = steps;  // a copy that no store can alias
   const auto step_count = static_cast<size_t>(step.last) + 1;
   room.starts.EnsureDiscarding(step_count);
   uint32_t* const starts = room.starts.data();
   std::fill_n(starts, step_count, 0U);
-  uint64_t neighbours = 0;  // couples of faces that share a step
+  uint64_t neighbours = 0;  // pairs of faces that share a step
   for (const BoxRecord& record : records) {
     neighbours += starts[step.Step(record.min[axis_])]++;
     neighbours += starts[step.Step(record.max[axis_])]++;
   }
-  if (neighbours > kCrowd * count_) return false;
+  if (neighbours > kSharedStepMax * count_) return false;
   uint32_t sum = 0;
   for (size_t k = 0; k < step_count; ++k) sum += std::exchange(starts[k], sum);
   Endpoint* const order = endpoints_.data();
@@ -58,7 +58,7 @@ bool SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const Swee
   return true;
 }
 
-void SortedEndpoints::TakeRanks(std::span<const BoxRecord> records, EndpointRoom& room) const {
+void SortedEndpoints::StoreRanks(std::span<const BoxRecord> records, EndpointRoom& room) const {
   room.items.EnsureDiscarding(2 * records.size());
   uint64_t* const ranks = room.items.data();
   for (size_t i = 0; i < records.size(); ++i) {
@@ -78,7 +78,7 @@ void SortedEndpoints::Append(std::span<const BoxRecord> records, size_t first, E
   std::sort(room.items.data(), room.items.data() + added);
   endpoints_.EnsureKeeping(count_ + added, count_);
   Endpoint* const order = endpoints_.data();
-  size_t end = count_;  // of the faces that are not yet behind an added one
+  size_t end = count_;  // end of the faces that are not yet moved
   for (size_t left = added; left > 0; --left) {
     const uint64_t item = room.items[left - 1];
     const auto place =

@@ -1,8 +1,8 @@
-// The lower and upper faces of all boxes on one axis, kept in order from frame to frame.
+// The lower and upper faces of all boxes on one axis, kept sorted from frame to frame.
 //
-// Not thread-safe; distinct axes are independent. Owns its memory: 8 bytes per box. Faces are named
-// by the box's id and looked up in the records (box_record.h). Equal coordinates order lower faces
-// before upper ones, so that touching boxes overlap in this order too.
+// Not thread-safe; distinct axes are independent. Owns its memory: 8 bytes per box. A face is
+// stored as the box's id and looked up in the records (box_record.h). At equal coordinates lower
+// faces come before upper ones, so that touching boxes overlap in this order too.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +18,14 @@
 
 namespace sweepstake {
 
-// A face: whose it is, and which.
+// A face: the box's id, and a bit for the upper face.
 using Endpoint = uint32_t;
 inline constexpr Endpoint kUpperFace = 0x80000000;
 constexpr uint32_t EndpointOwner(Endpoint endpoint) { return endpoint & ~kUpperFace; }
 constexpr bool IsUpperFace(Endpoint endpoint) { return (endpoint & kUpperFace) != 0; }
 
-// What sorting needs, kept for reuse: 16 bytes per box and up to 256 KiB; twice 16 where the boxes
-// are crowded.
+// Buffers for sorting, kept for reuse: 16 bytes per box and up to 256 KiB, and 16 more per box for
+// an exact sort.
 class EndpointRoom {
  public:
   size_t native_bytes() const {
@@ -38,16 +38,16 @@ class EndpointRoom {
   RadixSort radix;
 };
 
-// Which boxes have moved since the orders were made.
+// The boxes that have moved since the orders were made.
 class MovedBoxes {
  public:
-  // None of `box_count`.
+  // Marks none of `box_count` boxes as moved.
   void Clear(size_t box_count) {
     words_.EnsureDiscarding(box_count / 64 + 1);
     std::fill_n(words_.data(), box_count / 64 + 1, uint64_t{0});
     count_ = 0;
   }
-  // Each once.
+  // REQUIRES: the box has not been added since Clear.
   void Add(size_t box) {
     words_[box / 64] |= uint64_t{1} << (box % 64);
     ++count_;
@@ -65,28 +65,28 @@ class SortedEndpoints {
  public:
   explicit SortedEndpoints(size_t axis) : axis_(axis) {}
 
-  // Takes the faces of all `records` and sorts them by `steps` in one pass, O(n): those of one step
-  // stay in the order of their ids, which a sweep by steps does not mind and a Repair puts right.
-  // Where many share a step they are sorted exactly, in three passes.
+  // Sorts the faces of all `records` by `steps` in one pass, O(n). Those of one step stay in the
+  // order of their ids, which a sweep by steps allows and Repair corrects. If many faces share a
+  // step, they are sorted exactly in three passes.
   void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
-  // Whether faces are in order, and not only their steps.
+  // Whether the faces are sorted exactly, and not only by steps.
   bool is_exact() const { return is_exact_; }
-  // Adds the faces of the boxes from `first` on, which are few: each is sought, the others are
-  // moved as blocks. The order is as exact as before.
+  // Inserts the faces of the boxes from `first` on, which should be few: the position of each is
+  // searched, the other faces are moved as blocks. The order is as exact as before.
   void Append(std::span<const BoxRecord> records, size_t first, EndpointRoom& room);
-  // Drops the faces of the boxes from `count` on.
+  // Removes the faces of the boxes from `count` on.
   void Truncate(size_t count);
 
-  // Puts the order right after some boxes have moved or a Sort, by insertion, and calls on_pass(a,
-  // b) for each lower face of one box and upper face of another whose order has changed. O(n +
-  // passes): 1 ns for a face that stays, 4 ns for one that moves. Gives up when the passes exceed
-  // `budget`, which is reduced by those made: false, and the order is to be made anew by Sort.
+  // Restores the exact order by insertion, after some boxes have moved or after a Sort, and calls
+  // on_pass(a, b) for each lower face of one box and upper face of another whose order has changed.
+  // O(n + passes). Reduces `budget` by the passes and returns false once they exceed it; the order
+  // then needs a Sort.
   template <typename OnPass>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
               size_t& budget, OnPass&& on_pass);
 
   std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
-  // Faces per unit of length where the middle half of them lies.
+  // Faces per unit of length in the range of the middle half of them.
   double Density(std::span<const BoxRecord> records) const;
   size_t native_bytes() const { return endpoints_.capacity_bytes(); }
 
@@ -95,13 +95,13 @@ class SortedEndpoints {
     const BoxRecord& record = records[EndpointOwner(endpoint)];
     return IsUpperFace(endpoint) ? record.max[axis_] : record.min[axis_];
   }
-  // Orders faces as one number.
+  // A number that orders the faces.
   uint64_t Rank(std::span<const BoxRecord> records, Endpoint endpoint) const {
     return SortItemRank(PackSortItem(SortableKey(Coordinate(records, endpoint)), endpoint));
   }
   bool SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
-  // Of each face, by owner and then lower before upper.
-  void TakeRanks(std::span<const BoxRecord> records, EndpointRoom& room) const;
+  // Stores the ranks of all faces in room.items, by owner, the lower face before the upper one.
+  void StoreRanks(std::span<const BoxRecord> records, EndpointRoom& room) const;
   template <typename RankOf, typename HasMoved, typename OnPass>
   bool RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget, OnPass&& on_pass);
 
@@ -118,7 +118,7 @@ bool SortedEndpoints::Repair(std::span<const BoxRecord> records, const MovedBoxe
     return RepairBy([&](Endpoint face) { return Rank(records, face); },
                     [&](Endpoint face) { return moved.Has(EndpointOwner(face)); }, budget, on_pass);
   }
-  TakeRanks(records, room);
+  StoreRanks(records, room);
   const uint64_t* const ranks = room.items.data();
   return RepairBy([ranks](Endpoint face) { return ranks[std::rotl(face, 1)]; },
                   [](Endpoint) { return true; }, budget, on_pass);
@@ -129,8 +129,8 @@ bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
                                OnPass&& on_pass) {
   Endpoint* const order = endpoints_.data();
   is_exact_ = false;
-  bool before_moved = false;  // the face before this one
-  bool before_known = false;  // that its rank is before_rank
+  bool before_moved = false;  // whether the face before this one has moved
+  bool before_known = false;  // whether before_rank is the rank of that face
   uint64_t before_rank = 0;
   for (size_t i = 0; i < count_; ++i) {
     const Endpoint face = order[i];
@@ -147,7 +147,8 @@ bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
       before_moved = moved;
       continue;
     }
-    // The largest so far ends up here again: its rank stays known.
+    // Moves this face down. The face with the maximum rank so far is then at i, and before_rank
+    // stays its rank.
     size_t hole = i;
     do {
       const Endpoint passed = order[--hole];

@@ -4,11 +4,11 @@
 
 namespace sweepstake {
 
-// By a in one pass, then by b inside each group.
+// Sorts by a in one pass, then by b inside each group.
 void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count) {
   count_ = pairs.size();
   touched_count_ = 0;
-  // Some room more, so that a few pairs more each frame do not allocate.
+  // Reserves some more, so that a few more pairs in each frame do not allocate.
   pairs_.EnsureDiscarding(count_ + count_ / 8 + 64);
   starts_.EnsureDiscarding(box_count + 1);
   std::fill_n(starts_.data(), box_count + 1, 0U);
@@ -36,7 +36,7 @@ size_t SortedPairs::UniqueTouched() {
   return static_cast<size_t>(end - touched_.data());
 }
 
-// Both move the blocks between the pairs, one after the other: `dropped` and `inserted` ascend.
+// Drop and Insert move the blocks between the given pairs. REQUIRES: these are in ascending order.
 void SortedPairs::Drop(std::span<const OverlapPair> dropped) {
   OverlapPair* const end = pairs_.data() + count_;
   OverlapPair* to = nullptr;

@@ -1,7 +1,6 @@
-// The overlapping pairs in ascending order, kept from frame to frame and corrected where something
-// has changed.
+// The overlapping pairs in ascending order, kept from frame to frame and updated at the changes.
 //
-// Not thread-safe. Owns its memory: 8 bytes per pair, and as much for those touched in one frame.
+// Not thread-safe. Owns its memory: 8 bytes per pair, and 8 per pair touched in one frame.
 #pragma once
 
 #include <algorithm>
@@ -15,23 +14,23 @@ namespace sweepstake {
 
 class SortedPairs {
  public:
-  // Takes these instead; each once, in any order. O(n + pairs) where no object has very many.
-  // `box_count` objects.
+  // Replaces the content by these pairs of `box_count` objects, each once, in any order. O(n +
+  // pairs) if no object has very many.
   void Adopt(std::span<const OverlapPair> pairs, size_t box_count);
-  // Drops the pairs of the objects from `count` on.
+  // Removes the pairs of the objects from `count` on.
   void Truncate(size_t count);
 
-  // Marks a pair that may have begun or ended. Any order, any number of times.
+  // Marks a pair that may have begun or ended, in any order and any number of times.
   void Touch(uint32_t a, uint32_t b) {
     if (touched_count_ == touched_.capacity())
       touched_.EnsureKeeping(std::max<size_t>(touched_count_ * 2, 64), touched_count_);
     touched_[touched_count_++] = {std::min(a, b), std::max(a, b)};
   }
-  // Asks overlap(a, b) of each pair marked since the last call, and adds or drops it. O(log pairs)
-  // for each, and pairs moved as blocks.
+  // Calls overlaps(a, b) for each pair marked since the last call, and adds or removes it. O(log
+  // pairs) for each; the other pairs are moved as blocks.
   template <typename Overlaps>
   void Settle(Overlaps&& overlaps);
-  // Forgets the marks.
+  // Removes the marks.
   void ClearTouched() { touched_count_ = 0; }
 
   std::span<const OverlapPair> pairs() const { return {pairs_.data(), count_}; }
@@ -57,7 +56,7 @@ template <typename Overlaps>
 void SortedPairs::Settle(Overlaps&& overlaps) {
   OverlapPair* const touched = touched_.data();
   const size_t count = UniqueTouched();
-  // To the front those to insert, to the back of them those to drop; the others are as they were.
+  // Collects the pairs to insert at the front of `touched_` and those to remove in `spare_`.
   OverlapPair* const end = touched + count;
   const OverlapPair* from = pairs_.data();
   size_t inserted = 0;

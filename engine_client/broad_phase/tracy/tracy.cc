@@ -13,28 +13,30 @@
 namespace sweepstake {
 namespace {
 
-// About what laying out anew costs.
+// A new layout costs about as much as this number of checks per box.
 constexpr uint64_t kChecksPerLayout = 256;
-// Checks per box, and per pair, above which another layout is tried, though not often: the scene
-// may have spread since, or be as dense as that.
-constexpr uint64_t kFairChecksPerBox = 128;
-constexpr uint64_t kFairChecksPerPair = 16;
+// If a search takes more checks than this, another layout is tried every kFramesPerTrial frames:
+// the scene may have spread since, or it may really be that dense.
+constexpr uint64_t kExpectedChecksPerBox = 128;
+constexpr uint64_t kExpectedChecksPerPair = 16;
 constexpr uint32_t kFramesPerTrial = 64;
-// One box in so many may be too long for the cells it has, and some more.
+// The maximum number of boxes too long for their cells is kLongMin plus one in this number of
+// boxes.
 constexpr size_t kBoxesPerLongOne = 64;
-constexpr size_t kFewLongBoxes = 16;
-// Little moves when so few boxes cross into another list: one in so many.
+constexpr size_t kLongMin = 16;
+// Little moves if fewer than one in this number of boxes changes its list.
 constexpr size_t kBoxesPerCrossing = 128;
-// Margins in cells: wide enough to hold slow boxes for many frames, and few more pairs to test.
+// A margin is a cell divided by this: wide enough to hold slow boxes for many frames, and narrow
+// enough to add few pairs.
 constexpr float kMarginsPerCell = 48;
-// Where there are more pairs, testing those kept costs as much as finding them.
-constexpr size_t kMostPairsPerBox = 8;
-// Frames for which margins have to hold to be worth it, and frames until they are tried again where
-// they did not, doubled each time.
-constexpr uint32_t kWorthwhileRest = 6;
-constexpr uint32_t kLongestWait = 256;
-// About 25 µs of work.
-constexpr size_t kLeastBoxesPerPart = 1024;
+// With more pairs, testing the kept ones costs as much as finding them.
+constexpr size_t kPairsPerBoxMax = 8;
+// Margins pay if they hold for this number of frames. If they do not, they are tried again after a
+// wait that doubles each time up to the maximum.
+constexpr uint32_t kRestFramesMin = 6;
+constexpr uint32_t kWaitFramesMax = 256;
+// A part of this size is about 25 µs of work.
+constexpr size_t kBoxesPerPartMin = 1024;
 
 class Tracy final : public BroadPhase {
  public:
@@ -51,9 +53,9 @@ class Tracy final : public BroadPhase {
 
  private:
   void LayOut(std::span<const Aabb> boxes);
-  bool TakeAtRest(std::span<const Aabb> boxes);
+  bool UpdateAtRest(std::span<const Aabb> boxes);
   void StartResting(std::span<const Aabb> boxes);
-  void TakeInMotion(std::span<const Aabb> boxes);
+  void UpdateInMotion(std::span<const Aabb> boxes);
 
   Executor* executor_;
   GridPlan plan_;
@@ -61,13 +63,13 @@ class Tracy final : public BroadPhase {
   PairParts parts_;
   TracyRest rest_;
   bool resting_ = false;
-  uint32_t rested_ = 0;  // frames since margins were last taken
-  uint32_t wait_ = 0;    // frames until they may be
+  uint32_t rest_frames_ = 0;  // since margins were last set
+  uint32_t wait_ = 0;         // frames until margins may be set
   uint32_t last_wait_ = 1;
-  size_t pair_count_ = 0;  // of the latest search
-  uint32_t frames_ = 0;    // since the grids were laid out
-  bool unfair_ = false;    // the latest search took more checks than it should
-  RebuildDebt debt_;       // since the grids were laid out
+  size_t pair_count_ = 0;     // of the latest search
+  uint32_t frames_ = 0;       // since the grids were laid out
+  bool inefficient_ = false;  // the latest search took more checks than expected
+  RebuildDebt debt_;          // since the grids were laid out
   uint64_t checks_ = 0;
 };
 
@@ -86,32 +88,32 @@ void Tracy::LayOut(std::span<const Aabb> boxes) {
   lists_.Update(executor_, boxes);
   debt_.Clear();
   frames_ = 0;
-  unfair_ = false;
+  inefficient_ = false;
   resting_ = false;
 }
 
 void Tracy::Update(std::span<const Aabb> boxes) {
   checks_ = 0;
-  if (resting_ && TakeAtRest(boxes)) return;
-  if (wait_ == 0 && pair_count_ < kMostPairsPerBox * boxes.size() &&
+  if (resting_ && UpdateAtRest(boxes)) return;
+  if (wait_ == 0 && pair_count_ < kPairsPerBoxMax * boxes.size() &&
       lists_.moved_count() * kBoxesPerCrossing < boxes.size()) {
     StartResting(boxes);
   } else {
-    TakeInMotion(boxes);
+    UpdateInMotion(boxes);
   }
 }
 
-// False: the margins no longer hold.
-bool Tracy::TakeAtRest(std::span<const Aabb> boxes) {
-  ++rested_;
+// False if the margins no longer hold.
+bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
+  ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_)) return true;
   resting_ = false;
-  if (rested_ >= kWorthwhileRest) {
+  if (rest_frames_ >= kRestFramesMin) {
     last_wait_ = 1;
     StartResting(boxes);
     return true;
   }
-  last_wait_ = std::min(2 * last_wait_, kLongestWait);
+  last_wait_ = std::min(2 * last_wait_, kWaitFramesMax);
   wait_ = last_wait_;
   lists_.SetMargin(0);
   return false;
@@ -122,29 +124,30 @@ void Tracy::StartResting(std::span<const Aabb> boxes) {
   lists_.SetMargin(margin);
   checks_ += rest_.Start(executor_, boxes, margin, lists_);
   resting_ = true;
-  rested_ = 0;
+  rest_frames_ = 0;
 }
 
-void Tracy::TakeInMotion(std::span<const Aabb> boxes) {
+void Tracy::UpdateInMotion(std::span<const Aabb> boxes) {
   ++frames_;
   if (wait_ > 0) --wait_;
-  const bool try_anew = unfair_ && frames_ >= kFramesPerTrial;
+  const bool try_anew = inefficient_ && frames_ >= kFramesPerTrial;
   if (try_anew || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
   lists_.Update(executor_, boxes);
-  if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kFewLongBoxes) LayOut(boxes);
+  if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kLongMin) LayOut(boxes);
 }
 
 void Tracy::FindPairs(PairBuffer& out) {
   if (resting_) return rest_.Append(out);
   const GridView view = lists_.View();
   const size_t before = out.size();
-  checks_ = parts_.Run(executor_, lists_.size(), kLeastBoxesPerPart, GridView::kBatch, out,
+  checks_ = parts_.Run(executor_, lists_.size(), kBoxesPerPartMin, GridView::kBatch, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return SearchGrids(view, begin, end, pairs);
                        });
   debt_.AddSearch(checks_);
   pair_count_ = out.size() - before;
-  unfair_ = checks_ > kFairChecksPerBox * lists_.size() + kFairChecksPerPair * pair_count_;
+  inefficient_ =
+      checks_ > kExpectedChecksPerBox * lists_.size() + kExpectedChecksPerPair * pair_count_;
 }
 
 }  // namespace

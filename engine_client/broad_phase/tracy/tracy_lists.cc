@@ -12,16 +12,17 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kMostParts = 8;
-constexpr size_t kLeastBoxesPerPart = 2048;
-// Boxes whose rows are found at a time: they stay in the first cache.
+constexpr size_t kPartCountMax = 8;
+constexpr size_t kBoxesPerPartMin = 2048;
+// The number of boxes whose rows are found at a time, so that they stay in the L1 cache.
 constexpr size_t kBatch = 512;
-// Shifts per item after which a list counts as unsorted.
+// A list counts as unsorted after this number of shifts per item.
 constexpr size_t kShiftsPerItem = 8;
-// Items ahead of the one being read: enough to hide the memory behind the last cache.
-constexpr size_t kAhead = 16;
+// The prefetch distance in items: large enough to hide the latency of main memory.
+constexpr size_t kPrefetchDistance = 16;
 
-// Insertion, since the list was in order a frame ago; it gives up where that is no longer so.
+// An insertion sort, since the list was sorted in the last frame; std::sort once it takes too many
+// shifts.
 void SortItems(uint64_t* items, size_t count) {
   size_t shifts = 0;
   for (size_t i = 1; i < count; ++i) {
@@ -37,7 +38,7 @@ void SortItems(uint64_t* items, size_t count) {
   }
 }
 
-// Two sorted runs, of which the second is short, into one; `from` is a copy of the second.
+// Merges two sorted runs, of which the second is short; `from` is a copy of the second.
 void MergeItems(uint64_t* items, size_t first, const uint64_t* from, size_t second) {
   size_t to = first + second;
   while (second > 0) {
@@ -59,8 +60,8 @@ void TracyLists::Reset(const RowGrids& grids) {
 
 size_t TracyLists::PartsFor(const Executor* executor, size_t count) const {
   if (executor == nullptr) return 1;
-  return std::clamp<size_t>(count / kLeastBoxesPerPart, 1,
-                            std::min(executor->thread_count(), kMostParts));
+  return std::clamp<size_t>(count / kBoxesPerPartMin, 1,
+                            std::min(executor->thread_count(), kPartCountMax));
 }
 
 void TracyLists::MakeRoom(size_t count, size_t parts) {
@@ -70,7 +71,7 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   arrived_.EnsureDiscarding(count + SoaBoxes::kPadding);
   old_slots_.EnsureWithSpare(rows + 1);
   arrivals_.EnsureWithSpare(rows);
-  starts_.EnsureWithSpare(cells + 2);  // and the guests'
+  starts_.EnsureWithSpare(cells + 2);  // including the cell of the guests
   if (parts_.size() < parts) parts_.resize(parts);
   for (size_t part = 0; part < parts; ++part) {
     parts_[part].change.EnsureWithSpare(rows);
@@ -78,8 +79,8 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   }
 }
 
-// Objects from `count` on are no more; new ones are in no row yet.
-void TracyLists::Forget(size_t count) {
+// Removes the objects from `count` on; new ones are in no row yet.
+void TracyLists::SetCount(size_t count) {
   for (size_t i = count; i < count_; ++i) {
     if (rows_[i] != kNoRow) --parts_[0].change[rows_[i]];
   }
@@ -89,17 +90,19 @@ void TracyLists::Forget(size_t count) {
 
 void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t guests) {
   const size_t parts = PartsFor(executor, boxes.size());
-  // The lists as they are, before their places are taken by what they become.
+  // Copies the lists, which will be overwritten.
   order_.EnsureDiscarding(std::max(boxes.size(), size_) + SoaBoxes::kPadding);
   std::copy_n(columns_.ids(), size_, order_.data());
   MakeRoom(boxes.size(), parts);
-  Forget(boxes.size());
+  SetCount(boxes.size());
+  // Finds the boxes whose row has changed, and the new places of the lists.
   RunParts(executor, parts, [&](size_t index) {
     const PartRange range = RangeOfPart(boxes.size(), index, parts, SoaBoxes::kPadding);
     parts_[index].begin = range.begin;
     MoveBoxes(boxes, parts_[index], range.end);
   });
   PlaceLists(parts);
+  // Appends the boxes that have arrived to their lists.
   columns_.Resize(size_ + guests);
   for (size_t index = 0; index < parts; ++index) {
     const Part& part = parts_[index];
@@ -107,6 +110,7 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t 
       columns_.ids()[arrivals_[rows_[arrived_[k]]]++] = arrived_[k];
     }
   }
+  // Sorts the lists, in parts of about the same number of boxes.
   RunParts(executor, parts, [&](size_t index) {
     const uint32_t* const slots = first_slots_.data();
     const uint32_t* const end = slots + grids_.row_count();
@@ -127,7 +131,7 @@ void TracyLists::SetMargin(float margin) {
   for (size_t group = 0; group + 1 < grids_.group_count; ++group) {
     for (int axis = 0; axis < 3; ++axis) {
       float& reach = grids_.grids[group].reach[axis];
-      reach = (reach + margin) * kRounding;  // half the margins of both sides
+      reach = (reach + margin) * kRounding;  // the reach is half a side, which grows by 2 margins
       grids_.row_grids[group].reach[axis] = reach;
     }
   }
@@ -144,44 +148,44 @@ float TracyLists::narrowest_cell() const {
   return narrowest;
 }
 
-void TracyLists::Blind(uint32_t object) {
+void TracyLists::Invalidate(uint32_t object) {
   const uint32_t row = rows_[object];
   if (row == kNoRow) return;
   const uint32_t* const ids = columns_.ids();
   const uint32_t* const slot =
       std::find(ids + first_slots_[row], ids + first_slots_[row + 1], object);
-  columns_.Blind(static_cast<size_t>(slot - ids));
+  columns_.Invalidate(static_cast<size_t>(slot - ids));
 }
 
 uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
                                PairBuffer& out) {
-  // One more group of one cell, whose boxes look into all the others.
-  std::array<GroupGrid, RowGrids::kMostGroups + 1> grids;
-  std::array<uint32_t, RowGrids::kMostGroups + 1> looks_into;
+  // The guests are one more group with one cell, which searches all other groups.
+  std::array<GroupGrid, RowGrids::kGroupCountMax + 1> grids;
+  std::array<uint32_t, RowGrids::kGroupCountMax + 1> searches;
   std::copy_n(grids_.grids.begin(), grids_.group_count, grids.begin());
-  std::copy_n(grids_.looks_into.begin(), grids_.group_count, looks_into.begin());
+  std::copy_n(grids_.searches.begin(), grids_.group_count, searches.begin());
   grids[grids_.group_count] = grids[grids_.group_count - 1];
   GroupGrid& guests = grids[grids_.group_count];
   guests.first_cell = grids[grids_.group_count - 1].last_cell();
-  looks_into[grids_.group_count] = (1U << grids_.group_count) - 1;
+  searches[grids_.group_count] = (1U << grids_.group_count) - 1;
   const size_t end = size_ + ids.size();
   std::copy(ids.begin(), ids.end(), columns_.ids() + size_);
   columns_.Gather(boxes, size_, end);
   starts_[guests.last_cell()] = static_cast<uint32_t>(end);
   const GridView view{
-      columns_.lanes(), starts_.data(), {grids.data(), grids_.group_count + 1}, looks_into.data()};
+      columns_.lanes(), starts_.data(), {grids.data(), grids_.group_count + 1}, searches.data()};
   return SearchGrids(view, size_, end, out);
 }
 
-// The boxes [part.begin, end): which have moved from list to list.
+// Finds the boxes of [part.begin, end) that have moved from list to list.
 void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end) {
   uint32_t moved[kBatch + SoaBoxes::kPadding];
   uint32_t new_rows[kBatch + SoaBoxes::kPadding];
   int32_t* const change = part.change.data();
   size_t arrived = part.begin;
   for (size_t begin = part.begin; begin < end; begin += kBatch) {
-    const size_t count = FindMoved(boxes.subspan(begin, std::min(kBatch, end - begin)), grids_,
-                                   rows_.data() + begin, moved, new_rows);
+    const size_t count = FindMovedRows(boxes.subspan(begin, std::min(kBatch, end - begin)), grids_,
+                                       rows_.data() + begin, moved, new_rows);
     for (size_t k = 0; k < count; ++k) {
       const size_t object = begin + moved[k];
       if (rows_[object] != kNoRow) --change[rows_[object]];
@@ -194,7 +198,8 @@ void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end) 
   part.arrived = arrived - part.begin;
 }
 
-// Where the lists begin now, and where in them what has arrived is put: behind what has stayed.
+// Computes the new first slots of the lists and, in each, the first slot for arrived boxes: behind
+// those that have stayed.
 void TracyLists::PlaceLists(size_t parts) {
   std::swap(first_slots_, old_slots_);
   const uint32_t rows = grids_.row_count();
@@ -237,7 +242,7 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
   const uint32_t end = first_slots_[row + 1];
   const size_t count = end - begin;
   if (count > 0) {
-    const size_t stayed = TakeItems(boxes, row, grid.AxisOf(0), part);
+    const size_t stayed = CollectItems(boxes, row, grid.AxisOf(0), part);
     uint64_t* const items = part.items.data();
     SortItems(items, stayed);
     if (stayed < count) {
@@ -252,9 +257,10 @@ void TracyLists::SweepRow(std::span<const Aabb> boxes, uint32_t row, const Group
   MarkCells(grid, grid.first_cell + grid_row * row_cells, begin, end, part);
 }
 
-// Those that have stayed, in the order of the list; behind them those that have come. Returns the
-// number of the former.
-size_t TracyLists::TakeItems(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part) {
+// Collects the boxes that have stayed, in the order of the list, then those that have arrived.
+// Returns the number of the former.
+size_t TracyLists::CollectItems(std::span<const Aabb> boxes, uint32_t row, size_t axis,
+                                Part& part) {
   const size_t begin = first_slots_[row];
   const size_t count = first_slots_[row + 1] - begin;
   const size_t old_begin = old_slots_[row];
@@ -264,7 +270,7 @@ size_t TracyLists::TakeItems(std::span<const Aabb> boxes, uint32_t row, size_t a
   const uint32_t* const order = order_.data();
   size_t stayed = 0;
   for (size_t k = old_begin; k < old_end; ++k) {
-    hwy::Prefetch(&boxes[std::min<size_t>(order[k + kAhead], boxes.size() - 1)]);
+    hwy::Prefetch(&boxes[std::min<size_t>(order[k + kPrefetchDistance], boxes.size() - 1)]);
     const uint32_t id = order[k];
     if (id >= boxes.size()) continue;
     items[stayed] = PackSortItem(SortableKey(boxes[id].min[axis]), id);
@@ -278,7 +284,7 @@ size_t TracyLists::TakeItems(std::span<const Aabb> boxes, uint32_t row, size_t a
   return stayed;
 }
 
-// First slots of the cells of one row.
+// Computes the first slots of the cells of one row.
 void TracyLists::MarkCells(const GroupGrid& grid, uint32_t first_cell, size_t begin, size_t end,
                            Part& part) {
   const size_t axis = grid.AxisOf(0);

@@ -14,9 +14,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Lists the boxes that are not within their margins, relative to the first; returns how many. A box
-// that takes no part is within a margin that does not.
-size_t ListLeft(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* left) {
+// Lists the boxes that are not within their margins and returns their number. An invalid box is
+// within an invalid margin.
+size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* outside) {
   const HWY_FULL(float) d;
   const hn::RebindToUnsigned<decltype(d)> du;
   size_t count = 0;
@@ -27,8 +27,10 @@ size_t ListLeft(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* left
     auto max_x = x;
     auto max_y = x;
     auto max_z = x;
+    // The margins; NaN marks an invalid one.
     LoadBoxes(d, margins + at, x, y, z, max_x, max_y, max_z);
     const auto kept = hn::Eq(x, x);
+    // The boxes, compared with them.
     auto box_x = x;
     auto box_y = x;
     auto box_z = x;
@@ -39,15 +41,16 @@ size_t ListLeft(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* left
     const auto begins = hn::And(hn::Ge(box_x, x), hn::And(hn::Ge(box_y, y), hn::Ge(box_z, z)));
     const auto ends = hn::And(hn::Le(box_max_x, max_x),
                               hn::And(hn::Le(box_max_y, max_y), hn::Le(box_max_z, max_z)));
+    // Valid boxes have left unless they are within; invalid ones if their margin is valid.
     const auto in_x = HalveAxis(d, box_x, box_max_x);
     const auto in_y = HalveAxis(d, box_y, box_max_y);
-    const auto present = hn::And(hn::And(in_x, in_y), HalveAxis(d, box_z, box_max_z));
-    const auto within = hn::And(present, hn::And(begins, ends));
-    const auto gone = hn::And(hn::Or(kept, present), hn::Not(within));
+    const auto valid = hn::And(hn::And(in_x, in_y), HalveAxis(d, box_z, box_max_z));
+    const auto within = hn::And(valid, hn::And(begins, ends));
+    const auto gone = hn::And(hn::Or(kept, valid), hn::Not(within));
     const auto listed = hn::And(gone, hn::FirstN(d, boxes.size() - at));
     if (hn::AllFalse(d, listed)) return;
     const auto index = hn::Iota(du, static_cast<uint32_t>(at));
-    hn::StoreU(hn::Compress(index, hn::RebindMask(du, listed)), du, left + count);
+    hn::StoreU(hn::Compress(index, hn::RebindMask(du, listed)), du, outside + count);
     count += hn::CountTrue(d, listed);
   });
   return count;
@@ -60,7 +63,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace sweepstake {
 
-HWY_EXPORT(ListLeft);
+HWY_EXPORT(ListOutside);
 
 namespace {
 
@@ -70,20 +73,20 @@ constexpr Aabb kEverywhere = {{-kInfinity, -kInfinity, -kInfinity},
                               {kInfinity, kInfinity, kInfinity}};
 constexpr Aabb kNowhere = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
 
-// One box in so many may be loose, and some more.
+// The maximum number of loose boxes is kLooseMin plus one in this number of boxes.
 constexpr size_t kBoxesPerLooseOne = 32;
-constexpr size_t kFewLooseBoxes = 8;
-constexpr size_t kLeastBoxesPerPart = 4096;
-constexpr size_t kLeastSlotsPerPart = 1024;
+constexpr size_t kLooseMin = 8;
+constexpr size_t kPairsPerPartMin = 4096;
+constexpr size_t kSlotsPerPartMin = 1024;
 
-// Both within margins, hence finite and in order.
-bool Meet(const Aabb& a, const Aabb& b) {
-  bool meet = true;
+// Overlap without its checks. REQUIRES: both boxes are valid.
+bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
+  bool overlap = true;
   for (int axis = 0; axis < 3; ++axis) {
-    meet &= a.min[axis] <= b.max[axis];
-    meet &= b.min[axis] <= a.max[axis];
+    overlap &= a.min[axis] <= b.max[axis];
+    overlap &= b.min[axis] <= a.max[axis];
   }
-  return meet;
+  return overlap;
 }
 
 Aabb Enlarged(const Aabb& box, float margin) {
@@ -97,7 +100,7 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 }  // namespace
 
-size_t TracyRest::MostLoose() const { return count_ / kBoxesPerLooseOne + kFewLooseBoxes; }
+size_t TracyRest::LooseCountMax() const { return count_ / kBoxesPerLooseOne + kLooseMin; }
 
 uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float margin,
                           TracyLists& lists) {
@@ -108,13 +111,13 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
   std::fill_n(is_loose_.data(), count_, uint8_t{0});
   for (size_t i = 0; i < count_; ++i) margins_[i] = Enlarged(boxes[i], margin);
   std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kNowhere);
-  left_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
-  loose_.EnsureDiscarding(MostLoose() + 1);
-  lists.Update(executor, {margins_.data(), count_}, MostLoose());
+  outside_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
+  loose_.EnsureDiscarding(LooseCountMax() + 1);
+  lists.Update(executor, {margins_.data(), count_}, LooseCountMax());
   kept_.Clear();
   loose_pairs_.Clear();
   const GridView view = lists.View();
-  const uint64_t checks = parts_.Run(executor, lists.size(), kLeastSlotsPerPart, GridView::kBatch,
+  const uint64_t checks = parts_.Run(executor, lists.size(), kSlotsPerPartMin, GridView::kBatch,
                                      kept_, [&](size_t begin, size_t end, PairBuffer& pairs) {
                                        return SearchGrids(view, begin, end, pairs);
                                      });
@@ -125,9 +128,9 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
 bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists,
                      uint64_t& checks) {
   if (boxes.size() != count_) return false;
-  const size_t left = HWY_DYNAMIC_DISPATCH(ListLeft)(boxes, margins_.data(), left_.data());
-  if (loose_count_ + left > MostLoose()) return false;
-  Loosen({left_.data(), left}, lists);
+  const size_t outside = HWY_DYNAMIC_DISPATCH(ListOutside)(boxes, margins_.data(), outside_.data());
+  if (loose_count_ + outside > LooseCountMax()) return false;
+  Loosen({outside_.data(), outside}, lists);
   TestPairs(executor, boxes);
   checks += count_ + kept_.size();
   loose_pairs_.Clear();
@@ -143,12 +146,12 @@ bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists
   return true;
 }
 
-void TracyRest::Loosen(std::span<const uint32_t> left, TracyLists& lists) {
-  for (const uint32_t object : left) {
-    if (is_loose_[object] != 0) continue;  // it no longer takes part
+void TracyRest::Loosen(std::span<const uint32_t> outside, TracyLists& lists) {
+  for (const uint32_t object : outside) {
+    if (is_loose_[object] != 0) continue;  // a loose box that has become invalid
     is_loose_[object] = 1;
     margins_[object] = kEverywhere;
-    lists.Blind(object);
+    lists.Invalidate(object);
     loose_[loose_count_++] = object;
   }
 }
@@ -156,13 +159,13 @@ void TracyRest::Loosen(std::span<const uint32_t> left, TracyLists& lists) {
 void TracyRest::TestPairs(Executor* executor, std::span<const Aabb> boxes) {
   const auto pairs = kept_.pairs();
   overlaps_.EnsureDiscarding(pairs.size());
-  const size_t parts = PartCount(executor, pairs.size(), kLeastBoxesPerPart);
+  const size_t parts = PartCount(executor, pairs.size(), kPairsPerPartMin);
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(pairs.size(), part, parts, 64);
     for (size_t k = range.begin; k < range.end; ++k) {
       const OverlapPair& pair = pairs[k];
       const bool bound = (is_loose_[pair.a] | is_loose_[pair.b]) == 0;
-      overlaps_[k] = static_cast<uint8_t>(bound & Meet(boxes[pair.a], boxes[pair.b]));
+      overlaps_[k] = static_cast<uint8_t>(bound & ValidBoxesOverlap(boxes[pair.a], boxes[pair.b]));
     }
   });
 }
@@ -181,7 +184,7 @@ void TracyRest::Append(PairBuffer& out) const {
 }
 
 size_t TracyRest::native_bytes() const {
-  return margins_.capacity_bytes() + is_loose_.capacity_bytes() + left_.capacity_bytes() +
+  return margins_.capacity_bytes() + is_loose_.capacity_bytes() + outside_.capacity_bytes() +
          loose_.capacity_bytes() + kept_.capacity_bytes() + overlaps_.capacity_bytes() +
          loose_pairs_.capacity_bytes() + parts_.native_bytes();
 }

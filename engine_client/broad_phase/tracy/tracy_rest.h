@@ -1,12 +1,12 @@
-// What Tracy keeps while little moves: each box enlarged by a margin, and the pairs of enlarged
-// boxes that overlap.
+// The state that Tracy keeps while little moves: each box enlarged by a margin, and the overlapping
+// pairs of enlarged boxes.
 //
-// The lists then hold the enlarged boxes and stay as they are. A frame looks whether each box is
-// still within its margin and tests the kept pairs. A box that has left its margin is loose until
-// the next Start: it takes no part in the kept pairs and looks for partners in the lists by itself.
+// The lists hold the enlarged boxes and do not change. A frame checks whether each box is still
+// within its margin and tests the kept pairs. A box outside its margin is loose until the next
+// Start: its kept pairs are ignored, and it searches the lists itself.
 //
-// Not thread-safe. Owns its memory. Cost: Start about one frame of the lists; Step 6 ns per box,
-// 50 ns per loose one. Memory: 26 bytes per box and 9 per kept pair.
+// Not thread-safe. Owns its memory. Cost: Start about one frame of the lists; Step O(n + kept
+// pairs), and a search per loose box. Memory: 26 bytes per box and 9 per kept pair.
 #pragma once
 
 #include <cstddef>
@@ -24,26 +24,27 @@ namespace sweepstake {
 
 class TracyRest {
  public:
-  // Encloses the boxes in margins and brings `lists` to these. Returns the AABB checks.
+  // Encloses the boxes in margins and updates `lists` to these. Returns the number of AABB checks.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists);
-  // Takes the boxes of the next frame. False: so many are loose that it no longer pays, or there
-  // are more or fewer; `lists` needs an Update then. Adds the AABB checks made to `checks`.
-  // REQUIRES: a Start or Step before that returned true, on the same lists.
+  // Processes the boxes of the next frame and adds its AABB checks to `checks`. False if too many
+  // boxes are loose or their number has changed; `lists` then needs an Update. REQUIRES: the last
+  // call was Start or a Step that returned true, with the same lists.
   bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks);
-  // The overlapping pairs of the latest boxes.
+  // Appends the overlapping pairs of the latest boxes.
   void Append(PairBuffer& out) const;
 
   size_t native_bytes() const;
 
  private:
-  size_t MostLoose() const;
-  void Loosen(std::span<const uint32_t> left, TracyLists& lists);
+  size_t LooseCountMax() const;
+  void Loosen(std::span<const uint32_t> outside, TracyLists& lists);
   void TestPairs(Executor* executor, std::span<const Aabb> boxes);
 
-  AlignedBuffer<Aabb> margins_;  // per object; of a loose one all space, of an absent one none
+  // Per object: the enlarged box, all space for a loose box, NaN for an invalid one.
+  AlignedBuffer<Aabb> margins_;
   AlignedBuffer<uint8_t> is_loose_;
   size_t count_ = 0;
-  AlignedBuffer<uint32_t> left_;
+  AlignedBuffer<uint32_t> outside_;
   AlignedBuffer<uint32_t> loose_;
   size_t loose_count_ = 0;
   PairBuffer kept_;

@@ -8,12 +8,11 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
-#include "engine_client/broad_phase/grid/grid_classes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Row of each box in one grid, or `long_row`.
+// The row of each box in one grid, or `long_row` if the box does not fit its cells.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> RowOfBox(D d, const GroupGrid& grid, int32_t long_row,
                                                    V x, V y, V z, V side_x, V side_y, V side_z) {
@@ -25,6 +24,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> RowOfBox(D d, const GroupGrid& grid, i
                         hn::Set(di, long_row));
 }
 
+// FindMovedRows, a register of boxes at a time.
 size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* kept,
              uint32_t* moved, uint32_t* new_rows) {
   const HWY_FULL(float) d;
@@ -41,10 +41,11 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
     auto max_x = x;
     auto max_y = x;
     auto max_z = x;
-    const auto present = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
+    const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
     const auto side_x = hn::Sub(max_x, x);
     const auto side_y = hn::Sub(max_y, y);
     const auto side_z = hn::Sub(max_z, z);
+    // The row in the grid of the box's group.
     auto row = hn::Zero(di);
     if (grids.size() == 1) {
       row = RowOfBox(d, grids[0], long_row, x, y, z, side_x, side_y, side_z);
@@ -58,8 +59,8 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
             here, RowOfBox(d, grids[group], long_row, x, y, z, side_x, side_y, side_z), row);
       }
     }
-    row =
-        hn::IfThenElse(hn::RebindMask(di, present), row, hn::Set(di, static_cast<int32_t>(kNoRow)));
+    row = hn::IfThenElse(hn::RebindMask(di, valid), row, hn::Set(di, static_cast<int32_t>(kNoRow)));
+    // Lists the boxes whose row has changed.
     const auto inside = hn::FirstN(di, boxes.size() - at);
     const auto old = hn::LoadU(di, reinterpret_cast<const int32_t*>(kept + at));
     const auto changed = hn::And(inside, hn::Ne(row, old));
@@ -85,12 +86,12 @@ HWY_EXPORT(Moved);
 RowGrids::RowGrids(const GridPlan& plan) : choice(plan.choice()) {
   group_count = plan.grids().size() + 1;
   std::copy(plan.grids().begin(), plan.grids().end(), grids.begin());
-  std::copy_n(plan.looks_into(), group_count - 1, looks_into.begin());
-  GroupGrid& too_long = grids[group_count - 1];
-  too_long = GroupGrid();
-  too_long.first_cell = grids[group_count - 2].last_cell();
-  std::fill_n(too_long.reach, 3, std::numeric_limits<float>::max() / 2);
-  looks_into[group_count - 1] = (1U << (group_count - 1)) - 1;
+  std::copy_n(plan.searches(), group_count - 1, searches.begin());
+  GroupGrid& long_grid = grids[group_count - 1];
+  long_grid = GroupGrid();
+  long_grid.first_cell = grids[group_count - 2].last_cell();
+  std::fill_n(long_grid.reach, 3, std::numeric_limits<float>::max() / 2);
+  searches[group_count - 1] = (1U << (group_count - 1)) - 1;
   uint32_t row = 0;
   for (size_t group = 0; group < group_count; ++group) {
     GroupGrid& rows = row_grids[group];
@@ -103,8 +104,8 @@ RowGrids::RowGrids(const GridPlan& plan) : choice(plan.choice()) {
   }
 }
 
-size_t FindMoved(std::span<const Aabb> boxes, const RowGrids& grids, const uint32_t* rows,
-                 uint32_t* moved, uint32_t* new_rows) {
+size_t FindMovedRows(std::span<const Aabb> boxes, const RowGrids& grids, const uint32_t* rows,
+                     uint32_t* moved, uint32_t* new_rows) {
   return HWY_DYNAMIC_DISPATCH(Moved)(boxes, grids, rows, moved, new_rows);
 }
 

@@ -1,22 +1,22 @@
-// The frame path: what an engine calls each frame. Steps 2–6 of the one path (README).
+// The frame path, which an engine calls in each frame: steps 2–6 of the one path (README).
 //
 //   adaptive.BeginFrame();                     // executes a pending switch, only here
 //   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches
 //   ... narrow phase, solver, rendering ...
 //   adaptive.EndFrame({.frame_time_ns = dt});  // makes the sample, guards, hands it to the sink
 //
-// All calls on one thread, the frame thread, but SwitchMailbox::Post and what says "any thread".
-// None of them waits, locks, or (between switches and while the object count is steady) allocates;
-// the only system call is the clock. (With an executor the frame thread also waits for the parts of
-// its own search.) Ownership: the sink and the clock must outlive the object.
+// All calls are made on one thread, the frame thread, except SwitchMailbox::Post and those marked
+// "any thread". None of them waits, locks, or (between switches and while the object count is
+// steady) allocates; the only system call is the clock. With an executor the frame thread also
+// waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
 // Memory: an arm that has been active keeps its buffers, so that switching back is cheap;
-// native_bytes counts the active one alone. Errors: std::bad_alloc from FindPairs when a backend
-// runs out of memory; the next one builds anew.
+// native_bytes counts the active one alone. Errors: FindPairs throws std::bad_alloc if a backend
+// runs out of memory; the next call rebuilds.
 //
-// Where there is a core to spare, a shadow lane (shadow.h) measures the other arms on a thread of
-// its own, and prepares a switch: the command waits some frames, until the new arm's structure is
-// there (a warm switch), and is executed without one (a cold switch) where that takes over half a
-// second of frame time.
+// If there is a spare core, a shadow lane (shadow.h) measures the other arms on its own thread and
+// prepares switches: a command waits some frames until the new arm's structure exists (a warm
+// switch). If that takes more than half a second of frame time, the switch is executed without it
+// (a cold switch).
 #pragma once
 
 #include <atomic>
@@ -34,7 +34,7 @@
 
 namespace sweepstake {
 
-// Takes what the frame path produces. Called on the frame thread, but for OnShadow:
+// Receives what the frame path produces. All calls but OnShadow are made on the frame thread, where
 // implementations must not wait, lock or allocate.
 class FrameSink {
  public:
@@ -46,9 +46,9 @@ class FrameSink {
   virtual void OnShadow(const ShadowSample& /*sample*/) noexcept {}
 };
 
-// One switch command on its way to the frame thread; the latest wins, an older one not yet taken is
-// overwritten. Any thread posts, the frame thread takes; lock-free. Bounds: an arm over 255 counts
-// as 255, of the command id the lowest 48 bits are kept.
+// Passes one switch command to the frame thread; a newer command overwrites one that is not yet
+// taken. Any thread posts, the frame thread takes; lock-free. Bounds: an arm over 255 counts as
+// 255, and the lowest 48 bits of the command id are kept.
 class SwitchMailbox {
  public:
   void Post(const SwitchCommand& command) noexcept;
@@ -59,7 +59,7 @@ class SwitchMailbox {
   std::atomic<uint64_t> slot_{0};
 };
 
-// Time for the frame path, ns from any origin, never going back. Tests script it.
+// The frame path's clock: ns from any origin, monotonic. Tests script it.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -70,23 +70,22 @@ class Clock {
 Clock& SteadyClock();
 
 struct AdaptiveOptions {
-  std::vector<std::string> arms =
-      {};                        // names from BroadPhaseNames(); empty: all seven. 1–32, unique.
+  // Unique names from BroadPhaseNames(), at most 32. Empty: all.
+  std::vector<std::string> arms = {};
   std::string initial_arm = {};  // empty: the first
   Mode mode = Mode::kAi;
-  // A longer frame is a bail-out (paper §4); > 0. The daemon's welcome replaces it. With an
-  // embedded decider it stays, and the decider takes every frame that is flagged as over it for a
-  // bail-out.
+  // A longer frame is a bail-out (paper §4); > 0. The daemon's welcome message replaces it. An
+  // embedded decider keeps it and treats every frame that is flagged as over it as a bail-out.
   uint64_t bail_out_ns = 5'000'000'000;
-  // For the measured settling cost only; the daemon's welcome replaces it.
+  // Only for the measured settling cost; the daemon's welcome message replaces it.
   uint64_t settling_ns = 2'000'000'000;
-  // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: all
-  // work is done by the frame thread.
+  // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: the
+  // frame thread does all work.
   Executor* executor = nullptr;
   ShadowOptions shadow = {};
 };
 
-// What the engine knows about the frame it ends.
+// The engine's data about the frame that ends.
 struct FrameEnd {
   uint64_t frame_time_ns = 0;  // unscaled time since the previous EndFrame
   uint32_t flags = 0;          // kFramePaused, kFrameLoading
@@ -94,44 +93,45 @@ struct FrameEnd {
 
 class AdaptiveBroadPhase {
  public:
-  // kNotFound for an unknown arm, kInvalidArgument for the rest. `clock` and `sink` are borrowed;
-  // sink may be null. The shadow lane goes by SteadyClock() whatever `clock` is.
+  // kNotFound for an unknown arm, kInvalidArgument for other errors. `clock` and `sink` are
+  // borrowed; sink may be null. The shadow lane uses SteadyClock() whatever `clock` is.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options,
                                                             FrameSink* sink,
                                                             Clock& clock = SteadyClock());
   ~AdaptiveBroadPhase();
 
-  // Executes a pending switch: SelectArm's or the guard's at once, before the mailbox's, which is
-  // then refused. The mailbox's waits for the shadow lane where there is one, but for a bail-out's;
-  // a later command takes its place.
+  // Executes a pending switch. One from SelectArm or the guard is executed at once, and a command
+  // in the mailbox is then refused. A command from the mailbox waits for the shadow lane if there
+  // is one, unless it is a bail-out; a later command replaces it.
   void BeginFrame();
-  // Pairs of these boxes, valid until the next call. The count may change as in BroadPhase::Update.
-  // Once per frame; a frame without it (a paused game) has a sample without detection time.
+  // Returns the pairs of these boxes, valid until the next call. The count may change as in
+  // BroadPhase::Update. Call it once per frame; the sample of a frame without it (a paused game)
+  // has no detection time.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
-  // Makes the sample and hands it to the sink.
+  // Makes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 
-  // Manual choice, executed at the next BeginFrame; leaves the mode as it is. kNotFound lists the
-  // arms.
+  // Chooses an arm manually; executed at the next BeginFrame. The mode stays as it is. kNotFound
+  // lists the arms.
   Status SelectArm(std::string_view arm);
-  // In kManual commands from the mailbox with any reason but kManual are refused, and the guard
-  // does not switch.
+  // In kManual, commands from the mailbox with any other reason than kManual are refused, and the
+  // guard does not switch.
   void SetMode(Mode mode);
 
-  // Says whether a decider is there to answer a bail-out. While it is not, the guard switches by
-  // itself: to the arm with the highest posterior mean of the latest snapshot, else to the next arm
-  // in order. Any thread.
+  // Says whether a decider is present to answer a bail-out. Without one the guard switches: to the
+  // arm with the highest posterior mean of the latest snapshot, or to the next arm in order if
+  // there is no snapshot. Any thread.
   void SetDeciderPresent(bool present);
-  // Posterior means in the order of arms, for that case. Any thread; latest wins.
+  // The posterior means for that case, in the order of arms. Any thread; the latest call wins.
   void SetPosteriorMeans(std::span<const double> means);
-  // The settling time in force, from the decider's welcome. Any thread.
+  // Sets the settling time from the decider's welcome message. Any thread.
   void SetSettling(uint64_t settling_ns);
-  // The bail-out limit in force, from the decider's welcome; 0 is ignored. Any thread.
+  // Sets the bail-out limit from the decider's welcome message; 0 is ignored. Any thread.
   void SetBailOutLimit(uint64_t limit_ns);
 
-  // What the decider says about the scene, from its latest snapshot. Any thread; latest wins.
+  // Sets the decider's verdict about the scene. Any thread; the latest call wins.
   void SetVerdict(const SceneVerdict& verdict);
-  // That verdict, for the game to react to: kUnknown before the first. Any thread; lock-free.
+  // That verdict; kUnknown before the first. Any thread; lock-free.
   SceneVerdict verdict() const;
 
   SwitchMailbox& mailbox();
@@ -139,15 +139,15 @@ class AdaptiveBroadPhase {
   Mode mode() const;
   uint32_t active_arm() const;
   uint32_t switch_epoch() const;
-  // Why the latest executed switch was made; kPolicy before the first. Frame thread.
+  // The reason of the latest executed switch; kPolicy before the first. Frame thread.
   SwitchReason last_switch_reason() const;
-  // Fixed since Create.
+  // Does not change after Create.
   std::span<const std::string> arms() const;
-  // Version of each arm's backend, in the order of arms.
+  // The version of each arm's backend, in the order of arms.
   std::span<const uint32_t> arm_versions() const;
   // The sample of the last EndFrame.
   const FrameSample& last_sample() const;
-  // What the shadow lane has done. Any thread.
+  // The shadow lane's state and counters. Any thread.
   ShadowStats shadow_stats() const;
 
  private:

@@ -1,4 +1,4 @@
-// What one frame cost (paper §4: FPS, DET, MEM, CHK, and what is needed to judge them). Plain data.
+// The cost of one frame (paper §4: FPS, DET, MEM, CHK, and the context of these). Plain data.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@ namespace sweepstake {
 
 // Bits of FrameSample::flags; the same values as sweepstake.v1.FrameFlag.
 enum FrameFlag : uint32_t {
-  kFrameRebuild = 1,  // the backend's structure was built anew
+  kFrameRebuild = 1,  // the backend's structure was rebuilt
   kFramePaused = 2,   // the game was paused or in the background
   kFrameLoading = 4,  // a scene was loading
   kFrameBailOut = 8,  // over the bail-out limit
@@ -30,7 +30,7 @@ struct FrameSample {
 static_assert(sizeof(FrameSample) == 64);
 static_assert(std::is_trivially_copyable_v<FrameSample>);
 
-// What the scene looks like to a broad phase; a negative value was not measured.
+// The properties of a scene that matter to a broad phase; a negative value was not measured.
 struct SceneDescriptor {
   float object_count = -1;
   float density_ratio = -1;     // sum of AABB volumes ÷ volume of their common bounds
@@ -38,18 +38,18 @@ struct SceneDescriptor {
   float speed_mean = -1;        // world units per frame
   float speed_spread = -1;      // standard deviation of the speed
   float clustering_ratio = -1;  // variance ÷ mean of object counts over equal cells; 1 is uniform
-  float static_ratio = -1;      // share of objects that did not move
+  float static_ratio = -1;      // fraction of objects that did not move
 };
 
 // Bits of ShadowSample::flags; the same values as sweepstake.v1.ShadowFlag.
 enum ShadowFlag : uint32_t {
   kShadowActive = 1,  // the arm that was active on the frame thread
-  kShadowCapped = 2,  // stopped at the lane's time cap: the times are those of what ran until then
+  kShadowCapped = 2,  // ended at the lane's time cap: the times are those of the frames until then
 };
 
-// One visit of the shadow lane: what an arm cost off the frame thread, on copies of consecutive
+// One visit of the shadow lane: the cost of an arm off the frame thread, on copies of consecutive
 // frames' boxes. Visits with the same first_frame_index were measured on the same frames and form a
-// sweep; the arm that was active then is measured along with the others.
+// sweep; it includes the arm that was active then.
 struct ShadowSample {
   uint64_t first_frame_index;
   uint64_t detection_time_ns;  // median over the measured frames: update and search
@@ -76,30 +76,30 @@ struct SwitchCommand {
   SwitchReason reason = SwitchReason::kPolicy;
 };
 
-// What the decider's beliefs say about the scene; the same values as sweepstake.v1.Verdict.
+// The decider's conclusion about the scene; the same values as sweepstake.v1.Verdict.
 enum class Verdict : uint32_t {
   kUnknown = 0,    // nothing learnt yet
   kStable = 1,     // one arm is the best with a probability of 0.8 or more
-  kTie = 2,        // several arms are as good as equal: choosing the leader loses 0.5 % or less
-  kAmbiguous = 3,  // it is not known which arm is the best, and it matters
+  kTie = 2,        // several arms are nearly equal: choosing the leader loses 0.5 % or less
+  kAmbiguous = 3,  // the best arm is not known, and the choice matters
   kDegraded = 4,   // even the best arm misses the frame-rate floor
 };
 
-// The verdict with what it is about.
+// The verdict with the leading arm.
 struct SceneVerdict {
   Verdict verdict = Verdict::kUnknown;
-  uint32_t leader_arm = 0;        // the best most probably; 0 while nothing is known
-  double leader_probability = 0;  // that it is, 0–1, to seven digits
+  uint32_t leader_arm = 0;        // most probably the best; 0 while nothing is known
+  double leader_probability = 0;  // of being the best, 0–1, to seven digits
 };
 
-// How a switch went.
+// The outcome of a switch.
 struct SwitchOutcome {
   uint64_t command_id = 0;
   uint32_t arm = 0;
   uint32_t switch_epoch = 0;
   uint64_t rebuild_time_ns = 0;  // on the frame thread; 0: built beforehand
-  uint64_t settling_cost_ns =
-      0;  // frame time above the settled mean, summed over the settling frames
+  // Frame time above the settled mean, summed over the settling frames.
+  uint64_t settling_cost_ns = 0;
   SwitchReason reason = SwitchReason::kPolicy;
   uint32_t executed = 0;  // 0: refused (no such arm, or already active)
 };

@@ -1,7 +1,7 @@
-// The shadow lane: a worker thread that measures the arms that are not active on copies of the
-// frames' boxes, so that they become known without being shown to the player, and that prepares the
-// next arm before a switch, so that the switching frame is an ordinary one. Plain data: its options
-// and what it has done (AdaptiveBroadPhase::shadow_stats).
+// The shadow lane: a worker thread that measures the inactive arms on copies of the frames' boxes,
+// so that their costs are known without running them in the game's frames, and that prepares the
+// next arm before a switch, so that the switching frame takes no longer than others. Plain data:
+// its options and its counters (AdaptiveBroadPhase::shadow_stats).
 #pragma once
 
 #include <cstdint>
@@ -17,33 +17,34 @@ enum class ShadowMode : uint32_t {
 
 struct ShadowOptions {
   ShadowMode enabled = ShadowMode::kAuto;
-  // Share of the worker's time that visits and preparations take in the long run; over 0, at most
-  // 1. The first sweep over all arms is made at once.
+  // The fraction of the worker's time that visits and preparations take in the long run; over 0, at
+  // most 1. The first sweep over all arms is made at once.
   double duty_ratio = 0.15;
-  // Most memory of the lane: half for copied boxes, half for structures. Fewer frames are copied
-  // where they do not fit, none where not even four do: 250,000 objects with the default.
+  // Maximum memory of the lane: half for copied boxes, half for structures. If the frames do not
+  // fit, fewer are copied, and none if not even four fit (from 250,000 objects on with the
+  // default).
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;
   // A visit of an arm ends with the frame that reaches it; > 0.
   uint64_t visit_cap_ns = 250'000'000;
-  // Least time from sweep to sweep.
+  // Minimum time between sweeps.
   uint64_t sweep_interval_min_ns = 250'000'000;
 };
 
-// Why the lane does what it does. Values are stable: the C ABI has the same ones.
+// The lane's state and its reason. Values are stable: the C ABI has the same ones.
 enum class ShadowState : uint32_t {
-  kOff = 0,          // as asked for
+  kOff = 0,          // as the options say
   kOneArm = 1,       // off: there is nothing to compare
-  kNoSpareCore = 2,  // off: the machine has one core, or the executor uses all
+  kNoSpareCore = 2,  // off: the machine has one core, or the executor uses all cores
   kPaused = 3,       // in manual mode
   kRunning = 4,
-  kTooBig = 5,  // the scene does not fit in the memory cap; looked at again every second
+  kTooBig = 5,  // the scene does not fit in the memory cap; tried again every second
 };
 
-// Since the session began. Times in ns. Values of one moment, or of moments close together.
+// Counters since the session began; times in ns. Fields may be from slightly different moments.
 struct ShadowStats {
   ShadowState state = ShadowState::kOff;
   uint64_t sweep_count = 0;
-  uint64_t visit_count = 0;         // of one arm each
+  uint64_t visit_count = 0;         // each to one arm
   uint64_t capped_visit_count = 0;  // of these, those that ended at a cap
   uint64_t busy_time_ns = 0;        // visits and preparations
   uint64_t memory_bytes = 0;        // copied boxes and structures, now

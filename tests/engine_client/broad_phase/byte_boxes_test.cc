@@ -76,7 +76,7 @@ TEST(ByteBoxes, AreTheSameFromRecordsById) {
   const auto boxes = scene.boxes();
   const CoordinateRange range = CoordinateRange::Sample(boxes);
   std::vector<BoxRecord> records(101, kAbsentBox);
-  TakeRecords(boxes, records.data());
+  StoreRecords(boxes, records.data());
   ByteBoxes own;
   ByteBoxes borrowing;
   own.Resize(100, true);

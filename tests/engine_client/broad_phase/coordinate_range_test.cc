@@ -63,7 +63,7 @@ TEST(CoordinateRange, IsFiniteInEveryScene) {
       const CoordinateRange range = CoordinateRange::Sample(scene.boxes());
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_TRUE(std::isfinite(range.low[axis]) && std::isfinite(range.width(axis))) << kind;
-        EXPECT_GE(range.width(axis), CoordinateRange::kNarrowest) << kind;
+        EXPECT_GE(range.width(axis), CoordinateRange::kWidthMin) << kind;
       }
     }
   }

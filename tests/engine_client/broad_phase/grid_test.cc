@@ -71,7 +71,7 @@ TEST(GridMeasure, CountsOnlyBoxesThatTakePart) {
   EXPECT_EQ(measure.low[0], 0) << "half coordinates";
   EXPECT_EQ(measure.high[0], 0.5F);
   EXPECT_EQ(measure.high[2], 4.5F);
-  EXPECT_EQ(measure.shapes[0].longest[2], 1.5F);
+  EXPECT_EQ(measure.shapes[0].max_side[2], 1.5F);
 }
 
 TEST(GridMeasure, TellsShapesApartAxisByAxis) {
@@ -92,7 +92,7 @@ TEST(GridMeasure, JoinsPartsToTheWhole) {
   EXPECT_EQ(joined.high[2], whole.high[2]);
   for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
     EXPECT_EQ(joined.shapes[k].count, whole.shapes[k].count);
-    EXPECT_EQ(joined.shapes[k].longest[0], whole.shapes[k].longest[0]);
+    EXPECT_EQ(joined.shapes[k].max_side[0], whole.shapes[k].max_side[0]);
   }
 }
 
@@ -131,9 +131,9 @@ TEST(GridPlan, HasOneGridForBoxesOfOneSize) {
 TEST(GridPlan, GivesNeedlesOfEachDirectionAGridOfTheirOwn) {
   const GridPlan plan = PlanFor(Needles(3000));
   EXPECT_EQ(plan.grids().size(), 3U);
-  int looks = 0;
-  for (size_t g = 0; g < 3; ++g) looks += std::popcount(plan.looks_into()[g]);
-  EXPECT_EQ(looks, 3) << "of each two groups one looks";
+  int searches = 0;
+  for (size_t g = 0; g < 3; ++g) searches += std::popcount(plan.searches()[g]);
+  EXPECT_EQ(searches, 3) << "of each two groups one searches";
 }
 
 TEST(GridPlan, IsNotCoarsenedByOneHugeBox) {

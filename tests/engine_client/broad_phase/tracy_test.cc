@@ -42,7 +42,7 @@ uint32_t RowOf(const Aabb& box, const RowGrids& grids) {
   const std::vector<uint32_t> kept(1 + SoaBoxes::kPadding, 0xFFFFFF00);
   std::vector<uint32_t> moved(1 + SoaBoxes::kPadding);
   std::vector<uint32_t> rows(1 + SoaBoxes::kPadding);
-  EXPECT_EQ(FindMoved({&box, 1}, grids, kept.data(), moved.data(), rows.data()), 1U);
+  EXPECT_EQ(FindMovedRows({&box, 1}, grids, kept.data(), moved.data(), rows.data()), 1U);
   return rows[0];
 }
 
@@ -71,11 +71,11 @@ TEST(RowGrids, ListOnlyBoxesWhoseRowHasChanged) {
   std::vector<uint32_t> kept(100 + SoaBoxes::kPadding, kNoRow);
   std::vector<uint32_t> moved(100 + SoaBoxes::kPadding);
   std::vector<uint32_t> rows(100 + SoaBoxes::kPadding);
-  ASSERT_EQ(FindMoved(boxes, grids, kept.data(), moved.data(), rows.data()), 100U);
+  ASSERT_EQ(FindMovedRows(boxes, grids, kept.data(), moved.data(), rows.data()), 100U);
   std::copy_n(rows.begin(), 100, kept.begin());
-  EXPECT_EQ(FindMoved(boxes, grids, kept.data(), moved.data(), rows.data()), 0U);
+  EXPECT_EQ(FindMovedRows(boxes, grids, kept.data(), moved.data(), rows.data()), 0U);
   boxes[61] = CubeAt(-40, -40, -40, 200);
-  EXPECT_EQ(FindMoved(boxes, grids, kept.data(), moved.data(), rows.data()), 1U);
+  EXPECT_EQ(FindMovedRows(boxes, grids, kept.data(), moved.data(), rows.data()), 1U);
   EXPECT_EQ(moved[0], 61U);
 }
 
