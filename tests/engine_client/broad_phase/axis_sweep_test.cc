@@ -11,8 +11,8 @@ namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
-using test_support::Verdict;
 
 Aabb UnitBoxAt(float x) { return {{x, 0, 0}, {x + 1, 1, 1}}; }
 
@@ -155,7 +155,7 @@ class AxisSweepOverFrames : public testing::Test {
  protected:
   void Expect(std::span<const Aabb> boxes) {
     backend_->Update(boxes);
-    EXPECT_EQ(Verdict(*backend_, boxes, pairs_), "");
+    EXPECT_EQ(FindPairsError(*backend_, boxes, pairs_), "");
   }
 
   std::unique_ptr<BroadPhase> backend_ = MakeOrThrow("AxisSweep");

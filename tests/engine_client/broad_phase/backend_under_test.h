@@ -18,9 +18,9 @@ inline std::unique_ptr<BroadPhase> MakeOrThrow(std::string_view name) {
   return std::move(*made);
 }
 
-// What is wrong with the pairs the backend finds now, which replace those of `pairs`; empty when
-// nothing is.
-inline std::string Verdict(BroadPhase& backend, std::span<const Aabb> boxes, PairBuffer& pairs) {
+// Replaces `pairs` by what the backend finds now, and returns what is wrong with them, or nothing.
+inline std::string FindPairsError(BroadPhase& backend, std::span<const Aabb> boxes,
+                                  PairBuffer& pairs) {
   pairs.Clear();
   backend.FindPairs(pairs);
   return PairDifference(pairs.pairs(), ScalarPairs(boxes));

@@ -16,8 +16,8 @@ namespace {
 
 using test_support::BoxScene;
 using test_support::BoxSceneKinds;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
-using test_support::Verdict;
 
 std::string ParameterName(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
@@ -43,7 +43,7 @@ TEST_P(EveryBackendInEveryScene, FindsEachOverlappingPairOnceInEachFrame) {
     BoxScene scene(kind_, count, 1000 + count);
     backend_->Build(scene.boxes());
     for (int frame = 0; frame < 16; ++frame) {
-      ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "")
+      ASSERT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "")
           << "of " << count << " boxes in frame " << frame;
       scene.Step();
       backend_->Update(scene.boxes());
@@ -57,7 +57,7 @@ TEST_P(EveryBackendInEveryScene, IsRightWhenTheCountChangesEveryFrame) {
   for (int frame = 0; frame < 40; ++frame) {
     const auto boxes = scene.boxes().first(random.Below(301));
     backend_->Build(boxes);
-    ASSERT_EQ(Verdict(*backend_, boxes, pairs_), "")
+    ASSERT_EQ(FindPairsError(*backend_, boxes, pairs_), "")
         << "of " << boxes.size() << " boxes in frame " << frame;
     scene.Step();
   }
@@ -71,7 +71,7 @@ TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
       scene.Step();
       backend_->Update(scene.boxes());
     }
-    ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "") << "in round " << round;
+    ASSERT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "") << "in round " << round;
     scene.Step();
     backend_->Update(scene.boxes());
   }
@@ -142,7 +142,7 @@ TEST_P(EveryBackend, IsRightInMixturesFromManySeeds) {
     BoxScene scene("mixture", 20 + 7 * seed, seed);
     backend_->Build(scene.boxes());
     for (int frame = 0; frame < 12; ++frame) {
-      ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "")
+      ASSERT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "")
           << "with seed " << seed << " in frame " << frame;
       scene.Step();
       backend_->Update(scene.boxes());
@@ -157,7 +157,8 @@ TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
     for (const std::string_view next : BoxSceneKinds()) {
       const BoxScene other(next, 120, 4);
       backend_->Update(other.boxes());
-      ASSERT_EQ(Verdict(*backend_, other.boxes(), pairs_), "") << "from " << kind << " to " << next;
+      ASSERT_EQ(FindPairsError(*backend_, other.boxes(), pairs_), "")
+          << "from " << kind << " to " << next;
     }
   }
 }
@@ -168,7 +169,7 @@ TEST_P(EveryBackend, IsRightThroughTwoRoundsOfTheRegimesOfEveryChangingScene) {
     const auto scene = MakeChangingScene(name, 200, 8, kRegimeFrames);
     backend_->Build(scene->aabbs());
     for (int frame = 0; frame < 72; ++frame) {
-      ASSERT_EQ(Verdict(*backend_, scene->aabbs(), pairs_), "") << "in " << name << frame;
+      ASSERT_EQ(FindPairsError(*backend_, scene->aabbs(), pairs_), "") << "in " << name << frame;
       scene->Step();
       backend_->Update(scene->aabbs());
     }
@@ -179,7 +180,7 @@ TEST_P(EveryBackend, IsRightOverALongRunOfThreeHundredFrames) {
   BoxScene scene("brownian", 200, 12);
   backend_->Build(scene.boxes());
   for (int frame = 0; frame < 300; ++frame) {
-    ASSERT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "") << "in frame " << frame;
+    ASSERT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "") << "in frame " << frame;
     scene.Step();
     backend_->Update(scene.boxes());
   }
@@ -192,7 +193,7 @@ TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
     for (const size_t count : {101, 100, 130, 130, 400, 399, 90, 0, 1, 17, 300, 0, 0, 250}) {
       scene.Step();
       backend_->Update(scene.boxes().first(count));
-      ASSERT_EQ(Verdict(*backend_, scene.boxes().first(count), pairs_), "")
+      ASSERT_EQ(FindPairsError(*backend_, scene.boxes().first(count), pairs_), "")
           << "in " << kind << " with " << count << " objects";
     }
   }
@@ -228,7 +229,7 @@ TEST_P(EveryBackend, IsRightWhenARestingBoxBreaksAndMends) {
     if (frame % 40 >= 20) std::swap(boxes[7].min[frame % 3], boxes[7].max[frame % 3]);
     if (frame % 40 >= 30) boxes[7].max[1] = nan;
     backend_->Update(boxes);
-    ASSERT_EQ(Verdict(*backend_, boxes, pairs_), "") << "in frame " << frame;
+    ASSERT_EQ(FindPairsError(*backend_, boxes, pairs_), "") << "in frame " << frame;
   }
 }
 
@@ -245,11 +246,11 @@ TEST_P(EveryBackend, AppendsToWhatTheBufferHolds) {
 TEST_P(EveryBackend, FindsAllPairsOfCoincidentBoxes) {
   BoxScene scene("all-coincident", 1000, 1);
   backend_->Build(scene.boxes());
-  EXPECT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "");
+  EXPECT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "");
   EXPECT_EQ(pairs_.size(), 1000U * 999 / 2);
   scene.Step();
   backend_->Update(scene.boxes());
-  EXPECT_EQ(Verdict(*backend_, scene.boxes(), pairs_), "");
+  EXPECT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "");
 }
 
 // Every way in which two intervals can lie, on three axes at once.
@@ -266,7 +267,7 @@ TEST_P(EveryBackend, AgreesWithTheDefinitionOnAllPositionsOfTwoBoxes) {
     }
   }
   backend_->Build(boxes);
-  EXPECT_EQ(Verdict(*backend_, boxes, pairs_), "");
+  EXPECT_EQ(FindPairsError(*backend_, boxes, pairs_), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(, EveryBackend,

@@ -17,11 +17,11 @@ namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::PairDifference;
 using test_support::Random;
 using test_support::ScalarPairs;
-using test_support::Verdict;
 
 Aabb RandomBox(Random& random) {
   Aabb box{};
@@ -374,7 +374,7 @@ TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
     }
     boxes.resize(400 - static_cast<size_t>(frame % 7));
     backend->Update(boxes);
-    ASSERT_EQ(Verdict(*backend, boxes, pairs), "") << "in frame " << frame;
+    ASSERT_EQ(FindPairsError(*backend, boxes, pairs), "") << "in frame " << frame;
   }
 }
 
@@ -383,11 +383,11 @@ TEST(Dbvt, ShowsNothingOfItsMargins) {
   PairBuffer pairs;
   std::vector<Aabb> boxes = {{{0, 0, 0}, {1, 1, 1}}, {{1.001F, 0, 0}, {2, 1, 1}}};
   backend->Build(boxes);
-  EXPECT_EQ(Verdict(*backend, boxes, pairs), "");
+  EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
   EXPECT_TRUE(pairs.empty());
   boxes[1].min[0] = 1;
   backend->Update(boxes);
-  EXPECT_EQ(Verdict(*backend, boxes, pairs), "");
+  EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
   EXPECT_EQ(pairs.size(), 1U);
 }
 

@@ -19,9 +19,9 @@ namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::Random;
-using test_support::Verdict;
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -47,7 +47,7 @@ uint64_t ChecksFor(const std::vector<Aabb>& boxes) {
   const auto grid = MakeOrThrow("Grid");
   PairBuffer pairs;
   grid->Build(boxes);
-  EXPECT_EQ(Verdict(*grid, boxes, pairs), "");
+  EXPECT_EQ(FindPairsError(*grid, boxes, pairs), "");
   return grid->aabb_check_count();
 }
 

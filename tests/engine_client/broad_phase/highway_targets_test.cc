@@ -10,8 +10,8 @@ namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
-using test_support::Verdict;
 
 class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
  protected:
@@ -27,7 +27,7 @@ class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
       const auto backend = MakeOrThrow(GetParam());
       backend->Build(scene.boxes());
       for (int frame = 0; frame < 6; ++frame) {
-        const std::string verdict = Verdict(*backend, scene.boxes(), pairs_);
+        const std::string verdict = FindPairsError(*backend, scene.boxes(), pairs_);
         if (!verdict.empty()) return std::string(kind) + ": " + verdict;
         scene.Step();
         backend->Update(scene.boxes());

@@ -13,8 +13,8 @@ namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
-using test_support::Verdict;
 
 constexpr size_t kCount = 1000;
 
@@ -33,7 +33,7 @@ class RestingTracy : public testing::Test {
   }
   void Check(const std::string& when) {
     backend_->Update(boxes_);
-    ASSERT_EQ(Verdict(*backend_, boxes_, pairs_), "") << when;
+    ASSERT_EQ(FindPairsError(*backend_, boxes_, pairs_), "") << when;
   }
   void StepAndCheck(const std::string& when) {
     Step();
@@ -110,7 +110,7 @@ TEST(Tracy, KeepsNoPairsWhereTheyAreTooMany) {
   PairBuffer pairs;
   backend->Build(scene.boxes());
   for (int frame = 0; frame < 6; ++frame) {
-    EXPECT_EQ(Verdict(*backend, scene.boxes(), pairs), "");
+    EXPECT_EQ(FindPairsError(*backend, scene.boxes(), pairs), "");
     backend->Update(scene.boxes());
   }
   EXPECT_LE(backend->native_bytes(), kCount * 500);

@@ -16,10 +16,10 @@ namespace sweepstake {
 namespace {
 
 using test_support::BoxScene;
+using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::PairDifference;
 using test_support::ScalarPairs;
-using test_support::Verdict;
 
 Aabb CubeAt(float x, float y, float z, float side) {
   return {{x, y, z}, {x + side, y + side, z + side}};
@@ -158,7 +158,7 @@ TEST(Tracy, FollowsABoxAcrossTheCells) {
   boxes[17] = CubeAt(-1, 4, 4, 0.9F);
   backend->Build(boxes);
   for (int frame = 0; frame < 60; ++frame) {
-    ASSERT_EQ(Verdict(*backend, boxes, pairs), "") << "in frame " << frame;
+    ASSERT_EQ(FindPairsError(*backend, boxes, pairs), "") << "in frame " << frame;
     const float at = static_cast<float>(frame) * 0.2F - 1;
     boxes[17] = CubeAt(at, 4 + at / 3, 4, 0.9F);
     backend->Update(boxes);
@@ -173,7 +173,7 @@ TEST(Tracy, ReportsAPairThatSharesManyCellsOnce) {
   boxes[2] = CubeAt(0.5F, 1, 2, 5);
   boxes[3] = CubeAt(0.5F, 1, 2, 5);
   backend->Build(boxes);
-  EXPECT_EQ(Verdict(*backend, boxes, pairs), "");
+  EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
 }
 
 TEST(Tracy, TakesABackWhoLeftAndReturnedBeforeItsPairsWereAskedFor) {
@@ -188,7 +188,7 @@ TEST(Tracy, TakesABackWhoLeftAndReturnedBeforeItsPairsWereAskedFor) {
     backend->Update(boxes);
     boxes[5] = home;
     backend->Update(boxes);
-    EXPECT_EQ(Verdict(*backend, boxes, pairs), "");
+    EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
   }
 }
 
@@ -197,11 +197,11 @@ TEST(Tracy, TestsABoxThatHasOutgrownItsCellsAgainstAll) {
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
   backend->Build(boxes);
-  EXPECT_EQ(Verdict(*backend, boxes, pairs), "");
+  EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
   const uint64_t before = backend->aabb_check_count();
   boxes[9] = CubeAt(-50, -50, -50, 100);
   backend->Update(boxes);
-  EXPECT_EQ(Verdict(*backend, boxes, pairs), "");
+  EXPECT_EQ(FindPairsError(*backend, boxes, pairs), "");
   EXPECT_GE(backend->aabb_check_count() + 100, before + 3000);
   EXPECT_LE(backend->aabb_check_count(), before + 4 * 3000);
 }

@@ -319,5 +319,15 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
             StatusCode::kInvalidArgument);
 }
 
+TEST(EmbeddedDeciderCreate, KnowsNoAblationOfTheLaboratory) {
+  EmbeddedOptions options;
+  options.policy = "adaptive-without-shadow";
+  const Status status = EmbeddedDecider::Create(options, kArms, kVersions, 0).status();
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("unknown policy"));
+  EXPECT_THAT(status.message(), HasSubstr("paper-one-draw"));
+  EXPECT_THAT(status.message(), testing::Not(HasSubstr("adaptive-without-gate")));
+}
+
 }  // namespace
 }  // namespace sweepstake

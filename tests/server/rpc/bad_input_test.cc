@@ -257,6 +257,15 @@ TEST(MessageValidationTest, AnUnknownPolicyIsAnsweredWithTheKnownOnes) {
   EXPECT_THAT(std::string(CheckHello(hello).message()), HasSubstr("paper"));
 }
 
+TEST(MessageValidationTest, AnAblationOfTheLaboratoryIsAnUnknownPolicy) {
+  v1::Hello hello = HelloMessage();
+  hello.set_policy("adaptive-without-shadow");
+  const std::string message(CheckHello(hello).message());
+  EXPECT_THAT(message, HasSubstr("unknown policy"));
+  EXPECT_THAT(message, HasSubstr("paper-one-draw"));
+  EXPECT_THAT(message, testing::Not(testing::HasSubstr("adaptive-without-gate")));
+}
+
 TEST(MessageValidationTest, ARequestThatBreaksTheContractIsInvalid) {
   using Spoil = std::function<void(v1::StreamTelemetryRequest&)>;
   const std::vector<std::pair<const char*, Spoil>> cases = {
