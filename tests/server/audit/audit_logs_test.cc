@@ -2,6 +2,7 @@
 // again bit for bit on every platform that these tests run on.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -14,7 +15,8 @@ namespace {
 class AuditLogOfARealGame : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(AuditLogOfARealGame, IsDerivedAgainBitForBit) {
-  const std::string path = std::string(SWEEPSTAKE_LOGS_DIR) + "/" + GetParam() + ".csv";
+  const std::filesystem::path path =
+      std::filesystem::path(SWEEPSTAKE_LOGS_DIR) / (GetParam() + ".csv");
   std::ifstream file(path, std::ios::binary);
   ASSERT_TRUE(file) << path;
   const std::string csv{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

@@ -12,6 +12,7 @@
 #include <bit>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -190,7 +191,7 @@ class ScriptedGame {
   std::optional<SwitchCommand> command_;
 };
 
-std::string ReadFile(const std::string& path) {
+std::string ReadFile(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
@@ -203,18 +204,15 @@ std::string FirstDifference(const std::string& expected, const std::string& actu
   std::string line_b;
   for (int number = 1; std::getline(a, line_a) && std::getline(b, line_b); ++number) {
     if (line_a == line_b) continue;
-    return std::string("line ")
-        .append(std::to_string(number))
-        .append(":\n")
-        .append(line_a)
-        .append("\n")
-        .append(line_b);
+    std::ostringstream text;
+    text << "line " << number << ":\n" << line_a << '\n' << line_b;
+    return text.str();
   }
   return "one log is longer than the other";
 }
 
 void ExpectGolden(const std::string& file, const std::string& actual) {
-  const std::string path = std::string(SWEEPSTAKE_GOLDEN_DIR) + "/" + file;
+  const std::filesystem::path path = std::filesystem::path(SWEEPSTAKE_GOLDEN_DIR) / file;
   if (const char* update = std::getenv("SWEEPSTAKE_UPDATE_GOLDEN");
       update && std::string_view(update) == "1") {
     std::ofstream(path, std::ios::binary) << actual;
