@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
