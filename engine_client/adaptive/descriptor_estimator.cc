@@ -82,7 +82,7 @@ void DescriptorEstimator::StoreSample(std::span<const Aabb> boxes) {
   for (uint32_t i = 0; i < kObjectsPerStep; ++i) {
     step_index_[i] = NextIndex(object_count_);
     step_box_[i] = boxes[step_index_[i]];
-    if (TakesPart(step_box_[i])) AddShape(step_box_[i]);
+    if (IsValid(step_box_[i])) AddShape(step_box_[i]);
   }
 }
 
@@ -91,7 +91,7 @@ void DescriptorEstimator::MeasureMotion(std::span<const Aabb> boxes) {
   for (uint32_t i = 0; i < kObjectsPerStep; ++i) {
     const Aabb& before = step_box_[i];
     const Aabb& now = boxes[step_index_[i]];
-    if (!TakesPart(before) || !TakesPart(now)) continue;
+    if (!IsValid(before) || !IsValid(now)) continue;
     speed_.Add(CentreDistance(before, now));
     static_count_ += before == now ? 1 : 0;
   }

@@ -69,7 +69,7 @@ Status CheckLayout(int32_t layout, int32_t reserved) {
 
 Status CheckWorld(const Aabb& world) {
   if (!IsFinite(world)) return Broken("the world bounds are not finite");
-  if (!TakesPart(world)) return Broken("the world bounds are inverted");
+  if (!IsValid(world)) return Broken("the world bounds are inverted");
   return {};
 }
 

@@ -50,7 +50,7 @@ HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) {
   const auto max = hn::ShiftRightLanes<1>(d, hn::LoadU(d, box.min + 2));
   const auto finite = hn::And(hn::Ge(min, hn::Neg(limit)), hn::Le(max, limit));
   if (HWY_UNLIKELY(!hn::AllTrue(d, hn::And(finite, hn::Le(min, max))))) {
-    record = kAbsentBox;
+    record = kInvalidRecord;
     return;
   }
   hn::Store(min, d, record.min);

@@ -18,7 +18,7 @@ size_t CollectMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint3
   for (size_t i = 0; i < boxes.size(); ++i) {
     BoxRecord record;
     StoreRecord(boxes[i], record);
-    moved[count] = static_cast<uint32_t>(i) | (record.min[0] == kFarthest ? kMovedAway : 0);
+    moved[count] = static_cast<uint32_t>(i) | (record.min[0] == kInfinity ? kBecameInvalid : 0);
     count += RecordsAreEqual(record, records[i]) ? 0 : 1;
   }
   return count;

@@ -10,8 +10,8 @@
 
 namespace sweepstake {
 
-// The fourth element is 0, so that it passes every comparison. A box that is not valid (TakesPart
-// in aabb.h) becomes kAbsentBox, which overlaps nothing.
+// The fourth element is 0, so that it passes every comparison. An invalid box (aabb.h) becomes
+// kInvalidRecord, which overlaps nothing.
 struct alignas(32) BoxRecord {
   float min[4];
   float max[4];
@@ -19,25 +19,26 @@ struct alignas(32) BoxRecord {
   friend bool operator==(const BoxRecord&, const BoxRecord&) = default;
 };
 
-inline constexpr float kFarthest = std::numeric_limits<float>::infinity();
-inline constexpr BoxRecord kAbsentBox = {{kFarthest, kFarthest, kFarthest, 0},
-                                         {-kFarthest, -kFarthest, -kFarthest, 0}};
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+inline constexpr BoxRecord kInvalidRecord = {{kInfinity, kInfinity, kInfinity, 0},
+                                             {-kInfinity, -kInfinity, -kInfinity, 0}};
 
 // An invalid box that overlaps nothing and lies inside every box.
-inline constexpr Aabb kInvalidAabb = {{kFarthest, kFarthest, kFarthest},
-                                      {-kFarthest, -kFarthest, -kFarthest}};
+inline constexpr Aabb kInvalidAabb = {{kInfinity, kInfinity, kInfinity},
+                                      {-kInfinity, -kInfinity, -kInfinity}};
 
 inline BoxRecord RecordOf(const Aabb& box) {
-  if (!TakesPart(box)) return kAbsentBox;
+  if (!IsValid(box)) return kInvalidRecord;
   return {{box.min[0], box.min[1], box.min[2], 0}, {box.max[0], box.max[1], box.max[2], 0}};
 }
 
 // Stores boxes[i] in records[i].
 void StoreRecords(std::span<const Aabb> boxes, BoxRecord* records);
 
-// Lists in `moved` the index of each box that differs from its record, with the bit kMovedAway set
-// if the box is not valid. Returns their number. REQUIRES: `moved` has room for all.
-inline constexpr uint32_t kMovedAway = 0x80000000;
+// Lists in `moved` the index of each box that differs from its record, with the bit
+// kBecameInvalid set if the box is invalid. Returns their number. REQUIRES: `moved` has room for
+// all.
+inline constexpr uint32_t kBecameInvalid = 0x80000000;
 size_t FindMoved(std::span<const Aabb> boxes, const BoxRecord* records, uint32_t* moved);
 
 inline bool Overlap(const BoxRecord& a, const BoxRecord& b) {

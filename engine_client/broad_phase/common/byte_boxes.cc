@@ -94,7 +94,7 @@ void ByteBoxes::Resize(size_t count, bool swept) {
   ResizeSlots(count, swept);
   borrowed_ = nullptr;
   records_.EnsureDiscarding(stride_);
-  std::fill(records_.data() + count_, records_.data() + stride_, kAbsentBox);
+  std::fill(records_.data() + count_, records_.data() + stride_, kInvalidRecord);
 }
 
 void ByteBoxes::ResizeFor(const BoxRecord* records, size_t count) {
@@ -121,8 +121,8 @@ void ByteBoxes::PadSlots() {
       lanes.high[axis][slot] = 0;
     }
     if (!swept_) continue;
-    lanes.begin[slot] = kFarthest;
-    lanes.end[slot] = -kFarthest;
+    lanes.begin[slot] = kInfinity;
+    lanes.end[slot] = -kInfinity;
   }
 }
 

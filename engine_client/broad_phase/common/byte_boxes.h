@@ -55,14 +55,14 @@ struct ByteLanes {
 class ByteBoxes {
  public:
   // The maximum number of slots that a kernel compares at a time. The slots behind the last box, up
-  // to the next multiple, hold kAbsentBox; there is at least one.
+  // to the next multiple, hold kInvalidRecord; there is at least one.
   static constexpr size_t kGranule = 64;
 
   // Makes room for `count` boxes whose records are stored by slot; `swept` boxes have positions on
   // the sweep axis.
   void Resize(size_t count, bool swept);
   // The same for swept boxes with borrowed records, which are stored by id and end with a
-  // kAbsentBox.
+  // kInvalidRecord.
   void ResizeFor(const BoxRecord* records, size_t count);
   // The box of each slot. The caller writes count() ids before Fill.
   uint32_t* ids() { return ids_.data(); }

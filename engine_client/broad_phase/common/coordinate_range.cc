@@ -80,7 +80,7 @@ CoordinateRange CoordinateRange::Sample(std::span<const Aabb> boxes) {
       std::min(boxes.size(), boxes.size() < kFewBoxes ? kSmallSampleCount : kSampleCount);
   for (size_t k = 0; k < draws; ++k) {
     const Aabb& box = boxes[draws == boxes.size() ? k : DrawIndex(k, boxes.size())];
-    if (!TakesPart(box)) continue;
+    if (!IsValid(box)) continue;
     for (int axis = 0; axis < 3; ++axis) samples[axis].Add(box.min[axis], box.max[axis]);
   }
   CoordinateRange range;

@@ -7,26 +7,26 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/common/soa_boxes.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
-#include "engine_client/broad_phase/common/takes_part-inl.h"
+#include "engine_client/broad_phase/common/valid_box-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Invalid boxes are rare: a register of the arrays is written only if it holds one.
-void ReplaceAbsentBoxes(float* const* columns, size_t padded_count) {
+void ReplaceInvalidBoxes(float* const* columns, size_t padded_count) {
   const HWY_FULL(float) d;
   const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
   for (size_t i = 0; i < padded_count; i += hn::Lanes(d)) {
-    const auto present = hn::And(hn::And(AxisTakesPart(d, columns[0] + i, columns[3] + i),
-                                         AxisTakesPart(d, columns[1] + i, columns[4] + i)),
-                                 AxisTakesPart(d, columns[2] + i, columns[5] + i));
-    if (hn::AllTrue(d, present)) continue;
+    const auto valid = hn::And(hn::And(IsValidOnAxis(d, columns[0] + i, columns[3] + i),
+                                       IsValidOnAxis(d, columns[1] + i, columns[4] + i)),
+                               IsValidOnAxis(d, columns[2] + i, columns[5] + i));
+    if (hn::AllTrue(d, valid)) continue;
     for (size_t axis = 0; axis < 3; ++axis) {
       float* const min = columns[axis] + i;
       float* const max = columns[axis + 3] + i;
-      hn::Store(hn::IfThenElse(present, hn::Load(d, min), infinity), d, min);
-      hn::Store(hn::IfThenElse(present, hn::Load(d, max), hn::Neg(infinity)), d, max);
+      hn::Store(hn::IfThenElse(valid, hn::Load(d, min), infinity), d, min);
+      hn::Store(hn::IfThenElse(valid, hn::Load(d, max), hn::Neg(infinity)), d, max);
     }
   }
 }
@@ -38,7 +38,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace sweepstake {
 
-HWY_EXPORT(ReplaceAbsentBoxes);
+HWY_EXPORT(ReplaceInvalidBoxes);
 
 void SoaBoxes::Gather(std::span<const Aabb> boxes) {
   Resize(boxes.size());
@@ -98,7 +98,7 @@ void SoaBoxes::Finish() {
   std::fill(ids_.data() + count_, ids_.data() + stride_, 0U);
   float* const columns[6] = {Column(0), Column(1), Column(2), Column(3), Column(4), Column(5)};
   const size_t used = (count_ + kPadding - 1) / kPadding * kPadding;
-  HWY_DYNAMIC_DISPATCH(ReplaceAbsentBoxes)(columns, used);
+  HWY_DYNAMIC_DISPATCH(ReplaceInvalidBoxes)(columns, used);
 }
 
 }  // namespace sweepstake

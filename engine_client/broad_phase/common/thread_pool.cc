@@ -66,8 +66,8 @@ class ThreadPool final : public Executor {
   static constexpr uint64_t Behind(uint64_t job) { return job & kLast; }
   static constexpr bool HasUnclaimed(uint64_t job) { return First(job) < Behind(job); }
 
-  // The caller takes parts from the front, the workers from the back, so that a thread mostly reads
-  // in the next loop what it wrote in the last one and finds it in its own cache.
+  // The caller claims parts from the front, the workers from the back, so that a thread mostly
+  // reads in the next loop what it wrote in the last one and finds it in its own cache.
   enum class End { kFront, kBack };
 
   void Publish(uint64_t part_count) noexcept {

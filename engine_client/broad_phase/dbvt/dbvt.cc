@@ -175,7 +175,7 @@ void Dbvt::Refit(std::span<const Aabb> boxes) {
 // Inserts the objects whose boxes have become valid.
 void Dbvt::InsertReturning(std::span<const Aabb> boxes) {
   std::erase_if(outside_, [&](uint32_t object) {
-    if (!TakesPart(boxes[object])) return false;
+    if (!IsValid(boxes[object])) return false;
     tree_.Insert(object, boxes[object]);
     return true;
   });

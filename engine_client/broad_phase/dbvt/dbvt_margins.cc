@@ -145,7 +145,7 @@ float Motion(const Aabb& from, const Aabb& to) {
 }
 
 Aabb Enlarged(const Aabb& box, float margin) {
-  if (!TakesPart(box)) return kInvalidAabb;
+  if (!IsValid(box)) return kInvalidAabb;
   Aabb fat;
   for (int axis = 0; axis < 3; ++axis) {
     fat.min[axis] = std::max(box.min[axis] - margin, -kLargest);
@@ -162,7 +162,7 @@ void DbvtMargins::MeasureSide(std::span<const Aabb> boxes) {
   sides_.clear();
   const size_t stride = boxes.size() / kSideSampleSize + 1;
   for (size_t i = 0; i < boxes.size(); i += stride) {
-    if (TakesPart(boxes[i])) sides_.push_back(std::min(MiddleSide(boxes[i]), kLargest));
+    if (IsValid(boxes[i])) sides_.push_back(std::min(MiddleSide(boxes[i]), kLargest));
   }
   side_ = 0;
   if (sides_.empty()) return;

@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cassert>
-#include <limits>
 
 #include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/common/parallel.h"
@@ -13,7 +12,6 @@
 namespace sweepstake {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // How full nodes are at worst, for reserving memory: leaves are full after Build, and 11 to 13 of
 // 16 lanes are in use after a while of motion.
 constexpr size_t kObjectsPerNode = 10;
@@ -374,7 +372,7 @@ void DbvtTree::RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes,
                              std::vector<uint32_t>& lost) {
   for (uint32_t lane = links_[leaf].count; lane-- > 0;) {
     const uint32_t object = nodes_[leaf].child[lane];
-    if (TakesPart(boxes[object])) continue;
+    if (IsValid(boxes[object])) continue;
     slots_[object] = kNone;
     lost.push_back(object);
     RemoveLane(leaf, lane);

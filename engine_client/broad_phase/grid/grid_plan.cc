@@ -51,7 +51,7 @@ CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all
     std::array<float, kCornerSample> sample;
     size_t taken = 0;
     for (size_t i = 0; i < boxes.size(); i += stride) {
-      if (TakesPart(boxes[i])) sample[taken++] = boxes[i].min[axis] * 0.5F;
+      if (IsValid(boxes[i])) sample[taken++] = boxes[i].min[axis] * 0.5F;
     }
     if (taken == 0) continue;
     const size_t tenth = taken / 10;

@@ -107,7 +107,7 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
 
 // Inline, since a call per box would cost as much as the work.
 inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
-  if (!TakesPart(box)) {
+  if (!IsValid(box)) {
     result_[capacity_ - ++invalid_count_] = index;
     return;
   }

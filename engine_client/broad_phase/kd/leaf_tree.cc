@@ -11,7 +11,7 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // After foreach_target.h.
 #include "engine_client/broad_phase/common/lanes16-inl.h"
-#include "engine_client/broad_phase/common/takes_part-inl.h"
+#include "engine_client/broad_phase/common/valid_box-inl.h"
 #include "hwy/cache_control.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -22,9 +22,9 @@ HWY_INLINE void ReplaceInvalid(LeafBlock& leaf) {
   const Lanes16 d;
   const auto infinity = hn::Set(d, std::numeric_limits<float>::infinity());
   for (size_t at = 0; at < LeafBlock::kWidth; at += hn::Lanes(d)) {
-    const auto valid = hn::And(hn::And(AxisTakesPart(d, leaf.min[0] + at, leaf.max[0] + at),
-                                       AxisTakesPart(d, leaf.min[1] + at, leaf.max[1] + at)),
-                               AxisTakesPart(d, leaf.min[2] + at, leaf.max[2] + at));
+    const auto valid = hn::And(hn::And(IsValidOnAxis(d, leaf.min[0] + at, leaf.max[0] + at),
+                                       IsValidOnAxis(d, leaf.min[1] + at, leaf.max[1] + at)),
+                               IsValidOnAxis(d, leaf.min[2] + at, leaf.max[2] + at));
     if (HWY_LIKELY(hn::AllTrue(d, valid))) continue;
     for (size_t axis = 0; axis < 3; ++axis) {
       float* const min = leaf.min[axis] + at;
@@ -119,7 +119,6 @@ void LeafTree::LayOut(size_t slot_count) {
     if (count <= kWidth) break;
   }
   bounds_.EnsureDiscarding(floats);
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   float* column = bounds_.data();
   for (size_t level = 1; level <= view_.top; ++level) {
     BoxLanes& lanes = view_.levels[level];

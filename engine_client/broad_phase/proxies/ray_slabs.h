@@ -25,7 +25,7 @@ inline bool IsFinite(const Ray& ray) {
 
 // Returns nothing where the ray misses the box. REQUIRES: IsFinite(ray).
 inline std::optional<float> EnterDistance(const Ray& ray, const Aabb& box) {
-  if (!TakesPart(box)) return std::nullopt;
+  if (!IsValid(box)) return std::nullopt;
   float enter = 0;
   float leave = ray.max_distance;
   for (int axis = 0; axis < 3; ++axis) {

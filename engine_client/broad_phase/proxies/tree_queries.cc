@@ -158,7 +158,7 @@ HWY_EXPORT(WalkHits);
 HWY_EXPORT(WalkNearest);
 
 void FindOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& sink) {
-  if (TakesPart(box)) HWY_DYNAMIC_DISPATCH(WalkOverlapping)(tree, box, sink);
+  if (IsValid(box)) HWY_DYNAMIC_DISPATCH(WalkOverlapping)(tree, box, sink);
 }
 
 void FindHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {

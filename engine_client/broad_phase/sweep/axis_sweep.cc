@@ -65,7 +65,7 @@ class AxisSweep final : public BroadPhase {
   void CopyPairs(PairBuffer& out) const;
 
   Executor* executor_;
-  AlignedBuffer<BoxRecord> records_;  // the latest boxes by id, then one kAbsentBox
+  AlignedBuffer<BoxRecord> records_;  // the latest boxes by id, then one kInvalidRecord
   std::array<SortedEndpoints, 3> axes_{SortedEndpoints(0), SortedEndpoints(1), SortedEndpoints(2)};
   std::array<EndpointRoom, 2> rooms_;  // one per thread that sorts
   CoordinateRange range_;
@@ -142,7 +142,7 @@ void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
     StoreRecords(boxes.subspan(range.begin, range.end - range.begin),
                  records_.data() + range.begin);
   });
-  records_[count_] = kAbsentBox;
+  records_[count_] = kInvalidRecord;
 }
 
 // Adds or removes faces if the count has changed. False if a new sort is cheaper.
@@ -154,7 +154,7 @@ bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   if (count_ > before) pairs_known_ = false;
   records_.EnsureKeeping(count_ + 1, std::min(before, count_));
   for (size_t i = before; i < count_; ++i) records_[i] = RecordOf(boxes[i]);
-  records_[count_] = kAbsentBox;
+  records_[count_] = kInvalidRecord;
   pairs_.Truncate(count_);
   for (SortedEndpoints& axis : axes_) {
     axis.Truncate(count_);
@@ -172,7 +172,7 @@ double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
   double density[3];
   for (size_t axis = 0; axis < 3; ++axis) density[axis] = axes_[axis].Density(records());
   for (size_t i = 0; i < count_; i += stride, ++sampled) {
-    if (!TakesPart(boxes[i]) || RecordOf(boxes[i]) == records_[i]) continue;
+    if (!IsValid(boxes[i]) || RecordOf(boxes[i]) == records_[i]) continue;
     for (size_t axis = 0; axis < 3; ++axis) {
       const double distance = std::abs(double{boxes[i].min[axis]} - records_[i].min[axis]) +
                               std::abs(double{boxes[i].max[axis]} - records_[i].max[axis]);
@@ -207,15 +207,15 @@ void AxisSweep::CollectMoved(std::span<const Aabb> boxes) {
   moved_ids_.EnsureDiscarding(count_);
   moved_.Clear(count_);
   const size_t moved_count = FindMoved(boxes, records_.data(), moved_ids_.data());
-  for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k] & ~kMovedAway);
+  for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k] & ~kBecameInvalid);
 }
 
 bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget) {
   for (size_t k = 0; k < moved_.count(); ++k) {
-    const uint32_t id = moved_ids_[k] & ~kMovedAway;
-    const bool away = (moved_ids_[k] & kMovedAway) != 0;
-    records_[id].min[axis] = away ? kFarthest : boxes[id].min[axis];
-    records_[id].max[axis] = away ? -kFarthest : boxes[id].max[axis];
+    const uint32_t id = moved_ids_[k] & ~kBecameInvalid;
+    const bool is_invalid = (moved_ids_[k] & kBecameInvalid) != 0;
+    records_[id].min[axis] = is_invalid ? kInfinity : boxes[id].min[axis];
+    records_[id].max[axis] = is_invalid ? -kInfinity : boxes[id].max[axis];
   }
   if (!pairs_known_)
     return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [](uint32_t, uint32_t) {});

@@ -83,7 +83,7 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
     const PartRange range = BoxesOfPart(part);
     for (size_t i = range.begin; i < range.end; ++i) {
       const Aabb& box = boxes[i];
-      const uint32_t step = sweep.Step(TakesPart(box) ? box.min[axis] : kFarthest);
+      const uint32_t step = sweep.Step(IsValid(box) ? box.min[axis] : kInfinity);
       steps_[i] = step;
       ++counts[step];
     }
@@ -117,7 +117,7 @@ void Sap::SortBySteps() {
 void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
   const std::span<uint64_t> items = sort_.Items(boxes.size());
   for (size_t i = 0; i < boxes.size(); ++i) {
-    const float position = TakesPart(boxes[i]) ? boxes[i].min[axis] : kFarthest;
+    const float position = IsValid(boxes[i]) ? boxes[i].min[axis] : kInfinity;
     items[i] = PackSortItem(SortableKey(position), static_cast<uint32_t>(i));
   }
   const std::span<const uint64_t> sorted = sort_.Sort();

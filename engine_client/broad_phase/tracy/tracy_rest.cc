@@ -71,7 +71,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr Aabb kEverywhere = {{-kInfinity, -kInfinity, -kInfinity},
                               {kInfinity, kInfinity, kInfinity}};
-constexpr Aabb kNowhere = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
+constexpr Aabb kInvalidMargin = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
 
 // The maximum number of loose boxes is kLooseMin plus one in this number of boxes.
 constexpr size_t kBoxesPerLooseOne = 32;
@@ -95,7 +95,7 @@ Aabb Enlarged(const Aabb& box, float margin) {
     enlarged.min[axis] -= margin;
     enlarged.max[axis] += margin;
   }
-  return TakesPart(box) && TakesPart(enlarged) ? enlarged : TakesPart(box) ? box : kNowhere;
+  return IsValid(box) && IsValid(enlarged) ? enlarged : IsValid(box) ? box : kInvalidMargin;
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
   is_loose_.EnsureDiscarding(count_);
   std::fill_n(is_loose_.data(), count_, uint8_t{0});
   for (size_t i = 0; i < count_; ++i) margins_[i] = Enlarged(boxes[i], margin);
-  std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kNowhere);
+  std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kInvalidMargin);
   outside_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   loose_.EnsureDiscarding(LooseCountMax() + 1);
   lists.Update(executor, {margins_.data(), count_}, LooseCountMax());

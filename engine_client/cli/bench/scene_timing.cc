@@ -21,10 +21,10 @@ class ShownBoxes {
   void Show(std::span<const Aabb> boxes, bool sound_only) {
     ids_.clear();
     boxes_.assign(boxes.begin(), boxes.end());
-    if (!sound_only || std::all_of(boxes.begin(), boxes.end(), TakesPart)) return;
+    if (!sound_only || std::all_of(boxes.begin(), boxes.end(), IsValid)) return;
     boxes_.clear();
     for (uint32_t id = 0; id < boxes.size(); ++id) {
-      if (!TakesPart(boxes[id])) continue;
+      if (!IsValid(boxes[id])) continue;
       boxes_.push_back(boxes[id]);
       ids_.push_back(id);
     }

@@ -23,13 +23,13 @@
 
 namespace sweepstake::cli {
 
-// A broad phase that takes part.
+// A broad phase that is compared.
 struct Contestant {
   std::unique_ptr<BroadPhase> broad_phase;
   Executor* executor = nullptr;  // the broad phase's own; null where it has none
   // Stops after the frame in which its own time, Build included, has passed this.
   double cap_s = std::numeric_limits<double>::infinity();
-  // Is shown only boxes that take part (aabb.h); the ids of its pairs are put right afterwards.
+  // Is shown only valid boxes (aabb.h); the ids of its pairs are then mapped to those of all boxes.
   bool sound_boxes_only = false;
 };
 

@@ -13,7 +13,7 @@ bool PairOracle::Sweep(size_t max_pairs, std::span<const Aabb> boxes) {
   pairs_.clear();
   order_.clear();
   for (uint32_t i = 0; i < boxes.size(); ++i) {
-    if (TakesPart(boxes[i])) order_.push_back(i);
+    if (IsValid(boxes[i])) order_.push_back(i);
   }
   std::sort(order_.begin(), order_.end(),
             [&](uint32_t a, uint32_t b) { return boxes[a].min[0] < boxes[b].min[0]; });

@@ -30,7 +30,7 @@ static_assert(sizeof(OverlapPair) == 8);
 
 // A box is valid when all six coordinates are finite and min <= max on each axis; its size may be
 // zero. An invalid box (NaN, infinite or inverted) overlaps nothing, itself included.
-inline bool TakesPart(const Aabb& box) {
+inline bool IsValid(const Aabb& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!std::isfinite(box.min[axis]) || !std::isfinite(box.max[axis])) return false;
     if (box.min[axis] > box.max[axis]) return false;
@@ -40,7 +40,7 @@ inline bool TakesPart(const Aabb& box) {
 
 // Boxes are closed: they overlap where their faces touch. Comparisons are exact, without tolerance.
 inline bool Overlap(const Aabb& a, const Aabb& b) {
-  if (!TakesPart(a) || !TakesPart(b)) return false;
+  if (!IsValid(a) || !IsValid(b)) return false;
   for (int axis = 0; axis < 3; ++axis) {
     if (a.min[axis] > b.max[axis] || b.min[axis] > a.max[axis]) return false;
   }

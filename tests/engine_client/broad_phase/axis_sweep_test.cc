@@ -86,7 +86,7 @@ TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
   std::vector<BoxRecord> records;
   test_support::Random random(4);
   for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(-50, 50))));
-  records.push_back(kAbsentBox);
+  records.push_back(kInvalidRecord);
   Sort(records, -50, 50);
   const std::string order = OrderOf(axis_);
   for (const auto& [low, high] : {std::pair{0.0F, 0.0F}, {1e30F, 1e30F}, {-1e38F, 1e38F}}) {
@@ -116,12 +116,13 @@ TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
     moved.Clear(records.size());
     for (int change = 0; change < round % 8; ++change) {
       const size_t i = random.Below(records.size());
-      records[i] = random.Below(5) == 0 ? kAbsentBox : RecordOf(UnitBoxAt(random.Between(0, 20)));
+      records[i] =
+          random.Below(5) == 0 ? kInvalidRecord : RecordOf(UnitBoxAt(random.Between(0, 20)));
       moved.Add(i);
     }
     size_t budget = 10'000;
     EXPECT_TRUE(axis_.Repair(records, moved, room_, budget, [](uint32_t, uint32_t) {}));
-    float before = -kFarthest;
+    float before = -kInfinity;
     for (const Endpoint endpoint : axis_.endpoints()) {
       const BoxRecord& record = records[EndpointOwner(endpoint)];
       const float at = IsUpperFace(endpoint) ? record.max[0] : record.min[0];

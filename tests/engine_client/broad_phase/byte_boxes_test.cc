@@ -67,7 +67,7 @@ TEST(ByteBoxes, EndInBoxesThatTakeNoPart) {
     std::iota(bytes.ids(), bytes.ids() + count, 0U);
     bytes.Fill(scene.boxes(), CoordinateRange::Sample(scene.boxes()), {}, 0, count);
     for (size_t slot = count; slot < (count / 64 + 1) * 64; ++slot)
-      EXPECT_EQ(bytes.Lanes().record[slot], kAbsentBox);
+      EXPECT_EQ(bytes.Lanes().record[slot], kInvalidRecord);
   }
 }
 
@@ -75,7 +75,7 @@ TEST(ByteBoxes, AreTheSameFromRecordsById) {
   const test_support::BoxScene scene("broken-boxes", 100, 8);
   const auto boxes = scene.boxes();
   const CoordinateRange range = CoordinateRange::Sample(boxes);
-  std::vector<BoxRecord> records(101, kAbsentBox);
+  std::vector<BoxRecord> records(101, kInvalidRecord);
   StoreRecords(boxes, records.data());
   ByteBoxes own;
   ByteBoxes borrowing;
@@ -105,8 +105,8 @@ TEST(SweepAxis, HasStepsThatAscendWithThePosition) {
     EXPECT_GE(axis.Step(x), before);
     before = axis.Step(x);
   }
-  EXPECT_EQ(axis.Step(-kFarthest), 0U);
-  EXPECT_EQ(axis.Step(kFarthest), 99U);
+  EXPECT_EQ(axis.Step(-kInfinity), 0U);
+  EXPECT_EQ(axis.Step(kInfinity), 99U);
 }
 
 }  // namespace

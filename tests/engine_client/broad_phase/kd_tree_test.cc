@@ -42,7 +42,7 @@ TEST(KdOrder, PutsBoxesThatTakeNoPartLast) {
   KdOrder splitter;
   splitter.Sort(scene.boxes(), order);
   EXPECT_TRUE(std::is_partitioned(order.begin(), order.end(),
-                                  [&](uint32_t i) { return TakesPart(scene.boxes()[i]); }));
+                                  [&](uint32_t i) { return IsValid(scene.boxes()[i]); }));
 }
 
 TEST(KdOrder, SplitsALineInOrder) {
@@ -199,7 +199,7 @@ Aabb BoundsOf(std::span<const Aabb> boxes) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const Aabb& box : boxes) {
-    if (!TakesPart(box)) continue;
+    if (!IsValid(box)) continue;
     for (int axis = 0; axis < 3; ++axis) {
       bounds.min[axis] = std::min(bounds.min[axis], box.min[axis]);
       bounds.max[axis] = std::max(bounds.max[axis], box.max[axis]);

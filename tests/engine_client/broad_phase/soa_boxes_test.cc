@@ -19,7 +19,7 @@ Aabb At(const BoxLanes& lanes, size_t slot) {
 
 const Aabb kSentinel = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 
-TEST(SoaBoxes, KeepsEachBoxThatTakesPartAndReplacesTheOthers) {
+TEST(SoaBoxes, KeepsEachBoxThatIsValidAndReplacesTheOthers) {
   SoaBoxes soa;
   for (const std::string_view kind : test_support::BoxSceneKinds()) {
     for (const size_t count : {0, 1, 15, 16, 17, 63, 64, 65, 200}) {
@@ -29,7 +29,7 @@ TEST(SoaBoxes, KeepsEachBoxThatTakesPartAndReplacesTheOthers) {
       ASSERT_EQ(lanes.count, count);
       for (size_t i = 0; i < count; ++i) {
         const Aabb& box = scene.boxes()[i];
-        EXPECT_EQ(At(lanes, i), TakesPart(box) ? box : kSentinel) << kind << " " << i;
+        EXPECT_EQ(At(lanes, i), IsValid(box) ? box : kSentinel) << kind << " " << i;
         EXPECT_EQ(lanes.id[i], i);
       }
     }

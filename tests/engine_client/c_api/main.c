@@ -15,7 +15,7 @@ static int overlap(const swp_aabb* a, const swp_aabb* b) {
   return 1;
 }
 
-static int takes_part(const swp_aabb* box) {
+static int is_valid(const swp_aabb* box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!isfinite(box->min[axis]) || !isfinite(box->max[axis])) return 0;
     if (box->min[axis] > box->max[axis]) return 0;
@@ -29,7 +29,7 @@ swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_coun
   *pair_count = 0;
   for (uint32_t a = 0; a < count; ++a) {
     for (uint32_t b = a + 1; b < count; ++b) {
-      if (!takes_part(&boxes[a]) || !takes_part(&boxes[b]) || !overlap(&boxes[a], &boxes[b])) {
+      if (!is_valid(&boxes[a]) || !is_valid(&boxes[b]) || !overlap(&boxes[a], &boxes[b])) {
         continue;
       }
       if (*pair_count == capacity) {

@@ -191,7 +191,7 @@ TEST_F(RecordedFile, AFileCutWhileItPlaysLeavesTheBoxesAsTheyAre) {
   StepTimes(*scene, 300);
   EXPECT_EQ(scene->frame_index(), 300U);
   ASSERT_EQ(scene->aabbs().size(), 1000U);
-  for (const Aabb& box : scene->aabbs()) EXPECT_TRUE(TakesPart(box));
+  for (const Aabb& box : scene->aabbs()) EXPECT_TRUE(IsValid(box));
 }
 
 // Flips up to three bytes and now and then cuts or extends the end.

@@ -100,7 +100,7 @@ TEST(MovingBoxes, KeepTheirIndexAndAFreePlaceTakesNoPart) {
   proxies.Add(kUnit, {.is_static = true});
   EXPECT_TRUE(proxies.Remove(a));
   ASSERT_EQ(proxies.moving_boxes().size(), 2U);
-  EXPECT_FALSE(TakesPart(proxies.moving_boxes()[a.index]));
+  EXPECT_FALSE(IsValid(proxies.moving_boxes()[a.index]));
   EXPECT_EQ(proxies.moving_boxes()[b.index], kOther);
   EXPECT_EQ(proxies.Add(kUnit).index, a.index);
   EXPECT_EQ(proxies.Add(kUnit).index, 2U);

@@ -1,10 +1,10 @@
-// The lanes that hold a valid box (TakesPart in aabb.h), for every target of Highway. Include after
+// The lanes that hold a valid box (IsValid in aabb.h), for every target of Highway. Include after
 // hwy/foreach_target.h.
-#if defined(SWEEPSTAKE_TAKES_PART_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SWEEPSTAKE_TAKES_PART_INL_H_
-#undef SWEEPSTAKE_TAKES_PART_INL_H_
+#if defined(SWEEPSTAKE_VALID_BOX_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_VALID_BOX_INL_H_
+#undef SWEEPSTAKE_VALID_BOX_INL_H_
 #else
-#define SWEEPSTAKE_TAKES_PART_INL_H_
+#define SWEEPSTAKE_VALID_BOX_INL_H_
 #endif
 
 #include <limits>
@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The lanes whose box is valid on one axis. NaN fails every comparison; infinities fail the first
 // two.
 template <class D>
-HWY_INLINE hn::Mask<D> AxisTakesPart(D d, const float* min, const float* max) {
+HWY_INLINE hn::Mask<D> IsValidOnAxis(D d, const float* min, const float* max) {
   const auto low = hn::LoadU(d, min);
   const auto high = hn::LoadU(d, max);
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
