@@ -29,25 +29,25 @@ std::string TimeText(int64_t unix_ms) {
   return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
 }
 
-std::string SegmentsText(const std::vector<AuditSegmentRow>& segments) {
+std::string SegmentsText(const std::vector<v1::AuditSegment>& segments) {
   if (segments.empty()) return "The daemon has no log of this\n";
   TextTable table({"session", "segment", "began (UTC)", "project", "scene", "rows"});
-  for (const AuditSegmentRow& row : segments) {
-    table.AddRow({row.session_id, std::to_string(row.segment), TimeText(row.unix_start_ms),
-                  row.project, row.scene, std::to_string(row.row_count)});
+  for (const v1::AuditSegment& row : segments) {
+    table.AddRow({row.session_id(), std::to_string(row.segment()), TimeText(row.unix_start_ms()),
+                  row.project(), row.scene(), std::to_string(row.row_count())});
   }
   return table.Text();
 }
 
-Json SegmentsJson(const std::vector<AuditSegmentRow>& segments) {
+Json SegmentsJson(const std::vector<v1::AuditSegment>& segments) {
   Json list = Json::array();
-  for (const AuditSegmentRow& row : segments) {
-    list.push_back({{"session_id", row.session_id},
-                    {"segment", row.segment},
-                    {"project", row.project},
-                    {"scene", row.scene},
-                    {"unix_start_ms", row.unix_start_ms},
-                    {"rows", row.row_count}});
+  for (const v1::AuditSegment& row : segments) {
+    list.push_back({{"session_id", row.session_id()},
+                    {"segment", row.segment()},
+                    {"project", row.project()},
+                    {"scene", row.scene()},
+                    {"unix_start_ms", row.unix_start_ms()},
+                    {"rows", row.row_count()}});
   }
   return list;
 }

@@ -1,17 +1,9 @@
 #include "engine_client/telemetry/proto_conversion.h"
 
 #include <cmath>
+#include <utility>
 
 namespace sweepstake {
-namespace {
-
-bool IsValid(const v1::BetaPosterior& posterior) {
-  return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
-         posterior.alpha() > 0 && posterior.beta() > 0;
-}
-
-}  // namespace
-
 v1::SceneDescriptor ToProto(const SceneDescriptor& descriptor) {
   v1::SceneDescriptor message;
   if (descriptor.object_count >= 0) message.set_object_count(descriptor.object_count);
@@ -133,14 +125,22 @@ std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size
 
 v1::Mode ToProto(Mode mode) { return static_cast<v1::Mode>(mode); }
 
+std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm) {
+  const double alpha = posterior.alpha();
+  const double beta = posterior.beta();
+  if (!std::isfinite(alpha) || !std::isfinite(beta) || alpha <= 0 || beta <= 0) return std::nullopt;
+  return ArmBelief{arm, alpha, beta};
+}
+
 std::optional<std::vector<ArmBelief>> FromProto(
     const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors,
     std::span<const std::string> arms) {
   if (static_cast<size_t>(posteriors.size()) != arms.size()) return std::nullopt;
   std::vector<ArmBelief> beliefs;
   for (const v1::BetaPosterior& posterior : posteriors) {
-    if (!IsValid(posterior)) return std::nullopt;
-    beliefs.push_back({arms[beliefs.size()], posterior.alpha(), posterior.beta()});
+    auto belief = FromProto(posterior, arms[beliefs.size()]);
+    if (!belief) return std::nullopt;
+    beliefs.push_back(*std::move(belief));
   }
   return beliefs;
 }

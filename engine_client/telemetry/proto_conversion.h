@@ -38,6 +38,8 @@ std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size
 
 v1::Mode ToProto(Mode mode);
 
+// Absent where a parameter of the posterior is not finite or not above 0.
+std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm);
 // Absent where the number of posteriors is not that of the arms, or one of them is not valid.
 std::optional<std::vector<ArmBelief>> FromProto(
     const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors,

@@ -91,8 +91,8 @@ class CellRun {
   // What is too large for a peer, or what a smaller number of objects showed to take too long.
   std::string WhyLeftOut(const PeerKind& peer, const BenchRow& row) const {
     const BenchCell& cell = report_.cells.back();
-    if (cell.object_count > peer.most_objects) {
-      return "takes up to " + std::to_string(peer.most_objects) + " objects";
+    if (cell.object_count > peer.max_object_count) {
+      return "takes up to " + std::to_string(peer.max_object_count) + " objects";
     }
     for (const BenchRow& before : report_.rows) {
       const BenchCell& smaller = report_.cells[before.cell];

@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// Enough for the largest log that a daemon keeps by default, 200 MB, over a slow network.
+// This is enough for the largest log that a daemon keeps by default, 200 MB, over a slow network.
 constexpr std::chrono::minutes kExportDeadline{10};
 
 template <typename Request>
@@ -21,15 +21,10 @@ Request RequestOf(const AuditSelection& selection) {
   return request;
 }
 
-AuditSegmentRow FromProto(const v1::AuditSegment& message) {
-  return {message.session_id(), message.segment(),       message.project(),
-          message.scene(),      message.unix_start_ms(), message.row_count()};
-}
-
 }  // namespace
 
-Result<std::vector<AuditSegmentRow>> ListAudit(const std::string& address,
-                                               const AuditSelection& selection) {
+Result<std::vector<v1::AuditSegment>> ListAudit(const std::string& address,
+                                                const AuditSelection& selection) {
   const auto channel = OpenChannel(address);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::AuditService::NewStub(*channel);
@@ -37,10 +32,10 @@ Result<std::vector<AuditSegmentRow>> ListAudit(const std::string& address,
   SetDeadline(context);
   const auto reader =
       stub->ListAuditSegments(&context, RequestOf<v1::ListAuditSegmentsRequest>(selection));
-  std::vector<AuditSegmentRow> segments;
+  std::vector<v1::AuditSegment> segments;
   v1::ListAuditSegmentsResponse part;
   while (reader->Read(&part)) {
-    for (const v1::AuditSegment& message : part.segments()) segments.push_back(FromProto(message));
+    segments.insert(segments.end(), part.segments().begin(), part.segments().end());
   }
   const Status status = ToStatus(reader->Finish(), address);
   if (!status.ok()) return status;
@@ -61,7 +56,7 @@ Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& s
   uint64_t row_count = 0;
   v1::ExportDecisionsResponse part;
   while (reader->Read(&part)) {
-    // The header comes from the daemon, too, which may be of another version.
+    // The header is the daemon's own, because the daemon may be of another version.
     if (!part.header().empty()) (*file)->Write(part.header() + '\n');
     for (const std::string& row : part.rows()) (*file)->Write(row + '\n');
     row_count += static_cast<uint64_t>(part.rows_size());

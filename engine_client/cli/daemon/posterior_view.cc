@@ -1,13 +1,15 @@
 #include "engine_client/cli/daemon/posterior_view.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <vector>
 
+#include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/text_table.h"
+#include "engine_client/telemetry/decision_conversion.h"
+#include "engine_client/telemetry/proto_conversion.h"
 #include "server/decision/policy/diagnosis.h"
 
 namespace sweepstake::cli {
@@ -22,7 +24,8 @@ double Mean(const v1::ArmPosterior& arm) {
   return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
 }
 
-// A name of the protocol without its prefix and in lower case, as "held cooldown".
+// Returns a name of the protocol without its prefix, in lower case and with spaces: "held
+// cooldown".
 std::string Words(std::string name, size_t prefix_length) {
   name.erase(0, std::min(prefix_length, name.size()));
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char character) {
@@ -31,23 +34,18 @@ std::string Words(std::string name, size_t prefix_length) {
   return name;
 }
 
-std::string OutcomeName(v1::DecisionOutcome outcome) {
+std::string OutcomeText(v1::DecisionOutcome outcome) {
   return Words(v1::DecisionOutcome_Name(outcome), sizeof("DECISION_OUTCOME_") - 1);
 }
 
-std::string ReasonName(v1::SwitchReason reason) {
+std::string ReasonText(v1::SwitchReason reason) {
   return Words(v1::SwitchReason_Name(reason), sizeof("SWITCH_REASON_") - 1);
 }
 
-std::string VerdictName(v1::Verdict verdict) {
-  if (verdict == v1::VERDICT_UNSPECIFIED) return "unknown";
-  return Words(v1::Verdict_Name(verdict), sizeof("VERDICT_") - 1);
-}
-
-// What is computed for an arm from what the daemon sent.
+// The values computed for an arm from the posteriors that the daemon sent.
 struct ArmView {
   decision::CredibleInterval interval;
-  // Absent where nothing is known of the arm, or where its backend has a newer version.
+  // Absent if nothing is known of the arm or its backend has a newer version.
   std::optional<double> best_probability;
 };
 
@@ -63,19 +61,15 @@ bool IsNewest(const v1::ScenePosterior& scene, const v1::ArmPosterior& arm) {
   });
 }
 
-bool IsUsable(const v1::BetaPosterior& posterior) {
-  return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
-         posterior.alpha() > 0 && posterior.beta() > 0;
-}
-
 SceneView ViewOf(const v1::ScenePosterior& scene) {
   SceneView view;
   std::vector<decision::BetaPosterior> contenders;
   std::vector<size_t> places;
   for (const v1::ArmPosterior& arm : scene.arms()) {
-    const decision::BetaPosterior posterior = {arm.posterior().alpha(), arm.posterior().beta()};
     ArmView& shown = view.arms.emplace_back();
-    if (!IsUsable(arm.posterior())) continue;
+    const auto belief = FromProto(arm.posterior(), arm.arm());
+    if (!belief) continue;
+    const decision::BetaPosterior posterior = {belief->alpha, belief->beta};
     shown.interval = decision::CentralInterval(posterior, 0.95);
     if (!IsNewest(scene, arm)) continue;
     contenders.push_back(posterior);
@@ -93,7 +87,7 @@ SceneView ViewOf(const v1::ScenePosterior& scene) {
 
 std::string VerdictText(const SceneView& view) {
   const decision::Diagnosis& diagnosis = view.diagnosis;
-  const std::string name = VerdictName(static_cast<v1::Verdict>(diagnosis.verdict));
+  const std::string name = VerdictName(FromDecision(diagnosis).verdict);
   if (view.leader.empty()) return name;
   return name + ": " + view.leader + " is the best with probability " +
          Fixed(diagnosis.best_probability[diagnosis.leader], 3) + ", choosing it loses " +
@@ -146,7 +140,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
                    {"reward_version", scene.reward_version()},
                    {"active_sessions", scene.active_session_count()},
                    {"sources", scene.source_count()},
-                   {"verdict", VerdictName(static_cast<v1::Verdict>(view.diagnosis.verdict))},
+                   {"verdict", VerdictName(FromDecision(view.diagnosis).verdict)},
                    {"leader_arm", view.leader},
                    {"expected_loss_ratio", view.diagnosis.expected_loss_ratio},
                    {"value_remaining_ratio", view.diagnosis.value_remaining_ratio},
@@ -187,12 +181,14 @@ std::string DecisionText(const v1::DecisionEvent& event) {
   std::string text = event.scene() + ": decision " + std::to_string(event.decision_id()) + ", " +
                      event.active_arm();
   if (!event.candidate_arm().empty()) text += " → " + event.candidate_arm();
-  text += ": " + OutcomeName(event.outcome());
+  text += ": " + OutcomeText(event.outcome());
   if (event.reason() != v1::SWITCH_REASON_UNSPECIFIED) {
-    text += " (" + ReasonName(event.reason()) + ")";
+    text += " (" + ReasonText(event.reason()) + ")";
   }
   if (event.has_reward()) text += ", reward " + Fixed(event.reward(), 3);
-  if (event.verdict() != v1::VERDICT_UNSPECIFIED) text += ", " + VerdictName(event.verdict());
+  if (event.verdict() != v1::VERDICT_UNSPECIFIED) {
+    text += ", " + Words(v1::Verdict_Name(event.verdict()), sizeof("VERDICT_") - 1);
+  }
   return text;
 }
 

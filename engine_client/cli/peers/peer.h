@@ -39,8 +39,8 @@ struct PeerKind {
   std::string_view name;
   // The backend of ours that it is compared with, one of BroadPhaseNames.
   std::string_view family;
-  // More objects than this do not fit, or take longer than anybody waits for.
-  uint32_t most_objects = 0;
+  // More objects do not fit, or take longer than is practical.
+  uint32_t max_object_count = 0;
   bool takes_threads = false;
   std::unique_ptr<Peer> (*make)(std::string_view name, uint32_t thread_count) = nullptr;
 };

@@ -1,11 +1,10 @@
 #include "engine_client/cli/replay/replay_output.h"
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <utility>
 
+#include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "server/decision/session/policy_registry.h"
@@ -14,10 +13,6 @@ namespace sweepstake::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// By decision::Verdict.
-constexpr std::array<std::string_view, 5> kVerdicts = {"unknown", "stable", "tie", "ambiguous",
-                                                       "degraded"};
 
 const std::string& ArmName(const ReplayReport& report, uint32_t scene, uint32_t arm) {
   return report.scenes[scene].scene.arms()[arm];
@@ -32,7 +27,7 @@ Json IntervalJson(const Interval& interval) { return {interval.low, interval.hig
 
 Json VerdictsJson(const std::vector<double>& shares) {
   Json json = Json::object();
-  for (size_t i = 0; i < shares.size(); ++i) json[std::string(kVerdicts[i])] = shares[i];
+  for (size_t i = 0; i < shares.size(); ++i) json[VerdictName(static_cast<Verdict>(i))] = shares[i];
   return json;
 }
 

@@ -7,7 +7,7 @@
 
 #include "server/decision/math/beta_distribution.h"
 #include "server/decision/math/difference_variances.h"
-#include "server/decision/math/greatest.h"
+#include "server/decision/math/maximum.h"
 #include "server/decision/math/portable_math.h"
 
 namespace sweepstake::decision {
@@ -215,11 +215,11 @@ Verdict VerdictOf(double leader_probability, double expected_loss_ratio) {
 Diagnosis Diagnose(std::span<const BetaPosterior> posteriors) {
   if (NothingLearnt(posteriors)) return {};
   BetaRewards rewards(posteriors);
-  Greatest greatest = FindGreatest(rewards);
-  Diagnosis diagnosis = FromProbabilities(std::move(greatest.probability));
+  Maximum maximum = IntegrateMaximum(rewards);
+  Diagnosis diagnosis = FromProbabilities(std::move(maximum.probability));
   const double reward = posteriors[diagnosis.leader].mean();
   const double highest = HighestMean(posteriors);
-  const double best = std::max(greatest.expected_value, highest);
+  const double best = std::max(maximum.expected_value, highest);
   if (!(best > 0)) return WithLoss(std::move(diagnosis), 0, 0);
   return WithLoss(std::move(diagnosis), (best - reward) / best, (best - highest) / best);
 }
@@ -228,11 +228,11 @@ Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double
   assert(means.size() == variances.size());
   if (means.empty()) return {};
   NormalLogCosts costs(means, variances);
-  Greatest greatest = FindGreatest(costs);
-  Diagnosis diagnosis = FromProbabilities(std::move(greatest.probability));
+  Maximum maximum = IntegrateMaximum(costs);
+  Diagnosis diagnosis = FromProbabilities(std::move(maximum.probability));
   const double lowest = *std::min_element(means.begin(), means.end());
-  const double loss = greatest.expected_value + (means[diagnosis.leader] - lowest);
-  return WithLoss(std::move(diagnosis), math::Expm1(loss), math::Expm1(greatest.expected_value));
+  const double loss = maximum.expected_value + (means[diagnosis.leader] - lowest);
+  return WithLoss(std::move(diagnosis), math::Expm1(loss), math::Expm1(maximum.expected_value));
 }
 
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,

@@ -92,7 +92,6 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void Start(const v1::Hello& hello);
   // The client is gone and may come back. Does nothing when `link` is not the attached one.
   void Detach(SessionLink& link);
-  bool attached() const { return link_ != nullptr; }
 
   // Applies a request that CheckRequest let through, or counts it as a replay.
   void Apply(const v1::StreamTelemetryRequest& request);

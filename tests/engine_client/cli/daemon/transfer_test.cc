@@ -198,8 +198,8 @@ TEST(AuditCommand, ListsTheSegmentsOfAllParts) {
   const auto rows = ListAudit(daemon.address(), {});
   ASSERT_TRUE(rows.ok());
   ASSERT_EQ(rows->size(), 2U);
-  EXPECT_EQ((*rows)[1].session_id, "two");
-  EXPECT_EQ((*rows)[1].row_count, 7U);
+  EXPECT_EQ((*rows)[1].session_id(), "two");
+  EXPECT_EQ((*rows)[1].row_count(), 7U);
   const CommandRun run = RunCommand("audit list --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.out, HasSubstr("one"));

@@ -85,7 +85,7 @@ TEST(Peers, EachHasANameOfItsOwnThatNoBackendHas) {
     for (const PeerKind& kind : library.kinds) {
       EXPECT_TRUE(names.insert(kind.name).second) << kind.name;
       EXPECT_EQ(kind.make(kind.name, 1)->name(), kind.name);
-      EXPECT_GT(kind.most_objects, 0U) << kind.name;
+      EXPECT_GT(kind.max_object_count, 0U) << kind.name;
     }
   }
 }

@@ -76,7 +76,7 @@ TEST(Diagnosis, OfSevenArmsIsWhatDrawsGive) {
                                  {9, 1.5}, {31, 33}, {1, 5}};
   constexpr int kDraws = 200'000;
   std::vector<double> wins(posteriors.size());
-  double greatest_sum = 0;
+  double best_sum = 0;
   for (int draw = 0; draw < kDraws; ++draw) {
     std::vector<double> rewards;
     for (uint32_t arm = 0; arm < posteriors.size(); ++arm) {
@@ -85,13 +85,13 @@ TEST(Diagnosis, OfSevenArmsIsWhatDrawsGive) {
     }
     const auto best = std::max_element(rewards.begin(), rewards.end());
     wins[static_cast<size_t>(best - rewards.begin())] += 1.0 / kDraws;
-    greatest_sum += *best / kDraws;
+    best_sum += *best / kDraws;
   }
   const Diagnosis diagnosis = Diagnose(posteriors);
   for (size_t arm = 0; arm < posteriors.size(); ++arm)
     EXPECT_NEAR(diagnosis.best_probability[arm], wins[arm], 5 * 0.5 / std::sqrt(kDraws)) << arm;
   const double reward = posteriors[diagnosis.leader].mean();
-  EXPECT_NEAR(diagnosis.expected_loss_ratio, (greatest_sum - reward) / greatest_sum, 0.002);
+  EXPECT_NEAR(diagnosis.expected_loss_ratio, (best_sum - reward) / best_sum, 0.002);
 }
 
 TEST(Diagnosis, OfAnyPosteriorsSumsToOneAndHasNoNan) {

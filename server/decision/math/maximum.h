@@ -45,12 +45,12 @@ class IndependentVariables {
   virtual LogDensity At(size_t variable) const = 0;
 };
 
-struct Greatest {
+struct Maximum {
   std::vector<double> probability;  // per variable, sum 1
   double expected_value = 0;        // of the maximum
 };
 
-// REQUIRES: variables.count() > 0.
-Greatest FindGreatest(IndependentVariables& variables);
+// Returns the distribution of the maximum. REQUIRES: variables.count() > 0.
+Maximum IntegrateMaximum(IndependentVariables& variables);
 
 }  // namespace sweepstake::decision

@@ -1,4 +1,4 @@
-#include "server/decision/math/greatest.h"
+#include "server/decision/math/maximum.h"
 
 #include <algorithm>
 #include <cassert>
@@ -9,38 +9,39 @@
 namespace sweepstake::decision {
 namespace {
 
-// The length of a step in units of the densities' own scale. Half of it makes the error 60 times
+// The length of a step in units of the densities' own scale. With half of it the error is 60 times
 // smaller.
 constexpr double kStep = 0.5;
 // The weight of the slope in a step's scale; the curvature's weight is 1. An exponential tail needs
 // steps of 0.7 of its scale where its mass is.
 constexpr double kSlopeWeight = 0.5;
-// A lower probability changes no result.
+// Lower probabilities are treated as 0, since they change no result.
 constexpr double kNegligibleProbability = 1e-12;
 
-// A function and its derivatives at a point.
+// The value of a function and its first two derivatives at a point.
 struct Jet {
   double value = 0;
   double first = 0;
   double second = 0;
 };
 
-// The jet of a function from its value and the derivatives of its logarithm.
+// Returns the jet of a function whose value and whose logarithm's derivatives are given.
 Jet FromLogarithm(double value, double slope, double curvature) {
   return {value, value * slope, value * (slope * slope + curvature)};
 }
 
-// The integral between two points by Hermite's rule, which is exact for polynomials of degree 5.
+// Returns the integral between two points by Hermite's rule, which is exact for polynomials of
+// degree 5.
 double Between(const Jet& left, const Jet& right, double width) {
   return width * ((left.value + right.value) / 2 + width * (left.first - right.first) / 10 +
                   width * width * (left.second + right.second) / 120);
 }
 
 // Integrates downwards from the highest end of all variables.
-class Walk {
+class MaximumIntegral {
  public:
-  explicit Walk(IndependentVariables& variables);
-  Greatest Run();
+  explicit MaximumIntegral(IndependentVariables& variables);
+  Maximum Run();
 
  private:
   struct Variable {
@@ -53,7 +54,7 @@ class Walk {
     double ratio_slope = 0;  // its derivative
     Jet win;                 // the density of being the maximum
     double above = 0;        // P(the variable is above t)
-    double probability = 0;  // of being the maximum, above t
+    double probability = 0;  // P(the variable is the maximum, above t)
   };
 
   double Demand() const;
@@ -66,7 +67,7 @@ class Walk {
 
   IndependentVariables& source_;
   std::vector<Variable> variables_;  // sorted, the highest end first
-  size_t joined_ = 0;                // the first variables, whose ends are at t or above
+  size_t joined_ = 0;                // how many have their high end at t or above
   double t_;
   double end_;              // the highest low end: some variable is certainly above it
   double all_below_ = 1;    // P(all are below t)
@@ -74,7 +75,7 @@ class Walk {
   double value_above_ = 0;  // its integral from t upwards
 };
 
-Walk::Walk(IndependentVariables& variables) : source_(variables) {
+MaximumIntegral::MaximumIntegral(IndependentVariables& variables) : source_(variables) {
   variables_.resize(source_.count());
   for (size_t i = 0; i < variables_.size(); ++i) {
     variables_[i].index = i;
@@ -91,22 +92,23 @@ Walk::Walk(IndependentVariables& variables) : source_(variables) {
   UpdateWins(0);
 }
 
-// Adds the variables whose high end is at the current point. This follows the interval above it,
-// since their densities change too fast for that interval's width. Returns whether there are any.
-bool Walk::Join() {
+// Adds the variables whose high end is at the current point, and returns whether there are any.
+// They are added after the interval above the point, since their densities change too fast for its
+// width.
+bool MaximumIntegral::Join() {
   const size_t before = joined_;
   while (joined_ < variables_.size() && variables_[joined_].high >= t_) ++joined_;
   if (joined_ > before) EvaluateLogDensities();
   return joined_ > before;
 }
 
-void Walk::EvaluateLogDensities() {
+void MaximumIntegral::EvaluateLogDensities() {
   for (size_t i = 0; i < joined_; ++i) variables_[i].log_density = source_.At(variables_[i].index);
 }
 
-// 1 ÷ the square of the scale on which the integrands change at the point. A slope matters the less
-// the lower the density is.
-double Walk::Demand() const {
+// Returns 1 ÷ the square of the scale on which the integrands change at the current point. A slope
+// counts less where the density is lower.
+double MaximumIntegral::Demand() const {
   double max = -source_.scale().log_rate_curvature / 8;
   for (size_t i = 0; i < joined_; ++i) {
     const LogDensity& at = variables_[i].log_density;
@@ -116,14 +118,14 @@ double Walk::Demand() const {
   return max;
 }
 
-double Walk::NextPoint() const {
+double MaximumIntegral::NextPoint() const {
   double next = std::max(t_ - kStep / std::sqrt(Demand()), end_);
   if (joined_ < variables_.size()) next = std::max(next, variables_[joined_].high);
   return next;
 }
 
 // Steps to `t`, or to a nearer point if the integrands change too much on the way.
-void Walk::StepTo(double t) {
+void MaximumIntegral::StepTo(double t) {
   for (;;) {
     source_.MoveTo(t);
     EvaluateLogDensities();
@@ -137,7 +139,7 @@ void Walk::StepTo(double t) {
   if (Join()) UpdateWins(0);
 }
 
-void Walk::UpdateWins(double width) {
+void MaximumIntegral::UpdateWins(double width) {
   double all_below = 1;
   double win_ratio = 0;        // density of the maximum ÷ P(all are below)
   double win_ratio_slope = 0;  // its derivative
@@ -165,7 +167,7 @@ void Walk::UpdateWins(double width) {
   UpdateShortfall(width, win_ratio, win_ratio_slope);
 }
 
-void Walk::UpdateShortfall(double width, double win_ratio, double win_ratio_slope) {
+void MaximumIntegral::UpdateShortfall(double width, double win_ratio, double win_ratio_slope) {
   const ValueScale scale = source_.scale();
   const Jet rate = FromLogarithm(scale.rate, scale.log_rate_slope, scale.log_rate_curvature);
   const Jet below = FromLogarithm(all_below_, win_ratio, win_ratio_slope);
@@ -177,13 +179,13 @@ void Walk::UpdateShortfall(double width, double win_ratio, double win_ratio_slop
   shortfall_ = shortfall;
 }
 
-Greatest Walk::Run() {
+Maximum MaximumIntegral::Run() {
   while (t_ > end_ && all_below_ > kNegligibleProbability) {
     const double next = NextPoint();
-    if (!(next < t_)) break;  // a density narrower than the digits of t
+    if (!(next < t_)) break;  // the density is narrower than the resolution of t
     StepTo(next);
   }
-  Greatest result;
+  Maximum result;
   result.probability.resize(variables_.size());
   double sum = 0;
   for (const Variable& v : variables_) sum += std::max(v.probability, 0.0);
@@ -195,9 +197,9 @@ Greatest Walk::Run() {
 
 }  // namespace
 
-Greatest FindGreatest(IndependentVariables& variables) {
+Maximum IntegrateMaximum(IndependentVariables& variables) {
   assert(variables.count() > 0);
-  return Walk(variables).Run();
+  return MaximumIntegral(variables).Run();
 }
 
 }  // namespace sweepstake::decision
