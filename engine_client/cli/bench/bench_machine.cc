@@ -22,7 +22,7 @@ std::string DateUtc() {
   return text;
 }
 
-// The processor's name as Linux gives it; "unknown" elsewhere.
+// Returns the processor's name as Linux reports it, or "unknown" on other systems.
 std::string CpuName() {
   std::ifstream cpus("/proc/cpuinfo");
   for (std::string line; std::getline(cpus, line);) {

@@ -1,4 +1,4 @@
-// The machine, the build and the libraries of a bench run. Thread-safe.
+// Describes the machine, the build and the libraries of a bench run. Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,24 @@ struct LibraryVersion {
   std::string version;
 };
 
-// Where and with what the run was made.
+// The machine, system and software that a run was made with.
 struct BenchMachine {
-  std::string date_utc;     // of the start, as 2026-01-31T12:00:00Z
-  std::string program;      // version of Sweepstake
+  std::string date_utc;     // the start, as 2026-01-31T12:00:00Z
+  std::string program;      // Sweepstake's version
   std::string cpu;          // the processor's own name
   uint32_t core_count = 0;  // hardware threads
   std::string system;       // kernel and architecture
   std::string compiler;
-  std::string simd_target;                // the one Highway chose on this machine
-  std::vector<LibraryVersion> libraries;  // Highway, then those of the peers that took part
-  std::vector<std::string> absent_peers;  // a line each: library, and the package that brings it
+  std::string simd_target;                // the target that Highway chose on this machine
+  std::vector<LibraryVersion> libraries;  // Highway's, then those of the peers that were run
+  std::vector<std::string> absent_peers;  // per peer left out: library and its package
 };
 
-// With Highway among the libraries; `peers` adds their versions and what is absent.
+// Describes this machine. The libraries are Highway and those of `peers`; the peers that this build
+// leaves out are listed as absent.
 BenchMachine DescribeMachine(std::span<const PeerLibrary> peers);
 
-// As the documents of bench and experiment hold it.
+// Returns the object that the JSON documents of bench and experiment contain.
 nlohmann::ordered_json MachineJson(const BenchMachine& machine);
 
 }  // namespace sweepstake::cli

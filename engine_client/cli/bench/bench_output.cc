@@ -59,7 +59,8 @@ std::string Title(const BenchCell& cell) {
   return cell.scene + ", " + std::to_string(cell.object_count) + " objects";
 }
 
-// With the pairs of an arm: one that was stopped early saw other frames.
+// Returns the cell's title with the mean pair count of an arm. A peer's count is not used, because
+// a peer that was stopped early saw fewer frames.
 std::string TitleWithPairs(const BenchReport& report, size_t cell) {
   const auto arm = std::find_if(report.rows.begin(), report.rows.end(), [&](const BenchRow& row) {
     return row.cell == cell && row.kind == ContestantKind::kArm;
@@ -69,8 +70,8 @@ std::string TitleWithPairs(const BenchReport& report, size_t cell) {
   return title + ", " + Fixed(arm->pairs_mean, 1) + " pairs per frame";
 }
 
-// Narrow enough for a terminal: what is the same in all rows of a cell stands in its title, and
-// what only peers need is there only with peers.
+// The table must fit a terminal, so what all rows of a cell share is in the cell's title, and the
+// columns that only peers need are shown only if peers were run.
 TextTable RowTable(const BenchReport& report) {
   const bool peers = report.options.peers;
   std::vector<std::string> header = {"arm",    "thr",    "ms_median",   "ms_mean",

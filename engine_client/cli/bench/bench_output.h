@@ -1,4 +1,4 @@
-// A bench report as one JSON document and as tables for people. Pure but for the stream.
+// Prints a bench report as one JSON document or as text tables. Only the stream is changed.
 #pragma once
 
 #include <ostream>
@@ -9,7 +9,7 @@ namespace sweepstake::cli {
 
 void PrintBenchJson(const BenchReport& report, std::ostream& out);
 
-// The rows, then, where there are any, the ratios.
+// Prints the rows and then the ratios, if there are any.
 void PrintBenchTables(const BenchReport& report, std::ostream& out);
 
 }  // namespace sweepstake::cli

@@ -10,17 +10,17 @@ namespace {
 
 using Rows = std::vector<const BenchRow*>;
 
-bool Counts(const BenchRow& row) { return row.frame_count > 0 && row.difference.empty(); }
+bool IsComparable(const BenchRow& row) { return row.frame_count > 0 && row.difference.empty(); }
 
 Rows RowsWhere(const BenchReport& report, const auto& wanted) {
   Rows rows;
   for (const BenchRow& row : report.rows) {
-    if (Counts(row) && wanted(row)) rows.push_back(&row);
+    if (IsComparable(row) && wanted(row)) rows.push_back(&row);
   }
   return rows;
 }
 
-// Steps of the scene, [begin, end).
+// A range of the scene's steps, [begin, end).
 struct Steps {
   uint64_t begin;
   uint64_t end;
@@ -37,12 +37,14 @@ std::span<const double> TimesIn(const BenchRow& row, Steps steps) {
   return std::span(row.step_ms).subspan(steps.begin - row.first_step, steps.end - steps.begin);
 }
 
-// How many times faster `ours` is than `other`, on the frames that the one with fewer measured.
-// Absent where they have none in common.
+// How many times faster one contestant is than another.
 struct Speedup {
   double median;
   double mean;
 };
+
+// Compares two contestants on the frames measured by the one that measured fewer. Absent if they
+// have no frame in common.
 std::optional<Speedup> SpeedupOver(const BenchRow& ours, const BenchRow& other) {
   const bool ours_is_shorter = ours.frame_count < other.frame_count;
   const Steps measured = MeasuredBy(ours_is_shorter ? ours : other);
@@ -75,16 +77,16 @@ BenchRatio Against(RatioKind kind, const BenchRow& ours, std::string_view other,
 }
 
 std::optional<BenchRatio> AgainstBest(RatioKind kind, const BenchRow& ours, const Rows& peers) {
-  std::optional<BenchRatio> least;
+  std::optional<BenchRatio> lowest;
   for (const BenchRow* peer : peers) {
     const auto speedup = SpeedupOver(ours, *peer);
-    if (!speedup || (least && least->value <= speedup->median)) continue;
-    least = Against(kind, ours, peer->name, *speedup);
+    if (!speedup || (lowest && lowest->value <= speedup->median)) continue;
+    lowest = Against(kind, ours, peer->name, *speedup);
   }
-  return least;
+  return lowest;
 }
 
-// An arm with one thread against the best peer of its family.
+// Compares an arm with one thread to the best peer of its family.
 void AddFamily(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
   const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
     return row.cell == ours.cell && row.kind == ContestantKind::kPeer && row.thread_count == 1;
@@ -97,13 +99,13 @@ void AddFamily(const BenchReport& report, const BenchRow& ours, std::vector<Benc
 }
 
 const BenchRow* Fastest(const Rows& rows) {
-  const auto least = std::min_element(
+  const auto fastest = std::min_element(
       rows.begin(), rows.end(),
       [](const BenchRow* a, const BenchRow* b) { return a->ms_median < b->ms_median; });
-  return least == rows.end() ? nullptr : *least;
+  return fastest == rows.end() ? nullptr : *fastest;
 }
 
-// Our best with so many threads against the best of all peers with as many or fewer.
+// Compares our best arm at this thread count to the best of all peers with at most as many threads.
 void AddOverall(const BenchReport& report, size_t cell, uint32_t thread_count,
                 std::vector<BenchRatio>& ratios) {
   const BenchRow* ours = Fastest(RowsWhere(report, [&](const BenchRow& row) {
@@ -130,16 +132,16 @@ void AddThreads(const BenchReport& report, const BenchRow& ours, std::vector<Ben
   ratios.push_back(Against(RatioKind::kThreads, ours, "1 thread", *speedup));
 }
 
-bool GrowsWithTheCount(std::string_view family) {
+bool IsNearLinear(std::string_view family) {
   return family == "Grid" || family == "DBVT" || family == "Tracy" || family == "KDTree";
 }
 
-// 10,000 to 1,000,000 objects of one scene of the suite.
+// Compares the time per object at 1,000,000 objects to that at 10,000 objects of the same scene.
 void AddGrowth(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
   constexpr uint32_t kFrom = 10'000;
   constexpr uint32_t kTo = 1'000'000;
   const BenchCell& cell = report.cells[ours.cell];
-  if (cell.object_count != kTo || !GrowsWithTheCount(ours.family)) return;
+  if (cell.object_count != kTo || !IsNearLinear(ours.family)) return;
   const Rows small = RowsWhere(report, [&](const BenchRow& row) {
     return report.cells[row.cell].scene == cell.scene &&
            report.cells[row.cell].object_count == kFrom && row.name == ours.name &&

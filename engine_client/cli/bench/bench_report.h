@@ -1,8 +1,8 @@
-// What one run of `sweepstake bench` found, as plain values: the machine, what was asked for, a
-// cell per scene and object count, a row per contestant in a cell, and the ratios derived from the
-// rows. The command's outputs are made from this and from nothing else.
+// The result of one run of `sweepstake bench` as plain values: the machine, the options, a cell per
+// scene and object count, a row per contestant in a cell, and the ratios derived from the rows. All
+// outputs of the command are made from it alone.
 //
-// Times are in milliseconds per frame, sizes in bytes. Optional values are absent where they are
+// Times are in milliseconds per frame, sizes in bytes. Optional values are absent if they are
 // unknown or were not measured.
 #pragma once
 
@@ -25,41 +25,41 @@ struct BenchOptions {
   std::vector<std::string> arms{"all"};
   std::vector<uint32_t> thread_counts{1};
   bool peers = false;
-  double peer_cap_s = 5;  // of a peer's own time in a cell, before it is left out
+  double peer_cap_s = 5;  // maximum of a peer's own time in a cell
   bool json = false;
   std::optional<std::string> report_file;  // an HTML file with charts and tables
   std::string command_line;                // as it was given
 };
 
-// A scene with one number of objects. All contestants of a cell saw the same frames.
+// One scene with one object count. All contestants of a cell saw the same frames.
 struct BenchCell {
   std::string scene;
-  uint32_t object_count = 0;  // of the first frame
-  bool is_file = false;       // scene is the path of a recording
+  uint32_t object_count = 0;  // in the first frame
+  bool is_file = false;       // `scene` is the path of a recording
 };
 
 enum class ContestantKind { kArm, kPeer };
 
-// One contestant in one cell.
+// The result of one contestant in one cell.
 struct BenchRow {
   size_t cell = 0;  // index in BenchReport::cells
   ContestantKind kind = ContestantKind::kArm;
   std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
   std::string name;    // of the arm or the peer
   uint32_t thread_count = 1;
-  uint64_t frame_count = 0;  // measured; 0: it did not take part, and `note` says why
+  uint64_t frame_count = 0;  // measured; 0: it was left out, and `note` says why
   double ms_median = 0;
   double ms_mean = 0;
   double ms_min = 0;
   double ms_p99 = 0;
   double pairs_mean = 0;
   std::optional<double> aabb_checks_mean;    // arms only
-  std::optional<uint64_t> bytes;             // arms only: the most held in a measured frame
-  std::optional<uint64_t> bytes_with_pairs;  // the same with the buffer that the pairs went into
-  std::string difference;                    // not empty: its pairs were wrong, and where
+  std::optional<uint64_t> bytes;             // arms only: maximum over the measured frames
+  std::optional<uint64_t> bytes_with_pairs;  // `bytes` plus the pair buffer
+  std::string difference;                    // if its pairs were wrong: where; else empty
   std::string note;                          // why there are fewer frames than asked for
-  uint64_t first_step = 0;                   // step of the scene that step_ms starts at
-  std::vector<double> step_ms;               // each step's time, those of the warm-up included
+  uint64_t first_step = 0;                   // the scene's step that step_ms starts at
+  std::vector<double> step_ms;               // time per step, warm-up included
 };
 
 enum class RatioKind {
@@ -69,21 +69,21 @@ enum class RatioKind {
   kThreads,  // one thread and several
   kSpike,    // the 99th percentile frame and the median
 };
-// The word for it in JSON and tables.
+// Returns the kind's name in JSON and tables.
 const char* RatioKindName(RatioKind kind);
 
-// A comparison between rows of one run. In kFamily, kOverall and kThreads `value` says how many
-// times faster `ours` is than `other` over the frames that both measured, by the median; in the
-// others it is a quotient that should be small.
+// A comparison between rows of one run. In kFamily, kOverall and kThreads `value` is how many times
+// faster `ours` is than `other` by the median over the frames that both measured; in the other
+// kinds it is a quotient that should be small.
 struct BenchRatio {
   size_t cell = 0;
   RatioKind kind = RatioKind::kFamily;
-  std::string family;  // of `ours`
-  std::string ours;    // arm
-  std::string other;   // peer, or what else is compared with
+  std::string family;  // that of `ours`
+  std::string ours;    // the arm
+  std::string other;   // the peer, or what else it is compared with
   uint32_t thread_count = 1;
   double value = 0;
-  std::optional<double> value_mean;  // by the mean in place of the median
+  std::optional<double> value_mean;  // by the mean instead of the median
 };
 
 // How many times faster an arm is than a peer over the frames that both measured, one thread each.
@@ -101,14 +101,14 @@ struct BenchReport {
   std::vector<BenchCell> cells;
   std::vector<BenchRow> rows;  // by cell, family, kind, name and threads
   std::vector<BenchRatio> ratios;
-  std::vector<BenchSpeedup> speedups;  // every arm and every peer of a cell
+  std::vector<BenchSpeedup> speedups;  // one per arm and peer of a cell
 };
 
-// The comparisons of `report`'s rows. Rows with a difference are left out on both sides. Pure, safe
-// from any thread.
+// Returns the comparisons of the report's rows. Rows with a difference are left out. Both functions
+// are pure and safe from any thread.
 std::vector<BenchRatio> RatiosOf(const BenchReport& report);
 
-// How many times faster each arm is than each peer of its cell, with one thread each.
+// Returns how many times faster each arm is than each peer of its cell, with one thread each.
 std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report);
 
 }  // namespace sweepstake::cli

@@ -13,7 +13,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The pools of a run, one per count of threads; a count of 1 does without.
+// The thread pools of a run, one per thread count above 1.
 class ThreadPools {
  public:
   explicit ThreadPools(const std::vector<uint32_t>& thread_counts) {
@@ -35,7 +35,7 @@ struct Frames {
   uint64_t measured;
 };
 
-// Rows of a cell and what fills them, one for one.
+// Runs one cell. Row i holds the result of contestant i.
 class CellRun {
  public:
   CellRun(BenchReport& report, const ThreadPools& pools) : report_(report), pools_(pools) {}
@@ -58,7 +58,7 @@ class CellRun {
     rows_.push_back(std::move(row));
     contestants_.push_back({.broad_phase = peer.make(peer.name, thread_count),
                             .cap_s = report_.options.peer_cap_s,
-                            .sound_boxes_only = true});
+                            .valid_boxes_only = true});
   }
 
   void Measure(Scene& scene, const std::function<void(const std::string& name)>& on_step) {
@@ -88,7 +88,8 @@ class CellRun {
     return row;
   }
 
-  // What is too large for a peer, or what a smaller number of objects showed to take too long.
+  // Returns why the peer is not run in this cell: the scene is too large for it, or the peer was
+  // too slow at a smaller object count. Empty if it is run.
   std::string WhyLeftOut(const PeerKind& peer, const BenchRow& row) const {
     const BenchCell& cell = report_.cells.back();
     if (cell.object_count > peer.max_object_count) {
@@ -131,7 +132,8 @@ class CellRun {
     }
   }
 
-  // The first row is an arm's; that arms are right is for `sweepstake check`.
+  // Compares with the first row, which is an arm's. Whether arms are correct is the job of
+  // `sweepstake check`.
   std::string DifferenceFrom(const ContestantTiming& right, const ContestantTiming& found) const {
     for (size_t i = 0; i < found.step_pairs.size(); ++i) {
       if (found.step_pairs[i] == right.step_pairs[i]) continue;

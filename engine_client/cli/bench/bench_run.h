@@ -1,8 +1,7 @@
-// Runs the cells of a bench: every arm with every count of threads, and every peer, through the
-// same frames.
+// Runs the cells of a bench: every arm with every thread count and every peer on the same frames.
 //
-// Not thread-safe. Cost: what the contestants take, and a peer at most its cap by more than one
-// frame. Memory: all contestants of a cell at once.
+// Not thread-safe. Cost: the contestants' own time; a peer exceeds its cap by at most one frame.
+// Memory: all contestants of a cell exist at once.
 #pragma once
 
 #include "engine_client/cli/bench/bench_report.h"
@@ -11,11 +10,11 @@
 
 namespace sweepstake::cli {
 
-// Shows its progress on `terminal`. The errors of ChooseArms and OpenScene; a peer or an arm whose
-// pairs are wrong is no error but in its row.
+// Shows its progress on `terminal`. Errors: those of ChooseArms and OpenScene. Wrong pairs of an
+// arm or a peer are not an error; its row says so.
 Result<BenchReport> RunBench(const BenchOptions& options, Terminal& terminal);
 
-// Whether any row has a difference.
+// Returns whether any row has a difference.
 bool AnyDiffers(const BenchReport& report);
 
 }  // namespace sweepstake::cli

@@ -15,13 +15,13 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// The boxes of a frame as one contestant is shown them.
+// The boxes of a frame that one contestant gets.
 class ShownBoxes {
  public:
-  void Show(std::span<const Aabb> boxes, bool sound_only) {
+  void Show(std::span<const Aabb> boxes, bool valid_only) {
     ids_.clear();
     boxes_.assign(boxes.begin(), boxes.end());
-    if (!sound_only || std::all_of(boxes.begin(), boxes.end(), IsValid)) return;
+    if (!valid_only || std::all_of(boxes.begin(), boxes.end(), IsValid)) return;
     boxes_.clear();
     for (uint32_t id = 0; id < boxes.size(); ++id) {
       if (!IsValid(boxes[id])) continue;
@@ -37,37 +37,37 @@ class ShownBoxes {
 
  private:
   std::vector<Aabb> boxes_;
-  std::vector<uint32_t> ids_;  // empty where all boxes are shown
+  std::vector<uint32_t> ids_;  // empty if all boxes are shown
 };
 
 double MillisecondsSince(steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
 }
 
-// Returns when all threads of the executor have begun a part at the same time.
+// Wakes all threads of the executor: returns once each of them has begun a part.
 void Wake(Executor* executor) {
   if (executor == nullptr) return;
-  struct Meeting {
+  struct Barrier {
     const size_t expected;
     std::atomic<size_t> arrived{0};
-  } meeting{executor->thread_count()};
+  } barrier{executor->thread_count()};
   executor->RunParts(
-      meeting.expected,
+      barrier.expected,
       [](void* context, size_t) {
-        auto& shared = *static_cast<Meeting*>(context);
+        auto& shared = *static_cast<Barrier*>(context);
         shared.arrived.fetch_add(1);
         while (shared.arrived.load() < shared.expected) std::this_thread::yield();
       },
-      &meeting);
+      &barrier);
 }
 
-// A contestant on its way through the scene.
+// Steps one contestant through the scene and times it.
 class Run {
  public:
   explicit Run(const Contestant& contestant) : contestant_(contestant) {}
 
   void Build(std::span<const Aabb> boxes) {
-    shown_.Show(boxes, contestant_.sound_boxes_only);
+    shown_.Show(boxes, contestant_.valid_boxes_only);
     const auto start = steady_clock::now();
     contestant_.broad_phase->Build(shown_.boxes());
     contestant_.broad_phase->FindPairs(pairs_);
@@ -78,7 +78,7 @@ class Run {
   uint64_t step_count() const { return timing_.step_ms.size(); }
 
   void Step(std::span<const Aabb> boxes, bool measured) {
-    shown_.Show(boxes, contestant_.sound_boxes_only);
+    shown_.Show(boxes, contestant_.valid_boxes_only);
     pairs_.Clear();
     Wake(contestant_.executor);
     const auto start = steady_clock::now();

@@ -1,4 +1,4 @@
-// All calls of a daemon share this: a channel, a deadline, and statuses in our own words.
+// What all calls to a daemon share: opening a channel, setting a deadline and translating statuses.
 // Thread-safe.
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace sweepstake::cli {
 
-// A channel to HOST:PORT, which connects on its first call. kInvalidArgument: the address does not
-// have this form.
+// Returns a channel to HOST:PORT, which connects at its first call. Error: kInvalidArgument (the
+// address does not have this form).
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address);
 
-// Lets a call fail with kUnavailable after ten seconds.
+// Makes the call fail with kUnavailable after ten seconds.
 void SetDeadline(grpc::ClientContext& context);
 
-// kUnavailable with what to do where the daemon could not be reached, else what the daemon said.
+// Returns the daemon's status, or kUnavailable with a hint if the daemon could not be reached.
 Status ToStatus(const grpc::Status& status, const std::string& address);
 
 }  // namespace sweepstake::cli

@@ -14,17 +14,19 @@ namespace sweepstake::cli {
 // outside.
 std::string IntervalBar(double mean, decision::CredibleInterval interval, int width);
 
-// A heading and a table with a line per arm: the mean, the central 95 % of the posterior, the
-// probability to be the best arm. The verdict comes from the evidence of all sessions together
-// (server/decision/policy/diagnosis.h) and compares only the newest version of each arm's backend.
+// Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior
+// and the probability of being the best arm. The verdict is computed from the evidence of all
+// sessions together (server/decision/policy/diagnosis.h) and compares only the newest version of
+// each arm's backend.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 
-// The same for several scenes: a text with an empty line after each scene, or an array.
+// These show several scenes: as a text with an empty line after each scene, or as an array.
 std::string PosteriorsText(std::span<const v1::ScenePosterior> scenes);
 nlohmann::ordered_json PosteriorsJson(std::span<const v1::ScenePosterior> scenes);
 
-// "hurricane-3000: decision 7, SAP → KDTree: switched (policy), reward 0.731".
+// Returns, for example, "hurricane-3000: decision 7, SAP → KDTree: switched (policy), reward
+// 0.731".
 std::string DecisionText(const v1::DecisionEvent& event);
 
 }  // namespace sweepstake::cli

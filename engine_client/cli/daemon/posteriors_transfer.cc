@@ -11,8 +11,9 @@
 namespace sweepstake::cli {
 namespace {
 
-// Cancels a call as soon as `is_stopped` holds. Reading from a stream blocks, so a thread of its
-// own has to look. A call that has ended is left alone, or its status would become CANCELLED.
+// Cancels a call as soon as `is_stopped` returns true. It asks on a thread of its own, because
+// reading from the stream blocks. A call that has ended is not cancelled, because its status would
+// become CANCELLED.
 class Canceller {
  public:
   Canceller(grpc::ClientContext& context, const std::function<bool()>& is_stopped)

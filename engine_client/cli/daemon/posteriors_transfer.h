@@ -1,4 +1,4 @@
-// The posteriors of a daemon, over the PosteriorsService.
+// Reads the posteriors of a daemon through the PosteriorsService.
 #pragma once
 
 #include <functional>
@@ -10,14 +10,15 @@
 
 namespace sweepstake::cli {
 
-// All scenes that a daemon knows. An empty `project` or `scene` selects all. kUnavailable: no
-// daemon answered.
+// Returns the scenes that a daemon knows. An empty `project` or `scene` selects all. Error:
+// kUnavailable (no daemon answered).
 Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& address,
                                                        const std::string& project,
                                                        const std::string& scene);
 
-// Calls `on_event` with each event of the daemon until `is_stopped` holds, which another thread
-// asks every 50 ms. Returns kUnavailable when the daemon cannot be reached or ends the stream.
+// Calls `on_event` with each event of the daemon until `is_stopped` returns true, which another
+// thread calls every 50 ms. Returns kUnavailable if the daemon cannot be reached or ends the
+// stream.
 Status WatchPosteriors(const std::string& address, const std::string& project,
                        const std::string& scene, const std::function<bool()>& is_stopped,
                        const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event);

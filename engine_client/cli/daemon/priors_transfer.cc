@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The bound of the protocol.
+// The protocol's maximum.
 constexpr size_t kRecordsPerMessage = 200;
 
 }  // namespace
@@ -50,7 +50,7 @@ Result<ImportResult> ImportPriors(const std::string& address,
     records = records.subspan(part.size());
     v1::ImportPriorsRequest request;
     for (const PriorRecord& record : part) *request.add_records() = ToProto(record);
-    // Finish returns the reason when the daemon refuses a message.
+    // If the daemon refuses a message, Finish returns the reason.
     if (!writer->Write(request)) break;
   }
   writer->WritesDone();

@@ -1,4 +1,4 @@
-// Reads and adds to the evidence of a daemon, over the PriorsService.
+// Reads a daemon's evidence, and adds to it, through the PriorsService.
 #pragma once
 
 #include <span>
@@ -15,7 +15,7 @@ struct ImportResult {
   uint64_t unchanged_count = 0;
 };
 
-// An empty `project` or `scene` selects all. kUnavailable: no daemon answered.
+// An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
 Result<std::vector<PriorRecord>> ExportPriors(const std::string& address,
                                               const std::string& project, const std::string& scene);
 // Adds all records or, on an error, none.

@@ -1,4 +1,4 @@
-// What `sweepstake watch` shows: every scene's latest posteriors and the latest decisions.
+// The screen of `sweepstake watch`: every scene's latest posteriors and the latest decisions.
 // Not thread-safe. The stream is borrowed.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace sweepstake::cli {
 
 class WatchScreen {
  public:
-  // With `redraws`, for a terminal, the screen is drawn anew at most five times a second. Without,
-  // each event is printed as it comes.
+  // With `redraws` (for a terminal) the screen is drawn anew at most five times per second. Without
+  // it, each event is printed when it arrives.
   WatchScreen(std::ostream& out, bool redraws) : out_(out), redraws_(redraws) {}
 
   void Show(const v1::WatchPosteriorsResponse& event);
@@ -28,7 +28,7 @@ class WatchScreen {
 
   std::ostream& out_;
   const bool redraws_;
-  // By project, scene, machine class and reward version.
+  // The key is project, scene, machine class and reward version.
   std::map<std::tuple<std::string, std::string, std::string, uint32_t>, v1::ScenePosterior> scenes_;
   std::deque<std::string> decisions_;
   std::chrono::steady_clock::time_point drawn_at_;

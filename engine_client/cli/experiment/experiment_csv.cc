@@ -1,4 +1,4 @@
-// The CSV files of an experiment.
+// Writes the CSV files of an experiment.
 
 #include <functional>
 #include <span>
@@ -21,7 +21,7 @@ std::string ReasonText(uint32_t reason) {
   return reason == 0 ? "" : ReasonName(static_cast<SwitchReason>(reason));
 }
 
-// Whether the observation window was under way.
+// Returns "1" if the time is in the observation window, else "0".
 std::string Observed(const RunRecord& record, double time_s) {
   return time_s >= record.exploration_s ? "1" : "0";
 }
@@ -178,7 +178,7 @@ Status WriteTable3(std::span<const CellSummary> cells, const std::filesystem::pa
   return (*csv)->Commit();
 }
 
-// A measure's four cells: ours and the paper's, mean and deviation.
+// Appends the four cells of a measure: mean and deviation, ours and the paper's.
 std::string Number(double value) { return Fixed(value, 6); }
 
 Status WriteTable4(std::span<const CellSummary> cells, const std::filesystem::path& path) {

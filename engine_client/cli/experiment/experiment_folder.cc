@@ -12,7 +12,8 @@
 
 namespace sweepstake::cli {
 
-// JSON finds these by the structs' namespace. Field names are the manifest's.
+// The JSON library finds these functions by the structs' namespace. The field names are those of
+// the manifest.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, large_object_counts,
                                    policies, run_count, window, time_scale, seed, trace_frame_count,
                                    replay_seed_count, quick, frames)
@@ -43,7 +44,7 @@ Json MachineJson() {
   return json;
 }
 
-// What the paper's mechanism runs with, after the time scale.
+// Returns the parameters of the paper's mechanism after the time scale is applied.
 Json DecisionJson(double time_scale) {
   const decision::DecisionOptions options = decision::DecisionOptions{}.Scaled(time_scale);
   return {{"decision_interval_ns", options.decision_interval_ns},

@@ -1,11 +1,11 @@
-// The folder of an experiment: where each file lies, the manifest that says what is being run, and
-// which runs are there already. Files appear whole or not at all, so that a folder whose program
-// was killed can be resumed.
+// The folder of an experiment: the path of each file, the manifest with what is to be run, and the
+// runs that are finished. Files appear whole or not at all, so that an experiment whose program was
+// killed can be resumed.
 //
 //   manifest.json   options, seeds, machine, versions, command lines, state
-//   runs/           a record per finished run
-//   traces/         every arm on every frame of a cell's scene
-//   frames/         with --frames: every frame of a run
+//   runs/           one record per finished run
+//   traces/         the costs of every arm on every frame of a cell's scene
+//   frames/         every frame of a run, if --frames is given
 //   *.csv, tables.txt, experiment.json, report.html
 #pragma once
 
@@ -19,11 +19,11 @@
 
 namespace sweepstake::cli {
 
-// One start of the program on this experiment.
+// One execution of the program on this experiment.
 struct ExperimentSitting {
   std::string command_line;
   std::string start_utc;
-  std::string end_utc;  // empty where the program was killed
+  std::string end_utc;  // empty if the program was killed
 };
 
 struct ExperimentManifest {
@@ -40,22 +40,23 @@ class ExperimentFolder {
   std::filesystem::path FramesFile(const PlannedRun& run) const;
   std::filesystem::path TraceFile(const ExperimentCell& cell) const;
 
-  // Makes the folders. kInvalidArgument: not possible, or an experiment is there already.
+  // Creates the folders. Error: kInvalidArgument (this is not possible, or the folder already has
+  // an experiment).
   Status Create() const;
-  // kNotFound, kDataLoss: what is missing or broken.
+  // Reads the manifest. Errors: kNotFound (it is missing), kDataLoss (it is invalid).
   Result<ExperimentManifest> ReadManifest() const;
-  // `json` is the whole document.
+  // Writes the manifest; `json` is the whole document.
   Status WriteManifest(const std::string& json) const;
-  // Of the planned runs those that are there, in the plan's order; records that do not fit their
-  // name are passed over, and made anew.
+  // Returns the records of the finished runs in the plan's order. A record that does not match its
+  // file name is skipped, so its run is repeated.
   std::vector<RunRecord> ReadRecords(const ExperimentPlan& plan) const;
 
  private:
   std::filesystem::path path_;
 };
 
-// The manifest's document: options, every run's seeds, the decider's parameters as scaled, machine
-// and versions. `finished_count` of the plan's runs are there.
+// Returns the manifest: options, every run's seeds, the decider's scaled parameters, machine and
+// versions. `finished_count` is how many of the plan's runs are finished.
 std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSitting>& sittings,
                          size_t finished_count);
 

@@ -1,4 +1,4 @@
-// The JSON document of an experiment.
+// Makes the JSON document of an experiment.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,12 +14,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A chart of a run's posteriors is some 200 pixels wide.
+// A chart of a run's posteriors is about 200 pixels wide, so more points would not be visible.
 constexpr size_t kMaxPosteriorPoints = 50;
 
 Json IntervalJson(const Interval& interval) { return {interval.low, interval.high}; }
 
-// The truth's columns of a row: who is the fastest, and what the policy lost.
+// Adds the columns that come from the trace: the fastest arm and the policy's regret.
 void AddTruth(const CellTruth& truth, const CellSummary& cell, Json& row) {
   row["truly_fastest"] = truth.ranking.front().arm;
   for (const ReplayedPlayer& player : truth.players) {
@@ -33,7 +33,7 @@ void AddTruth(const CellTruth& truth, const CellSummary& cell, Json& row) {
   }
 }
 
-// A flat row per cell and policy, but for the list of dominant arms.
+// Returns the row of a cell and policy, which is flat except for the list of dominant arms.
 Json RowJson(const ExperimentReport& report, const CellSummary& cell) {
   Json row = {{"policy", cell.policy},
               {"scene", cell.cell.scene},
@@ -74,7 +74,7 @@ Json PeriodsJson(const RunRecord& record) {
   return periods;
 }
 
-// Whether the policy wanted another arm and was not allowed to switch.
+// Returns whether the policy wanted another arm but was not allowed to switch.
 bool IsHeldBack(const RecordedDecision& decision) {
   const auto outcome = static_cast<decision::Outcome>(decision.outcome);
   return decision.candidate >= 0 && decision.candidate != decision.active_arm &&
@@ -98,7 +98,7 @@ Json BailOutsJson(const RunRecord& record) {
   return bail_outs;
 }
 
-// The posterior means over time, thinned; the last point is where the run ended.
+// Returns the posterior means over time, thinned to a few points; the last point is the run's end.
 Json PosteriorsJson(const RunRecord& record) {
   Json points = Json::array();
   const size_t count = record.decisions.size();
@@ -114,7 +114,7 @@ Json PosteriorsJson(const RunRecord& record) {
   return points;
 }
 
-// How many decisions of the observation window had which verdict.
+// Returns the number of decisions in the observation window per verdict.
 Json VerdictsJson(const RunRecord& record) {
   std::map<uint32_t, uint64_t> counts;
   for (const RecordedDecision& decision : record.decisions) {
@@ -229,7 +229,7 @@ Json SittingJson(const ExperimentSitting& sitting) {
           {"end_utc", sitting.end_utc}};
 }
 
-// By cell, as a reader compares policies, not by policy as the rows stand.
+// Orders the rows by cell, so that the policies of a cell are adjacent.
 Json RunsJson(const ExperimentReport& report) {
   Json runs = Json::array();
   for (const ExperimentCell& cell : report.plan.cells) {

@@ -18,15 +18,16 @@ namespace {
 
 constexpr uint32_t kStopDeadlineMs = 2000;
 constexpr uint64_t kGoOnIntervalNs = 2'000'000;
-// With frames of 10 µs this is a sixth of a second, for which the sender thread may be without a
-// core.
+// With frames of 10 µs the queue holds a sixth of a second, for which the sender thread may wait
+// for a core.
 constexpr uint32_t kQueueFrames = 16'384;
 
-// The controls run each arm in turn, in rounds. A block lasts for this share of the window, and for
-// at least the frames of two turns of rotating gravity unless those take ten times as long. The
-// first fifth of each block is warm-up.
+// The controls run the arms in turn, in kControlRounds rounds of one block per arm. A block lasts
+// for 1/kBlocksPerWindow of the window, and longer if it has fewer than kBlockFrames frames by then
+// (two turns of rotating gravity), but at most kBlockPatience times as long. The first fifth of
+// each block is warm-up.
 constexpr uint64_t kControlRounds = 2;
-constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds: a fifteenth of the window
+constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds take a fifteenth of the window
 constexpr uint64_t kBlockFrames = 360;
 constexpr uint64_t kBlockPatience = 10;
 
@@ -51,9 +52,9 @@ RecordedDecision Recorded(const DecisionEvent& event, uint64_t begin_ns) {
   return kept;
 }
 
-// Keeps the decisions, which arrive on the sender thread; they are read after the session has
-// stopped. The observation window begins with the decision that ends the exploration or, where
-// there is none, with the run.
+// Records the decisions, which arrive on the sender thread and are read after the session has
+// stopped. The observation window begins with the decision that ends the exploration or, if there
+// is no exploration, with the run.
 class DecisionRecorder {
  public:
   static constexpr uint64_t kNotYet = ~uint64_t{0};
@@ -67,7 +68,7 @@ class DecisionRecorder {
     decisions_.push_back(event);
   }
 
-  // On the clock of the decisions; 0: since the run began.
+  // When the observation window began, on the clock of the decisions; 0 if it began with the run.
   uint64_t observed_from_ns() const { return observed_from_ns_.load(std::memory_order_relaxed); }
   const std::vector<DecisionEvent>& decisions() const { return decisions_; }
 
@@ -127,7 +128,7 @@ class LiveRun {
   }
 
   Status Prepare();
-  // Whether it came to its end.
+  // Returns whether the run was finished, false if it was stopped.
   Result<bool> Play();
   RunRecord Take() { return std::move(record_); }
 
@@ -148,7 +149,7 @@ class LiveRun {
   std::unique_ptr<FrameLog> frames_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<GameRun> run_;
-  uint64_t begin_ns_ = 0;  // on the steady clock
+  uint64_t begin_ns_ = 0;  // the run's start, on the steady clock
   uint64_t next_check_ns_ = 0;
 };
 
@@ -169,7 +170,7 @@ Status LiveRun::Prepare() {
   AdaptiveOptions adaptive;
   adaptive.initial_arm = BroadPhaseNames()[record_.initial_arm];
   adaptive.settling_ns = static_cast<uint64_t>(decisions_.settling_ns);
-  // The paper's selector, and what else learns from live frames only, has cold switches.
+  // Policies that learn from live frames only, such as the paper's, have no lane and switch cold.
   const bool learns_from_lane = decision::PolicyKindOf(record_.policy).uses_shadow;
   adaptive.shadow =
       ScaledShadow(learns_from_lane ? ShadowMode::kAuto : ShadowMode::kOff, options_.time_scale);
@@ -207,15 +208,15 @@ bool LiveRun::MayGoOn(uint64_t now_ns) {
 
 uint64_t LiveRun::LongestExplorationNs() const {
   constexpr uint64_t kPatience = 10;
-  constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms at a large time scale are no fault
+  constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms at a large time scale need this long
   const auto slot_ns =
       static_cast<uint64_t>(decisions_.exploration_warm_up_ns + decisions_.exploration_measure_ns);
   return std::max(kMinNs, kPatience * slot_ns * record_.arms.size());
 }
 
-// Frames until the window has passed.
+// Runs frames until the observation window has passed. Returns false if it was stopped.
 Result<bool> LiveRun::Observe() {
-  std::optional<uint64_t> end_ns;  // since the run began, once it is known
+  std::optional<uint64_t> end_ns;  // since the run began; absent until it is known
   for (uint64_t now_ns = 0; !end_ns || now_ns < *end_ns;) {
     run_->Frame();
     now_ns = run_->elapsed_ns();

@@ -1,7 +1,8 @@
-// One live run of an experiment: a real GameRun with the embedded decider, from Beta(1,1), through
-// the exploration and the observation window; then every arm alone on the same scene as a control.
+// Plays one live run of an experiment: a real GameRun with the embedded decider, which starts from
+// Beta(1,1) and goes through the exploration and the observation window. Then every arm runs alone
+// on the same scene as a control.
 //
-// Uses the calling thread as the frame thread, and the session's sender thread. Frames are not
+// The calling thread is the frame thread; the session has its own sender thread. Frames are not
 // paced.
 #pragma once
 
@@ -19,27 +20,28 @@
 namespace sweepstake::cli {
 
 struct LiveOptions {
-  uint64_t window_ns = 0;  // of real time
+  uint64_t window_ns = 0;  // in real time
   double time_scale = 1;
-  std::filesystem::path frames_file;  // every frame's metrics as CSV; empty: none
-  // Called between frames with the real time since the run began. Returns whether to go on.
+  std::filesystem::path frames_file;  // CSV file for every frame's metrics; empty: none
+  // Called between frames with the real time since the run began. It returns whether to go on.
   std::function<bool(uint64_t elapsed_ns)> go_on;
 };
 
-// Absent: go_on said no. The errors of OpenScene, MakeEmbeddedSession and CsvFile; kInternal: the
-// exploration takes ten times as long as it should.
+// Returns the record, or nothing if go_on returned false. Errors: those of OpenScene,
+// MakeEmbeddedSession and CsvFile, and kInternal (the exploration takes ten times as long as
+// planned).
 Result<std::optional<RunRecord>> PlayLive(const PlannedRun& planned, const LiveOptions& options);
 
-// Thins frames to windows: means and extremes of the frames that ran on one arm within an interval.
-// Not thread-safe. Appends one window per interval and per change of arm.
+// Summarizes frames as windows: the means and extremes of the frames that ran on one arm within an
+// interval. There is one window per interval and per change of arm. Not thread-safe.
 class MetricWindowMeter {
  public:
   // REQUIRES: interval_ns > 0.
   explicit MetricWindowMeter(uint64_t interval_ns) : interval_ns_(interval_ns) {}
 
-  // `now_ns` since the run began, at the frame's end.
+  // `now_ns` is the time from the run's start to the frame's end.
   void Add(const FrameSample& sample, uint64_t now_ns);
-  // The windows, the running one included.
+  // Returns the windows, including the current one.
   std::vector<MetricWindow> Take(uint64_t now_ns);
 
  private:
@@ -47,7 +49,7 @@ class MetricWindowMeter {
 
   const uint64_t interval_ns_;
   uint64_t begin_ns_ = 0;
-  MetricWindow sums_;  // means hold sums until the window closes
+  MetricWindow sums_;  // the means are sums until the window is closed
   std::vector<MetricWindow> windows_;
 };
 

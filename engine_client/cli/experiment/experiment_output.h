@@ -1,5 +1,5 @@
-// What an experiment found, and its outputs: text tables, CSV files and one JSON document. Pure but
-// for the files; safe from any thread.
+// The result of an experiment and its outputs: text tables, CSV files and one JSON document. Pure
+// except for the files; safe from any thread.
 #pragma once
 
 #include <filesystem>
@@ -15,35 +15,35 @@
 
 namespace sweepstake::cli {
 
-// All outputs are made from this and from nothing else.
+// All outputs are made from this alone.
 struct ExperimentReport {
   ExperimentPlan plan;
-  std::vector<ExperimentSitting> sittings;  // the last one wrote this
+  std::vector<ExperimentSitting> sittings;  // the last one made this report
   BenchMachine machine;
   std::vector<RunRecord> records;  // the finished runs
-  std::vector<CellSummary> cells;  // by policy, then cell; they point into `records`
+  std::vector<CellSummary> cells;  // by policy, then cell; point into `records`
   ExperimentTruths truths;
 
   bool complete() const { return records.size() == plan.runs.size(); }
 };
 
-// "12.2±2.8" with that many decimals; only "12.2" for a single value.
+// Returns "12.2±2.8" with this number of decimals, or only "12.2" for a single value.
 std::string SpreadText(const Spread& spread, int decimals);
 
-// Tables 3 and 4 in the paper's layout for each policy, with the paper's own figures beside them;
-// then the true ranking, regret by policy, live against replay, comparisons. Parts without data are
-// left out. `folder` is where the experiment lies.
+// Prints Tables 3 and 4 in the paper's layout for each policy, beside the paper's own figures, then
+// the true ranking, the regret by policy, live against replay, and the comparisons. Parts without
+// data are left out. `folder` is the path of the experiment.
 void PrintExperiment(const ExperimentReport& report, const std::filesystem::path& folder,
                      std::ostream& out);
 
 // Writes the tables (table3.csv, table4.csv), the raw rows of the runs (activations.csv,
 // switches.csv, decisions.csv, posteriors.csv, final.csv, metrics.csv, time.csv) and the truth
-// (ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv) into `folder`. The
-// errors of CsvFile.
+// (ranking.csv, regret.csv, live_regret.csv, agreement.csv, comparisons.csv) into `folder`.
+// Errors: those of CsvFile.
 Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
-// The document of `--json`: a row per cell and policy, then the runs and the truth that the
-// report's charts are drawn from.
+// Returns the document of `--json`: a row per cell and policy, then the runs and the truths from
+// which the report draws its charts.
 void PrintExperimentJson(const ExperimentReport& report, const std::filesystem::path& folder,
                          std::ostream& out);
 

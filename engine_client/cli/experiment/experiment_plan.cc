@@ -15,7 +15,7 @@
 namespace sweepstake::cli {
 namespace {
 
-constexpr double kControlShare = 1.0 / 15;  // of the window: experiment_live.cc
+constexpr double kControlShare = 1.0 / 15;  // of the window, as in experiment_live.cc
 
 template <typename Value>
 void Default(std::vector<Value>& values, std::vector<Value> defaults) {
@@ -39,8 +39,9 @@ ExperimentOptions WithDefaults(ExperimentOptions options) {
   return options;
 }
 
-// By what the run is, not where it stands in the list: another grid with the same cell has the
-// same seeds. Below 2^53, so that every reader of JSON keeps them.
+// Derives a run's seed from its cell and number, not from its position in the plan, so that another
+// grid with the same cell has the same seeds. Seeds are below 2^53, which every reader of JSON
+// represents exactly.
 uint64_t RunSeed(uint64_t seed, const std::string& cell, uint32_t run) {
   uint64_t word = math::Mix64(seed + math::kGoldenGamma);
   for (const char letter : cell) word = math::Mix64(word + static_cast<unsigned char>(letter));

@@ -7,7 +7,8 @@
 
 namespace sweepstake::cli {
 
-// JSON finds these by the structs' namespace. Field names are the file's.
+// The JSON library finds these functions by the structs' namespace. The field names are those of
+// the file.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentCell, scene, object_count, scene_seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedSwitch, time_s, frame, from, to, reason, rebuild_ns,
                                    settling_ns)
@@ -32,7 +33,8 @@ namespace {
 constexpr const char* kFormat = "sweepstake-experiment-run";
 constexpr int kVersion = 1;
 
-// Whoever indexes by arm later must not be able to go astray.
+// Returns whether all lists and arm indices match the number of arms, since later code indexes by
+// arm without checks.
 bool IsConsistent(const RunRecord& record) {
   const size_t arms = record.arms.size();
   if (arms == 0 || record.explored.size() != arms || record.observed.size() != arms ||

@@ -22,7 +22,7 @@ uint64_t Steps(size_t cells, double share) {
   return static_cast<uint64_t>(kProgressSteps * (static_cast<double>(cells) + share));
 }
 
-// A trace that was made with other options says nothing about this experiment.
+// Returns whether the trace was made with this experiment's options; any other is measured again.
 bool IsTraceOf(const Result<CostTrace>& trace, const ExperimentPlan& plan) {
   return trace.ok() && trace->frame_count == plan.options.trace_frame_count;
 }
@@ -90,7 +90,7 @@ class Grid {
     return *record ? WriteRecord(**record, folder_.RunFile(run)) : Status();
   }
 
-  // The time left goes by what the runs took so far, once there is one.
+  // The remaining time is estimated from the finished runs, if there are any.
   void ShowProgress(const PlannedRun& run, uint64_t elapsed_ns) {
     const uint64_t done_ns = done_count_ * run_ns_ + std::min(elapsed_ns, run_ns_);
     const uint64_t total_ns = missing_.size() * run_ns_;

@@ -1,6 +1,6 @@
-// Runs an experiment: traces the scenes, plays the runs that are missing, and judges them by the
-// traces. Each trace and each run is on disk as soon as it ends. All functions return early,
-// without an error, when a stop was asked for (stop_signal.h), and show a progress bar.
+// Runs an experiment: traces the scenes, plays the missing runs, and judges them by the traces.
+// Each trace and each run is written to disk when it ends. All functions show a progress bar and
+// return early, without an error, if a stop was requested (stop_signal.h).
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,17 @@
 
 namespace sweepstake::cli {
 
-// "1 h 12 min", "3 min", "40 s".
+// Returns "1 h 12 min", "3 min" or "40 s".
 std::string DurationText(uint64_t ns);
 
-// Makes the traces that are missing. The errors of RunTrace and WriteCosts.
+// Makes the missing traces. Errors: those of RunTrace and WriteCosts.
 Status TraceCells(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal);
 
-// Plays the runs that are missing. The errors of PlayLive and of writing.
+// Plays the missing runs. Errors: those of PlayLive and of writing.
 Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal);
 
-// The truths of the cells that have traces, with comparisons; without replays after a stop. The
-// errors of AssessCell.
+// Returns the truths of the cells that have traces, with comparisons, but without replays after a
+// stop. Errors: those of AssessCell.
 Result<ExperimentTruths> Assess(const ExperimentPlan& plan, const ExperimentFolder& folder,
                                 std::span<const CellSummary> cells, Terminal& terminal);
 

@@ -8,8 +8,8 @@
 namespace sweepstake::cli {
 namespace {
 
-// Above this share of the window a preference is called strong: the paper's "strong stable" cell
-// has 82 %, its plain "stable" ones 41 to 72 %.
+// Above this share of the window a preference is called strong. The paper's "strong stable" cell
+// has 82 %; its "stable" cells have 41 to 72 %.
 constexpr double kStrongPercent = 75;
 
 Verdict MostFrequentVerdict(const std::vector<RunSummary>& runs) {

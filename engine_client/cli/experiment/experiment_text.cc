@@ -1,4 +1,4 @@
-// The text tables of an experiment.
+// Prints the text tables of an experiment.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -11,7 +11,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The scene's name in the paper's tables; other scenes keep their own.
+// Returns the scene's name in the paper's tables; other scenes keep their own name.
 std::string PaperSceneName(const std::string& scene) {
   if (scene == "brownian") return "Brownian";
   if (scene == "rotating-gravity") return "Rotating Grav";
@@ -23,7 +23,8 @@ std::string PaperText(const PaperFigure& figure, int decimals) {
   return Fixed(figure.mean, decimals) + "±" + Fixed(figure.deviation, decimals);
 }
 
-// Hundredths below 10 %, tenths below 100 %, whole ones above. REQUIRES: ratio >= 0.
+// Formats a percentage with two decimals below 10 %, one below 100 %, none above. REQUIRES: ratio
+// >= 0.
 std::string Percent(double ratio) {
   const double percent = 100 * ratio;
   if (percent < 9.995) return Fixed(percent, 2) + " %";
@@ -37,7 +38,7 @@ std::string CellName(const ExperimentCell& cell) {
 
 std::string PercentText(double ratio) {
   const std::string size = Percent(std::abs(ratio));
-  // A value that rounds to 0 has no sign.
+  // A value that rounds to 0 is printed without a sign.
   return size.find_first_not_of("0. %") == std::string::npos ? "0 %"
                                                              : (ratio < 0 ? "−" : "+") + size;
 }
@@ -84,7 +85,7 @@ void PrintTable4(std::span<const CellSummary> cells, std::ostream& out) {
   table.Print(out);
 }
 
-// The rows of each policy, which follow one another.
+// Splits the rows by policy. The rows of a policy are consecutive.
 std::vector<std::span<const CellSummary>> ByPolicy(std::span<const CellSummary> cells) {
   std::vector<std::span<const CellSummary>> groups;
   for (size_t first = 0; first < cells.size();) {

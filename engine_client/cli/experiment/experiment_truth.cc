@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNormal95 = 1.96;
 
-// AI Decides, its baselines, each arm alone, and who knows everything.
+// Returns the players: AI Decides, its baselines, each arm alone, and the oracle.
 std::vector<ReplayPlayer> JudgedPlayers(std::span<const std::string> arms) {
   std::vector<std::string> words;
   for (const std::string_view policy : decision::PolicyNames()) {
@@ -88,10 +88,10 @@ std::vector<PairedComparison> CompareInCell(const std::vector<ReplayedPlayer>& p
   return comparisons;
 }
 
-// What the live runs of one cell and policy have in common with replay's virtual game.
+// The scale of the live runs of one cell and policy, which replay's virtual game is given too.
 struct LiveScale {
-  uint64_t frame_ns = 1;       // of the best arm, all work
-  uint64_t other_work_ns = 0;  // of it, beside detection
+  uint64_t frame_ns = 1;       // the best arm's frame, all work included
+  uint64_t other_work_ns = 0;  // the part of it that is not detection
   uint64_t run_ns = 1;
 };
 
@@ -113,7 +113,7 @@ LiveScale ScaleOf(const std::vector<RunSummary>& runs) {
   return {frame, std::min(frame - 1, Whole(Median(other_ns))), Whole(Median(run_ns))};
 }
 
-// Of the whole run, exploration included, as a mean over its frames.
+// Returns the mean regret over the frames of the whole run, exploration included.
 double MeasuredRegret(const RunRecord& record, uint32_t best_arm) {
   double frame_ns = 0, frames = 0;
   for (size_t arm = 0; arm < record.arms.size(); ++arm) {
@@ -161,7 +161,7 @@ std::vector<double> Column(const std::vector<LiveRegret>& runs, double LiveRegre
   return values;
 }
 
-// The live runs' own figures; the intervals come from replay.
+// Returns the live runs' own figures. Replay adds the intervals.
 Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double other_work_ns) {
   const std::vector<double> costs = MeanCosts(trace);
   const auto best =
@@ -179,7 +179,8 @@ Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double ot
   return agreement;
 }
 
-// Replay under the live runs' own conditions: their frame time, other work, window and time scale.
+// Replays the policy under the live runs' conditions: frame time, other work, window and time
+// scale.
 Result<Agreement> Agree(const CostTrace& trace, const CellSummary& cell,
                         const TruthOptions& options) {
   const LiveScale scale = ScaleOf(cell.runs);
@@ -271,7 +272,7 @@ Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> ce
 
 std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths) {
   const std::string own = OwnPolicyName("default");
-  // By policy, then cell and run.
+  // The key is policy, then cell and run.
   std::map<std::string, std::map<std::string, double>> regrets;
   for (const CellTruth& truth : truths) {
     for (const Agreement& each : truth.agreements) {
@@ -297,7 +298,7 @@ std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths) {
 
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths) {
   const std::string own = OwnPolicyName("default");
-  std::vector<std::string> order;                    // of the baselines
+  std::vector<std::string> order;                    // the baselines, as they first appear
   std::map<std::string, std::vector<double>> means;  // by policy, per cell
   for (const CellTruth& truth : truths) {
     for (const ReplayedPlayer& player : truth.players) {

@@ -1,8 +1,8 @@
-// What live runs alone cannot say: how fast each arm truly is on a cell's scene, by a trace of it,
-// and what each policy loses to the best fixed arm, by replay on that trace. Beside it what the
-// live runs lost, and whether the two agree.
+// Assesses what live runs alone cannot show: the true cost of each arm on a cell's scene, by a
+// trace of it, and the regret of each policy against the best fixed arm, by replay on that trace.
+// It compares these with the live runs' own regret.
 //
-// Regret is frame time ÷ that of the best fixed arm, minus 1. Pure but for their time; the same
+// Regret is frame time ÷ that of the best fixed arm, minus 1. The functions are pure: the same
 // traces and records give the same figures.
 #pragma once
 
@@ -23,47 +23,47 @@ namespace sweepstake::cli {
 struct ArmCost {
   std::string arm;
   double mean_ns = 0;  // update and search, over the trace's frames
-  double ratio = 1;    // ÷ that of the fastest
+  double ratio = 1;    // mean_ns ÷ that of the fastest arm
 };
 
-// A player of replay: a policy, a fixed arm, or the oracle.
+// The result of one player in replay: a policy, a fixed arm, or the oracle.
 struct ReplayedPlayer {
   std::string name;
   bool is_policy = false;
   std::vector<double> regrets;  // by seed
-  double regret = 0;            // their mean
-  Interval ci95;                // bootstrap
+  double regret = 0;            // the mean of `regrets`
+  Interval ci95;                // by bootstrap
   double after_start_up = 0;
   Interval after_start_up_ci95;
   double switches = 0;
   double active_share = 0;  // of the dominant arm
 };
 
-// A policy against a baseline on the same seeds: paired differences of regret, negative where the
-// policy loses less.
+// Compares a policy with a baseline on the same seeds by the paired differences of regret, which
+// are negative if the policy loses less.
 struct PairedComparison {
   std::string policy;
   std::string baseline;
   double difference = 0;
   Interval ci95;
   WilcoxonResult wilcoxon;
-  double corrected_probability = 1;  // Holm, over all comparisons of the family
+  double corrected_probability = 1;  // Holm's correction over all comparisons
 };
 
-// What one live run lost.
+// The regret of one live run.
 struct LiveRegret {
   uint32_t run = 0;
-  double measured = 0;  // frame times against the best arm's alone after the run; machine noise in
-  double by_trace = 0;  // the arms' frames at the trace's costs: noise-free
+  double measured = 0;      // against the best arm's control; includes machine noise
+  double by_trace = 0;      // the same frames at the trace's costs, without noise
   double active_share = 0;  // of the dominant arm
 };
 
-// What the live runs of one policy lost, and the interval that replay puts the mean of as many runs
-// in: mean ± 1.96 standard deviations of the games × √(1/runs + 1/games).
+// The regret of the live runs of one policy, and the interval in which replay expects their mean:
+// mean ± 1.96 standard deviations of the games × √(1/runs + 1/games).
 struct Agreement {
   std::string policy;
   std::vector<LiveRegret> runs;
-  double measured_regret = 0;  // means over the runs
+  double measured_regret = 0;  // mean over the runs, as the next two
   double regret = 0;           // by trace
   double active_share = 0;
   Interval replayed_regret;
@@ -75,45 +75,46 @@ struct Agreement {
 
 struct CellTruth {
   ExperimentCell cell;
-  std::vector<ArmCost> ranking;  // the fastest first
-  double control_ratio = 1;      // of an arm measured twice: what noise alone makes
-  double headroom = 0;  // of an oracle that switches at a price, against the best fixed arm
-  std::vector<ReplayedPlayer> players;        // empty: not replayed
-  std::vector<PairedComparison> comparisons;  // of the policy of AI Decides with every other one
+  std::vector<ArmCost> ranking;  // in ascending order of cost
+  double control_ratio = 1;      // of an arm that was measured twice: noise alone
+  double headroom = 0;           // of an oracle that pays for switches, over the best fixed arm
+  std::vector<ReplayedPlayer> players;        // empty if not replayed
+  std::vector<PairedComparison> comparisons;  // of AI Decides with each other policy
   std::vector<Agreement> agreements;          // per policy that has live runs
 };
 
-// All cells that were traced, and AI Decides against each baseline over them.
+// All traced cells, and the comparisons of AI Decides with each baseline over them.
 struct ExperimentTruths {
   std::vector<CellTruth> cells;
   std::vector<PairedComparison> over_cells;  // by replay
   std::vector<PairedComparison> over_live;   // by the live runs
 
-  // Null where the cell was not traced.
+  // Returns null if the cell was not traced.
   const CellTruth* Of(const ExperimentCell& cell) const;
 };
 
 struct TruthOptions {
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;
-  double time_scale = 1;  // of the live runs
+  double time_scale = 1;  // the live runs'
 };
 
-// The trace's part: ranking and control.
+// Returns what the trace alone shows: ranking and control.
 CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace);
 
-// The rest. `cells` are the live summaries of this cell, one per policy; `done` hears the share.
+// Adds what replay shows. `cells` are the live summaries of this cell, one per policy; `done` is
+// called with the share that is done.
 Status AssessCell(const CostTrace& trace, std::span<const CellSummary* const> cells,
                   const TruthOptions& options, const std::function<void(double share)>& done,
                   CellTruth& truth);
 
-// The live runs of AI Decides with those of each other policy, of the same cell and number.
+// Compares the live runs of AI Decides with those of each other policy, paired by cell and number.
 std::vector<PairedComparison> CompareLive(std::span<const CellTruth> truths);
 
-// Over the cells: each cell's mean regret is a pair. Of the policy of AI Decides with every other.
+// Compares AI Decides with each other policy over the cells; the mean regrets of a cell are a pair.
 std::vector<PairedComparison> CompareOverCells(std::span<const CellTruth> truths);
 
-// The name of the policy that "default" stands for.
+// Returns the name of the policy; for "default" that of the policy it stands for.
 std::string OwnPolicyName(const std::string& policy);
 
 }  // namespace sweepstake::cli

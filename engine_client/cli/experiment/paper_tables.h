@@ -1,4 +1,4 @@
-// Tables 3 and 4 of the paper as printed (section 7), to stand beside what an experiment finds.
+// Tables 3 and 4 of the paper as printed (section 7), for comparison with an experiment's results.
 // Constants; safe from any thread.
 #pragma once
 
@@ -23,17 +23,17 @@ struct PaperCell {
   std::string_view dominant;        // Table 4: the most frequent dominant arm
   uint32_t dominant_run_count = 0;  // of kPaperRunCount
   PaperFigure switches;             // after the exploration, over all runs
-  PaperFigure active_percent;       // over the dominant runs, as are the next two
+  PaperFigure active_percent;       // over the dominant runs, as the next two are
   PaperFigure posterior_mean;       // μ* = α ÷ (α + β)
   PaperFigure evidence;             // n* = α + β
 };
 
 inline constexpr uint32_t kPaperRunCount = 5;
 
-// In the paper's order.
+// Returns the cells in the paper's order.
 std::span<const PaperCell> PaperCells();
 
-// Null for a cell that the paper has not.
+// Returns null if the paper does not have this cell.
 const PaperCell* FindPaperCell(std::string_view scene, uint32_t object_count);
 
 }  // namespace sweepstake::cli

@@ -16,7 +16,7 @@ uint32_t IdOf(const btBroadphaseProxy& proxy) {
   return static_cast<uint32_t>(reinterpret_cast<size_t>(proxy.m_clientObject));
 }
 
-// Bullet's pairs are those of padded or quantized boxes, but a proxy keeps its exact box.
+// Bullet's pairs are those of padded or quantized boxes, but each proxy keeps its exact box.
 bool BoxesMeet(const btBroadphaseProxy& a, const btBroadphaseProxy& b) {
   return a.m_aabbMin.x() <= b.m_aabbMax.x() && b.m_aabbMin.x() <= a.m_aabbMax.x() &&
          a.m_aabbMin.y() <= b.m_aabbMax.y() && b.m_aabbMin.y() <= a.m_aabbMax.y() &&
@@ -27,8 +27,8 @@ void AppendIfMeeting(const btBroadphaseProxy& a, const btBroadphaseProxy& b, Pai
   if (BoxesMeet(a, b)) AppendPair(out, IdOf(a), IdOf(b));
 }
 
-// Collects the pairs of a deferred collision as they come. The deferred tree reports all of them
-// every frame, so the hash table in which Bullet would keep them only costs time.
+// Collects the pairs of a deferred collision. The deferred tree reports all of them every frame, so
+// the hash table in which Bullet would keep them would only cost time.
 class PairCollector final : public btNullPairCache {
  public:
   void CollectInto(PairBuffer& out) { out_ = &out; }
@@ -42,7 +42,7 @@ class PairCollector final : public btNullPairCache {
   PairBuffer* out_ = nullptr;
 };
 
-// All of Bullet's broad phases share this: their proxies are created, moved and destroyed.
+// The base of all Bullet peers: it creates, moves and destroys the proxies.
 class BulletPeer : public Peer {
  public:
   explicit BulletPeer(std::string_view name) : Peer(name) {}
@@ -62,7 +62,7 @@ class BulletPeer : public Peer {
     for (const Aabb& box : boxes.subspan(proxies_.size())) Add(box);
   }
 
-  // The pair cache of the broad phase holds conservative pairs, and old ones among them.
+  // The broad phase's pair cache holds conservative pairs, some of which are out of date.
   void FindPairs(PairBuffer& out) override {
     broadphase_->calculateOverlappingPairs(nullptr);
     const btBroadphasePairArray& pairs =
@@ -78,7 +78,7 @@ class BulletPeer : public Peer {
 
   btBroadphaseInterface* broadphase() { return broadphase_.get(); }
 
-  // Drops the pairs first, because removing a proxy searches all pairs that are left.
+  // The pairs are dropped first, because removing a proxy searches all remaining pairs.
   void Discard() {
     if (broadphase_ == nullptr) return;
     broadphase_->getOverlappingPairCache()->getOverlappingPairArray().clear();
@@ -89,11 +89,11 @@ class BulletPeer : public Peer {
     broadphase_.reset();
   }
 
-  // False where the broad phase allocates all proxies in one block.
+  // False if the broad phase allocates all proxies in one block.
   virtual bool owns_proxies() const { return true; }
 
  private:
-  // btAxisSweep3 notes the exact box of a new proxy only when it moves.
+  // btAxisSweep3 stores the exact box of a new proxy only when the proxy moves.
   void Add(const Aabb& box) {
     constexpr int kAnyShape = 0;
     btBroadphaseProxy* const proxy = broadphase_->createProxy(
@@ -112,8 +112,8 @@ class BulletPeer : public Peer {
   std::vector<btBroadphaseProxy*> proxies_;
 };
 
-// The tree as Bullet's world uses it: an object that leaves its padded box is collided at once, and
-// the pairs stay in a hash table. An object at rest costs one comparison of its box.
+// This is the tree as Bullet's world uses it: an object that leaves its padded box is collided at
+// once, and the pairs stay in a hash table. An object at rest costs one comparison of its box.
 class DbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -125,7 +125,7 @@ class DbvtPeer final : public BulletPeer {
   }
 };
 
-// The tree is collided with itself once per frame, which is faster where most objects move.
+// The tree is collided with itself once per frame, which is faster if many objects move.
 class DeferredDbvtPeer final : public BulletPeer {
  public:
   using BulletPeer::BulletPeer;
@@ -147,7 +147,8 @@ class DeferredDbvtPeer final : public BulletPeer {
   PairCollector collector_;
 };
 
-// Three sorted axes in the quantized coordinates of `Sweep`, which also owns the proxies.
+// The sweep along three sorted axes in the quantized coordinates of `Sweep`, which owns the
+// proxies.
 template <typename Sweep, typename Handle, size_t kMaxHandles>
 class AxisSweepPeer final : public BulletPeer {
  public:
@@ -181,7 +182,7 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 }  // namespace
 
 void AddBulletPeers(PeerLibrary& library) {
-  // Building is quadratic: each new object is moved to its place along three axes.
+  // Building is quadratic, because each new object is moved to its place along three axes.
   constexpr uint32_t kMaxInSweep = 30'000;
   library.version =
       std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);

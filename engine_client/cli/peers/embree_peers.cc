@@ -31,7 +31,8 @@ void Bound(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = box.max[2];
 }
 
-// Embree reports pairs of leaves, and each pair in both orders where a scene collides with itself.
+// Embree reports pairs of leaves. If a scene is collided with itself, it reports each pair in both
+// orders.
 void Collide(void* opaque, RTCCollision* collisions, unsigned int count) {
   auto& collision = *static_cast<Collision*>(opaque);
   OverlapPair pairs[64];
@@ -40,7 +41,9 @@ void Collide(void* opaque, RTCCollision* collisions, unsigned int count) {
     for (unsigned i = begin; i < std::min(count, begin + 64); ++i) {
       const uint32_t a = collisions[i].primID0;
       const uint32_t b = collisions[i].primID1;
-      if (a < b && Meet(collision.boxes[a], collision.boxes[b])) pairs[kept++] = {a, b};
+      if (a < b && ValidBoxesOverlap(collision.boxes[a], collision.boxes[b])) {
+        pairs[kept++] = {a, b};
+      }
     }
     const size_t first = collision.found.fetch_add(kept, std::memory_order_relaxed);
     if (first + kept <= collision.slots.size()) {
@@ -132,8 +135,8 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t thread_count) {
 
 void AddEmbreePeers(PeerLibrary& library) {
   library.version = RTC_VERSION_STRING;
-  // Low build quality is the fastest for boxes that all move. Refitting is faster for some 1,000
-  // objects and where few objects move, and slows down as the tree ages.
+  // Low build quality is the fastest if all boxes move. Refitting is faster for about 1,000 objects
+  // or if few objects move, but slows down as the tree ages.
   library.kinds = {
       {"Embree", "KDTree", 10'000'000, true, Make<RTC_BUILD_QUALITY_LOW>},
       {"EmbreeRefit", "KDTree", 10'000'000, true, Make<RTC_BUILD_QUALITY_REFIT>},

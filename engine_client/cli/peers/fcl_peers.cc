@@ -16,7 +16,7 @@ namespace {
 using Object = fcl::CollisionObject<double>;
 using CollisionSpace = fcl::BroadPhaseCollisionManager<double>;
 
-// A shape that consists of its box only.
+// A shape whose geometry is its box.
 class BoxShape final : public fcl::CollisionGeometry<double> {
  public:
   void computeLocalAABB() override {}
@@ -49,14 +49,14 @@ struct Body {
 bool Collect(Object* a, Object* b, void* out) {
   const auto& first = *static_cast<const Body*>(a->getUserData());
   const auto& second = *static_cast<const Body*>(b->getUserData());
-  if (Meet(first.shape->box(), second.shape->box())) {
+  if (ValidBoxesOverlap(first.shape->box(), second.shape->box())) {
     AppendPair(*static_cast<PairBuffer*>(out), first.id, second.id);
   }
-  return false;  // FCL goes on with the next pair
+  return false;  // false makes FCL continue with the next pair
 }
 
-// The edge of a cell of the spatial hash: the mean of the boxes' longest edges. With twice that, a
-// frame of 10,000 objects of suite-b takes 40 % longer.
+// Returns the edge of a cell of the spatial hash, which is the mean of the boxes' longest edges.
+// With twice that, a frame of 10,000 objects of suite-b takes 40 % longer.
 double CellEdge(std::span<const Aabb> boxes) {
   double sum = 0;
   for (const Aabb& box : boxes) {
@@ -115,7 +115,7 @@ class FclPeer final : public Peer {
     manager_->setup();
   }
 
-  // Where many objects come or go, registering all of them anew is faster than one by one.
+  // If many objects come or go, registering all of them anew is faster than one by one.
   void Update(std::span<const Aabb> boxes) override {
     if (boxes.size() != bodies_.size()) return Build(boxes);
     for (size_t i = 0; i < boxes.size(); ++i) bodies_[i]->Take(boxes[i], margin_);
@@ -141,10 +141,10 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 }  // namespace
 
 void AddFclPeers(PeerLibrary& library) {
-  // SaPCollisionManager is left out: in version 0.7.0 its update does not terminate where boxes
-  // coincide, and elsewhere it takes four times as long as Bullet's.
+  // SaPCollisionManager is left out: in version 0.7.0 its update does not terminate if boxes
+  // coincide, and otherwise takes four times as long as Bullet's.
   using S = double;
-  constexpr uint32_t kMaxInSweep = 30'000;  // where a frame takes about a second
+  constexpr uint32_t kMaxInSweep = 30'000;  // at which a frame takes about a second
   library.version = FCL_VERSION;
   library.kinds = {
       {"FclBruteForce", "BruteForce", 20'000, false,

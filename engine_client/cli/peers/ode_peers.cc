@@ -7,7 +7,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// ODE counts its initializations, so each peer may hold one.
+// ODE counts its initializations, so each peer can hold one of its own.
 class OdeSession {
  public:
   OdeSession() {
@@ -43,7 +43,7 @@ dSpaceID MakeSweep(std::span<const Aabb>) {
   return dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XYZ);
 }
 
-// One level for each factor of four in the object count gives about one object per leaf.
+// One level per factor of four in the object count gives about one object per leaf.
 dSpaceID MakeQuadtree(std::span<const Aabb> boxes) {
   const Aabb world = RoomyBounds(boxes);
   dVector3 centre = {0, 0, 0, 0};
@@ -97,7 +97,7 @@ class OdePeer final : public Peer {
     geoms_.push_back(geom);
   }
 
-  // Destroying the space destroys its geoms, too.
+  // Destroying the space also destroys its geoms.
   void Discard() {
     if (space_ != nullptr) dSpaceDestroy(space_);
     space_ = nullptr;

@@ -37,7 +37,7 @@ class Peer : public BroadPhase {
 // One broad phase of a library.
 struct PeerKind {
   std::string_view name;
-  // The backend of ours that it is compared with, one of BroadPhaseNames.
+  // Our backend that it is compared with, one of BroadPhaseNames.
   std::string_view family;
   // More objects do not fit, or take longer than is practical.
   uint32_t max_object_count = 0;
@@ -49,8 +49,8 @@ struct PeerLibrary {
   std::string_view name;
   std::string_view package;  // the name of Debian's package
   std::string_view licence;
-  std::string version;          // empty where this build leaves the library out
-  std::vector<PeerKind> kinds;  // none where this build leaves the library out
+  std::string version;          // empty if this build leaves the library out
+  std::vector<PeerKind> kinds;  // none if this build leaves the library out
 };
 
 // Appends the pair of `a` and `b`, the smaller id first.
@@ -58,13 +58,13 @@ inline void AppendPair(PairBuffer& out, uint32_t a, uint32_t b) {
   out.Append({std::min(a, b), std::max(a, b)});
 }
 
-// The definition of overlap for valid boxes.
-inline bool Meet(const Aabb& a, const Aabb& b) {
+// Returns whether two valid boxes overlap.
+inline bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] &&
          b.min[1] <= a.max[1] && a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
 }
 
-// The bounds of all boxes, enlarged on each side by a quarter of the edge there. A unit box where
+// Returns the bounds of all boxes, enlarged on each side by a quarter of that edge; a unit box if
 // there are no boxes.
 Aabb RoomyBounds(std::span<const Aabb> boxes);
 

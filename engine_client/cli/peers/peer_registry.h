@@ -1,4 +1,4 @@
-// The broad phases of other libraries that this build has. Thread-safe.
+// Lists the broad phases of other libraries that this build has. Thread-safe.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace sweepstake::cli {
 
-// All known libraries in a fixed order, including those that are left out of this build.
+// Returns all known libraries in a fixed order, including those that this build leaves out.
 std::vector<PeerLibrary> PeerLibraries();
 
-// Each function fills in the version and the kinds of its library, and stands in the file of that
-// library. Where the build leaves a library out, CMakeLists.txt generates a function that fills in
+// Each function fills in the version and the kinds of its library and is defined in that library's
+// file. If the build leaves a library out, CMakeLists.txt generates a function that fills in
 // nothing.
 //
 // Bullet: the dynamic tree (btDbvtBroadphase), collided at once and deferred, and the sweep along

@@ -259,7 +259,7 @@ Result<std::string> ReadBytes(const fs::path& path) {
   return bytes;
 }
 
-// What is wrong with the frame around the message, or nothing.
+// Returns what is wrong with the file's header, or an empty text.
 std::string FlawOfHeader(std::string_view bytes) {
   if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return "is no cost trace";
   const uint64_t version = NumberAt(bytes, 8, 4);

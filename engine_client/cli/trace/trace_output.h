@@ -1,4 +1,4 @@
-// A cost trace as people and programs read it. Not thread-safe where it writes to a stream.
+// Shows a cost trace as text, JSON and CSV. Functions that write to a stream are not thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -12,19 +12,19 @@
 
 namespace sweepstake::cli {
 
-// A row of the command's --json; `file` is where the trace is.
+// Returns a row of the command's --json; `file` is the path of the trace.
 nlohmann::ordered_json TraceJson(const CostTrace& trace, const TraceSummary& summary,
                                  const std::string& file);
 
-// A table of the arms and a few lines on the whole.
+// Prints a table of the arms and a few lines about the whole trace.
 void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::string& file,
                 std::ostream& out);
 
-// A line about an A/A control that is too far off; nothing for a fair one.
+// Prints a warning if the A/A control differs by too much, else nothing.
 void PrintControlWarning(const CostTrace& trace, const TraceSummary& summary, std::ostream& err);
 
-// A line per frame and arm, the control as an arm of its own, "ARM control": frame, arm, objects,
-// pairs, detection_ms, aabb_checks, bytes, held. The errors of CsvFile.
+// Writes a line per frame and arm with frame, arm, objects, pairs, detection_ms, aabb_checks, bytes
+// and held. The control is an arm of its own, "ARM control". Errors: those of CsvFile.
 Status WriteTraceCsv(const CostTrace& trace, const std::filesystem::path& path);
 
 }  // namespace sweepstake::cli

@@ -25,7 +25,7 @@ struct FrameCost {
   uint32_t pair_count = 0;
 };
 
-// What all arms share, as they do in a game: the boxes, and the buffer their pairs go into.
+// Times a frame of an arm. All arms share the boxes and the pair buffer, as they do in a game.
 class Bench {
  public:
   FrameCost Build(BroadPhase& arm, std::span<const Aabb> boxes) {
@@ -116,8 +116,8 @@ class TracePass {
   }
 
   void WarmUp() {
-    // Structures are built in another order in every run, because where the memory of a structure
-    // lies changes its times, too.
+    // The structures are built in a different order in every run, because a structure's place in
+    // memory affects its times.
     for (const size_t contestant : order_.Next()) {
       bench_.Build(*structures_[contestant], scene_.aabbs());
     }
@@ -125,7 +125,7 @@ class TracePass {
     RunBlock(Turns());
   }
 
-  // What the block shows, whoever looks at it.
+  // Records what is the same for all arms: object counts, the scene's own time and descriptors.
   void NoteFrames() {
     for (size_t step = 0; step < block_.step_count(); ++step) {
       const uint32_t frame = done_ + static_cast<uint32_t>(step);
@@ -188,7 +188,8 @@ class TracePass {
     trace_.native_bytes[at] = cost.native_bytes;
   }
 
-  // Never called for the first block: no arm sits it out.
+  // Repeats the arm's values of the frame before. It is never called in the first block, in which
+  // every arm is measured.
   void CopyLastFrame(uint32_t frame, size_t arm) {
     const size_t at = frame * arm_count() + arm;
     trace_.detection_ns[at] = trace_.detection_ns[at - arm_count()];
@@ -201,10 +202,10 @@ class TracePass {
     times.reserve(costs.size());
     for (const FrameCost& cost : costs) times.push_back(cost.ns);
     const uint64_t sum = std::accumulate(times.begin(), times.end(), uint64_t{0});
-    // One frame that the machine disturbed must not make an arm a slow one.
+    // The median keeps a single disturbed frame from making an arm count as slow.
     const auto middle = times.begin() + static_cast<ptrdiff_t>(times.size() / 2);
     std::nth_element(times.begin(), middle, times.end());
-    // The frame of a sparse turn that was not measured costs as much, or more.
+    // The unmeasured frame of a sparse turn costs at least as much as the measured one.
     pace_.Note(arm, turn, ObjectCount(), *middle, turn == ArmTurn::kLastFrame ? 2 * sum : sum);
   }
 
@@ -233,8 +234,9 @@ class TracePass {
     trace_.bursts.push_back(std::move(burst));
   }
 
-  // A sparse arm runs two frames, and the time of the second one stands for the others. An arm that
-  // sits the block out repeats its times of the burst before.
+  // Returns the time of the arm in frame k of the burst. A sparse arm runs two frames, and the time
+  // of the second one is used for the others. An arm that skips the block repeats its times of the
+  // previous burst.
   uint64_t BurstFrame(BroadPhase& fresh, size_t arm, size_t k, ArmTurn turn,
                       const TraceBurst& burst) {
     const size_t at = arm * kBurstFrames + k;
@@ -248,13 +250,13 @@ class TracePass {
   const TracePlan& plan_;
   ArmPace pace_;
   TurnOrder order_;
-  std::vector<std::unique_ptr<BroadPhase>> structures_;  // of the arms, then the control
+  std::vector<std::unique_ptr<BroadPhase>> structures_;  // those of the arms, then the control's
   Bench bench_;
   FrameBlock block_;
-  std::vector<std::vector<FrameCost>> costs_;  // by contestant, of the block's measured frames
+  std::vector<std::vector<FrameCost>> costs_;  // per contestant, the block's measured frames
   DescriptorEstimator estimator_;
   CostTrace trace_;
-  uint32_t done_ = 0;  // frames of the blocks before this one
+  uint32_t done_ = 0;  // frames in the blocks before this one
   uint32_t block_index_ = 0;
   Status status_;
 };

@@ -10,14 +10,15 @@
 namespace sweepstake::cli {
 namespace {
 
-// The second of five values, the minimum of four or fewer.
+// Returns the lower quartile: the second of five values, the minimum of four or fewer.
 uint64_t LowerQuartile(std::vector<uint64_t>& values) {
   const auto quartile = values.begin() + static_cast<ptrdiff_t>((values.size() - 1) / 4);
   std::nth_element(values.begin(), quartile, values.end());
   return *quartile;
 }
 
-// Writes the quartiles of a column, which `column` finds in each run, to that of the first run.
+// Replaces a column of the first run by the quartiles over all runs. `column` returns the column of
+// a run.
 void TakeQuartiles(std::vector<CostTrace>& runs,
                    const std::function<std::vector<uint64_t>&(CostTrace&)>& column) {
   std::vector<std::vector<uint64_t>*> columns;
@@ -42,14 +43,14 @@ Status TooManyObjects() {
           "a trace takes up to " + std::to_string(kMaxTracedObjects) + " objects per frame"};
 }
 
-// The scene at its start.
+// Opens the scene at its start.
 Result<std::unique_ptr<Scene>> Open(const SceneChoice& choice) {
   auto scene = OpenScene(choice);
   if (scene.ok() && (*scene)->aabbs().size() > kMaxTracedObjects) return TooManyObjects();
   return scene;
 }
 
-// The plan of every run, but for the seed of the order.
+// Returns the plan of every run, except order_seed.
 Result<TracePlan> MakePlan(const TraceOptions& options) {
   auto scene = Open(options.scene);
   if (!scene.ok()) return scene.status();
@@ -67,7 +68,7 @@ Result<CostTrace> RunOnce(const TraceOptions& options, const TracePlan& plan,
   auto scene = Open(options.scene);
   if (!scene.ok()) return scene.status();
   auto trace = RunTracePass(**scene, plan, on_frame);
-  // A recorded file may have too many objects in its later frames.
+  // A recorded scene may have too many objects in later frames only.
   if (trace.ok() && trace->bursts.empty()) return TooManyObjects();
   return trace;
 }

@@ -1,13 +1,14 @@
-// A scene's cost trace, merged from several runs.
+// Measures a scene's cost trace in several runs and merges them.
 //
 // The scene is run `repeat_count` times, and every time in the trace is the lower quartile over the
-// runs: what a backend does at a certain frame (a rebuild, a rebalanced tree) happens there in
-// every run and stays; what disturbs the machine only ever adds time, somewhere else in every run,
-// and goes unless it hits three runs in four. Where no run measured an arm in a frame, the
-// arm counts as held. The control's twin is the arm that is cheapest in the scene's first frames.
+// runs. Work that a backend does at a certain frame (a rebuild, a rebalanced tree) occurs there in
+// every run and is kept. A disturbance of the machine only adds time, at a different frame in every
+// run, and disappears unless it affects three runs of four. An arm counts as held in a frame if no
+// run measured it there. The control's twin is the arm that is cheapest in the scene's first
+// frames.
 //
-// Not thread-safe. Cost: some 1.2 times the arms' frames per run, bursts included. Memory: 26 bytes
-// per frame, arm and run.
+// Not thread-safe. Cost: per run about 1.2 times the time of the arms' frames, bursts included.
+// Memory: 26 bytes per frame, arm and run.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 
 namespace sweepstake::cli {
 
-// Up to this count, a block (frame_block.h) holds the frames of a burst.
+// The maximum object count at which a block (frame_block.h) still holds the frames of a burst.
 inline constexpr uint32_t kMaxTracedObjects = 100'000;
 
 struct TraceOptions {
@@ -31,13 +32,13 @@ struct TraceOptions {
   uint32_t repeat_count = 5;
 };
 
-// The errors of OpenScene and RunTracePass; kInvalidArgument: more than kMaxTracedObjects.
-// `on_progress` hears the share that is done.
+// Measures the trace and calls `on_progress` with the share that is done. Errors: those of
+// OpenScene and RunTracePass, and kInvalidArgument (more than kMaxTracedObjects objects).
 Result<CostTrace> RunTrace(const TraceOptions& options,
                            const std::function<void(double share)>& on_progress);
 
-// One trace of several runs of a scene by the same arms. REQUIRES: one or more runs, of the same
-// shape.
+// Merges several runs of a scene by the same arms. REQUIRES: at least one run; all have the same
+// frames and arms.
 CostTrace MergeRuns(std::vector<CostTrace> runs);
 
 }  // namespace sweepstake::cli

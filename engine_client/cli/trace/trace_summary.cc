@@ -49,7 +49,7 @@ TracedArmSummary SummarizeArm(const CostTrace& trace, uint32_t arm) {
   return summary;
 }
 
-// Sums over windows of kWindowFrames frames, the last one shorter.
+// Returns sums over windows of kWindowFrames frames; the last window may be shorter.
 template <typename ValueOf>
 std::vector<double> WindowSums(uint32_t frame_count, const ValueOf& value_of) {
   std::vector<double> sums((frame_count + TraceSummary::kWindowFrames - 1) /
@@ -64,8 +64,8 @@ double Total(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// The ratio of two sums with the standard error of its linearization (Cochran, Sampling Techniques,
-// §6.3).
+// Returns the ratio of two sums with the standard error of its linearization (W. Cochran, Sampling
+// Techniques, §6.3).
 void SummarizeControl(const CostTrace& trace, TraceSummary& summary) {
   const auto control =
       WindowSums(trace.frame_count, [&](uint32_t frame) { return trace.control_ns[frame]; });
@@ -131,7 +131,7 @@ TraceSummary SummarizeTrace(const CostTrace& trace) {
       std::accumulate(trace.pair_count.begin(), trace.pair_count.end(), 0.0) / trace.frame_count;
   SummarizeControl(trace, summary);
   const double best_ns = summary.arms[summary.best_arm].ms_mean / kMsPerNs * trace.frame_count;
-  // Rounding must not make them negative.
+  // Rounding could make these values negative.
   summary.window_headroom = std::max(0.0, best_ns / SummarizeWindows(trace, summary) - 1);
   summary.frame_headroom = std::max(0.0, best_ns / FrameOracleNs(trace) - 1);
   return summary;

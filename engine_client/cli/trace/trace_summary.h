@@ -1,4 +1,5 @@
-// What a cost trace says in a few numbers. Pure functions, safe from any thread. Milliseconds.
+// Summarizes a cost trace in a few numbers. Pure functions, safe from any thread. Times are in
+// milliseconds.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +15,14 @@ struct TracedArmSummary {
   double ms_p99 = 0;
   double best_ratio = 0;  // share of the windows in which it is the cheapest
   double held_ratio = 0;  // share of the frames in which it was not measured
-  double build_ms = 0;    // median over the bursts: a fresh structure's first frame
+  double build_ms = 0;    // a fresh structure's first frame, median over the bursts
 };
 
 struct TraceSummary {
-  // The cheapest arm is that of a window: in a single frame it is too often a matter of luck.
+  // The cheapest arm is determined per window, because in a single frame it is too often due to
+  // noise.
   static constexpr uint32_t kWindowFrames = 20;
-  // A control that differs by more than this shows that the arms were not measured alike.
+  // If the control differs by more than this, the arms were not measured under equal conditions.
   static constexpr double kFairWithin = 0.005;
 
   std::vector<TracedArmSummary> arms;

@@ -80,7 +80,7 @@ TEST(TimeScene, StopsAContestantAtItsCapAndMeasuresWhatItDid) {
 TEST(TimeScene, HidesBrokenBoxesFromThoseWhoCannotTakeThemAndRestoresTheIds) {
   const auto scene = std::move(*OpenScene({"broken-boxes", 300, 1}));
   auto contestants = ContestantsOf({"SAP", "SAP"});
-  contestants[1].sound_boxes_only = true;
+  contestants[1].valid_boxes_only = true;
   const auto timings = TimeScene(*scene, contestants, 0, 30, [](size_t, uint64_t) {});
   EXPECT_GT(timings[0].step_pairs.back().count, 0U);
   EXPECT_EQ(timings[0].step_pairs, timings[1].step_pairs);

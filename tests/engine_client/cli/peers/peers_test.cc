@@ -122,11 +122,11 @@ TEST(Meet, CountsTouchingFacesOnEveryAxis) {
     Aabb beside = box;
     beside.min[axis] = 1;
     beside.max[axis] = 2;
-    EXPECT_TRUE(Meet(box, beside)) << axis;
-    EXPECT_TRUE(Meet(beside, box)) << axis;
+    EXPECT_TRUE(ValidBoxesOverlap(box, beside)) << axis;
+    EXPECT_TRUE(ValidBoxesOverlap(beside, box)) << axis;
     beside.min[axis] = 1.001F;
-    EXPECT_FALSE(Meet(box, beside)) << axis;
-    EXPECT_FALSE(Meet(beside, box)) << axis;
+    EXPECT_FALSE(ValidBoxesOverlap(box, beside)) << axis;
+    EXPECT_FALSE(ValidBoxesOverlap(beside, box)) << axis;
   }
 }
 
