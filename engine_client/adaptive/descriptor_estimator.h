@@ -1,5 +1,5 @@
-// Scene descriptors from a small sample of objects, so that they cost tens of nanoseconds per frame
-// whatever the size of the scene.
+// Scene descriptors from a small sample of objects, so that their cost per frame is small and does
+// not depend on the size of the scene.
 //
 // Even frames store the boxes of kObjectsPerStep objects, odd frames compare them with the same
 // objects' new boxes to measure their motion; after kPeriodFrames frames kSampleCount objects have

@@ -6,8 +6,8 @@
 
 namespace {
 
-using namespace sweepstake;  // NOLINT(google-build-using-namespace): layouts of both sides meet
-                             // here
+// The layouts of both sides meet here.
+using namespace sweepstake;  // NOLINT(google-build-using-namespace)
 
 // The structs cross the boundary by pointer cast.
 static_assert(sizeof(swp_aabb) == sizeof(Aabb) && sizeof(swp_aabb) == 24);

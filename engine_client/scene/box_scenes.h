@@ -41,12 +41,11 @@ class BoxScene {
   uint64_t frame_ = 0;
 };
 
-// A BoxScene as a Scene. `name` is a kind, or one of
-//   empty, one, two   that many objects, whatever object_count is;
-//   count-changing    a mixture of which every frame shows another number of objects, at times
-//   none; spawning          a brownian crowd that gains or loses a 64th of its objects per frame,
-//   between
-//                     half of them and all.
+// A BoxScene as a Scene. `name` is a kind, or one of these:
+//   empty, one, two: the scene has that many objects, whatever object_count is;
+//   count-changing: a mixture that shows another number of objects in every frame, at times none;
+//   spawning: brownian, with between half of the objects and all; a 64th comes or goes per frame.
+//
 // `name` outlives the scene. `object_count` is the maximum of a frame. REQUIRES: a known name.
 std::unique_ptr<Scene> MakeDegenerateScene(std::string_view name, uint32_t object_count,
                                            uint64_t seed);

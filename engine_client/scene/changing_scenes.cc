@@ -41,10 +41,11 @@ constexpr Regime kSwirl{Motion::kSwirl, 0.03F};
 constexpr Regime kStir{Motion::kStir, 0.1F};
 constexpr Regime kChurn{.motion = Motion::kJitter, .reach = 0.1F, .churns = true};
 
-constexpr float kCrowd = 0.6F;  // 4.6 objects per unit of volume
-constexpr Regime kGather{.motion = Motion::kJitter, .reach = 0.05F, .scale_end = kCrowd};
-constexpr Regime kCamp{.motion = Motion::kJitter, .scale_begin = kCrowd, .scale_end = kCrowd};
-constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .scale_begin = kCrowd};
+constexpr float kDenseScale = 0.6F;  // 4.6 objects per unit of volume
+constexpr Regime kGather{.motion = Motion::kJitter, .reach = 0.05F, .scale_end = kDenseScale};
+constexpr Regime kCamp{
+    .motion = Motion::kJitter, .scale_begin = kDenseScale, .scale_end = kDenseScale};
+constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .scale_begin = kDenseScale};
 
 constexpr uint32_t kFew = 60;  // 50 of 3,000
 constexpr Regime kFewDrift{.motion = Motion::kJitter, .reach = 0.1F, .shown_divisor = kFew};

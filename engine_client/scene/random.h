@@ -4,8 +4,8 @@
 // CounterRandom is a function of (seed, stream, object, counter): nothing is drawn in order, so
 // that one more draw, object or frame changes no other number. SequentialRandom draws in order, for
 // the scenes that are defined by their history of draws. Distinct values are independent; neither
-// is shared between threads while it changes. A draw costs two 64-bit mixes or one, about 3 or 1.5
-// ns.
+// is shared between threads while it changes. A draw of CounterRandom costs two 64-bit mixes, one
+// of SequentialRandom costs one.
 #pragma once
 
 #include <cstddef>

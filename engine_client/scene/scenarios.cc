@@ -92,13 +92,13 @@ uint64_t WholeSteps(float duration_s, float step_s) {
   return std::max<uint64_t>(1, static_cast<uint64_t>(std::llround(steps)));
 }
 
-// `velocity` moved towards 0 by `loss`, never past it.
+// Returns `velocity` moved towards 0 by `loss`, never past it.
 float SlowedBy(float loss, float velocity) {
   if (velocity > 0) return std::max(0.0F, velocity - loss);
   return std::min(0.0F, velocity + loss);
 }
 
-// Uniform on the unit sphere: the height is uniform (Archimedes).
+// Returns a uniform direction on the unit sphere, on which the height is uniform (Archimedes).
 Direction DirectionOnSphere(float symmetric, float unit) {
   const double height = symmetric;
   const double radius = std::sqrt(1 - height * height);
@@ -169,11 +169,10 @@ void FallingScene::Bounce(uint32_t object, int axis) {
   }
 }
 
-// With H = world_half_extent and r the mean radius of an orbit: the tangential speed is kSwirl *
-// speed
-// * sqrt(H / r) outside the core of radius kCore * H, and the core turns as one body. The radius
-// breathes by ±kBreathing of itself at 1 rad/s with a phase per object; the height takes kicks of
-// ±kRise * speed * fixed_step_s and is reflected.
+// Let H be world_half_extent and r the mean radius of an orbit. The tangential speed is kSwirl *
+// speed * sqrt(H / r) outside the core of radius kCore * H, and the core turns as one body. The
+// radius breathes by ±kBreathing of itself at 1 rad/s with a phase per object; the height takes
+// kicks of ±kRise * speed * fixed_step_s and is reflected.
 class HurricaneScene final : public GeneratedScene {
  public:
   explicit HurricaneScene(const SceneOptions& options);

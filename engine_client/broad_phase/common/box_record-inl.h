@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #if HWY_TARGET == HWY_SCALAR
 
 // The result is a reference: a record returned by value is stored in halves and loaded whole, which
-// stalls until the stores have finished (5 ns on an EPYC at 2.6 GHz).
+// stalls until the stores have finished.
 HWY_INLINE void StoreRecord(const Aabb& box, BoxRecord& record) { record = RecordOf(box); }
 
 HWY_INLINE bool RecordsOverlap(const BoxRecord& a, const BoxRecord& b) { return Overlap(a, b); }

@@ -26,7 +26,7 @@ constexpr size_t kCandidatesRoom = 256;
 
 // Tests candidates exactly. A box's record is at its slot, or at its id if kById. One loop runs
 // over all bits without a branch on their number or on the results: neither can be predicted, and
-// such branches made a pair take four times as long. REQUIRES: two entries behind the last are
+// mispredicted branches would cost more than the tests. REQUIRES: two entries behind the last are
 // readable.
 template <bool kById>
 HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, size_t count,
@@ -37,7 +37,8 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
   OverlapPair* const out = cursor.Room(total);
   size_t found = 0;
   uint64_t bits = all[0].bits;
-  // Loaded one iteration ahead, since each iteration depends on the bits of the one before.
+  // The bits are loaded one iteration ahead, since each iteration depends on the bits of the one
+  // before.
   uint64_t next_bits = all[1].bits;
   for (size_t k = 0; k < total; ++k) {
     const size_t row = all->row;
@@ -82,9 +83,9 @@ HWY_INLINE RowBytes RowAt(const ByteLanes& lanes, size_t row) {
           {lanes.high[0][row], lanes.high[1][row], lanes.high[2][row]}};
 }
 
-// The slots from `at` on that may overlap `row`: those without a gap on any axis. Swept slots
-// cannot be before it on the first axis. The gaps are combined in bytes before one comparison; six
-// comparisons into masks took three times as long.
+// Returns the slots from `at` on that may overlap `row`: those without a gap on any axis. Swept
+// slots cannot be before it on the first axis. The gaps are combined in bytes before one
+// comparison, which is faster than six comparisons into masks.
 template <bool kSwept>
 HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at) {
   const auto gap_before = [&](size_t axis) HWY_ATTR {
@@ -99,7 +100,7 @@ HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes
   return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
 }
 
-// The bits of the slots behind `row` if bit 0 is slot `at`.
+// Returns the bits of the slots behind `row`, where bit 0 is slot `at`.
 HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   if (row < at) return ~uint64_t{0};
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;

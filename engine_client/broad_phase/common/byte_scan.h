@@ -1,8 +1,8 @@
 // Scans over the slots of ByteBoxes, which BruteForce, SAP and AxisSweep share: every box is tested
 // against every later one, first in bytes, then exactly.
 //
-// Cost: 64 checks in bytes take 3 cycles with AVX-512 (2 in a sweep), an exact test about 3 ns
-// (EPYC at 2.6 GHz, `sweepstake bench --scene suite-b`). Throws std::bad_alloc.
+// Cost: 64 checks in bytes take 3 cycles with AVX-512 (2 in a sweep), an exact test about 3 ns (AMD
+// Zen 5, `sweepstake bench --scene suite-b`). Throws std::bad_alloc.
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@ namespace sweepstake {
 namespace {
 
 constexpr size_t kSampleCount = 128;
-// Below this number of boxes a smaller sample is taken: 128 draws take longer than half of the time
-// that sorting 1,000 boxes does.
+// Below this number of boxes a smaller sample is taken, since the full one would cost as much as
+// sorting them.
 constexpr size_t kFewBoxes = 4096;
 constexpr size_t kSmallSampleCount = 64;
 // This many values at either end of the sample may be outliers: one box at 1e30 must not map all
@@ -31,8 +31,8 @@ struct AxisSample {
   }
 };
 
-// The k-th draw. The draws have no period, since objects often come in classes by index modulo some
-// number.
+// Returns the index of the k-th draw. The draws have no period, since objects often come in classes
+// by index modulo some number.
 size_t DrawIndex(size_t k, size_t box_count) {
   const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // of 2^32
   return static_cast<size_t>((fraction * box_count) >> 32);
@@ -50,7 +50,7 @@ void SetBounds(AxisSample& sample, float& low, float& high) {
   high = std::max(std::min(high + margin, kBoundMax), low + CoordinateRange::kWidthMin);
 }
 
-// The mean fraction of `width` that a box covers.
+// Returns the mean fraction of `width` that a box covers.
 float MeanFraction(const AxisSample& sample, float width) {
   float sum = 0;
   for (size_t k = 0; k < sample.count; ++k)
@@ -58,7 +58,8 @@ float MeanFraction(const AxisSample& sample, float width) {
   return sum / static_cast<float>(sample.count);
 }
 
-// The axis with the smallest fraction. Points cover nothing: then the widest axis wins.
+// Returns the axis with the smallest fraction. If all fractions are 0 (points), it returns the
+// widest axis.
 int BestSweepAxis(const float (&fraction)[3], const CoordinateRange& range) {
   const float widest = std::max({range.width(0), range.width(1), range.width(2)});
   int best = 0;

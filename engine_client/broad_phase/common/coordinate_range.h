@@ -11,7 +11,7 @@
 
 namespace sweepstake {
 
-// Cost of Sample: 2 to 4 µs. Reads at most 128 boxes.
+// Sample reads at most 128 boxes, so that its cost does not depend on their number.
 struct CoordinateRange {
   static constexpr float kWidthMin = 1e-30F;
 

@@ -16,8 +16,8 @@
 namespace sweepstake {
 namespace {
 
-// About 150 µs of spinning. A sleeping thread takes some 50 µs to wake, half a frame of 10,000
-// boxes, and the parallel loops of a frame follow one another faster than that.
+// A thread spins long enough to see the next parallel loop of the same frame: waking it from sleep
+// would take a large part of the frame.
 constexpr int kSpinsBeforeSleep = 6000;
 
 void Pause() {

@@ -58,7 +58,7 @@ HWY_INLINE bool BoxesOverlap(const Aabb& a, const Aabb& b) {
 HWY_INLINE bool IsInside(const Aabb& box, const Aabb& fat) {
   const Half d;
   const auto min = hn::LoadU(d, box.min);
-  // Starts one float early, since nothing behind the last box may be read.
+  // The load starts one float early, since nothing behind the last box may be read.
   const auto max = hn::LoadU(d, box.min + 2);
   const auto ordered = hn::Le(min, hn::Shuffle0321(max));
   const auto low = hn::And(ordered, hn::Ge(min, hn::LoadU(d, fat.min)));
@@ -81,8 +81,8 @@ uint64_t KeepOverlapping(std::span<const OverlapPair> candidates, const Aabb* HW
   return candidates.size();
 }
 
-// Lists the objects of [begin, end) that are outside their enlarged boxes in `left`. Returns how
-// many.
+// Lists in `left` the objects of [begin, end) that are outside their enlarged boxes. Returns their
+// number.
 size_t CollectOutside(const Aabb* boxes, const Aabb* HWY_RESTRICT fat, size_t begin, size_t end,
                       uint32_t* HWY_RESTRICT left) {
   size_t count = 0;
@@ -107,20 +107,20 @@ namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 
-// Margins in median sides.
+// The bounds of a margin, as multiples of the median side.
 constexpr float kMinMargin = 0.02F;
 constexpr float kMaxMargin = 0.1F;
-// A margin holds for so many frames of an object's motion.
+// A margin is an object's motion in this number of frames.
 constexpr float kMarginFrames = 8;
-// Where one object in so many leaves its margin, one refit and one search for all are cheaper: 20
-// ns per object against 0.4 us per leaver (AMD EPYC, 10,000 objects).
+// If one object in this number leaves its margin, one refit and one search for all objects cost
+// less than renewing the objects that have left.
 constexpr size_t kObjectsPerLeaver = 20;
-// Testing more candidates takes longer than a search in the tree. This is half as many again as the
-// pairs with which DBVT still tries to rest.
+// Testing more candidates than this takes longer than a search in the tree. The limit is 1.5 times
+// the number of pairs up to which DBVT tries to rest.
 constexpr size_t kMaxCandidatesPerObject = 24;
-// Enough for a median that only scales margins.
+// The sample is large enough for a median that only scales margins.
 constexpr size_t kSideSampleSize = 512;
-// Fewer are not worth a thread.
+// A part with fewer boxes takes less time than waking a thread.
 constexpr size_t kMinBoxesPerPart = 8192;
 constexpr size_t kMinCandidatesPerPart = 8192;
 
@@ -135,7 +135,7 @@ float MiddleSide(const Aabb& box) {
   return std::max(std::min(x, y), std::min(std::max(x, y), z));
 }
 
-// The largest distance moved on an axis; infinite when the box was invalid.
+// Returns the largest distance moved on an axis; infinite if the box was invalid.
 float Motion(const Aabb& from, const Aabb& to) {
   float motion = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -258,7 +258,8 @@ void DbvtMargins::CollectLeavers(std::span<const Aabb> boxes, Executor* executor
   }
 }
 
-// Lists the leavers from left_[begin] on and gives them new enlarged boxes. Returns how many.
+// Lists the objects that have left their margins from left_[begin] on and gives them new enlarged
+// boxes. Returns their number.
 size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end) {
   uint32_t* const left = left_.data() + begin;
   const size_t outside =
@@ -276,7 +277,7 @@ size_t DbvtMargins::UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t
   return count;
 }
 
-// Gives a leaver its new place in the tree, or takes it out.
+// Moves an object that has left its margin to its new place in the tree, or removes it.
 void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   has_left_[object] = 1;
   if (IsInvalid(fat_[object])) {
@@ -288,8 +289,8 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   }
 }
 
-// Few candidates are dropped, so that the branch is well predicted. The loop runs four times as
-// fast as with branchless stores, whose addresses would wait for the flags.
+// Few candidates are dropped, so that the branch is well predicted. With branchless stores the loop
+// would be slower, since their addresses would wait for the flags.
 void DbvtMargins::DropCandidatesOfLeavers() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
   OverlapPair* kept = candidates.data();

@@ -10,9 +10,9 @@
 // of all boxes. An object that moves further than the maximum in one frame gets the minimum, since
 // no margin would hold it.
 //
-// Not thread-safe. Owns its memory, none before the first Start. Cost (one thread of an AMD EPYC,
-// 10,000 objects): Follow 2 ns per object and 0.4 us per one that has left; FindPairs 1 ns per
-// candidate. Memory: 53 bytes per object and 8 to 16 per candidate.
+// Not thread-safe. Owns its memory, none before the first Start. Cost: Follow O(objects), and a
+// search in the tree for each object that has left its margin; FindPairs O(candidates). Memory: 53
+// bytes per object and 8 to 16 per candidate.
 #pragma once
 
 #include <cstddef>
@@ -33,16 +33,16 @@ class DbvtMargins {
   // Measures the median middle side of these boxes, which Step and all margins depend on until the
   // next call.
   void MeasureSide(std::span<const Aabb> boxes);
-  // The motion in one frame up to which margins hold for many frames.
+  // Returns the motion per frame up to which margins hold for many frames.
   float Step() const;
 
   // Enlarges all boxes by the margin for this mean motion, those in the tree too, and finds all
-  // candidates. Returns false where there are too many to keep (24 per object); the tree is then as
-  // before. REQUIRES: the tree holds exactly the objects with valid boxes.
+  // candidates. Returns false if there are too many to keep (24 per object); the tree is then
+  // unchanged. REQUIRES: the tree holds exactly the objects with valid boxes.
   bool Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree, Executor* executor);
 
   // Takes the boxes of the next frame, whose count may differ, and adds the AABB checks made to
-  // `checks`. Returns false where so many objects have left their margins, or there are so many
+  // `checks`. Returns false if so many objects have left their margins, or there are so many
   // candidates, that refitting the tree is cheaper. The tree then has room for boxes.size() objects
   // and outdated boxes, and the next call must be Start.
   bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks);

@@ -22,7 +22,7 @@ HWY_INLINE BoxLanes LanesOf(const DbvtNode& node) {
           kWidth};
 }
 
-// Lists the children from lane `first` on that overlap `box` in `found`. Returns how many; may
+// Lists in `found` the children from lane `first` on that overlap `box`. Returns their number; may
 // write up to a register more.
 HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_t first,
                                   uint32_t* found) {
@@ -39,7 +39,7 @@ HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_
   return count;
 }
 
-// Lists the lanes of a leaf that overlap `box`, as slots. Returns how many; may write up to a
+// Lists the lanes of a leaf that overlap `box`, as slots. Returns their number; may write up to a
 // register more.
 HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t leaf,
                                uint32_t* found) {
@@ -83,7 +83,7 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
   }
 }
 
-// Nodes that wait in a depth-first walk: at most all siblings on each level.
+// The maximum number of nodes that wait in a depth-first walk: all siblings on each level.
 constexpr size_t kStackSize = DbvtTree::kMaxLevels * kWidth + kWidth;
 
 // The search of one leaf among those that follow it. The leaves and then the slots found are kept
@@ -116,7 +116,7 @@ HWY_INLINE void TestFoundSlots(DbvtSearch& search) {
   search.slot_count = 0;
 }
 
-// In large trees the leaves are not in the cache.
+// Prefetches a leaf: in large trees the leaves are not in the cache.
 HWY_INLINE void FetchAhead(const DbvtNode& leaf) {
   for (size_t axis = 0; axis < 3; ++axis) {
     hwy::Prefetch(leaf.min[axis]);

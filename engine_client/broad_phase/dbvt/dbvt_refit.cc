@@ -24,7 +24,7 @@ Aabb BoundsOf(const DbvtNode& node) {
   return bounds;
 }
 
-// The size (sum of sides) of each lane's box.
+// Returns the size (sum of sides) of each lane's box.
 HWY_INLINE hn::Vec<Lanes16> Sides(const DbvtNode& node, size_t at) {
   const Lanes16 d;
   auto sides = hn::Sub(hn::Load(d, node.max[0] + at), hn::Load(d, node.min[0] + at));
@@ -67,7 +67,7 @@ HWY_INLINE bool AllAreValid(const DbvtNode& leaf, const Aabb& bounds, size_t cou
   return finite && in_order == count;
 }
 
-// The largest distance on an axis that the box has moved from the lane's box.
+// Returns the largest distance on an axis that the box has moved from the lane's box.
 HWY_INLINE float MotionFrom(const DbvtNode& leaf, size_t lane, const Aabb& box) {
   float motion = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -129,7 +129,7 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
   return note;
 }
 
-// The lane that grows least when it covers the box; of lanes that grow alike a small one.
+// Returns the lane whose box grows by the minimum when it covers `box`; of equal ones a small lane.
 HWY_INLINE uint32_t BestLane(const DbvtNode& node, const Aabb& box) {
   const Lanes16 d;
   float min_cost = std::numeric_limits<float>::infinity();

@@ -10,11 +10,11 @@
 
 namespace sweepstake {
 
-// The bounds of all lanes. REQUIRES: the node has an entry.
+// Returns the bounds of all lanes. REQUIRES: the node has an entry.
 Aabb NodeBounds(const DbvtNode& node);
 
-// The lanes of this inner node whose children are stretched beyond their reach, as bits. Where a
-// child has become smaller, its reach shrinks with it.
+// Returns the lanes of this inner node whose children are stretched beyond their reach, as bits.
+// The reach of a child that has become smaller shrinks with it.
 uint16_t StretchedLanes(DbvtNode& node);
 
 // Gives the objects in the leaves of a group their new boxes, and the lanes of the group the bounds
@@ -22,8 +22,8 @@ uint16_t StretchedLanes(DbvtNode& node);
 DbvtGroupNote RefitGroup(DbvtNode* nodes, const DbvtLink* links, uint32_t group, const Aabb* boxes,
                          float step);
 
-// Finds the node of `level` below which `box` makes the tree grow least, and widens the boxes on
-// the way there to cover it. REQUIRES: no node on the way is empty.
+// Finds the node of `level` below which `box` enlarges the tree by the minimum, and widens the
+// boxes on the way there to cover it. REQUIRES: no node on the way is empty.
 uint32_t DescendWidening(DbvtNode* nodes, const DbvtLink* links, uint32_t root, uint32_t level,
                          const Aabb& box);
 

@@ -12,10 +12,10 @@
 namespace sweepstake {
 namespace {
 
-// How full nodes are at worst, for reserving memory: leaves are full after Build, and 11 to 13 of
-// 16 lanes are in use after a while of motion.
+// The minimum mean number of entries per node, by which memory is reserved. Leaves are full after
+// Build; after a while of motion 11 to 13 of their 16 lanes are in use.
 constexpr size_t kObjectsPerNode = 10;
-// Fewer groups (some 1,500 objects) are not worth a thread.
+// A part with fewer groups (some 1,500 objects) takes less time than waking a thread.
 constexpr size_t kMinGroupsPerPart = 8;
 
 void SetBox(DbvtNode& node, uint32_t lane, const Aabb& box) {
@@ -43,12 +43,12 @@ float SumOfSides(const Aabb& box) {
   return (box.max[0] - box.min[0]) + (box.max[1] - box.min[1]) + (box.max[2] - box.min[2]);
 }
 
-// In double, since the sum of two floats need not be finite.
+// The result is a double, since the sum of two floats need not be finite.
 double DoubledCenter(const Aabb& box, int axis) {
   return static_cast<double>(box.min[axis]) + box.max[axis];
 }
 
-// The axis on which the centers of these entries' boxes are spread widest.
+// Returns the axis on which the centers of these entries' boxes are spread widest.
 template <class Entries>
 int WidestAxis(const Entries& entries) {
   int widest = 0;
@@ -86,7 +86,7 @@ Outermost OutermostLane(const float* faces, uint32_t count, float sign) {
   return {lane, second - first};
 }
 
-// The lane without which the node shrinks most.
+// Returns the lane without which the node shrinks most.
 uint32_t LaneToShed(const DbvtNode& node, uint32_t count) {
   std::array<float, DbvtNode::kWidth> gains{};
   for (size_t axis = 0; axis < 3; ++axis) {
@@ -147,7 +147,7 @@ DbvtTree::Entry DbvtTree::EntryAt(uint32_t node, uint32_t lane) const {
   return {BoxAt(nodes_[node], lane), nodes_[node].child[lane], links_[node].level};
 }
 
-// The entry of the last lane takes its place.
+// Removes the entry in `lane`, whose place the entry of the last lane takes.
 void DbvtTree::RemoveLane(uint32_t node, uint32_t lane) {
   const uint32_t last = --links_[node].count;
   const float reach = nodes_[node].reach[last];
@@ -164,7 +164,7 @@ void DbvtTree::EvictLane(uint32_t node, uint32_t lane) {
   RemoveLane(node, lane);
 }
 
-// REQUIRES: not the root.
+// Removes the node; its entries wait to be inserted elsewhere. REQUIRES: it is not the root.
 void DbvtTree::Dissolve(uint32_t node) {
   for (uint32_t lane = links_[node].count; lane-- > 0;) EvictLane(node, lane);
   RemoveLane(links_[node].parent, links_[node].lane);
@@ -227,7 +227,7 @@ void DbvtTree::BuildLeaf(std::span<const uint32_t> objects) {
   }
 }
 
-// Makes the nodes, at least one, above the nodes [first, end).
+// Makes the level above the nodes [first, end), which has one node or more.
 void DbvtTree::BuildLevel(uint32_t level, uint32_t first, uint32_t end) {
   uint32_t node = AllocateNode(level);
   for (uint32_t child = first; child < end; ++child) {
@@ -268,7 +268,7 @@ void DbvtTree::Move(uint32_t object, const Aabb& box) {
   }
 }
 
-// Returns false also where the reach is not known yet.
+// Returns false also if the reach is not known yet.
 bool DbvtTree::FitsInReach(uint32_t node, const Aabb& box) const {
   const DbvtNode& parent = nodes_[links_[node].parent];
   const uint32_t lane = links_[node].lane;
@@ -294,7 +294,7 @@ void DbvtTree::Attach(const Entry& entry) {
   AddTo(DescendWidening(nodes_.data(), links_.data(), root_, entry.level, entry.box), entry);
 }
 
-// REQUIRES: the boxes above cover the entry's.
+// Adds the entry to a node. REQUIRES: the boxes of the levels above cover the entry's box.
 void DbvtTree::AddTo(uint32_t node, const Entry& entry) {
   if (links_[node].count == kWidth) return Split(node, entry);
   SetLane(node, links_[node].count++, entry);
@@ -329,7 +329,7 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
 }
 
 void DbvtTree::Settle() {
-  // Subtrees go first, since lower entries may be inserted into them.
+  // Subtrees are inserted first, since lower entries may be inserted into them.
   for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
     for (const Entry& entry : waiting_) {
       if (entry.level == level) Attach(entry);
@@ -359,7 +359,7 @@ void DbvtTree::Shed(uint32_t node) {
   Dissolve(node);
 }
 
-// Goes from the highest lane down: when a child dissolves, the last one takes its lane.
+// Sheds from the highest lane down, since the last child takes the lane of one that is dissolved.
 void DbvtTree::ShedBelow(uint32_t node, uint32_t stretched) {
   while (stretched != 0) {
     const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;

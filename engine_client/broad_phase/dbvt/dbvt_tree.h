@@ -2,18 +2,17 @@
 // to sixteen nodes, and the box of each is in a lane of its node.
 //
 // All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
-// and thin boxes too. An object is inserted where the tree grows least. A node that overflows is
-// split in two at the median of its widest axis; one with fewer than kMinFill entries is dissolved,
-// and its entries are inserted elsewhere. Each node has a reach, the size up to which it may
-// stretch while its entries move: kReachFactor times the smallest size it has had. Refit takes the
-// objects' new boxes, and removes what stretches a node beyond its reach, objects and subtrees
-// alike, to insert it where it fits better. This is the forced reinsertion of the R*-tree (Beckmann
-// et al. 1990), triggered by motion instead of insertion.
+// and thin boxes too. An object is inserted where it enlarges the tree by the minimum. A node that
+// overflows is split in two at the median of its widest axis; one with fewer than kMinFill entries
+// is dissolved, and its entries are inserted elsewhere. Each node has a reach, the size up to which
+// it may stretch while its entries move: kReachFactor times the smallest size it has had. Refit
+// takes the objects' new boxes, and removes what stretches a node beyond its reach, objects and
+// subtrees alike, to insert it where it fits better. This is the forced reinsertion of the R*-tree
+// (Beckmann et al. 1990), triggered by motion instead of insertion.
 //
 // Not thread-safe. Owns its memory. Boxes must be valid (aabb.h) unless a comment says otherwise.
-// Cost (one thread of an AMD EPYC, 10,000 objects): Build 10 ns per object; Refit 1.7 ns per object
-// and 0.2 us per entry that is moved; Insert and Remove 0.2 us. Memory: 512 bytes per node, about
-// 57 per object.
+// Cost: Build and Refit O(objects); Insert, Remove, Move and each entry that Refit moves elsewhere
+// O(levels). Memory: 512 bytes per node, about 57 per object.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +37,7 @@ struct alignas(64) DbvtNode {
 };
 static_assert(sizeof(DbvtNode) == 512);
 
-// The place of a node in the tree, and how many entries it has.
+// The place of a node in the tree, and the number of its entries.
 struct DbvtLink {
   uint32_t parent;
   uint8_t lane;
@@ -51,8 +50,8 @@ struct DbvtLink {
 struct DbvtGroupNote {
   uint16_t stretched;  // beyond its reach
   uint16_t invalid;    // has invalid boxes
-  // One object per leaf is sampled: how many of these moved further than a step, and the sum of
-  // their motion, each at most a step.
+  // One object per leaf is sampled: the number of samples that moved further than a step, and the
+  // sum of their motion, each cut off at a step.
   uint16_t restless_count;
   float motion;
 };
@@ -62,16 +61,17 @@ class DbvtTree {
   static constexpr uint32_t kNone = 0xFFFFFFFF;
   static constexpr uint32_t kWidth = DbvtNode::kWidth;
   static constexpr uint32_t kMinFill = 4;
-  // Enough for 4^16 entries, and one more for a root that is not full.
+  // These levels hold 4^16 entries, with one more level for a root that is not full.
   static constexpr size_t kMaxLevels = 17;
   static constexpr float kReachFactor = 1.35F;
 
-  // Discards everything and takes the objects in `slots`: each sixteen slots become a leaf. kNone
-  // and numbers that are no index of `boxes` leave a gap. Objects with invalid boxes are appended
-  // to `lost`. The tree can hold objects 0 … boxes.size() − 1 from now on.
+  // Discards everything and takes the objects in `slots`, of which sixteen at a time become a leaf.
+  // kNone and numbers that are no index of `boxes` leave a gap. Objects with invalid boxes are
+  // appended to `lost`. The tree can hold objects 0 … boxes.size() − 1 from now on.
   void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
              std::vector<uint32_t>& lost);
-  // Changes how many objects the tree can hold. REQUIRES: none from `object_count` on is in it.
+  // Sets the number of objects that the tree can hold. REQUIRES: none from `object_count` on is in
+  // it.
   void Resize(size_t object_count);
 
   // REQUIRES: the object is not in the tree.
@@ -90,15 +90,15 @@ class DbvtTree {
   };
   // Takes the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
   // appended to `lost`. Entries that stretch their node too far leave it and wait for Settle or
-  // Build; a search before that would miss them. Where more than half of the leaves are stretched,
-  // the result asks for Build, which must be the next call.
+  // Build; a search before that would miss them. If more than half of the leaves are stretched, the
+  // result asks for Build, which must be the next call.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
                std::vector<uint32_t>& lost);
   // Takes the objects' new boxes, and leaves every object in its leaf. REQUIRES: the boxes of all
   // objects in the tree are valid.
   void TakeBoxes(std::span<const Aabb> boxes, Executor* executor);
   size_t waiting_count() const { return waiting_.size(); }
-  // Inserts the entries that wait.
+  // Inserts the waiting entries.
   void Settle();
 
   bool Contains(uint32_t object) const { return slots_[object] != kNone; }

@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// A part of this size is about 25 µs of work.
+// A part with fewer boxes takes less time than waking a thread.
 constexpr size_t kBoxesPerPartMin = 1024;
 
 class Grid final : public BroadPhase {

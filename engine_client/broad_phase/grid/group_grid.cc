@@ -6,9 +6,9 @@
 namespace sweepstake {
 namespace {
 
-// Keeps a box within one cell in spite of rounding.
+// This factor keeps a box within one cell in spite of rounding.
 constexpr double kCellSlack = 1.0001;
-// Keeps the scale finite.
+// This minimum keeps the scale finite.
 constexpr double kCellSideMin = 1e-36;
 // Cells are this many times shorter along the rows, where more cells cost no more searches.
 constexpr double kRowCells = 2;
@@ -35,7 +35,7 @@ Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double side_mi
   return cells;
 }
 
-// The smallest cells such that there are at most `count_max`.
+// Returns the smallest cells such that there are at most `count_max`.
 Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double count_max) {
   const Cells finest = Divide(bounds, shape, 0);
   if (finest.Product() <= count_max) return finest;

@@ -8,7 +8,7 @@
 // and outliers do. Coordinates are halved inside, so that no difference of two finite floats
 // overflows.
 //
-// Values, safe to copy. Cost: constant, below 1 µs.
+// Values, safe to copy. Cost: constant.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ struct GroupGrid {
   uint32_t first_cell = 0;         // the number of its first cell among those of all groups
   int row_axis = 0;
 
-  // The axis along the rows for index 0, the others for 1 and 2.
+  // Returns the axis along the rows for index 0, and the other axes for 1 and 2.
   size_t AxisOf(int index) const { return static_cast<size_t>((row_axis + index) % 3); }
   uint32_t cell_count() const { return cells[0] * cells[1] * cells[2]; }
   uint32_t last_cell() const { return first_cell + cell_count(); }
@@ -46,15 +46,15 @@ struct GroupShape {
   void Add(const GroupShape& other);
 };
 
-// A few cells per box: empty cells cost little, and boxes that share one are tested against one
-// another.
+// There are a few cells per box: empty cells cost little, and boxes that share one are tested
+// against one another.
 constexpr size_t MaxCellCount(size_t box_count) { return 4 * box_count + 256; }
 
-// The number of cells as small as the group's maximum sides; it may exceed any integer.
+// Returns the number of cells as small as the group's maximum sides; it may exceed any integer.
 double CellsWanted(const CornerBounds& bounds, const GroupShape& shape);
 
-// A grid for the group with cells as small as its maximum sides, or larger if that needs more than
-// `cell_max` cells. REQUIRES: cell_max > 0.
+// Makes a grid for the group with cells as small as its maximum sides, or larger if that needs more
+// than `cell_max` cells. REQUIRES: cell_max > 0.
 GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t cell_max);
 
 }  // namespace sweepstake

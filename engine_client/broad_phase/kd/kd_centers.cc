@@ -28,7 +28,7 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
       for (size_t axis = 0; axis < 3; ++axis) {
         const auto min = hn::LoadU(d, leaf.min[axis] + at);
         const auto max = hn::LoadU(d, leaf.max[axis] + at);
-        // Halves: the sum of two finite floats need not be finite.
+        // The halves are added, since the sum of two finite floats need not be finite.
         const auto center = hn::Add(hn::Mul(min, half), hn::Mul(max, half));
         hn::StoreU(hn::Compress(center, valid), d, centers.center[axis] + count);
         hn::StoreU(hn::Compress(hn::Sub(max, min), valid), d, extents.center[axis] + count);
@@ -79,14 +79,14 @@ HWY_EXPORT(Spread);
 
 namespace {
 
-// A box is large from this multiple of a leaf's width on: below, it would cost more in a class of
-// its own than it costs its leaf.
+// A box is large if it exceeds this multiple of a leaf's width. A smaller one would cost more in a
+// class of its own than it costs its leaf.
 constexpr double kLongInLeafWidths = 1.5;
 // It must also exceed this multiple of the lower quartile of the extents on its axis.
 constexpr float kLongInQuartiles = 4;
 constexpr size_t kSampleSize = 64;
 
-// Estimated from a sample.
+// Estimates the quartile from a sample.
 float LowerQuartile(const float* extents, size_t count) {
   std::array<float, kSampleSize> sample;
   for (size_t k = 0; k < kSampleSize; ++k) sample[k] = extents[k * count / kSampleSize];
@@ -122,7 +122,7 @@ SizeClasses::SizeClasses(const AxisSpread (&spreads)[3], const float* const (&ex
 size_t SizeClasses::ClassOf(float extent0, float extent1, float extent2) const {
   if (extent0 <= long_from_[0] && extent1 <= long_from_[1] && extent2 <= long_from_[2]) return 0;
   const float longest = std::max({extent0, extent1, extent2});
-  // A side is thin where the longest one is eight times as long.
+  // A side is thin if the longest one is more than eight times as long.
   const float thin = longest * 0.125F;
   const size_t axes = (extent0 > std::max(long_from_[0], thin) ? 1U : 0U) |
                       (extent1 > std::max(long_from_[1], thin) ? 2U : 0U) |

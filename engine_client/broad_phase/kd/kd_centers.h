@@ -1,7 +1,7 @@
 // Centers and extents of boxes, how they are spread, and which boxes are too large for a leaf with
 // ordinary ones: what KdOrder decides by.
 //
-// Thread-safe: works on what it is given. Cost: 1 ns per box each, 2 ns for ClassifyAll.
+// Thread-safe: works on what it is given. Cost: O(n) each.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 namespace sweepstake {
 
 // Writes the centers and ids of the valid boxes to `centers` and their extents to `extents`, in
-// their order. Returns how many. May write up to a register more.
+// their order. Returns their number. May write up to a register more.
 size_t CollectCenters(std::span<const LeafBlock> leaves, const KdColumns& centers,
                       const KdColumns& extents);
 
@@ -30,9 +30,9 @@ struct AxisSpread {
 AxisSpread SpreadOf(const float* centers, const float* extents, size_t count);
 
 // Divides boxes into classes by size. A leaf of sixteen ordinary boxes is as wide as the room that
-// sixteen boxes have; a box that clearly exceeds that width, and what is usual on that axis, is
-// large. The class of a large box tells its size, by the longest side in steps of 4, and the axes
-// on which it is long.
+// sixteen boxes have; a box is large if it clearly exceeds that width and the usual extent on that
+// axis. The class of a large box encodes its size (the longest side, in steps of factor 4) and the
+// axes on which it is long.
 class SizeClasses {
  public:
   static constexpr size_t kCount = 32;  // class 0 is that of the ordinary boxes

@@ -15,7 +15,7 @@ constexpr size_t RoundUp(size_t count) {
   return (count + KdRange::kPart - 1) / KdRange::kPart * KdRange::kPart;
 }
 
-// How often each center of a range is moved until the parts are small enough.
+// Returns how often each center of a range is moved until the parts are small enough.
 size_t SplitDepth(size_t count) {
   size_t depth = 0;
   for (; count > KdRange::kPart; count = (count + 1) / 2) ++depth;
@@ -105,14 +105,14 @@ void KdOrder::MoveToClasses(std::span<const uint32_t> of_slots,
   }
 }
 
-// Inline, since a call per box would cost as much as the work.
+// The function is inline, since a call per box would cost as much as its work.
 inline void KdOrder::Collect(const Aabb& box, uint32_t index) {
   if (!IsValid(box)) {
     result_[capacity_ - ++invalid_count_] = index;
     return;
   }
   for (size_t axis = 0; axis < 3; ++axis) {
-    // The sum of two finite floats need not be finite, that of their halves is.
+    // The halves are added, since the sum of two finite floats need not be finite.
     columns_[0].center[axis][valid_count_] = box.min[axis] * 0.5F + box.max[axis] * 0.5F;
     columns_[1].center[axis][valid_count_] = box.max[axis] - box.min[axis];
   }

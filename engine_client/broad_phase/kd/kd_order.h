@@ -7,8 +7,7 @@
 //
 // The work can be done at once (Finish) or spread over frames (Advance); the result is the same.
 //
-// Not thread-safe. Owns its memory. Cost: O(n log n), 12 ns per box at 10,000 and 30 at 1,000,000
-// (suite-b, one thread, AMD EPYC). Memory: 36 bytes per box.
+// Not thread-safe. Owns its memory. Cost: O(n log n). Memory: 36 bytes per box.
 #pragma once
 
 #include <array>
@@ -27,7 +26,7 @@ namespace sweepstake {
 
 class KdOrder {
  public:
-  // Splits end at parts of this many boxes.
+  // Splits end at parts of this size.
   static constexpr uint32_t kPart = KdRange::kPart;
 
   // A slot without a box: no valid index.
@@ -40,15 +39,15 @@ class KdOrder {
   void Begin(std::span<const Aabb> boxes);
   // Moves about `budget` centers once; returns whether the order is complete.
   bool Advance(size_t budget);
-  // Does all that is left; with an executor in parts.
+  // Does all remaining work, in parts if there is an executor.
   void Finish(Executor* executor);
-  // How often centers are moved in all.
+  // Returns how often centers are moved in total.
   size_t work() const;
   size_t box_count() const { return valid_count_ + invalid_count_; }
 
-  // REQUIRES of the four that follow: the order is complete. Writes the boxes in their order with
-  // holes, so that each class begins at a multiple of kPart; invalid boxes are last. REQUIRES:
-  // slots.size() == slot_count().
+  // The four functions below REQUIRE that the order is complete. TakeSlots writes the boxes in
+  // their order with holes, so that each class begins at a multiple of kPart; invalid boxes are
+  // last. REQUIRES: slots.size() == slot_count().
   void TakeSlots(std::span<uint32_t> slots) const;
   size_t slot_count() const;
   static constexpr size_t MaxSlots(size_t box_count) {
@@ -57,7 +56,8 @@ class KdOrder {
   // Writes the same without holes. REQUIRES: order.size() == box_count().
   void TakeBoxes(std::span<uint32_t> order) const;
 
-  // Rearranges `order`, which names boxes by index, each at most once: all of the above in one.
+  // Rearranges `order`, which names boxes by index, each at most once; it does all of the above in
+  // one call.
   void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }

@@ -32,7 +32,8 @@ class BlockSearch {
   uint64_t Finish() { return leaves_.Finish(); }
 
  private:
-  // In a tree without nodes above its leaves, the only block takes all of them.
+  // Returns the bounds of the block. In a tree without nodes above its leaves, the only block has
+  // all leaves.
   Aabb BoundsOfBlock() const {
     if (tree_.top > 1) return BoxAt(tree_.levels[2], block_);
     constexpr float kMax = std::numeric_limits<float>::max();
@@ -47,7 +48,8 @@ class BlockSearch {
     if (level == 1) return leaves_.AddNear(bounds_, base);
     const Lanes16 d;
     const BoxLanes& lanes = tree_.levels[level];
-    // The ancestor of this block on the level: what stands before it has been searched already.
+    // This is the ancestor of the block on the level; all nodes before it have been searched
+    // already.
     const uint32_t first = block_ >> (LeafTree::kWidthBits * static_cast<uint32_t>(level - 2));
     for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
       uint32_t hits = BitsOfMask(d, Hits(d, bounds_, lanes, at));

@@ -16,12 +16,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kWidth = KdRange::kPart;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Where there are more keys, the median is first estimated from a sample.
+// If there are more keys than this, the median is first estimated from a sample.
 constexpr size_t kSampleSize = 256;
-// Two standard deviations of the median's rank in the sample.
+// This is two standard deviations of the median's rank in the sample.
 constexpr size_t kSampleMargin = 16;
 
-// Two values and how many keys are below each; the rank sought is between those counts.
+// Two values and the number of keys below each; the rank sought is between these numbers.
 struct Bracket {
   float low = -kInfinity;
   float high = kInfinity;
@@ -29,8 +29,8 @@ struct Bracket {
   size_t below_high = 0;
 };
 
-// Among 16 candidates from the sample (32 where that is nearly all), finds the largest with at most
-// `low_rank` keys below it and the smallest with at least `high_rank`.
+// Among 16 candidates from the sample (32 if that is nearly all of it), finds the largest with at
+// most `low_rank` keys below it and the smallest with at least `high_rank`.
 Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size_t high_rank) {
   const Lanes16 d;
   alignas(64) float candidates[2 * kWidth];
@@ -110,7 +110,7 @@ Bracket BracketOfMinimum(const float* keys, size_t count, size_t left) {
   bracket.below_high = count;
   const float above = std::nextafter(keys[0], kInfinity);
   const size_t below = CountBelow(keys, count, above);
-  // Denormals count as 0 in comparisons: these keys are as good as equal.
+  // Denormals count as 0 in comparisons, so that these keys count as equal.
   if (below == 0) return bracket;
   if (below <= left) {
     bracket.low = above;
@@ -141,8 +141,8 @@ HWY_INLINE void StoreFirst(D d, V values, size_t count, T* to, bool whole) {
   std::copy(buffer, buffer + count, to);
 }
 
-// Appends the chosen slots of a register from `source` on; returns how many. Stores whole registers
-// where those end before `limit`.
+// Appends the chosen slots of a register from `source` on and returns their number. Stores whole
+// registers if they end before `limit`.
 template <class D>
 HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, size_t source,
                                const KdColumns& to, size_t target, size_t limit) {
@@ -198,8 +198,8 @@ void Copy(const KdColumns& from, const KdColumns& to, size_t source, size_t coun
   std::copy_n(from.box + source, count, to.box + target);
 }
 
-// Half the spread of the centers on one axis: the difference of two finite floats need not be
-// finite.
+// Returns half the spread of the centers on one axis, since the difference of two finite floats
+// need not be finite.
 HWY_INLINE float HalfSpread(const float* centers, size_t count) {
   const Lanes16 d;
   auto min = hn::Set(d, centers[0]);
@@ -259,7 +259,7 @@ class SavedSlots {
   alignas(64) uint32_t boxes_[kWidth];
 };
 
-// Does what Scatter does where the slots of `to` behind the target's are in use.
+// Does the same as Scatter if the slots of `to` behind the target's are in use.
 void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, size_t count,
                   size_t target, size_t axis, const Bracket& bracket, size_t limit) {
   const size_t end = target + count;

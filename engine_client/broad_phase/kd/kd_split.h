@@ -5,7 +5,7 @@
 // register at a time, and repeats this with the few in between. The centers of one side keep their
 // order, so that the result does not depend on the width of a register.
 //
-// Thread-safe for ranges that share no slot. Cost: 0.5 ns per center and split (AMD EPYC).
+// Thread-safe for ranges that share no slot. Cost: O(centers) per split.
 #pragma once
 
 #include <cstddef>
@@ -33,17 +33,17 @@ struct KdRange {
   size_t count() const { return end - begin; }
 };
 
-// Where a range of more than kPart slots is split: at the multiple of 16, 256, 4096 … slots from
-// its begin that is nearest to the middle. Aligned runs of as many slots then never straddle a
-// split.
+// Returns the slot at which a range of more than kPart slots is split: the multiple of 16, 256,
+// 4096 … slots from its begin that is nearest to the middle. Aligned runs of as many slots then
+// never straddle a split.
 size_t KdSplitPoint(const KdRange& range);
 
 // Moves the centers of the range from `from` to `to`, so that those before the split point are
 // below the others on some axis. `from` is left in disorder. REQUIRES: more than kPart slots.
 void SplitOnce(const KdColumns& from, const KdColumns& to, const KdRange& range);
 
-// Splits until no part is larger than kPart, to and fro between the columns, and writes the boxes
-// of the range's slots to `order`.
+// Splits until no part is larger than kPart, moving centers back and forth between the columns, and
+// writes the boxes of the range's slots to `order`.
 void SplitAll(const KdColumns& from, const KdColumns& to, const KdRange& range, uint32_t* order);
 
 }  // namespace sweepstake

@@ -12,18 +12,19 @@
 namespace sweepstake {
 namespace {
 
-// What a split of all boxes costs per box: 18 ns at 0.17 ns per check (AMD EPYC, suite-b, 10,000).
+// The cost of a split of all boxes, in checks per box: 18 ns at 0.17 ns per check (AMD Zen 5,
+// suite-b with 10,000 boxes).
 constexpr uint64_t kChecksPerSplit = 105;
 // The debt is counted per 256 boxes, so that it can be kept in whole checks.
 constexpr uint64_t kDebtScale = 256;
-// How much the mean volume of the leaves may grow, in powers of two. Beyond that, finding the pairs
+// The maximum growth of the leaves' mean volume, in powers of two. Beyond it, finding the pairs
 // costs more than splitting at once.
 constexpr double kMaxLeafGrowth = 2;
-// A split is due when so many of the slots (one in 16) are strays or holes, and is made at once
-// when one in 4 are.
+// A split is due when one slot in this number is a stray or a hole, and is made at once when one in
+// 4 is.
 constexpr size_t kSlotsPerStray = 16;
 constexpr size_t kSlotsPerStrayAtOnce = 4;
-// Fewer blocks of 16 leaves are not worth a thread.
+// A part with fewer blocks of 16 leaves takes less time than waking a thread.
 constexpr size_t kMinBlocksPerPart = 4;
 
 class KdTree final : public BroadPhase {
@@ -60,7 +61,7 @@ class KdTree final : public BroadPhase {
   KdOrder splitter_;
   KdOrder stray_sorter_;
   // The box in each slot. The slots up to stray_begin_ are in the order of the latest split, with
-  // holes where boxes have gone; the strays, which have come since, are behind them.
+  // holes for removed boxes; behind them are the strays, which are boxes added since then.
   AlignedBuffer<uint32_t> order_;
   size_t slot_count_ = 0;
   size_t stray_begin_ = 0;
@@ -70,8 +71,8 @@ class KdTree final : public BroadPhase {
   PairParts parts_;
   bool is_splitting_ = false;
   bool split_is_done_ = false;
-  // The lowest box count since the split under way began. Boxes from it on have been replaced
-  // since: their places in the split are void.
+  // The minimum box count since the present split began. Boxes with this index or a higher one have
+  // been replaced since then: their places in the split are void.
   size_t lasting_count_ = 0;
   double fresh_leaf_size_ = 0;  // after the latest split
   RebuildDebt debt_;            // since the latest split, per kDebtScale boxes
@@ -113,7 +114,7 @@ void KdTree::Resize(std::span<const Aabb> boxes) {
   }
 }
 
-// Leaves holes in the slots of all boxes from `count` on.
+// Replaces all boxes from `count` on by holes.
 void KdTree::Remove(size_t count) {
   for (size_t slot = 0; slot < slot_count_; ++slot) {
     if (order_[slot] == KdOrder::kHole || order_[slot] < count) continue;
@@ -123,9 +124,9 @@ void KdTree::Remove(size_t count) {
   lasting_count_ = std::min(lasting_count_, count);
 }
 
-// Makes the boxes from `first` on strays, and sorts all strays anew.
+// Makes the boxes from `first` on strays and sorts all strays again.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
-  // The strays that are left move together, to leaves of their own.
+  // The remaining strays are moved together, to leaves of their own.
   uint32_t* const strays = order_.data() + stray_begin_;
   const size_t old_count = static_cast<size_t>(
       std::remove(strays, order_.data() + slot_count_, KdOrder::kHole) - strays);
@@ -144,7 +145,7 @@ void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   stray_begin_ = aligned;
 }
 
-// Makes room for this many boxes, however many holes a split leaves.
+// Makes room for `count` boxes, whatever number of holes a split leaves.
 void KdTree::ReserveSlots(size_t count) {
   const size_t slots = KdOrder::MaxSlots(count);
   order_.EnsureDiscarding(slots);
@@ -156,8 +157,8 @@ void KdTree::Refit(std::span<const Aabb> boxes) {
   tree_.Refit(boxes, {order_.data(), slot_count_}, executor_);
 }
 
-// The mean logarithm of the leaves' volume: the sum of their extents would depend on a few long
-// leaves alone.
+// Returns the mean logarithm of the leaves' volumes. The sum of their extents would depend on a few
+// long leaves alone.
 double KdTree::MeanLeafSize() const {
   const LeafTree::View& tree = tree_.view();
   if (tree.top == 0) return 0;
@@ -187,7 +188,7 @@ void KdTree::BeginSplit() {
   is_splitting_ = true;
 }
 
-// Takes the order of the split that is done, and makes boxes strays that have come since it began.
+// Takes the order of the completed split and makes the boxes strays that were added since it began.
 void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
   ReserveSlots(box_count_);
   slot_count_ = stray_begin_ = splitter_.slot_count();
@@ -209,7 +210,7 @@ void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
   fresh_leaf_size_ = MeanLeafSize();
 }
 
-// The search itself is LeafTree::FindPairs (kd_search.cc). A step of a split under way runs beside
+// The search itself is LeafTree::FindPairs (kd_search.cc). A step of the present split runs beside
 // it as the first item, since it reads nothing that the search writes.
 void KdTree::FindPairs(PairBuffer& out) {
   const size_t before = out.size();

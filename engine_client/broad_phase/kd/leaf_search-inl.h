@@ -9,8 +9,8 @@
 //   3. The boxes of the leaves found are tested against the bounds of the leaf.
 //   4. The boxes found are tested against the 16 boxes of the leaf, a register at a time, and
 //      the hits are written as pairs.
-// Descending for every leaf alone would take twice as long: each level has to wait for the result
-// of the one above it.
+// Descending for every leaf alone would take longer, since each level has to wait for the result of
+// the one above it.
 #if defined(SWEEPSTAKE_LEAF_SEARCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SWEEPSTAKE_LEAF_SEARCH_INL_H_
 #undef SWEEPSTAKE_LEAF_SEARCH_INL_H_
@@ -104,14 +104,14 @@ class LeafSearch {
   }
 
  private:
-  // Near leaves that are tested together; about 40 are usual in suite-b.
+  // The number of near leaves that are tested together.
   static constexpr size_t kNearCapacity = 256;
-  // All boxes of the near leaves may overlap the bounds of one leaf.
+  // There is room for all boxes of the near leaves.
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
   // A stored mask of up to 16 lanes.
   static constexpr size_t kMaskBytes = 2;
 
-  // In large scenes the leaves found are not in the cache.
+  // Prefetches the leaves found, which in large scenes are not in the cache.
   void Prefetch(size_t begin) const {
     constexpr size_t kCacheLine = 64;
     for (size_t k = begin; k < near_count_; ++k) {
@@ -190,7 +190,7 @@ class LeafSearch {
     WritePairs(own.id + part, count);
   }
 
-  // The boxes held that overlap the box at `place`.
+  // Returns which of the register's boxes overlap the box at `place`.
   template <class D, class V>
   HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
                                   uint32_t place) const {
@@ -198,7 +198,7 @@ class LeafSearch {
                                            others_[0].min[0] + place, others_[0].max[0] + place);
   }
 
-  // The lanes of indices above `index`, where lane 0 is index `at`.
+  // Returns the lanes of indices above `index`, where lane 0 is index `at`.
   template <class D>
   static HWY_INLINE hn::Mask<D> LanesAfter(D d, uint32_t index, size_t at) {
     const hn::RebindToUnsigned<D> du;
@@ -240,7 +240,8 @@ class LeafSearch {
     (void)count;
     hn::StoreInterleaved2(first, second, d, &out->a);
 #else
-    // Pairs are stored as words of 64 bits: seldom more than half of the lanes have one.
+    // Pairs are stored as words of 64 bits. The second half is stored only if it has a pair, which
+    // is rare.
     const hn::Repartition<uint64_t, D> wide;
     const hn::Half<D> half;
     const auto low = hn::PromoteTo(wide, hn::LowerHalf(half, first));

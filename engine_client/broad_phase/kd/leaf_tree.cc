@@ -67,19 +67,20 @@ HWY_EXPORT(BoundNodes);
 
 namespace {
 
-// Leaves whose bounds are taken together: a vector load that follows single-float stores at once
-// would wait for them.
+// The number of leaves whose bounds are computed together: a vector load that immediately follows
+// single-float stores would wait for them.
 constexpr size_t kLeavesPerBatch = 8;
-// How far ahead of their use boxes are prefetched, in slots.
+// The prefetch distance in slots.
 constexpr size_t kPrefetchDistance = 32;
-// Fewer leaves are not worth a thread.
+// A part with fewer leaves takes less time than waking a thread.
 constexpr size_t kMinLeavesPerPart = 128;
 
 constexpr size_t GroupsOf16(size_t count) {
   return (count + LeafTree::kWidth - 1) / LeafTree::kWidth;
 }
 
-// The length of a column with its padding: whole registers may be read behind the last node.
+// Returns the length of a column with its padding: whole registers may be read behind the last
+// node.
 constexpr size_t PaddedColumn(size_t count) {
   return (count + 2 * SoaBoxes::kPadding - 1) / SoaBoxes::kPadding * SoaBoxes::kPadding;
 }

@@ -6,9 +6,8 @@
 // ways: KDTree finds the pairs within one tree (FindPairs), and ProxySet walks over trees and joins
 // two of them (proxies/tree_walk.h).
 //
-// Not thread-safe; const calls may run side by side. Owns its memory. Cost (one thread, AMD EPYC
-// with AVX-512, suite-b): Refit 2 ns per box at 10,000 and 7 at 1,000,000, where the boxes are not
-// in the cache; FindPairs 9 and 14 ns per box. Memory: 30 bytes per slot.
+// Not thread-safe; const calls may run side by side. Owns its memory. Cost: Refit O(slots);
+// FindPairs O(leaves · log leaves + candidates + pairs). Memory: 30 bytes per slot.
 #pragma once
 
 #include <array>
@@ -60,7 +59,7 @@ class LeafTree {
     size_t top = 0;
   };
 
-  // Makes room for this many slots; what was inside is lost.
+  // Makes room for `slot_count` slots; the content is lost.
   void Reserve(size_t slot_count);
   // Slot k takes boxes[order[k]] with id order[k]. An invalid box (aabb.h) and an entry that is no
   // index of `boxes` become sentinels.

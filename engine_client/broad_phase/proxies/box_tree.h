@@ -1,12 +1,11 @@
 // A tree over the boxes of one kind of proxies, kept between changes: a LeafTree in a KdOrder.
 //
-// Update refits the tree. It makes the order anew when more than an eighth of the leaves have grown
-// to twice their size, or when searches have lost more checks to the old order than a new one
-// costs.
+// Update refits the tree. It makes a new order when more than an eighth of the leaves have grown to
+// twice their size, or when searches have lost more checks to the old order than a new one costs.
 //
 // Thread safety: const calls may run side by side; Update stands alone. Owns its memory. Units: the
-// boxes'. Cost (AMD EPYC, one thread): Update O(n), 2 ns per box, and 12 ns more with a new order.
-// Memory: 70 bytes per box. Errors: std::bad_alloc from Update, which must then be called again.
+// boxes'. Cost: Update O(n), with a new order O(n log n). Memory: 70 bytes per box. Errors:
+// std::bad_alloc from Update, which must then be called again.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +27,7 @@ class BoxTree {
 
   const LeafTree::View& view() const { return tree_.view(); }
 
-  // Tells how many AABB checks a search with all boxes made; at most once per Update.
+  // Reports the AABB checks that a search with all boxes has made; at most once per Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
   size_t native_bytes() const {

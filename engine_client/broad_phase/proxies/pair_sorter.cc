@@ -26,7 +26,7 @@ uint32_t DigitOf(const OverlapPair& pair) {
   return id >> (kDigit % 3 * kDigitBits) & (kBuckets - 1);
 }
 
-// The bits in which the pairs are not all the same.
+// Returns the bits in which the pairs are not all the same.
 OverlapPair Differences(std::span<const OverlapPair> pairs) {
   const OverlapPair first = pairs[0];
   OverlapPair bits{0, 0};

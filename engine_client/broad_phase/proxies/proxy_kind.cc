@@ -8,7 +8,7 @@
 namespace sweepstake {
 namespace {
 
-// The searches call these back with the places they find.
+// The searches call these structs with the places that they find.
 struct BoxQuery {
   const ProxyKind& kind;
   const CollisionFilter& filter;

@@ -1,6 +1,6 @@
 // The proxies of one kind, moving or static, and the tree in which queries find them.
 //
-// Thread safety: const calls may run side by side, and so may RefreshTree where nothing has changed
+// Thread safety: const calls may run side by side, and so may RefreshTree if nothing has changed
 // since the last one. Owns its memory. Cost and memory: see proxy_table.h and box_tree.h. Errors:
 // std::bad_alloc; the next RefreshTree then tries again.
 #pragma once
@@ -22,22 +22,22 @@ class ProxyKind {
 
   ProxyTable& table() { return table_; }
   const ProxyTable& table() const { return table_; }
-  // Returns null where the place is free.
+  // Returns null if the place is free.
   ProxyHandle HandleAt(uint32_t place) const {
     const uint32_t generation = table_.generation(place);
     return generation == 0 ? ProxyHandle{} : ProxyHandle{place | id_bit_, generation};
   }
 
-  // Must be called after a change and before the calls that follow.
+  // Must be called after a change and before the queries below.
   void RefreshTree();
 
   const LeafTree::View& view() const { return tree_.view(); }
   void NoteSearch(uint64_t checks) { tree_.NoteSearch(checks); }
-  // Both append, in unspecified order.
+  // Both functions append, in unspecified order.
   void QueryBox(const Aabb& box, const CollisionFilter& filter,
                 std::vector<ProxyHandle>& out) const;
   void CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) const;
-  // As CastRayNearest of proxy_set.h, among these proxies.
+  // Does the same as CastRayNearest of proxy_set.h, among these proxies.
   RayHit CastRayNearest(const Ray& ray, const CollisionFilter& filter) const;
 
   size_t native_bytes() const { return table_.native_bytes() + tree_.native_bytes(); }

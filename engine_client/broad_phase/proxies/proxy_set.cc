@@ -15,13 +15,13 @@
 namespace sweepstake {
 namespace {
 
-// Fewer leaves of moving proxies are not worth a thread.
+// A part with fewer leaves of moving proxies takes less time than waking a thread.
 constexpr size_t kMinLeavesPerPart = 32;
 
 uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
 
-// Copies the pairs that pass their filters to `out`, which may be where `pairs` are; returns how
-// many.
+// Copies the pairs that pass their filters to `out`, which may be the memory of `pairs`; returns
+// their number.
 size_t KeepPassing(std::span<const OverlapPair> pairs, const CollisionFilter* filters_a,
                    const CollisionFilter* filters_b, OverlapPair* out) {
   size_t count = 0;
@@ -156,7 +156,7 @@ RayHit ProxySet::Impl::CastRayNearest(const Ray& ray, const CollisionFilter& fil
   Ray shorter = ray;
   shorter.max_distance = moving.distance;
   const RayHit resting = resting_.CastRayNearest(shorter, filter);
-  // Of equal distances the moving proxy is first, since its index is smaller.
+  // At equal distances the moving proxy is first, since its index is smaller.
   return resting.proxy.is_null() || resting.distance == moving.distance ? moving : resting;
 }
 

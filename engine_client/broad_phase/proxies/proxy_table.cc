@@ -48,7 +48,7 @@ class Owners {
 uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
   if (free_.empty()) EnsureRoomForOne();
   const uint32_t place = TakePlace();
-  // The place is not in the list yet: its owner at the last MarkSeen is still there, or was the
+  // The place is not in the list yet if its owner at the last MarkSeen is still there or was the
   // latest one.
   if (generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
   ++generations_[place];
@@ -76,7 +76,7 @@ uint32_t ProxyTable::TakePlace() {
 
 void ProxyTable::EnsureRoomForOne() {
   if (boxes_.size() == kMaxPlaces) throw std::bad_alloc();
-  // `boxes_` grows last: where another array failed to grow, the next Add tries again.
+  // `boxes_` grows last: if another array failed to grow, the next Add tries again.
   if (boxes_.size() < boxes_.capacity()) return;
   const size_t places = std::max<size_t>(64, boxes_.size() * 2);
   filters_.reserve(places);
@@ -124,7 +124,7 @@ void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const Ov
   while (b < before.size() && n < now.size()) {
     const uint64_t key_before = KeyOf(before[b]);
     const uint64_t key_now = KeyOf(now[n]);
-    // Most pairs stay, so that this branch is well predicted.
+    // Most pairs persist, so that this branch is well predicted.
     if (key_before == key_now && !owners.Changed(now[n])) {
       ++b;
       ++n;

@@ -27,7 +27,7 @@ class ProxyTable {
     return place < generations_.size() && generations_[place] == generation && IsOdd(generation);
   }
 
-  // REQUIRES of the five that follow: `place` holds a proxy.
+  // The five functions below REQUIRE that `place` holds a proxy.
   void Remove(uint32_t place);
   void SetBox(uint32_t place, const Aabb& box) {
     boxes_[place] = box;
@@ -53,8 +53,8 @@ class ProxyTable {
   bool changed() const { return changed_; }
   void MarkUnchanged() { changed_ = false; }
 
-  // These compare the owners now with those at the last MarkSeen. REQUIRES of HasNewOwner: the
-  // place was taken then and is taken now.
+  // The two functions below compare the present owners with those at the last MarkSeen. HasNewOwner
+  // REQUIRES that the place was taken then and is taken now.
   bool any_new_owner() const { return !new_owners_.empty(); }
   bool HasNewOwner(uint32_t place) const { return seen_[place] != generations_[place]; }
   uint32_t seen_generation(uint32_t place) const { return seen_[place]; }
@@ -75,7 +75,7 @@ class ProxyTable {
   std::vector<uint64_t> users_;
   std::vector<uint32_t> generations_;
   std::vector<uint32_t> seen_;  // generations at the last MarkSeen
-  // Has room for every place, so that Remove does not allocate.
+  // The freed places; there is room for every place, so that Remove does not allocate.
   std::vector<uint32_t> free_;
   // The places with owners that have come since the last MarkSeen, each once.
   std::vector<uint32_t> new_owners_;
@@ -83,9 +83,8 @@ class ProxyTable {
   bool changed_ = false;
 };
 
-// Tells which pairs are new and which are gone, from the ascending pairs of one frame to those of
-// the next. Cost: O(pairs), 2 ns per pair (AMD EPYC). Errors: std::bad_alloc from Compare; the
-// events are then incomplete.
+// Finds which pairs are new and which are gone, given the ascending pairs of one frame and of the
+// next. Cost: O(pairs). Errors: std::bad_alloc from Compare; the events are then incomplete.
 class PairEvents {
  public:
   // `before` are pairs of the proxies at the last MarkSeen of the tables, `now` of those they hold;

@@ -1,4 +1,5 @@
-// Where a ray enters a box: the definition that the vector search (tree_queries.cc) must reproduce.
+// The distance at which a ray enters a box: the definition that the vector search (tree_queries.cc)
+// must reproduce.
 //
 // The slab test (Kay & Kajiya, Ray Tracing Complex Scenes, 1986), with divisions instead of a
 // reciprocal, and minima and maxima in a fixed order. Every step rounds monotonically: a ray that
@@ -23,7 +24,7 @@ inline bool IsFinite(const Ray& ray) {
   return finite;
 }
 
-// Returns nothing where the ray misses the box. REQUIRES: IsFinite(ray).
+// Returns nothing if the ray misses the box. REQUIRES: IsFinite(ray).
 inline std::optional<float> EnterDistance(const Ray& ray, const Aabb& box) {
   if (!IsValid(box)) return std::nullopt;
   float enter = 0;

@@ -11,7 +11,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// Hands the ids of the boxes found to the sink.
+// Passes the ids of the boxes found to the sink.
 HWY_INLINE void TakeIds(const LeafTree::View& tree, const FoundGroup& found, const IdSink& sink) {
   uint32_t ids[LeafTree::kWidth];
   for (size_t k = 0; k < found.count; ++k) ids[k] = tree.levels[0].id[found.entry[k]];
@@ -70,7 +70,7 @@ void WalkHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// Entries of a level that the ray hits, and where it enters them.
+// The entries of a level that the ray hits, and the distances at which it enters them.
 struct EnteredGroup {
   FoundGroup found;
   float distance[2 * LeafTree::kWidth];
@@ -88,7 +88,7 @@ HWY_INLINE void CollectEntered(const Ray& ray, float limit, const BoxLanes& lane
   }
 }
 
-// Sorts the farthest first, since entries are taken from the end; equal ones keep their order.
+// Sorts by descending distance, since entries are taken from the end; equal ones keep their order.
 HWY_INLINE void SortFarthestFirst(EnteredGroup& group) {
   for (size_t k = 1; k < group.found.count; ++k) {
     const float distance = group.distance[k];

@@ -17,7 +17,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// At most 16 entries of a level, and room for a whole register behind the last.
+// Up to 16 entries of a level, with room for a whole register behind the last one.
 struct FoundGroup {
   uint32_t entry[2 * LeafTree::kWidth];
   size_t count = 0;
@@ -41,7 +41,7 @@ HWY_INLINE void CollectOverlapping(const Aabb& box, const BoxLanes& lanes, size_
   }
 }
 
-// Where the 16 children of a node begin that are on `level`.
+// Returns the index on `level` at which the 16 children of a node begin.
 HWY_INLINE size_t FirstChild(size_t level, size_t node) {
   return node * (level == 0 ? LeafBlock::kStride : LeafTree::kWidth);
 }

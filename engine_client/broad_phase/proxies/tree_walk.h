@@ -33,8 +33,8 @@ struct IdPredicate {
   bool (*accepts)(void* context, uint32_t id);
   void* context;
 };
-// Finds the accepted box with the smallest distance, and of equal ones the one with the smallest
-// id. Returns false and leaves `hit` alone where there is none up to ray.max_distance.
+// Finds the accepted box with the smallest distance, at equal distances the one with the smallest
+// id. Returns false and leaves `hit` unchanged if there is none up to ray.max_distance.
 bool FindNearestHit(const LeafTree::View& tree, const Ray& ray, const IdPredicate& predicate,
                     NearestHit& hit);
 

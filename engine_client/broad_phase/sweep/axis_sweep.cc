@@ -25,9 +25,9 @@ constexpr size_t kPassesPerFace = 8;
 // Size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// The number of passings up to which a repair is cheaper than a sweep. On an EPYC at 2.6 GHz a
-// passing takes about 5 ns, a new sort with filling the lanes 30 ns per box, and 64 lanes of a
-// sweep 1 ns.
+// The number of passings up to which a repair is cheaper than a sweep. On AMD Zen 5 (`sweepstake
+// bench`) a passing takes about 5 ns, a new sort with filling the lanes 30 ns per box, and 64 lanes
+// of a sweep 1 ns.
 double PassBudget(uint64_t sweep_checks, size_t box_count) {
   return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
 }

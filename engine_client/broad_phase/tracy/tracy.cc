@@ -35,7 +35,7 @@ constexpr size_t kPairsPerBoxMax = 8;
 // wait that doubles each time up to the maximum.
 constexpr uint32_t kRestFramesMin = 6;
 constexpr uint32_t kWaitFramesMax = 256;
-// A part of this size is about 25 µs of work.
+// A part with fewer boxes takes less time than waking a thread.
 constexpr size_t kBoxesPerPartMin = 1024;
 
 class Tracy final : public BroadPhase {

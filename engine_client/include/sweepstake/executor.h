@@ -32,8 +32,8 @@ class Executor {
 };
 
 // Makes a pool of `thread_count` threads, of which the caller of RunParts is one, so that it starts
-// thread_count − 1. Threads without work spin for some 150 µs and then sleep. REQUIRES: 1 <=
-// thread_count <= 256. Throws std::system_error when the system has no more threads.
+// thread_count − 1. Threads without work spin for a fraction of a millisecond and then sleep.
+// REQUIRES: 1 <= thread_count <= 256. Throws std::system_error when the system has no more threads.
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);
 
 }  // namespace sweepstake

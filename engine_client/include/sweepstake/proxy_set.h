@@ -20,7 +20,7 @@
 // place, and 70 more for proxies in a tree (static ones, and after the first query all); 16 bytes
 // per pair, 24 where pairs are sorted.
 //
-// Cost (tests/bench/programs/proxies_bench.cc on one thread of an AMD EPYC, 10,000 moving boxes of
+// Cost (tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, 10,000 moving boxes of
 // suite-b with 14,500 pairs): 5 ns per Move. Resolve takes 13 µs with filters and nothing without,
 // 70 µs where pairs are sorted and 120 µs with events; with 100,000 static boxes and their 29,400
 // pairs 0.28 ms, on two threads 0.19 ms. A query among all of these takes 0.33 µs for a box that

@@ -92,15 +92,15 @@ std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes) {
 
 float Center(const Aabb& box, int axis) { return box.min[axis] * 0.5F + box.max[axis] * 0.5F; }
 
-// Some axis has no center of the first slots above any of the others.
+// Whether there is an axis on which no center of the first slots is above one of the others.
 bool IsDivided(std::span<const Aabb> boxes, std::span<const uint32_t> slots, size_t middle) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto below = [&](uint32_t a, uint32_t b) {
       return Center(boxes[a], axis) < Center(boxes[b], axis);
     };
-    const auto greatest = std::ranges::max_element(slots.first(middle), below);
-    const auto least = std::ranges::min_element(slots.subspan(middle), below);
-    if (!below(*least, *greatest)) return true;
+    const auto max = std::ranges::max_element(slots.first(middle), below);
+    const auto min = std::ranges::min_element(slots.subspan(middle), below);
+    if (!below(*min, *max)) return true;
   }
   return false;
 }

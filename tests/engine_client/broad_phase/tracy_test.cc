@@ -26,7 +26,7 @@ Aabb CubeAt(float x, float y, float z, float side) {
 }
 
 // Small boxes all over, so that the grid has many cells.
-std::vector<Aabb> Crowd(size_t count = 600) {
+std::vector<Aabb> BrownianBoxes(size_t count = 600) {
   const BoxScene scene("brownian", count, 3);
   return {scene.boxes().begin(), scene.boxes().end()};
 }
@@ -47,7 +47,7 @@ uint32_t RowOf(const Aabb& box, const RowGrids& grids) {
 }
 
 TEST(RowGrids, NumberTheRowsOfAllGroupsOneAfterTheOther) {
-  std::vector<Aabb> boxes = Crowd();
+  std::vector<Aabb> boxes = BrownianBoxes();
   for (size_t i = 0; i < 200; ++i) boxes.push_back(CubeAt(boxes[i].min[0], 2, 3, 60));
   const RowGrids grids = GridsFor(boxes);
   ASSERT_EQ(grids.group_count, 3U) << "small boxes, huge ones, and too long ones";
@@ -57,7 +57,7 @@ TEST(RowGrids, NumberTheRowsOfAllGroupsOneAfterTheOther) {
 }
 
 TEST(RowGrids, KeepApartBoxesThatAreTooLongOrAbsent) {
-  const std::vector<Aabb> boxes = Crowd();
+  const std::vector<Aabb> boxes = BrownianBoxes();
   const RowGrids grids = GridsFor(boxes);
   EXPECT_LT(RowOf(boxes[1], grids), grids.long_row());
   EXPECT_EQ(RowOf(CubeAt(1, 1, 1, 100), grids), grids.long_row());
@@ -66,7 +66,7 @@ TEST(RowGrids, KeepApartBoxesThatAreTooLongOrAbsent) {
 }
 
 TEST(RowGrids, ListOnlyBoxesWhoseRowHasChanged) {
-  std::vector<Aabb> boxes = Crowd(100);
+  std::vector<Aabb> boxes = BrownianBoxes(100);
   const RowGrids grids = GridsFor(boxes);
   std::vector<uint32_t> kept(100 + SoaBoxes::kPadding, kNoRow);
   std::vector<uint32_t> moved(100 + SoaBoxes::kPadding);
@@ -101,7 +101,7 @@ class Lists : public testing::Test {
     return view.starts[view.grids.back().last_cell()] == lists_.size() ? "" : "end";
   }
 
-  std::vector<Aabb> boxes_ = Crowd();
+  std::vector<Aabb> boxes_ = BrownianBoxes();
   TracyLists lists_;
 };
 
@@ -152,7 +152,7 @@ TEST_F(Lists, AreTheSameInParts) {
 }
 
 TEST(Tracy, FollowsABoxAcrossTheCells) {
-  std::vector<Aabb> boxes = Crowd();
+  std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
   boxes[17] = CubeAt(-1, 4, 4, 0.9F);
@@ -166,7 +166,7 @@ TEST(Tracy, FollowsABoxAcrossTheCells) {
 }
 
 TEST(Tracy, ReportsAPairThatSharesManyCellsOnce) {
-  std::vector<Aabb> boxes = Crowd();
+  std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
   boxes[1] = CubeAt(0, 0, 0, 5);
@@ -177,7 +177,7 @@ TEST(Tracy, ReportsAPairThatSharesManyCellsOnce) {
 }
 
 TEST(Tracy, TakesABackWhoLeftAndReturnedBeforeItsPairsWereAskedFor) {
-  std::vector<Aabb> boxes = Crowd();
+  std::vector<Aabb> boxes = BrownianBoxes();
   const Aabb home = boxes[5];
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
@@ -193,7 +193,7 @@ TEST(Tracy, TakesABackWhoLeftAndReturnedBeforeItsPairsWereAskedFor) {
 }
 
 TEST(Tracy, TestsABoxThatHasOutgrownItsCellsAgainstAll) {
-  std::vector<Aabb> boxes = Crowd(3000);
+  std::vector<Aabb> boxes = BrownianBoxes(3000);
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
   backend->Build(boxes);
@@ -207,7 +207,7 @@ TEST(Tracy, TestsABoxThatHasOutgrownItsCellsAgainstAll) {
 }
 
 TEST(Tracy, LaysTheGridOutAnewWhenTheSceneOutgrowsIt) {
-  std::vector<Aabb> boxes = Crowd();
+  std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
   for (Aabb& box : boxes) {  // all in one spot, so laid out for that
@@ -217,7 +217,7 @@ TEST(Tracy, LaysTheGridOutAnewWhenTheSceneOutgrowsIt) {
     }
   }
   backend->Build(boxes);
-  const std::vector<Aabb> spread = Crowd();
+  const std::vector<Aabb> spread = BrownianBoxes();
   uint64_t checks = 0;
   for (int frame = 0; frame < 40; ++frame) {
     backend->Update(spread);

@@ -18,17 +18,17 @@ TEST(Backoff, StaysWithinABoundThatDoublesUpToTheMaximum) {
 
 TEST(Backoff, SpreadsOverTheWholeBound) {
   uint64_t sum = 0;
-  uint32_t least = 1000;
-  uint32_t most = 0;
+  uint32_t min = 1000;
+  uint32_t max = 0;
   for (uint64_t seed = 0; seed < 1000; ++seed) {
     const uint32_t delay = Backoff(100, 1000, seed).NextMs();
     sum += delay;
-    least = std::min(least, delay);
-    most = std::max(most, delay);
+    min = std::min(min, delay);
+    max = std::max(max, delay);
   }
   EXPECT_NEAR(static_cast<double>(sum) / 1000, 50, 5);
-  EXPECT_LT(least, 3U);
-  EXPECT_GT(most, 97U);
+  EXPECT_LT(min, 3U);
+  EXPECT_GT(max, 97U);
 }
 
 TEST(Backoff, GivesTheSameDelaysForTheSameSeed) {
