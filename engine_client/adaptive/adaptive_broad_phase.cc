@@ -26,7 +26,7 @@ namespace {
 // leaving it matters more than a smooth switch.
 constexpr uint64_t kPreparationNsMax = 500'000'000;
 
-// The active arm and its epoch in one word, so that other threads read both at once.
+// Packs the active arm and its epoch into one word, so that other threads read both together.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
 
 constexpr uint64_t kCommandIdMask = (uint64_t{1} << 48) - 1;
@@ -106,7 +106,7 @@ Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor) {
   return made;
 }
 
-// kRunning if there will be a lane.
+// Returns the lane's state, which is kRunning if there will be a lane.
 ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_t arm_count) {
   const size_t used = options.executor == nullptr ? 1 : options.executor->thread_count();
   if (!lane.make || options.shadow.enabled == ShadowMode::kOff) return ShadowState::kOff;
@@ -240,7 +240,8 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   sample_.switch_epoch = epoch();
 }
 
-// The latest command wins. If it names the same arm as the one before, the preparation goes on.
+// Takes a command, which replaces an earlier one. If both name the same arm, the preparation goes
+// on.
 void AdaptiveBroadPhase::Impl::TakeCommand(const SwitchCommand& command) {
   const bool same_arm = pending_ && pending_->command.arm == command.arm;
   pending_ = PendingSwitch{command, same_arm ? pending_->waited_ns : 0};
@@ -264,7 +265,8 @@ bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
   return may_choose && command.arm < arms.size() && command.arm != arm();
 }
 
-// A bail-out does not wait, whether the command's reason or the last frame's flag says so.
+// Returns whether the pending switch waits for the lane. A bail-out does not, whether the command's
+// reason or the last frame's flag says so.
 bool AdaptiveBroadPhase::Impl::WaitsForLane() {
   const bool bails_out = pending_->command.reason == SwitchReason::kBailOut ||
                          (last_sample.flags & kFrameBailOut) != 0;
@@ -310,7 +312,8 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   return std::as_const(pairs_).pairs();
 }
 
-// A backend that has run out of memory in the middle is rebuilt in the next frame.
+// Builds or updates the structure. A backend that has run out of memory is rebuilt in the next
+// frame.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
   if (std::exchange(built_, false)) {
     backends_[sample_.arm].backend->Update(boxes);

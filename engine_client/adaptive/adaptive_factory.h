@@ -21,7 +21,8 @@ class DetachableExecutor final : public Executor {
 
   void Attach(bool attached) { attached_ = attached; }
 
-  // That of the shared executor, attached or not, since backends size their buffers by it.
+  // Returns the count of the shared executor, attached or not, since backends size their buffers by
+  // it.
   size_t thread_count() const noexcept override { return shared_.thread_count(); }
   void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
     if (attached_) return shared_.RunParts(part_count, run_part, context);

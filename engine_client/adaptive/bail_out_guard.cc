@@ -7,7 +7,8 @@
 namespace sweepstake {
 namespace {
 
-// The broad phase causes a long frame only if it takes at least half of it.
+// Returns whether the broad phase has caused a long frame, which means that it took half of it or
+// more.
 bool IsCausedByDetection(const FrameSample& sample) {
   if ((sample.flags & (kFramePaused | kFrameLoading)) != 0) return false;
   const uint64_t detection_ns = std::min(sample.detection_time_ns, sample.frame_time_ns);

@@ -33,9 +33,9 @@ class BailOutGuard {
     return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
   }
 
-  // The arm to switch to after this frame. Absent if the frame is within the limit or was long for
-  // another reason (detection took less than half of it, paused, loading), if a decider is present,
-  // or if there is no other arm.
+  // Returns the arm to switch to after this frame. It is absent if the frame is within the limit or
+  // was long for another reason (detection took less than half of it, paused, loading), if a
+  // decider is present, or if there is no other arm.
   std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
 
  private:

@@ -49,19 +49,19 @@ class BoxTap {
   // REQUIRES: complete(), 1 <= frame_count <= slot_count().
   void Request(uint32_t frame_count);
 
-  // The number of frames of the latest request that are copied.
+  // Returns the number of frames of the latest request that have been copied.
   uint32_t filled_count() const;
-  // Whether the request is over: all frames are copied, or one was too big.
+  // Returns whether the request is over: all frames have been copied, or one was too big.
   bool complete() const;
-  // The object count of the frame that did not fit and so ended the request; 0 if there is none.
-  // REQUIRES: complete().
+  // Returns the object count of the frame that did not fit and so ended the request; 0 if there is
+  // none. REQUIRES: complete().
   size_t too_big_count() const { return too_big_count_; }
   // REQUIRES: slot < filled_count().
   TappedFrame frame(uint32_t slot) const;
 
   uint32_t slot_count() const { return slot_count_; }
   size_t memory_bytes() const { return storage_.capacity() * sizeof(Aabb); }
-  // The index of the latest frame, copied or not.
+  // Returns the index of the latest frame, copied or not.
   uint64_t latest_frame_index() const { return latest_frame_.load(std::memory_order_relaxed); }
 
  private:

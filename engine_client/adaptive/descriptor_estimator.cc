@@ -9,7 +9,7 @@ namespace sweepstake {
 namespace {
 
 constexpr uint32_t kCellsPerAxis = 4;
-// Fewer points do not show clustering.
+// With fewer points than this, clustering cannot be measured.
 constexpr uint32_t kClusteringPointMin = 16;
 
 double Side(const Aabb& box, int axis) {
@@ -31,7 +31,8 @@ double CentreDistance(const Aabb& a, const Aabb& b) {
   return std::sqrt(square);
 }
 
-// The value for the descriptor: -1, not measured, if it is negative or not finite.
+// Returns the value for the descriptor, which is -1 (not measured) if `value` is negative or not
+// finite.
 float Measured(double value) {
   const float narrow = static_cast<float>(value);
   return std::isfinite(narrow) && narrow >= 0 ? narrow : -1.0F;

@@ -35,7 +35,7 @@ class DescriptorEstimator {
 
   void Observe(std::span<const Aabb> boxes);
 
-  // True once per kPeriodFrames frames, until Take.
+  // Returns true once per kPeriodFrames frames, until Take is called.
   bool ready() const { return frame_count_ >= kPeriodFrames; }
   // Returns the descriptor of the period that has ended and begins the next one. A field that could
   // not be measured is -1.

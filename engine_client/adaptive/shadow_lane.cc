@@ -83,12 +83,12 @@ bool ShadowLane::sweep_is_due() const {
          tap_.latest_frame_index() >= next_burst_frame_;
 }
 
-// Whether a visit has to end early, since stopping and switches must not wait for it.
+// Returns whether a visit has to end early, since stopping and switches must not wait for it.
 bool ShadowLane::interrupted() const {
   return stopping_.load(std::memory_order_relaxed) || handover_.order().state == State::kWanted;
 }
 
-// Without memory the request only returns the object count.
+// Requests the frames of a burst. Without memory the request only returns the object count.
 void ShadowLane::RequestBurst() {
   if (tap_.slot_count() == 0) tap_.Reserve(1, 0);
   accounted_frames_ = 0;
@@ -106,7 +106,7 @@ void ShadowLane::OnBurst() {
 }
 
 // Reserves memory for slightly more objects, so that a slowly growing scene does not reallocate all
-// the time. False if they do not fit within the cap.
+// the time. Returns false if they do not fit within the cap.
 bool ShadowLane::MakeRoom(size_t object_count) {
   const size_t capacity = object_count + object_count / 8 + 64;
   const uint64_t cap_bytes = setup_.options.memory_cap_bytes / 2;
@@ -157,7 +157,7 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
-// Absent if the visit was interrupted.
+// Visits the arm. The result is absent if the visit was interrupted.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   BroadPhase& backend = *BackendOf(arm).backend;
   const uint32_t frame_count = tap_.filled_count();
@@ -204,7 +204,7 @@ void ShadowLane::Report(const ShadowVisit& visit) {
                          .flags = flags});
 }
 
-// False if no switch is wanted.
+// Does a step of the requested preparation. Returns false if no switch is wanted.
 bool ShadowLane::PrepareSwitch() {
   const SwitchHandover::Order order = handover_.order();
   if (order.state == State::kReady || order.state == State::kTaken) return true;
@@ -233,7 +233,7 @@ void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   }
 }
 
-// Whether there is a frame in the next slot. If none arrives soon, the next Step continues.
+// Returns whether there is a frame in the next slot. If none arrives soon, the next Step continues.
 bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   for (int yields = 0; yields < kYieldMax; ++yields) {
     if (stopping_.load(std::memory_order_relaxed) || handover_.order() != order) return false;
@@ -248,7 +248,7 @@ bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
   return false;
 }
 
-// False if there is no memory for the boxes.
+// Requests frames for a preparation. Returns false if there is no memory for the boxes.
 bool ShadowLane::RequestForPreparation() {
   AccountCopies();
   if (tap_.too_big_count() > 0 && !MakeRoom(tap_.too_big_count())) return false;
@@ -259,7 +259,7 @@ bool ShadowLane::RequestForPreparation() {
   return true;
 }
 
-// Processes the frame in the next slot. False if the structure exceeds the memory cap.
+// Processes the frame in the next slot. Returns false if the structure exceeds the memory cap.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   BroadPhase& backend = *BackendOf(order.arm).backend;
   const TappedFrame frame = tap_.frame(next_slot_++);
@@ -269,7 +269,8 @@ bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   return backend.native_bytes() <= structure_cap_bytes();
 }
 
-// The search is included, since it makes a backend's buffers grow to the size that the scene needs.
+// Builds or updates, and searches, since a search makes a backend's buffers grow to the size that
+// the scene needs. Returns the time.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes) {
   const uint64_t start_ns = setup_.clock.NowNs();
   if (build) {

@@ -13,7 +13,7 @@ bool HasMoved(uint64_t now, uint64_t reference) {
   return std::max(change, -change) > ShadowSchedule::kChangeRatio * before;
 }
 
-// The lower median of an even number of values.
+// Returns the median; of an even number of values the lower one.
 uint64_t Median(std::span<const uint64_t> values) {
   std::array<uint64_t, kShadowBurstFrames> sorted;
   std::copy(values.begin(), values.end(), sorted.begin());
@@ -105,7 +105,7 @@ uint64_t ShadowSchedule::BestCost() const {
   return best_ns;
 }
 
-// REQUIRES: the arm has a cost.
+// Returns the number of sweeps between two visits of the arm. REQUIRES: the arm has a cost.
 uint64_t ShadowSchedule::Period(uint32_t index, uint64_t best_ns) const {
   const Arm& arm = arms_[index];
   const double ratio = static_cast<double>(arm.cost_ns) / static_cast<double>(best_ns);

@@ -54,8 +54,8 @@ struct ShadowVisit {
   bool capped = false;            // at the time cap, before the last frame
 };
 
-// The visit whose frames took `frame_ns`, up to `cap_ns`. The caller sets arm, native_bytes and
-// aabb_check_count. REQUIRES: 1 to kShadowBurstFrames frames.
+// Returns the visit whose frames took `frame_ns`, up to `cap_ns`. The caller sets arm, native_bytes
+// and aabb_check_count. REQUIRES: 1 to kShadowBurstFrames frames.
 ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns);
 
 class ShadowSchedule {
@@ -69,12 +69,12 @@ class ShadowSchedule {
 
   const ShadowScheduleOptions& options() const { return options_; }
 
-  // When the next sweep may begin; 0 before the first.
+  // Returns when the next sweep may begin; 0 before the first one.
   uint64_t next_sweep_ns() const;
 
   // Begins a sweep. REQUIRES: active_arm < arm_count.
   void Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count);
-  // The arm to visit next in this sweep; absent: it is complete.
+  // Returns the arm to visit next in this sweep; it is absent if the sweep is complete.
   std::optional<uint32_t> NextArm() const;
   // REQUIRES: visit.arm is NextArm().
   void OnVisit(const ShadowVisit& visit);

@@ -31,7 +31,8 @@ class SwitchCostMeter {
   std::optional<SwitchOutcome> Begin(const SwitchCommand& command, uint32_t switch_epoch,
                                      bool warm = false);
 
-  // True from the Begin of a cold switch to OnRebuild: the next build belongs to the switch.
+  // Returns true from the Begin of a cold switch to OnRebuild: the next build belongs to the
+  // switch.
   bool awaits_rebuild() const { return awaits_rebuild_; }
   void OnRebuild(uint64_t rebuild_time_ns);
 

@@ -33,15 +33,15 @@ class SwitchHandover {
   // REQUIRES: arm < 256.
   void Want(uint32_t arm) { Store({State::kWanted, arm, order().ticket + 1}); }
   void Cancel() { Store({State::kNone, 0, order().ticket + 1}); }
-  // True if the order is ready: the lane's backend of its arm then belongs to the caller until
-  // Done.
+  // Returns true if the order is ready; the lane's backend of its arm then belongs to the caller
+  // until Done.
   bool Take() {
     const Order ready = order();
     return ready.state == State::kReady && Replace(ready, State::kTaken);
   }
   void Done() { Store({State::kNone, 0, order().ticket}); }
 
-  // Answers the order `wanted`; false if it is void.
+  // Answers the order `wanted`; returns false if it is void.
   bool Offer(const Order& wanted) { return Replace(wanted, State::kReady); }
   bool Decline(const Order& wanted) { return Replace(wanted, State::kDeclined); }
 

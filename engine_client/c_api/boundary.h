@@ -19,13 +19,13 @@ namespace sweepstake::c_api {
 // allocate.
 swp_result Fail(swp_result result, std::string_view message) noexcept;
 
-// SWP_OK, or Fail with the status's code and message.
+// Returns SWP_OK, or Fail with the status's code and message.
 swp_result ToResult(const Status& status) noexcept;
 
-// "NAME must not be NULL".
+// Fails with "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// "struct_size of NAME is … and must be …" where the two differ, else SWP_OK.
+// Fails with "struct_size of NAME is … and must be …" if the two differ.
 swp_result CheckStructSize(std::string_view name, uint32_t given, size_t expected) noexcept;
 
 // Checks the first member of an options struct; NULL is valid. It must be called before anything
@@ -50,12 +50,12 @@ swp_result Guard(const Body& body) noexcept {
   }
 }
 
-// The text of a C string, or `absent` for NULL.
+// Returns the text of a C string, or `absent` for NULL.
 inline std::string_view TextOr(const char* text, std::string_view absent) {
   return text == nullptr ? absent : std::string_view(text);
 }
 
-// SWP_OK where `boxes` holds `count` boxes that a backend can take.
+// Returns SWP_OK if `boxes` holds `count` boxes that a backend can take.
 inline swp_result CheckBoxes(const swp_aabb* boxes, uint32_t count) noexcept {
   if (boxes == nullptr && count > 0) return NullArgument("boxes");
   if (count > 0x7fffffffU) return Fail(SWP_INVALID_ARGUMENT, "more than 2147483647 boxes");
@@ -66,7 +66,7 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
   return {reinterpret_cast<const Aabb*>(boxes), count};
 }
 
-// Writes all pairs, or only their number where `capacity` is too small for them.
+// Writes all pairs, or only their number if `capacity` is too small for them.
 inline swp_result WritePairs(std::span<const OverlapPair> found, swp_pair* pairs, uint64_t capacity,
                              uint64_t* count) noexcept {
   *count = found.size();

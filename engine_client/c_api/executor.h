@@ -12,8 +12,8 @@
 
 namespace sweepstake::c_api {
 
-// Leaves `executor` null where only the calling thread is asked for. SWP_INVALID_ARGUMENT for
-// values that are out of range or exclude one another.
+// Leaves `executor` null if only the calling thread is requested. SWP_INVALID_ARGUMENT for values
+// that are out of range or exclude one another.
 swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
                         std::unique_ptr<Executor>& executor);
 

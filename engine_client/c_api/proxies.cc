@@ -74,7 +74,7 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
   return SWP_OK;
 }
 
-// Writes all results, or only their number where `capacity` does not hold them.
+// Writes all results, or only their number if `capacity` is too small for them.
 template <typename From, typename To>
 swp_result WriteAll(std::span<const From> results, To* out, uint64_t capacity, uint64_t* count) {
   static_assert(sizeof(From) == sizeof(To));
@@ -102,7 +102,7 @@ swp_result CheckMovingPairs(std::span<const OverlapPair> pairs, size_t moving_co
   return SWP_OK;
 }
 
-// The set may hand the caller's own pairs back, who may do with them what he likes.
+// Copies the pairs if the set returns the caller's own array, since the caller may change it.
 void Keep(swp_proxies& proxies, std::span<const OverlapPair> resolved,
           std::span<const OverlapPair> given) {
   proxies.pairs = resolved;

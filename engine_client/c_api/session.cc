@@ -45,7 +45,7 @@ swp_result CheckArms(const swp_session_options& options) {
   return SWP_OK;
 }
 
-// REQUIRES: the struct has our size.
+// Checks the options. REQUIRES: the struct has our size.
 swp_result CheckOptions(const swp_session_options& options) {
   if (!IsMode(options.mode)) {
     return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");

@@ -1,5 +1,5 @@
-// What stands behind a swp_session: the frame path, the queue that it fills, and who empties the
-// queue.
+// The content of a swp_session: the frame path, the queue that it fills, and the consumer that
+// empties the queue.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 
 namespace sweepstake::c_api {
 
-// Where the frame thread stands between begin_frame and end_frame.
+// The state of the frame thread between begin_frame and end_frame.
 enum class FramePhase { kBetween, kBegun, kSearched };
 
 }  // namespace sweepstake::c_api

@@ -50,7 +50,8 @@ void TellActiveArm(const AdaptiveBroadPhase& adaptive, EmbeddedDecider& decider,
       now_ns);
 }
 
-// The max duration is 2^63 ns, 292 years, since a double near 2^64 does not fit into an integer.
+// Returns the scaled duration, at most 2^63 ns (292 years), since a double near 2^64 does not fit
+// into an integer.
 uint64_t Scaled(uint64_t duration_ns, double time_scale) {
   return static_cast<uint64_t>(std::min(static_cast<double>(duration_ns) / time_scale, 0x1p63));
 }

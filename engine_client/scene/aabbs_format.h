@@ -38,10 +38,11 @@ struct Header {
 
 using HeaderBytes = std::array<std::byte, kHeaderBytes>;
 
-// A name longer than 127 bytes is cut; a byte that is not printable ASCII becomes '?'.
+// Encodes the header. A name longer than 127 bytes is cut; a byte that is not printable ASCII
+// becomes '?'.
 HeaderBytes EncodeHeader(const Header& header);
 
-// kDataLoss says which field is broken and how. Checks every field, not the file's size.
+// Checks every field, but not the file's size. kDataLoss says which field is broken and how.
 Result<Header> DecodeHeader(const HeaderBytes& bytes);
 
 void EncodeBox(const Aabb& box, std::span<std::byte, kBoxBytes> bytes);
@@ -50,7 +51,7 @@ Aabb DecodeBox(std::span<const std::byte, kBoxBytes> bytes);
 void EncodeInt32(int32_t value, std::span<std::byte, kCountBytes> bytes);
 int32_t DecodeInt32(std::span<const std::byte, kCountBytes> bytes);
 
-// Whether all six coordinates are finite. Inverted boxes are legal and overlap nothing.
+// Returns whether all six coordinates are finite. Inverted boxes are legal and overlap nothing.
 bool IsFinite(const Aabb& box);
 
 }  // namespace sweepstake::aabbs

@@ -17,7 +17,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFloatMax = std::numeric_limits<float>::max();
 
-// The box that is made or moved, and the frame.
+// The index of the box that is made or moved, and the frame.
 struct Slot {
   size_t index;
   size_t count;
@@ -32,7 +32,7 @@ struct BoxKind {
   void (*step)(SequentialRandom& random, const Slot& slot, Aabb& box);
 };
 
-// Rounding is monotonic, so that min <= max still holds afterwards.
+// Shifts a box. Rounding is monotonic, so that min <= max still holds afterwards.
 void Shift(Aabb& box, int axis, float distance) {
   box.min[axis] += distance;
   box.max[axis] += distance;
@@ -78,7 +78,7 @@ void StepNearlyResting(SequentialRandom& random, const Slot&, Aabb& box) {
   Jitter(random, 0.001F, box);
 }
 
-// One box in a hundred moves, other ones in each frame.
+// Moves one box in a hundred, other ones in each frame.
 void StepFewMoving(SequentialRandom& random, const Slot&, Aabb& box) {
   if (random.Below(100) == 0) Jitter(random, 0.1F, box);
 }
@@ -95,7 +95,8 @@ void StepCoincident(SequentialRandom&, const Slot& slot, Aabb& box) {
   Shift(box, static_cast<int>(slot.frame % 3), 0.25F);
 }
 
-// The cells are three units apart, so that the unit cubes leave a gap wherever they are in theirs.
+// Spawns unit cubes in cells that are three units apart, so that there is a gap between any two
+// cubes.
 Aabb SpawnDisjoint(SequentialRandom& random, const Slot& slot) {
   const auto side = static_cast<size_t>(slot.WorldSide()) + 1;
   const size_t cell[3] = {slot.index % side, slot.index / side % side, slot.index / side / side};
@@ -110,7 +111,7 @@ void StepDisjoint(SequentialRandom& random, const Slot& slot, Aabb& box) {
   box = SpawnDisjoint(random, slot);
 }
 
-// Whole coordinates: faces, edges and corners meet exactly.
+// Spawns boxes with integer coordinates, so that faces, edges and corners meet exactly.
 Aabb SpawnTouching(SequentialRandom& random, const Slot& slot) {
   Aabb box;
   for (float& low : box.min) low = std::floor(random.Between(0, 2 * slot.WorldSide()));
@@ -248,7 +249,7 @@ Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
   return Around(center, half);
 }
 
-// Seven centres with eight objects per unit of volume around each.
+// Spawns a box around one of seven centres, with eight objects per unit of volume around each.
 Aabb SpawnCluster(SequentialRandom& random, const Slot& slot) {
   SequentialRandom cluster(slot.index % 7);  // the same for all boxes of a cluster
   const float spread = 0.13F * slot.WorldSide();
@@ -267,7 +268,7 @@ void StepCluster(SequentialRandom& random, const Slot& slot, Aabb& box) {
   Jitter(random, 0.05F, box);
 }
 
-// One object per unit of area.
+// Spawns one object per unit of area.
 Aabb SpawnPlanar(SequentialRandom& random, const Slot& slot) {
   const float side = std::sqrt(static_cast<float>(slot.count));
   const float center[3] = {random.Between(0, side), 0.5F, random.Between(0, side)};
@@ -327,7 +328,7 @@ size_t KindIndex(std::string_view name) {
   throw std::invalid_argument("no kind of boxes is called " + std::string(name));
 }
 
-// A scene that shows a kind under another name, with a fixed object count where one is given.
+// A scene that shows a kind under another name, with a fixed object count if one is given.
 struct Special {
   std::string_view name;
   std::string_view kind;
@@ -340,7 +341,7 @@ constexpr Special kSpecials[] = {
     {kCountChanging, kMixture, {}}, {kSpawning, "brownian", {}},
 };
 
-// From `max` down to its half and back, a 64th at a time.
+// Returns the number of objects, which runs from `max` down to its half and back, a 64th at a time.
 size_t SpawnedCount(size_t max, uint64_t frame) {
   const uint64_t phase = frame % 64;
   return max - max * (phase < 32 ? phase : 64 - phase) / 64;

@@ -51,7 +51,7 @@ class GeneratedScene : public Scene {
   std::vector<Aabb> aabbs_;
 };
 
-// The world of the scenarios: ±half_extent on each axis.
+// Returns the world of the scenarios: ±half_extent on each axis.
 Aabb CentredWorld(float half_extent);
 
 // Draws log-uniform half extents, each axis on its own.
@@ -60,7 +60,7 @@ void SpawnSizes(const SceneOptions& options, Bodies& bodies);
 // Draws uniform positions with the whole box inside the world. REQUIRES: sizes are drawn.
 void SpawnInsideWalls(const SceneOptions& options, Bodies& bodies);
 
-// `x` mirrored once at the wall that it passed, then clamped to [low, high].
+// Returns `x` mirrored once at the wall that it passed, then clamped to [low, high].
 float Reflect(float x, float low, float high);
 
 }  // namespace sweepstake

@@ -15,7 +15,7 @@
 
 namespace sweepstake {
 
-// The upper 24 bits as a float in [0, 1). Every value is exact.
+// Returns the upper 24 bits as a float in [0, 1). Every value is exact.
 inline float UnitFloat(uint64_t bits) {
   return static_cast<float>(bits >> 40U) * (1.0F / 16777216.0F);
 }

@@ -27,8 +27,8 @@ std::string SystemReason() {
   return errno == 0 ? "unknown reason" : std::generic_category().message(errno);
 }
 
-// The path is beside the target, so that the rename stays on one file system, and random, so that
-// two recorders do not collide.
+// Returns a path beside the target, so that the rename stays on one file system. It is random, so
+// that two recorders do not collide.
 fs::path PartialPath(const fs::path& target) {
   std::random_device random;
   std::ostringstream suffix;

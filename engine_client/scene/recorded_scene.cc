@@ -24,7 +24,8 @@ bool ReadExactly(std::ifstream& file, std::span<std::byte> bytes) {
   return file.gcount() == size;
 }
 
-// A directory or a pipe could be opened, but reading it would fail or block.
+// Returns the size of a regular file. A directory or a pipe could be opened too, but reading it
+// would fail or block.
 Result<uint64_t> SizeOfRegularFile(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

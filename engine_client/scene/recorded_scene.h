@@ -25,7 +25,7 @@ class RecordedScene final : public Scene {
   // a box: frame and object). kResourceExhausted: more than kMaxSceneObjectCount objects.
   static Result<std::unique_ptr<Scene>> Open(const std::filesystem::path& path);
 
-  // The name in the header, or "recorded" if that is empty.
+  // Returns the name in the header, or "recorded" if that is empty.
   std::string_view name() const override { return header_.scene_name; }
   Aabb world() const override { return header_.world; }
   uint64_t frame_index() const override { return frame_index_; }

@@ -1,4 +1,4 @@
-// The one list of all scenes: a new scene adds its line here.
+// The only list of all scenes: a new scene adds its line here.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -57,7 +57,7 @@ constexpr Entry Degenerate(std::string_view name, std::string_view summary) {
           }};
 }
 
-// The scenes of a group stand together, in the order of SceneGroup.
+// The scenes are sorted by group, in the order of SceneGroup.
 constexpr std::array kEntries = {
     Scenario<MakeBrownian>("brownian", "independent random kicks"),
     Scenario<MakeRotatingGravity>("rotating-gravity", "gravity in four directions in turn"),
@@ -121,7 +121,7 @@ Status OutOfRange(const char* name, T min, T max, T value) {
   return {StatusCode::kInvalidArgument, message.str()};
 }
 
-// A value that is not finite is out of every range.
+// Checks the ranges. A value that is not finite is outside of every range.
 Status ValidateFloats(const SceneOptions& options) {
   const struct {
     const char* name;

@@ -18,7 +18,7 @@ float SideOfDensityOne(uint32_t object_count) {
   return static_cast<float>(math::CubeRoot(object_count));
 }
 
-// `x` mirrored at the walls of [0, side].
+// Returns `x` mirrored at the walls of [0, side].
 float ReflectInside(float x, float side) {
   if (x < 0) x = -x;
   return x > side ? 2 * side - x : x;

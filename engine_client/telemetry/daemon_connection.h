@@ -28,8 +28,8 @@ namespace sweepstake {
 class DaemonConnection final
     : public grpc::ClientBidiReactor<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse> {
  public:
-  // The max number of unread responses. Beyond it reading pauses, and flow control holds the daemon
-  // back.
+  // The maximum number of unread responses. At this number reading pauses, and flow control slows
+  // the daemon down.
   static constexpr size_t kInboxMax = 64;
 
   // Begins to connect. `wake` is called from gRPC's threads whenever there is something to look at,
@@ -38,7 +38,7 @@ class DaemonConnection final
   // Cancels the stream and waits until gRPC releases it, which needs no answer from the daemon.
   ~DaemonConnection() override;
 
-  // Whether Write may be called: the stream is open and no write is in flight.
+  // Returns whether Write may be called: the stream is open and no write is in flight.
   bool writable();
   // REQUIRES: writable(), no HalfClose before.
   void Write(const v1::StreamTelemetryRequest& request);
@@ -47,9 +47,9 @@ class DaemonConnection final
   // Ends the stream at once; closed() follows.
   void Cancel();
 
-  // Takes the oldest response; absent: none is there.
+  // Takes the oldest response; the result is absent if there is none.
   std::optional<v1::StreamTelemetryResponse> TakeResponse();
-  // How the stream ended; absent until all responses were taken.
+  // Returns how the stream ended; it is absent until all responses have been taken.
   std::optional<grpc::Status> closed();
 
  private:
@@ -84,15 +84,15 @@ class Backoff {
   // REQUIRES: 1 <= min_ms <= max_ms.
   Backoff(uint32_t min_ms, uint32_t max_ms, uint64_t seed);
 
-  // Uniform in [0, bound], the bound being min_ms at first and doubling up to max_ms with each
-  // call.
+  // Returns a delay that is uniform in [0, bound]. The bound is min_ms at first and doubles with
+  // each call, up to max_ms.
   uint32_t NextMs();
-  // The delay after an error that trying again soon will not mend: uniform in the upper half of
-  // [0, max_ms].
+  // Returns the delay after an error that is likely to persist: uniform in the upper half of [0,
+  // max_ms].
   uint32_t LongMs();
-  // Uniform in [0, bound_ms].
+  // Returns a number that is uniform in [0, bound_ms].
   uint32_t JitterMs(uint32_t bound_ms);
-  // The connection held: the next delay is short again.
+  // Resets the bound to min_ms, to be called after a good connection.
   void Reset() { bound_ms_ = min_ms_; }
 
  private:

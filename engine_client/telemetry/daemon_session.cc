@@ -1,9 +1,8 @@
-// The session with a daemon: the sender thread stands between the frame path's queue and a gRPC
-// stream.
+// The session with a daemon: the sender thread connects the frame path's queue with a gRPC stream.
 //
-// Each step takes what is queued, takes what the daemon said, sends what may be sent, and connects
-// or disconnects when it is time. The frame thread never wakes it, so it polls; gRPC's threads and
-// Stop wake it.
+// Each step empties the queue, reads the daemon's responses, sends the messages that are due, and
+// connects or disconnects if necessary. The frame thread never wakes it, so it polls; gRPC's
+// threads and Stop wake it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -55,8 +54,9 @@ BatchLimits LimitsOf(const SessionOptions& options) {
           .bytes = options.batch_bytes};
 }
 
-// The daemon may ask for smaller batches. With a scaled-down decision interval they also come more
-// often, or else there would be decisions without frames.
+// Returns the limits of a batch. The daemon may ask for smaller batches. If the decision interval
+// is scaled down, batches are sent more often, since there would be decisions without frames
+// otherwise.
 BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) {
   uint64_t interval_ms = options.batch_interval_ms;
   if (welcome.batch_interval_ms() > 0) interval_ms = welcome.batch_interval_ms();
@@ -74,7 +74,7 @@ BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) 
   return limits;
 }
 
-// Whether trying again soon will not help.
+// Returns whether the error is likely to persist, so that trying again soon does not help.
 bool IsLasting(grpc::StatusCode code) {
   return code == grpc::StatusCode::INVALID_ARGUMENT ||
          code == grpc::StatusCode::FAILED_PRECONDITION ||
@@ -92,8 +92,8 @@ std::string Describe(const grpc::Status& status, const std::string& address, uin
 
 uint64_t NowNs() { return SteadyClock().NowNs(); }
 
-// Differs between the sessions of one process, so that their jitter differs too. No decision
-// depends on it.
+// Returns a seed that differs between the sessions of one process, so that their jitter differs
+// too. No decision depends on it.
 uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs(); }
 
 // The connection that is being opened or is open.
@@ -225,7 +225,7 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
 }
 
 void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
-  if (state_->online()) return;  // A second welcome of a connection says nothing new.
+  if (state_->online()) return;  // A second welcome of a connection is ignored.
   state_->OnWelcome(welcome);
   link_->online_since_ns = now_ns;
   last_error_.clear();
@@ -306,7 +306,7 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
   return delay_ms + backoff_.JitterMs(std::max(delay_ms, options_.backoff_min_ms));
 }
 
-// Says goodbye once everything is sent. False: that is done, or the time is over.
+// Says goodbye once everything is sent. Returns false when that is done or the time is over.
 bool DaemonSession::Disconnect(uint64_t now_ns, bool queue_empty) {
   if (!link_) return false;
   if (now_ns >= stop_deadline_ns()) {

@@ -6,7 +6,8 @@
 namespace sweepstake {
 namespace {
 
-// The number of frames that are handed on at once. It bounds the buffer, not what is taken.
+// The maximum number of frames per call of the decider. It bounds the buffer, not the number of
+// frames taken.
 constexpr size_t kFrameRun = 256;
 
 }  // namespace

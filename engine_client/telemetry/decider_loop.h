@@ -2,8 +2,8 @@
 // command. The embedded session runs it on its sender thread; the C API runs it on the thread that
 // polls.
 //
-// Everything is handed on in the order it happened. Not thread-safe; it is the queue's consumer.
-// Memory: a buffer of 256 frames.
+// Everything is passed on in the order in which it happened. Not thread-safe; it is the queue's
+// consumer. Memory: a buffer of 256 frames.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,11 @@ class DeciderLoop {
   DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
               std::unique_ptr<EmbeddedDecider> decider);
 
-  // Hands all that is queued to the decider; returns the number of frames.
+  // Passes the content of the queue to the decider; returns the number of frames.
   uint64_t TakeQueue(uint64_t now_ns);
   // Makes the decision that is due, if any, and posts its command, which is also returned.
   std::optional<SwitchCommand> Decide(uint64_t now_ns);
-  // Whether a decision was made since the latest PublishBeliefs, or none was published yet.
+  // Returns whether a decision was made since the latest PublishBeliefs, or none was published yet.
   bool has_news() const { return decider_->decision_count() != published_decision_count_; }
   // Tells the broad phase the posterior means and the verdict.
   void PublishBeliefs();
@@ -47,7 +47,7 @@ class DeciderLoop {
   uint64_t published_decision_count_ = ~uint64_t{0};
 };
 
-// The means of the posteriors, for bail-outs while no decider is present.
+// Passes the means of the posteriors on, for bail-outs while no decider is present.
 void SetPosteriorMeans(const std::vector<ArmBelief>& beliefs, AdaptiveBroadPhase& adaptive);
 
 }  // namespace sweepstake

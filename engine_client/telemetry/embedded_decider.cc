@@ -168,7 +168,7 @@ std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
   return std::exchange(pending_command_, std::nullopt);
 }
 
-// The latest command wins.
+// Takes the decision's command, which replaces an earlier one.
 void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
   if (on_decision_) on_decision_(FromDecision(decision, session_.arms()));
   if (decision.command) pending_command_ = FromDecision(*decision.command);

@@ -22,7 +22,7 @@ class EmbeddedSession final : public SessionBase {
  private:
   Status Prepare(AdaptiveBroadPhase& adaptive) override;
   bool Step(bool stopping) override;
-  // At most a tenth of the scaled decision interval, so that decisions come on time.
+  // Returns at most a tenth of the scaled decision interval, so that decisions are made on time.
   std::chrono::milliseconds poll_interval() const override {
     const double tenth_ms = kDecisionIntervalMs / embedded_.time_scale / 10;
     return std::chrono::milliseconds(static_cast<int64_t>(std::clamp(tenth_ms, 1.0, 5.0)));

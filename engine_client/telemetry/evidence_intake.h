@@ -1,4 +1,4 @@
-// Step 7 on the sender thread: what is queued becomes messages of the session.
+// Step 7 on the sender thread: makes messages of the session from the content of the queue.
 #pragma once
 
 #include <cstdint>
@@ -29,15 +29,15 @@ class FrameBatcher {
   // The limits hold from the next frame on. The current batch may already exceed them.
   void SetLimits(const BatchLimits& limits) { limits_ = limits; }
 
-  // False: the current batch must be taken first, since it is full or the frame does not follow its
-  // last one.
+  // Returns false if the current batch must be taken first, since it is full or the frame does not
+  // follow its last one.
   bool Fits(const FrameSample& sample) const;
   // REQUIRES: Fits.
   void Add(const FrameSample& sample, uint64_t now_ns);
   // Sends the descriptor with the current batch, or the next one; the latest wins.
   void SetDescriptor(const SceneDescriptor& descriptor);
-  // Whether the current batch, or the next one, has room for another visit of the shadow lane: a
-  // batch holds up to kShadowMax, in at most half of its bytes.
+  // Returns whether the current batch, or the next one, has room for another visit of the shadow
+  // lane: a batch holds up to kShadowMax, in at most half of its bytes.
   bool TakesShadow() const;
   // REQUIRES: TakesShadow.
   void AddShadow(const ShadowSample& sample);
@@ -58,11 +58,11 @@ class FrameBatcher {
   uint64_t next_frame_index_ = 0;  // after the latest frame
 };
 
-// Takes what is queued, in order, and makes messages of it.
+// Takes the items of the queue in order and makes messages of them.
 //
 // Frames go through the batcher. Everything else first ends the current batch, so that the daemon
 // sees things in the order they happened. A frame over the bail-out limit ends its batch too and is
-// reported at once. What the shadow lane measured goes with the next batch. Not thread-safe; it is
+// reported at once. The shadow lane's samples are sent with the next batch. Not thread-safe; it is
 // the queue's consumer.
 class EvidenceIntake {
  public:

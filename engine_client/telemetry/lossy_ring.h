@@ -1,6 +1,6 @@
 // A bounded queue from one producer thread to one consumer thread that never makes the producer
-// wait: when it is full, it overwrites the oldest element, and the consumer learns how many it
-// lost.
+// wait: when it is full, it overwrites the oldest element, and the consumer learns the number of
+// lost elements.
 //
 // Each slot is a sequence lock made of atomics. Its version is 2i + 1 while the producer writes
 // element i, and 2i + 2 once the element is complete, so that the consumer discards what it read
@@ -68,12 +68,13 @@ class LossyRing {
   }
 
   uint64_t capacity() const { return mask_ + 1; }
-  // The number of elements pushed since the beginning.
+  // Returns the number of elements pushed since the beginning.
   uint64_t pushed_count() const noexcept { return head_.load(std::memory_order_acquire); }
-  // The number of elements popped or lost since the beginning, which is the index of the next one.
+  // Returns the number of elements popped or lost since the beginning, which is the index of the
+  // next one.
   uint64_t passed_count() const noexcept { return tail_.load(std::memory_order_relaxed); }
-  // The number of elements that were overwritten before they were popped, including those that the
-  // consumer has not skipped yet.
+  // Returns the number of elements that were overwritten before they were popped, including those
+  // that the consumer has not skipped yet.
   uint64_t lost_count() const noexcept {
     const uint64_t tail = passed_count();
     const uint64_t head = pushed_count();

@@ -57,7 +57,7 @@ class RecordReader {
     if (!(value >= 0 && value <= kIncrementMax)) Complain(key, "is not within 0 to 1e15");
   }
 
-  // After all fields were read.
+  // To be called after all fields were read.
   void RejectUnknown() {
     for (const auto& item : record_.items()) {
       if (!known_.contains(item.key())) return Complain(item.key(), "is not a field of a record");
@@ -104,7 +104,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   return reader.complaint();
 }
 
-// What makes two records the same evidence.
+// Returns the key; two records with the same key are the same evidence.
 auto KeyOf(const PriorRecord& record) {
   return std::tie(record.project, record.scene, record.context_bucket, record.arm,
                   record.backend_version, record.machine_class, record.reward_version,

@@ -1,5 +1,5 @@
-// The priors file that ships with a game: what `sweepstake priors export` writes and the embedded
-// decider reads.
+// The priors file that ships with a game: `sweepstake priors export` writes it, and the embedded
+// decider reads it.
 //
 // It is one JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A
 // record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent context_bucket or
@@ -22,7 +22,7 @@
 
 namespace sweepstake {
 
-// What one source (a session) has taught about one arm.
+// The evidence of one source (a session) about one arm.
 struct PriorRecord {
   std::string project;
   std::string scene;
@@ -39,13 +39,13 @@ struct PriorRecord {
   uint64_t bail_out_count = 0;
 };
 
-// Every record is checked. A repeated pair of key and source is an error, since it would count
-// twice.
+// Parses the text and checks every record. A repeated pair of key and source is an error, since it
+// would count twice.
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text);
 std::string FormatPriors(std::span<const PriorRecord> records);
 
 Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& path);
-// The file appears whole or not at all.
+// Writes the file, which appears whole or not at all.
 Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path);
 
 }  // namespace sweepstake

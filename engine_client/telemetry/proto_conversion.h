@@ -25,22 +25,25 @@ void ToProto(const FrameSample& sample, v1::FrameBatch& batch);
 // A refused outcome gets an error text.
 v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome);
 v1::StreamTelemetryRequest ToProto(const ModeNote& change);
-// The report of a frame over the bail-out limit.
+// Makes the report of a frame over the bail-out limit.
 v1::StreamTelemetryRequest BailOutToProto(const FrameSample& sample);
-// The answer to a command for an arm that this session does not have.
+// Makes the answer to a command for an arm that this session does not have.
 v1::StreamTelemetryRequest RefusalToProto(const v1::SwitchCommand& command, uint32_t active_arm,
                                           uint32_t switch_epoch);
 
-// Absent where the reason is unknown, which a daemon of this protocol version never sends.
+// The result is absent if the reason is unknown, which a daemon of this protocol version never
+// sends.
 std::optional<SwitchCommand> FromProto(const v1::SwitchCommand& message);
-// Absent where the verdict is of a later protocol, or a value is outside of its range.
+// The result is absent if the verdict is of a later protocol, or if a value is outside of its
+// range.
 std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size_t arm_count);
 
 v1::Mode ToProto(Mode mode);
 
-// Absent where a parameter of the posterior is not finite or not above 0.
+// The result is absent if a parameter of the posterior is not finite or not above 0.
 std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm);
-// Absent where the number of posteriors is not that of the arms, or one of them is not valid.
+// The result is absent if the number of posteriors is not that of the arms, or if one of them is
+// not valid.
 std::optional<std::vector<ArmBelief>> FromProto(
     const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors,
     std::span<const std::string> arms);

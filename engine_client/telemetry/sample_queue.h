@@ -30,12 +30,12 @@ using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, Mod
 
 class SampleQueue final : public FrameSink {
  public:
-  // The max number of notes. They outlast the frames, since a scene makes one descriptor per 128
-  // frames and few switches.
+  // The maximum number of notes. They outlast the frames, since a scene makes one descriptor per
+  // 128 frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kFrameCapacityMax = 1 << 20;
-  // The max number of visits: eight sweeps over 32 arms, which at the lane's min interval take two
-  // seconds.
+  // The maximum number of visits: eight sweeps over 32 arms, which take two seconds at the lane's
+  // minimum interval.
   static constexpr uint32_t kShadowCapacity = 256;
 
   // REQUIRES: frame_capacity is a power of two, 2 to kFrameCapacityMax.
@@ -48,7 +48,8 @@ class SampleQueue final : public FrameSink {
   void OnShadow(const ShadowSample& sample) noexcept override { shadows_.Push(sample); }
   void OnModeChange(const ModeNote& change) noexcept;
 
-  // Takes the next item, in the order they happened; absent: the queue is empty.
+  // Takes the next item in the order in which they happened; the result is absent if the queue is
+  // empty.
   std::optional<QueuedItem> Pop();
   // Takes the oldest visit of the shadow lane.
   std::optional<ShadowSample> PopShadow() { return shadows_.Pop(); }

@@ -1,5 +1,5 @@
-// What the session with a daemon and the embedded session share: the queue that the frame thread
-// fills, the sender thread that empties it, the order of start and stop, and the statistics.
+// The parts that the session with a daemon and the embedded session share: the queue that the frame
+// thread fills, the sender thread that empties it, the order of start and stop, and the statistics.
 //
 // Thread safety: OnModeChange and the sink belong to the frame thread, Prepare and Step to the
 // sender; Start, Stop and stats may be called on any thread.
@@ -18,7 +18,7 @@
 
 namespace sweepstake {
 
-// One thread that does a step at least every `interval`, sooner when woken.
+// One thread that does a step every `interval`, or sooner if it is woken.
 //
 // It polls because the frame thread must not make the system call that would wake it; Wake is for
 // other threads (a transport's callbacks, Stop). Thread safety: every method from any thread, Start
@@ -37,7 +37,7 @@ class PollingThread {
   void Start(std::chrono::milliseconds interval, Step step);
   void Wake();
   void RequestStop();
-  // Waits for the step that returns false. Idempotent; returns at once where Start was not called.
+  // Waits for the step that returns false. Idempotent; returns at once if Start was not called.
   void Join();
 
  private:
@@ -64,10 +64,11 @@ class SessionBase : public Session {
   // members.
   explicit SessionBase(uint32_t queue_frames) : queue_(queue_frames) {}
 
-  // Makes what Step needs, on the thread of Start, before the sender thread exists. An error makes
-  // Start fail; it may then be called again.
+  // Makes the objects that Step needs, on the thread of Start, before the sender thread exists. An
+  // error makes Start fail; it may then be called again.
   virtual Status Prepare(AdaptiveBroadPhase& adaptive) = 0;
-  // One step of the sender thread; false ends it. `stopping` is true once Stop was called.
+  // Does one step of the sender thread; the result false ends the thread. `stopping` is true once
+  // Stop was called.
   virtual bool Step(bool stopping) = 0;
   virtual std::chrono::milliseconds poll_interval() const = 0;
 

@@ -1,13 +1,13 @@
 // The protocol of one session (telemetry.proto) without network, clock or threads: the session's
-// identity, the numbers of its messages, what is to be sent next, and what survives a lost
-// connection.
+// identity, the numbers of its messages, the message to send next, and the state that survives a
+// lost connection.
 //
 //   disconnected → Connect (Hello) → connecting → OnWelcome → online → Disconnect → …
 //
-// Resuming: the daemon's welcome tells which messages are on disk. Everything later is sent again
+// Resuming: the daemon's welcome says which messages are on disk. Everything later is sent again
 // under the same numbers, in order. When the daemon no longer knows the session (NOT_FOUND, or a
-// welcome that does not resume), a new session begins: what is left was never durable, so it gets
-// new numbers from 1 and counts for the new session.
+// welcome that does not resume), a new session begins: the remaining messages were never durable,
+// so they get new numbers from 1 and count for the new session.
 //
 // Not thread-safe.
 #pragma once
@@ -42,22 +42,23 @@ class ResendBuffer {
   size_t size() const { return entries_.size(); }
   uint64_t last_sequence() const { return next_sequence_ - 1; }
 
-  // The first message not sent on this connection; null: none.
+  // Returns the first message not sent on this connection; null if there is none.
   const Entry* Next() const;
   // The message of Next is on its way. REQUIRES: Next() != nullptr.
   void MarkSent();
   // Begins a new connection: everything is to be sent again.
   void Rewind() { cursor_ = 0; }
 
-  // Messages up to `sequence` are on disk. A number that was never assigned is ignored.
+  // Removes the messages up to `sequence`, which are on disk. A number that was never assigned is
+  // ignored.
   void Acknowledge(uint64_t sequence);
-  // Begins a new session: the messages that are left get numbers from 1 on.
+  // Begins a new session: the remaining messages get numbers from 1 on.
   void Renumber();
   // Drops the messages sent on this connection, since the daemon refused one of them. Returns the
   // number of frames they held.
   uint64_t DiscardSent();
 
-  // The first frame batch; null: none.
+  // Returns the first frame batch; null if there is none.
   const v1::FrameBatch* FirstBatch() const;
 
  private:
@@ -101,13 +102,13 @@ class SessionState {
   void OnAcknowledgement(uint64_t sequence);
   bool online() const { return online_; }
 
-  // The next evidence to write; null: there is none, or the session is not online.
+  // Returns the next evidence to write; null if there is none or the session is not online.
   const v1::StreamTelemetryRequest* Next() const;
   // The message of Next is on its way. REQUIRES: Next() != nullptr.
   void MarkSent();
 
-  // The connection ended. `unknown_session`: it ended with NOT_FOUND. `refused`: it ended with
-  // INVALID_ARGUMENT, so that one of the messages sent on it would be refused again for ever.
+  // Notes that the connection has ended: with NOT_FOUND if `unknown_session`; with INVALID_ARGUMENT
+  // if `refused`, so that one of the messages sent on it would be refused forever.
   void Disconnect(bool unknown_session, bool refused);
 
   const std::string& session_id() const { return session_id_; }

@@ -11,7 +11,8 @@
 namespace sweepstake {
 namespace {
 
-// Bytes of the UTF-8 sequence that begins with `lead`; 0 for a byte that begins none.
+// Returns the length in bytes of the UTF-8 sequence that begins with `lead`; 0 if no sequence
+// begins with it.
 size_t SequenceLength(uint8_t lead) {
   if (lead < 0x80) return 1;
   if (lead >= 0xC2 && lead < 0xE0) return 2;
@@ -20,7 +21,7 @@ size_t SequenceLength(uint8_t lead) {
   return 0;
 }
 
-// Rejects overlong forms, surrogates, what lies beyond U+10FFFF, and control characters.
+// Returns false for overlong forms, surrogates, code points above U+10FFFF, and control characters.
 bool IsPrintable(uint32_t code_point, size_t length) {
   constexpr uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
   if (code_point < kMin[length] || code_point > 0x10FFFF) return false;
@@ -28,7 +29,7 @@ bool IsPrintable(uint32_t code_point, size_t length) {
   return code_point >= 0x20 && (code_point < 0x7F || code_point >= 0xA0);
 }
 
-// Consumes one printable character; false where there is none.
+// Consumes one printable character; returns false if there is none.
 bool TakeCharacter(std::string_view& text) {
   const auto lead = static_cast<uint8_t>(text.front());
   const size_t length = SequenceLength(lead);

@@ -1,4 +1,4 @@
-// Checks on what the caller gives: names, the address of a daemon, the options of a session. Pure
+// Checks of the caller's arguments: names, the address of a daemon, the options of a session. Pure
 // functions.
 #pragma once
 
@@ -12,8 +12,8 @@ namespace sweepstake {
 
 inline constexpr size_t kNameBytesMax = 128;
 
-// The rule for every name on the wire and in files: at most kNameBytesMax bytes of UTF-8 without
-// control characters. The empty name passes; where a name is required, the caller checks that.
+// Checks the rule for every name on the wire and in files: at most kNameBytesMax bytes of UTF-8
+// without control characters. The empty name passes; the caller checks whether a name is required.
 bool IsName(std::string_view text);
 
 // An address is HOST:PORT: a host name, an IPv4 address or an [IPv6 address], and a port of 1 to

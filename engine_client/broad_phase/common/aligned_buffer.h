@@ -49,7 +49,7 @@ class AlignedBuffer {
     capacity_ = grown;
   }
 
-  // The same for a count that fluctuates from frame to frame: growing reserves a quarter more,
+  // Does the same for a count that fluctuates from frame to frame: growing reserves a quarter more,
   // which avoids repeated allocation.
   void EnsureWithSpare(size_t count) {
     if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);

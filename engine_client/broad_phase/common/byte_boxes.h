@@ -61,10 +61,10 @@ class ByteBoxes {
   // Makes room for `count` boxes whose records are stored by slot; `swept` boxes have positions on
   // the sweep axis.
   void Resize(size_t count, bool swept);
-  // The same for swept boxes with borrowed records, which are stored by id and end with a
+  // Does the same for swept boxes with borrowed records, which are stored by id and end with a
   // kInvalidRecord.
   void ResizeFor(const BoxRecord* records, size_t count);
-  // The box of each slot. The caller writes count() ids before Fill.
+  // Returns the box of each slot. The caller writes count() ids before Fill.
   uint32_t* ids() { return ids_.data(); }
   // Fills the slots [begin, end) from `boxes`, or from the borrowed records. REQUIRES: begin, and
   // end unless it is the count, are multiples of kGranule.

@@ -19,7 +19,7 @@ inline constexpr size_t kRowsPerTile = 4;
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
 // AABB checks.
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
-// The same for swept slots: a tile is not compared with slots that begin after its boxes have
+// Does the same for swept slots: a tile is not compared with slots that begin after its boxes have
 // ended.
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
 

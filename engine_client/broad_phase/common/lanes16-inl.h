@@ -36,14 +36,14 @@ HWY_INLINE float MaxOf16(const float* values) {
   return hn::GetLane(hn::MaxOfLanes(d, max));
 }
 
-// The numbers first, first + 1 and so on. Iota with a number that is not constant is slow: it
-// writes the lanes one by one.
+// Returns the numbers first, first + 1 and so on. Iota with a number that is not constant is slow,
+// since it writes the lanes one by one.
 template <class DU>
 HWY_INLINE hn::Vec<DU> NumbersFrom(DU du, size_t first) {
   return hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(first)));
 }
 
-// Bit k is lane k.
+// Returns the mask as bits, of which bit k is lane k.
 HWY_INLINE uint32_t BitsOfMask(Lanes16 d, hn::Mask<Lanes16> mask) {
   uint8_t bits[8] = {};
   hn::StoreMaskBits(d, mask, bits);

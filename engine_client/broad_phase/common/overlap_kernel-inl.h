@@ -28,8 +28,8 @@ HWY_INLINE Aabb BoxAt(const BoxLanes& lanes, size_t slot) {
           {lanes.max[0][slot], lanes.max[1][slot], lanes.max[2][slot]}};
 }
 
-// The lanes set in both masks. On AVX-512 it is written as an integer "and" instead of the mask
-// intrinsic, since the compiler folds that into the comparison that made `b`.
+// Returns the lanes set in both masks. On AVX-512 it is written as an integer "and" instead of the
+// mask intrinsic, since the compiler folds that into the comparison that made `b`.
 template <class M>
 HWY_INLINE M Both(M a, M b) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
@@ -39,7 +39,7 @@ HWY_INLINE M Both(M a, M b) {
 #endif
 }
 
-// The lanes from slot `at` on that overlap `box`, whose axes are in the lanes' order. The
+// Returns the lanes from slot `at` on that overlap `box`, whose axes are in the lanes' order. The
 // comparisons form two chains, so that half of them do not wait for the other half.
 template <class D>
 HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t at) {
@@ -52,8 +52,8 @@ HWY_INLINE hn::Mask<D> Hits(D d, const Aabb& box, const BoxLanes& lanes, size_t 
   return hn::And(begins, ends);
 }
 
-// The boxes that a register holds (one vector per face) that overlap another box, whose faces are
-// `stride` floats apart.
+// Returns which of the boxes in registers (one vector per face) overlap another box, whose faces
+// are `stride` floats apart.
 template <size_t kStride, class D, class V>
 HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
                                 const float* min, const float* max) {
@@ -66,7 +66,7 @@ HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V m
   return hn::And(begins, ends);
 }
 
-// The lanes of slots from `first` on, where lane 0 is slot `at`.
+// Returns the lanes of slots from `first` on, where lane 0 is slot `at`.
 template <class D>
 HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
   return hn::Not(hn::FirstN(d, first > at ? first - at : 0));

@@ -18,7 +18,7 @@ class PairCursor {
   PairCursor(const PairCursor&) = delete;
   PairCursor& operator=(const PairCursor&) = delete;
 
-  // The place for the next `count` pairs. Throws std::bad_alloc.
+  // Returns the place for the next `count` pairs. Throws std::bad_alloc.
   OverlapPair* Room(size_t count) {
     if (used_ + count > room_) Claim(count);
     return at_ + used_;

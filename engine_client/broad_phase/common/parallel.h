@@ -54,7 +54,7 @@ inline PartRange RangeOfPart(size_t item_count, size_t part, size_t part_count, 
   return {border(part), part + 1 == part_count ? item_count : border(part + 1)};
 }
 
-// The number of parts: several per thread, so that uneven parts balance out, with at least
+// Returns the number of parts: several per thread, so that uneven parts balance out, with at least
 // `items_min` items each.
 inline size_t PartCount(const Executor* executor, size_t item_count, size_t items_min) {
   constexpr size_t kPartsPerThread = 8;

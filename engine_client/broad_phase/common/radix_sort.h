@@ -13,7 +13,8 @@
 
 namespace sweepstake {
 
-// An unsigned key in the order of the floats; −0 and +0 have the same key. REQUIRES: not NaN.
+// Returns an unsigned key in the order of the floats; −0 and +0 have the same key. REQUIRES:
+// `value` is not NaN.
 inline uint32_t SortableKey(float value) {
   const uint32_t bits = std::bit_cast<uint32_t>(value + 0.0F);  // −0 + 0 = +0
   return bits ^ ((bits >> 31) != 0 ? 0xFFFFFFFFU : 0x80000000U);
@@ -26,7 +27,7 @@ constexpr uint64_t PackSortItem(uint32_t key, uint32_t payload) {
 }
 constexpr uint32_t SortItemKey(uint64_t item) { return static_cast<uint32_t>(item >> 32); }
 constexpr uint32_t SortItemPayload(uint64_t item) { return static_cast<uint32_t>(item); }
-// The 33 bits that define the order.
+// Returns the 33 bits that define the order.
 constexpr uint64_t SortItemRank(uint64_t item) { return item >> 31; }
 
 class RadixSort {

@@ -29,7 +29,7 @@ class SoaBoxes {
   // not even another sentinel.
   static constexpr size_t kPadding = 64;
 
-  // In both, a box that is not valid (aabb.h) becomes a sentinel and keeps its slot and id.
+  // In both functions, an invalid box (aabb.h) becomes a sentinel and keeps its slot and id.
   //
   // Puts boxes[k] with id k in slot k.
   void Gather(std::span<const Aabb> boxes);

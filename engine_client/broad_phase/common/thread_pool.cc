@@ -89,8 +89,8 @@ class ThreadPool final : public Executor {
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  // Claims a part and runs it; false if there is none. The job's fields are read only after a part
-  // is claimed: they do not change until that part is done.
+  // Claims a part and runs it; returns false if there is none. The job's fields are read only after
+  // a part is claimed: they do not change until that part is done.
   bool RunOne(End end) noexcept {
     const uint64_t step = end == End::kFront ? kLast + 1 : uint64_t{0} - 1;
     uint64_t job = job_.load(std::memory_order_acquire);

@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The lanes whose box is valid on one axis. NaN fails every comparison; infinities fail the first
-// two.
+// Returns the lanes whose box is valid on one axis. NaN fails every comparison; infinities fail the
+// first two.
 template <class D>
 HWY_INLINE hn::Mask<D> IsValidOnAxis(D d, const float* min, const float* max) {
   const auto low = hn::LoadU(d, min);

@@ -47,7 +47,7 @@ class DbvtMargins {
   // and outdated boxes, and the next call must be Start.
   bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks);
 
-  // As BroadPhase::FindPairs; returns the AABB checks.
+  // Does the same as BroadPhase::FindPairs; returns the AABB checks.
   uint64_t FindPairs(Executor* executor, PairParts& parts, PairBuffer& out);
 
   size_t native_bytes() const;

@@ -78,7 +78,7 @@ class DbvtTree {
   void Insert(uint32_t object, const Aabb& box);
   // REQUIRES: the object is in the tree.
   void Remove(uint32_t object);
-  // Gives the object another box, and another leaf where the box would stretch its leaf beyond its
+  // Gives the object another box, and another leaf if the box would stretch its leaf beyond its
   // reach. REQUIRES: the object is in the tree.
   void Move(uint32_t object, const Aabb& box);
 
@@ -103,11 +103,11 @@ class DbvtTree {
 
   bool Contains(uint32_t object) const { return slots_[object] != kNone; }
   size_t object_count() const { return object_count_; }
-  // Always an inner node; it has no entries when the tree is empty.
+  // The root is always an inner node; it has no entries if the tree is empty.
   uint32_t root() const { return root_; }
   const DbvtNode* nodes() const { return nodes_.data(); }
   const DbvtLink* links() const { return links_.data(); }
-  // The lowest inner nodes, depth first.
+  // Returns the lowest inner nodes, depth first.
   std::span<const uint32_t> Groups();
   size_t native_bytes() const;
 

@@ -88,7 +88,8 @@ HWY_INLINE void ForEachRegister(D d, std::span<const Aabb> boxes, const Action& 
   action(last, at);
 }
 
-// The cell numbers of half coordinates on one axis; those of invalid boxes are arbitrary cells.
+// Returns the cell numbers of half coordinates on one axis; those of invalid boxes are arbitrary
+// cells.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, size_t axis,
                                                   hn::Vec<D> halved) {
@@ -99,7 +100,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellsAt(D d, const GroupGrid& grid, si
   return hn::ConvertTo(di, hn::Min(hn::Max(cell, hn::Zero(d)), last));
 }
 
-// The class of half a side on one axis, shifted to the bits of this axis.
+// Returns the class of half a side on one axis, shifted to the bits of this axis.
 template <class D>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, int axis,
                                                         hn::Vec<D> side) {
@@ -113,7 +114,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOnAxis(D d, float threshold, in
   return classes;
 }
 
-// The class of shape of each box, from half its sides.
+// Returns the class of shape of each box, given half its sides.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOfSides(D d, const ShapeClasses& classes, V x, V y,
                                                          V z) {
@@ -122,7 +123,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> ClassesOfSides(D d, const ShapeClasses
       hn::Or(ClassesOnAxis(d, classes.threshold, 1, y), ClassesOnAxis(d, classes.threshold, 2, z)));
 }
 
-// The cell of each min corner.
+// Returns the cell of each min corner.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellOfCorner(D d, const GroupGrid& grid, V x, V y, V z) {
   const hn::RebindToSigned<D> di;
@@ -134,7 +135,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellOfCorner(D d, const GroupGrid& gri
   return hn::Add(in_grid, hn::Set(di, static_cast<int32_t>(grid.first_cell)));
 }
 
-// The same in the grid of the box's group.
+// Does the same in the grid of the box's group.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellInGroup(D d, std::span<const GroupGrid> grids,
                                                       hn::Vec<hn::RebindToSigned<D>> groups, V x,

@@ -52,7 +52,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
     auto max_y = x;
     auto max_z = x;
     const auto valid = LoadHalved(d, from, x, y, z, max_x, max_y, max_z);
-    // The bounds of the min corners.
+    // Extends the bounds of the min corners.
     low_x = hn::Min(low_x, hn::IfThenElse(valid, x, limit));
     low_y = hn::Min(low_y, hn::IfThenElse(valid, y, limit));
     low_z = hn::Min(low_z, hn::IfThenElse(valid, z, limit));

@@ -14,7 +14,7 @@ constexpr size_t kPartCountMax = 8;
 constexpr size_t kBoxesPerPartMin = 4096;
 // The interval in frames at which the plan checks whether the scene's density has changed.
 constexpr uint32_t kFramesPerDensityCheck = 32;
-// Large enough to estimate the outer tenths of a distribution.
+// The sample is large enough to estimate the outer tenths of a distribution.
 constexpr size_t kCornerSample = 64;
 // Half the maximum side of the first class, in mean distances between boxes.
 constexpr double kThresholdSpacings = 0.75;
@@ -43,7 +43,8 @@ CornerBounds CornersOf(const GridMeasure& measure) {
   return bounds;
 }
 
-// The bounds without the outer tenths of a sample, widened by half their extent, within `all`.
+// Returns the bounds without the outer tenths of a sample, widened by half their extent, within
+// `all`.
 CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all) {
   CornerBounds bounds = all;
   const size_t stride = boxes.size() / kCornerSample + 1;
@@ -66,7 +67,7 @@ CornerBounds TypicalCorners(std::span<const Aabb> boxes, const CornerBounds& all
   return bounds;
 }
 
-// Half the maximum side of the first class, so that a cell would hold a few boxes.
+// Returns half the maximum side of the first class, chosen so that a cell would hold a few boxes.
 float SuitableThreshold(const CornerBounds& bounds, const GridMeasure& measure) {
   double volume = 1;
   float max_side[3] = {};
@@ -107,8 +108,8 @@ void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes) {
   LayOut(boxes, measure);
 }
 
-// Every kFramesPerDensityCheck frames: takes another threshold if the density has changed, and
-// returns whether it did.
+// Takes another threshold if the density has changed, which it checks every kFramesPerDensityCheck
+// frames. Returns whether it did.
 bool GridPlan::UpdateClasses(std::span<const Aabb> boxes, const GridMeasure& measure) {
   if (measure.count() == 0 || frame_++ % kFramesPerDensityCheck != 0) return false;
   const float wanted = SuitableThreshold(TypicalCorners(boxes, CornersOf(measure)), measure);

@@ -28,7 +28,7 @@ struct RangeList {
 // One register more than a batch.
 constexpr size_t kBatchRoom = GridView::kBatch + HWY_MAX_BYTES / sizeof(float);
 
-// If the cells are at least as large as the boxes, a box finds its partners in the later boxes of
+// If the cells are as large as the boxes or larger, a box finds its partners in the later boxes of
 // its own row and in four rows of cells behind it. Each row is given by its first cell and the one
 // behind its last; they are equal if the box does not reach the row.
 struct BatchRows {
@@ -38,8 +38,8 @@ struct BatchRows {
   int32_t behind[kCount][kBatchRoom];
 };
 
-// Otherwise it searches a block of cells, given along the rows (x) and, relative to the min
-// corner's cell, across them (y, z).
+// If the cells are smaller, a box searches a block of cells, given along the rows (x) and, relative
+// to the min corner's cell, across them (y, z).
 struct BatchBlocks {
   int32_t row[kBatchRoom];  // first cell of the row that holds the min corner
   int32_t first_x[kBatchRoom];
@@ -109,7 +109,8 @@ HWY_INLINE void StoreRow(D di, V first, V behind, V offset, size_t row, size_t k
   hn::StoreU(behind, di, rows.behind[row] + k);
 }
 
-// Fills `rows` for the slots [begin, end). False if a box is longer than a cell across the rows.
+// Fills `rows` for the slots [begin, end). Returns false if a box is longer than a cell across the
+// rows.
 bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t end,
               BatchRows& rows) {
   const HWY_FULL(float) d;
@@ -143,7 +144,7 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
-    // The four rows behind. Reaches are 0 or 1; with any other the result is not used.
+    // Stores the four rows behind. Reaches are 0 or 1; with any other value the result is not used.
     StoreRow(di, first, behind, hn::Mul(up, y_stride), 1, k, rows);
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, down), hn::Sub(z_stride, y_stride)), 2, k,
              rows);
@@ -154,7 +155,8 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
   return hn::AllFalse(di, hn::Gt(reach_max, one));
 }
 
-// StoreHits for few hits: the second half of a register of pairs is seldom needed.
+// Does the same as StoreHits, for few hits: the second half of a register of pairs is rarely
+// needed.
 template <class D>
 HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                                OverlapPair* out) {
@@ -181,8 +183,8 @@ HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_
 #endif
 }
 
-// The lanes from slot `at` on that overlap `box`. The columns lie one stride apart, so that two
-// registers address all six; six pointers would leave no registers for the box.
+// Returns the lanes from slot `at` on that overlap `box`. The columns lie one stride apart, so that
+// two registers address all six; six pointers would leave no registers for the box.
 template <class D>
 HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns, size_t stride,
                                      size_t at) {

@@ -56,7 +56,7 @@ class GridSort {
   void Sort(Executor* executor, std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
             const GroupChoice& choice);
 
-  // The boxes in the order of the cells, then the invalid ones, then padding.
+  // Returns the boxes in the order of the cells, then the invalid ones, then padding.
   BoxLanes lanes() const { return columns_.lanes(); }
   // starts()[c] is the first slot of cell c; the last element is the number of slots.
   const uint32_t* starts() const { return starts_.data(); }

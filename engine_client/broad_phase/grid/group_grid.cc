@@ -52,9 +52,9 @@ Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double cou
   return Divide(bounds, shape, std::exp2(high));
 }
 
-// The rows run along the shortest side, where a long box crosses the most cells. Needles have two
-// short sides; the choice between them makes one of two groups of needles lie along the rows of the
-// other.
+// Returns the axis of the shortest side, along which a long box crosses the maximum number of
+// cells. Needles have two short sides; the choice between them makes one of two groups of needles
+// lie along the rows of the other.
 int ChooseRowAxis(const double (&side)[3]) {
   const int shortest = static_cast<int>(std::min_element(side, side + 3) - side);
   const int longest = static_cast<int>(std::max_element(side, side + 3) - side);

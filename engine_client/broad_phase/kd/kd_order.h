@@ -1,5 +1,5 @@
-// An order of boxes in which neighbours in space stand together: recursive splits at the median of
-// the axis on which the centers are spread widest, measured in mean extents of the boxes.
+// An order of boxes that keeps neighbours in space together: recursive splits at the median of the
+// axis on which the centers are spread widest, measured in mean extents of the boxes.
 //
 // Boxes much larger than the room that sixteen boxes have are ordered among themselves, behind the
 // others, in classes by size and by the axes on which they are long (kd_centers.h): any of them

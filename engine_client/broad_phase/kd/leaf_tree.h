@@ -52,7 +52,7 @@ class LeafTree {
   // What a search reads; valid until the next Refit. Level 0 is the boxes: box k of leaf j is at j
   // * LeafBlock::kStride + k. Level 1 is the bounds of the leaves, and node k of each level above
   // bounds the nodes [16 k, 16 k + 16) of the one below. The level `top` has at most 16 nodes; it
-  // is 0 where there are no boxes. Behind the last node of a level stand sentinels.
+  // is 0 if there are no boxes. Behind the last node of a level there are sentinels.
   struct View {
     const LeafBlock* leaves = nullptr;
     std::array<BoxLanes, kMaxLevels + 1> levels{};
@@ -67,7 +67,7 @@ class LeafTree {
 
   const View& view() const { return view_; }
   std::span<const LeafBlock> leaves() const { return {leaves_.data(), leaf_count_}; }
-  // A block is 16 leaves, 256 slots: the unit of a search.
+  // Returns the number of blocks. A block is 16 leaves (256 slots), the unit of a search.
   size_t block_count() const { return (leaf_count_ + kWidth - 1) / kWidth; }
 
   // Appends every overlapping pair of which the earlier box is in the blocks [begin, end); returns

@@ -3,9 +3,9 @@
 // Update refits the tree. It makes a new order when more than an eighth of the leaves have grown to
 // twice their size, or when searches have lost more checks to the old order than a new one costs.
 //
-// Thread safety: const calls may run side by side; Update stands alone. Owns its memory. Units: the
-// boxes'. Cost: Update O(n), with a new order O(n log n). Memory: 70 bytes per box. Errors:
-// std::bad_alloc from Update, which must then be called again.
+// Thread safety: const calls may run at the same time, but not beside Update. Owns its memory.
+// Units: the boxes'. Cost: Update O(n), with a new order O(n log n). Memory: 70 bytes per box.
+// Errors: std::bad_alloc from Update, which must then be called again.
 #pragma once
 
 #include <cstddef>

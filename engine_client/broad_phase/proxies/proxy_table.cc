@@ -26,7 +26,7 @@ class Owners {
     return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
             {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
   }
-  // Whether a pair of both frames has other owners now.
+  // Returns whether a pair of both frames has other owners now.
   bool Changed(const OverlapPair& pair) const {
     return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
                         TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));

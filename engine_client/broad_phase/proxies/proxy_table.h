@@ -1,7 +1,7 @@
 // The proxies of one kind, moving or static, and the events of their pairs.
 //
 // A proxy has a place that does not change while it lives. A place is used again after its proxy
-// was removed; its generation counts adds and removes, and so tells the owners apart.
+// was removed; its generation counts adds and removes and so distinguishes the owners.
 //
 // Not thread-safe. Owns its memory. Cost: O(1) per call unless its comment says otherwise. Memory:
 // 56 bytes per place. Errors: std::bad_alloc from Add, which then changes nothing.
@@ -37,7 +37,7 @@ class ProxyTable {
   void SetUser(uint32_t place, uint64_t user) { users_[place] = user; }
 
   uint64_t user(uint32_t place) const { return users_[place]; }
-  // Returns 0 where the place is free or does not exist.
+  // Returns 0 if the place is free or does not exist.
   uint32_t generation(uint32_t place) const {
     return place < generations_.size() && IsOdd(generations_[place]) ? generations_[place] : 0;
   }
@@ -46,10 +46,10 @@ class ProxyTable {
   std::span<const Aabb> boxes() const { return boxes_; }
   std::span<const CollisionFilter> filters() const { return filters_; }
   size_t count() const { return boxes_.size() - free_.size(); }
-  // Whether every proxy has the default filter.
+  // Returns whether every proxy has the default filter.
   bool all_pass() const { return filtered_count_ == 0; }
 
-  // Whether a box has changed since MarkUnchanged.
+  // Returns whether a box has changed since MarkUnchanged.
   bool changed() const { return changed_; }
   void MarkUnchanged() { changed_ = false; }
 

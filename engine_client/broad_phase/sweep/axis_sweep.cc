@@ -25,9 +25,9 @@ constexpr size_t kPassesPerFace = 8;
 // Size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// The number of passings up to which a repair is cheaper than a sweep. On AMD Zen 5 (`sweepstake
-// bench`) a passing takes about 5 ns, a new sort with filling the lanes 30 ns per box, and 64 lanes
-// of a sweep 1 ns.
+// Returns the number of passings up to which a repair is cheaper than a sweep. On AMD Zen 5
+// (`sweepstake bench`) a passing takes about 5 ns, a new sort with filling the lanes 30 ns per box,
+// and 64 lanes of a sweep 1 ns.
 double PassBudget(uint64_t sweep_checks, size_t box_count) {
   return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
 }
@@ -145,7 +145,7 @@ void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
   records_[count_] = kInvalidRecord;
 }
 
-// Adds or removes faces if the count has changed. False if a new sort is cheaper.
+// Adds or removes faces if the count has changed. Returns false if a new sort is cheaper.
 bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   const size_t before = count_;
   count_ = boxes.size();
@@ -163,7 +163,7 @@ bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   return true;
 }
 
-// The expected number of passings of a repair, estimated from the motion of a few boxes.
+// Returns the expected number of passings of a repair, estimated from the motion of a few boxes.
 double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
   if (count_ == 0) return 0;
   const size_t stride = count_ / kMotionSample + 1;
@@ -184,8 +184,8 @@ double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
 
 // Updates orders and pairs axis by axis. Between two axes the records are a mixture of two frames,
 // for which orders and pairs are correct too: a pair that has begun or ended since the last frame
-// has done so by a passing on some axis while it overlapped on the other two. False if the budget
-// is exceeded; orders and pairs are then undefined.
+// has done so by a passing on some axis while it overlapped on the other two. Returns false if the
+// budget is exceeded; orders and pairs are then undefined.
 bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   CollectMoved(boxes);
   const bool exact = axes_[0].is_exact() && axes_[1].is_exact() && axes_[2].is_exact();
@@ -228,7 +228,7 @@ bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& bud
   });
 }
 
-// Four faces share a step on average: counting finer steps costs more than they save.
+// Returns steps that four faces share on average: counting finer steps costs more than they save.
 SweepAxis AxisSweep::StepsOn(size_t axis) const {
   const auto steps = static_cast<float>(std::clamp<size_t>(count_ / 2, 64, 65536));
   return {false, range_.low[axis], steps / range_.width(static_cast<int>(axis)), steps - 1};

@@ -18,7 +18,8 @@ constexpr size_t kSortedPerPartMin = 16384;
 // If more boxes than this share a step, on average over boxes, an exact sort pays: a sweep compares
 // one more register for each 64 of them.
 constexpr uint64_t kSharedStepMax = 64;
-// On average. Counting finer steps costs more than they save, since a box covers dozens of them.
+// The mean number of boxes per step. Counting finer steps costs more than they save, since a box
+// covers dozens of them.
 constexpr size_t kBoxesPerStep = 8;
 
 class Sap final : public BroadPhase {
@@ -90,7 +91,7 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
   });
 }
 
-// Turns the counts into first slots. False if too many boxes share a step.
+// Turns the counts into first slots. Returns false if too many boxes share a step.
 bool Sap::CountSlots() {
   uint64_t neighbours = 0;
   uint32_t sum = 0;
@@ -103,7 +104,8 @@ bool Sap::CountSlots() {
   return neighbours <= kSharedStepMax * boxes_.count();
 }
 
-// The boxes of a step are in the order of their ids, whatever the number of parts.
+// Sorts the boxes by steps. Those of a step are in the order of their ids, whatever the number of
+// parts.
 void Sap::SortBySteps() {
   RunParts(executor_, part_count_, [&](size_t part) {
     uint32_t* const starts = starts_.data() + part * step_count();

@@ -33,7 +33,7 @@ void SortedEndpoints::Sort(std::span<const BoxRecord> records, const SweepAxis& 
   std::transform(room.items.data(), room.items.data() + count_, endpoints_.data(), SortItemPayload);
 }
 
-// False if too many faces share a step.
+// Sorts the faces by steps. Returns false if too many faces share a step.
 bool SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
                                   EndpointRoom& room) {
   const SweepAxis step = steps;  // a copy that no store can alias

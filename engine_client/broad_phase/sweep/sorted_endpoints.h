@@ -69,7 +69,7 @@ class SortedEndpoints {
   // order of their ids, which a sweep by steps allows and Repair corrects. If many faces share a
   // step, they are sorted exactly in three passes.
   void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
-  // Whether the faces are sorted exactly, and not only by steps.
+  // Returns whether the faces are sorted exactly, and not only by steps.
   bool is_exact() const { return is_exact_; }
   // Inserts the faces of the boxes from `first` on, which should be few: the position of each is
   // searched, the other faces are moved as blocks. The order is as exact as before.
@@ -86,7 +86,7 @@ class SortedEndpoints {
               size_t& budget, OnPass&& on_pass);
 
   std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
-  // Faces per unit of length in the range of the middle half of them.
+  // Returns the number of faces per unit of length in the range of their middle half.
   double Density(std::span<const BoxRecord> records) const;
   size_t native_bytes() const { return endpoints_.capacity_bytes(); }
 
@@ -95,7 +95,7 @@ class SortedEndpoints {
     const BoxRecord& record = records[EndpointOwner(endpoint)];
     return IsUpperFace(endpoint) ? record.max[axis_] : record.min[axis_];
   }
-  // A number that orders the faces.
+  // Returns a number that orders the faces.
   uint64_t Rank(std::span<const BoxRecord> records, Endpoint endpoint) const {
     return SortItemRank(PackSortItem(SortableKey(Coordinate(records, endpoint)), endpoint));
   }

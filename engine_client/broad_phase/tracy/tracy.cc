@@ -24,7 +24,7 @@ constexpr uint32_t kFramesPerTrial = 64;
 // boxes.
 constexpr size_t kBoxesPerLongOne = 64;
 constexpr size_t kLongMin = 16;
-// Little moves if fewer than one in this number of boxes changes its list.
+// The scene counts as nearly at rest if fewer than one in this number of boxes changes its list.
 constexpr size_t kBoxesPerCrossing = 128;
 // A margin is a cell divided by this: wide enough to hold slow boxes for many frames, and narrow
 // enough to add few pairs.
@@ -103,7 +103,7 @@ void Tracy::Update(std::span<const Aabb> boxes) {
   }
 }
 
-// False if the margins no longer hold.
+// Follows the boxes at rest. Returns false if the margins no longer hold.
 bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_)) return true;

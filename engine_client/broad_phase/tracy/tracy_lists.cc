@@ -21,8 +21,8 @@ constexpr size_t kShiftsPerItem = 8;
 // The prefetch distance in items: large enough to hide the latency of main memory.
 constexpr size_t kPrefetchDistance = 16;
 
-// An insertion sort, since the list was sorted in the last frame; std::sort once it takes too many
-// shifts.
+// Sorts by insertion, since the list was sorted in the last frame, and by std::sort if that takes
+// too many shifts.
 void SortItems(uint64_t* items, size_t count) {
   size_t shifts = 0;
   for (size_t i = 1; i < count; ++i) {

@@ -33,7 +33,7 @@ class TracyLists {
 
   // Makes boxes that are enlarged by `margin` on each side fit their grids.
   void SetMargin(float margin);
-  // The minimum side of the cells across the rows.
+  // Returns the minimum side of the cells across the rows.
   float narrowest_cell() const;
 
   GridView View() const {
@@ -48,11 +48,11 @@ class TracyLists {
   // number of AABB checks. REQUIRES: at most as many ids as Update left room for.
   uint64_t SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids, PairBuffer& out);
 
-  // The number of boxes in the lists.
+  // Returns the number of boxes in the lists.
   size_t size() const { return size_; }
-  // The number of boxes that are too long for the grid of their group.
+  // Returns the number of boxes that are too long for the grid of their group.
   size_t long_count() const { return size_ - first_slots_[grids_.long_row()]; }
-  // The number of boxes that the latest Update moved to another list.
+  // Returns the number of boxes that the latest Update moved to another list.
   size_t moved_count() const { return moved_count_; }
   size_t native_bytes() const;
 

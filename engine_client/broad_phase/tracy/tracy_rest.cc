@@ -79,7 +79,7 @@ constexpr size_t kLooseMin = 8;
 constexpr size_t kPairsPerPartMin = 4096;
 constexpr size_t kSlotsPerPartMin = 1024;
 
-// Overlap without its checks. REQUIRES: both boxes are valid.
+// Does the same as Overlap without its checks. REQUIRES: both boxes are valid.
 bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   bool overlap = true;
   for (int axis = 0; axis < 3; ++axis) {

@@ -26,9 +26,9 @@ class TracyRest {
  public:
   // Encloses the boxes in margins and updates `lists` to these. Returns the number of AABB checks.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists);
-  // Processes the boxes of the next frame and adds its AABB checks to `checks`. False if too many
-  // boxes are loose or their number has changed; `lists` then needs an Update. REQUIRES: the last
-  // call was Start or a Step that returned true, with the same lists.
+  // Processes the boxes of the next frame and adds its AABB checks to `checks`. Returns false if
+  // too many boxes are loose or their number has changed; `lists` then needs an Update. REQUIRES:
+  // the last call was Start or a Step that returned true, with the same lists.
   bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks);
   // Appends the overlapping pairs of the latest boxes.
   void Append(PairBuffer& out) const;

@@ -12,7 +12,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 
-// The row of each box in one grid, or `long_row` if the box does not fit its cells.
+// Returns the row of each box in one grid, or `long_row` if the box does not fit its cells.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> RowOfBox(D d, const GroupGrid& grid, int32_t long_row,
                                                    V x, V y, V z, V side_x, V side_y, V side_z) {
@@ -24,7 +24,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> RowOfBox(D d, const GroupGrid& grid, i
                         hn::Set(di, long_row));
 }
 
-// FindMovedRows, a register of boxes at a time.
+// Does the work of FindMovedRows, a register of boxes at a time.
 size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* kept,
              uint32_t* moved, uint32_t* new_rows) {
   const HWY_FULL(float) d;
@@ -45,7 +45,7 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
     const auto side_x = hn::Sub(max_x, x);
     const auto side_y = hn::Sub(max_y, y);
     const auto side_z = hn::Sub(max_z, z);
-    // The row in the grid of the box's group.
+    // Selects the row in the grid of the box's group.
     auto row = hn::Zero(di);
     if (grids.size() == 1) {
       row = RowOfBox(d, grids[0], long_row, x, y, z, side_x, side_y, side_z);

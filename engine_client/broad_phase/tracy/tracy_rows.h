@@ -31,7 +31,7 @@ struct RowGrids {
   explicit RowGrids(const GridPlan& plan);
 
   uint32_t row_count() const { return long_row() + 1; }
-  // The row of the long boxes.
+  // Returns the row of the long boxes.
   uint32_t long_row() const { return row_grids[group_count - 1].first_cell; }
   std::span<const GroupGrid> ordinary_row_grids() const {
     return {row_grids.data(), group_count - 1};
