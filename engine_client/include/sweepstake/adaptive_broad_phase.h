@@ -34,7 +34,7 @@
 
 namespace sweepstake {
 
-// Receives what the frame path produces. All calls but OnShadow are made on the frame thread, where
+// Receives the frame path's results. All calls but OnShadow are made on the frame thread, where
 // implementations must not wait, lock or allocate.
 class FrameSink {
  public:
@@ -66,7 +66,7 @@ class Clock {
   virtual uint64_t NowNs() noexcept = 0;
 };
 
-// std::chrono::steady_clock.
+// Returns std::chrono::steady_clock as a Clock.
 Clock& SteadyClock();
 
 struct AdaptiveOptions {
@@ -77,7 +77,8 @@ struct AdaptiveOptions {
   // A longer frame is a bail-out (paper §4); > 0. The daemon's welcome message replaces it. An
   // embedded decider keeps it and treats every frame that is flagged as over it as a bail-out.
   uint64_t bail_out_ns = 5'000'000'000;
-  // Only for the measured settling cost; the daemon's welcome message replaces it.
+  // The settling time, used only to measure the settling cost; the daemon's welcome message
+  // replaces it.
   uint64_t settling_ns = 2'000'000'000;
   // Runs the parts of large searches (executor.h); borrowed, must outlive the object. Null: the
   // frame thread does all work.
@@ -114,15 +115,15 @@ class AdaptiveBroadPhase {
   // Chooses an arm manually; executed at the next BeginFrame. The mode stays as it is. kNotFound
   // lists the arms.
   Status SelectArm(std::string_view arm);
-  // In kManual, commands from the mailbox with any other reason than kManual are refused, and the
-  // guard does not switch.
+  // Sets the mode. In kManual, commands from the mailbox with any other reason than kManual are
+  // refused, and the guard does not switch.
   void SetMode(Mode mode);
 
   // Says whether a decider is present to answer a bail-out. Without one the guard switches: to the
   // arm with the highest posterior mean of the latest snapshot, or to the next arm in order if
   // there is no snapshot. Any thread.
   void SetDeciderPresent(bool present);
-  // The posterior means for that case, in the order of arms. Any thread; the latest call wins.
+  // Sets the posterior means for that case, in the order of arms. Any thread; the latest call wins.
   void SetPosteriorMeans(std::span<const double> means);
   // Sets the settling time from the decider's welcome message. Any thread.
   void SetSettling(uint64_t settling_ns);
@@ -131,7 +132,7 @@ class AdaptiveBroadPhase {
 
   // Sets the decider's verdict about the scene. Any thread; the latest call wins.
   void SetVerdict(const SceneVerdict& verdict);
-  // That verdict; kUnknown before the first. Any thread; lock-free.
+  // Returns that verdict; kUnknown before the first. Any thread; lock-free.
   SceneVerdict verdict() const;
 
   SwitchMailbox& mailbox();
@@ -139,15 +140,15 @@ class AdaptiveBroadPhase {
   Mode mode() const;
   uint32_t active_arm() const;
   uint32_t switch_epoch() const;
-  // The reason of the latest executed switch; kPolicy before the first. Frame thread.
+  // Returns the reason of the latest executed switch; kPolicy before the first. Frame thread.
   SwitchReason last_switch_reason() const;
   // Does not change after Create.
   std::span<const std::string> arms() const;
-  // The version of each arm's backend, in the order of arms.
+  // Returns the version of each arm's backend, in the order of arms.
   std::span<const uint32_t> arm_versions() const;
-  // The sample of the last EndFrame.
+  // Returns the sample of the last EndFrame.
   const FrameSample& last_sample() const;
-  // The shadow lane's state and counters. Any thread.
+  // Returns the shadow lane's state and counters. Any thread.
   ShadowStats shadow_stats() const;
 
  private:

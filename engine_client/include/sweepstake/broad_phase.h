@@ -4,7 +4,7 @@
 // time and discards all state. The boxes are read during the call only, and the id of an object is
 // its index in the span. Thread safety: one thread at a time per object; distinct objects are
 // independent, unless they share an Executor. Units: world units of the caller. Memory is kept for
-// reuse until destruction. Errors: when memory is out, a call throws std::bad_alloc, and the next
+// reuse until destruction. Errors: if memory runs out, a call throws std::bad_alloc, and the next
 // call must be Build.
 #pragma once
 
@@ -25,11 +25,11 @@ class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
 
-  // The family's name as in BroadPhaseNames().
+  // Returns the family's name as in BroadPhaseNames().
   virtual std::string_view name() const = 0;
 
-  // Is raised whenever a change could alter the backend's cost: what has been learnt about one
-  // version is kept apart from the others.
+  // Returns the version, which is incremented by every change that could alter the backend's cost.
+  // Evidence about one version is kept apart from that about others.
   virtual uint32_t version() const = 0;
 
   // Discards all state and takes these boxes: 0 to 2^31 − 1.
@@ -44,15 +44,16 @@ class BroadPhase {
   // threads. May be called once per Build or Update.
   virtual void FindPairs(PairBuffer& out) = 0;
 
-  // How many AABB–AABB checks the latest Build or Update and FindPairs made. One lane of a vector
-  // comparison is one check, and the bounds of nodes count as AABBs.
+  // Returns the number of AABB–AABB checks of the latest Build or Update and FindPairs. One lane of
+  // a vector comparison is one check, and the bounds of nodes count as AABBs.
   virtual uint64_t aabb_check_count() const = 0;
 
-  // The capacity of the backend's own buffers in bytes, whether it is used or not.
+  // Returns the capacity of the backend's own buffers in bytes, whether it is used or not.
   virtual size_t native_bytes() const = 0;
 };
 
-// The seven families in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy, KDTree.
+// Returns the seven families in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy,
+// KDTree.
 std::span<const std::string_view> BroadPhaseNames();
 
 struct BroadPhaseOptions {

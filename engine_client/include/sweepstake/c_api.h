@@ -12,9 +12,9 @@
  * Units: lengths are in world units of the caller, times in nanoseconds, text is UTF-8 and ends
  * with NUL. Truth values are uint32_t, 0 or 1.
  *
- * Errors: functions return a swp_result. Where it is not SWP_OK, swp_last_error() says what to do.
- * NULL where a pointer is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its outputs
- * as they were, unless its comment says otherwise. No exception leaves the library.
+ * Errors: functions return a swp_result. If it is not SWP_OK, swp_last_error() says what to do.
+ * NULL for a pointer that is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its
+ * outputs as they were, unless its comment says otherwise. No exception leaves the library.
  */
 #ifndef SWEEPSTAKE_C_API_H_
 #define SWEEPSTAKE_C_API_H_
@@ -54,8 +54,8 @@ enum {
   SWP_INTERNAL = 7             /* a bug of the library */
 };
 
-/* One line about the latest failed call on this thread, "" where none failed. It is valid until the
- * next failure on this thread. */
+/* One line about the latest failed call on this thread, "" if none has failed. It is valid until
+ * the next failure on this thread. */
 SWP_API const char* swp_last_error(void);
 
 /* ---- version ---- */
@@ -161,15 +161,15 @@ typedef struct swp_world_options {
 } swp_world_options;
 
 SWP_API swp_result swp_world_options_init(swp_world_options* options);
-/* `options` NULL takes the defaults, as swp_world_create does. SWP_RESOURCE_EXHAUSTED where the
+/* `options` NULL takes the defaults, as swp_world_create does. SWP_RESOURCE_EXHAUSTED if the
  * system has no more threads. */
 SWP_API swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
                                          swp_world** world);
 SWP_API void swp_world_destroy(swp_world* world);
 
-/* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL where
+/* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL if
  * count is 0. SWP_INVALID_ARGUMENT over 2^31 - 1 boxes. After SWP_RESOURCE_EXHAUSTED (memory) the
- * world must be built anew. */
+ * world must be built again. */
 SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count);
 
 /* Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller one
@@ -177,9 +177,9 @@ SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint
 SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
 
 /* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number
- * into `count`. Where the room is too small, it returns SWP_RESOURCE_EXHAUSTED, `count` says what
+ * into `count`. If the room is too small, it returns SWP_RESOURCE_EXHAUSTED, `count` says what
  * is needed and no pair is written; a second call with more room gives the same pairs. It searches
- * once per build or update; further calls hand out the same pairs. `pairs` may be NULL where
+ * once per build or update; further calls hand out the same pairs. `pairs` may be NULL if
  * capacity is 0. */
 SWP_API swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
                                         uint64_t* count);
@@ -202,7 +202,7 @@ enum {
 };
 
 enum {
-  SWP_FRAME_REBUILD = 1, /* the backend's structure was built anew */
+  SWP_FRAME_REBUILD = 1, /* the backend's structure was rebuilt */
   SWP_FRAME_PAUSED = 2,  /* the game was paused or in the background */
   SWP_FRAME_LOADING = 4, /* a scene was loading */
   SWP_FRAME_BAIL_OUT = 8 /* over the bail-out limit */
@@ -214,7 +214,7 @@ enum {
 typedef uint32_t swp_shadow_mode;
 enum {
   SWP_SHADOW_OFF = 0,
-  SWP_SHADOW_AUTO = 1, /* in SWP_MODE_AI, where there is a core to spare */
+  SWP_SHADOW_AUTO = 1, /* in SWP_MODE_AI if there is a spare core */
   SWP_SHADOW_ON = 2    /* in SWP_MODE_MANUAL too */
 };
 
@@ -233,7 +233,7 @@ typedef struct swp_session_options {
   swp_shadow_mode shadow;       /* SWP_SHADOW_OFF unless set */
 } swp_session_options;
 
-/* What one frame cost. */
+/* The cost of one frame. */
 typedef struct swp_frame_sample {
   uint64_t frame_index;
   uint64_t frame_time_ns;
@@ -248,7 +248,7 @@ typedef struct swp_frame_sample {
   uint32_t reserved;
 } swp_frame_sample;
 
-/* What the scene looks like; a negative value was not measured. SceneDescriptor in frame_sample.h
+/* The properties of the scene; a negative value was not measured. SceneDescriptor in frame_sample.h
  * says what each value means. */
 typedef struct swp_scene_descriptor {
   float object_count;
@@ -278,10 +278,10 @@ typedef struct swp_switch_outcome {
 
 enum {
   SWP_SHADOW_FLAG_ACTIVE = 1, /* the arm that was active on the frame thread */
-  SWP_SHADOW_FLAG_CAPPED = 2  /* stopped at a cap: the times are those of what ran until then */
+  SWP_SHADOW_FLAG_CAPPED = 2  /* stopped at a cap: the times are those of the frames until then */
 };
 
-/* What an arm cost on the shadow lane, on copies of consecutive frames' boxes. Samples with the
+/* The cost of an arm on the shadow lane, on copies of consecutive frames' boxes. Samples with the
  * same first_frame_index were measured on the same frames. */
 typedef struct swp_shadow_sample {
   uint64_t first_frame_index;
@@ -349,7 +349,7 @@ SWP_API void swp_session_destroy(swp_session* session);
 /* Executes a pending switch, if there is one. */
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
 /* The active backend takes these boxes and searches; at most one call per frame. A changed count
- * rebuilds its structure. The pairs and their number go out as in swp_world_find_pairs; where the
+ * rebuilds its structure. The pairs and their number are written as in swp_world_find_pairs; if the
  * room was too small, swp_session_copy_pairs gives them. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
                                           uint32_t box_count, swp_pair* pairs, uint64_t capacity,
@@ -460,18 +460,18 @@ SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
 /* Functions of the thread that polls; attach and detach while no frame runs. `now_ns` is the
  * caller's steady clock, the same one in all calls, from any origin and never going back. */
 
-/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION where a decider is attached already,
- * SWP_NOT_FOUND where there is no such file, SWP_DATA_LOSS names its first broken record. */
+/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION if a decider is attached already,
+ * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names its first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
-/* Takes what the frames cost since the last poll, decides where a decision is due (every 2 s), and
- * posts the command. `commanded` is 1 where one was posted, which then also stands in `command`;
+/* Takes the costs of the frames since the last poll, decides if a decision is due (every 2 s), and
+ * posts the command. `commanded` is 1 if one was posted, which is then also written to `command`;
  * both may be NULL. Poll every 250 ms or more often. */
 SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                             swp_switch_command* command, uint32_t* commanded);
-/* Writes the posteriors in the order of arms; `count` is the number of arms. Where `capacity` is
- * too small: SWP_RESOURCE_EXHAUSTED, and only `count` is written. */
+/* Writes the posteriors in the order of arms; `count` is the number of arms. If `capacity` is
+ * too small, the result is SWP_RESOURCE_EXHAUSTED and only `count` is written. */
 SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
                                        uint32_t capacity, uint32_t* count);
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);

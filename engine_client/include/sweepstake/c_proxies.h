@@ -65,7 +65,7 @@ typedef struct swp_ray {
 
 typedef struct swp_ray_hit {
   swp_proxy proxy;
-  float distance; /* the t at which the ray enters the box; 0 where it starts inside */
+  float distance; /* the t at which the ray enters the box; 0 if it starts inside */
 } swp_ray_hit;
 
 typedef struct swp_proxies_options {
@@ -85,7 +85,7 @@ SWP_API void swp_proxies_destroy(swp_proxies* proxies);
 SWP_API swp_result swp_proxies_add(swp_proxies* proxies, const swp_aabb* box,
                                    const swp_proxy_options* options, swp_proxy* proxy);
 SWP_API swp_result swp_proxies_remove(swp_proxies* proxies, swp_proxy proxy);
-/* Gives boxes[k] to moved[k]. Where one handle is SWP_NOT_FOUND, no proxy is moved. */
+/* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. */
 SWP_API swp_result swp_proxies_move(swp_proxies* proxies, const swp_proxy* moved,
                                     const swp_aabb* boxes, uint32_t count);
 SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, swp_filter filter);
@@ -105,7 +105,7 @@ SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const sw
                                             uint32_t* count);
 /* To be called once per frame with all pairs that were found in those boxes. Gives the pairs of ids
  * that pass the filters, including those with static proxies, by the rules of buffers of
- * swp_world_find_pairs; where the room was too small, swp_proxies_copy_pairs gives them.
+ * swp_world_find_pairs; if the room was too small, swp_proxies_copy_pairs gives them.
  * SWP_INVALID_ARGUMENT for a pair that is not of those boxes. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count, swp_pair* pairs,
@@ -132,7 +132,7 @@ SWP_API swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* b
  * that is not finite or has a negative max_distance. */
 SWP_API swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, swp_filter filter,
                                         swp_ray_hit* hits, uint64_t capacity, uint64_t* count);
-/* Gives the nearest hit. Where there is none, `found` is 0 and `hit` stays as it was. */
+/* Gives the nearest hit. If there is none, `found` is 0 and `hit` is unchanged. */
 SWP_API swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray,
                                                 swp_filter filter, swp_ray_hit* hit,
                                                 uint32_t* found);

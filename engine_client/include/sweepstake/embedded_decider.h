@@ -28,7 +28,7 @@ struct ArmBelief {
   double beta = 1;
 };
 
-// What became of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
+// The outcome of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
 enum class DecisionOutcome : uint32_t {
   kKept = 1,
   kSwitched = 2,
@@ -47,12 +47,13 @@ struct DecisionEvent {
   uint64_t decision_id = 0;  // from 1
   uint64_t time_ns = 0;      // on the clock of the caller's now_ns
   uint32_t active_arm = 0;
-  // The arm that the policy proposed; absent where it proposed none.
+  // The arm that the policy proposed; absent if it proposed none.
   std::optional<uint32_t> candidate_arm;
   DecisionOutcome outcome = DecisionOutcome::kKept;
-  // The switch that was commanded; absent where none was.
+  // The switch that was commanded; absent if there was none.
   std::optional<SwitchCommand> command;
-  // The reward of the frames since the previous decision, 0–1; absent where they taught nothing.
+  // The reward of the frames since the previous decision, 0–1; absent if there was nothing to learn
+  // from them.
   std::optional<double> reward;
   // The posteriors after the update, in the order of the arms.
   std::vector<ArmBelief> beliefs;
@@ -91,27 +92,27 @@ class EmbeddedDecider {
                                                          uint64_t now_ns);
   ~EmbeddedDecider();
 
-  // The header line of the audit log, without a line end.
+  // Returns the header line of the audit log, without a line end.
   static std::string AuditHeader();
 
-  // Takes frames and switch outcomes in the order they happened.
+  // Takes frames and switch outcomes in the order in which they happened.
   void Observe(std::span<const FrameSample> frames, uint64_t now_ns);
   void Observe(const SwitchOutcome& outcome, uint64_t now_ns);
-  // Takes what the shadow lane measured, and what the scene looks like. The next decision learns
-  // from both.
+  // Takes the shadow lane's samples and the scene's descriptor. The next decision learns from both.
   void Observe(std::span<const ShadowSample> samples);
   void Observe(const SceneDescriptor& descriptor);
   void SetMode(Mode mode, uint32_t active_arm, uint64_t now_ns);
 
-  // Makes the decision that is due, if any. A command that is returned, possibly of an earlier
-  // bail-out, is to be posted into the mailbox.
+  // Makes the decision that is due, if any. The caller posts a returned command, which may be that
+  // of an earlier bail-out, into the mailbox.
   std::optional<SwitchCommand> Poll(uint64_t now_ns);
 
   std::vector<ArmBelief> beliefs() const;
-  // The verdict of the latest decision.
+  // Returns the verdict of the latest decision.
   SceneVerdict verdict() const;
   uint64_t decision_count() const;
-  // The number of sources (sessions) in the priors it started from; 0: Beta(1,1).
+  // Returns the number of sources (sessions) in the priors that it started from; with 0 it started
+  // from Beta(1,1).
   uint64_t prior_source_count() const;
 
  private:

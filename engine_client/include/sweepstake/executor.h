@@ -4,9 +4,8 @@
 // An engine derives from Executor and gives the parts to its jobs; MakeThreadPool makes a small
 // pool for programs without a job system. A backend calls RunParts on the thread that called the
 // backend, never from inside a part. Ownership: whoever is given an Executor borrows it. Cost: a
-// backend uses a few parts per thread, and only where the work is worth it: a small scene runs on
-// the calling thread alone. The calling thread works too, and then waits for the parts that other
-// threads have begun.
+// backend uses a few parts per thread; a small scene runs on the calling thread alone. The calling
+// thread works too, and then waits for the parts that other threads have begun.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +20,8 @@ class Executor {
 
   virtual ~Executor() = default;
 
-  // How many threads may run parts at the same time, the caller included: at least 1, and always
-  // the same.
+  // Returns the number of threads that may run parts at the same time, the caller included. It is 1
+  // or more and never changes.
   virtual size_t thread_count() const noexcept = 0;
 
   // Calls run_part(context, part) once for each part in [0, part_count), in any order, and returns
@@ -33,7 +32,7 @@ class Executor {
 
 // Makes a pool of `thread_count` threads, of which the caller of RunParts is one, so that it starts
 // thread_count − 1. Threads without work spin for a fraction of a millisecond and then sleep.
-// REQUIRES: 1 <= thread_count <= 256. Throws std::system_error when the system has no more threads.
+// REQUIRES: 1 <= thread_count <= 256. Throws std::system_error if the system has no more threads.
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);
 
 }  // namespace sweepstake

@@ -15,12 +15,12 @@ namespace sweepstake {
 
 class PairBuffer {
  public:
-  // How many pairs may be written behind the room that EnsureRoom has made: a vector store may
-  // overrun it by one register.
+  // The number of pairs that may be written behind the room that EnsureRoom has made: a vector
+  // store may overrun it by one register.
   static constexpr size_t kSlack = 64;
 
   PairBuffer() = default;
-  // A move swaps the two buffers: the other one stays usable, and is empty where this one was new.
+  // A move swaps the two buffers: the other one stays usable, and is empty if this one was new.
   PairBuffer(PairBuffer&& other) noexcept { *this = std::move(other); }
   PairBuffer& operator=(PairBuffer&& other) noexcept {
     std::swap(storage_, other.storage_);
@@ -46,8 +46,8 @@ class PairBuffer {
   }
 
   // Makes room for `count` more pairs plus kSlack, and returns the end of the array, where they
-  // belong. The caller writes them and calls Advance with their number. Throws std::bad_alloc when
-  // memory is out; the content is then unchanged.
+  // belong. The caller writes them and calls Advance with their number. Throws std::bad_alloc if
+  // memory runs out; the content is then unchanged.
   OverlapPair* EnsureRoom(size_t count) {
     if (size_ + count > capacity_ || !storage_) Grow(size_ + count);
     return storage_.get() + size_;

@@ -19,7 +19,7 @@ class PairSorter {
   PairSorter(PairSorter&&) noexcept;
   PairSorter& operator=(PairSorter&&) noexcept;
 
-  // Keeps equal pairs. Throws std::bad_alloc when memory is out; the order is then unspecified, but
+  // Keeps equal pairs. Throws std::bad_alloc if memory runs out; the order is then unspecified, but
   // no pair is lost.
   void Sort(std::span<OverlapPair> pairs);
 

@@ -29,7 +29,7 @@
 //
 // Errors: a handle that is null, stale (its proxy was removed) or unknown to this set is answered
 // with false, null or nothing, never with another proxy, and changes nothing. Throws std::bad_alloc
-// when memory or the 2^31 − 1 places of a kind are out; the set is then as before the call.
+// if memory or the 2^31 − 1 places of a kind are used up; the set is then unchanged.
 #pragma once
 
 #include <compare>
@@ -47,9 +47,10 @@
 
 namespace sweepstake {
 
-// Names a proxy. `index` is its id in pairs for as long as it lives: its place in moving_boxes(),
-// or kStaticProxyBit and its place among the static proxies. Ids are used again; `generation` tells
-// the owners apart (a place has 2^31 of them). The null handle is all zero and belongs to no proxy.
+// A handle names a proxy. `index` is its id in pairs for as long as it lives: its place in
+// moving_boxes(), or kStaticProxyBit and its place among the static proxies. Ids are used again;
+// `generation` distinguishes the owners (a place has 2^31 of them). The null handle is all zero and
+// belongs to no proxy.
 struct ProxyHandle {
   uint32_t index = 0;
   uint32_t generation = 0;
@@ -72,7 +73,7 @@ struct CollisionFilter {
   friend bool operator==(const CollisionFilter&, const CollisionFilter&) = default;
 };
 
-// Whether the category of each is in the mask of the other.
+// Returns whether the category of each is in the mask of the other.
 constexpr bool Passes(const CollisionFilter& a, const CollisionFilter& b) {
   return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
 }
@@ -135,7 +136,7 @@ class ProxySet {
 
   // Cost: O(1). A static proxy may be moved too, at the cost of an Add.
   bool Move(ProxyHandle handle, const Aabb& box);
-  // Gives boxes[k] to handles[k]. Where one of the handles has no proxy, it returns false and moves
+  // Gives boxes[k] to handles[k]. If one of the handles has no proxy, it returns false and moves
   // nothing. REQUIRES: equal sizes.
   bool Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   bool SetFilter(ProxyHandle handle, const CollisionFilter& filter);
@@ -147,24 +148,24 @@ class ProxySet {
   std::optional<ProxyOptions> options(ProxyHandle handle) const;
   // Returns the proxy that has this id now, for example in a pair of Resolve, or null.
   ProxyHandle handle(uint32_t id) const;
-  // How many proxies are alive.
+  // Returns the number of living proxies.
   size_t moving_count() const;
   size_t static_count() const;
 
-  // The boxes for the broad phase, indexed by id. The array grows at the end and does not shrink.
-  // Valid until the next Add.
+  // Returns the boxes for the broad phase, indexed by id. The array grows at the end and does not
+  // shrink. Valid until the next Add.
   std::span<const Aabb> moving_boxes() const;
 
-  // Is called once per frame with the pairs that a broad phase has found in moving_boxes(). Returns
-  // those that pass their filters, and behind them the pairs of moving with static proxies that do,
-  // as ids with a < b. They are in the order of the searches, or ascending (ProxySetOptions). Valid
-  // until the next Resolve, and as long as `moving_pairs` is. REQUIRES: no Add, Remove or Move
-  // since the broad phase took the boxes.
+  // To be called once per frame with the pairs that a broad phase has found in moving_boxes().
+  // Returns those that pass their filters, followed by the pairs of moving and static proxies that
+  // pass theirs, as ids with a < b. They are in the order of the searches, or ascending
+  // (ProxySetOptions). Valid until the next Resolve, and as long as `moving_pairs` is. REQUIRES: no
+  // Add, Remove or Move since the broad phase took the boxes.
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
 
-  // How the latest Resolve differs from the one before it, ascending; empty without pair_events. A
-  // pair is among removed() too when one of its proxies has been removed or their filters no longer
-  // pass, with the handles it was added with. Valid until the next Resolve.
+  // Returns the pairs by which the latest Resolve differs from the one before it, ascending; none
+  // without pair_events. If a proxy has been removed or the filters no longer pass, removed()
+  // contains the pair too, with the handles that it was added with. Valid until the next Resolve.
   std::span<const ProxyPair> added() const;
   std::span<const ProxyPair> removed() const;
 
@@ -178,7 +179,7 @@ class ProxySet {
   // Finds all hits within max_distance, by ascending distance and then by index; boxes are closed.
   // Returns kInvalidArgument for a ray that is not finite or has a negative max_distance.
   Status CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits);
-  // Finds the first of those hits; the proxy of `hit` is null where there is none.
+  // Finds the first of those hits; the proxy of `hit` is null if there is none.
   Status CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit);
   // Does the work of the first query after a change. Until the next change, any number of threads
   // may then query at the same time.

@@ -42,18 +42,19 @@ class Scene {
   virtual ~Scene() = default;
 
   virtual std::string_view name() const = 0;
-  // Bounds of the motion; boxes may stick out by their size, in suite-h by 1/40 of the side more.
-  // For a recorded file these are the bounds in its header; degenerate scenes do not keep to
-  // theirs.
+  // Returns the bounds of the motion; boxes may extend beyond them by their size, in suite-h by
+  // 1/40 of the side more. For a recorded file these are the bounds in its header; degenerate
+  // scenes do not keep to theirs.
   virtual Aabb world() const = 0;
-  // Steps taken; 0 is the spawn state, which aabbs() shows at once.
+  // Returns the number of steps taken; 0 is the spawn state, which aabbs() shows from the start.
   virtual uint64_t frame_index() const = 0;
-  // The boxes of this frame, valid until the next Step. Only recorded files, changing and
+  // Returns the boxes of this frame, valid until the next Step. Only recorded files, changing and
   // degenerate scenes may change the count.
   virtual std::span<const Aabb> aabbs() const = 0;
-  // One fixed step forward; does not allocate and does not fail. A recorded file starts again after
-  // its last frame, while frame_index() goes on; if it has become unreadable since it was opened,
-  // the boxes stay as they are. Cost: O(objects), and for a recorded file reading the frame.
+  // Moves the scene on by one fixed step; does not allocate and does not fail. A recorded file
+  // starts again after its last frame, while frame_index() goes on; if it has become unreadable
+  // since it was opened, the boxes stay as they are. Cost: O(objects), and for a recorded file
+  // reading the frame.
   virtual void Step() = 0;
 };
 
@@ -70,7 +71,7 @@ struct SceneDescription {
   std::string_view summary;  // a few words
 };
 
-// Every scene that MakeScene knows by name, group by group. The names end with NUL.
+// Returns every scene that MakeScene knows by name, group by group. The names end with NUL.
 std::span<const SceneDescription> SceneDescriptions();
 std::span<const std::string_view> SceneNames();
 std::span<const std::string_view> SceneNames(SceneGroup group);

@@ -1,11 +1,11 @@
-// Connects an AdaptiveBroadPhase to whoever decides: a daemon over gRPC, or the embedded decider.
-// Steps 6, 7 and 11.
+// Connects an AdaptiveBroadPhase to its decider, which is a daemon (over gRPC) or the embedded
+// decider. Steps 6, 7 and 11.
 //
 // A Session owns one sender thread. The frame thread only pushes into a bounded lock-free queue
 // (full: the oldest sample is dropped and counted) and takes commands from the mailbox; it never
 // waits for the sender, whether the daemon is absent at the start, slow, killed or restarted. A
-// lost connection is opened again with exponential back-off and jitter. What was sent but not
-// acknowledged is sent again under the same numbers, so that nothing is counted twice.
+// lost connection is opened again with exponential back-off and jitter. Messages that were not
+// acknowledged are sent again under the same numbers, so that nothing is counted twice.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ enum class ConnectionState : uint32_t {
   kClosed = 4
 };
 
-// What a session has done since it began; a consistent copy.
+// The statistics of a session since it began; a consistent copy.
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
   std::string last_error;  // what went wrong most recently and what to do; empty: nothing
@@ -80,15 +80,16 @@ struct SessionOptions {
 
 class Session {
  public:
-  // The sink to give to AdaptiveBroadPhase::Create. The session is therefore created first and
-  // learns the arms in Start.
+  // Returns the sink to give to AdaptiveBroadPhase::Create. The session is therefore created first
+  // and learns the arms in Start.
   virtual FrameSink& sink() = 0;
-  // Starts the sender; to be called once. `adaptive` must outlive Stop.
+  // Starts the sender thread; to be called once. `adaptive` must outlive Stop.
   virtual Status Start(AdaptiveBroadPhase& adaptive) = 0;
   // Tells the decider about a mode change that was made with AdaptiveBroadPhase::SetMode. Called on
   // the frame thread; it does not wait.
   virtual void OnModeChange() = 0;
-  // Sends what is queued and a goodbye within `deadline_ms`, and ends the thread. Idempotent.
+  // Sends the content of the queue and a goodbye within `deadline_ms`, and ends the thread.
+  // Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
   virtual ~Session() = default;
@@ -97,7 +98,7 @@ class Session {
 // `address` is HOST:PORT. Start connects to it in the background.
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options);
-// Without a daemon: the embedded decider runs on the sender thread.
+// Makes a session without a daemon: the embedded decider runs on the sender thread.
 Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded,
                                                      const SessionOptions& options);
 

@@ -29,7 +29,7 @@ class [[nodiscard]] Status {
 
   bool ok() const { return code_ == StatusCode::kOk; }
   StatusCode code() const { return code_; }
-  // A single line without a full stop at its end; empty when ok.
+  // Returns a single line without a full stop at its end; empty if ok.
   const std::string& message() const { return message_; }
 
  private:
