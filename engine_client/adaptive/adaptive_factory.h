@@ -63,7 +63,7 @@ class AdaptiveFactory {
                                                           std::vector<ArmBackend> backends,
                                                           const LaneParts& lane, FrameSink* sink,
                                                           Clock& clock);
-  // The same without a lane.
+  // Does the same without a lane.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(
       const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
       FrameSink* sink, Clock& clock);

@@ -236,8 +236,8 @@ Aabb SpawnLongThin(SequentialRandom& random, const Slot& slot) {
   return box;
 }
 
-// The number of pairs per object does not depend on the count, unlike in long-thin, whose lengths
-// grow with the world.
+// Spawns a beam. The number of pairs per object does not depend on the count, unlike in long-thin,
+// whose lengths grow with the world.
 Aabb SpawnBeam(SequentialRandom& random, const Slot& slot) {
   float center[3];
   float half[3];

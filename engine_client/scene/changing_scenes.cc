@@ -95,7 +95,7 @@ class ChangingScene : public Scene {
   }
 
   std::string_view name() const override { return kind_.name; }
-  // The swirl turns corners out of the cube.
+  // Returns the bounds, which are wider than the cube, since the swirl turns corners out of it.
   Aabb world() const override {
     const float low = -0.25F * side_;
     const float high = 1.25F * side_;

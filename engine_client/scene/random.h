@@ -35,10 +35,10 @@ class CounterRandom {
     return math::Mix64(object_key + (counter + 1) * math::kGoldenGamma);
   }
 
-  // In [0, 1).
+  // Returns a number in [0, 1).
   float Unit(uint64_t object, uint64_t counter) const { return UnitFloat(Bits(object, counter)); }
 
-  // In [-1, 1).
+  // Returns a number in [-1, 1).
   float Symmetric(uint64_t object, uint64_t counter) const {
     return Unit(object, counter) * 2.0F - 1.0F;
   }
@@ -53,12 +53,12 @@ class SequentialRandom {
   explicit SequentialRandom(uint64_t seed) : state_(seed) {}
 
   uint64_t Next() { return math::Mix64(state_ += math::kGoldenGamma); }
-  // In [0, 1), in steps of 2^-24.
+  // Returns a number in [0, 1), in steps of 2^-24.
   float Unit() { return UnitFloat(Next()); }
-  // In [-1, 1).
+  // Returns a number in [-1, 1).
   float Symmetric() { return Unit() * 2.0F - 1.0F; }
   float Between(float low, float high) { return low + (high - low) * Unit(); }
-  // In [0, count). REQUIRES: count > 0.
+  // Returns a number in [0, count). REQUIRES: count > 0.
   size_t Below(size_t count) { return static_cast<size_t>(Next() % count); }
 
  private:

@@ -44,7 +44,7 @@ class ResendBuffer {
 
   // Returns the first message not sent on this connection; null if there is none.
   const Entry* Next() const;
-  // The message of Next is on its way. REQUIRES: Next() != nullptr.
+  // Moves on after the message of Next was sent. REQUIRES: Next() != nullptr.
   void MarkSent();
   // Begins a new connection: everything is to be sent again.
   void Rewind() { cursor_ = 0; }
@@ -104,7 +104,7 @@ class SessionState {
 
   // Returns the next evidence to write; null if there is none or the session is not online.
   const v1::StreamTelemetryRequest* Next() const;
-  // The message of Next is on its way. REQUIRES: Next() != nullptr.
+  // Moves on after the message of Next was sent. REQUIRES: Next() != nullptr.
   void MarkSent();
 
   // Notes that the connection has ended: with NOT_FOUND if `unknown_session`; with INVALID_ARGUMENT

@@ -19,7 +19,7 @@ using Starts = std::array<uint32_t, kBuckets>;
 
 uint64_t KeyOf(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
 
-// The digits of an id have 11, 11 and 10 bits.
+// Returns one digit of a pair. The digits of an id have 11, 11 and 10 bits.
 template <size_t kDigit>
 uint32_t DigitOf(const OverlapPair& pair) {
   const uint32_t id = kDigit < 3 ? pair.b : pair.a;

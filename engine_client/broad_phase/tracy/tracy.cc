@@ -130,8 +130,8 @@ void Tracy::StartResting(std::span<const Aabb> boxes) {
 void Tracy::UpdateInMotion(std::span<const Aabb> boxes) {
   ++frames_;
   if (wait_ > 0) --wait_;
-  const bool try_anew = inefficient_ && frames_ >= kFramesPerTrial;
-  if (try_anew || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
+  const bool try_another = inefficient_ && frames_ >= kFramesPerTrial;
+  if (try_another || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
   lists_.Update(executor_, boxes);
   if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kLongMin) LayOut(boxes);
 }

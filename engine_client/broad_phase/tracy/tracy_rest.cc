@@ -27,10 +27,10 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
     auto max_x = x;
     auto max_y = x;
     auto max_z = x;
-    // The margins; NaN marks an invalid one.
+    // Loads the margins; NaN marks an invalid one.
     LoadBoxes(d, margins + at, x, y, z, max_x, max_y, max_z);
     const auto kept = hn::Eq(x, x);
-    // The boxes, compared with them.
+    // Loads the boxes and compares them with the margins.
     auto box_x = x;
     auto box_y = x;
     auto box_z = x;

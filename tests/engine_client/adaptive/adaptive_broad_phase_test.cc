@@ -126,7 +126,7 @@ TEST_F(AdaptiveBroadPhaseTest, ExecutesACommandOnlyAtTheStartOfAFrame) {
   EXPECT_EQ(arms_[2]->build_count, 1);
 }
 
-TEST_F(AdaptiveBroadPhaseTest, BuildsAnewOnComingBackToAnArm) {
+TEST_F(AdaptiveBroadPhaseTest, BuildsAgainOnReturningToAnArm) {
   Frame();
   adaptive_->mailbox().Post({.command_id = 1, .arm = 1});
   Frame();

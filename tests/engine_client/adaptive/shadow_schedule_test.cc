@@ -104,7 +104,7 @@ TEST_F(ShadowScheduleTest, DoesNotRepeatCheapSweepsWithoutNeed) {
   EXPECT_EQ(schedule_.next_sweep_ns(), begun_ns + options_.sweep_interval_min_ns);
 }
 
-TEST_F(ShadowScheduleTest, VisitsEveryArmAnewWhenTheActiveOnesCostOrTheObjectCountMoves) {
+TEST_F(ShadowScheduleTest, VisitsEveryArmAgainWhenTheActiveOnesCostOrTheObjectCountMoves) {
   cost_ns_[2] = 20 * kMs;
   Sweep();
   EXPECT_THAT(Sweep(), ElementsAre(0, 1));

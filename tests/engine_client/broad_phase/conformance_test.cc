@@ -77,7 +77,7 @@ TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
   }
 }
 
-TEST_P(EveryBackendInEveryScene, CountsItsChecksAfreshWithEachBuildAndUpdate) {
+TEST_P(EveryBackendInEveryScene, CountsItsChecksFromZeroWithEachBuildAndUpdate) {
   const auto fresh = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer fresh_pairs;
   BoxScene scene(kind_, 200, 21);

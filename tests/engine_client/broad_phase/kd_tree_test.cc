@@ -289,7 +289,7 @@ uint64_t ChecksOfFreshBuild(const BoxScene& scene) {
   return backend->aabb_check_count();
 }
 
-TEST(KdTree, SplitsAnewBeforeMotionHasRuinedTheOrder) {
+TEST(KdTree, SplitsAgainBeforeMotionHasRuinedTheOrder) {
   const auto backend = MakeOrThrow("KDTree");
   BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes());
@@ -309,7 +309,7 @@ TEST(KdTree, KeepsTheOrderForSeveralFrames) {
   EXPECT_LE(splits, 30);
 }
 
-TEST(KdTree, NeverSplitsAnewWhatRests) {
+TEST(KdTree, NeverSplitsASceneAtRestAgain) {
   const auto backend = MakeOrThrow("KDTree");
   const BoxScene scene("brownian", 3000, 5);
   PairBuffer first;
@@ -324,7 +324,7 @@ TEST(KdTree, NeverSplitsAnewWhatRests) {
   }
 }
 
-// Everywhere anew in each frame.
+// Every box is at a new place in each frame.
 TEST(KdTree, SplitsAtOnceWhereTheOrderHasLostItsUse) {
   const auto backend = MakeOrThrow("KDTree");
   backend->Build(BoxScene("brownian", 3000, 99).boxes());

@@ -206,7 +206,7 @@ TEST(Tracy, TestsABoxThatHasOutgrownItsCellsAgainstAll) {
   EXPECT_LE(backend->aabb_check_count(), before + 4 * 3000);
 }
 
-TEST(Tracy, LaysTheGridOutAnewWhenTheSceneOutgrowsIt) {
+TEST(Tracy, LaysTheGridOutAgainWhenTheSceneOutgrowsIt) {
   std::vector<Aabb> boxes = BrownianBoxes();
   const auto backend = MakeOrThrow("Tracy");
   PairBuffer pairs;
