@@ -49,7 +49,7 @@ class AdaptiveBroadPhaseTest : public ::testing::Test {
     adaptive_ = std::move(*AdaptiveFactory::Make(options, std::move(backends), &sink_, clock_));
   }
 
-  // One frame of `frame_time_ns` with `count` objects.
+  // Runs one frame of `frame_time_ns` with `count` objects.
   const FrameSample& Frame(uint64_t frame_time_ns = kSecond / 60, size_t count = 4,
                            uint32_t flags = 0) {
     const std::vector<Aabb> boxes(count);
@@ -59,7 +59,7 @@ class AdaptiveBroadPhaseTest : public ::testing::Test {
     return adaptive_->last_sample();
   }
 
-  // A frame over the limit for which the active arm is to blame.
+  // Runs a frame over the limit that the active arm has caused.
   void BailOut(uint32_t flags = 0) {
     ArmScript& script = arms_[adaptive_->active_arm()]->script();
     const uint64_t ordinary = std::exchange(script.find_ns, 6 * kSecond);

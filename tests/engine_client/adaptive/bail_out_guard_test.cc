@@ -9,7 +9,7 @@ namespace {
 
 constexpr uint64_t kLimitNs = 5'000'000'000;
 
-// A frame over the limit of which detection took three quarters.
+// Returns a frame over the limit, of which detection took three quarters.
 FrameSample LongFrame(uint32_t arm) {
   FrameSample sample{};
   sample.arm = arm;

@@ -86,7 +86,7 @@ TEST_F(BoxTapTest, TakesFramesWithoutBoxes) {
   EXPECT_TRUE(tap_.frame(0).boxes.empty());
 }
 
-// ThreadSanitizer sees it if a slot has two owners.
+// ThreadSanitizer reports a slot that has two owners.
 TEST(BoxTapThreads, HandsWholeFramesOverWhileTheyGoOn) {
   BoxTap tap;
   tap.Reserve(BoxTap::kSlotMax, 200);

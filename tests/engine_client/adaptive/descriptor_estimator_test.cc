@@ -17,7 +17,7 @@ Aabb Cube(float x, float y, float z, float side) {
   return {{x, y, z}, {x + side, y + side, z + side}};
 }
 
-// Unit cubes uniform in a cube of `world` units.
+// Returns unit cubes that are uniform in a cube of `world` units.
 std::vector<Aabb> Uniform(size_t count, float world, uint64_t seed) {
   Random random(seed);
   std::vector<Aabb> boxes;
@@ -73,7 +73,7 @@ TEST(DescriptorEstimator, FindsTheSizeSpread) {
   Random random(3);
   std::vector<Aabb> boxes;
   boxes.reserve(2000);
-  // ln(side) uniform in [0, 2]: a standard deviation of 2 ÷ √12.
+  // ln(side) is uniform in [0, 2], which has a standard deviation of 2 ÷ √12.
   for (int i = 0; i < 2000; ++i) boxes.push_back(Cube(0, 0, 0, std::exp(random.Between(0, 2))));
   EXPECT_NEAR(Describe(boxes).size_spread, 2 / std::sqrt(12.0), 0.05);
 }

@@ -1,5 +1,4 @@
-// What the frame path must not do in a steady scene: allocate, or call anything that could make it
-// wait.
+// In a steady scene the frame path must not allocate or call anything that could make it wait.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -112,7 +111,7 @@ std::unique_ptr<AdaptiveBroadPhase> MakeWithLane(FrameSink& sink) {
                                           {.make = make, .core_count = 8}, &sink, SteadyClock()));
 }
 
-// What frames cost the thread that makes them, beside time.
+// The costs of frames on their thread, apart from time.
 struct Faults {
   uint64_t allocation_count = 0;
   uint64_t wait_count = 0;
@@ -130,11 +129,11 @@ struct Faults {
   }
 };
 
-// At rest: in a scene that moves, a structure of any age may have to grow.
+// The scene is at rest: in a moving scene, a structure of any age may have to grow.
 TEST(FramePathCostWithLane, AllocatesNothingAndWaitsForNothingInSweepsAndWarmSwitches) {
   SampleQueue queue(256);
   const BoxScene scene("brownian", 500, 11);
-  // Copying may be frequent; no preparation is late.
+  // Copying may be frequent, and no preparation is late.
   constexpr uint64_t kLongFrameNs = 16'000'000;
   constexpr uint64_t kShortFrameNs = 1000;
   const auto adaptive = MakeWithLane(queue);

@@ -25,7 +25,7 @@ struct Script {
   std::function<void()> in_build = [] {};
 };
 
-// Takes its scripted time and remembers what it was shown.
+// A backend that takes its scripted time and records its boxes.
 class LaneBackend final : public BroadPhase {
  public:
   LaneBackend(const Script& script, ScriptedClock& clock) : script_(script), clock_(clock) {}
@@ -84,12 +84,12 @@ class ShadowLaneTest : public ::testing::Test {
   void Frames(int count) {
     for (int i = 0; i < count; ++i) Frame();
   }
-  // The lane asks for room first, and then for its frames.
+  // The lane requests room first, and then its frames.
   void FirstSweep() {
     lane_->Step();
     Frames(1 + static_cast<int>(kShadowBurstFrames));
   }
-  // Frames until the switch is ready.
+  // Runs frames until the switch is ready.
   int FramesUntilReady(uint32_t arm) {
     int frames = 0;
     while (lane_->Ask(arm) == Preparation::kUnderWay && frames < 100) {
@@ -292,7 +292,7 @@ TEST_F(ShadowLaneTest, BringsAStructureThatFellBehindUpToDateBeforeItIsOffered) 
   FirstSweep();
   lane_->Ask(2);
   Frames(4);
-  // Frames that the lane does not see until it is slow to follow.
+  // The lane does not see these frames until it is slow to follow.
   for (int i = 0; i < 10; ++i) {
     lane_->OnFrame(std::vector<Aabb>(7), {.frame_index = frame_index_++});
   }

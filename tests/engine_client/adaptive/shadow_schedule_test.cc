@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 
 constexpr uint64_t kMs = 1'000'000;
 
-// Plays sweeps whose visits cost what `cost_ns` says, eight frames each.
+// Plays sweeps whose visits have the costs in `cost_ns` and eight frames each.
 class ShadowScheduleTest : public ::testing::Test {
  protected:
   std::vector<uint32_t> Sweep(uint32_t active_arm = 0, uint32_t object_count = 1000) {
@@ -36,7 +36,7 @@ class ShadowScheduleTest : public ::testing::Test {
     schedule_.OnVisit(visit);
   }
 
-  // Visits of each arm in `count` sweeps.
+  // Returns the number of visits of each arm in `count` sweeps.
   std::map<uint32_t, int> CountVisits(int count, uint32_t active_arm = 0) {
     std::map<uint32_t, int> visits;
     for (int i = 0; i < count; ++i) {

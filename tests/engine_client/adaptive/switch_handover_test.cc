@@ -46,7 +46,8 @@ TEST(SwitchHandoverTest, TakesAnOfferBackWithACancel) {
   EXPECT_FALSE(handover.Take());
 }
 
-// The payload is plain: ThreadSanitizer sees it if both sides may touch it at once.
+// The payload is plain, so that ThreadSanitizer reports it if both sides can access it at the same
+// time.
 TEST(SwitchHandoverTest, GivesThePayloadToOneSideAtATime) {
   constexpr int kRounds = 2000;
   SwitchHandover handover;

@@ -19,7 +19,7 @@ using test_support::ScalarPairs;
 
 constexpr uint64_t kMs = 1'000'000;
 
-// Runs parts in turn, and complains where another thread than its maker's asks for it.
+// Runs parts one after another, and fails if a thread other than its creator's calls it.
 class LoneExecutor final : public Executor {
  public:
   size_t thread_count() const noexcept override { return 2; }
@@ -42,7 +42,7 @@ ArmBackend MakeArm(std::string_view name, Executor* executor) {
   return made;
 }
 
-// All arms on a machine with spare cores, and a scene that goes on.
+// All arms on a machine with spare cores, and a scene that moves.
 class WarmSwitchTest : public ::testing::Test {
  protected:
   void Make(AdaptiveOptions options, size_t core_count = 8) {
@@ -55,7 +55,7 @@ class WarmSwitchTest : public ::testing::Test {
                                                  &sink_, SteadyClock()));
   }
 
-  // One frame; its pairs must be those of brute force.
+  // Runs one frame, whose pairs must be those of brute force.
   void Frame() {
     const std::span<const Aabb> boxes = scene_.boxes().first(object_count_);
     adaptive_->BeginFrame();
@@ -66,7 +66,7 @@ class WarmSwitchTest : public ::testing::Test {
     scene_.Step();
   }
 
-  // Frames until the arm is active, or the test takes too long.
+  // Runs frames until the arm is active or the test takes too long.
   void SwitchTo(uint32_t arm) {
     adaptive_->mailbox().Post({.command_id = ++command_id_, .arm = arm});
     for (int frame = 0; frame < 100'000 && adaptive_->active_arm() != arm; ++frame) {
@@ -220,7 +220,7 @@ TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
   for (const uint32_t arm : {1U, 0U}) {
     adaptive_->mailbox().Post({.command_id = arm, .arm = arm});
     while (adaptive_->active_arm() != arm) frame(1000);
-    // Until the lane has visited what it got in exchange.
+    // Runs frames until the lane has visited the backend that it got in exchange.
     const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
     while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame(16 * kMs);
   }

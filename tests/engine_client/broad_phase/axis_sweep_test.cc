@@ -1,4 +1,4 @@
-// What is AxisSweep's own: the kept orders, and the two ways between which it chooses.
+// The parts that only AxisSweep has: the kept orders, and the two ways between which it chooses.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -35,7 +35,7 @@ MovedBoxes AllMoved(size_t count) {
   return moved;
 }
 
-// "L0 U0" as a string: the owners and faces in order.
+// Returns the owners and faces in order as a string such as "L0 U0".
 std::string OrderOf(const SortedEndpoints& axis) {
   std::string order;
   for (const Endpoint endpoint : axis.endpoints()) {
@@ -47,7 +47,7 @@ std::string OrderOf(const SortedEndpoints& axis) {
 
 class FacesOnAnAxis : public testing::Test {
  protected:
-  // By steps, and then exactly.
+  // The faces are sorted by steps, and then exactly.
   void Sort(std::span<const BoxRecord> records, float low = 0, float high = 10) {
     constexpr float kSteps = 64;
     axis_.Sort(records, {false, low, kSteps / std::max(high - low, 1e-30F), kSteps - 1}, room_);
@@ -197,7 +197,7 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
     backend_->FindPairs(pairs_);
     test_support::Random random(1);
     for (int frame = 0; frame < 80; ++frame) {
-      // Rest, then one more box a frame takes its next state, then all of them.
+      // First all boxes rest, then one more box per frame moves, then all boxes move.
       const size_t changes = frame % 20 < 5 ? 0 : frame % 20 < 18 ? 1 + frame % 20 : boxes.size();
       if (changes > 0) scene.Step();
       for (size_t change = 0; change < changes; ++change) {
@@ -222,7 +222,7 @@ TEST_F(AxisSweepOverFrames, KeepsItsOrdersWhileTheCountChanges) {
   }
 }
 
-// A repair would have to pass one box through all others each frame.
+// In each frame a repair would have to move one box past all others.
 TEST_F(AxisSweepOverFrames, GivesUpARepairThatCostsMoreThanASweep) {
   std::vector<Aabb> boxes = UnitBoxesInARow(1000, 1.5F);
   backend_->Build(boxes);

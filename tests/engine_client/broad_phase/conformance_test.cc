@@ -199,7 +199,7 @@ TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
   }
 }
 
-// By order too: what a game makes of the pairs then does not depend on the machine.
+// Pairs are compared by order too, so that a game's results do not depend on the machine.
 TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
   for (const std::string_view kind : {"brownian", "mixture", "clusters", "long-thin"}) {
     BoxScene scene(kind, 9000, 6);
@@ -216,7 +216,8 @@ TEST_P(EveryBackend, GivesTheSamePairsForAnyNumberOfThreads) {
   }
 }
 
-// In place, while all else rests: what is kept of resting boxes must not be what answers.
+// One box changes in place while all others rest: the state kept for resting boxes must not hide
+// the change.
 TEST_P(EveryBackend, IsRightWhenARestingBoxBreaksAndMends) {
   const BoxScene scene("brownian", 300, 7);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
@@ -253,7 +254,7 @@ TEST_P(EveryBackend, FindsAllPairsOfCoincidentBoxes) {
   EXPECT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "");
 }
 
-// Every way in which two intervals can lie, on three axes at once.
+// The boxes have every relation that two intervals can have, on three axes at the same time.
 TEST_P(EveryBackend, AgreesWithTheDefinitionOnAllPositionsOfTwoBoxes) {
   std::vector<std::pair<float, float>> intervals;
   for (int low = 0; low < 4; ++low) {

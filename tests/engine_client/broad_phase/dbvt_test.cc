@@ -1,4 +1,4 @@
-// What is DBVT's own: the tree stays a hierarchy, and cost follows motion.
+// The parts that only DBVT has: the tree stays a hierarchy, and cost follows motion.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,8 +32,8 @@ Aabb RandomBox(Random& random) {
   return box;
 }
 
-// The first thing that is wrong in a tree that ought to hold these objects with these boxes, empty
-// when nothing is.
+// Finds the first error of a tree that should hold these objects with these boxes; the description
+// is empty if there is none.
 class TreeInspection {
  public:
   TreeInspection(const DbvtTree& tree, std::span<const Aabb> boxes) : tree_(tree), boxes_(boxes) {}
@@ -318,11 +318,12 @@ TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
     backend->Update(scene.boxes());
     backend->FindPairs(pairs);
   }
-  // One comparison with each enlarged box, and the candidates: few more than the pairs.
+  // There is one comparison with each enlarged box, and one per candidate; there are few more
+  // candidates than pairs.
   EXPECT_LE(backend->aabb_check_count(), 1000 + 2 * pairs.size());
 }
 
-// Of 2,000 boxes each `stride`-th moves.
+// Every `stride`-th of 2,000 boxes moves.
 uint64_t ChecksWhenSomeMove(size_t stride) {
   const auto backend = MakeOrThrow("DBVT");
   Random random(3);
@@ -362,9 +363,9 @@ TEST(Dbvt, IsRightWhileSceneAfterSceneFallsToRestAndRises) {
     if (frame % 20 < 5) lively.Step();
     if (frame % 50 == 30) broken.Step();
     boxes.assign(lively.boxes().begin(), lively.boxes().end());
-    // Objects that come and go, and some that break, while the others rest.
+    // Some objects come, go or become invalid while the others rest.
     if (frame % 50 > 30) std::copy_n(broken.boxes().begin(), 10, boxes.begin());
-    // And a swarm that flies through the others.
+    // Then a swarm flies through the others.
     for (size_t object = 20; object < 28; ++object) {
       const float way =
           (0.1F + 0.01F * static_cast<float>(object)) * static_cast<float>(frame % 20);

@@ -1,5 +1,5 @@
-// What is Grid's own: groups of alike shapes, and cells that neither a huge box nor an outlier can
-// spoil.
+// The parts that only Grid has: groups of similar shapes, and cells that depend neither on a huge
+// box nor on an outlier.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ std::vector<Aabb> OrdinaryBoxes(size_t count) {
   return {scene.boxes().begin(), scene.boxes().end()};
 }
 
-// Boxes of 0.1 × 0.1 × 10, along any axis.
+// Returns boxes of 0.1 × 0.1 × 10 along any axis.
 std::vector<Aabb> Needles(size_t count) {
   std::vector<Aabb> boxes = OrdinaryBoxes(count);
   for (size_t i = 0; i < count; ++i) {
@@ -224,8 +224,8 @@ TEST(Grid, ComparesFarFewerThanAllPairsWhereSizesSpanThreeDecades) {
 }
 
 TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
-  // A small box in the middle, and one around each corner, edge and face of its cell's
-  // surroundings.
+  // There is a small box in the middle, and one around each corner, edge and face of the
+  // surroundings of its cell.
   std::vector<Aabb> boxes = OrdinaryBoxes(400);
   for (const float x : {2.0F, 2.7F, 3.4F}) {
     for (const float y : {2.0F, 2.7F, 3.4F}) {
@@ -237,7 +237,7 @@ TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
   ChecksFor(boxes);
 }
 
-// Rounding there makes boxes reach further than the next cell.
+// At these coordinates rounding makes boxes extend beyond the next cell.
 TEST(Grid, FindsPartnersFarFromTheOriginOfItsCells) {
   Random random(3);
   std::vector<Aabb> boxes;

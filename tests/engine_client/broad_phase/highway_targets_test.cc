@@ -19,7 +19,7 @@ class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
     hwy::SetSupportedTargetsForTest(0);  // what the machine has
   }
 
-  // What is wrong in the first scene where something is, with everything but `target` disabled.
+  // Describes the first scene with an error when all targets but `target` are disabled.
   std::string VerdictOn(int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
     for (const std::string_view kind : test_support::BoxSceneKinds()) {

@@ -1,4 +1,5 @@
-// What is KDTree's own: the order, the implicit tree over it, and how long the order is kept.
+// The parts that only KDTree has: the order, the implicit tree over it, and how long the order is
+// kept.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,7 +76,7 @@ LeafTree TreeOf(std::span<const Aabb> boxes) {
   return tree;
 }
 
-// The order that Begin and so on give for these boxes, holes included.
+// Returns the order of these boxes, holes included.
 template <typename Split>
 std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes, const Split& split) {
   const LeafTree tree = TreeOf(boxes);
@@ -92,7 +93,8 @@ std::vector<uint32_t> SlotsOf(std::span<const Aabb> boxes) {
 
 float Center(const Aabb& box, int axis) { return box.min[axis] * 0.5F + box.max[axis] * 0.5F; }
 
-// Whether there is an axis on which no center of the first slots is above one of the others.
+// Returns whether there is an axis on which no center of the first slots is above one of the
+// others.
 bool IsDivided(std::span<const Aabb> boxes, std::span<const uint32_t> slots, size_t middle) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto below = [&](uint32_t a, uint32_t b) {
@@ -194,7 +196,7 @@ TEST(KdOrder, IsTheSameFromLeavesFromBoxesAndFromAList) {
   }
 }
 
-// The bounds of the valid boxes among these; without any those of a sentinel.
+// Returns the bounds of the valid boxes among these; those of a sentinel if there are none.
 Aabb BoundsOf(std::span<const Aabb> boxes) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
@@ -267,7 +269,7 @@ TEST(LeafTree, FindsTheSamePairsInParts) {
   EXPECT_TRUE(std::ranges::equal(whole.pairs(), parts.pairs()));
 }
 
-// Checks of each frame.
+// Returns the checks of each frame.
 std::vector<uint64_t> Checks(BroadPhase& backend, BoxScene& scene, int frames) {
   std::vector<uint64_t> checks;
   PairBuffer pairs;
@@ -302,7 +304,7 @@ TEST(KdTree, KeepsTheOrderForSeveralFrames) {
   BoxScene scene("brownian", 3000, 5);
   backend->Build(scene.boxes());
   const std::vector<uint64_t> checks = Checks(*backend, scene, 100);
-  // A split shows as a frame with clearly fewer checks than the one before.
+  // A frame with clearly fewer checks than the one before shows a split.
   int splits = 0;
   for (size_t i = 1; i < checks.size(); ++i) splits += checks[i] * 100 < checks[i - 1] * 95 ? 1 : 0;
   EXPECT_GE(splits, 2);

@@ -1,4 +1,4 @@
-// What is SAP's own: sorting in parts, and sorting exactly where steps are too coarse.
+// The parts that only SAP has: sorting in parts, and sorting exactly if steps are too coarse.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -1,5 +1,5 @@
-// What a frame costs beside time: no allocation in steady state, and honest counts of bytes and
-// checks.
+// The costs of a frame apart from time: no allocation in steady state, and correct counts of bytes
+// and checks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -74,7 +74,8 @@ INSTANTIATE_TEST_SUITE_P(, SteadyState,
 
 class MemoryOf : public testing::TestWithParam<std::string_view> {};
 
-// 24 bytes are one box: whoever holds fewer bytes than the boxes does not count all it holds.
+// A box has 24 bytes: a backend that reports fewer bytes than the boxes have does not count all its
+// memory.
 TEST_P(MemoryOf, IsAtLeastTheBoxesAndNotThousandsOfBytesPerBox) {
   const auto backend = MakeOrThrow(GetParam());
   BoxScene scene("brownian", 3000, 2);

@@ -28,7 +28,7 @@ TEST(ThreadPoolTest, RunsEveryPartOnce) {
 TEST(ThreadPoolTest, WakesThreadsThatWentToSleep) {
   const auto pool = MakeThreadPool(3);
   for (int round = 0; round < 20; ++round) {
-    // Three parts that wait for one another: only three threads together can end them.
+    // Three parts wait for one another, so that only three threads together can finish them.
     std::atomic<int> begun{0};
     RunParts(pool.get(), 3, [&](size_t) {
       begun.fetch_add(1);
@@ -44,7 +44,8 @@ TEST(ThreadPoolTest, EndsWhileItsThreadsGoToSleep) {
     const auto pool = MakeThreadPool(3);
     std::atomic<int> ended{0};
     RunParts(pool.get(), 3, [&](size_t) { ended.fetch_add(1); });
-    // From about when they begin to look for work to when all sleep.
+    // The pauses range from the time at which threads begin to look for work to the time at which
+    // all sleep.
     for (int spins = round * 100; spins > 0; --spins) ended.load();
     EXPECT_EQ(ended.load(), 3);
   }

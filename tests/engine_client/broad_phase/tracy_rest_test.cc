@@ -1,4 +1,4 @@
-// What Tracy does while little moves: margins that hold, and boxes that leave them.
+// Tracy while little moves: margins that hold, and boxes that leave them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class RestingTracy : public testing::Test {
     EXPECT_LT(ChecksPerBox(), 5U) << "it should be at rest";
   }
 
-  // Moves all boxes but the first ten, which are the test's.
+  // Moves all boxes but the first ten, which the test moves itself.
   void Step() {
     scene_.Step();
     std::copy(scene_.boxes().begin() + 10, scene_.boxes().end(), boxes_.begin() + 10);
@@ -103,7 +103,7 @@ TEST_F(RestingTracy, WakesWhenEverythingMovesAndRestsAgain) {
   EXPECT_LT(ChecksPerBox(), 5U);
 }
 
-// To test half a million kept pairs costs as much as to find them.
+// Testing half a million kept pairs costs as much as finding them.
 TEST(Tracy, KeepsNoPairsWhereTheyAreTooMany) {
   BoxScene scene("all-coincident", kCount, 5);
   const auto backend = MakeOrThrow("Tracy");

@@ -1,4 +1,4 @@
-// What is Tracy's own: lists that live in rows of cells, and boxes that come to them and leave.
+// The parts that only Tracy has: lists in rows of cells, and boxes that enter and leave them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ Aabb CubeAt(float x, float y, float z, float side) {
   return {{x, y, z}, {x + side, y + side, z + side}};
 }
 
-// Small boxes all over, so that the grid has many cells.
+// Returns small boxes that are spread out, so that the grid has many cells.
 std::vector<Aabb> BrownianBoxes(size_t count = 600) {
   const BoxScene scene("brownian", count, 3);
   return {scene.boxes().begin(), scene.boxes().end()};
@@ -82,7 +82,7 @@ TEST(RowGrids, ListOnlyBoxesWhoseRowHasChanged) {
 class Lists : public testing::Test {
  protected:
   void Lay() { lists_.Reset(GridsFor(boxes_)); }
-  // What is wrong with the lists: ids, order along the rows, or cells.
+  // Describes the errors of the lists: ids, order along the rows, or cells.
   std::string Fault() const {
     const GridView view = lists_.View();
     const GroupGrid& grid = view.grids[0];

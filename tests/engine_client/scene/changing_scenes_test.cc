@@ -39,7 +39,7 @@ Step TakeStep(Scene& scene) {
           scene.aabbs().size()};
 }
 
-// The step in the middle of each of the first regimes.
+// Returns the step in the middle of each of the first regimes.
 std::vector<Step> MiddleOfRegimes(std::string_view name, uint32_t object_count, int regime_count) {
   constexpr uint32_t kRegimeFrames = 40;
   const auto scene = Make(name, object_count, 3, kRegimeFrames);
@@ -74,7 +74,8 @@ TEST(ChangingScenes, TheSameSeedGivesTheSameBoxesAndAnotherOneOthers) {
   }
 }
 
-// Equal on every platform and compiler; a change here breaks every trace that was made.
+// The hashes are equal on every platform and compiler; a change here invalidates every recorded
+// trace.
 TEST(ChangingScenes, TheBoxesOfFixedSeedsArePinned) {
   const std::pair<std::string_view, uint64_t> golden[] = {
       {"rest-and-motion", 0xA91E7B704B89B3D8U}, {"waves", 0xAA1FB3823ACEA145U},

@@ -58,7 +58,7 @@ class FileTest : public testing::Test {
   std::filesystem::path directory_;
 };
 
-// Shows the given frames, the last one for ever.
+// A scene that shows the given frames, and then the last one forever.
 class ScriptedScene final : public Scene {
  public:
   explicit ScriptedScene(std::vector<std::vector<Aabb>> frames) : frames_(std::move(frames)) {}

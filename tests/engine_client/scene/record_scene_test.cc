@@ -128,7 +128,7 @@ TEST_F(Recording, AFileCanBeRecordedOverWhileItIsReplayed) {
   const std::string once = Read(path);
   const Status again = RecordScene(*MustMakeScene(path.string(), {}), 9, path);
 #if defined(_WIN32)
-  // There an open file cannot be replaced.
+  // On Windows an open file cannot be replaced.
   EXPECT_EQ(again.code(), StatusCode::kUnavailable);
   EXPECT_EQ(FileCount(), 1U);
 #else
@@ -139,7 +139,7 @@ TEST_F(Recording, AFileCanBeRecordedOverWhileItIsReplayed) {
 
 #if defined(__linux__)
 
-// A limit on the size of files stands for a full disk.
+// A limit on the size of files simulates a full disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

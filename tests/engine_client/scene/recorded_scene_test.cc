@@ -194,12 +194,12 @@ TEST_F(RecordedFile, AFileCutWhileItPlaysLeavesTheBoxesAsTheyAre) {
   for (const Aabb& box : scene->aabbs()) EXPECT_TRUE(IsValid(box));
 }
 
-// Flips up to three bytes and now and then cuts or extends the end.
+// Flips up to three bytes, and sometimes cuts or extends the end.
 std::string Mutated(std::string bytes, const CounterRandom& random, uint64_t round) {
   uint64_t draws = 0;
   const auto below = [&](uint64_t bound) { return random.Bits(round, draws++) % bound; };
   for (uint64_t flips = below(4); flips > 0; --flips) {
-    // Half of the flips go to the numbers of the header, where most decisions are.
+    // Half of the flips are in the numbers of the header, on which most decisions depend.
     const size_t offset = below(2) == 0 ? 256 + below(48) : below(bytes.size());
     bytes[offset] = static_cast<char>(below(256));
   }

@@ -22,7 +22,7 @@ double MeanCentre(std::span<const Aabb> boxes, int axis) {
   return sum / static_cast<double>(boxes.size());
 }
 
-// Mean distance that a box moves in the next step.
+// Returns the mean distance that a box moves in the next step.
 double MeanMove(Scene& scene) {
   const std::vector<Aabb> before = BoxesOf(scene);
   scene.Step();
@@ -46,7 +46,8 @@ TEST(Scenario, TheSameSeedsGiveTheSameBoxesBitForBit) {
   }
 }
 
-// Equal on every platform and compiler; a change here breaks every recorded comparison.
+// The hashes are equal on every platform and compiler; a change here invalidates every recorded
+// comparison.
 TEST(Scenario, TheBoxesOfFixedSeedsArePinned) {
   SceneOptions options = WithCount(200);
   options.motion_seed = 2;
@@ -104,7 +105,7 @@ TEST(Scenario, MoreObjectsLeaveTheFirstOnesWhereTheyWere) {
   }
 }
 
-// The reference hurricane breathes a twentieth of its radius past its world.
+// The reference hurricane extends beyond its world by a twentieth of its radius.
 double Overhang(const Scene& scene) {
   return scene.name() == "suite-h" ? 0.026 * scene.world().max[0] : 1e-3;
 }
@@ -161,7 +162,7 @@ TEST(BrownianScene, KicksAreBoundedBySpeedTimesStepAndNeverCalmDown) {
   EXPECT_NEAR(MeanMove(*scene), 0.9606 * kick, 0.05 * kick);
 }
 
-// Mean way along x and y from the middle of an interval to its end.
+// Returns the mean distance along x and y from the middle of an interval to its end.
 std::array<double, 2> MeanWayInSecondHalf(Scene& scene, int steps_per_interval) {
   StepTimes(scene, steps_per_interval / 2);
   const std::array<double, 2> middle = {MeanCentre(scene.aabbs(), 0), MeanCentre(scene.aabbs(), 1)};
@@ -242,7 +243,8 @@ TEST(RandomGravityScene, ObjectsLeaveInAllDirectionsAndComeToRestAtTheWalls) {
 
 double AxisDistance(const Aabb& box) { return std::hypot(Centre(box, 0), Centre(box, 2)); }
 
-// Distance moved in one step around the axis, averaged over objects between two distances from it.
+// Returns the distance moved in one step around the axis, averaged over objects between two
+// distances from it.
 double MeanTangentialMove(Scene& scene, double nearest, double farthest) {
   const std::vector<Aabb> before = BoxesOf(scene);
   scene.Step();

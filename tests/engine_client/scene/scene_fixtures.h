@@ -1,4 +1,5 @@
-// What the scene tests share: making scenes that must exist, and looking at boxes bit by bit.
+// The parts that the scene tests share: making scenes that must exist, and hashing boxes bit by
+// bit.
 #pragma once
 
 #include <bit>

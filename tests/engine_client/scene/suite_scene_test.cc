@@ -11,7 +11,7 @@
 namespace sweepstake {
 namespace {
 
-// Sweep along x, full test of the rest.
+// Counts the pairs with a sweep along x and a full test of the candidates.
 uint64_t CountPairs(std::span<const Aabb> boxes, std::vector<Aabb>& sorted) {
   sorted.assign(boxes.begin(), boxes.end());
   std::sort(sorted.begin(), sorted.end(),
@@ -25,7 +25,7 @@ uint64_t CountPairs(std::span<const Aabb> boxes, std::vector<Aabb>& sorted) {
   return count;
 }
 
-// Over frames 21 to 140, as the published table.
+// Returns the mean over frames 21 to 140, as in the published table.
 double MeanPairs(std::string_view name, uint32_t object_count) {
   const std::unique_ptr<Scene> scene = MustMakeScene(name, WithCount(object_count));
   std::vector<Aabb> sorted;

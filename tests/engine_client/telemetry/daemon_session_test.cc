@@ -1,5 +1,5 @@
-// The session over real gRPC on the loopback, against a daemon that does what each test says. Waits
-// are for conditions, never for a time; a wait in vain ends with the test's time limit.
+// The session over real gRPC on the loopback, against a daemon that each test scripts. Tests wait
+// for conditions, never for a time; a failed wait ends with the test's time limit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ class DaemonSessionTest : public ::testing::Test {
     ASSERT_TRUE(session_->Start(*adaptive_).ok());
   }
 
-  // One frame; counts what could have made it wait.
+  // Runs one frame and counts the calls that could have made it wait.
   void Frame(uint64_t frame_time_ns = 10 * kMs) {
     const WaitCounter waits;
     adaptive_->BeginFrame();
@@ -73,7 +73,7 @@ class DaemonSessionTest : public ::testing::Test {
     ++frame_count_;
   }
 
-  // Frames until the condition holds.
+  // Runs frames until the condition holds.
   template <typename Condition>
   void RunUntil(Condition condition) {
     while (!condition()) {
@@ -85,7 +85,7 @@ class DaemonSessionTest : public ::testing::Test {
     RunUntil([&] { return session_->stats().state == state; });
   }
 
-  // Sums over what the daemon received, each message once.
+  // Sums over the messages that the daemon received, each counted once.
   static uint64_t FramesIn(const std::vector<v1::StreamTelemetryRequest>& evidence) {
     uint64_t count = 0;
     for (const auto& request : evidence) count += request.frame_batch().frame_time_ns_size();
@@ -246,7 +246,7 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
   ASSERT_TRUE(daemon.Send(response));
   RunUntil([&] { return session_->stats().beliefs[2].alpha == 3; });
 
-  // Not usable: too few arms, or no distribution. The last one stays.
+  // Snapshots with too few arms or without a distribution are ignored; the last one stays.
   response.mutable_posterior_snapshot()->mutable_arms(0)->set_alpha(-1);
   ASSERT_TRUE(daemon.Send(response));
   response.mutable_posterior_snapshot()->mutable_arms()->RemoveLast();
@@ -275,7 +275,8 @@ TEST_F(DaemonSessionTest, TellsTheDaemonsVerdict) {
   EXPECT_EQ(adaptive_->verdict().verdict, Verdict::kTie);
   EXPECT_EQ(adaptive_->verdict().leader_probability, 0.625);
 
-  // Not usable: no such arm, no probability, a verdict of another time. The last one stays.
+  // Verdicts with an unknown arm, an invalid probability or a later kind are ignored; the last one
+  // stays.
   snapshot.set_verdict(v1::VERDICT_STABLE);
   snapshot.set_leader_arm(3);
   ASSERT_TRUE(daemon.Send(response));

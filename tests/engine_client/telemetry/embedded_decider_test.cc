@@ -16,7 +16,7 @@ constexpr uint64_t kMs = 1'000'000;
 const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
 const std::vector<uint32_t> kVersions = {1, 1, 2};
 
-// A game in virtual time whose frames cost what its active arm costs.
+// A game in virtual time whose frames have the cost of its active arm.
 class Game {
  public:
   explicit Game(std::vector<uint64_t> frame_ms) : frame_ms_(std::move(frame_ms)) {}
@@ -132,7 +132,7 @@ TEST(EmbeddedDecider, TakesDescriptorsOfTheScene) {
     told.RunFor(*with, 1000);
     untold.RunFor(*without, 1000);
   }
-  // A policy that goes by the scene decides otherwise for another scene.
+  // A policy that depends on the scene decides differently for another scene.
   const auto means = [](const EmbeddedDecider& decider) {
     std::vector<double> values;
     for (const ArmBelief& belief : decider.beliefs()) values.push_back(MeanOf(belief));
@@ -197,7 +197,7 @@ TEST(EmbeddedDecider, AnswersABailOutAtOnce) {
   const uint32_t before = game.arm;
   const double beta_before = decider->beliefs()[before].beta;
   const size_t commands_before = game.commands.size();
-  // Resampling may keep the arm; ten zero-reward observations each make that ever less likely.
+  // Resampling may keep the arm; each ten observations without reward make that less likely.
   for (int i = 0; i < 10 && game.commands.size() == commands_before; ++i) {
     game.Frame(*decider, 6000);
   }

@@ -34,7 +34,7 @@ class EmbeddedSessionTest : public ::testing::Test {
         std::move(*AdaptiveFactory::Make({}, std::move(backends), &session_->sink(), clock_));
   }
 
-  // The session must let go of the arms before they are gone.
+  // The session must release the arms before they are destroyed.
   void TearDown() override { session_->Stop(); }
 
   void Frame() {
@@ -44,7 +44,7 @@ class EmbeddedSessionTest : public ::testing::Test {
         {.frame_time_ns = adaptive_->active_arm() == 0 ? 40'000'000U : 10'000'000U});
   }
 
-  // Fails by the test's time limit, not by a count of tries.
+  // A failure ends with the test's time limit, not after a number of attempts.
   template <typename Condition>
   void RunUntil(Condition condition) {
     while (!condition()) {

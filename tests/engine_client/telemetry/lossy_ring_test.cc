@@ -8,7 +8,8 @@
 namespace sweepstake {
 namespace {
 
-// Large, so that a reader is long inside of it: without the version checks most reads are torn.
+// The element is large, so that reading it takes long: without the version checks most reads are
+// torn.
 using Block = std::array<uint64_t, 128>;
 
 Block BlockOf(uint64_t value) {

@@ -11,7 +11,7 @@ v1::StreamTelemetryRequest BatchOf(int frame_count) {
   return request;
 }
 
-// Sequence numbers of what a connection would send.
+// Returns the sequence numbers of the messages that a connection would send.
 std::vector<uint64_t> SendAll(ResendBuffer& buffer) {
   std::vector<uint64_t> sequences;
   while (const auto* entry = buffer.Next()) {

@@ -111,16 +111,16 @@ TEST(SampleQueue, DropsTheOldestNotesWhenThereAreTooMany) {
   EXPECT_EQ(queue.dropped_note_count(), 10U);
 }
 
-// A reader must be interrupted in the midst of a sample for as long as the producer takes to come
-// round: rare enough that it takes some millions of frames to see what is torn. (lossy_ring_test.cc
-// does the same with large elements, where it is common.)
+// A torn sample needs a reader that is interrupted within a sample until the producer has come
+// round. This is so rare that the test needs some millions of frames to see one.
+// (lossy_ring_test.cc does the same with large elements, where it is common.)
 #ifdef __SANITIZE_THREAD__
 constexpr uint64_t kFrameCount = 300'000;  // each of them ten times as long
 #else
 constexpr uint64_t kFrameCount = 4'000'000;
 #endif
 
-// By capacity: from always lapped to mostly not.
+// The capacities range from a ring that is always overrun to one that rarely is.
 class SampleQueueStress : public ::testing::TestWithParam<uint32_t> {};
 
 TEST_P(SampleQueueStress, GivesWholeFramesInOrderAndCountsTheRest) {

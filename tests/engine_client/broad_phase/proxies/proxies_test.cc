@@ -27,7 +27,7 @@ ProxyPairs Without(const ProxyPairs& pairs, const ProxyPairs& others) {
   return left;
 }
 
-// One frame of any backend.
+// Runs the frames of one backend.
 class Frames {
  public:
   explicit Frames(std::string_view name, Executor* executor = nullptr)
@@ -47,7 +47,7 @@ class Frames {
   bool built_ = false;
 };
 
-// Plays frames and holds each against the definitions.
+// Plays frames and compares each with the definitions.
 class Judge {
  public:
   explicit Judge(ProxyGame& game) : game_(game) {}
@@ -204,7 +204,7 @@ TEST(ResolvedPairs, NeedBothFiltersToPass) {
   EXPECT_EQ(resolve(), 0U);
 }
 
-// The place is used again between two frames: by index nothing happened.
+// The place is used again between two frames, so that the indices do not change.
 TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
   ProxySet proxies({.pair_events = true});
   Frames frames("BruteForce");
@@ -229,7 +229,7 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
   }
 }
 
-// Moving, teleporting, coming and going, asking: all of it in the memory it has.
+// Motion, teleports, adds, removes and queries must all do without an allocation.
 TEST(ProxySetInSteadyState, AllocatesNothing) {
   ProxySet proxies({.pair_events = true});
   Frames frames("SAP");

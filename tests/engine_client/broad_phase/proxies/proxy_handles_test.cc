@@ -1,4 +1,4 @@
-// Handles: what they lead to, and that a stale one never leads to another's proxy.
+// Handles lead to their proxies, and a stale one never leads to another proxy.
 #include <gtest/gtest.h>
 
 #include <array>

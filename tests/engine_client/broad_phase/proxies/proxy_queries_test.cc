@@ -43,7 +43,8 @@ std::vector<RayHit> ScanForRay(const ProxyGame& game, const Ray& ray,
   return hits;
 }
 
-// Along axes, in planes, of no direction, short, endless, tiny and huge.
+// Returns a ray along an axis, in a plane or without a direction, which may be short, endless, tiny
+// or huge.
 Ray RandomRay(ProxyGame& game) {
   test_support::Random& random = game.random();
   Ray ray{};
