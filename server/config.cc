@@ -24,9 +24,9 @@ namespace {
 constexpr std::string_view kVariablePrefix = "SWEEPSTAKE_";
 constexpr int64_t kNsPerMs = 1'000'000;
 
-// Reads a value into the configuration; the error says what would be right.
+// Reads a value into the configuration. The error says which values are valid.
 using Setter = std::function<absl::Status(Config&, const std::string&)>;
-// The value as TOML.
+// Returns the value as TOML.
 using Getter = std::function<std::string(const Config&)>;
 
 struct Setting {
@@ -63,7 +63,7 @@ bool ParseNumber(const std::string& text, T& value) {
   return error == std::errc() && stop == end;
 }
 
-// The shortest text that reads back as the same number.
+// Returns the shortest text that reads back as the same number.
 std::string ShortestText(double number) {
   std::array<char, 32> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
@@ -116,7 +116,7 @@ Setting Real(std::string key, Field field, std::string help) {
           }};
 }
 
-// A whole number from `min` to `max`, stored in multiples of `unit`.
+// Makes the setting of a whole number from `min` to `max`, which is stored in multiples of `unit`.
 template <typename Field>
 Setting Whole(std::string key, int64_t min, int64_t max, int64_t unit, Field field,
               std::string help) {
@@ -279,12 +279,12 @@ absl::Status UnknownName(std::string_view what, std::string_view name,
 bool IsOfKubernetes(const std::string& variable) {
   constexpr std::string_view kPort = "SWEEPSTAKE_PORT";
   if (variable.starts_with("SWEEPSTAKE_SERVICE_") || variable == kPort) return true;
-  // Then an underscore and the port's number.
+  // SWEEPSTAKE_PORT is followed by an underscore and the port's number.
   return variable.starts_with(kPort) && variable.size() > kPort.size() + 1 &&
          absl::ascii_isdigit(static_cast<unsigned char>(variable[kPort.size() + 1]));
 }
 
-// A scalar as text; absent for tables and arrays.
+// Returns a scalar as text, or nothing for a table or an array.
 std::optional<std::string> ScalarText(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* number = node.as_integer()) return std::to_string(number->get());

@@ -4,7 +4,7 @@
 // One table (config.cc) names every setting once. Its names in the file (`decision.cooldown_ms`),
 // in the environment (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag (`--decision-cooldown-ms`)
 // follow from it. An unknown name is an error that says which known one is nearest. Values are
-// checked one by one, then together. All functions are pure but for ReadConfigFile.
+// checked one by one, then together. All functions except ReadConfigFile are pure.
 #pragma once
 
 #include <filesystem>
@@ -21,15 +21,15 @@
 namespace sweepstake::server {
 
 struct Config {
-  std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 takes a free one
+  std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 means any free port
   std::filesystem::path data = "sweepstake-data";
   std::filesystem::path port_file;  // the port is written to it once the daemon listens
   std::string log_level = "info";   // trace, debug, info, warn, error or off
-  bool insecure = false;            // listen in plain text on other addresses than loopback
+  bool insecure = false;            // allows plain text on addresses other than loopback
   rpc::RpcOptions rpc;
 };
 
-// One setting as users see it.
+// The names and properties of one setting.
 struct SettingDescription {
   std::string key;       // in the file
   std::string variable;  // in the environment
@@ -42,21 +42,23 @@ std::vector<SettingDescription> DescribeSettings();
 // The values that a source assigns, by key.
 using Assignments = std::map<std::string, std::string>;
 
-// Errors: INVALID_ARGUMENT (what is wrong, where, and what would be right), NOT_FOUND (no such
-// file).
+// Reads a TOML file. Errors: INVALID_ARGUMENT (says what is wrong, where, and what is valid),
+// NOT_FOUND (no such file).
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path);
 // Reads NAME=VALUE strings. Names that do not begin with SWEEPSTAKE_ are ignored, and so are those
 // that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT and
 // SWEEPSTAKE_PORT_7433_…).
 absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environment);
 
-// Sets what is assigned. `origin` is for messages: "config.toml", "environment", "command line".
+// Sets the assigned values. `origin` is used in messages: "config.toml", "environment", "command
+// line".
 absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config);
 
-// Checks what no single setting shows: loopback without --insecure, weights that sum to 1.
+// Checks the rules for several settings together: other addresses than loopback need --insecure,
+// and the weights sum to 1.
 absl::Status Validate(const Config& config);
 
-// Every setting and its value, as a TOML file that ReadConfigFile takes.
+// Returns every setting with its value, as a TOML file that ReadConfigFile can read.
 std::string PrintConfig(const Config& config);
 
 }  // namespace sweepstake::server

@@ -19,7 +19,7 @@ namespace sweepstake::server {
 namespace fs = std::filesystem;
 namespace {
 
-// %J: the message as a JSON string.
+// Formats %J as the message in the form of a JSON string.
 class JsonMessage final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
@@ -46,8 +46,8 @@ class JsonMessage final : public spdlog::custom_flag_formatter {
   }
 };
 
-// The daemon's log: JSON lines on stderr with time (UTC), level and message. `level` as in
-// Config::log_level. Thread-safe.
+// Makes the daemon's log, which writes JSON lines on stderr with time (UTC), level and message.
+// `level` as in Config::log_level. Thread-safe.
 std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   auto formatter = std::make_unique<spdlog::pattern_formatter>(spdlog::pattern_time_type::utc);
   formatter->add_flag<JsonMessage>('J');
@@ -87,7 +87,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   return absl::OkStatus();
 }
 
-// The file appears whole, so that a process that waits for it never reads half of it.
+// The file appears whole, so that a process that waits for it never reads a part of it.
 absl::Status Daemon::WritePortFile() const {
   if (config_.port_file.empty()) return absl::OkStatus();
   const fs::path unfinished = config_.port_file.string() + ".new";

@@ -1,8 +1,8 @@
 // The daemon: the prior store, the gRPC side and the log wired together. The program runs one;
 // tests start as many as they like in their own process.
 //
-// Thread-safe but for Drain and destruction, which belong to one thread. The clock must outlive the
-// daemon.
+// Thread-safe, except that Drain and the destructor must be called by one thread. The clock must
+// outlive the daemon.
 #pragma once
 
 #include <chrono>
@@ -35,15 +35,15 @@ class Daemon {
   int port() const { return rpc_->port(); }
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
-  // Health says NOT_SERVING, clients are told to come back later, and what is on its way to disk
-  // arrives, all within `patience` plus the time of one commit. Idempotent.
+  // Sets health to NOT_SERVING, tells clients to reconnect later, and waits for pending writes, all
+  // within `patience` plus the time of one commit. Idempotent.
   void Drain(std::chrono::milliseconds patience = std::chrono::seconds(5));
 
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
   absl::Status WritePortFile() const;
-  // A process that waits for the file must not read that of an earlier daemon.
+  // Removes the file of an earlier daemon, which a waiting process must not read.
   void RemovePortFile() const;
 
   const Config config_;
@@ -54,11 +54,11 @@ class Daemon {
   bool drained_ = false;
 };
 
-// Ends the process when its orderly end takes too long, so that a disk that never answers cannot
-// keep a daemon alive that was told to end.
+// Ends the process if its orderly end takes too long, so that a disk that never answers cannot keep
+// the daemon alive.
 //
-// Nothing acknowledged is lost: that is on disk, and clients send the rest again. It owns one
-// thread; the destructor disarms and ends it.
+// No acknowledged evidence is lost, because it is on disk; clients send the rest again. The guard
+// owns one thread, which the destructor disarms and ends.
 class ExitGuard {
  public:
   // After `patience` writes `message` to stderr and exits with `code`, without running destructors.
@@ -71,7 +71,7 @@ class ExitGuard {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool disarmed_ = false;  // guarded by mutex_
-  std::thread thread_;     // last: starts when the rest is there
+  std::thread thread_;     // last: it uses the members above
 };
 
 }  // namespace sweepstake::server

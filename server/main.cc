@@ -1,7 +1,7 @@
 // `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
 //
-// Exit codes: 0 done, 1 a configuration that was to be checked is wrong, 2 bad usage or
-// configuration, 3 could not start, 4 told to end and not done within nine seconds.
+// Exit codes: 0 done; 1 the configuration to be checked is not valid; 2 bad usage or configuration;
+// 3 the daemon could not start; 4 it did not end within nine seconds after a signal.
 #include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -119,7 +119,7 @@ std::string UnknownFlag(const std::string& flag) {
          std::string(sweepstake::math::NearestName(flag, known)) + "?";
 }
 
-// Blocked before any thread starts, so that only sigwait sees them.
+// Blocks the signals before any thread starts, so that only sigwait receives them.
 sigset_t BlockEndSignals() {
   sigset_t signals;
   sigemptyset(&signals);

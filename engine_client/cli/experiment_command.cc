@@ -20,7 +20,7 @@ struct CommandOptions {
   bool json = false;
 };
 
-// A new experiment, or the one that the folder holds already.
+// Creates a new experiment or opens the one in the folder.
 struct Opened {
   ExperimentFolder folder;
   ExperimentPlan plan;
@@ -59,7 +59,7 @@ Status WriteText(const std::string& text, const std::filesystem::path& path) {
   return (*file)->Commit();
 }
 
-// Everything that is made of the runs that are there; no report where `page` is null.
+// Writes all outputs of the finished runs; without a report if `page` is null.
 Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& report,
                     ReportFile* page, Terminal& terminal) {
   const std::filesystem::path& path = folder.path();
@@ -109,11 +109,13 @@ int RunExperiment(const CommandOptions& options, const std::string& command_line
   const auto page = ReportFile::Create(ReportPath(options, opened->folder).string());
   if (!page.ok()) {
     const int exit_code = Fail(terminal, page.status());
-    // Without --report the experiment goes on: `sweepstake report` can make its report later.
+    // If --report is not given, the experiment also runs without a report page: `sweepstake report`
+    // can make the report later.
     if (!options.report.empty()) return exit_code;
   }
   opened->sittings.push_back({command_line, DescribeMachine({}).date_utc, ""});
-  // Written before the first run, so that an experiment that is killed can be resumed.
+  // The manifest is written before the first run, so that an experiment that is killed can be
+  // resumed.
   Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sittings, 0));
   if (!status.ok()) return Fail(terminal, status);
   InstallStopSignal();

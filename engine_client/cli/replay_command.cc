@@ -25,7 +25,7 @@ struct ReplayCommandOptions {
   bool json = false;
 };
 
-// How far it is, and when it will be done.
+// Shows the progress and the estimated remaining time.
 class StudyProgress {
  public:
   explicit StudyProgress(Terminal& terminal) : terminal_(terminal) {}

@@ -33,9 +33,9 @@ Problem CheckInterval(const char* name, int64_t value_ns, int64_t min_ns) {
     return std::string(name) + " is " + std::to_string(value_ns) + "; use " +
            std::to_string(min_ns) + " or more";
   }
-  if (value_ns > kLongestIntervalNs) {
+  if (value_ns > kMaxIntervalNs) {
     return std::string(name) + " is " + std::to_string(value_ns) + "; use at most " +
-           std::to_string(kLongestIntervalNs) + " (100 days)";
+           std::to_string(kMaxIntervalNs) + " (100 days)";
   }
   return std::nullopt;
 }
@@ -76,7 +76,7 @@ DecisionOptions DecisionOptions::Scaled(double time_scale) const {
 std::optional<std::string> ValidateNumbers(const DecisionOptions& options) {
   if (Problem problem = CheckWeights(options.weights)) return problem;
   if (Problem problem = CheckIntervals(options)) return problem;
-  if (!(options.bail_out_penalty >= 0 && options.bail_out_penalty <= kLargestPenalty)) {
+  if (!(options.bail_out_penalty >= 0 && options.bail_out_penalty <= kMaxPenalty)) {
     return "bail_out_penalty is negative, not finite or huge; use a number from 0 to 1000000";
   }
   if (!(options.fps_floor >= 0 && options.fps_floor <= kLargestFpsFloor))

@@ -19,11 +19,11 @@ struct DecisionOptions {
   std::string policy = "default";  // one of PolicyNames() (session/policy_registry.h)
   RewardWeights weights;
   int64_t decision_interval_ns = 2'000'000'000;  // Δt, > 0
-  // Time since the last executed switch, whatever its reason, >= 0.
+  // Minimum time from an executed switch, of any reason, to the next one by the policy, >= 0.
   int64_t cooldown_ns = 40'000'000'000;
   // Frame time after the first frame on the new arm, >= 0.
   int64_t settling_ns = 2'000'000'000;
-  // A longer frame is a bail-out, > 0. A time scale does not divide it.
+  // A frame longer than this is a bail-out, > 0. A time scale does not divide it.
   int64_t bail_out_ns = 5'000'000'000;
   int64_t exploration_warm_up_ns = 2'000'000'000;  // per arm, >= 0
   int64_t exploration_measure_ns = 4'000'000'000;  // per arm, > 0
@@ -36,9 +36,9 @@ struct DecisionOptions {
   DecisionOptions Scaled(double time_scale) const;
 };
 
-// The largest values that are valid.
-inline constexpr int64_t kLongestIntervalNs = 8'640'000'000'000'000;  // 100 days
-inline constexpr double kLargestPenalty = 1e6;
+// The maximum valid values.
+inline constexpr int64_t kMaxIntervalNs = 8'640'000'000'000'000;  // 100 days
+inline constexpr double kMaxPenalty = 1e6;
 inline constexpr double kLargestFpsFloor = 1000;
 
 // Returns which number is wrong and how to correct it, in one line, or nothing if all are valid.

@@ -23,7 +23,7 @@ enum FrameFlag : uint32_t {
   kFrameBailOut = 8
 };
 
-// What one frame cost (paper §4: FPS, DET, MEM, CHK).
+// The cost of one frame (paper §4: FPS, DET, MEM, CHK).
 struct Frame {
   uint64_t frame_time_ns = 0;      // unscaled, whole frame
   uint64_t detection_time_ns = 0;  // update and search
@@ -56,8 +56,8 @@ enum ShadowFlag : uint32_t {
   kShadowCapped = 2,  // the lane's time cap ended the visit; the times cover what ran until then
 };
 
-// What the scene looks like to a broad phase (sweepstake.v1.SceneDescriptor). A value that was not
-// measured is absent.
+// The properties of the scene that matter to a broad phase (sweepstake.v1.SceneDescriptor). A value
+// that was not measured is absent.
 struct SceneDescriptor {
   std::optional<double> object_count;
   std::optional<double> density_ratio;
@@ -68,7 +68,7 @@ struct SceneDescriptor {
   std::optional<double> static_ratio;
 };
 
-// What an executed switch cost, as the client measured it.
+// The cost of an executed switch, as the client measured it.
 struct SwitchCost {
   uint64_t rebuild_time_ns = 0;   // of a build on the frame thread; 0 if it was built beforehand
   uint64_t settling_cost_ns = 0;  // sum of the settling frames' time above the settled mean
@@ -77,7 +77,7 @@ struct SwitchCost {
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
 
-// What became of a tick's candidate. The values are those of sweepstake.v1.DecisionOutcome; 10 and
+// The outcome of a tick's candidate. The values are those of sweepstake.v1.DecisionOutcome; 10 and
 // 11 were used by older versions and must not be reused.
 enum class Outcome : uint32_t {
   kKept = 1,
@@ -156,14 +156,14 @@ struct DecisionRecord {
   Diagnosis diagnosis;
 };
 
-// Counts of frames and bail-outs since the session began, by what became of them.
+// Counts of frames and bail-outs since the session began, by how they were treated.
 struct SessionCounts {
   uint64_t measured_frame_count = 0;  // in a window
   // The next four counts are of frames that no window contains.
   uint64_t settling_frame_count = 0;    // settling or warming up
   uint64_t suspended_frame_count = 0;   // paused or loading
   uint64_t over_limit_frame_count = 0;  // over the bail-out limit
-  // Of an earlier switch epoch, or of an arm that is not active in its epoch.
+  // Frames of an earlier switch epoch, or of an arm that is not active in its epoch.
   uint64_t other_epoch_frame_count = 0;
   uint64_t rebuild_frame_count = 0;  // measured and settling frames that rebuilt
   // Detection time of these rebuild frames. It saturates at the maximum instead of wrapping.
@@ -190,7 +190,7 @@ class ObservationSummary {
   }
 };
 
-// What a tick or a bail-out asks the caller to do: persist, publish, send.
+// The result of a tick or a bail-out, which the caller persists, publishes and sends.
 struct Decision {
   DecisionRecord record;
   std::optional<Increment> increment;

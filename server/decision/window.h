@@ -1,5 +1,4 @@
-// The frames since the last decision tick in one switch epoch, and what they cost on average (paper
-// §4).
+// The frames since the last decision tick in one switch epoch, and their mean costs (paper §4).
 //
 // The sums are doubles, so that no input overflows them. They are added in the order of the frames,
 // so that the result has the same bits everywhere.

@@ -16,7 +16,8 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Linking gRPC's reflection library registers it with every server; this removes it again.
+// Removes the reflection service, which gRPC's library registers with every server when it is
+// linked.
 class WithoutReflection : public grpc::ServerBuilderOption {
  public:
   void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
@@ -32,7 +33,7 @@ constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
-  // Without a quota one connection can hold a gigabyte.
+  // Without a quota one connection can use a gigabyte.
   grpc::ResourceQuota quota("sweepstaked");
   quota.Resize(options.memory_quota_bytes);
   builder.SetResourceQuota(quota);
@@ -44,10 +45,10 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20 * kSecond);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10 * kSecond);
-  // gRPC spreads the age by ±10 % itself.
+  // gRPC itself varies the age by ±10 %.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30 * kMinute);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, kMinute);
-  // A second daemon on the same port must fail, not share it.
+  // A second daemon on the same port must fail instead of sharing it.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 
@@ -76,7 +77,7 @@ absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& l
 
 absl::Status RpcServer::Listen(const std::string& address) {
   grpc::EnableDefaultHealthCheckService(true);
-  // Also keeps the linker from leaving the library out.
+  // This call also keeps the linker from dropping the library.
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);

@@ -1,9 +1,10 @@
-// The gRPC side of the daemon: it listens, serves and drains. grpc.health.v1 says NOT_SERVING while
-// the store cannot write, and from the beginning of a drain on.
+// The gRPC side of the daemon, which listens, serves and drains. grpc.health.v1 reports NOT_SERVING
+// while the store cannot write and after a drain has begun.
 //
-// Thread-safe but for Drain, which one thread calls. It owns the decision loop and the sessions;
-// the clock, the store and the log are borrowed. The owner ends it in this order: Drain, then it
-// closes the store (whose callbacks still find the loop), then this destructor, then the store's.
+// Thread-safe, except that one thread calls Drain. It owns the decision loop and the sessions; the
+// clock, the store and the log are borrowed. The owner ends it in this order: it calls Drain,
+// closes the store (whose callbacks still use the loop), destroys this object, and then destroys
+// the store.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -27,7 +28,7 @@ namespace sweepstake::rpc {
 
 class RpcServer {
  public:
-  // `listen` is HOST:PORT; port 0 takes a free one. It serves plain text; the caller has checked
+  // `listen` is HOST:PORT; port 0 means any free port. It serves plain text; the caller has checked
   // that this is wanted. Error: UNAVAILABLE (cannot listen there).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options, Clock& clock,
@@ -38,18 +39,18 @@ class RpcServer {
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
 
-  // Refuses new streams, tells clients to come back later, waits for what is on its way to disk,
-  // and ends. What is not done within `patience` is cancelled. Idempotent.
+  // Refuses new streams, tells clients to reconnect later, waits for pending writes, and ends.
+  // Calls that are not done within `patience` are cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
 
  private:
   RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
   absl::Status Listen(const std::string& address);
-  // On the loop, once a second: a store that cannot write is not healthy.
+  // Runs on the loop once per second and updates health: a store that cannot write is not healthy.
   void WatchStore();
-  // Runs `task` on the loop and waits for it. Never on the loop.
+  // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
-  // Waits for commits that are on their way, including those of sessions without a client.
+  // Waits for pending commits, including those of sessions without a client.
   void AwaitCommits(std::chrono::steady_clock::time_point deadline);
 
   const RpcOptions options_;
@@ -61,10 +62,11 @@ class RpcServer {
   PosteriorsService posteriors_;
   PriorsService priors_;
   AuditService audit_;
-  bool serving_ = true;    // what health says; on the loop
-  bool draining_ = false;  // on the loop
-  bool drained_ = false;   // of Drain's caller
-  // It stands after everything that its tasks use, since its destructor runs the last ones.
+  bool serving_ = true;    // the state of health; used on the loop
+  bool draining_ = false;  // used on the loop
+  bool drained_ = false;   // used by Drain's caller
+  // The loop is declared after everything that its tasks use, since its destructor runs the last
+  // ones.
   DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
   int port_ = 0;

@@ -1,4 +1,4 @@
-// A prior store in memory, for tests, and the reference that the other stores must equal. Not
+// A prior store in memory for tests, which is also the reference for the other stores. Not
 // thread-safe. The memory grows with the number of sources; nothing is evicted.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace sweepstake::storage {
 
-// The part of the store that holds the audit log. Its limits bound it.
+// The audit log of the store, bounded by its limits.
 class MemoryAuditLog {
  public:
   explicit MemoryAuditLog(const priors::AuditLimits& limits) : limits_(limits) {}
@@ -36,7 +36,7 @@ class MemoryAuditLog {
   void Trim();
 
   const priors::AuditLimits limits_;
-  std::deque<Segment> segments_;  // in the order in which they began
+  std::deque<Segment> segments_;  // in order of their beginning
   uint64_t last_id_ = 0;
   uint64_t row_count_ = 0;
 };

@@ -1,4 +1,4 @@
-// The bounds that every store puts on what it keeps. They are checked before anything is written.
+// The limits of every store. They are checked before anything is written.
 #pragma once
 
 #include <span>
@@ -8,12 +8,13 @@
 
 namespace sweepstake::storage {
 
-inline constexpr double kMaxEvidence = 1e15;  // of an increment and of a sum, exclusive
-// Sequences and counts fit SQLite's integers.
+inline constexpr double kMaxEvidence = 1e15;  // exclusive maximum of an increment and of a sum
+// The maximum of sequences and counts, which must fit SQLite's integers.
 inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
 inline constexpr size_t kMaxNameBytes = 128;
 
-// The error INVALID_ARGUMENT names the update or record (from 0) and the field.
+// Check all updates or records. The error INVALID_ARGUMENT names the update or record (from 0) and
+// the field.
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 

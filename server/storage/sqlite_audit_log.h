@@ -1,5 +1,5 @@
-// The audit log in the prior store's SQLite file has a table of segments and one of their rows. One
-// thread at a time; the database must outlive it.
+// The audit log in the prior store's SQLite file: a table of segments and a table of their rows.
+// Used by one thread at a time; the database must outlive it.
 //
 // The space of removed rows is used again, but the file does not shrink.
 #pragma once
@@ -54,7 +54,7 @@ class SqliteAuditLog {
 
   priors::AuditLimits limits_;
   Statements statements_;
-  uint64_t row_count_ = 0;      // of all stored segments
+  uint64_t row_count_ = 0;      // in all stored segments
   uint64_t new_row_count_ = 0;  // the same once the current transaction is committed
 };
 

@@ -1,5 +1,5 @@
-// A thin layer over SQLite's C interface: a connection, prepared statements and rows. One thread at
-// a time.
+// A thin layer over SQLite's C interface: a connection, prepared statements and rows. Used by one
+// thread at a time.
 //
 // Statements are prepared once; their owner must destroy them before the connection. Errors map to
 // UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a database), INVALID_ARGUMENT

@@ -1,5 +1,5 @@
-// The prior store on SQLite: one file with a write-ahead log and synchronous commits. One thread at
-// a time.
+// The prior store on SQLite: one file with a write-ahead log and synchronous commits. Used by one
+// thread at a time.
 //
 // A commit takes one fsync, however many increments it has. LoadPriors and LoadScene read one row
 // per key and source.
@@ -12,7 +12,7 @@
 
 namespace sweepstake::storage {
 
-// The errors are those of OpenPriorDatabase.
+// Opens the store. The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {});
 

@@ -114,7 +114,7 @@ absl::Status Migrate(SqliteDatabase& database, int64_t from) {
   return absl::OkStatus();
 }
 
-// Makes a file that was renamed into this directory survive a power failure.
+// Syncs the directory, so that a file renamed into it survives a power failure.
 absl::Status SyncDirectory(const fs::path& path) {
   const std::string name = path.empty() ? "." : path.string();
   const int directory = open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -151,7 +151,7 @@ absl::Status CreateFile(const fs::path& path) {
   return SyncDirectory(path.parent_path());
 }
 
-// Refuses the file of another program.
+// Returns an error if the file belongs to another program.
 absl::Status CheckOwner(SqliteDatabase& database, const fs::path& path) {
   auto id = database.QueryInteger("PRAGMA application_id");
   if (id.ok() && *id == kSqliteApplicationId) return absl::OkStatus();

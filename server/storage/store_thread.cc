@@ -6,7 +6,7 @@
 namespace sweepstake::storage {
 namespace {
 
-// An update without increments still writes one row.
+// Returns the number of rows that an update writes: its own and one per increment.
 size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.increments.size(); }
 
 }  // namespace

@@ -135,7 +135,7 @@ class LiveRun {
  private:
   bool MayGoOn(uint64_t now_ns);
   Result<bool> Observe();
-  uint64_t LongestExplorationNs() const;
+  uint64_t MaxExplorationNs() const;
   void Keep(uint64_t end_ns);
   bool Control();
   bool ControlBlock(uint32_t arm, std::vector<ArmTotals>& sums);
@@ -206,7 +206,7 @@ bool LiveRun::MayGoOn(uint64_t now_ns) {
   return options_.go_on(now_ns);
 }
 
-uint64_t LiveRun::LongestExplorationNs() const {
+uint64_t LiveRun::MaxExplorationNs() const {
   constexpr uint64_t kPatience = 10;
   constexpr uint64_t kMinNs = 60'000'000'000;  // slow arms at a large time scale need this long
   const auto slot_ns =
@@ -232,7 +232,7 @@ Result<bool> LiveRun::Observe() {
       record_.explored = Totals(*run_);
       if (from_ns == 0) record_.explored.assign(record_.arms.size(), {});
       end_ns = since_begin_ns + options_.window_ns;
-    } else if (now_ns > LongestExplorationNs()) {
+    } else if (now_ns > MaxExplorationNs()) {
       return Status(StatusCode::kInternal, "the exploration of " + RunLabel(record_) +
                                                " does not end; try a smaller --time-scale");
     }

@@ -41,7 +41,7 @@ std::vector<double> FixedCosts::TotalsFrom(uint32_t first_frame) const {
   return totals;
 }
 
-// What the frames after a switch to `arm` take beyond what they take on a running one.
+// Returns how much longer the frames after a switch to `arm` take than with a running structure.
 double FixedCosts::SwitchNs(uint32_t game_frame, uint32_t arm, bool warm) const {
   const auto slowdown = scene_.slowdown(order_[game_frame], arm);
   double extra_ns = 0;
@@ -67,7 +67,9 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
   const auto interval = static_cast<uint32_t>(std::clamp<uint64_t>(
       static_cast<uint64_t>(interval_ns) / scene_.options().frame_ns, 1, scene_.frame_count()));
   OracleCost oracle;
-  std::vector<Path> paths(arms);  // the cheapest that end on each arm
+  // Dynamic programming: at every interval each path is continued or replaced by a switch from the
+  // cheapest one.
+  std::vector<Path> paths(arms);  // the cheapest path that ends on each arm
   for (uint32_t frame = 0; frame < scene_.frame_count(); ++frame) {
     if (frame > 0 && frame % interval == 0) {
       const Path best = *std::min_element(paths.begin(), paths.end(), cheaper);
@@ -86,6 +88,7 @@ FixedCosts::OracleCost FixedCosts::Oracle(int64_t interval_ns, bool warm) const 
     }
     oracle.frame_ns += min_ns;
   }
+  // The cheapest path at the end is the oracle's.
   const Path best = *std::min_element(paths.begin(), paths.end(), cheaper);
   oracle.regime_ns = best.cost_ns;
   oracle.switch_count = best.switch_count;

@@ -1,7 +1,8 @@
-// What a traced scene costs without a policy: each arm alone, and oracles that know everything.
+// The cost of a traced scene without a policy: of each arm alone, and of oracles that know all
+// costs in advance.
 //
-// Pure; safe from any thread. Borrows the scene. Nanoseconds of virtual time. All of them play the
-// very frames that Replay plays with the same seed, and pay neither for an exploration nor for
+// Pure; safe from any thread. Borrows the scene. Times are nanoseconds of virtual time. All of them
+// play the same frames as Replay with the same seed, and pay neither for an exploration nor for
 // building their first structure.
 #pragma once
 
@@ -12,24 +13,24 @@
 
 namespace sweepstake::cli {
 
-// The frames of one seed's game.
+// The costs of the frames of one seed's game.
 class FixedCosts {
  public:
   FixedCosts(const ReplayScene& scene, uint64_t seed);
 
-  // Of the frames from `first_frame` on, per arm.
+  // Returns the total time of the frames from `first_frame` on, per arm.
   std::vector<double> TotalsFrom(uint32_t first_frame) const;
 
   struct OracleCost {
-    double frame_ns = 0;        // the best arm of each frame, switching for nothing
+    double frame_ns = 0;        // the best arm of each frame, with free switches
     double regime_ns = 0;       // the cheapest sequence of arms that pays for its switches
-    uint32_t switch_count = 0;  // of the latter
-    uint32_t dominant_arm = 0;  // of that sequence
-    double active_share = 1;    // of the dominant arm
+    uint32_t switch_count = 0;  // in that sequence
+    uint32_t dominant_arm = 0;  // in that sequence
+    double active_share = 1;    // the dominant arm's
   };
-  // The latter may switch once per `interval_ns` of the best arm's frames, as a policy may at
-  // ticks; `warm`: at the cost of a switch that the shadow lane prepared, else of a cold one. Found
-  // by dynamic programming in O(frames × arms).
+  // Finds both oracles in O(frames × arms). The sequence may switch once per `interval_ns` of the
+  // best arm's frames, as a policy may at its ticks. If `warm`, a switch costs what one prepared by
+  // the shadow lane costs, else what a cold one does.
   OracleCost Oracle(int64_t interval_ns, bool warm) const;
 
  private:
@@ -40,7 +41,7 @@ class FixedCosts {
 
   const ReplayScene& scene_;
   std::vector<uint32_t> order_;     // the trace frame of each game frame
-  std::vector<double> from_block_;  // block-major: totals from this block's first frame on
+  std::vector<double> from_block_;  // block-major: totals from the block's first frame on
 };
 
 }  // namespace sweepstake::cli

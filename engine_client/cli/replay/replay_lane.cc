@@ -54,7 +54,7 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
 }
 
-// What a structure of `arm` takes that is built on this frame, in as many frames as a visit has.
+// Returns the times of a structure of `arm` that is built on this frame, for the frames of a visit.
 std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t arm) {
   fresh_ns_.clear();
   for (const double slowdown : scene_.slowdown(trace_frame, arm)) {

@@ -1,10 +1,10 @@
-// The shadow lane of a replayed game: one worker that visits the arms in the order of the real
-// lane's schedule (shadow_schedule.h), in virtual time, and warms the next arm up.
+// Simulates the shadow lane of a replayed game in virtual time: one worker that visits the arms in
+// the order of the real lane's schedule (shadow_schedule.h) and warms up the next arm.
 //
-// What a visit takes and measures is what running structures take in the frames of its sweep, times
-// what the trace's nearest burst says a fresh structure takes of that: where in the scene the game
-// is stays exact between bursts. Deterministic; not thread-safe. Borrows the scene. Nanoseconds of
-// virtual time.
+// The times of a visit are those of a running structure in the frames of its sweep, multiplied by
+// the slowdown of a fresh structure in the trace's nearest burst. The position in the scene is
+// therefore exact also between bursts. Deterministic; not thread-safe. Borrows the scene. Times are
+// nanoseconds of virtual time.
 #pragma once
 
 #include <cstdint>
@@ -22,21 +22,22 @@ class ReplayLane {
  public:
   ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options);
 
-  // When something happens next: a sweep begins, or a visit ends.
+  // The time at which the next sweep begins or the current visit ends.
   int64_t next_event_ns() const { return next_event_ns_; }
 
-  // Where the game is.
+  // The position of the game.
   struct Place {
     int64_t now_ns = 0;  // the end of this frame
     uint32_t game_frame = 0;
     uint32_t trace_frame = 0;
     uint32_t active_arm = 0;
   };
-  // The visit that has ended, if one has. REQUIRES: place.now_ns >= next_event_ns().
+  // Begins a sweep or ends the current visit, and returns what an ended visit measured. REQUIRES:
+  // place.now_ns >= next_event_ns().
   std::optional<decision::ShadowSample> Advance(const Place& place);
 
-  // Builds `arm` and keeps it up to date with the game from here on: the visit under way goes on
-  // afterwards. Returns when it is ready to take over.
+  // Builds `arm` and keeps it up to date with the game; the current visit continues afterwards.
+  // Returns the time at which the arm is ready to take over.
   int64_t WarmUp(uint32_t arm, const Place& place);
 
   uint64_t visit_count() const { return visit_count_; }
@@ -49,10 +50,10 @@ class ReplayLane {
   const ReplayScene& scene_;
   ShadowSchedule schedule_;
   int64_t next_event_ns_ = 0;
-  // The sweep under way; its visits see the frames of its beginning.
+  // Where the current sweep began; its visits use the frames from there on.
   Place sweep_;
-  std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent: between sweeps
-  std::vector<uint64_t> fresh_ns_;    // of FreshFrames
+  std::optional<ShadowVisit> visit_;  // ends at next_event_ns_; absent between sweeps
+  std::vector<uint64_t> fresh_ns_;    // the result of FreshFrames
   uint64_t visit_count_ = 0;
   uint64_t busy_ns_ = 0;
 };

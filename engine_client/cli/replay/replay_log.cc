@@ -25,7 +25,7 @@ Result<std::string> ReadLog(const std::string& path) {
   return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-// "1,234".
+// Formats a number as "1,234".
 std::string Grouped(uint64_t number) {
   std::string text = std::to_string(number);
   for (size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");

@@ -1,5 +1,5 @@
-// `sweepstake replay --log`: derives every decision of an audit log again and says whether it is
-// the one in the log.
+// `sweepstake replay --log`: derives every decision of an audit log again and compares it with the
+// logged one.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace sweepstake::cli {
 
-// The exit code: kDone, all are equal; kCheckFailed, with the first difference; kBadUsage, the file
-// cannot be read. Cost: reads the file into memory; some 30 µs a decision of 7 arms.
+// Returns the exit code: kDone (all decisions are equal), kCheckFailed (the first difference is
+// printed) or kBadUsage (the file cannot be read). The file is read into memory. Cost: some 30 µs
+// per decision of 7 arms.
 int ReplayLog(const std::string& file, bool json, Terminal& terminal);
 
 }  // namespace sweepstake::cli

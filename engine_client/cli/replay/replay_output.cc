@@ -60,7 +60,7 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
   return json;
 }
 
-// "+1.23%"
+// Formats a ratio as "+1.23%".
 std::string Percent(double ratio) {
   std::string text = Fixed(100 * ratio, 2);
   if (text == "-0.00") text = "0.00";

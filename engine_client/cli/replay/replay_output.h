@@ -1,5 +1,4 @@
-// What `sweepstake replay` shows of a study: a table for people, one JSON document, a CSV file of
-// every game.
+// The outputs of `sweepstake replay`: a text table, one JSON document, and a CSV file of all games.
 #pragma once
 
 #include <memory>
@@ -21,7 +20,7 @@ struct ReplayReport {
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
 
-// One row per game. The errors of CsvFile.
+// Writes one row per game. Errors: those of CsvFile.
 Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path);
 void WriteReplayCsv(const ReplayReport& report, CsvFile& csv);
 

@@ -51,7 +51,7 @@ Status ReadDuration(const std::string& text, uint64_t& ns) {
   return {};
 }
 
-// The game of the trace number `trace`.
+// Returns the options of the game on trace number `trace`.
 Result<GameOptions> GameOf(const ReplayRequest& request, size_t trace) {
   GameOptions game;
   const std::string pass = request.passes.empty()       ? ""

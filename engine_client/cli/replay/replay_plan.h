@@ -1,5 +1,5 @@
-// What `sweepstake replay` is asked to do, made ready to run: the words of the command line become
-// traced scenes and players. Not thread-safe where it reads files.
+// Plans `sweepstake replay`: turns the command line's words into traced scenes and players. It
+// reads files and is not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@
 namespace sweepstake::cli {
 
 struct ReplayRequest {
-  std::vector<std::string> costs{};  // files of cost traces
+  std::vector<std::string> costs{};  // cost trace files
   std::vector<std::string> policies = {"default", "paper"};
-  // Durations as ParseDuration takes them; empty: the default of GameOptions.
+  // Durations in the form of ParseDuration; empty: the default of GameOptions.
   std::string run = "15m";
   std::string frame = "10ms";
   std::string other_work{};
@@ -31,13 +31,14 @@ struct ReplayPlan {
   StudyOptions study;
 };
 
-// Reads the traces. The errors of ReadCosts and ReplayScene::Create; kInvalidArgument says which
-// word of the request is wrong and what is valid: durations, players, or traces of other arms.
-// REQUIRES: at least one trace.
+// Reads the traces. Errors: those of ReadCosts and ReplayScene::Create, and kInvalidArgument (a
+// duration or player is not valid, or the traces have different arms), which says what would be
+// valid. REQUIRES: at least one trace.
 Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request);
 
-// `words`: names of policies, `all` for each of them (`default` is one of them under its own name),
-// `fixed` for every arm, `fixed:ARM`, `oracle`. kInvalidArgument lists what is valid.
+// Returns the players that `words` names: a policy, `all` policies (`default` is among them under
+// its own name), `fixed` for every arm, `fixed:ARM`, `oracle`. Error: kInvalidArgument (lists what
+// is valid).
 Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
                                                 std::span<const std::string> arms);
 

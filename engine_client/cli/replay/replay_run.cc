@@ -12,7 +12,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// As the client sends them (engine_client/telemetry).
+// The real client (engine_client/telemetry) sends its frames and descriptors in these portions.
 constexpr int64_t kBatchNs = 250'000'000;
 constexpr size_t kBatchFrames = 30;
 constexpr uint32_t kDescriptorPeriodFrames = 256;
@@ -25,7 +25,7 @@ decision::SessionSetup SetupOf(const ReplayScene& scene, const ReplaySetup& setu
           .active_arm = static_cast<uint32_t>(setup.seed % scene.arm_count())};
 }
 
-// The client's side of a game.
+// Plays a game: simulates the client and its clock, and asks the real session.
 class Game {
  public:
   Game(const ReplayScene& scene, const ReplaySetup& setup);
@@ -34,7 +34,7 @@ class Game {
  private:
   struct PendingSwitch {
     decision::SwitchCommand command;
-    int64_t ready_ns = 0;  // not executed in frames that begin before
+    int64_t ready_ns = 0;  // frames that begin earlier do not execute it
     bool warm = false;
   };
 
@@ -45,10 +45,10 @@ class Game {
   void Batch(const decision::Frame& frame);
   void Flush();
   void TickUntil(int64_t now_ns);
-  void Obey(const decision::Decision& decision, int64_t now_ns);
+  void Accept(const decision::Decision& decision, int64_t now_ns);
   void Meter(const decision::Frame& frame);
   void Report(const SwitchOutcome& outcome);
-  void LookAtScene();
+  void ObserveScene();
   void NoteArm();
   ReplayLane::Place place(int64_t now_ns) const {
     return {now_ns, game_frame_, trace_frame_, arm_};
@@ -62,7 +62,7 @@ class Game {
   SwitchCostMeter meter_;
   ReplayResult result_;
 
-  int64_t now_ns_ = 0;  // the end of the latest frame
+  int64_t now_ns_ = 0;  // end of the latest frame
   uint32_t game_frame_ = 0;
   uint32_t trace_frame_ = 0;
   uint32_t arm_;
@@ -70,7 +70,7 @@ class Game {
   bool starting_up_ = true;
   bool metering_ = false;
   std::optional<PendingSwitch> pending_;
-  std::span<const double> slowdown_;  // of the coming frames, while the structure is fresh
+  std::span<const double> slowdown_;  // per coming frame, while the structure is fresh
   uint32_t next_frame_flags_ = 0;
   std::vector<decision::Frame> batch_;
   int64_t batch_begin_ns_ = 0;
@@ -112,9 +112,9 @@ void Game::PlayFrame() {
   if ((frame.flags & decision::kFrameBailOut) != 0) {
     ++result_.bail_out_count;
     Flush();
-    Obey(session_.ObserveBailOut(frame, now_ns_), now_ns_);
+    Accept(session_.ObserveBailOut(frame, now_ns_), now_ns_);
   }
-  LookAtScene();
+  ObserveScene();
 }
 
 void Game::ExecuteSwitch() {
@@ -141,7 +141,7 @@ decision::Frame Game::NextFrame() {
   double detection_ns = scene_.detection_ns(trace_frame_, arm_);
   if (!slowdown_.empty()) {
     if (meter_.awaits_rebuild()) {
-      // How long building alone took is not in the trace: what the first frame takes longer is.
+      // The trace has no build time, so the first frame's additional time is reported in its place.
       meter_.OnRebuild(static_cast<uint64_t>(detection_ns * std::max(slowdown_.front() - 1, 0.0)));
     }
     detection_ns *= slowdown_.front();
@@ -186,13 +186,13 @@ void Game::Flush() {
 void Game::TickUntil(int64_t now_ns) {
   while (session_.next_tick_ns() <= now_ns) {
     const int64_t due_ns = session_.next_tick_ns();
-    Obey(session_.Tick(due_ns), due_ns);
+    Accept(session_.Tick(due_ns), due_ns);
     ++result_.verdict_counts[static_cast<size_t>(session_.diagnosis().verdict)];
     NoteArm();
   }
 }
 
-void Game::Obey(const decision::Decision& decision, int64_t now_ns) {
+void Game::Accept(const decision::Decision& decision, int64_t now_ns) {
   if (setup_.keep_timeline) result_.timeline.decisions.push_back(decision.record);
   if (!decision.command) return;
   if (decision.command->arm == arm_) {
@@ -200,7 +200,7 @@ void Game::Obey(const decision::Decision& decision, int64_t now_ns) {
     return;
   }
   pending_ = PendingSwitch{.command = *decision.command, .ready_ns = now_ns};
-  // Fleeing from an arm that stalls waits for nothing.
+  // A switch after a bail-out does not wait for a warm-up.
   pending_->warm = lane_ && decision.command->reason != decision::SwitchReason::kBailOut;
   if (pending_->warm) pending_->ready_ns = lane_->WarmUp(decision.command->arm, place(now_ns));
 }
@@ -222,7 +222,7 @@ void Game::Report(const SwitchOutcome& outcome) {
       {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns});
 }
 
-void Game::LookAtScene() {
+void Game::ObserveScene() {
   if (game_frame_ % kDescriptorPeriodFrames == kDescriptorPeriodFrames - 1) {
     if (const auto* descriptor = scene_.descriptor(trace_frame_)) {
       session_.ObserveDescriptor(*descriptor);
@@ -233,7 +233,8 @@ void Game::LookAtScene() {
   }
 }
 
-// An arm that runs while nothing is explored was chosen.
+// Notes when the active arm was first chosen. Outside of the exploration every active arm was
+// chosen.
 void Game::NoteArm() {
   if (session_.exploring() || result_.first_active_ns[arm_]) return;
   result_.first_active_ns[arm_] = now_ns_;

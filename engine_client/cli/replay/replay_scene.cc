@@ -55,7 +55,7 @@ double ControlRegret(const CostTrace& trace, double twin_mean_ns) {
   return sum_ns / static_cast<double>(trace.frame_count) / twin_mean_ns - 1;
 }
 
-// The median of what a running structure of `arm` takes in frames first … last of the burst.
+// Returns the median time of a running structure of `arm` in frames first … last of the burst.
 double RunningNs(const CostTrace& trace, const TraceBurst& burst, uint32_t arm, uint32_t first,
                  uint32_t last) {
   std::vector<double> running_ns;
@@ -66,9 +66,10 @@ double RunningNs(const CostTrace& trace, const TraceBurst& burst, uint32_t arm, 
   return Median(std::move(running_ns));
 }
 
-// What a fresh structure of `arm` takes in the burst's frames ÷ what the running one takes there.
-// The frames after the warm-up share one ratio of medians, and those before are compared with the
-// median of the frames around them: a disturbed frame would turn its ratio around.
+// Returns, for each frame of the burst, the time of a fresh structure of `arm` ÷ that of the
+// running one. The frames of the warm-up are compared with the median of the frames around them,
+// and the later frames share one ratio of medians, because a single disturbed frame would make its
+// own ratio useless.
 std::vector<double> SlowdownOf(const CostTrace& trace, const TraceBurst& burst, uint32_t arm) {
   constexpr uint32_t kUnsettled = 1 + kShadowWarmUpFrames;
   const uint32_t count = trace.burst_frame_count;

@@ -9,10 +9,10 @@
 namespace sweepstake::cli {
 namespace {
 
-// The run whose posteriors are another run's priors.
+// The seed of the run whose posteriors become the priors of other runs.
 constexpr uint64_t kPriorsSeed = 1'000'000'007;
 
-// From the best arm to the worst.
+// Returns the arms from the best to the worst.
 std::vector<uint32_t> Ranking(std::span<const decision::BetaPosterior> posteriors) {
   std::vector<uint32_t> arms(posteriors.size());
   std::iota(arms.begin(), arms.end(), 0U);
@@ -32,7 +32,7 @@ std::vector<decision::BetaPosterior> Reversed(
   return reversed;
 }
 
-// All players' games of one seed on one scene.
+// Plays the games of one seed on one scene.
 class SeedGames {
  public:
   SeedGames(const ReplayScene& scene, const StudyOptions& options, uint64_t seed)

@@ -1,7 +1,7 @@
-// Many seeds of many players on many traced scenes, in parallel, and what they come to.
+// Plays many seeds of many players on many traced scenes in parallel, and summarizes the games.
 //
 // The result does not depend on the number of threads. Regret is frame time ÷ that of the best
-// fixed arm on the same frames, minus 1: negative is better than any fixed arm.
+// fixed arm on the same frames, minus 1; it is negative for a player that beats every fixed arm.
 #pragma once
 
 #include <array>
@@ -19,27 +19,27 @@
 
 namespace sweepstake::cli {
 
-// Who plays a traced scene: a policy, one arm all the time, or the oracle that knows everything.
+// The player of a traced scene: a policy, one fixed arm, or the oracle that knows all costs.
 struct ReplayPlayer {
   enum class Kind { kPolicy, kFixed, kOracle };
   std::string name;  // "paper", "fixed:SAP", "oracle"
   Kind kind = Kind::kPolicy;
-  uint32_t arm = 0;  // of kFixed
+  uint32_t arm = 0;  // for kFixed
 };
 
 enum class ReplayPriors {
   kNone,
-  kRight,  // what another seed's run of the same policy on the same trace had learnt at its end
-  kWrong,  // the same, the arms' ranking reversed
+  kRight,  // what the policy learnt on the same trace with another seed
+  kWrong,  // kRight with the arms' ranking reversed
 };
 inline constexpr std::array<std::string_view, 3> kReplayPriorsNames = {"none", "right", "wrong"};
 
 struct StudyOptions {
   std::vector<ReplayPlayer> players;
-  decision::DecisionOptions decision;  // its policy is each player's own
+  decision::DecisionOptions decision;  // `policy` is replaced by each player's
   uint32_t seed_count = 30;
   ReplayPriors priors = ReplayPriors::kNone;
-  std::optional<bool> shadow_lane;  // absent: for the policies that learn from it
+  std::optional<bool> shadow_lane;  // absent: on for policies that learn from it
   uint32_t thread_count = 1;
   ShadowScheduleOptions shadow = {};
 };
@@ -49,40 +49,40 @@ struct StudyScene {
   ReplayScene scene;
 };
 
-// One player's game with one seed.
+// The result of one player's game with one seed.
 struct StudyGame {
   double regret_best_fixed = 0;
   double regret_oracle = 0;  // against the oracle that pays for its switches
   double regret_after_start_up = 0;
-  double headroom = 0;        // of that oracle: 1 − its time ÷ the best fixed arm's
-  double frame_headroom = 0;  // of the best arm in every frame, switching for nothing
+  double headroom = 0;        // that oracle's: 1 − its time ÷ the best fixed arm's
+  double frame_headroom = 0;  // the same with the best arm in every frame and free switches
   uint64_t switch_count = 0;  // after the exploration
-  double active_share = 1;    // of the dominant arm
+  double active_share = 1;    // the dominant arm's
   uint32_t dominant_arm = 0;
-  std::optional<uint64_t> bail_out_count{};  // of a policy
-  std::vector<double> verdict_shares{};      // of a policy's ticks, by Verdict
+  std::optional<uint64_t> bail_out_count{};  // policies only
+  std::vector<double> verdict_shares{};      // policies only: of ticks, by Verdict
   std::optional<double> first_best_s{};      // when a policy first chose the best fixed arm
-  double shadow_share = 0;                   // of the time, that the shadow lane worked
+  double shadow_share = 0;                   // share of the time that the shadow lane worked
   bool operator==(const StudyGame&) const = default;
 };
 
-// All games of one player on one scene.
+// The results of one player on one scene.
 struct StudyRow {
   uint32_t scene = 0;
   uint32_t player = 0;
   std::vector<StudyGame> games;  // by seed, from 1
 
-  double regret_best_fixed = 0;  // means over the games, as all below
-  Interval ci95;                 // of it
+  double regret_best_fixed = 0;  // mean over the games, as all below
+  Interval ci95;                 // of regret_best_fixed
   double regret_oracle = 0;
   double regret_after_start_up = 0;
   Interval after_start_up_ci95;
   double headroom = 0;
   double frame_headroom = 0;
-  std::optional<double> headroom_captured;  // absent: less than kMinHeadroom is there
+  std::optional<double> headroom_captured;  // absent if the headroom is below kMinHeadroom
   double switches = 0;
   double active_share = 0;
-  uint32_t dominant_arm = 0;  // in most games
+  uint32_t dominant_arm = 0;  // in the largest number of games
   std::optional<double> bail_outs;
   std::vector<double> verdict_shares;
   std::optional<double> first_best_s;
@@ -90,15 +90,16 @@ struct StudyRow {
   struct AgainstPaper {
     double difference = 0;  // of regret_best_fixed, paired by seed
     Interval ci95;
-    double probability = 1;  // Wilcoxon's
+    double probability = 1;  // by Wilcoxon's test
   };
   std::optional<AgainstPaper> against_paper;
 };
 
 inline constexpr double kMinHeadroom = 0.005;
 
-// Rows by scene, then by player. `on_game` hears from the calling thread how many of all games are
-// done. REQUIRES: valid decision options; scenes with the same arms.
+// Plays all games. The rows are ordered by scene, then by player. `on_game` is called on the
+// calling thread with the number of games done. REQUIRES: the decision options are valid; all
+// scenes have the same arms.
 std::vector<StudyRow> RunStudy(std::span<const StudyScene> scenes, const StudyOptions& options,
                                const std::function<void(uint64_t done, uint64_t all)>& on_game);
 

@@ -16,20 +16,20 @@ constexpr int kSize = LinTsPolicy::kFeatureCount;
 using Vector = Eigen::Matrix<double, kSize, 1>;
 using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
-constexpr double kMinEvidence = 1e-6;  // keeps the inverse finite, whatever the priors
+constexpr double kMinEvidence = 1e-6;  // keeps the inverse finite for all priors
 
-// NaN gives 0, because it fails the comparison.
+// Returns the value if it is positive, else 0. NaN gives 0, because it fails the comparison.
 double Positive(const std::optional<double>& value) {
   return value && *value > 0 ? std::min(*value, 1e300) : 0;
 }
 
-// Maps 0 … ∞ to 0 … 1 and 1, a medium value of these descriptors, to ½.
+// Maps [0, ∞) to [0, 1). The value 1, which is typical of these descriptors, gives ½.
 double Squashed(const std::optional<double>& value) {
   const double positive = Positive(value);
   return positive / (1 + positive);
 }
 
-// Maps a million objects to 1.
+// Returns the logarithm of the count, scaled so that a million objects give 1.
 double LogCount(const std::optional<double>& count) {
   return std::min(1.0, math::Log(1 + Positive(count)) / math::Log(1e6));
 }

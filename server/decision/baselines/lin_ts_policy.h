@@ -7,9 +7,9 @@
 // v = 0.1, a tenth of the reward's range. The arm's Beta prior counts as α+β observations of the
 // constant feature with mean μ; the other coefficients have the unit prior of that paper. A
 // bail-out counts as its penalty's number of observations of reward 0. Features that are not
-// measured are 0; before the first descriptor only the constant is not. Each choice takes one 8 × 8
-// Cholesky factorization per arm. The results have the same bits on every platform (Eigen without
-// vectorization).
+// measured are 0; before the first descriptor all features except the constant are 0. Each choice
+// takes one 8 × 8 Cholesky factorization per arm. The results have the same bits on every platform
+// (Eigen without vectorization).
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class LinTsPolicy : public RewardPolicy {
   };
 
   void Observe(const Increment& increment);
-  // About the reward in the current scene.
+  // The belief about an arm's reward in the current scene.
   struct Belief {
     double mean = 0;
     double variance = 0;  // without v²

@@ -11,9 +11,9 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kMinEvidence = 1e-6;  // keeps a bound finite, whatever the priors
+constexpr double kMinEvidence = 1e-6;  // keeps a bound finite for all priors
 
-using Row = std::array<std::string_view, 2>;  // in order of preference
+using Row = std::array<std::string_view, 2>;  // arms in order of preference
 
 Row RowOf(double object_count, double density_ratio) {
   if (object_count < ThresholdsPolicy::kFewObjects) return {"BruteForce", ""};

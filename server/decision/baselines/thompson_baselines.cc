@@ -9,7 +9,7 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kFirstVariance = 0.05 * 0.05;  // of a log-cost
+constexpr double kFirstVariance = 0.05 * 0.05;  // the first guess of a log-cost's variance
 constexpr double kFirstDegrees = 4;  // the first guess weighs as much as this many windows
 constexpr double kMinVariance = 0.002 * 0.002;
 constexpr double kMaxCorrelation = 0.8;
@@ -75,7 +75,7 @@ std::optional<WindowUpdate> CalibratedPolicy::LearnWindow(const WindowObservatio
   return WindowUpdate{.increment = increment, .reward = reward};
 }
 
-// The penalty is as many windows of reward 0 as the paper's has observations.
+// The penalty is that number of windows of reward 0, where the paper counts observations.
 Increment CalibratedPolicy::LearnBailOut(uint32_t arm) {
   const double evidence = EvidenceOf(posteriors_[arm].mean(), variance_.value());
   const Increment increment = BailOutIncrement(arm, bail_out_penalty_ * evidence);

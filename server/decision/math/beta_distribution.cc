@@ -11,15 +11,15 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kHalfLog2Pi = 0x1.d67f1c864beb5p-1;
-// From this argument on Stirling's series up to x^−11 is exact to the last place.
+// At and above this argument Stirling's series up to x^−11 is exact to the last place.
 constexpr double kStirlingFrom = 15;
-// From this parameter on the tail is integrated, since the series would need ever more terms.
+// At and above this parameter the tail is integrated, since the series would need too many terms.
 constexpr double kSumFrom = 3000;
 
-// (x − ½) ln x − x + ½ ln 2π, which is ln Γ(x) without Stirling's error.
+// Returns (x − ½) ln x − x + ½ ln 2π, which is ln Γ(x) without Stirling's error.
 double StirlingLeading(double x) { return (x - 0.5) * math::Log(x) - x + kHalfLog2Pi; }
 
-// The sum of the Bernoulli numbers over 2k (2k − 1) x^(2k − 1). REQUIRES: x >= kStirlingFrom.
+// Returns the sum of the Bernoulli numbers ÷ 2k (2k − 1) x^(2k − 1). REQUIRES: x >= kStirlingFrom.
 double StirlingSeries(double x) {
   constexpr std::array<double, 6> kTerms = {1.0 / 12,    -1.0 / 360, 1.0 / 1260,
                                             -1.0 / 1680, 1.0 / 1188, -691.0 / 360360};
@@ -30,7 +30,7 @@ double StirlingSeries(double x) {
   return sum * inverse;
 }
 
-// ln Γ(x) − StirlingLeading(x).
+// Returns ln Γ(x) − StirlingLeading(x).
 double StirlingError(double x) {
   return x >= kStirlingFrom ? StirlingSeries(x) : LogGamma(x) - StirlingLeading(x);
 }
@@ -47,8 +47,9 @@ UnitPoint FromLogit(double logit) {
   return logit < 0 ? UnitPoint{small, large} : UnitPoint{large, small};
 }
 
-// The series S of I_x(α, β) = x^α (1 − x)^β / (α B) × S (DLMF 8.17.8). All its terms are positive;
-// around the mean it takes some √α of them. REQUIRES: x <= ½, and 1 − I_x is not negligible.
+// Returns the series S of I_x(α, β) = x^α (1 − x)^β / (α B) × S (DLMF 8.17.8). All its terms are
+// positive; around the mean it takes some √α of them. REQUIRES: x <= ½, and 1 − I_x is not
+// negligible.
 double IncompleteBetaSeries(const BetaPosterior& p, double x) {
   constexpr double kPrecision = 1e-17;
   const double n = p.alpha + p.beta;
@@ -61,15 +62,15 @@ double IncompleteBetaSeries(const BetaPosterior& p, double x) {
   return sum;
 }
 
-// P(logit <= mode + offset) by the trapezoidal rule, with the terms of Euler and Maclaurin at the
-// end up to the third derivative. Its steps are a twelfth of the scale on which the density
+// Returns P(logit <= mode + offset) by the trapezoidal rule, with the terms of Euler and Maclaurin
+// at the end up to the third derivative. Its steps are a twelfth of the scale on which the density
 // changes, which leaves a relative error below 1e-10. REQUIRES: offset <= 0, α >= 1, and both
 // parameters are large or the logit is above 0.
 double SummedTail(const BetaPosterior& p, double offset) {
   constexpr double kPrecision = 1e-17;
   const double n = p.alpha + p.beta;
   const UnitPoint at = FromLogit(LogitMode(p) + offset);
-  // The slope of the density's logarithm.
+  // This is the slope of the density's logarithm.
   const double slope = p.alpha * at.y - p.beta * at.x;
   const double h = 1 / (12 * std::max({1.0, std::sqrt(p.alpha / n * p.beta), slope / 8}));
   double sum = 0;
@@ -86,7 +87,7 @@ double SummedTail(const BetaPosterior& p, double offset) {
   return math::Exp(LogitLogPeak(p)) * h * sum;
 }
 
-// P(logit <= mode + offset). REQUIRES: the logit is at most 0.
+// Returns P(logit <= mode + offset) by the series. REQUIRES: the logit is at most 0.
 double SeriesTail(const BetaPosterior& p, double offset) {
   constexpr double kNegligible = -45;
   const double log_shape = LogitLogShape(p, offset);
@@ -95,8 +96,8 @@ double SeriesTail(const BetaPosterior& p, double offset) {
   return density / p.alpha * IncompleteBetaSeries(p, FromLogit(LogitMode(p) + offset).x);
 }
 
-// Below the mean this computes the lower tail, above it 1 − the upper tail, so that small results
-// have all their digits.
+// Returns P(logit <= mode + offset). Below the mean this computes the lower tail, above it 1 − the
+// upper tail, so that small results have all their digits.
 double TailAt(const BetaPosterior& p, double offset) {
   const bool large = std::min(p.alpha, p.beta) > kSumFrom;
   if (!large && LogitMode(p) + offset <= 0) return SeriesTail(p, offset);
@@ -110,8 +111,8 @@ double DistributionAt(const BetaPosterior& p, double offset) {
   return std::clamp(TailAt(p, offset), 0.0, 1.0);
 }
 
-// The offset from the mode below which the distribution has mass p. The logarithm of the
-// distribution function is concave, so that Newton's steps arrive from below without overshooting.
+// Returns the offset from the mode below which the distribution has mass p. The logarithm of the
+// distribution function is concave, so Newton's steps approach from below without overshooting.
 // REQUIRES: 0 < p <= 0.5.
 double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
   constexpr int kStepMax = 100;
@@ -172,10 +173,10 @@ double LogitLogShape(const BetaPosterior& posterior, double offset) {
   }
   const double n = p.alpha + p.beta;
   const double mean = p.alpha / n;  // at most ½
-  // Relative to the mode, since the terms of α ln x + β ln(1 − x) would cancel.
-  constexpr double kLargestExponent = 700;
-  const double log_ratio = offset < kLargestExponent ? math::Log1p(mean * math::Expm1(offset))
-                                                     : offset + math::Log(mean);
+  // Computed relative to the mode, since the terms of α ln x + β ln(1 − x) would cancel.
+  constexpr double kMaxExponent = 700;
+  const double log_ratio =
+      offset < kMaxExponent ? math::Log1p(mean * math::Expm1(offset)) : offset + math::Log(mean);
   return std::min(0.0, p.alpha * offset - n * log_ratio);
 }
 

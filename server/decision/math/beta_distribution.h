@@ -21,13 +21,13 @@ struct BetaPosterior {
 inline constexpr double kShapeMin = 1e-6;
 inline constexpr double kShapeMax = 1e15;
 
-// The posterior with both parameters clamped to these bounds.
+// Returns the posterior with both parameters clamped to these bounds.
 BetaPosterior Bounded(const BetaPosterior& posterior);
-// The distribution of 1 − the reward.
+// Returns the distribution of 1 − the reward.
 BetaPosterior Mirrored(const BetaPosterior& posterior);
 
-// ln Γ(x). Error: 2e-14 absolute or 1e-15 relative, whichever is larger. REQUIRES: 1e-6 <= x <=
-// 4e15. Cost: some 40 ns.
+// Returns ln Γ(x). Error: 2e-14 absolute or 1e-15 relative, whichever is larger. REQUIRES: 1e-6 <=
+// x <= 4e15. Cost: some 40 ns.
 double LogGamma(double x);
 
 // The density on the scale of logits, x^α (1 − x)^β / B(α, β), at logit = ln(x / (1 − x)), is
@@ -38,17 +38,17 @@ double LogitLogPeak(const BetaPosterior& posterior);
 // <= 0, concave, 0 at offset 0. Error: 1e-13 relative, and some 1e-16 × √(α + β) absolute.
 double LogitLogShape(const BetaPosterior& posterior, double offset);
 
-// ln of the density of the reward at x. REQUIRES: 0 < x < 1. Error: 1e-12 or some 1e-16 × √(α + β),
-// whichever is larger.
+// Returns the logarithm of the reward's density at x. REQUIRES: 0 < x < 1. Error: 1e-12 or some
+// 1e-16 × √(α + β), whichever is larger.
 double BetaLogDensity(const BetaPosterior& posterior, double x);
 
-// P(reward <= x), the regularised incomplete beta function. Error: 1e-10, up to 1e-9 towards α + β
-// = 2e15; for results below 1e-3 with x below the mean the error is relative. Cost: 0.2–5 µs.
-// REQUIRES: 0 <= x <= 1.
+// Returns P(reward <= x), the regularised incomplete beta function. Error: 1e-10, up to 1e-9
+// towards α + β = 2e15; for results below 1e-3 with x below the mean the error is relative. Cost:
+// 0.2–5 µs. REQUIRES: 0 <= x <= 1.
 double BetaDistribution(const BetaPosterior& posterior, double x);
 
-// The reward that the arm stays below with probability p; 0 if it is too small for a double. Error:
-// that of BetaDistribution. Cost: some ten calls of it. REQUIRES: 0 <= p <= 1.
+// Returns the reward below which the arm is with probability p; 0 if it is too small for a double.
+// Error: that of BetaDistribution. Cost: some ten calls of it. REQUIRES: 0 <= p <= 1.
 double BetaQuantile(const BetaPosterior& posterior, double p);
 
 struct CredibleInterval {
@@ -56,8 +56,8 @@ struct CredibleInterval {
   double high = 1;
 };
 
-// The central interval that holds the reward with this probability, e.g. 0.95: the tails below and
-// above it are equal. REQUIRES: 0 <= mass <= 1.
+// Returns the central interval that contains the reward with this probability, e.g. 0.95. The tails
+// below and above it are equal. REQUIRES: 0 <= mass <= 1.
 CredibleInterval CentralInterval(const BetaPosterior& posterior, double mass);
 
 }  // namespace sweepstake::decision

@@ -27,7 +27,7 @@ class LeastSquares {
   };
 
   size_t count_;
-  std::vector<Pair> pairs_;  // a matrix, row by row
+  std::vector<Pair> pairs_;  // an n × n matrix, row by row
   std::vector<double> start_;
 };
 
@@ -57,7 +57,7 @@ LeastSquares::LeastSquares(std::span<const double> means, std::span<const double
   }
 }
 
-// Sweeps of Gauss and Seidel, clamped at 0.
+// Solves by Gauss–Seidel sweeps, with the variables clamped at 0.
 std::vector<double> LeastSquares::Solve() const {
   std::vector<double> variances = start_;
   for (int sweep = 0; sweep < kSweepCount; ++sweep) {

@@ -10,7 +10,8 @@ namespace {
 
 constexpr size_t kLineMax = 200;
 
-// Row by row of the table of distances between all prefixes.
+// Returns the Levenshtein distance. It fills the table of distances between all prefixes row by
+// row.
 size_t EditDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
   for (size_t j = 0; j < row.size(); ++j) row[j] = j;

@@ -1,4 +1,4 @@
-// The answer to a name that is not in the list of valid ones.
+// Error texts for names that are not in the list of valid ones.
 //
 // Pure functions, safe from any thread.
 #pragma once
@@ -9,16 +9,16 @@
 
 namespace sweepstake::math {
 
-// `text` in a message of one line: each byte that is not printable ASCII becomes '?', and what
-// follows the first 200 bytes is left out.
+// Returns `text` for use in a one-line message: each byte that is not printable ASCII becomes '?',
+// and only the first 200 bytes are kept.
 std::string PrintableLine(std::string_view text);
 
-// The valid name with the smallest edit distance (Levenshtein) to `name`, the first one of equals;
-// empty if there is no valid name. Cost: the product of both lengths, for each valid name.
+// Returns the valid name with the smallest edit distance (Levenshtein) to `name`, the first one of
+// equals; empty if there is no valid name. Cost: the product of both lengths, for each valid name.
 std::string_view NearestName(std::string_view name, std::span<const std::string_view> valid);
 
-// "unknown KIND 'NAME', must be one of A, B, C": A is the nearest name, the others follow in their
-// own order.
+// Returns "unknown KIND 'NAME', must be one of A, B, C": A is the nearest name, the others follow
+// in their own order.
 std::string UnknownName(std::string_view kind, std::string_view name,
                         std::span<const std::string_view> valid);
 

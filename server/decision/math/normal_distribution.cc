@@ -8,13 +8,14 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr double kInverseSqrtTwoPi = 0x1.9884533d43651p-2;
-// From this |z| on the continued fraction is exact enough: 1e-14 at z = 3 with this depth.
+// At and above this |z| the continued fraction is used, whose error is 1e-14 at z = 3 with its
+// depth.
 constexpr double kTail = 3;
 constexpr int kFractionDepth = 100;
 constexpr double kUnderflow = 38;
 
-// (Φ(z) − ½) ÷ φ(z) = z + z³/3 + z⁵/(3·5) + … (G. Marsaglia, "Evaluating the normal distribution",
-// Journal of Statistical Software 11, 2004).
+// Returns (Φ(z) − ½) ÷ φ(z) = z + z³/3 + z⁵/(3·5) + … (G. Marsaglia, "Evaluating the normal
+// distribution", Journal of Statistical Software 11, 2004).
 double CentralSeries(double z) {
   double sum = z;
   double term = z;
@@ -25,7 +26,7 @@ double CentralSeries(double z) {
   return sum;
 }
 
-// Mills' ratio (1 − Φ(z)) ÷ φ(z), by Laplace's continued fraction.
+// Returns Mills' ratio (1 − Φ(z)) ÷ φ(z), by Laplace's continued fraction.
 double MillsRatio(double z) {
   double denominator = z;
   for (int k = kFractionDepth; k > 0; --k) denominator = z + k / denominator;

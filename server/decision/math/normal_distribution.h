@@ -6,14 +6,14 @@
 
 namespace sweepstake::decision {
 
-// φ(z).
+// Returns φ(z).
 double NormalDensity(double z);
 
-// Φ(z), within 1e-13 of the true value, relatively so in the lower tail; 0 below −38.
+// Returns Φ(z), within 1e-13 of the true value, relatively so in the lower tail; 0 below −38.
 double NormalCdf(double z);
 
-// E[max(x, 0)] of a normal x with this mean and standard deviation: the expected gain of "expected
-// improvement" (J. Mockus, 1978). >= 0. REQUIRES: deviation >= 0.
+// Returns E[max(x, 0)] of a normal x with this mean and standard deviation: the expected gain of
+// "expected improvement" (J. Mockus, 1978). >= 0. REQUIRES: deviation >= 0.
 double ExpectedGain(double mean, double deviation);
 
 }  // namespace sweepstake::decision

@@ -25,7 +25,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallestNormal = std::numeric_limits<double>::min();
 
-// 2^k, −1022 <= k <= 1023.
+// Returns 2^k. REQUIRES: −1022 <= k <= 1023.
 double PowerOfTwo(int k) { return std::bit_cast<double>(static_cast<uint64_t>(k + 1023) << 52); }
 
 // 1/n! for n = 2 … 13: the remainder after them is below 2⁻⁵⁷ for |r| <= ln(2)/2.
@@ -46,15 +46,15 @@ constexpr std::array<double, 12> kInverseOdd = [] {
   return result;
 }();
 
-// c[0] + c[1] x + c[2] x² …
+// Returns c[0] + c[1] x + c[2] x² + …
 double Polynomial(const std::array<double, 12>& coefficients, double x) {
   double sum = 0;
   for (size_t i = coefficients.size(); i-- > 0;) sum = sum * x + coefficients[i];
   return sum;
 }
 
-// ln(m), √½ <= m < √2, as 2 artanh(s) with s = f / (2 + f), f = m − 1. Since 2s = f − s f, the
-// leading term is exact.
+// Returns ln(m) for √½ <= m < √2 as 2 artanh(s) with s = f / (2 + f), f = m − 1. Since 2s = f − s
+// f, the leading term is exact.
 double LogOfMantissa(double m) {
   const double f = m - 1;
   const double s = f / (2 + f);
@@ -78,7 +78,8 @@ ReducedAngle ReduceToQuadrant(double x) {
 
 bool HasAngle(double x) { return x > -1e15 && x < 1e15; }
 
-// Taylor's series. On [−π/4, π/4] the first omitted term is below 1e-16 of the result.
+// Returns sin(x) by Taylor's series. On [−π/4, π/4] the first omitted term is below 1e-16 of the
+// result.
 double SinSeries(double x) {
   const double s = x * x;
   double sum = -1.0 / 1307674368000.0;
@@ -103,7 +104,7 @@ double CosSeries(double x) {
   return 1.0 - (0.5 * s - s * s * sum);
 }
 
-// sin(rest + quadrant · π/2).
+// Returns sin(rest + quadrant · π/2).
 double SinOfQuadrant(double rest, uint32_t quadrant) {
   const double value = (quadrant & 1U) != 0 ? CosSeries(rest) : SinSeries(rest);
   return (quadrant & 2U) != 0 ? -value : value;

@@ -18,8 +18,8 @@ double Log(double x);
 double Expm1(double x);
 double Log1p(double x);
 
-// In radians. Beyond ±1e6 the error grows with |x| (about |x| · 1e-16). NaN beyond ±1e15 and for
-// what is not finite.
+// The argument is in radians. Beyond ±1e6 the error grows with |x| (about |x| · 1e-16). The result
+// is NaN beyond ±1e15 and if x is not finite.
 double Sin(double x);
 double Cos(double x);
 

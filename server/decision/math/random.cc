@@ -76,7 +76,7 @@ double RandomStream::NextUniform() {
 
 uint32_t RandomStream::NextBelow(uint32_t bound) {
   assert(bound > 0);
-  // Values from the limit on would favour the first results.
+  // Values at or above the limit are rejected, because they would favour the first results.
   const uint64_t limit = (uint64_t{1} << 32) / bound * bound;
   uint64_t value = limit;
   while (value >= limit) value = NextBits() >> 32;

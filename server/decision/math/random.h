@@ -1,10 +1,11 @@
-// Random numbers addressed by what they are for, not by how many were drawn before, and draws from
-// the normal, gamma and Beta distributions. The same bits on every platform.
+// Random numbers that depend on their purpose and index, not on how many were drawn before, and
+// draws from the normal, gamma and Beta distributions. They have the same bits on every platform.
 //
 // The generator is Philox4x32-10, which is counter-based (J. Salmon, M. Moraes, R. Dror, D. Shaw,
 // "Parallel random numbers: as easy as 1, 2, 3", SC 2011). Its key is the session's seed, its
-// counter names purpose, decision and index: a session that continues after a restart draws what it
-// would have drawn. Plain values; distinct streams are independent of each other. Not for secrets.
+// counter is made of purpose, decision and index, so that a session that continues after a restart
+// draws the same numbers as without it. Plain values; distinct streams are independent. Not for
+// secrets.
 // Cost: a Beta draw takes some 200 ns.
 #pragma once
 
@@ -18,10 +19,10 @@ namespace sweepstake::decision {
 using PhiloxBlock = std::array<uint32_t, 4>;
 using PhiloxKey = std::array<uint32_t, 2>;
 
-// Ten rounds of Philox4x32.
+// Computes ten rounds of Philox4x32.
 PhiloxBlock Philox4x32(PhiloxBlock counter, PhiloxKey key);
 
-// What a stream is for. It is part of the counter, so that streams never share numbers.
+// The purpose of a stream. It is part of the counter, so that streams never share numbers.
 enum class RandomPurpose : uint32_t { kExplorationOrder = 1, kChoice = 2 };
 
 class RandomStream {
@@ -30,9 +31,9 @@ class RandomStream {
   RandomStream(uint64_t seed, RandomPurpose purpose, uint64_t decision_id, uint32_t index);
 
   uint64_t NextBits();
-  // Uniform in the open interval (0, 1); 52 bits.
+  // Returns a uniform number in the open interval (0, 1) with 52 bits.
   double NextUniform();
-  // Uniform in 0 … bound − 1. REQUIRES: bound > 0.
+  // Returns a uniform number in 0 … bound − 1. REQUIRES: bound > 0.
   uint32_t NextBelow(uint32_t bound);
 
  private:
@@ -42,16 +43,16 @@ class RandomStream {
   uint32_t used_words_ = 4;
 };
 
-// Standard normal, by Marsaglia's polar method (SIAM Review 6, 1964).
+// Draws from the standard normal distribution by Marsaglia's polar method (SIAM Review 6, 1964).
 double DrawNormal(RandomStream& stream);
 
-// Natural logarithm of a Gamma(shape, 1) draw (G. Marsaglia, W. W. Tsang, "A simple method for
-// generating gamma variables", ACM TOMS 26, 2000). In logarithms, since for small shapes the value
-// itself underflows. REQUIRES: shape > 0; a shape below 1e-300 counts as 1e-300.
+// Returns the natural logarithm of a Gamma(shape, 1) draw (G. Marsaglia, W. W. Tsang, "A simple
+// method for generating gamma variables", ACM TOMS 26, 2000). For small shapes the value itself
+// would underflow. REQUIRES: shape > 0; a shape below 1e-300 counts as 1e-300.
 double DrawLogGamma(double shape, RandomStream& stream);
 
-// Beta(alpha, beta), as X / (X + Y) of two gamma draws; in [0, 1], never NaN. REQUIRES: both finite
-// and > 0.
+// Draws from Beta(alpha, beta) as X / (X + Y) of two gamma draws. The result is in [0, 1], never
+// NaN. REQUIRES: both parameters are finite and > 0.
 double DrawBeta(const BetaPosterior& posterior, RandomStream& stream);
 
 }  // namespace sweepstake::decision

@@ -1,4 +1,4 @@
-// Sums that stay at the maximum rather than wrap. Pure.
+// A sum that stays at the maximum instead of wrapping around. Pure.
 #pragma once
 
 #include <concepts>
@@ -6,7 +6,7 @@
 
 namespace sweepstake::decision {
 
-// REQUIRES: addend >= 0.
+// Returns value + addend, or the maximum if that is too large. REQUIRES: addend >= 0.
 template <std::integral Number>
 Number SaturatingSum(Number value, Number addend) {
   constexpr Number kMax = std::numeric_limits<Number>::max();

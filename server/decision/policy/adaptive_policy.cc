@@ -13,16 +13,16 @@ namespace {
 
 constexpr double Square(double x) { return x * x; }
 
-// Priors.
+// These constants concern priors.
 constexpr double kFlatEvidence = 2.5;            // a prior below this says nothing (Beta(1,1) is 2)
 constexpr double kPriorVariance = Square(0.15);  // minimum of a prior's log-cost
 constexpr double kUnknownDeviation = 0.8;        // of an unknown arm's log-cost
 constexpr double kFlatShare = 0.2;               // of the belief that ignores the prior
 constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
-// The safety limit.
+// These constants define the safety limit.
 constexpr double kUnsafeShare = 0.6;         // of the bail-out limit
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
-// The gate.
+// These constants define the gate.
 constexpr double kHorizonCooldowns = 5;
 constexpr double kTie = 0.005;            // a smaller expected gain does not matter
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time

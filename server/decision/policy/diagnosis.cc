@@ -67,7 +67,7 @@ BetaRewards::BetaRewards(std::span<const BetaPosterior> posteriors) {
   rewards_.reserve(posteriors.size());
   double highest_low = 0;
   double origin = 0;
-  // The supports and peaks, and the origin of the offsets.
+  // Find the supports and peaks, and the origin of the offsets.
   for (const BetaPosterior& posterior : posteriors) {
     const BetaPosterior p = Bounded(posterior);
     const double mode = LogitMode(p);
@@ -83,7 +83,7 @@ BetaRewards::BetaRewards(std::span<const BetaPosterior> posteriors) {
     }
     rewards_.push_back(reward);
   }
-  // Everything relative to the origin.
+  // Make the supports and densities relative to the origin.
   for (Reward& reward : rewards_) {
     reward.low -= origin;
     reward.high -= origin;
@@ -92,12 +92,12 @@ BetaRewards::BetaRewards(std::span<const BetaPosterior> posteriors) {
 }
 
 void BetaRewards::MoveTo(double t) {
-  constexpr double kLargestExponent = 700;
+  constexpr double kMaxExponent = 700;
   t_ = t;
   const double along = mirrored_ ? -t : t;
   double small = 1;
   double large = 0;
-  if (along < kLargestExponent) {
+  if (along < kMaxExponent) {
     const double growth = origin_small_ * math::Expm1(along);
     log_ratio_ = math::Log1p(growth);
     small = (origin_small_ + growth) / (1 + growth);

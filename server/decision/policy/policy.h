@@ -26,7 +26,7 @@ struct WindowObservation {
   int64_t now_ns = 0;
 };
 
-// What learning from a window results in.
+// The result of learning from a window.
 struct WindowUpdate {
   Increment increment;  // to be stored
   double reward = 0;    // 0–1
@@ -77,7 +77,7 @@ class Policy {
   virtual Diagnosis Diagnose() const;
 };
 
-// What is known of a policy before one is made.
+// The properties of a policy that are known before it is made.
 struct PolicyKind {
   std::string_view name;
   uint32_t reward_version = 1;      // evidence of different versions is never merged

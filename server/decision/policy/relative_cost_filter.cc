@@ -18,11 +18,11 @@ constexpr double kUnknownVariance = Square(0.8);  // of an arm relative to the o
 constexpr double kLaneVariance = Square(0.3);     // of the lane relative to the frame thread
 constexpr double kBiasVariance = Square(0.04);    // of the lane's bias for one arm
 constexpr double kAssumedVariance = Square(0.5);  // of a cost given by Assume
-// Noise variances.
+// These are noise variances.
 constexpr double kFirstNoise = Square(0.05);
 constexpr double kMinNoise = Square(0.005);
 constexpr double kMaxNoise = Square(0.5);
-// Drift variances per interval.
+// These are drift variances per interval.
 constexpr double kBiasDrift = Square(0.003);
 constexpr double kFirstDrift = Square(0.005);
 constexpr double kFirstLevelDrift = Square(0.03);

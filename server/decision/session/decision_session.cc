@@ -114,7 +114,7 @@ void DecisionSession::ObserveSwitch(uint32_t arm, uint32_t switch_epoch, SwitchR
   assert(arm < setup_.arms.size());
   if (observer_) observer_->OnSwitch({arm, switch_epoch, reason, now_ns, cost}, runs_);
   AdoptLaterRun(now_ns);
-  // An epoch that has ended already: frames of the one after it were faster than this report.
+  // The epoch has already ended: frames of a later one arrived before this report.
   if (IsLaterEpoch(run().switch_epoch(), switch_epoch)) return;
   if (run().arm() == arm && run().switch_epoch() == switch_epoch) {
     if (!run_reported_) observation_.CorrectReason(reason);
@@ -198,7 +198,7 @@ void DecisionSession::ReportTick(int64_t now_ns) {
   observer_->OnTick(input, runs_);
 }
 
-// Learns what is known of the scene besides the active arm's window.
+// Learns from the scene descriptor and the shadow lane's samples.
 void DecisionSession::LearnScene(int64_t now_ns) {
   if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
   if (!shadow_samples_.empty()) policy_->LearnShadow(shadow_samples_, now_ns);
@@ -310,7 +310,7 @@ void DecisionSession::TickExploration(Decision& decision) {
   }
 }
 
-// Commands the arm whose turn it is, and skips those whose commands had no effect.
+// Commands the arm whose turn it is, and skips arms whose commands had no effect.
 void DecisionSession::CommandNextSlot(Decision& decision, SwitchReason reason) {
   while (exploring() && run().arm() != exploration_.slot_arm()) {
     if (exploration_.CountCommand()) {

@@ -27,7 +27,7 @@ Problem CheckArms(const SessionSetup& setup) {
   return std::nullopt;
 }
 
-bool IsUsable(double pseudo_count) { return pseudo_count > 0 && pseudo_count < kLargestEvidence; }
+bool IsUsable(double pseudo_count) { return pseudo_count > 0 && pseudo_count < kMaxPriorEvidence; }
 
 Problem CheckPriors(const SessionSetup& setup) {
   if (!setup.priors.empty() && setup.priors.size() != setup.arms.size()) {

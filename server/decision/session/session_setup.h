@@ -1,4 +1,4 @@
-// All that a session is made from, and what makes it valid.
+// The setup of a session, and its validation.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@
 namespace sweepstake::decision {
 
 inline constexpr uint32_t kMaxArms = 32;
-inline constexpr double kLargestEvidence = 1e15;  // exclusive maximum of a prior's alpha and beta
+inline constexpr double kMaxPriorEvidence = 1e15;  // exclusive maximum of a prior's alpha and beta
 
 struct SessionSetup {
   DecisionOptions options;
   std::vector<std::string> arms;  // 1–kMaxArms unique, non-empty names
-  // One prior per arm, or none for Beta(1,1) each. Both parameters are in (0, kLargestEvidence).
+  // One prior per arm, or none for Beta(1,1) each. Both parameters are in (0, kMaxPriorEvidence).
   std::vector<BetaPosterior> priors;
   uint64_t seed = 1;  // of the exploration order and of all draws
   Mode mode = Mode::kAi;

@@ -1,4 +1,4 @@
-// The decision loop and its clock.
+// The decision loop, on whose thread all sessions live, and its clock.
 #pragma once
 
 #include <condition_variable>
@@ -11,22 +11,23 @@
 
 namespace sweepstake::rpc {
 
-// The clock of the decision loop: it tells the time and waits for a time. Tests script it.
+// The clock of the decision loop. It returns the time and waits for a time. Tests replace it.
 //
-// Nanoseconds from any origin, never going back, whatever the wall clock does. NowNs and Wake may
-// be called from any thread; WaitUntil from one.
+// Times are nanoseconds from any origin and never decrease, whatever the wall clock does. NowNs and
+// Wake may be called from any thread, WaitUntil from one.
 class Clock {
  public:
   static constexpr int64_t kNever = INT64_MAX;
 
   virtual ~Clock() = default;
   virtual int64_t NowNs() const = 0;
-  // Returns when NowNs() >= deadline_ns, or Wake was called since the last return, or earlier.
+  // Returns when NowNs() >= deadline_ns or Wake was called since the last return. It may return
+  // early.
   virtual void WaitUntil(int64_t deadline_ns) = 0;
   virtual void Wake() = 0;
 };
 
-// std::chrono::steady_clock.
+// The clock of the daemon: std::chrono::steady_clock.
 class SteadyClock final : public Clock {
  public:
   int64_t NowNs() const override;
@@ -41,11 +42,12 @@ class SteadyClock final : public Clock {
 
 // The one thread on which sessions live and decisions are made.
 //
-// gRPC's reactions and the store's callbacks only post here, so that sessions need no locks and
-// nothing waits for a decision. Post and PostAt are thread-safe. Tasks run in the order of posting,
-// those of PostAt when they are due; they must not wait and must not throw. The queue is bounded by
-// its posters: each stream, watcher and commit has at most a few tasks in it. The destructor runs
-// what was posted, drops what is not due yet, and ends the thread. The clock must outlive the loop.
+// gRPC's callbacks and the store's only post tasks here, so that sessions need no locks and no
+// other thread waits for a decision. Post and PostAt are thread-safe. Tasks run in the order of
+// posting, those of PostAt when they are due. They must not wait and must not throw. The queue is
+// bounded, because each stream, watcher and commit has at most a few tasks in it. The destructor
+// runs the posted tasks, drops those that are not due yet, and ends the thread. The clock must
+// outlive the loop.
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
@@ -63,7 +65,7 @@ class DecisionLoop {
 
  private:
   void Run();
-  // Moves the tasks that are to run now into `ready`; false: the loop closes and none is left.
+  // Moves the tasks that are due into `ready`. Returns false if the loop closes and none is left.
   bool Collect(std::vector<Task>& ready, int64_t& next_due_ns);
 
   Clock& clock_;

@@ -136,7 +136,7 @@ bool IsOptionalName(std::string_view name) {
   for (size_t i = 0; i < name.size(); ++i) {
     const auto byte = static_cast<unsigned char>(name[i]);
     if (byte < 0x20 || byte == 0x7f) return false;
-    // U+0080 to U+009F, the second block of control characters.
+    // These bytes are U+0080 to U+009F, the second block of control characters.
     if (byte == 0xc2 && i + 1 < name.size() && static_cast<unsigned char>(name[i + 1]) < 0xa0)
       return false;
   }
@@ -154,7 +154,7 @@ absl::Status CheckHello(const v1::Hello& hello) {
   if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;
   if (!IsKnownMode(hello.mode()))
     return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
-  // Written so that NaN fails.
+  // The comparisons are written so that NaN fails.
   const double scale = hello.time_scale();
   if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
     return Invalid("time_scale must be 1 to 1000, or absent");

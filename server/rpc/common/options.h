@@ -1,4 +1,4 @@
-// The bounds, intervals and counters of the services. What happens at a bound stands at the field.
+// The bounds, intervals and counters of the services. Each field says what happens at its bound.
 #pragma once
 
 #include <atomic>
@@ -24,48 +24,49 @@ inline constexpr uint32_t kMaxImportRecords =
     200'000;  // of one import, and twice as many of all under way; more are RESOURCE_EXHAUSTED
 inline constexpr uint32_t kAuditSegmentsPerMessage = 100;  // of a listing
 inline constexpr uint32_t kAuditRowsPerPage = 500;         // of an export
-// An export's message is sent once it has this many bytes of rows, and may exceed it by one row.
+// An export's message is sent once its rows have this many bytes; it may exceed that by one row.
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
-// Audit rows of one session that may wait for the disk: 64 rows of 7 arms, two minutes. Beyond it
-// the log of this session ends, since a log with a gap could not be derived again.
+// The maximum bytes of one session's audit rows that wait for the disk: 64 rows of 7 arms, which
+// are two minutes. Beyond it the session's log ends, since a log with a gap could not be derived
+// again.
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024;
 inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are not given
 inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
 
 struct RpcOptions {
-  // Its policy is that of sessions that name none.
+  // The policy in it is that of sessions that name none.
   decision::DecisionOptions decision;
   std::string daemon_version = "0.1.0";
-  priors::AuditLimits audit;  // of the store; no rows are made where it keeps 0
+  priors::AuditLimits audit;  // the store's limits; no rows are made if it keeps 0
 
-  // Sessions in memory, connected or resumable. At the bound the one that was lost longest ago
-  // leaves memory (it can still be resumed from the store); when all are connected a new one is
-  // RESOURCE_EXHAUSTED.
+  // The maximum number of sessions in memory, connected or resumable. At the bound the session that
+  // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
+  // new one is RESOURCE_EXHAUSTED.
   uint32_t max_sessions = 20'000;
   // A lost session leaves memory after this time; from then on it is resumed from the store.
   int64_t resume_window_ns = 600'000'000'000;
-  // Watchers at a time; the next one is RESOURCE_EXHAUSTED.
+  // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED.
   uint32_t max_watchers = 256;
   // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED.
   int64_t watcher_patience_ns = 20'000'000'000;
-  // A client that does not read its last messages for this long is cut off.
+  // A client that does not read its last messages for this long is disconnected.
   int64_t close_patience_ns = 2'000'000'000;
-  // Max streams of one connection; the next one waits.
+  // The maximum number of streams of one connection; the next one waits.
   uint32_t max_streams_per_connection = 100;
-  // Memory of all connections' buffers; beyond it reads are slowed.
+  // The maximum memory of all connections' buffers; beyond it reads are slowed down.
   uint64_t memory_quota_bytes = 64ull << 20;
   // The reconnect delay that a draining daemon asks for; the client adds its jitter.
   uint32_t reconnect_delay_ms = 500;
   bool reflection = false;
 };
 
-// What the services have seen since the start. Their threads write it and any thread may read it.
-// Each counter is exact; together they are not of one moment.
+// Counts of events since the daemon's start. The services' threads write them and any thread may
+// read them. Each counter is exact, but several are not read at one moment.
 struct Counters {
   std::atomic<uint64_t> connected_stream_count{0};   // streams that got a welcome
   std::atomic<uint64_t> resumed_count{0};            // of those, resumed
-  std::atomic<uint64_t> goodbye_count{0};            // sessions that ended in order
-  std::atomic<uint64_t> malformed_message_count{0};  // did not parse
+  std::atomic<uint64_t> goodbye_count{0};            // sessions ended by the client
+  std::atomic<uint64_t> malformed_message_count{0};  // could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // broke a rule of the contract
   std::atomic<uint64_t> replayed_message_count{0};   // sequence at or below one already applied
   std::atomic<uint64_t> applied_message_count{0};
@@ -80,7 +81,7 @@ struct Counters {
   std::atomic<uint64_t> refused_switch_count{0};  // commands a client did not execute
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
-  // Audit logs that ended before their session because the disk did not keep up.
+  // Audit logs that ended before their session because the disk was too slow.
   std::atomic<uint64_t> cut_audit_log_count{0};
 };
 

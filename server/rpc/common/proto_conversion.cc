@@ -12,7 +12,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Bits of later protocol versions are dropped.
+// The flags that this version knows. Bits of later protocol versions are dropped.
 constexpr uint32_t kKnownFlags = 15;
 constexpr uint32_t kKnownShadowFlags = 3;
 

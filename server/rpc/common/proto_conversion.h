@@ -19,15 +19,15 @@
 
 namespace sweepstake::rpc {
 
-// The codes have the same values.
+// Converts a status; the codes have the same values.
 grpc::Status ToGrpc(const absl::Status& status);
 
-// False: the bytes are not a message of this type. Reuses the memory of `message` and consumes the
-// buffer.
+// Returns false if the bytes are not a message of this type. Reuses the memory of `message` and
+// consumes the buffer.
 bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message);
 grpc::ByteBuffer Serialize(const google::protobuf::Message& message);
 
-// The key of an arm's evidence in the only context bucket.
+// Returns the key of an arm's evidence in the only context bucket.
 priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
                                   uint32_t backend_version);
 
@@ -35,11 +35,11 @@ void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message)
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
 void ToProto(std::span<const decision::BetaPosterior> posteriors,
              const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message);
-// The key alone.
+// Fills in the key only.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
-// Beta(1,1) plus the evidence. The caller sets active_session_count.
+// The posteriors are Beta(1,1) plus the evidence. The caller sets active_session_count.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
-// All but the names of session, scene and policy.
+// Fills in everything except the names of session, scene and policy.
 void ToProto(const decision::DecisionRecord& record, std::span<const std::string> arms,
              v1::DecisionEvent& message);
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
@@ -48,15 +48,15 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 // The messages below must have passed message_validation.h.
 decision::Mode FromProto(v1::Mode mode);
 decision::SwitchReason FromProto(v1::SwitchReason reason);
-// Frame i of the batch.
+// Reads frame i of the batch.
 decision::Frame FrameFromProto(const v1::FrameBatch& batch, int i);
 decision::Frame FromProto(const v1::BailOut& bail_out);
 decision::ShadowSample FromProto(const v1::ShadowSample& sample);
-// A value that is negative or not finite was not measured.
+// A value that is negative or not finite counts as not measured.
 decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor);
-// Each cost is cut to kMaxFrameNs.
+// Each cost is limited to kMaxFrameNs.
 decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome);
-// The key alone.
+// Reads the key only.
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
 priors::PriorRecord FromProto(const v1::PriorRecord& message);
 

@@ -27,16 +27,16 @@ absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorStore& store,
   return page;
 }
 
-// Where an export is in the log.
+// The position of an export in the log.
 struct RowPlace {
-  uint64_t after = 0;               // segments up to this id are done
-  std::optional<uint64_t> segment;  // under way
-  uint64_t next_row = 1;            // in it
+  uint64_t after = 0;               // the segments up to this id are done
+  std::optional<uint64_t> segment;  // the current one
+  uint64_t next_row = 1;            // in the current segment
 };
 
 using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
 
-// Begins the next segment; false: there is none.
+// Begins the next segment unless one is current. Returns false if there is none.
 absl::StatusOr<bool> EnterSegment(priors::PriorStore& store, const AuditFilter& filter,
                                   RowPlace& place) {
   if (place.segment) return true;

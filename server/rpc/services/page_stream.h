@@ -1,8 +1,8 @@
-// An answer that is read from the store page by page, as fast as the client reads: the shape of
-// every streaming export.
+// A response stream that is read from the store page by page, as fast as the client reads. Every
+// streaming export uses it.
 //
-// On the decision loop but for gRPC's reactions, which only post. It owns itself until gRPC is done
-// with it; what the store reads for it finds it through a weak pointer.
+// It lives on the decision loop, except that gRPC's callbacks post to the loop. It owns itself
+// until gRPC is done with it; results of the store find it through a weak pointer.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -23,8 +23,8 @@ template <typename Response, typename Place>
 struct StreamPage {
   Response response{};
   Place next{};
-  bool empty = false;  // the response is not sent, and the answer ends
-  bool last = false;   // the answer ends behind it
+  bool empty = false;  // the response is not sent, and the stream ends
+  bool last = false;   // the stream ends after this response
 };
 
 template <typename Response, typename Place>
@@ -32,7 +32,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
                          public std::enable_shared_from_this<PageStream<Response, Place>> {
  public:
   using Page = StreamPage<Response, Place>;
-  // Reads the page that begins at the place, on the store's thread.
+  // Reads the page that begins at the place. It runs on the store's thread.
   using Load = std::function<absl::StatusOr<Page>(priors::PriorStore&, const Place&)>;
 
   static PageStream* Start(ServiceContext& context, Load load) {
@@ -47,7 +47,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     context_.loop.Post(
         [this, ok] { ok ? LoadNext() : End(absl::CancelledError("the connection was lost")); });
   }
-  // A write under way fails and a page under way is written to nobody: both end here soon.
+  // A pending write fails, and a page that is being read is not written, so both end soon.
   void OnCancel() override {}
   void OnDone() override {
     context_.loop.Post([this] { self_.reset(); });
@@ -82,7 +82,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   ServiceContext& context_;
   const Load load_;
   std::shared_ptr<PageStream> self_;  // until OnDone
-  Page page_;                         // the latest one
+  Page page_;                         // the latest page
 };
 
 }  // namespace sweepstake::rpc

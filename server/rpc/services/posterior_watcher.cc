@@ -77,7 +77,7 @@ void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<priors::SceneEvid
 
 std::optional<grpc::ByteBuffer> PosteriorWatcher::TakeNext() {
   std::deque<grpc::ByteBuffer>& queue = scenes_.empty() ? events_ : scenes_;
-  // An event must not overtake the scenes it changes.
+  // An event must not be sent before the scenes that it changes.
   if (queue.empty() || (scenes_.empty() && (loading_ || page_wanted_ || stale_)))
     return std::nullopt;
   grpc::ByteBuffer next = std::move(queue.front());
@@ -127,8 +127,8 @@ void PosteriorWatcher::Close(const absl::Status& status) {
   events_.clear();
   context_.watchers.Remove(*this);
   if (writing_) {
-    // The write waits for a client that does not read; cancelling ends it, and OnWritten goes on
-    // from there.
+    // The pending write waits for a client that does not read. Cancelling ends it, and OnWritten
+    // continues from there.
     grpc_call_cancel_with_status(call_.c_call(), static_cast<grpc_status_code>(status.code()),
                                  std::string(status.message()).c_str(), nullptr);
   }

@@ -1,10 +1,10 @@
-// One watcher's stream: first the matching scenes as they are, then events, each encoded once for
-// all watchers.
+// The stream of one watcher: first the current state of the matching scenes, then events. Each
+// event is encoded once for all watchers.
 //
-// A watcher that reads slowly costs a page of scenes and a few events. At the bound the events are
-// dropped, and when it has read the current message it gets the scenes as they are then. A watcher
-// that does not read at all is cut off. Everything happens on the decision loop but gRPC's
-// reactions, which only post. It owns itself from Start until gRPC is done with it.
+// A watcher that reads slowly costs the memory of a page of scenes and a few events. At the bound
+// the events are dropped, and once it has read the current message it gets all scenes again. A
+// watcher that does not read at all is disconnected. It lives on the decision loop, except that
+// gRPC's callbacks post to the loop. It owns itself from Start until gRPC is done with it.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -51,12 +51,12 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
   std::shared_ptr<PosteriorWatcher> self_;  // until OnDone
 
   priors::SceneFilter filter_;
-  std::deque<grpc::ByteBuffer> scenes_;           // of the page under way
-  std::optional<priors::SceneKey> last_of_page_;  // where the next page begins
+  std::deque<grpc::ByteBuffer> scenes_;           // the rest of the current page
+  std::optional<priors::SceneKey> last_of_page_;  // the next page begins after it
   std::deque<grpc::ByteBuffer> events_;           // at most kWatcherQueueEvents
   bool loading_ = false;                          // the store is reading a page
-  bool page_wanted_ = false;                      // after this one
-  bool stale_ = false;                            // begin again with all scenes
+  bool page_wanted_ = false;                      // another page follows this one
+  bool stale_ = false;                            // all scenes must be sent again
   grpc::ByteBuffer write_bytes_;
   bool writing_ = false;
   uint64_t write_count_ = 0;

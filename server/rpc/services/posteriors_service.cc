@@ -17,7 +17,8 @@ namespace {
 using priors::SceneEvidence;
 using priors::SceneKey;
 
-// The key as an encoded message: opaque to clients, and parsing it back checks it.
+// Returns the key as an encoded message, which is opaque to clients and is checked when it is
+// parsed.
 std::string TokenOf(const SceneKey& key) {
   v1::ScenePosterior token;
   ToProto(key, token);
@@ -57,7 +58,8 @@ grpc::Status TooMuch() {
   return {grpc::StatusCode::UNAVAILABLE, "the prior store has too much to do; try again later"};
 }
 
-// Runs `read` on the store's thread and `answer(result)` on the loop, whose status ends the call.
+// Runs `read` on the store's thread and then `answer(result)` on the loop, whose status ends the
+// call.
 template <typename Read, typename Answer>
 void ReadAndAnswer(ServiceContext& context, grpc::ServerUnaryReactor* reactor, Read read,
                    Answer answer) {

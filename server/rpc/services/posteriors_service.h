@@ -1,6 +1,6 @@
-// sweepstake.v1.PosteriorsService: lists what the store has and streams what changes. Thread-safe.
+// sweepstake.v1.PosteriorsService: lists the store's scenes and streams changes. Thread-safe.
 //
-// A page token names the last scene of its page. A token that this daemon cannot have made is
+// A page token names the last scene of its page. A token that is not of this form is
 // INVALID_ARGUMENT.
 #pragma once
 

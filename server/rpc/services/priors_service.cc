@@ -15,7 +15,7 @@ namespace sweepstake::rpc {
 namespace {
 
 using priors::PriorRecord;
-// The place is the latest record that was sent; absent at the beginning.
+// The place is the last record that was sent; it is absent at the beginning.
 using ExportStream = PageStream<v1::ExportPriorsResponse, std::optional<PriorRecord>>;
 
 absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
@@ -31,11 +31,11 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
   return page;
 }
 
-// One import. All reading happens in gRPC's reactions, one at a time; the store's job ends the
-// call.
+// One import. gRPC's callbacks, of which one runs at a time, read all messages; the store's job
+// then ends the call.
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
  public:
-  // `collected_count` is of all imports together.
+  // `collected_count` is shared by all imports.
   PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
               grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
       : context_(context), collected_count_(collected_count), call_(call), response_(response) {
@@ -49,7 +49,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
       if (!status.ok()) return Finish(ToGrpc(status));
       return StartRead(&bytes_);
     }
-    // A lost connection must not be taken for the end of the file.
+    // A lost connection must not count as the end of the records.
     if (call_.IsCancelled())
       return Finish(ToGrpc(absl::CancelledError("the stream broke off; nothing was imported")));
     if (!context_.store.Submit([this](priors::PriorStore& store) { Apply(store); })) {

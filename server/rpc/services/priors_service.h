@@ -1,9 +1,9 @@
 // sweepstake.v1.PriorsService: exports evidence from the store and imports it. Thread-safe.
 //
 // An export reads the store page by page, as fast as the client reads. Records that are committed
-// meanwhile may be missing, but none is partial. An import is collected first (up to
-// kMaxImportRecords) and applied in one transaction when the client has half-closed; a stream that
-// breaks off or holds an invalid record changes nothing. Imported evidence reaches the sessions
+// during the export may be missing, but none is partial. An import is collected first (up to
+// kMaxImportRecords) and applied in one transaction after the client has half-closed; a stream that
+// is cancelled or has an invalid record changes nothing. Imported evidence reaches the sessions
 // that begin after it.
 #pragma once
 
@@ -27,7 +27,7 @@ class PriorsService final
 
  private:
   ServiceContext& context_;
-  std::atomic<size_t> collected_count_{0};  // records that imports under way hold in memory
+  std::atomic<size_t> collected_count_{0};  // records in memory, of all current imports
 };
 
 }  // namespace sweepstake::rpc

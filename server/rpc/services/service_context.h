@@ -1,5 +1,4 @@
-// What the services share. References to objects of the server, which outlives every service and
-// stream.
+// The objects that the services share. The server owns them and outlives every service and stream.
 #pragma once
 
 #include "server/rpc/sessions/game_session.h"
@@ -14,8 +13,8 @@ class SessionTable;
 class WatchHub;
 
 struct ServiceContext : SessionContext {
-  SessionTable& sessions;  // on the loop only
-  WatchHub& watchers;      // on the loop only
+  SessionTable& sessions;  // used on the loop only
+  WatchHub& watchers;      // used on the loop only
   spdlog::logger& log;
 };
 

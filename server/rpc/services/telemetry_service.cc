@@ -56,7 +56,7 @@ void TelemetryStream::OnCancel() {
 }
 
 void TelemetryStream::OnDone() {
-  // Everything posted before has run by then.
+  // All tasks posted before this one have run by then.
   context_.loop.Post([this] {
     LeaveSession();
     streams_.all.erase(this);
@@ -76,8 +76,8 @@ void TelemetryStream::OnMessage(bool parsed) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // While a session is being loaded nothing is read, and nothing after a goodbye: the session then
-  // ends the stream itself, when everything is on disk.
+  // Nothing is read while a session is being loaded, nor after a goodbye: the session then ends the
+  // stream itself once everything is on disk.
   if (session_ && !session_->ended() && !end_) StartRead(&read_bytes_);
 }
 
@@ -90,7 +90,7 @@ absl::Status TelemetryStream::Dispatch() {
   const absl::Status status =
       CheckRequest(request_, static_cast<uint32_t>(session_->identity().arms.size()));
   if (!status.ok()) return status;
-  // Ending it makes this stream let go of it.
+  // This copy keeps the session alive, because ending it clears session_.
   const std::shared_ptr<GameSession> session = session_;
   if (request_.has_goodbye()) {
     session->End();
@@ -122,7 +122,7 @@ absl::Status TelemetryStream::Open(const v1::Hello& given) {
 void TelemetryStream::OnLoaded(absl::StatusOr<StoredStart> start) {
   if (end_) return;
   if (!start.ok()) return Reject(start.status());
-  // Another connection may have resumed the same session meanwhile, with other arms perhaps.
+  // Another connection may have resumed the same session in the meantime, possibly with other arms.
   std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
   if (session) {
     if (absl::Status status = CheckSame(*session, *hello_); !status.ok()) return Reject(status);
@@ -237,8 +237,8 @@ void TelemetryStream::Abort(const absl::Status& status) {
   outbox_.Clear();
   LeaveSession();
   if (writing_) {
-    // The write waits for a client that does not read; cancelling ends it, and OnWritten goes on
-    // from there.
+    // The pending write waits for a client that does not read. Cancelling ends it, and OnWritten
+    // continues from there.
     grpc_call_cancel_with_status(call_.c_call(), static_cast<grpc_status_code>(status.code()),
                                  std::string(status.message()).c_str(), nullptr);
   }

@@ -1,4 +1,4 @@
-// sweepstake.v1.TelemetryService on raw messages: the stream of each game. Thread-safe.
+// sweepstake.v1.TelemetryService on raw messages: it serves the stream of each game. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -15,14 +15,14 @@
 
 namespace sweepstake::rpc {
 
-// What a stream still has to write: of each kind of message the latest only, so that a client that
-// reads slowly gets the newest state and costs five messages at most. Not thread-safe.
+// The messages that a stream has yet to write. Only the latest of each kind is kept, so that a
+// client that reads slowly gets the newest state and costs at most five messages. Not thread-safe.
 class TelemetryOutbox {
  public:
   // Replaces an unsent message of the same kind. REQUIRES: the response has a message.
   void Put(v1::StreamTelemetryResponse response);
-  // Takes the most urgent one, in this order: welcome, switch command, acknowledgement, snapshot,
-  // reconnect.
+  // Removes and returns the most urgent message, in this order: welcome, switch command,
+  // acknowledgement, snapshot, reconnect.
   std::optional<v1::StreamTelemetryResponse> Take();
   void Clear() { slots_ = {}; }
 
@@ -34,20 +34,21 @@ class TelemetryOutbox {
 
 class TelemetryStream;
 
-// All streams. On the decision loop only.
+// All streams. Used on the decision loop only.
 struct TelemetryStreams {
   std::set<TelemetryStream*> all;
   bool draining = false;
 };
 
-// One connection of one session: bytes to messages, messages to the session, and back.
+// One connection of one session. It parses bytes into messages, passes them to the session, and
+// sends the session's messages.
 //
-// gRPC's reactions run on its few threads and only parse and post; everything else happens on the
-// decision loop. One message at a time is on its way from the socket to the session: the next read
-// starts when the session has taken the last one, so a flood waits in the client's own buffers. A
-// message is parsed here from raw bytes into reused memory, because gRPC would report one that does
-// not parse as an orderly half-close. One write is in flight; the outbox behind it is bounded.
-// Finish is called exactly once, whatever ends the stream.
+// gRPC's callbacks run on its few threads and only parse and post; everything else happens on the
+// decision loop. Only one message at a time is between the socket and the session: the next read
+// starts after the session has applied the last message, so that a flood waits in the client's own
+// buffers. Messages are parsed here, from raw bytes into reused memory, because gRPC would report
+// an invalid one as an orderly half-close. At most one write is pending, and the outbox behind it
+// is bounded. Finish is called exactly once, whatever ends the stream.
 //
 // It owns itself from Start until gRPC is done with it.
 class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
@@ -57,7 +58,8 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   static TelemetryStream* Start(ServiceContext& context, TelemetryStreams& streams,
                                 grpc::CallbackServerContext& call);
 
-  // Tells the client that the daemon goes away, and ends the stream when what it sent is on disk.
+  // Tells the client that the daemon is going away, and ends the stream once its evidence is on
+  // disk.
   void Drain();
 
   void SendSwitch(const decision::SwitchCommand& command) override;
@@ -78,7 +80,7 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
                   grpc::CallbackServerContext& call)
       : context_(context), streams_(streams), call_(call) {}
 
-  // All of these on the loop.
+  // These run on the loop.
   void OnMessage(bool parsed);
   absl::Status Dispatch();
   absl::Status Open(const v1::Hello& given);
@@ -97,13 +99,14 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   grpc::CallbackServerContext& call_;
   std::shared_ptr<TelemetryStream> self_;  // until OnDone
 
-  // Owned by gRPC's reaction while a read is in flight, by the loop otherwise.
+  // gRPC's callback uses these while a read is pending, the loop otherwise.
   grpc::ByteBuffer read_bytes_;
   v1::StreamTelemetryRequest request_;
 
-  // On the loop.
+  // These are used on the loop.
   std::shared_ptr<GameSession> session_;
-  // As received, with the policy filled in. While session_ is null, the session is being loaded.
+  // The Hello as received, with the policy filled in. If session_ is null, the session is being
+  // loaded.
   std::optional<v1::Hello> hello_;
   TelemetryOutbox outbox_;
   grpc::ByteBuffer write_bytes_;
@@ -120,7 +123,7 @@ class TelemetryService final : public v1::TelemetryService::WithRawCallbackMetho
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* StreamTelemetry(
       grpc::CallbackServerContext* call) override;
 
-  // On the loop: refuses new streams and tells the others to come back later.
+  // Refuses new streams and tells the others to reconnect later. Called on the loop.
   void Drain();
 
  private:

@@ -43,7 +43,7 @@ void WatchHub::Load(const priors::SceneKey& scene) {
       context_.store.Submit([this, &loop = context_.loop, scene](priors::PriorStore& store) {
         loop.Post([this, scene, loaded = store.LoadScene(scene)] { OnLoaded(scene, loaded); });
       });
-  // A full queue: the next evidence tries again.
+  // The queue is full; the next evidence tries again.
   if (submitted) loading_.insert(scene);
 }
 
@@ -55,7 +55,7 @@ void WatchHub::OnLoaded(const priors::SceneKey& key,
 }
 
 void WatchHub::Tell(const priors::SceneKey& scene, const grpc::ByteBuffer& event) {
-  // A copy: a watcher that cannot go on removes itself.
+  // This is a copy, because a watcher that ends removes itself.
   const std::set<PosteriorWatcher*> watchers = watchers_;
   for (PosteriorWatcher* watcher : watchers) {
     if (watcher->Watches(scene)) watcher->OnEvent(event);

@@ -1,8 +1,8 @@
-// Tells watchers what changes: decisions at once, posteriors when their evidence is on disk.
+// Tells watchers about changes: decisions at once, posteriors when their evidence is on disk.
 //
-// A posterior is what the store has: Beta(1,1) plus all committed evidence, one group commit (50
-// ms) later than the decision. It is read back once per change, however many watchers the scene
-// has, and not at all when it has none. The hub lives on the decision loop only.
+// A posterior is Beta(1,1) plus all committed evidence in the store, which is one group commit (50
+// ms) later than the decision. It is read once per change, however many watchers the scene has, and
+// not at all if it has none. The hub is used on the decision loop only.
 #pragma once
 
 #include <grpcpp/support/byte_buffer.h>
@@ -22,18 +22,19 @@ class WatchHub final : public SessionListener {
  public:
   explicit WatchHub(ServiceContext& context) : context_(context) {}
 
-  // RESOURCE_EXHAUSTED: RpcOptions::max_watchers are there. UNAVAILABLE: draining.
+  // Errors: RESOURCE_EXHAUSTED (there are RpcOptions::max_watchers already), UNAVAILABLE
+  // (draining).
   absl::Status Add(PosteriorWatcher& watcher);
   void Remove(PosteriorWatcher& watcher) { watchers_.erase(&watcher); }
 
   bool WatchesDecisionsOf(const priors::SceneKey& scene) const override;
   void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override;
   void OnEvidence(const priors::SceneKey& scene) override;
-  // Tells all watchers everything anew: any scene may have changed.
+  // Makes all watchers send all scenes again, because any scene may have changed.
   void OnImport();
   void Drain();
 
-  // The message that tells a watcher the scene's posterior.
+  // Returns the message with the scene's posterior.
   grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;
 
  private:
@@ -44,8 +45,8 @@ class WatchHub final : public SessionListener {
 
   ServiceContext& context_;
   std::set<PosteriorWatcher*> watchers_;
-  std::set<priors::SceneKey> loading_;  // the store is reading them
-  std::set<priors::SceneKey> changed_;  // changed while they were being read
+  std::set<priors::SceneKey> loading_;  // scenes that the store is reading
+  std::set<priors::SceneKey> changed_;  // scenes that changed while they were being read
   bool draining_ = false;
 };
 

@@ -10,7 +10,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-// Epochs wrap around: the later one is ahead by less than half of their range.
+// Epochs wrap around; the later one is less than half of their range ahead.
 bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - epoch < (1u << 31); }
 
 }  // namespace
@@ -68,7 +68,7 @@ void GameSession::Attach(SessionLink& link) {
     link_->Abort(absl::AbortedError("another connection took this session over"));
   }
   link_ = &link;
-  // The welcome acknowledges this number.
+  // The welcome message acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
   told_verdict_ = decision::Verdict::kUnknown;
 }
@@ -78,7 +78,7 @@ void GameSession::Start(const v1::Hello& hello) {
   if (mode != decisions_.mode())
     decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
   if (unanswered_) link_->SendSwitch(*unanswered_);
-  // From now on the store knows the session, so that a restarted daemon can resume it.
+  // This stores the session, so that a restarted daemon can resume it.
   if (durable_sequence() == 0 && applied_sequence_ == 0) Checkpoint();
   ScheduleTick();
 }
@@ -150,7 +150,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
     ++context_.counters.refused_switch_count;
     return decisions_.ObserveRefusal(outcome.command_id());
   }
-  // A message that was sent again may be older than the state that the client's Hello described.
+  // A resent message may be older than the state in the client's Hello.
   if (IsEarlier(outcome.switch_epoch(), switch_epoch_)) return;
   switch_epoch_ = outcome.switch_epoch();
   decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(), FromProto(outcome.reason()),
@@ -165,8 +165,8 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
     ++context_.counters.rejected_frame_count;
     return;
   }
-  // Its evidence goes to disk with the next tick. Until then the frames before it are in memory
-  // only, and its sequence number would cover them.
+  // The evidence of the bail-out goes to disk with the next tick, not now: its sequence number
+  // would also acknowledge the frames before it, which are only in memory until then.
   Carry(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
 }
 
@@ -206,7 +206,7 @@ void GameSession::OnCommitted(const absl::Status& status) {
     acknowledged_sequence_ = durable_sequence();
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
-  // A store that cannot write must not hold the client: it still has what is not acknowledged.
+  // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
   if (!status.ok() && (ending_ || draining_)) return CloseLink();
   CloseIfSettled();
 }
@@ -235,7 +235,7 @@ void GameSession::Drain() {
   ++timer_generation_;
   if (link_ == nullptr) return;
   link_->SendReconnect(context_.options.reconnect_delay_ms);
-  // A commit that failed before would otherwise wait for a tick that never comes.
+  // A commit that has failed would otherwise wait for the next tick, and there is none.
   RetryCommit();
   CloseIfSettled();
 }
@@ -257,7 +257,7 @@ void GameSession::Carry(const decision::Decision& decision) {
   if (context_.listener.WatchesDecisionsOf(identity_.scene)) Publish(decision.record);
 }
 
-// The client is told about changed posteriors and a changed verdict.
+// Sends the client changed posteriors or a changed verdict.
 void GameSession::Inform(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
   if (link_ == nullptr || (!decision.increment && diagnosis.verdict == told_verdict_)) return;

@@ -1,10 +1,10 @@
-// One game's session: it takes validated messages and makes decisions, switch commands, evidence on
-// disk and acknowledgements of them.
+// One game's session. It turns validated messages into decisions, switch commands, evidence on disk
+// and acknowledgements.
 //
-// It lives longer than a connection: a link is attached while a client is connected. Without one
-// there are no ticks, since nobody could receive a command, and the window waits. It lives on the
-// decision loop only; the session table and the stream of its link hold it. Memory is bounded by
-// the number of arms.
+// It outlives a connection: a link is attached while a client is connected. Without a link there
+// are no ticks, since nobody could receive a command, and the window waits. It is used on the
+// decision loop only and is owned by the session table and the stream of its link. The memory is
+// bounded by the number of arms.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +27,10 @@
 
 namespace sweepstake::rpc {
 
-// The way from a session to its client: what a session says, without knowing how it travels.
+// The interface through which a session sends messages to its client.
 //
-// On the decision loop only. Nothing here waits: of each kind only the latest message is kept until
-// it can be written.
+// Used on the decision loop only. Nothing here waits; only the latest message of each kind is kept
+// until it can be written.
 class SessionLink {
  public:
   virtual ~SessionLink() = default;
@@ -40,25 +40,25 @@ class SessionLink {
   virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
                             const decision::Diagnosis& diagnosis) = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
-  // Ends the stream when what was said has been written. The session has released the link before.
+  // Ends the stream after all messages are written. The session has released the link before.
   virtual void Close(const absl::Status& status) = 0;
   // Ends the stream at once.
   virtual void Abort(const absl::Status& status) = 0;
 };
 
-// Is told what sessions decide and learn. On the decision loop only.
+// The interface that receives what sessions decide and learn. Used on the decision loop only.
 class SessionListener {
  public:
   virtual ~SessionListener() = default;
 
-  // Whether anybody wants the decisions of this scene; otherwise no event is made of them.
+  // Returns whether anybody watches the decisions of this scene; if not, no events are made.
   virtual bool WatchesDecisionsOf(const priors::SceneKey& scene) const = 0;
   virtual void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) = 0;
-  // Evidence about the scene has reached the disk.
+  // Called when evidence about the scene has reached the disk.
   virtual void OnEvidence(const priors::SceneKey& scene) = 0;
 };
 
-// What the sessions share. References to objects of the server, which outlives every session.
+// The objects that the sessions share. The server owns them and outlives every session.
 struct SessionContext {
   const RpcOptions& options;
   DecisionLoop& loop;
@@ -72,36 +72,35 @@ struct SessionIdentity {
   std::string id;
   priors::SceneKey scene;
   std::vector<std::string> arms;
-  std::vector<uint32_t> backend_versions;  // as many as arms
+  std::vector<uint32_t> backend_versions;  // one per arm
   uint64_t seed = 0;
   decision::DecisionOptions decision;  // time scale applied
-  uint32_t audit_segment = 1;          // of the session's audit log
+  uint32_t audit_segment = 1;          // segment of the session's audit log
 };
 
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
  public:
-  // `progress` is what the store has of the session. `prior_source_count` is for the welcome.
+  // `progress` is the session's progress in the store. `prior_source_count` is for the welcome.
   static std::shared_ptr<GameSession> Create(SessionContext& context, SessionIdentity identity,
                                              const decision::SessionSetup& setup,
                                              priors::SourceProgress progress,
                                              uint64_t prior_source_count);
 
-  // Takes over from the link there was, which is aborted.
+  // Attaches a link. The previous one, if any, is aborted.
   void Attach(SessionLink& link);
-  // After the welcome: sends what the client may have missed, and ticks from now on.
+  // Called after the welcome: sends what the client may have missed, and begins to tick.
   void Start(const v1::Hello& hello);
-  // The client is gone and may come back. Does nothing when `link` is not the attached one.
+  // Called when the connection is lost. Does nothing if `link` is not the attached one.
   void Detach(SessionLink& link);
 
-  // Applies a request that CheckRequest let through, or counts it as a replay.
+  // Applies a request that has passed CheckRequest, or counts it as a replay.
   void Apply(const v1::StreamTelemetryRequest& request);
-  // The client said goodbye: closes the link once everything is on disk.
+  // Called at the client's goodbye: closes the link once everything is on disk.
   void End();
   bool ended() const { return ending_; }
-  // Tells the client to come back later, and closes the link when everything that is on its way to
-  // disk is there.
+  // Tells the client to reconnect later, and closes the link once all pending writes are done.
   void Drain();
-  // Whether nothing waits for the disk. Otherwise RetryCommit offers it again.
+  // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
   bool committing() const { return ledger_->committing(); }
@@ -145,12 +144,12 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   SessionLink* link_ = nullptr;
   uint64_t applied_sequence_;
-  uint64_t frame_count_;            // in the messages up to it
-  uint64_t acknowledged_sequence_;  // told to the client
-  uint32_t switch_epoch_;           // latest that the client named outside of frames
+  uint64_t frame_count_;            // frames in the messages up to applied_sequence_
+  uint64_t acknowledged_sequence_;  // sent to the client
+  uint32_t switch_epoch_;           // the latest in a message other than frames
   std::optional<uint64_t> last_bail_out_frame_;
-  std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that comes back
-  decision::Verdict told_verdict_ = decision::Verdict::kUnknown;  // to the client
+  std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
+  decision::Verdict told_verdict_ = decision::Verdict::kUnknown;  // sent to the client
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool ending_ = false;
   bool draining_ = false;

@@ -76,7 +76,7 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
     offered_.reset();
   } else {
     ++counters_.failed_commit_count;
-    // Offering again what can never be stored would hold up what follows.
+    // An update that can never be stored must not block those after it.
     if (absl::IsInvalidArgument(status)) offered_.reset();
   }
   on_committed_(status);

@@ -1,15 +1,15 @@
-// Knows which evidence of one session is on disk, and which is on its way there.
+// Tracks which evidence of one session is on disk and which is still to be written.
 //
-// Evidence waits for a checkpoint: a moment at which every message applied so far has been folded
-// into it (a tick). A checkpoint commits the evidence together with the sequence number it covers,
-// in one atomic update. So what a client is told to forget is never lost, and what it sends again
-// is never counted twice. The rows of the session's audit log go with it; where the disk does not
-// keep up with them (kMaxWaitingAuditBytes), the log ends. One update is in flight at a time; later
-// checkpoints merge into one behind it, so memory is bounded by the number of arms. An update that
-// failed is offered again, unchanged, at the next checkpoint. If it did reach the disk, the store
-// ignores it by its number.
+// Evidence waits for a checkpoint, a moment at which it contains every message applied so far (a
+// tick). A checkpoint commits the evidence and the sequence number that it covers in one atomic
+// update. Acknowledged messages are therefore never lost, and resent ones are never counted twice.
+// The rows of the session's audit log are in the same update; if the disk is too slow for them
+// (kMaxWaitingAuditBytes), the log ends. At most one update is pending; later checkpoints merge
+// into one behind it, so the memory is bounded by the number of arms. A failed update is offered
+// again, unchanged, at the next checkpoint. If it has reached the disk after all, the store
+// recognises its number and ignores it.
 //
-// It lives on the decision loop only. The store's callback posts to the loop and holds only a weak
+// It is used on the decision loop only. The store's callback posts to the loop and has only a weak
 // pointer to the ledger.
 #pragma once
 
@@ -29,33 +29,34 @@ namespace sweepstake::rpc {
 
 class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
  public:
-  // `progress` is what the store has (commit_sequence 0: nothing). `on_committed` runs on the loop
-  // after each commit, with its outcome.
+  // `progress` is the state in the store (commit_sequence 0: none). `on_committed` runs on the loop
+  // after each commit with its status.
   SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
                 priors::SourceProgress progress,
                 std::function<void(const absl::Status&)> on_committed);
 
   void Add(const priors::KeyedEvidence& increment);
-  // `head` says where the session's audit rows belong; it has no rows.
+  // `head` identifies the session's audit log; it has no rows.
   void StartAudit(priors::AuditRows head) { audit_ = std::move(head); }
   // Adds the next row. REQUIRES: StartAudit was called.
   void AddAuditRow(std::string_view row);
-  // How far a session has come, as far as SourceProgress keeps it.
+  // The progress of a session, as SourceProgress stores it.
   struct Position {
     uint64_t message_sequence = 0;
     uint32_t explored_arm_count = 0;
     uint64_t decision_count = 0;
     uint64_t frame_count = 0;
   };
-  // Declares that the evidence so far is exactly that of the messages up to the position's.
+  // Declares that the evidence so far is exactly that of the messages up to the position's
+  // sequence.
   void Checkpoint(const Position& position);
   // Offers a failed update again.
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }
-  // Whether nothing waits for the disk.
+  // Returns whether nothing waits for the disk.
   bool settled() const { return !offered_ && !checkpointed_; }
-  // Whether the store has an update and has not answered yet.
+  // Returns whether the store has an update that it has not answered yet.
   bool committing() const { return in_flight_; }
 
  private:
@@ -68,15 +69,15 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   Counters& counters_;
   const std::function<void(const absl::Status&)> on_committed_;
 
-  priors::SourceProgress progress_;  // of the latest checkpoint
+  priors::SourceProgress progress_;  // at the latest checkpoint
   uint64_t durable_sequence_;
   std::map<priors::EvidenceKey, priors::Evidence> waiting_;  // since the latest offer
   priors::AuditRows audit_;                                  // since the latest offer
-  size_t audit_bytes_ = 0;                                   // of its rows
-  bool audit_cut_ = false;                                   // no more rows
+  size_t audit_bytes_ = 0;                                   // the size of its rows
+  bool audit_cut_ = false;                                   // the log has ended
   bool checkpointed_ = false;                                // `waiting_` may be offered
-  std::optional<priors::SourceUpdate> offered_;              // not known to be durable
-  bool in_flight_ = false;                                   // `offered_` is with the store
+  std::optional<priors::SourceUpdate> offered_;              // not yet confirmed by the store
+  bool in_flight_ = false;                                   // the store has `offered_`
 };
 
 }  // namespace sweepstake::rpc

@@ -74,7 +74,7 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
     identity.arms.push_back(arm.name());
     identity.backend_versions.push_back(arm.backend_version());
   }
-  // The order of exploration follows from the seed: it stays with the session.
+  // The seed determines the order of exploration, so a resumed session keeps its seed.
   identity.seed = hello.seed() != 0 ? hello.seed() : RandomBits();
   if (start.source) {
     identity.seed = start.source->progress.seed;
@@ -84,16 +84,17 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
   return identity;
 }
 
-// Beta(1,1) plus the evidence. Where so much was imported that a session would refuse it, the
-// evidence is scaled down in its own proportion.
+// Returns Beta(1,1) plus the evidence. If imports have made the evidence larger than a session
+// accepts, it is scaled down in proportion.
 BetaPosterior PriorOf(const priors::Evidence& evidence) {
-  constexpr double kMaxEvidence = decision::kLargestEvidence / 2;
+  constexpr double kMaxEvidence = decision::kMaxPriorEvidence / 2;
   const double largest = std::max(evidence.alpha, evidence.beta);
   const double scale = largest > kMaxEvidence ? kMaxEvidence / largest : 1;
   return {1 + evidence.alpha * scale, 1 + evidence.beta * scale};
 }
 
-// Flat priors are not passed on: a policy that starts from priors would take them for knowledge.
+// Returns whether any arm has evidence. Flat priors are not passed on, because a policy that starts
+// from priors would take them for knowledge.
 bool IsAnythingKnown(const priors::PriorSums& priors) {
   return std::any_of(priors.sums.begin(), priors.sums.end(), [](const priors::PriorSum& sum) {
     return sum.evidence.alpha > 0 || sum.evidence.beta > 0;

@@ -103,7 +103,7 @@ void SessionTable::LookAt(const std::string& id) {
   if (settled && (entry.session->ended() || now_ns >= entry.resumable_until_ns)) return Remove(id);
   lost_.erase(*entry.lost);
   LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
-  // The disk was away: its evidence is only here.
+  // The store could not be written, so this evidence is only in memory.
   if (!settled) entry.session->RetryCommit();
 }
 

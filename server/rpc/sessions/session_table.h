@@ -1,4 +1,4 @@
-// The sessions in memory: the connected ones, and lost ones that may come back. It lives on the
+// The sessions in memory: connected ones, and lost ones that may be resumed. It is used on the
 // decision loop only.
 //
 // It is bounded by RpcOptions::max_sessions and resume_window_ns; the store knows every session
@@ -25,32 +25,33 @@ class SessionTable {
   explicit SessionTable(const RpcOptions& options, DecisionLoop& loop)
       : options_(options), loop_(loop) {}
 
-  // Null: not in memory.
+  // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
-  // RESOURCE_EXHAUSTED: full of sessions that cannot leave. REQUIRES: its id is not in the table.
+  // Error: RESOURCE_EXHAUSTED (it is full of sessions that cannot leave). REQUIRES: the session's
+  // id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
   void Attach(GameSession& session, SessionLink& link);
-  // Does nothing when the link is no longer the session's. An ended session leaves the table once
-  // its evidence is on disk.
+  // Detaches the link; does nothing if the session has another one. An ended session leaves the
+  // table once its evidence is on disk.
   void Detach(GameSession& session, SessionLink& link);
 
-  // Offers to the store again what it has failed to keep.
+  // Offers the store again what it has failed to write.
   void RetryCommits();
-  // Whether the store has yet to answer for any session.
+  // Returns whether the store has yet to answer for any session.
   bool committing() const;
 
   uint32_t ActiveCount(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }
 
  private:
-  // When a lost session is looked at next, and a unique number.
+  // The time of a lost session's next check, and a unique number.
   using LostKey = std::pair<int64_t, uint64_t>;
   struct Entry {
     std::shared_ptr<GameSession> session;
     SessionLink* link = nullptr;
-    std::optional<LostKey> lost;     // absent: connected or never connected
-    int64_t resumable_until_ns = 0;  // of a lost one
+    std::optional<LostKey> lost;     // absent if connected or never connected
+    int64_t resumable_until_ns = 0;  // if lost
   };
 
   bool MakeRoom();

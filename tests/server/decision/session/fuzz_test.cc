@@ -65,7 +65,7 @@ class Fuzzer {
   }
 
   double AnyPseudoCount() {
-    constexpr std::array<double, 5> kCounts = {1, 5e-324, 0.3, 40, kLargestEvidence / 2};
+    constexpr std::array<double, 5> kCounts = {1, 5e-324, 0.3, 40, kMaxPriorEvidence / 2};
     return kCounts[Below(kCounts.size())];
   }
 
