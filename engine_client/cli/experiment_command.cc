@@ -20,7 +20,7 @@ struct CommandOptions {
   bool json = false;
 };
 
-// Creates a new experiment or opens the one in the folder.
+// A new experiment, or the one that the folder already contains.
 struct Opened {
   ExperimentFolder folder;
   ExperimentPlan plan;

@@ -66,8 +66,8 @@ bool ParseText(std::string_view text, std::optional<T>& value) {
   return text.empty() || ParseText(text, value.emplace());
 }
 
-// Removes from `text` what stands before the first `separator`, and the separator, and returns it.
-// Without a separator that is all of the text.
+// Removes the part of `text` before the first `separator`, and the separator, and returns that
+// part. Without a separator it is the whole text.
 inline std::string_view TakeItem(std::string_view& text, char separator) {
   const size_t length = text.find(separator);
   const std::string_view item = text.substr(0, length);

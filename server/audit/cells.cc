@@ -49,7 +49,7 @@ void AppendValue(std::string& out, const std::vector<T>& list) {
   }
 }
 
-// Removes and returns what stands before the first separator without a backslash before it.
+// Removes and returns the text before the first separator that has no backslash before it.
 std::string_view TakeEscaped(std::string_view& text, char separator) {
   size_t length = 0;
   while (length < text.size() && text[length] != separator) length += text[length] == '\\' ? 2 : 1;

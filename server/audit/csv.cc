@@ -42,7 +42,7 @@ bool CsvReader::ReadCell(std::string& cell) {
   return false;
 }
 
-// Reads from the opening quote to behind the closing one.
+// Reads from the opening quote to the position after the closing one.
 bool CsvReader::ReadQuoted(std::string& cell) {
   while (true) {
     const size_t quote = text_.find('"', ++at_);

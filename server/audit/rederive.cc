@@ -17,7 +17,7 @@ namespace {
 
 using Cells = std::vector<std::string>;
 
-// What is wrong, and in which column; without a column the row as a whole is wrong.
+// A problem and its column; without a column the row as a whole is wrong.
 struct Problem {
   std::optional<AuditColumn> column;
   std::string message;
@@ -69,7 +69,7 @@ class Segment final : public AuditSink {
   Result ApplySwitch(const Cells& cells);
   Result ApplyRefusal(const Cells& cells);
   Result ApplyMode(const Cells& cells);
-  // Stands in for the frames since the previous row.
+  // Restores the runs, in place of the frames since the previous row.
   Result RestoreRuns(const Cells& cells);
   Result ReadTime(const Cells& cells);
   Result ReadArm(const Cells& cells, uint32_t& arm) const;

@@ -20,13 +20,13 @@ struct AuditRows {
 
 inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row ends its segment's log
 
-// How much a store keeps. A row of 7 arms has some 1 kB.
+// The limits of a store's audit log. A row of 7 arms has some 1 kB.
 struct AuditLimits {
   // The log of a session ends after this many rows in all its segments: 11 hours at one row every
   // two seconds.
   uint64_t rows_per_session = 20'000;
-  // Beyond this many rows of all sessions, whole segments are removed, the oldest first. 0 keeps
-  // nothing.
+  // If there are more rows than this of all sessions, whole segments are removed, the oldest first.
+  // 0 keeps nothing.
   uint64_t rows = 200'000;
 };
 

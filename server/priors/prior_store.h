@@ -1,5 +1,5 @@
-// Learnt evidence as it is kept: as increments per source (session), so that a retry is never
-// counted twice and a bad source can be removed again. What is served is the sum over the sources.
+// The storage of learnt evidence. It is kept as increments per source (session), so that a retry is
+// never counted twice and a bad source can be removed. Readers get the sum over the sources.
 //
 // These are plain values and two interfaces without I/O. A PriorStore is used by one thread at a
 // time, an AsyncPriorStore by any. Strings are UTF-8; stores keep them as text and compare them
@@ -20,7 +20,7 @@
 
 namespace sweepstake::priors {
 
-// What a piece of evidence is about. Evidence with different keys is never merged.
+// The subject of a piece of evidence. Evidence with different keys is never merged.
 struct EvidenceKey {
   std::string project;
   std::string scene;
@@ -60,7 +60,7 @@ struct KeyedEvidence {
   friend bool operator==(const KeyedEvidence&, const KeyedEvidence&) = default;
 };
 
-// How far a source has come. All numbers except the seed are below 2^63.
+// The progress of a source. All numbers except the seed are below 2^63.
 struct SourceProgress {
   std::string source_id;
   uint64_t commit_sequence = 0;   // from 1, incremented at each commit of the source
@@ -80,7 +80,7 @@ struct SourceUpdate {
   AuditRows audit;
 };
 
-// What a store keeps of a source.
+// The state of a source in a store.
 struct SourceState {
   SourceProgress progress;
   std::vector<KeyedEvidence> evidence;  // ordered by key

@@ -178,7 +178,6 @@ Status WriteTable3(std::span<const CellSummary> cells, const std::filesystem::pa
   return (*csv)->Commit();
 }
 
-// Appends the four cells of a measure: mean and deviation, ours and the paper's.
 std::string Number(double value) { return Fixed(value, 6); }
 
 Status WriteTable4(std::span<const CellSummary> cells, const std::filesystem::path& path) {

@@ -229,7 +229,7 @@ Json SittingJson(const ExperimentSitting& sitting) {
           {"end_utc", sitting.end_utc}};
 }
 
-// Orders the rows by cell, so that the policies of a cell are adjacent.
+// Returns the runs ordered by cell, so that the policies of a cell are adjacent.
 Json RunsJson(const ExperimentReport& report) {
   Json runs = Json::array();
   for (const ExperimentCell& cell : report.plan.cells) {

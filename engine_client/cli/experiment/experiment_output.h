@@ -42,7 +42,7 @@ void PrintExperiment(const ExperimentReport& report, const std::filesystem::path
 // Errors: those of CsvFile.
 Status WriteExperimentCsv(const ExperimentReport& report, const std::filesystem::path& folder);
 
-// Returns the document of `--json`: a row per cell and policy, then the runs and the truths from
+// Prints the document of `--json`: a row per cell and policy, then the runs and the truths from
 // which the report draws its charts.
 void PrintExperimentJson(const ExperimentReport& report, const std::filesystem::path& folder,
                          std::ostream& out);

@@ -1,5 +1,5 @@
 // A game without rendering: each frame steps a scene and finds its pairs on the frame path. The run
-// keeps what happened, for the report.
+// records what happened for the report.
 //
 // The frame time is the measured time of the frame's work (step, detection, end of frame). Frames
 // are not paced, so a faster arm completes more frames. Not thread-safe: the thread that calls
@@ -42,8 +42,8 @@ struct ArmActivity {
 // The time of all frames together, by what it was spent on.
 struct FrameProfile {
   uint64_t step_ns = 0;       // the scene's motion
-  uint64_t detection_ns = 0;  // update and search of a standing structure
-  uint64_t rebuild_ns = 0;    // the same in frames that built the structure anew
+  uint64_t detection_ns = 0;  // update and search, without rebuild frames
+  uint64_t rebuild_ns = 0;    // update and search in frames that built the structure
   uint64_t around_ns = 0;     // the rest up to EndFrame: pending switch, box copies, descriptors
   uint64_t end_ns = 0;        // EndFrame: sample, sink, bail-out guard
 };
@@ -55,22 +55,22 @@ class GameRun final : private FrameSink {
   static Result<std::unique_ptr<GameRun>> Create(const AdaptiveOptions& options, Scene& scene,
                                                  FrameSink& sink);
 
-  // Runs one frame. Returns true when its arm is another than in the frame before; switches() then
-  // has one more event.
+  // Runs one frame. Returns true if its arm differs from that of the previous frame; switches()
+  // then has one more event.
   bool Frame();
 
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
   const AdaptiveBroadPhase& adaptive() const { return *adaptive_; }
   uint64_t frame_count() const { return frame_count_; }
-  // Since the run began.
+  // The time since the run began.
   uint64_t elapsed_ns() const;
-  // In the order of arms.
+  // One entry per arm, in the order of the arms.
   const std::vector<ArmActivity>& activities() const { return activities_; }
   const std::vector<SwitchEvent>& switches() const { return switches_; }
-  // Begins with the first verdict that is not unknown.
+  // The changes of the verdict, from the first verdict that is not unknown.
   const std::vector<VerdictEvent>& verdicts() const { return verdicts_; }
   const FrameProfile& profile() const { return profile_; }
-  // How the switches went, in the order in which they settled. At most 65,536 are kept.
+  // The outcomes of the switches, in the order in which they settled. At most 65,536 are kept.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
 
  private:
@@ -99,13 +99,13 @@ class GameRun final : private FrameSink {
   std::vector<SwitchOutcome> outcomes_;
 };
 
-// The shadow lane's options for a decider whose intervals are divided by `time_scale`. The lane
-// then has as many sweeps per decision as without scaling.
+// Returns the shadow lane's options for a decider whose intervals are divided by `time_scale`. The
+// lane then has as many sweeps per decision as without scaling.
 ShadowOptions ScaledShadow(ShadowMode mode, double time_scale);
 
-// "policy", "exploration", "bail-out", "manual".
+// Returns "policy", "exploration", "bail-out" or "manual".
 std::string ReasonName(SwitchReason reason);
-// "unknown", "stable", "tie", "ambiguous", "degraded".
+// Returns "unknown", "stable", "tie", "ambiguous" or "degraded".
 std::string VerdictName(Verdict verdict);
 
 }  // namespace sweepstake::cli

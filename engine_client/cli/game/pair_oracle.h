@@ -21,19 +21,18 @@ class PairOracle {
  public:
   // Returns all overlap pairs, sorted. The span is valid until the next call.
   std::span<const OverlapPair> Find(std::span<const Aabb> boxes);
-  // The same, but kResourceExhausted when there are more than `max_pairs`; it stops as soon as it
-  // has found so many.
+  // Does the same, but stops with kResourceExhausted if there are more than `max_pairs`.
   Result<std::span<const OverlapPair>> FindUpTo(size_t max_pairs, std::span<const Aabb> boxes);
 
  private:
-  // Returns false when there are more than `max_pairs`.
+  // Returns false if there are more than `max_pairs`.
   bool Sweep(size_t max_pairs, std::span<const Aabb> boxes);
 
   std::vector<uint32_t> order_;
   std::vector<OverlapPair> pairs_;
 };
 
-// How found pairs differ from the right ones. Each list is sorted.
+// The differences between the found pairs and the right ones. Each list is sorted.
 struct PairDifference {
   std::vector<OverlapPair> missing;
   // Wrong pairs, repeated pairs, and pairs with a >= b.
@@ -46,8 +45,8 @@ struct PairDifference {
 // sorted.
 PairDifference ComparePairs(std::span<OverlapPair> found, std::span<const OverlapPair> right);
 
-// What a set of pairs is reduced to when only equality matters: the same pairs in any order give
-// the same fingerprint, and other pairs almost certainly give another one (two 64-bit sums of
+// A fingerprint of a set of pairs for tests of equality. The same pairs in any order have the same
+// fingerprint, and different pairs almost certainly have different ones (two 64-bit sums of
 // hashes). It costs about as much as reading the pairs, far less than sorting them, so every frame
 // of every backend can be compared.
 struct PairFingerprint {
@@ -57,8 +56,8 @@ struct PairFingerprint {
   friend bool operator==(const PairFingerprint&, const PairFingerprint&) = default;
 };
 
-// A pair that is found twice counts twice. A pair with its ids swapped is another pair. A pure
-// function.
+// Returns the fingerprint. A pair that is found twice counts twice; a pair with its ids swapped is
+// a different pair. A pure function.
 PairFingerprint FingerprintOf(std::span<const OverlapPair> pairs);
 
 }  // namespace sweepstake::cli

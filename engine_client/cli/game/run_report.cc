@@ -51,7 +51,7 @@ std::string ArmTable(const RunSummary& summary) {
   return table.Text();
 }
 
-// "3 switches: 2 policy, 1 bail-out".
+// Returns "3 switches: 2 policy, 1 bail-out".
 std::string SwitchCountsText(const RunSummary& summary) {
   std::string text = std::to_string(summary.switches.size()) + " switches";
   const char* separator = ": ";

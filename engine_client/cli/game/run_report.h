@@ -1,5 +1,5 @@
-// Writes what `sweepstake run` says while it runs and at its end: text, JSON and CSV files. All
-// functions but the last are pure.
+// The output of `sweepstake run` during a run and at its end: text, JSON and CSV files. All
+// functions except the last one are pure.
 #pragma once
 
 #include <filesystem>
@@ -12,27 +12,27 @@
 
 namespace sweepstake::cli {
 
-// "starts from priors of 3 earlier sessions", or that there are none, and where there are none.
+// Returns "starts from priors of 3 earlier sessions", or says for which key there are no priors.
 std::string PriorsText(const RunSetup& setup, const SessionStats& session);
-// "12.3 s  frame 4567: SAP → KDTree (policy)".
+// Returns "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchRow& row);
-// "stable: KDTree is the best with probability 0.93".
+// Returns "stable: KDTree is the best with probability 0.93".
 std::string VerdictText(const VerdictRow& row);
-// "12.3 s  frame 4567: verdict stable: …".
+// Returns "12.3 s  frame 4567: verdict stable: …".
 std::string VerdictChangeText(const VerdictChangeRow& row);
-// The posterior means, the best first, with alpha + beta: "KDTree 0.81 (n 24) · Grid 0.73 (6)".
-// Empty when there are none yet.
+// Returns the posterior means, the best first, with alpha + beta: "KDTree 0.81 (n 24) · Grid 0.73
+// (6)". The text is empty if there are none yet.
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
-// What the shadow lane has done and what it cost, or why there is none.
+// Returns the work and the cost of the shadow lane, or why there is none.
 std::string ShadowText(const RunSummary& summary);
-// How many samples the full queue dropped, and what that means.
+// Returns how many samples the full queue dropped, and the consequence.
 std::string DroppedText(uint64_t dropped_count, uint64_t frame_count);
 
-// The report at the end: a table of the arms, and lines.
+// Returns the report at the end: a table of the arms and some lines.
 std::string RunReportText(const RunSummary& summary);
 nlohmann::ordered_json RunReportJson(const RunSummary& summary);
-// Writes switches.csv and posteriors.csv in `folder`, which exists. kInvalidArgument: a file cannot
-// be written.
+// Writes switches.csv and posteriors.csv into the existing `folder`. Error: kInvalidArgument (a
+// file cannot be written).
 Status WriteRunReportCsv(const RunSummary& summary, const std::filesystem::path& folder);
 
 }  // namespace sweepstake::cli

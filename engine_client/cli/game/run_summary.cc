@@ -8,7 +8,7 @@ namespace {
 
 double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
-// 0 where there is nothing to divide by.
+// Returns the quotient, or 0 if the divisor is 0.
 double Ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 std::vector<ArmRow> ArmRows(const GameRun& run, const SessionStats& session) {
@@ -22,7 +22,7 @@ std::vector<ArmRow> ArmRows(const GameRun& run, const SessionStats& session) {
   return rows;
 }
 
-// The outcome of the switch with this epoch; zeros where it had not settled at the end.
+// Returns the outcome of the switch with this epoch; all zeros if it had not settled at the end.
 SwitchOutcome OutcomeOf(const GameRun& run, uint32_t switch_epoch) {
   for (const SwitchOutcome& outcome : run.outcomes()) {
     if (outcome.executed == 1 && outcome.switch_epoch == switch_epoch) return outcome;

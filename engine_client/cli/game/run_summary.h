@@ -1,4 +1,4 @@
-// What a run of `sweepstake run` comes to, as plain values that the report is written from.
+// The result of `sweepstake run` as plain values, from which the report is written.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace sweepstake::cli {
 
-// How the run was asked for.
+// The run's settings.
 struct RunSetup {
   SceneChoice scene;
   std::string mode;
@@ -24,7 +24,7 @@ struct RunSetup {
 struct ArmRow {
   std::string arm;
   uint32_t backend_version = 0;
-  ArmBelief belief;  // Beta(1,1) where the decider told nothing
+  ArmBelief belief;  // Beta(1,1) if the decider reported nothing
   ArmActivity activity;
 
   double mean() const;
@@ -40,12 +40,12 @@ struct SwitchRow {
   std::string from;
   std::string to;
   SwitchReason reason = SwitchReason::kPolicy;
-  // 0 where the switch had not settled when the run ended.
+  // 0 if the switch had not settled when the run ended.
   uint64_t rebuild_time_ns = 0;
   uint64_t settling_cost_ns = 0;
 };
 
-// What the decider says about the scene. The default is that it says nothing.
+// The decider's verdict about the scene. By default it is unknown.
 struct VerdictRow {
   std::string name = "unknown";
   std::string leader_arm;  // empty: unknown
@@ -69,12 +69,12 @@ struct RunSummary {
   std::vector<SwitchRow> switches;
   std::vector<VerdictChangeRow> verdict_changes;
 
-  // The time of all frames.
+  // Returns the time of all frames.
   uint64_t active_ns() const;
   double active_s() const { return static_cast<double>(active_ns()) * 1e-9; }
   double fps() const;
   size_t SwitchCount(SwitchReason reason) const;
-  // The share of the run's time in which the shadow lane was at work.
+  // Returns the share of the run's time in which the shadow lane worked.
   double shadow_busy_ratio() const;
   double shadow_copy_ns_per_frame() const;
 };

@@ -27,7 +27,7 @@ struct ArmCheck {
   std::string arm;
   uint64_t frame_count = 0;  // frames before the first difference
   uint64_t pair_count = 0;   // the pairs of these frames, summed
-  // Absent where the arm passed.
+  // Absent if the arm passed.
   std::optional<FirstDifference> first_difference;
 };
 
@@ -35,9 +35,9 @@ struct ArmCheck {
 // 24 while their buffers grow, which makes 2 to 4 GB for all arms.
 inline constexpr size_t kMaxCheckedPairs = 20'000'000;
 
-// Checks the scene's present frame and `step_count` further ones. An arm that differed is not
-// checked in later frames. `on_frame` is told the number of frames done. kResourceExhausted: a
-// frame has more than `max_pairs`; the arms do not see that frame.
+// Checks the scene's current frame and `step_count` further ones. An arm that differed is not
+// checked in later frames. `on_frame` is called with the number of frames done. Error:
+// kResourceExhausted (a frame has more than `max_pairs`; the arms are not run on that frame).
 Result<std::vector<ArmCheck>> CheckScene(Scene& scene,
                                          std::span<const std::unique_ptr<BroadPhase>> arms,
                                          uint64_t step_count,

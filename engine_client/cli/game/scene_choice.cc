@@ -41,7 +41,7 @@ std::vector<SceneChoice> ExpandName(const std::string& name, uint64_t seed) {
   return choices;
 }
 
-// Names separated by commas, in lines of at most `columns` that start with `indent`.
+// Returns the names separated by commas, in lines of at most `columns` that start with `indent`.
 std::string WrapNames(std::span<const std::string_view> names, const std::string& indent,
                       size_t columns) {
   std::string text = indent;

@@ -1,5 +1,5 @@
-// The SCENE, --objects, --seed and --arms of the command line, resolved. Pure functions, safe from
-// any thread.
+// Resolves SCENE, --objects, --seed and --arms of the command line. Pure functions, safe from any
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,19 @@ struct SceneChoice {
   uint64_t seed = 1;
 };
 
-// Scenes × object counts. A recorded file has its own count and appears once. The words `all` (the
-// eight reference scenes), `changing`, `degenerate` (without the mixture) and `mixtures` (ten, from
-// ten seeds) stand for several scenes.
+// Returns all scenes × all object counts. A recorded file has its own count and appears once. The
+// words `all` (the eight reference scenes), `changing`, `degenerate` (without the mixture) and
+// `mixtures` (ten, from ten seeds) stand for several scenes.
 std::vector<SceneChoice> ExpandScenes(const std::vector<std::string>& names,
                                       const std::vector<uint32_t>& object_counts, uint64_t seed);
 
-// The valid names for a command's SCENE besides FILE.aabbs, in lines for its help.
+// Returns the valid names for a command's SCENE besides FILE.aabbs, in lines for its help.
 std::string SceneHelp();
 
-// Both seeds of the scene are the choice's seed. The errors are those of MakeScene.
+// Opens the scene. Both seeds of the scene are the choice's seed. Errors: those of MakeScene.
 Result<std::unique_ptr<Scene>> OpenScene(const SceneChoice& choice);
 
-// `all`, or names of backends, each once. kNotFound lists the backends.
+// Resolves `all` or names of backends, each at most once. Error: kNotFound (lists the backends).
 Result<std::vector<std::string>> ChooseArms(const std::vector<std::string>& names);
 
 }  // namespace sweepstake::cli

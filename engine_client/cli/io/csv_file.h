@@ -16,12 +16,12 @@ namespace sweepstake::cli {
 
 class CsvFile {
  public:
-  // Begins the file with the header line. Has the errors of WholeFile::Create.
+  // Begins the file with the header line. Errors: those of WholeFile::Create.
   static Result<std::unique_ptr<CsvFile>> Create(std::filesystem::path path,
                                                  std::initializer_list<std::string_view> header);
 
   void Row(std::initializer_list<std::string_view> cells);
-  // Makes the file appear under its name. kInvalidArgument: it could not be written.
+  // Makes the file appear under its name. Error: kInvalidArgument (it could not be written).
   Status Commit() { return file_->Commit(); }
 
  private:
@@ -30,7 +30,7 @@ class CsvFile {
   std::unique_ptr<WholeFile> file_;
 };
 
-// `cell` quoted where it holds a comma, a quote or a line break.
+// Returns the cell, in quotes if it contains a comma, a quote or a line break.
 std::string QuoteCsv(std::string_view cell);
 
 }  // namespace sweepstake::cli

@@ -8,12 +8,12 @@
 
 namespace sweepstake::cli {
 
-// With commas between thousands: "12,345,678".
+// Returns the number with commas between thousands: "12,345,678".
 std::string Grouped(uint64_t value);
-// The nearest whole number, with commas. REQUIRES: 0 <= value < 2^63.
+// Returns the nearest whole number with commas. REQUIRES: 0 <= value < 2^63.
 std::string GroupedWhole(double value);
 
-// The number of characters of UTF-8 text.
+// Returns the number of characters of UTF-8 text.
 size_t LetterCount(std::string_view text);
 
 }  // namespace sweepstake::cli

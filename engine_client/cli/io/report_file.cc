@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kMarker = "SWEEPSTAKE_DOCUMENTS";
 
-// In JSON a '<' stands only within strings, where an escape means the same.
+// In JSON a '<' occurs only within strings, where an escape has the same meaning.
 void AppendWithoutTags(std::string& text, std::string_view json) {
   for (const char character : json) {
     if (character == '<') {

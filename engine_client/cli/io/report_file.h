@@ -13,18 +13,18 @@
 
 namespace sweepstake::cli {
 
-// `page` with the documents, each a JSON text, in place of its marker. No text in them ends the
-// page's script.
+// Returns the page with the documents, each a JSON text, in place of its marker. No text in them
+// can end the page's script.
 std::string FillReportPage(std::string_view page, std::span<const std::string> documents);
 
 class ReportFile {
  public:
-  // Begins to write, so that long work is not done in vain. kUnavailable: the program was built
-  // without the page. The errors of WholeFile.
+  // Begins to write before the long work, so that errors show early. Errors: kUnavailable (the
+  // program was built without the page) and those of WholeFile.
   static Result<std::unique_ptr<ReportFile>> Create(const std::string& path);
 
-  // The file appears whole or not at all; then says on `terminal` where it is. The errors of
-  // WholeFile.
+  // Completes the file, which appears whole or not at all, and prints its path on `terminal`.
+  // Errors: those of WholeFile.
   Status Commit(std::span<const std::string> documents, Terminal& terminal);
 
  private:

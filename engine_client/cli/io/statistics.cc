@@ -9,12 +9,12 @@
 namespace sweepstake::cli {
 namespace {
 
-// splitmix64: the engines of std:: are portable, its distributions are not.
+// This generator is splitmix64, because the distributions of std:: are not portable.
 class Draws {
  public:
   explicit Draws(uint64_t seed) : state_(seed) {}
 
-  // Below `count`; the bias for counts of some thousand is below 1e-15.
+  // Returns a number below `count`; the bias for counts of some thousand is below 1e-15.
   size_t Index(size_t count) {
     const uint64_t word = math::Mix64(state_ += math::kGoldenGamma);
     const double unit = static_cast<double>(word >> 11) * 0x1p-53;
@@ -25,8 +25,8 @@ class Draws {
   uint64_t state_;
 };
 
-// Twice the ranks of the absolute values of `differences`. Doubling makes shared ranks whole
-// numbers.
+// Returns twice the ranks of the absolute values of `differences`. Doubling makes shared ranks
+// whole numbers.
 std::vector<size_t> DoubledRanks(std::span<const double> differences) {
   std::vector<size_t> order(differences.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -43,7 +43,7 @@ std::vector<size_t> DoubledRanks(std::span<const double> differences) {
   return ranks;
 }
 
-// The share of sign patterns whose doubled rank sum is at most `max_sum`.
+// Returns the share of sign patterns whose doubled rank sum is at most `max_sum`.
 double ShareAtMost(std::span<const size_t> ranks, size_t max_sum) {
   const size_t total = std::accumulate(ranks.begin(), ranks.end(), size_t{0});
   std::vector<double> patterns(total + 1, 0);  // by sum; below 2^53, so exact
@@ -55,10 +55,9 @@ double ShareAtMost(std::span<const size_t> ranks, size_t max_sum) {
   return std::ldexp(std::accumulate(patterns.begin(), end, 0.0), -static_cast<int>(ranks.size()));
 }
 
-// The probability of a rank sum at most `sum` or as far on the other side, by the normal
-// approximation.
+// Returns the two-sided probability of a rank sum of at most `sum`, by the normal approximation.
 double NormalProbability(std::span<const size_t> ranks, double sum) {
-  // The variance of the rank sum where each sign is equally probable.
+  // This is the variance of the rank sum if both signs are equally probable.
   double variance = 0;
   for (const size_t rank : ranks) variance += static_cast<double>(rank * rank) / 16;
   const double mean =

@@ -11,12 +11,12 @@
 
 namespace sweepstake::cli {
 
-// The arithmetic mean, 0 for no values.
+// Returns the arithmetic mean, or 0 for no values.
 double Mean(std::span<const double> values);
-// The standard deviation of a sample, with n − 1 below the root. 0 for fewer than two values.
+// Returns the sample standard deviation (with n − 1), or 0 for fewer than two values.
 double SampleDeviation(std::span<const double> values);
-// The median of values in any order: the middle value, or the mean of the middle two. 0 for no
-// values.
+// Returns the median of values in any order: the middle value, or the mean of the middle two. It is
+// 0 for no values.
 double Median(std::vector<double> values);
 
 struct Interval {
@@ -30,21 +30,21 @@ struct BootstrapOptions {
   double level = 0.95;  // 0 to 1, both excluded
 };
 
-// The confidence interval of the mean by the percentile bootstrap (Efron and Tibshirani, An
+// Returns the confidence interval of the mean by the percentile bootstrap (Efron and Tibshirani, An
 // Introduction to the Bootstrap, ch. 13), which draws the values anew with replacement. It is too
 // narrow for fewer than some ten values, and {mean, mean} for fewer than two.
 Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options = {});
 
 // Wilcoxon's signed-rank test of paired differences against 0, two-sided. Zero differences are left
 // out, and differences of equal size share their mean rank. Up to kExactWilcoxonMax pairs, the
-// probability is exact: all sign patterns are counted, ties included. Above, it comes from the
-// normal distribution, corrected for ties and continuity.
+// probability is exact: all sign patterns are counted, ties included. For more pairs it comes from
+// the normal distribution, corrected for ties and continuity.
 struct WilcoxonResult {
   // Pairs whose difference is not zero.
   size_t pair_count = 0;
   // W⁺, the sum of the ranks of the positive differences.
   double positive_ranks = 0;
-  // The probability that chance makes the ranks at least as unequal; 1 where no pair is left.
+  // The probability of a result at least as extreme by chance; 1 if no pair is left.
   double probability = 1;
   // (W⁺ − W⁻) ÷ (W⁺ + W⁻), the matched-pairs rank-biserial effect size.
   double rank_correlation = 0;
@@ -52,8 +52,8 @@ struct WilcoxonResult {
 inline constexpr size_t kExactWilcoxonMax = 30;
 WilcoxonResult WilcoxonSignedRank(std::span<const double> differences);
 
-// Holm's step-down correction of the probabilities of a family of tests, in their order. Each
-// corrected probability can be compared with the same level.
+// Returns Holm's step-down correction of the probabilities of a family of tests, in their order.
+// Each corrected probability can be compared with the same level.
 std::vector<double> HolmCorrected(std::span<const double> probabilities);
 
 }  // namespace sweepstake::cli

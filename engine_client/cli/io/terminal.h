@@ -1,4 +1,4 @@
-// Where a command writes, its exit code, and how far its work has come.
+// The streams of a command, its exit codes, and its progress display.
 #pragma once
 
 #include <chrono>
@@ -27,10 +27,11 @@ struct Terminal {
 // kUnavailable, kCheckFailed for kInternal, kBadUsage for all others.
 int Fail(Terminal& terminal, const Status& status);
 
-// The beginning of `text` (UTF-8) that fits into `columns`, where each character takes one column.
+// Returns the beginning of `text` (UTF-8) that fits into `columns`, where each character takes one
+// column.
 std::string CutToColumns(const std::string& text, size_t columns);
 
-// Shows on `err` how far long work has come. On a terminal it is a bar, redrawn at most ten times a
+// Shows the progress of long work on `err`. On a terminal it is a bar, redrawn at most ten times a
 // second and cut to the terminal's width; elsewhere it is a line every ten seconds. Not
 // thread-safe.
 class Progress {
@@ -42,9 +43,9 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Draws when it is due, and costs a look at the clock otherwise.
+  // Draws if an update is due, and only reads the clock otherwise.
   void Show(uint64_t done, const std::string& text = {});
-  // True when Show would draw now. A caller need not compose a text before that.
+  // Returns whether Show would draw now. A caller need not compose a text if not.
   bool due() const;
   // Writes a line above the bar.
   void Line(const std::string& text);

@@ -11,19 +11,19 @@ class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header);
 
-  // REQUIRES: as many cells as the header has.
+  // Adds a row. REQUIRES: it has as many cells as the header.
   void AddRow(std::vector<std::string> cells);
   // Adds an empty line and a line across all columns, as a title of the rows that follow.
   // REQUIRES: more than one column.
   void AddTitle(std::string title);
-  // All lines, each with its line break.
+  // Returns all lines, each with its line break.
   std::string Text() const;
   void Print(std::ostream& out) const { out << Text(); }
 
  private:
-  // The widths of the columns, in characters.
+  // Returns the widths of the columns in characters.
   std::vector<size_t> Widths() const;
-  // Which columns have numbers in all their rows.
+  // Returns which columns have numbers in all their rows.
   std::vector<bool> AlignedRight() const;
   bool IsTitle(const std::vector<std::string>& row) const { return row.size() < rows_[0].size(); }
 
@@ -31,7 +31,7 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-// `value` with `decimals` digits after the point.
+// Returns `value` with `decimals` digits after the point.
 std::string Fixed(double value, int decimals);
 
 }  // namespace sweepstake::cli

@@ -13,15 +13,15 @@ namespace sweepstake::cli {
 
 class WholeFile {
  public:
-  // Opens the file, so that most errors show before long work begins. kInvalidArgument: `path` is a
-  // folder or another thing that is no file, or it cannot be written.
+  // Opens the file, so that most errors show before long work begins. Error: kInvalidArgument
+  // (`path` is not a regular file, or it cannot be written).
   static Result<std::unique_ptr<WholeFile>> Create(std::filesystem::path path);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
 
   void Write(std::string_view bytes);
-  // Makes the file appear under its name. kInvalidArgument: it could not be written.
+  // Makes the file appear under its name. Error: kInvalidArgument (it could not be written).
   Status Commit();
 
  private:

@@ -98,8 +98,8 @@ class ReplayScene {
   std::vector<uint32_t> latest_descriptor_;  // per frame; empty if there are none
 };
 
-// Returns which frame of the trace each game frame shows, in order from the first. `offset` rotates
-// the start of the trace.
+// Determines which frame of the trace each game frame shows, in order from the first. `offset`
+// rotates the start of the trace.
 class FrameOrder {
  public:
   FrameOrder(const ReplayScene& scene, uint32_t offset);

@@ -43,7 +43,7 @@ Status TooManyObjects() {
           "a trace takes up to " + std::to_string(kMaxTracedObjects) + " objects per frame"};
 }
 
-// Opens the scene at its start.
+// Opens the scene at its start. Error: it has too many objects.
 Result<std::unique_ptr<Scene>> Open(const SceneChoice& choice) {
   auto scene = OpenScene(choice);
   if (scene.ok() && (*scene)->aabbs().size() > kMaxTracedObjects) return TooManyObjects();

@@ -64,8 +64,8 @@ double Total(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Returns the ratio of two sums with the standard error of its linearization (W. Cochran, Sampling
-// Techniques, §6.3).
+// Computes the control's ratio of two sums and the standard error of its linearization (W. Cochran,
+// Sampling Techniques, §6.3).
 void SummarizeControl(const CostTrace& trace, TraceSummary& summary) {
   const auto control =
       WindowSums(trace.frame_count, [&](uint32_t frame) { return trace.control_ns[frame]; });
