@@ -13,8 +13,8 @@ inline constexpr double kMaxEvidence = 1e15;  // exclusive maximum of an increme
 inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
 inline constexpr size_t kMaxNameBytes = 128;
 
-// Check all updates or records. The error INVALID_ARGUMENT names the update or record (from 0) and
-// the field.
+// These check all updates or records. The error INVALID_ARGUMENT names the update or record (from
+// 0) and the field.
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 

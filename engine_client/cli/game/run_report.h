@@ -12,7 +12,7 @@
 
 namespace sweepstake::cli {
 
-// Returns "starts from priors of 3 earlier sessions", or says for which key there are no priors.
+// Returns "starts from priors of 3 earlier sessions", or that there are no priors and why.
 std::string PriorsText(const RunSetup& setup, const SessionStats& session);
 // Returns "12.3 s  frame 4567: SAP → KDTree (policy)".
 std::string SwitchText(const SwitchRow& row);

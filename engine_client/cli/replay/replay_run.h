@@ -58,7 +58,7 @@ struct ReplayResult {
   std::array<uint64_t, 5> switch_counts{};   // executed in the whole run, by SwitchReason
   std::vector<uint64_t> active_ns;           // frame time per arm in the whole run; sum: total_ns
   uint64_t bail_out_count = 0;               // frames over the limit
-  std::vector<std::optional<int64_t>> first_active_ns;  // per arm, after the exploration
+  std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
   std::vector<decision::BetaPosterior> posteriors;      // at the end
   std::array<uint64_t, 5> verdict_counts{};             // of ticks, by Verdict
   uint64_t decision_count = 0;

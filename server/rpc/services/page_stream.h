@@ -1,8 +1,8 @@
 // A response stream that is read from the store page by page, as fast as the client reads. Every
 // streaming export uses it.
 //
-// It lives on the decision loop, except that gRPC's callbacks post to the loop. It owns itself
-// until gRPC is done with it; results of the store find it through a weak pointer.
+// It is used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It
+// owns itself until gRPC is done with it; results of the store find it through a weak pointer.
 #pragma once
 
 #include <grpcpp/grpcpp.h>

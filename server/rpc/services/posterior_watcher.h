@@ -3,8 +3,9 @@
 //
 // A watcher that reads slowly costs the memory of a page of scenes and a few events. At the bound
 // the events are dropped, and once it has read the current message it gets all scenes again. A
-// watcher that does not read at all is disconnected. It lives on the decision loop, except that
-// gRPC's callbacks post to the loop. It owns itself from Start until gRPC is done with it.
+// watcher that does not read at all is disconnected. It is used on the decision loop;
+// gRPC's callbacks run elsewhere and only post to the loop. It owns itself from Start until gRPC is
+// done with it.
 #pragma once
 
 #include <grpcpp/grpcpp.h>

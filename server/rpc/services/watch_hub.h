@@ -30,7 +30,7 @@ class WatchHub final : public SessionListener {
   bool WatchesDecisionsOf(const priors::SceneKey& scene) const override;
   void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override;
   void OnEvidence(const priors::SceneKey& scene) override;
-  // Makes all watchers send all scenes again, because any scene may have changed.
+  // Called after an import, which may have changed any scene: all watchers send all scenes again.
   void OnImport();
   void Drain();
 
