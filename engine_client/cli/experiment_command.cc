@@ -151,7 +151,9 @@ void Declare(CLI::App& command, CommandOptions& options) {
                   "More object counts, beyond the paper's (default: 10000,50000; none where "
                   "--objects is given)")
       ->delimiter(',');
-  command.add_option("--policies", experiment.policies, "Policies (default: paper,default)")
+  command
+      .add_option("--policies", experiment.policies,
+                  "Policies, also adaptive-without-... (default: paper,default)")
       ->delimiter(',');
   command.add_option("--window", experiment.window,
                      "Observed after the exploration, before the scale (default: 15m)");

@@ -6,6 +6,7 @@
 
 #include "engine_client/telemetry/decision_conversion.h"
 #include "engine_client/telemetry/priors_file.h"
+#include "engine_client/telemetry/study_policies.h"
 #include "server/audit/audit_log.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
@@ -21,8 +22,7 @@ struct LoadedPriors {
 
 bool Applies(const PriorRecord& record, const EmbeddedOptions& options) {
   return record.project == options.project && record.scene == options.scene &&
-         record.context_bucket.empty() && record.machine_class == options.machine_class &&
-         record.reward_version == decision::PolicyKindOf(options.policy).reward_version;
+         record.context_bucket.empty() && record.machine_class == options.machine_class;
 }
 
 LoadedPriors SumPriors(const std::vector<PriorRecord>& records, const EmbeddedOptions& options,
@@ -83,8 +83,9 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
  public:
   using OnDecision = std::function<void(const DecisionEvent&)>;
 
-  Impl(decision::SessionSetup setup, uint64_t prior_source_count, OnDecision on_decision)
-      : session_(std::move(setup)),
+  Impl(decision::SessionSetup setup, decision::PolicyRegistry policies, uint64_t prior_source_count,
+       OnDecision on_decision)
+      : session_(std::move(setup), policies),
         prior_source_count_(prior_source_count),
         on_decision_(std::move(on_decision)) {}
 
@@ -177,11 +178,17 @@ void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
 Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
     const EmbeddedOptions& options, std::span<const std::string> arms,
     std::span<const uint32_t> arm_versions, uint64_t now_ns) {
+  return StudyMaker{decision::ShippedPolicies()}.MakeDecider(options, arms, arm_versions, now_ns);
+}
+
+Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
+    const EmbeddedOptions& options, std::span<const std::string> arms,
+    std::span<const uint32_t> arm_versions, uint64_t now_ns) const {
   if (Status status = ValidateEmbedded(options, arms.size(), arm_versions.size()); !status.ok()) {
     return status;
   }
   decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
-  if (const std::optional<std::string> complaint = decision::Validate(setup)) {
+  if (const std::optional<std::string> complaint = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *complaint);
   }
   std::vector<PriorRecord> records;
@@ -189,13 +196,16 @@ Result<std::unique_ptr<EmbeddedDecider>> EmbeddedDecider::Create(
     Result<std::vector<PriorRecord>> read = ReadPriorsFile(options.priors_file);
     if (!read.ok()) return read.status();
     records = std::move(*read);
+    const uint32_t version = decision::PolicyKindOf(options.policy, policies).reward_version;
+    std::erase_if(records, [&](const auto& each) { return each.reward_version != version; });
   }
   LoadedPriors priors = SumPriors(records, options, arms, arm_versions);
   if (!priors.sources.empty()) setup.priors = std::move(priors.arms);
-  if (const std::optional<std::string> complaint = decision::Validate(setup)) {
+  if (const std::optional<std::string> complaint = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *complaint);
   }
-  auto impl = std::make_unique<Impl>(std::move(setup), priors.sources.size(), options.on_decision);
+  auto impl = std::make_unique<EmbeddedDecider::Impl>(std::move(setup), policies,
+                                                      priors.sources.size(), options.on_decision);
   if (options.on_audit_row) impl->StartAudit(options.on_audit_row, OriginOf(options, arm_versions));
   return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
 }

@@ -6,6 +6,7 @@
 
 #include "engine_client/telemetry/decider_loop.h"
 #include "engine_client/telemetry/session_base.h"
+#include "engine_client/telemetry/study_policies.h"
 #include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {
@@ -15,8 +16,8 @@ constexpr double kDecisionIntervalMs = 2000;
 
 class EmbeddedSession final : public SessionBase {
  public:
-  EmbeddedSession(EmbeddedOptions embedded, const SessionOptions& options)
-      : SessionBase(options.queue_frames), embedded_(std::move(embedded)) {}
+  EmbeddedSession(StudyMaker maker, EmbeddedOptions embedded, const SessionOptions& options)
+      : SessionBase(options.queue_frames), maker_(maker), embedded_(std::move(embedded)) {}
   ~EmbeddedSession() override { Stop(0); }
 
  private:
@@ -32,6 +33,7 @@ class EmbeddedSession final : public SessionBase {
   void Decide(uint64_t now_ns);
   void PublishBeliefs();
 
+  const StudyMaker maker_;
   const EmbeddedOptions embedded_;
   std::optional<DeciderLoop> loop_;  // from Prepare on
 };
@@ -40,7 +42,7 @@ Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   EmbeddedOptions options = embedded_;
   options.mode = adaptive.mode();
   const uint64_t now_ns = SteadyClock().NowNs();
-  auto decider = EmbeddedDecider::Create(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
+  auto decider = maker_.MakeDecider(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
   if (!decider.ok()) return decider.status();
   (*decider)->SetMode(adaptive.mode(), adaptive.active_arm(), now_ns);
   loop_.emplace(queue(), adaptive, std::move(*decider));
@@ -93,8 +95,13 @@ void EmbeddedSession::PublishBeliefs() {
 
 Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embedded,
                                                      const SessionOptions& options) {
+  return StudyMaker{decision::ShippedPolicies()}.MakeSession(embedded, options);
+}
+
+Result<std::unique_ptr<Session>> StudyMaker::MakeSession(const EmbeddedOptions& embedded,
+                                                         const SessionOptions& options) const {
   if (Status status = ValidateSessionOptions(options); !status.ok()) return status;
-  return std::unique_ptr<Session>(std::make_unique<EmbeddedSession>(embedded, options));
+  return std::unique_ptr<Session>(std::make_unique<EmbeddedSession>(*this, embedded, options));
 }
 
 }  // namespace sweepstake

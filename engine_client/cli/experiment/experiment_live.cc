@@ -9,8 +9,9 @@
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/telemetry/study_policies.h"
 #include "server/decision/options.h"
-#include "server/decision/session/policy_registry.h"
+#include "server/decision/study/ablations.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake::cli {
@@ -164,14 +165,15 @@ Status LiveRun::Prepare() {
   embedded.seed = record_.seed;
   embedded.time_scale = options_.time_scale;
   embedded.on_decision = [this](const DecisionEvent& event) { decision_recorder_.Add(event); };
-  auto session = MakeEmbeddedSession(embedded, options);
+  auto session = StudyMaker{decision::StudyPolicies()}.MakeSession(embedded, options);
   if (!session.ok()) return session.status();
   session_ = std::move(*session);
   AdaptiveOptions adaptive;
   adaptive.initial_arm = BroadPhaseNames()[record_.initial_arm];
   adaptive.settling_ns = static_cast<uint64_t>(decisions_.settling_ns);
   // Policies that learn from live frames only, such as the paper's, have no lane and switch cold.
-  const bool learns_from_lane = decision::PolicyKindOf(record_.policy).uses_shadow;
+  const bool learns_from_lane =
+      decision::PolicyKindOf(record_.policy, decision::StudyPolicies()).uses_shadow;
   adaptive.shadow =
       ScaledShadow(learns_from_lane ? ShadowMode::kAuto : ShadowMode::kOff, options_.time_scale);
   auto run = GameRun::Create(adaptive, *scene_, session_->sink());

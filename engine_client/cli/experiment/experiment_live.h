@@ -28,7 +28,7 @@ struct LiveOptions {
 };
 
 // Returns the record, or nothing if go_on returned false. Errors: those of OpenScene,
-// MakeEmbeddedSession and CsvFile, and kInternal (the exploration takes ten times as long as
+// StudyMaker::MakeSession and CsvFile, and kInternal (the exploration takes ten times as long as
 // planned).
 Result<std::optional<RunRecord>> PlayLive(const PlannedRun& planned, const LiveOptions& options);
 

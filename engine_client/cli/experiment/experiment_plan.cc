@@ -10,6 +10,7 @@
 #include "engine_client/cli/io/duration.h"
 #include "server/decision/math/hash.h"
 #include "server/decision/session/session_setup.h"
+#include "server/decision/study/ablations.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {
@@ -52,7 +53,7 @@ Status CheckPolicies(std::span<const std::string> policies) {
   for (const std::string& policy : policies) {
     decision::DecisionOptions options;
     options.policy = policy;
-    if (const auto problem = decision::Validate(options)) {
+    if (const auto problem = decision::Validate(options, decision::StudyPolicies())) {
       return {StatusCode::kInvalidArgument, *problem};
     }
     if (std::count(policies.begin(), policies.end(), policy) > 1) {

@@ -8,7 +8,7 @@
 
 #include "engine_client/cli/replay/replay_plan.h"
 #include "server/decision/options.h"
-#include "server/decision/session/policy_registry.h"
+#include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -224,7 +224,7 @@ const CellTruth* ExperimentTruths::Of(const ExperimentCell& cell) const {
 }
 
 std::string OwnPolicyName(const std::string& policy) {
-  return std::string(decision::PolicyKindOf(policy).name);
+  return std::string(decision::PolicyKindOf(policy, decision::StudyPolicies()).name);
 }
 
 CellTruth RankArms(const ExperimentCell& cell, const CostTrace& trace) {

@@ -1,12 +1,12 @@
 #include "engine_client/cli/replay/replay_plan.h"
 
 #include <algorithm>
-#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/trace/cost_trace.h"
+#include "server/decision/math/names.h"
 #include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
@@ -20,27 +20,23 @@ std::string Joined(std::span<const std::string> words) {
   return joined;
 }
 
-std::optional<uint32_t> IndexOf(std::string_view name, std::span<const std::string> names) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) return std::nullopt;
-  return static_cast<uint32_t>(found - names.begin());
-}
-
 Result<ReplayPlayer> FixedPlayer(const std::string& word, std::span<const std::string> arms) {
-  const auto arm = IndexOf(std::string_view(word).substr(std::string_view("fixed:").size()), arms);
-  if (!arm) {
-    return Invalid("the traces have no arm for '" + word + "'; their arms are " + Joined(arms));
+  const std::string name = word.substr(std::string_view("fixed:").size());
+  const auto found = std::find(arms.begin(), arms.end(), name);
+  if (found == arms.end()) {
+    const std::vector<std::string_view> valid(arms.begin(), arms.end());
+    return Invalid(math::UnknownName("arm of the traces", name, valid));
   }
-  return ReplayPlayer{.name = word, .kind = ReplayPlayer::Kind::kFixed, .arm = *arm};
+  return ReplayPlayer{.name = word,
+                      .kind = ReplayPlayer::Kind::kFixed,
+                      .arm = static_cast<uint32_t>(found - arms.begin())};
 }
 
 Status CheckPolicy(const std::string& word) {
-  std::vector<std::string> names;
-  for (const std::string_view name : decision::PolicyNames(decision::StudyPolicies()))
-    names.emplace_back(name);
-  if (IndexOf(word, names)) return {};
-  return Invalid("there is no policy '" + word + "'; use " + Joined(names) +
-                 ", all, fixed, fixed:ARM, oracle");
+  if (decision::FindPolicy(word, decision::StudyPolicies()) != nullptr) return {};
+  std::vector<std::string_view> valid = decision::PolicyNames(decision::StudyPolicies());
+  valid.insert(valid.end(), {"all", "fixed", "fixed:ARM", "oracle"});
+  return Invalid(math::UnknownName("policy", word, valid));
 }
 
 Status ReadDuration(const std::string& text, uint64_t& ns) {
@@ -137,7 +133,7 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   const auto priors =
       std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
   if (priors == kReplayPriorsNames.end()) {
-    return Invalid("there are no priors '" + request.priors + "'; use none, right or wrong");
+    return Invalid(math::UnknownName("priors", request.priors, kReplayPriorsNames));
   }
   ReplayPlan plan{.scenes = std::move(*scenes), .study = {}};
   plan.study.players = std::move(*players);

@@ -117,6 +117,7 @@ class EmbeddedDecider {
 
  private:
   class Impl;
+  friend struct StudyMaker;  // of the implementation
   explicit EmbeddedDecider(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -91,5 +91,58 @@ TEST(BenchTables, NameCellsNotesAndDifferences) {
   EXPECT_THAT(wrong.str(), HasSubstr("FAILED SAP in suite-b (1000 objects): step 1"));
 }
 
+TEST(BenchJson, SaysNullWhereNothingWasMeasured) {
+  BenchReport report = SmallReport();
+  report.ratios[0].value_mean = 3.5;
+  report.speedups = {{.cell = 0, .arm = "SAP", .peer = "Ode", .median = 4, .mean = 3.5}};
+  const json document = Document(report);
+  EXPECT_TRUE(document["rows"][1]["aabb_checks_mean"].is_null());
+  EXPECT_TRUE(document["rows"][0]["bytes_with_pairs"].is_null());
+  EXPECT_EQ(document["ratios"][0]["value_mean"], 3.5);
+  EXPECT_TRUE(Document(SmallReport())["ratios"][0]["value_mean"].is_null());
+  ASSERT_EQ(document["speedups"].size(), 1U);
+  EXPECT_EQ(document["speedups"][0]["scene"], "suite-b");
+  EXPECT_EQ(document["speedups"][0]["peer"], "Ode");
+}
+
+TEST(BenchTables, HaveTheFamilyAndTheFramesWithPeersOnly) {
+  BenchReport report = SmallReport();
+  std::ostringstream alone;
+  PrintBenchTables(report, alone);
+  EXPECT_THAT(alone.str(), testing::StartsWith("arm "));
+  EXPECT_THAT(alone.str(), Not(HasSubstr("Some CPU")));
+  report.options.peers = true;
+  report.machine.absent_peers = {"Bullet, libbullet-dev"};
+  std::ostringstream beside;
+  PrintBenchTables(report, beside);
+  EXPECT_THAT(beside.str(), testing::ContainsRegex("^family +arm +thr +frames +ms_median"));
+  EXPECT_THAT(beside.str(), HasSubstr("Some CPU, 0 cores"));
+  EXPECT_THAT(beside.str(), HasSubstr("\nHighway 1.0.3\nLeft out: Bullet, libbullet-dev\n"));
+}
+
+TEST(BenchTables, HaveTheRatiosUnderTheCellThatTheyAreOf) {
+  BenchReport report = SmallReport();
+  report.cells.push_back({"hurricane", 500, false});
+  report.ratios.push_back(report.ratios[0]);
+  report.ratios[1].cell = 1;
+  report.ratios[1].kind = RatioKind::kGrowth;
+  report.ratios[1].value_mean = 2.25;
+  std::ostringstream out;
+  PrintBenchTables(report, out);
+  EXPECT_THAT(out.str(), testing::ContainsRegex("overall +SAP +1 +Ode +4.00 +-"));
+  EXPECT_THAT(out.str(), testing::ContainsRegex("growth +SAP +1 +Ode +4.00 +2.25"));
+  EXPECT_LT(out.str().find("overall"), out.str().find("hurricane, 500 objects"));
+  report.ratios.clear();
+  std::ostringstream without;
+  PrintBenchTables(report, without);
+  EXPECT_THAT(without.str(), Not(HasSubstr("compared")));
+}
+
+TEST(RatioKindName, IsTheWordOfTheContract) {
+  EXPECT_STREQ(RatioKindName(RatioKind::kFamily), "family");
+  EXPECT_STREQ(RatioKindName(RatioKind::kThreads), "threads");
+  EXPECT_STREQ(RatioKindName(RatioKind::kSpike), "spike");
+}
+
 }  // namespace
 }  // namespace sweepstake::cli

@@ -1,10 +1,9 @@
-// Experiments but for their live runs: the plan, the records' files, what is made of them.
+// Experiments but for their live runs: the records' files, what is made of them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <sstream>
 
 #include "engine_client/cli/experiment/experiment_live.h"
@@ -35,65 +34,6 @@ std::string FileText(const std::filesystem::path& path) {
   return text.str();
 }
 
-TEST(ExperimentPlan, IsThePapersGridAndTwoSizesBeyond) {
-  const ExperimentPlan plan = PlanOf({});
-  EXPECT_EQ(plan.cells.size(), 15U);
-  EXPECT_EQ(plan.runs.size(), 15U * 2 * 5);
-  EXPECT_EQ(plan.window_ns, 900'000'000'000U);
-  ExperimentOptions options;
-  options.object_counts = {2000};
-  EXPECT_EQ(PlanOf(options).cells.size(), 3U);
-  options.quick = true;
-  EXPECT_EQ(PlanOf(options).runs.size(), 6U);
-}
-
-TEST(ExperimentPlan, DividesTheWindowByTheTimeScale) {
-  ExperimentOptions options;
-  options.time_scale = 60;
-  const ExperimentPlan plan = PlanOf(options);
-  EXPECT_EQ(plan.window_ns, 15'000'000'000U);
-  // 42 s of exploration ÷ 60, the window, and a fifteenth of it for the controls.
-  EXPECT_EQ(plan.expected_run_ns(), 16'700'000'000U);
-}
-
-TEST(ExperimentPlan, GivesEachRunOfACellItsOwnSeedAndPoliciesTheSame) {
-  const ExperimentPlan plan = PlanOf({});
-  std::set<uint64_t> seeds;
-  for (size_t i = 0; i < plan.runs.size(); i += 2) {
-    EXPECT_EQ(plan.runs[i].seed, plan.runs[i + 1].seed);
-    EXPECT_EQ(plan.runs[i].initial_arm, plan.runs[i + 1].initial_arm);
-    EXPECT_NE(plan.runs[i].policy, plan.runs[i + 1].policy);
-    seeds.insert(plan.runs[i].seed);
-  }
-  EXPECT_EQ(seeds.size(), plan.runs.size() / 2);
-}
-
-TEST(ExperimentPlan, KeepsTheSeedsOfACellInAnotherGrid) {
-  ExperimentOptions options;
-  options.scenes = {"hurricane"};
-  options.object_counts = {3000};
-  const PlannedRun alone = PlanOf(options).runs[0];
-  for (const PlannedRun& run : PlanOf({}).runs) {
-    if (run.label() == alone.label()) {
-      EXPECT_EQ(run.seed, alone.seed);
-    }
-  }
-}
-
-TEST(ExperimentPlan, NamesWhatThereIsNot) {
-  ExperimentOptions options;
-  options.policies = {"coin"};
-  EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("paper"));
-  options.policies = {"paper", "paper"};
-  EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("twice"));
-  options = {};
-  options.window = "long";
-  EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("60s"));
-  options = {};
-  options.scenes = {"hurricane", "hurricane"};
-  EXPECT_THAT(MakePlan(options).status().message(), HasSubstr("hurricane-1000"));
-}
-
 TEST(RunRecordFile, ComesBackAsItWas) {
   const TemporaryDirectory folder;
   const RunRecord record = MakeRecord(kCell, "paper", 1, 1, 60);
@@ -104,27 +44,6 @@ TEST(RunRecordFile, ComesBackAsItWas) {
   EXPECT_EQ(FileText(folder.path() / "a.json"), FileText(folder.path() / "b.json"));
   EXPECT_EQ(read->decisions[1].best_probability, record.decisions[1].best_probability);
   EXPECT_EQ(read->seed, record.seed);
-}
-
-TEST(RunRecordFile, IsRefusedWhereItsListsDoNotFit) {
-  const TemporaryDirectory folder;
-  const auto refused = [&](const RunRecord& record) {
-    EXPECT_TRUE(WriteRecord(record, folder.path() / "x.json").ok());
-    return ReadRecord(folder.path() / "x.json").status().code() == StatusCode::kDataLoss;
-  };
-  RunRecord record = MakeRecord(kCell, "paper", 1, 1, 60);
-  EXPECT_FALSE(refused(record));
-  record.switches[0].to = 3;
-  EXPECT_TRUE(refused(record));
-  record = MakeRecord(kCell, "paper", 1, 1, 60);
-  record.decisions[0].alpha.pop_back();
-  EXPECT_TRUE(refused(record));
-  record = MakeRecord(kCell, "paper", 1, 1, 60);
-  record.windows[0].arm = 7;
-  EXPECT_TRUE(refused(record));
-  std::ofstream(folder.path() / "x.json") << "{\"format\":";
-  EXPECT_EQ(ReadRecord(folder.path() / "x.json").status().code(), StatusCode::kDataLoss);
-  EXPECT_EQ(ReadRecord(folder.path() / "y.json").status().code(), StatusCode::kNotFound);
 }
 
 TEST(RunSummary, CountsOnlyWhatIsInTheObservationWindow) {

@@ -95,12 +95,13 @@ TEST_F(ReplayPlanTest, NamesTheWordThatIsWrong) {
     return Problem(request);
   };
   EXPECT_THAT(with(&ReplayRequest::run, "soon"), HasSubstr("'soon' is no duration"));
-  EXPECT_THAT(with(&ReplayRequest::priors, "maybe"), HasSubstr("none, right or wrong"));
+  EXPECT_THAT(with(&ReplayRequest::priors, "maybe"),
+              HasSubstr("must be one of none, right, wrong"));
   EXPECT_THAT(with(&ReplayRequest::other_work, "10ms"), HasSubstr("a.costs: the other work"));
   EXPECT_THAT(with(&ReplayRequest::passes, std::vector<std::string>{"1m", "2m", "3m"}),
               HasSubstr("3 durations for 2 traces"));
   EXPECT_THAT(with(&ReplayRequest::policies, std::vector<std::string>{"pape"}),
-              HasSubstr("use default, "));
+              HasSubstr("unknown policy 'pape', must be one of paper, default, "));
 }
 
 TEST_F(ReplayPlanTest, TracesHaveToHaveTheSameArms) {
@@ -118,9 +119,11 @@ TEST(ReplayPlayers, SayWhatIsValid) {
   const auto message = [&](std::vector<std::string> words) {
     return ReplayPlayers(words, arms).status().message();
   };
-  EXPECT_THAT(message({"pape"}), HasSubstr("use default, "));
+  EXPECT_THAT(message({"pape"}), HasSubstr("must be one of paper, default, "));
   EXPECT_THAT(message({"pape"}), HasSubstr("all, fixed, fixed:ARM, oracle"));
-  EXPECT_THAT(message({"fixed:Octree"}), HasSubstr("their arms are Grid, SAP"));
+  EXPECT_THAT(message({"fixed:Octree"}),
+              HasSubstr("unknown arm of the traces 'Octree', must be one of "));
+  EXPECT_THAT(message({"fixed:Sap"}), testing::EndsWith("'Sap', must be one of SAP, Grid"));
   const auto players = ReplayPlayers(std::vector<std::string>{"fixed", "oracle", "paper"}, arms);
   ASSERT_EQ(players->size(), 4U);
   EXPECT_EQ((*players)[1].name, "fixed:SAP");
