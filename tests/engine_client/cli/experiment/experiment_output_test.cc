@@ -217,7 +217,7 @@ TEST(ExperimentText, ACellThatThePaperHasNotStandsAlone) {
   const std::string text = Text(Report());
   EXPECT_THAT(text, HasSubstr("\nBrownian  1,234    KDTree 2/2           Stable preference for "
                               "KDTree.  –\n"));
-  EXPECT_THAT(text, HasSubstr("  paper            AxisSweep  5 / 5  20.2±0.8  45.5±6.3    "
+  EXPECT_THAT(text, HasSubstr("  paper          AxisSweep  5 / 5  20.2±0.8  45.5±6.3    "
                               "0.977±0.007 / 196.4±27.5\nBrownian  1,234"));
   EXPECT_THAT(text, testing::EndsWith("0.900±0.000 / 10.0±0.0\n"));
 }

@@ -182,7 +182,8 @@ TEST_F(ReplayLogTest, AMissingRowIsADifference) {
 }
 
 TEST_F(ReplayLogTest, AFileThatIsNoLogIsADifferenceInItsFirstLine) {
-  for (const std::string text : {"", "a,b\n1,2\n", "\xff\xfe", "{\"rows\": []}\n"}) {
+  EXPECT_EQ(Replay("").exit_code, kCheckFailed);
+  for (const std::string text : {"a,b\n1,2\n", "\xff\xfe", "{\"rows\": []}\n"}) {
     const Outcome outcome = Replay(text, /*as_json=*/true);
     EXPECT_EQ(outcome.exit_code, kCheckFailed) << text;
     const json document = json::parse(outcome.out);
