@@ -42,7 +42,14 @@ for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
 # With the libraries that `sweepstake bench --peers` compares with, and the browser that the reports are tested in.
 deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libboost-dev libcgal-dev chromium
-(cd tests/proto && npm ci --no-audit --no-fund --silent)
+for folder in tests/proto server/dashboard; do
+  (cd "$folder" && npm ci --no-audit --no-fund --silent) || {
+    echo "npm could not install what $folder/package-lock.json lists." >&2
+    exit 1
+  }
+done
+# A program without the report's page is a failure here, not a reason to skip its tests.
+export SWEEPSTAKE_REQUIRE_PAGE=1
 
 jobs=$(nproc)
 for preset in "${presets[@]}"; do

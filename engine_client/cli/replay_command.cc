@@ -84,13 +84,12 @@ int ReplayTraces(const ReplayCommandOptions& options, Terminal& terminal) {
   progress.reset();
   const ReplayReport report{plan->scenes, plan->study, rows};
   Print(report, options.json, terminal);
-  if (file != nullptr) {
-    Status status = WriteReport(report, *file, terminal);
-    if (!status.ok()) return Fail(terminal, status);
+  Status status;
+  if (csv != nullptr) {
+    WriteReplayCsv(report, *csv);
+    status = csv->Commit();
   }
-  if (csv == nullptr) return kDone;
-  WriteReplayCsv(report, *csv);
-  const Status status = csv->Commit();
+  if (status.ok() && file != nullptr) status = WriteReport(report, *file, terminal);
   return status.ok() ? kDone : Fail(terminal, status);
 }
 
@@ -107,8 +106,8 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   ReplayRequest& request = options.request;
   command.add_option("--costs", request.costs, "Cost traces, made by `sweepstake trace`")
       ->delimiter(',');
-  command.add_option("--log", options.log_file,
-                     "Derive every decision of this audit log again, and compare");
+  CLI::Option* log = command.add_option(
+      "--log", options.log_file, "Derive every decision of this audit log again, and compare");
   command
       .add_option("--policy", request.policies,
                   "Policies, or all; fixed for every arm, fixed:ARM, oracle")
@@ -140,9 +139,11 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
   command.add_option("--threads", request.thread_count, "Games played at a time")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
-  command.add_option("--csv", options.csv_file, "Every game as a row of this file");
-  command.add_option("--report", options.report_file,
-                     "Charts and tables as one HTML file that needs no network");
+  command.add_option("--csv", options.csv_file, "Every game as a row of this file")->excludes(log);
+  command
+      .add_option("--report", options.report_file,
+                  "Charts and tables as one HTML file that needs no network")
+      ->excludes(log);
   command.add_flag("--json", options.json, "One JSON document on stdout");
 }
 

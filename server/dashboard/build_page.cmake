@@ -5,35 +5,30 @@
 #
 # Writes BUILD/report_page.cc, and BUILD/report_page.stamp unless another build may fare better.
 
-file(LOCK ${SOURCE} DIRECTORY) # several build trees share node_modules
 set(modules ${SOURCE}/node_modules)
 set(PAGE)
 set(PROBLEM)
 set(is_final TRUE)
 
-# node_modules stays as it is while the lock file is the one that it was installed from.
+# npm writes its own record into node_modules last, so that an installation which was interrupted has none.
+set(installed ${modules}/.package-lock.json)
+
+# node_modules stays as it is while it is newer than the lock file.
 function(install_modules)
-  file(SHA256 ${SOURCE}/package-lock.json wanted)
-  set(found ${wanted})
-  if(EXISTS ${modules}/.sweepstake-lock)
-    file(READ ${modules}/.sweepstake-lock found)
-  endif()
-  if(EXISTS ${modules}/vite/bin/vite.js AND found STREQUAL wanted)
+  file(LOCK ${SOURCE} DIRECTORY RESULT_VARIABLE ignored)  # several build trees share node_modules
+  if(EXISTS ${installed} AND ${installed} IS_NEWER_THAN ${SOURCE}/package-lock.json)
     return()
   endif()
   execute_process(
     COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --loglevel=error --fetch-retries=0 --fetch-timeout=20000
-    WORKING_DIRECTORY ${SOURCE} RESULT_VARIABLE result OUTPUT_QUIET)
-  if(result EQUAL 0)
-    file(WRITE ${modules}/.sweepstake-lock ${wanted})
-  endif()
+    WORKING_DIRECTORY ${SOURCE} OUTPUT_QUIET)
 endfunction()
 
 if(NOT NODE OR NOT NPM)
   set(PROBLEM "this program was built without the page, for want of Node.js 18 or newer with npm: install them (Debian: apt-get install nodejs npm) and build again")
 else()
   install_modules()
-  if(NOT EXISTS ${modules}/vite/bin/vite.js)
+  if(NOT EXISTS ${installed})
     set(is_final FALSE)
     set(PROBLEM "this program was built without the page, because `npm ci` failed in server/dashboard: run it there with access to a package registry, and build again")
   else()
