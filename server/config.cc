@@ -271,9 +271,7 @@ std::string FlagOf(const std::string& key) {
 absl::Status UnknownName(std::string_view what, std::string_view name,
                          std::span<const std::string> known) {
   const std::vector<std::string_view> names(known.begin(), known.end());
-  return absl::InvalidArgumentError(absl::StrCat("unknown ", std::string(what), " ",
-                                                 std::string(name), "; did you mean ",
-                                                 std::string(math::NearestName(name, names)), "?"));
+  return absl::InvalidArgumentError(math::UnknownName(what, name, names));
 }
 
 bool IsOfKubernetes(const std::string& variable) {

@@ -115,8 +115,7 @@ std::string UnknownFlag(const std::string& flag) {
   std::vector<std::string_view> known = {"--config", "--print-config", "--help", "--version",
                                          "check-config"};
   for (const auto& setting : settings) known.push_back(setting.flag);
-  return "unknown argument " + flag + "; did you mean " +
-         std::string(sweepstake::math::NearestName(flag, known)) + "?";
+  return sweepstake::math::UnknownName("argument", flag, known);
 }
 
 // Blocks the signals before any thread starts, so that only sigwait receives them.

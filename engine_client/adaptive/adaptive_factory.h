@@ -16,7 +16,7 @@ namespace sweepstake {
 // thread.
 class DetachableExecutor final : public Executor {
  public:
-  // `shared` is borrowed.
+  // Borrows `shared`, which must outlive this executor.
   explicit DetachableExecutor(Executor& shared) : shared_(shared) {}
 
   void Attach(bool attached) { attached_ = attached; }

@@ -13,8 +13,8 @@ bool HasMoved(uint64_t now, uint64_t reference) {
   return std::max(change, -change) > ShadowSchedule::kChangeRatio * before;
 }
 
-// Returns the median; of an even number of values the lower one.
-uint64_t Median(std::span<const uint64_t> values) {
+// Returns the median, which is the lower middle value if the number of values is even.
+uint64_t LowerMedian(std::span<const uint64_t> values) {
   std::array<uint64_t, kShadowBurstFrames> sorted;
   std::copy(values.begin(), values.end(), sorted.begin());
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
@@ -38,7 +38,7 @@ ShadowVisit SummarizeVisit(std::span<const uint64_t> frame_ns, uint64_t cap_ns) 
     return visit;
   }
   visit.frame_count = static_cast<uint32_t>(count - kUnmeasured);
-  visit.detection_ns = Median(ran.subspan(kUnmeasured));
+  visit.detection_ns = LowerMedian(ran.subspan(kUnmeasured));
   return visit;
 }
 

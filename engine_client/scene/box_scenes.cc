@@ -341,7 +341,8 @@ constexpr Special kSpecials[] = {
     {kCountChanging, kMixture, {}}, {kSpawning, "brownian", {}},
 };
 
-// Returns the number of objects, which runs from `max` down to its half and back, a 64th at a time.
+// Returns the number of objects in a frame: in 64 frames it falls from `max` to half of it and
+// rises again, by a 64th of `max` per frame.
 size_t SpawnedCount(size_t max, uint64_t frame) {
   const uint64_t phase = frame % 64;
   return max - max * (phase < 32 ? phase : 64 - phase) / 64;

@@ -7,15 +7,15 @@ root=$(cd "$here/../.." && pwd)
 
 usage() {
   cat <<END
-Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [--ablation] [tuning|held-out] [-- OPTION…]
+Usage: tests/bench/decisions.sh [--program PATH] [--traces FOLDER] [--ablation] [tuning|held-out|LIST.txt] [-- OPTION…]
 
-Traces the scenes of data/tuning_scenes.txt or data/held_out_scenes.txt (the default: the final figures) into FOLDER where
+Traces the scenes of data/tuning_scenes.txt, data/held_out_scenes.txt (the default: the final figures) or LIST.txt into FOLDER where
 they are not there yet, lets the policies play them in virtual time without priors, with those of the same class and with
 wrong ones, times a decision, and prints every goal with what was reached, the cells behind it and how each policy did.
 What follows -- goes to \`sweepstake replay\`, as --seeds 200 or --no-shadow; --json prints one JSON document.
   --ablation        every policy that there is, not only AI Decides and the paper's
   --program PATH    the program \`sweepstake\` (default: build/release/bin/sweepstake)
-  --traces FOLDER   (default: build/traces/LIST)
+  --traces FOLDER   (default: build/traces/tuning, held-out or LIST)
 Ends with 1 when a goal was missed, with 2 when something is missing. Tracing takes some 5 minutes and wants the machine for
 itself; the rest takes some twenty seconds on two cores, a minute with --ablation.
 END
@@ -23,6 +23,7 @@ END
 
 program=$root/build/release/bin/sweepstake
 list=held-out
+scenes=$here/data/held_out_scenes.txt
 traces=
 judged=default
 policies=$judged,paper
@@ -33,12 +34,12 @@ while (($# > 0)); do
     --ablation) policies=$judged,all ;;
     -h | --help) usage; exit 0 ;;
     --) shift; break ;;
-    tuning | held-out) list=$1 ;;
+    tuning | held-out) scenes=$here/data/${1/-/_}_scenes.txt list=$1 ;;
+    *.txt) scenes=$1 list=$(basename "$1" .txt) ;;
     *) usage >&2; exit 2 ;;
   esac
   shift
 done
-scenes=$here/data/${list//-/_}_scenes.txt
 traces=${traces:-$root/build/traces/$list}
 options=()
 json=()

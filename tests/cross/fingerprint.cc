@@ -23,6 +23,7 @@
 
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/changing_scenes.h"
+#include "server/decision/math/hash.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/scene.h"
@@ -36,11 +37,11 @@ constexpr size_t kPoolThreads = 3;
 // FNV-1a over words of 32 bits: the order of the bytes in memory is the machine's own.
 class Hash {
  public:
-  void Add(uint32_t word) { value_ = (value_ ^ word) * 0x100000001B3ULL; }
+  void Add(uint32_t word) { value_ = (value_ ^ word) * math::kFnv1aPrime; }
   uint64_t value() const { return value_; }
 
  private:
-  uint64_t value_ = 0xCBF29CE484222325ULL;
+  uint64_t value_ = math::kFnv1aStart;
 };
 
 template <typename T>

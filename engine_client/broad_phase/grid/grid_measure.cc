@@ -33,6 +33,7 @@ HWY_INLINE void CountShapes(D d, hn::Vec<hn::RebindToSigned<D>> classes, hn::Mas
 
 void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasure& measure) {
   const HWY_FULL(float) d;
+  // Starts with empty bounds and without a box of the first class.
   const auto limit = hn::Set(d, std::numeric_limits<float>::max());
   auto low_x = limit;
   auto low_y = limit;
@@ -45,6 +46,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
   auto longest_z = longest_x;
   uint32_t first_class_count = 0;
   ForEachRegister(d, boxes, [&](const Aabb* from, size_t) HWY_ATTR {
+    // Loads a register of halved boxes.
     auto x = hn::Zero(d);
     auto y = x;
     auto z = x;
@@ -71,6 +73,7 @@ void Measure(std::span<const Aabb> boxes, const ShapeClasses& classes, GridMeasu
       first_class_count += static_cast<uint32_t>(hn::CountTrue(d, valid));
       return;
     }
+    // Otherwise each lane counts for its own class.
     const auto shapes = ClassesOfSides(d, classes, side_x, side_y, side_z);
     CountShapes(d, shapes, valid, side_x, side_y, side_z, measure);
   });

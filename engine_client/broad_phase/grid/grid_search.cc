@@ -203,17 +203,19 @@ HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns,
 HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, PairBuffer& out) {
   const HWY_FULL(float) d;
   const size_t step = hn::Lanes(d);
+  // The corners of all slots lie in six columns with one stride between them.
   constexpr size_t kChunk = 1024;
   const float* const columns = lanes.min[0];
   const auto stride = static_cast<size_t>(lanes.min[1] - lanes.min[0]);
   const uint32_t* const ids = lanes.id;
+  // Pairs are stored without a check until a chunk of the buffer is full.
   OverlapPair* from = out.EnsureRoom(kChunk);
   OverlapPair* to = from;
   const OverlapPair* full = from + kChunk;
   uint64_t checks = 0;
   const size_t count = list.count;
   for (size_t k = 0; k < count; ++k) {
-    // The box of the range stays in registers.
+    // Loads the box of the range, which stays in registers.
     const uint32_t slot = list.slot[k];
     const float* const own = columns + slot;
     const Aabb box = {{own[0], own[stride], own[2 * stride]},
@@ -221,7 +223,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
     const uint32_t id = ids[slot];
     const size_t end = list.end[k];
     size_t at = list.begin[k];
-    // A range is never empty. Room for the pairs is claimed in chunks.
+    // Tests the slots of the range, which is never empty, a register at a time.
     do {
       if (HWY_UNLIKELY(to >= full)) {
         out.Advance(static_cast<size_t>(to - from));
@@ -235,6 +237,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
       at += step;
     } while (at < end);
   }
+  // Hands over the pairs of the last chunk.
   out.Advance(static_cast<size_t>(to - from));
   return checks;
 }

@@ -32,14 +32,14 @@ struct Bracket {
 // Among 16 candidates from the sample (32 if that is nearly all of it), finds the largest with at
 // most `low_rank` keys below it and the smallest with at least `high_rank`.
 Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size_t high_rank) {
+  // Takes evenly spaced keys of the sample as candidates.
   const Lanes16 d;
   alignas(64) float candidates[2 * kWidth];
   const size_t candidate_count = count > kWidth && count <= 2 * kWidth ? 2 * kWidth : kWidth;
   for (size_t k = 0; k < candidate_count; ++k) {
     candidates[k] = sample[(2 * k + 1) * count / (2 * candidate_count)];
   }
-  // Counts how many keys are below each candidate, in two chains of additions, and keeps the
-  // candidates that fit best.
+  // Starts with an open bracket in every lane.
   const auto one = hn::Set(d, 1.0F);
   const auto max_below_low = hn::Set(d, static_cast<float>(low_rank));
   const auto min_below_high = hn::Set(d, static_cast<float>(high_rank));
@@ -49,6 +49,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
   auto below_high = hn::Set(d, static_cast<float>(count));
   for (size_t at = 0; at < candidate_count; at += hn::Lanes(d)) {
     const auto candidate = hn::Load(d, candidates + at);
+    // Counts how many keys are below each candidate, in two chains of additions.
     auto even = hn::Zero(d);
     auto odd = hn::Zero(d);
     size_t k = 0;
@@ -59,6 +60,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
     if (k < count) {
       odd = hn::Add(odd, hn::IfThenElseZero(hn::Gt(candidate, hn::Set(d, sample[k])), one));
     }
+    // Keeps in each lane the candidates that fit best.
     const auto rank = hn::Add(even, odd);
     const auto is_low = hn::Le(rank, max_below_low);
     const auto is_high = hn::Ge(rank, min_below_high);
@@ -67,6 +69,7 @@ Bracket BracketInSample(const float* sample, size_t count, size_t low_rank, size
     high = hn::IfThenElse(is_high, hn::Min(high, candidate), high);
     below_high = hn::IfThenElse(is_high, hn::Min(below_high, rank), below_high);
   }
+  // Reduces the lanes to the tightest bracket.
   return {hn::GetLane(hn::MaxOfLanes(d, low)), hn::GetLane(hn::MinOfLanes(d, high)),
           static_cast<size_t>(hn::GetLane(hn::MaxOfLanes(d, below_low))),
           static_cast<size_t>(hn::GetLane(hn::MinOfLanes(d, below_high)))};

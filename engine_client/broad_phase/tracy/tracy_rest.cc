@@ -21,13 +21,13 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
   const hn::RebindToUnsigned<decltype(d)> du;
   size_t count = 0;
   ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
+    // Loads the margins; NaN marks an invalid one.
     auto x = hn::Zero(d);
     auto y = x;
     auto z = x;
     auto max_x = x;
     auto max_y = x;
     auto max_z = x;
-    // Loads the margins; NaN marks an invalid one.
     LoadBoxes(d, margins + at, x, y, z, max_x, max_y, max_z);
     const auto kept = hn::Eq(x, x);
     // Loads the boxes and compares them with the margins.
@@ -41,7 +41,7 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
     const auto begins = hn::And(hn::Ge(box_x, x), hn::And(hn::Ge(box_y, y), hn::Ge(box_z, z)));
     const auto ends = hn::And(hn::Le(box_max_x, max_x),
                               hn::And(hn::Le(box_max_y, max_y), hn::Le(box_max_z, max_z)));
-    // Valid boxes have left unless they are within; invalid ones if their margin is valid.
+    // A valid box has left its margin unless it is within, an invalid box if the margin is valid.
     const auto in_x = HalveAxis(d, box_x, box_max_x);
     const auto in_y = HalveAxis(d, box_y, box_max_y);
     const auto valid = hn::And(hn::And(in_x, in_y), HalveAxis(d, box_z, box_max_z));
@@ -49,6 +49,7 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
     const auto gone = hn::And(hn::Or(kept, valid), hn::Not(within));
     const auto listed = hn::And(gone, hn::FirstN(d, boxes.size() - at));
     if (hn::AllFalse(d, listed)) return;
+    // Lists the indices of the boxes that have left.
     const auto index = hn::Iota(du, static_cast<uint32_t>(at));
     hn::StoreU(hn::Compress(index, hn::RebindMask(du, listed)), du, outside + count);
     count += hn::CountTrue(d, listed);

@@ -35,6 +35,7 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
   const auto* const group_of_class = reinterpret_cast<const int32_t*>(rows.choice.group_of_class);
   size_t count = 0;
   ForEachRegister(d, boxes, [&](const Aabb* from, size_t at) HWY_ATTR {
+    // Loads a register of halved boxes and computes their sides.
     auto x = hn::Zero(d);
     auto y = x;
     auto z = x;
@@ -59,12 +60,14 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
             here, RowOfBox(d, grids[group], long_row, x, y, z, side_x, side_y, side_z), row);
       }
     }
+    // An invalid box has no row.
     row = hn::IfThenElse(hn::RebindMask(di, valid), row, hn::Set(di, static_cast<int32_t>(kNoRow)));
-    // Lists the boxes whose row has changed.
+    // Compares the rows with the kept ones.
     const auto inside = hn::FirstN(di, boxes.size() - at);
     const auto old = hn::LoadU(di, reinterpret_cast<const int32_t*>(kept + at));
     const auto changed = hn::And(inside, hn::Ne(row, old));
     if (hn::AllFalse(di, changed)) return;
+    // Lists the boxes whose row has changed, with their new rows.
     const auto index = hn::Iota(du, static_cast<uint32_t>(at));
     const auto mask = hn::RebindMask(du, changed);
     hn::StoreU(hn::Compress(index, mask), du, moved + count);

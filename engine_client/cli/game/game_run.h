@@ -62,15 +62,15 @@ class GameRun final : private FrameSink {
   AdaptiveBroadPhase& adaptive() { return *adaptive_; }
   const AdaptiveBroadPhase& adaptive() const { return *adaptive_; }
   uint64_t frame_count() const { return frame_count_; }
-  // The time since the run began.
+  // Returns the time since the run began.
   uint64_t elapsed_ns() const;
-  // One entry per arm, in the order of the arms.
+  // Returns one entry per arm, in the order of the arms.
   const std::vector<ArmActivity>& activities() const { return activities_; }
   const std::vector<SwitchEvent>& switches() const { return switches_; }
-  // The changes of the verdict, from the first verdict that is not unknown.
+  // Returns the changes of the verdict, from the first verdict that is not unknown.
   const std::vector<VerdictEvent>& verdicts() const { return verdicts_; }
   const FrameProfile& profile() const { return profile_; }
-  // The outcomes of the switches, in the order in which they settled. At most 65,536 are kept.
+  // Returns the outcomes of the switches in the order in which they settled, at most 65,536.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace sweepstake::cli {
 
-// The costs of the frames of one seed's game.
+// Computes what fixed arms and the oracles cost on the frames of one seed's game.
 class FixedCosts {
  public:
   FixedCosts(const ReplayScene& scene, uint64_t seed);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/numbers.h"
 #include "server/audit/rederive.h"
 #include "server/decision/study/ablations.h"
 
@@ -23,13 +24,6 @@ Result<std::string> ReadLog(const std::string& path) {
     return Status(StatusCode::kNotFound, path + " cannot be read");
   }
   return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-// Formats a number as "1,234".
-std::string Grouped(uint64_t number) {
-  std::string text = std::to_string(number);
-  for (size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");
-  return text;
 }
 
 std::string Counted(uint64_t count, const std::string& what) {

@@ -7,6 +7,7 @@
 
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/cli/replay/replay_lane.h"
+#include "engine_client/telemetry/decision_conversion.h"
 #include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
@@ -124,10 +125,7 @@ void Game::ExecuteSwitch() {
   slowdown_ = scene_.slowdown(trace_frame_, arm_);
   if (pending.warm) slowdown_ = slowdown_.last(1);
   next_frame_flags_ = pending.warm ? 0 : uint32_t{decision::kFrameRebuild};
-  const auto unsettled = meter_.Begin({.command_id = pending.command.command_id,
-                                       .arm = arm_,
-                                       .reason = static_cast<SwitchReason>(pending.command.reason)},
-                                      epoch_, pending.warm);
+  const auto unsettled = meter_.Begin(FromDecision(pending.command), epoch_, pending.warm);
   metering_ = true;
   if (unsettled) Report(*unsettled);
   ++result_.switch_counts[static_cast<size_t>(pending.command.reason)];

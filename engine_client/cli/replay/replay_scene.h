@@ -47,7 +47,7 @@ class ReplayScene {
   uint32_t frame_count() const { return frame_count_; }  // the game's
   uint32_t trace_frame_count() const { return trace_frame_count_; }
 
-  // These are the values of a frame of the trace.
+  // Each of these four functions returns one measured value of a frame of the trace.
   double detection_ns(uint32_t trace_frame, uint32_t arm) const {
     return detection_ns_[size_t{trace_frame} * arms_.size() + arm];
   }

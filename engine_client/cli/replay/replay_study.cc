@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// The seed of the run whose posteriors become the priors of other runs.
+// This is the seed of the run whose posteriors become the priors of other runs.
 constexpr uint64_t kPriorsSeed = 1'000'000'007;
 
 // Returns the arms from the best to the worst.

@@ -24,8 +24,9 @@ constexpr uint64_t Mix64(uint64_t word) {
 
 // FNV-1a with 64 bits. A hash begins with kFnv1aStart and takes its bytes in any number of calls.
 inline constexpr uint64_t kFnv1aStart = 0xCBF29CE484222325U;
+inline constexpr uint64_t kFnv1aPrime = 0x100000001B3U;
 
-constexpr uint64_t Fnv1a(uint64_t hash, uint8_t byte) { return (hash ^ byte) * 0x100000001B3U; }
+constexpr uint64_t Fnv1a(uint64_t hash, uint8_t byte) { return (hash ^ byte) * kFnv1aPrime; }
 
 constexpr uint64_t Fnv1a(uint64_t hash, std::string_view bytes) {
   for (const char byte : bytes) hash = Fnv1a(hash, static_cast<uint8_t>(byte));
