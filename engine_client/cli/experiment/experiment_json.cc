@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/experiment/experiment_output.h"
+#include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/json_output.h"
 #include "server/decision/types.h"
@@ -229,6 +230,25 @@ Json SittingJson(const ExperimentSitting& sitting) {
           {"end_utc", sitting.end_utc}};
 }
 
+// Returns what the paper printed of a cell, under the names that our own rows have.
+Json PaperJson(const PaperCell& cell) {
+  return {{"scene", cell.scene},
+          {"objects", cell.object_count},
+          {"dominance", cell.dominance},
+          {"interpretation", cell.interpretation},
+          {"dominant", cell.dominant},
+          {"dominant_runs", cell.dominant_run_count},
+          {"runs", kPaperRunCount},
+          {"switches", cell.switches.mean},
+          {"switches_sd", cell.switches.deviation},
+          {"active_percent", cell.active_percent.mean},
+          {"active_percent_sd", cell.active_percent.deviation},
+          {"mu", cell.posterior_mean.mean},
+          {"mu_sd", cell.posterior_mean.deviation},
+          {"n", cell.evidence.mean},
+          {"n_sd", cell.evidence.deviation}};
+}
+
 // Returns the runs ordered by cell, so that the policies of a cell are adjacent.
 Json RunsJson(const ExperimentReport& report) {
   Json runs = Json::array();
@@ -265,7 +285,8 @@ void PrintExperimentJson(const ExperimentReport& report, const std::filesystem::
                          {"runs", RunsJson(report)},
                          {"truths", ListJson(report.truths.cells, TruthJson)},
                          {"over_cells", ListJson(report.truths.over_cells, ComparisonJson)},
-                         {"over_live", ListJson(report.truths.over_live, ComparisonJson)}};
+                         {"over_live", ListJson(report.truths.over_live, ComparisonJson)},
+                         {"paper", ListJson(PaperCells(), PaperJson)}};
   PrintJson(document, out);
 }
 

@@ -1,15 +1,17 @@
 // Numbers as people read them.
 const NONE = '–';
 
+const isNumber = (value: number | null | undefined): value is number => typeof value === 'number' && Number.isFinite(value);
+
 export function significant(value: number | null | undefined, digits = 3): string {
-  if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
+  if (!isNumber(value)) return NONE;
   if (value === 0) return '0';
   const rounded = Number(value.toPrecision(digits));
   const first = Math.floor(Math.log10(Math.abs(rounded)) + 1e-9);
   return rounded.toFixed(Math.max(0, digits - 1 - first));
 }
 
-export const grouped = (value: number) => String(Math.round(value)).replace(/\B(?=(\d{3})+(?!\d))/g, ',');
+export const grouped = (value: number) => (isNumber(value) ? String(Math.round(value)).replace(/\B(?=(\d{3})+(?!\d))/g, ',') : NONE);
 
 // Divides by 1000 while a whole number remains; returns the quotient and the number of divisions.
 function thousands(value: number, most: number): [number, number] {
@@ -22,23 +24,24 @@ function thousands(value: number, most: number): [number, number] {
 }
 
 export function compact(value: number): string {
-  if (!Number.isFinite(value)) return NONE;
+  if (!isNumber(value)) return NONE;
   const [rest, steps] = thousands(value, 3);
   return significant(rest).replace(/\.0+$|(\.\d*[1-9])0+$/, '$1') + ['', 'k', 'M', 'G'][steps];
 }
 
 export function bytes(value: number): string {
-  if (!Number.isFinite(value)) return NONE;
+  if (!isNumber(value)) return NONE;
   const [rest, steps] = thousands(value, 4);
   return (steps === 0 ? rest.toFixed(0) : significant(rest)) + [' B', ' kB', ' MB', ' GB', ' TB'][steps];
 }
 
-export const times = (ratio: number) => `${significant(ratio)}×`;
+export const times = (ratio: number) => (isNumber(ratio) ? `${significant(ratio)}×` : NONE);
 export const milliseconds = (ms: number) => significant(ms);
 export const microseconds = (ns: number) => `${significant(ns * 1e-3)} µs`;
 
 // Hundredths below 10 %, tenths below 100 %, whole numbers above. REQUIRES: ratio >= 0.
 export function share(ratio: number): string {
+  if (!isNumber(ratio)) return NONE;
   const percent = 100 * ratio;
   if (percent < 9.995) return `${percent.toFixed(2)} %`;
   if (percent < 99.95) return `${percent.toFixed(1)} %`;
@@ -47,6 +50,7 @@ export function share(ratio: number): string {
 
 // With a sign, unless it rounds to nothing.
 export function percent(ratio: number): string {
+  if (!isNumber(ratio)) return NONE;
   const size = share(Math.abs(ratio));
   return /[1-9]/.test(size) ? (ratio < 0 ? '−' : '+') + size : '0 %';
 }
@@ -63,4 +67,4 @@ export function mean(values: number[]): number {
 
 // "12.2±2.8" with that many decimals; of one value only "12.2".
 export const spread = (value: number, deviation: number, count: number, decimals: number) =>
-  value.toFixed(decimals) + (count > 1 ? `±${deviation.toFixed(decimals)}` : '');
+  (isNumber(value) ? value.toFixed(decimals) + (count > 1 && isNumber(deviation) ? `±${deviation.toFixed(decimals)}` : '') : NONE);

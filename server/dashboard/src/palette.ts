@@ -16,5 +16,8 @@ export const familyTitle = (family: string) => TITLES[family] ?? family;
 export const colourOf = (family: string) => `var(--arm-${familyRank(family)})`;
 export const symbolOf = (family: string) => SYMBOLS[familyRank(family)] ?? 'wye';
 
+// Text on an area: dark on sky and orange, where the theme's own would be hard to read.
+export const textColourOn = (colour: string) => (/arm-[12]\b|kind-[23]\b/.test(colour) ? '#10141a' : 'var(--on-area)');
+
 // For what is no algorithm: verdicts, parts of a frame.
 export const kindColour = (index: number) => `var(--kind-${index % 9})`;

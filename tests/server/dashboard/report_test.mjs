@@ -3,10 +3,12 @@
 //   node report_test.mjs PROGRAM
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+
+import { bench, degenerateBenches, degenerateExperiments, degenerateReplays, EVIL, fullBench, judgedReplay, partialExperiment } from './handmade.mjs';
 
 const program = process.argv[2];
 const chromiumPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
@@ -37,7 +39,15 @@ function makeReports() {
     '--run', '1m', '--report', file('replay.html'));
 }
 
-const documentsOf = (html) => JSON.parse(/id="documents">(.*?)<\/script>/s.exec(html)[1]);
+const DOCUMENTS = /(?<=id="documents">).*?(?=<\/script>)/s;
+const documentsOf = (html) => JSON.parse(DOCUMENTS.exec(html)[0]);
+const documentOf = (name) => documentsOf(readFileSync(file(`${name}.html`), 'utf8'))[0];
+
+// Writes the report of a document that no program made.
+function writeReport(name, document) {
+  const content = `[${JSON.stringify(document)}]`.replaceAll('<', '\\u003c');
+  writeFileSync(file(`${name}.html`), readFileSync(file('bench.html'), 'utf8').replace(DOCUMENTS, () => content));
+}
 
 // Opens a report and hands its page and its document to `check`; nothing may be loaded and nothing may go wrong.
 async function inBrowser(context, name, check) {
@@ -102,7 +112,8 @@ async function checkSorting(page) {
   assert.equal(await count(page, '#rows [aria-sort=ascending]'), 1);
 }
 
-async function checkExperiment(page, { rows, runs, truths, arms, over_cells }) {
+async function checkExperiment(page, { rows, runs, truths, arms, over_cells, paper }) {
+  assert.equal(paper.length, 9, 'the cells of the paper’s grid');
   assert.equal(rows.length, 2);
   assert.equal(await count(page, '.panel svg'), runs.length, 'a panel of posteriors per run');
   assert.equal(await count(page, '#timeline-1 .point'), runs.reduce((sum, { periods, bail_outs }) => sum + periods.length + bail_outs.length, 0));
@@ -125,6 +136,79 @@ async function checkReplay(page, { rows, scenes }) {
   await checkTip(page, '#regret-1', /after start-up/);
 }
 
+const textOf = (page, selector) => page.locator(selector).innerText();
+
+async function checkTexts(page, selector, ...expected) {
+  const content = await textOf(page, selector);
+  for (const each of expected) assert.ok(content.includes(each), `${selector} lacks “${each}”:\n${content}`);
+}
+
+async function checkFullBench(page, { rows }) {
+  await checkTexts(page, '#results', '1.67–16.7×', '99.0× the speed of the best library that did not run here', '✗ Not all pairs were right',
+    'Wrong in suite-b, 1,000 objects: frame 3: (1, 2) is missing', '✓ met (≥ 5×)', '✗ missed (≥ 5×)', 'Published peer, through Bullet DBVT');
+  await page.locator('#results summary').click();
+  await checkTexts(page, '#results', 'ODE: libode-dev', 'Capped in suite-b, 10,000 objects: stopped by the cap of 5 s', 'would take longer than 5 s');
+  await checkTexts(page, '#judged', '✗ 2 of 3 met', '✓ 1 of 1 met', '✗ 0 of 1 met');
+  assert.equal(await rowsOf(page, 'goals'), 5);
+  await checkTexts(page, '#spikes', '✗ missed (≤ 2×)');
+  await checkTexts(page, '#growth', '✓ met (≤ 2×)', '1.00× that at 1,000');
+  await checkTexts(page, '#memory', '✓ met (≤ 12 MB)');
+  await checkTexts(page, '#families', 'Bullet DBVT', '✓ met (≥ 7×)');
+  await checkTexts(page, '#threads', 'Grid (2 threads)', '1.50×');
+  await checkTexts(page, '#times', '✗ wrong pairs');
+  await checkTexts(page, '#machine', 'Some <CPU> & Co', "sweepstake bench --scene '<x>&'");
+  assert.ok(await count(page, '#chart-1 .legend input') > 3, 'several counts are lines');
+  assert.equal(await count(page, '#chart-2 .legend'), 0, 'one count is a ranking');
+  assert.equal(await count(page, '#chart-2 .point'), 2);
+  await checkTexts(page, '#chart-2', EVIL.split('/').at(-1));
+  await page.locator('#raw summary').click();
+  await checkTexts(page, '#rows', '✗ wrong pairs: frame 3: (1, 2) is missing', 'would take longer than 5 s');
+  assert.equal(await rowsOf(page, 'rows'), rows.length, 'rows of those that were left out, too');
+}
+
+async function checkSmallBench(page) {
+  await checkTexts(page, '#results', 'No peers took part in this run');
+  for (const absent of ['threads', 'goals', 'families', 'overall']) assert.equal(await count(page, `#${absent}`), 0, absent);
+  assert.equal(await count(page, '#results .verdict'), 0, 'no warning');
+}
+
+async function checkPartial(page, { runs }) {
+  await checkTexts(page, '#summary', '✗ Partial: 5 of 8 planned runs are in.', '✗ The machine was disturbed.', 'Brownian 1,000');
+  for (const absent of ['regret', 'tests', 'live-replay']) assert.equal(await count(page, `#${absent}`), 0, absent);
+  await checkTexts(page, '#table-3', 'KDTree 1/2; SAP 1/2', 'AxisSweep 5/5', 'Stable sweep-based preference.');
+  await checkTexts(page, '#table-4', '20.2±0.8', '45.5±6.3', '0.977±0.007', '196.4±27.5');
+  assert.equal(await count(page, '.panel svg'), runs.length);
+  assert.equal(await count(page, `#timeline-1 [aria-label^="bail-out from ${runs[0].arms[1]}"]`), 1);
+  assert.equal(await count(page, '#timeline-1 [aria-label=tick] line'), 2 * runs.length, 'a stroke for each candidate held back');
+}
+
+// Whatever is missing, the page is drawn: it has its sections, and no picture holds what is no number.
+async function checkDrawn(page) {
+  assert.ok(await count(page, 'section') > 2, await textOf(page, 'main'));
+  for (const wrong of ['NaN', 'Infinity', 'undefined', 'null']) {
+    assert.ok(!(await textOf(page, 'main')).includes(wrong), wrong);
+    assert.equal(await count(page, `svg [d*="${wrong}"], svg [transform*="${wrong}"], svg [width*="${wrong}"], svg [x1*="${wrong}"]`), 0, wrong);
+  }
+}
+
+async function handmadeInBrowser(context) {
+  const show = async (name, document, check) => {
+    writeReport(name, document);
+    await inBrowser(context, name, check);
+  };
+  const [experiment, replay] = [documentOf('experiment'), documentOf('replay')];
+  await show('full bench', fullBench, checkFullBench);
+  await show('small bench', bench(fullBench.rows.filter(({ kind, threads }) => kind === 'arm' && threads === 1)), checkSmallBench);
+  await show('partial experiment', partialExperiment(experiment), checkPartial);
+  await show('undisturbed experiment', { ...experiment, truths: experiment.truths.map((truth) => ({ ...truth, control_ratio: 1 })) },
+    async (page) => assert.ok(!(await textOf(page, '#summary')).includes('disturbed.')));
+  await show('judged replay', judgedReplay(replay), (page) => checkTexts(page, '#goals', '✗ missed', 'nothing to judge', '0 of 1, worst storms'));
+  const degenerate = { bench: degenerateBenches, experiment: degenerateExperiments(experiment), replay: degenerateReplays(replay) };
+  for (const [command, documents] of Object.entries(degenerate)) {
+    for (const [name, document] of Object.entries(documents)) await show(`${command}, ${name}`, document, checkDrawn);
+  }
+}
+
 if (!existsSync(chromiumPath)) skip(`there is no ${chromiumPath}; deploy/install_packages.sh chromium installs it`);
 makeReports();
 const { chromium } = require('playwright-core');
@@ -137,6 +221,7 @@ try {
   await inBrowser(context, 'bench', checkBench);
   await inBrowser(context, 'experiment', checkExperiment);
   await inBrowser(context, 'replay', checkReplay);
+  await handmadeInBrowser(context);
 } finally {
   await context.close();
   rmSync(folder, { recursive: true, force: true });

@@ -1,10 +1,12 @@
 // What all charts share: the figure around a picture, its legend, and the values shown at the
 // pointer and by the arrow keys. A mark with a title answers to both.
 import { h, type Child } from '../dom';
+import { textColourOn } from '../palette';
 
 const REACH = 30; // pixels from the pointer to a mark that still answers
 
-export const LETTER = 6.4; // mean width of a letter at 12 px, rounded up
+export const LETTER = 6.9; // mean width of a letter at 13 px, rounded up
+export const widest = (texts: string[]) => LETTER * Math.max(0, ...texts.map((text) => text.length)) + 20;
 
 interface Target { element: SVGElement; box: DOMRect; text: string }
 
@@ -109,4 +111,4 @@ export function chips(entries: { name: string; colour: string }[]): HTMLElement 
   return h('p', { class: 'chips' }, ...entries.map(({ name, colour }) => chip(name, colour)));
 }
 
-export const chip = (name: string, colour: string) => h('span', { class: 'chip', style: `--a: ${colour}` }, name);
+export const chip = (name: string, colour: string) => h('span', { class: 'chip', style: `--a: ${colour}; color: ${textColourOn(colour)}` }, name);

@@ -3,6 +3,7 @@ import * as Plot from '@observablehq/plot';
 import { h } from '../dom';
 import { compact, significant } from '../format';
 import { figure, show } from './figure';
+import { swatch } from './swatch';
 import { axes, logDomain, logTicks, spreadOut } from './scales';
 
 export interface Point { x: number; y: number; text: string }
@@ -15,20 +16,25 @@ const WIDTH = 1080;
 const MARGIN = { top: 16, right: 190, bottom: 48, left: 64 };
 const NAME_HEIGHT = 15;
 
-// The name of a line beside its last point; names that would touch move apart.
-function endNames(series: Series[], height: number, domain: [number, number]): Plot.Markish[] {
+const classOf = ({ name }: Series) => `series-${name.replace(/\W+/g, '_')}`;
+
+// The names at the right edge, as near to their lines' ends as they can be without touching; a dotted line leads to each.
+function endNames(series: Series[], height: number, edge: number, [low, high]: [number, number]): Plot.Markish[] {
   const bottom = height - MARGIN.bottom;
-  const pixels = (y: number) => bottom - (Math.log(y / domain[0]) / Math.log(domain[1] / domain[0])) * (bottom - MARGIN.top);
+  const pixels = (y: number) => bottom - (Math.log(y / low) / Math.log(high / low)) * (bottom - MARGIN.top);
+  const value = (pixel: number) => low * (high / low) ** ((bottom - pixel) / (bottom - MARGIN.top));
   const last = series.map(({ points }) => points.at(-1)!);
-  const placed = spreadOut(last.map(({ y }) => pixels(y)), NAME_HEIGHT, MARGIN.top, bottom);
-  return series.map(({ name, colour, solid }, index) => Plot.text([last[index]!], {
-    x: 'x', y: 'y', text: () => name, dx: 12, dy: placed[index]! - pixels(last[index]!.y), textAnchor: 'start',
-    fill: colour, fontWeight: solid ? 650 : 400, className: `series-${series[index]!.name.replace(/\W+/g, '_')} name`,
-  }));
+  const placed = spreadOut(last.map(({ y }) => pixels(y)), NAME_HEIGHT, MARGIN.top, bottom).map(value);
+  return series.flatMap((each, index) => [
+    Plot.link([last[index]!], { x1: 'x', y1: 'y', x2: () => edge, y2: () => placed[index]!, stroke: each.colour, strokeDasharray: '1 4',
+      className: `${classOf(each)} leader` }),
+    Plot.text([each.name], { x: () => edge, y: () => placed[index]!, text: (name: string) => name, dx: 6, textAnchor: 'start',
+      fill: `color-mix(in srgb, ${each.colour} 75%, var(--text))`, fontWeight: each.solid ? 650 : 400, className: `${classOf(each)} name` })]);
 }
 
-function lineMarks({ name, colour, symbol, solid, points }: Series): Plot.Markish[] {
-  const className = `series-${name.replace(/\W+/g, '_')}`;
+function lineMarks(series: Series): Plot.Markish[] {
+  const { name, colour, symbol, solid, points } = series;
+  const className = classOf(series);
   return [
     Plot.line(points, { x: 'x', y: 'y', stroke: colour, strokeWidth: solid ? 2.3 : 1.5, className, ...(!solid && { strokeDasharray: '6 4' }) }),
     Plot.dot(points, {
@@ -39,23 +45,24 @@ function lineMarks({ name, colour, symbol, solid, points }: Series): Plot.Markis
 
 function picture({ xLabel, yLabel, series }: LineChart): SVGElement | HTMLElement {
   const points = series.flatMap((each) => each.points);
+  const x = logDomain(points.map((point) => point.x), 1.08);
   const y = logDomain(points.map((point) => point.y), 1.4);
   const height = Math.max(470, MARGIN.top + MARGIN.bottom + 18 * series.length);
   return Plot.plot({
     width: WIDTH, height, marginTop: MARGIN.top, marginRight: MARGIN.right, marginBottom: MARGIN.bottom, marginLeft: MARGIN.left,
     className: 'picture',
-    x: { type: 'log', domain: logDomain(points.map((point) => point.x), 1.08), axis: null },
+    x: { type: 'log', domain: x, axis: null },
     y: { type: 'log', domain: y, axis: null },
     marks: [...axes('x', [...new Set(points.map((point) => point.x))], compact, xLabel),
-      ...axes('y', logTicks(y), (tick) => significant(tick, 1), yLabel), ...series.flatMap(lineMarks), ...endNames(series, height, y)],
+      ...axes('y', logTicks(y), (tick) => significant(tick, 1), yLabel), ...series.flatMap(lineMarks), ...endNames(series, height, x[1], y)],
   });
 }
 
-function legendEntry({ name, colour, solid }: Series, onChange: (shown: boolean) => void): HTMLElement {
+function legendEntry(series: Series, onChange: (shown: boolean) => void): HTMLElement {
   const box = h('input', { type: 'checkbox' });
   box.checked = true;
   box.addEventListener('change', () => onChange(box.checked));
-  return h('label', {}, box, h('span', { class: solid ? 'swatch' : 'swatch dashed', style: `--a: ${colour}` }), h('span', {}, name));
+  return h('label', {}, box, swatch(series), h('span', {}, series.name));
 }
 
 export function lineChart(chart: LineChart): HTMLElement {

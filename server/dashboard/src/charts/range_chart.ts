@@ -1,7 +1,7 @@
 // A row per name: a bar from low to high, a mark between, the value at the right edge.
 import * as Plot from '@observablehq/plot';
 import { significant } from '../format';
-import { figure, LETTER } from './figure';
+import { figure, widest } from './figure';
 import { axes, linearTicks, logDomain, logTicks } from './scales';
 
 export interface RangeRow {
@@ -15,20 +15,21 @@ const ROW = 25;
 
 // REQUIRES: positive values, unless the axis is linear.
 function picture({ xLabel, linear, rows }: RangeChart): SVGElement | HTMLElement {
-  const widest = (texts: string[]) => LETTER * Math.max(...texts.map((text) => text.length)) + 20;
   const values = rows.flatMap(({ low, high }) => [low, high]);
-  const domain: [number, number] = linear ? [0, Math.max(...values)] : logDomain(values, 1.1);
+  const domain: [number, number] = linear ? [0, Math.max(...values.filter(Number.isFinite), 1e-9)] : logDomain(values, 1.1);
   return Plot.plot({
     width: WIDTH, height: ROW * rows.length + 70, marginLeft: widest(rows.map(({ name }) => name)),
     marginRight: widest(rows.map(({ label }) => label)), marginTop: 12, marginBottom: 46, className: 'picture',
     x: { type: linear ? 'linear' : 'log', domain, axis: null },
-    y: { type: 'point', domain: rows.map(({ name }) => name), label: null, padding: 0.6, tickSize: 0 },
+    y: { type: 'point', domain: rows.map(({ name }) => name), axis: null, padding: 0.6 },
     marks: [
       ...axes('x', linear ? linearTicks(domain) : logTicks(domain), (tick) => (linear ? String(tick) : significant(tick, 1)), xLabel),
       Plot.ruleY(rows, { y: 'name', stroke: 'var(--faint)' }),
       Plot.ruleY(rows, { y: 'name', x1: 'low', x2: 'high', stroke: 'colour', strokeWidth: 6, strokeLinecap: 'round', strokeOpacity: 0.42 }),
       Plot.dot(rows, { x: 'value', y: 'name', r: 5, symbol: (row: RangeRow) => row.symbol ?? 'circle', stroke: 'colour', strokeWidth: 1.8,
         fill: ({ solid, colour }: RangeRow) => (solid ? colour : 'var(--card)'), title: ({ name, text }: RangeRow) => `${name}\n${text}` }),
+      ...[true, false].map((strong) => Plot.text(rows.filter(({ solid }) => solid === strong), { y: 'name', text: 'name', frameAnchor: 'left',
+        textAnchor: 'end', dx: -8, fill: 'currentColor', fontWeight: strong ? 650 : 400 })),
       Plot.text(rows, { y: 'name', text: 'label', frameAnchor: 'right', textAnchor: 'start', dx: 8, fill: 'currentColor' }),
     ],
     color: { type: 'identity' },

@@ -11,6 +11,11 @@ describe('a logarithmic axis', () => {
     expect(end / alone).toBeCloseTo(4);
   });
 
+  it('passes over what has no logarithm', () => {
+    expect(logDomain([0, -1, NaN, Infinity, 2, 20], 1)).toEqual([2, 20]);
+    expect(logDomain([])).toEqual([1, 10]);
+  });
+
   it('has ticks at 1, 2 and 5, or at decades where it is long', () => {
     expect(logTicks([0.04, 3])).toEqual([0.05, 0.1, 0.2, 0.5, 1, 2]);
     expect(logTicks([0.5, 20_000])).toEqual([1, 10, 100, 1000, 10_000]);

@@ -3,10 +3,12 @@ import * as Plot from '@observablehq/plot';
 
 const MIN_FACTOR = 4; // an axis reaches at least so far from end to end
 
-// A little beyond the values on both sides. REQUIRES: positive values.
+// A little beyond the values on both sides; values without a logarithm are passed over.
 export function logDomain(values: number[], margin = 1.25): [number, number] {
-  let low = Math.min(...values) / margin;
-  let high = Math.max(...values) * margin;
+  const positive = values.filter((value) => value > 0 && Number.isFinite(value));
+  if (positive.length === 0) return [1, 10];
+  let low = Math.min(...positive) / margin;
+  let high = Math.max(...positive) * margin;
   const factor = high / low;
   if (factor < MIN_FACTOR) {
     const grow = Math.sqrt(MIN_FACTOR / factor);

@@ -1,7 +1,8 @@
 // A bar per row, cut into the shares of its values.
 import * as Plot from '@observablehq/plot';
 import { share } from '../format';
-import { chips, figure, LETTER } from './figure';
+import { textColourOn } from '../palette';
+import { chips, figure, LETTER, widest } from './figure';
 
 export interface Kind { name: string; colour: string }
 export interface StackedBars { id: string; title: string; note?: string | undefined; kinds: Kind[]; rows: { name: string; values: number[] }[] }
@@ -26,8 +27,9 @@ export function segmentsOf({ kinds, rows }: Pick<StackedBars, 'kinds' | 'rows'>)
 
 function picture(chart: StackedBars): SVGElement | HTMLElement {
   const segments = segmentsOf(chart);
-  const left = LETTER * Math.max(...chart.rows.map(({ name }) => name.length)) + 20;
-  const fits = ({ from, to, label }: Segment) => (to - from) * (WIDTH - left - 28) > LETTER * label.length + 6;
+  const left = widest(chart.rows.map(({ name }) => name));
+  const fitting = ({ from, to, name, label }: Segment) => // the longest text that the segment has room for
+    [`${name} ${label}`, name].find((each) => (to - from) * (WIDTH - left - 28) > LETTER * each.length) ?? '';
   const bar = { x1: 'from', x2: 'to', y: 'row', fill: 'colour' };
   return Plot.plot({
     width: WIDTH, height: 26 * chart.rows.length + 60, marginLeft: left, marginRight: 28, marginTop: 8, marginBottom: 44, className: 'picture',
@@ -36,7 +38,7 @@ function picture(chart: StackedBars): SVGElement | HTMLElement {
     color: { type: 'identity' },
     marks: [
       Plot.barX(segments, { ...bar, stroke: 'var(--card)', strokeWidth: 0.6, title: ({ row, name, label }: Segment) => `${row}\n${name} ${label}` }),
-      Plot.text(segments.filter(fits), { x: ({ from, to }: Segment) => (from + to) / 2, y: 'row', text: 'label', fill: 'var(--on-area)', className: 'on-area' }),
+      Plot.text(segments, { x: ({ from, to }: Segment) => (from + to) / 2, y: 'row', text: fitting, fill: ({ colour }: Segment) => textColourOn(colour), className: 'on-area' }),
     ],
   } as Plot.PlotOptions);
 }

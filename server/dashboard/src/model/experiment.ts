@@ -45,6 +45,7 @@ export interface ExperimentDocument {
   sittings: { command_line: string; start_utc: string; end_utc: string }[];
   cells: { cell: string; scene: string; objects: number }[];
   rows: ExperimentRow[]; runs: Run[]; truths: Truth[]; over_cells: Comparison[]; over_live: Comparison[];
+  paper?: PaperCell[]; // Tables 3 and 4 as printed
 }
 
 export const VERDICTS = ['unknown', 'stable', 'tie', 'ambiguous', 'degraded'];

@@ -2,7 +2,8 @@
 import { bold, h, small, type Child } from '../dom';
 import { bytes, compact, grouped, milliseconds, significant, times } from '../format';
 import { contestantTitle, hasGoal, largeIsGood, sceneTitle, type BenchIndex, type BenchRow, type Contestant, type Ratio, type RatioKind } from '../model/bench';
-import { colourOf, familyTitle } from '../palette';
+import { swatch } from '../charts/swatch';
+import { colourOf, familyTitle, symbolOf } from '../palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type HeadCell } from '../table';
 
 export function cellHead(index: BenchIndex, corner: string): HeadCell[][] {
@@ -34,11 +35,10 @@ export function goalVerdict(ratio: Ratio): Child {
 
 export const goalClass = (ratio: Ratio) => (hasGoal(ratio) ? (ratio.met ? 'met' : 'missed') : '');
 
-export const swatch = (family: string, solid: boolean) =>
-  h('span', { class: solid ? 'swatch' : 'swatch dashed', style: `--a: ${colourOf(family)}`, 'aria-hidden': 'true' });
+const familySwatch = (family: string, solid: boolean) => swatch({ colour: colourOf(family), symbol: symbolOf(family), solid });
 
 function contestantName({ name, family, kind, threads }: Contestant): Cell {
-  const title = [swatch(family, kind === 'arm'), ' ', contestantTitle(name, threads)];
+  const title = [familySwatch(family, kind === 'arm'), ' ', contestantTitle(name, threads)];
   return cell(kind === 'arm' ? bold(title) : [title, ' ', h('span', { class: 'none' }, 'peer')], name);
 }
 
@@ -104,7 +104,7 @@ export function threadTable(index: BenchIndex): HTMLElement {
   const rows = index.contestants.filter(({ kind }) => kind === 'arm').flatMap((each) =>
     index.threadCounts.filter((threads) => threads !== each.threads).map((threads) =>
       separateScenes(index, [
-        cell(bold(swatch(each.family, true), ' ', contestantTitle(each.name, threads)), each.name),
+        cell(bold(familySwatch(each.family, true), ' ', contestantTitle(each.name, threads)), each.name),
         ...index.cells.map((at) => {
           const [several, fewest] = [index.find(at, each.name, threads), index.rowOf(at, each)];
           if (!several || !fewest) return noValue();

@@ -1,7 +1,6 @@
 // The page of `sweepstake experiment`.
 import { h, paragraph, type Child } from '../dom';
 import { compact, grouped, percent, share, significant } from '../format';
-import { PAPER_CELLS } from '../model/paper';
 import type { ExperimentDocument } from '../model/experiment';
 import { commandLine, machineList, rawRows, type Page, type Section } from '../page';
 import { cell, columns, drawTable, text, textCell } from '../table';
@@ -40,12 +39,12 @@ export function experimentPage(document: ExperimentDocument): Page {
     title: 'Sweepstake experiment',
     lead: lead(document),
     sections: [
-      { id: 'summary', heading: 'Summary', body: [summary(document, words, PAPER_CELLS)] },
+      { id: 'summary', heading: 'Summary', body: [summary(document, words)] },
       explained('dominant', 'Who won where', 'Each cell names the algorithm that was active longest, and in how many of the runs. The small line ' +
         'compares it with the truth.', some(rows, () => dominanceGrid(document, words))),
       explained('tables', 'Tables 3 and 4 of the paper', 'The paper’s tables with this experiment’s figures; the paper’s own stand beside or below. ' +
         'Many switches and an active share below half mean that the policy could not make up its mind, or that it did not matter.',
-      some(rows, () => paperTables(document, words, PAPER_CELLS))),
+      some(rows, () => paperTables(document, words))),
       { id: 'ranking-section', heading: 'How fast each algorithm truly is', body: [trueRanking(document, words)] },
       explained('regret', 'What each policy loses', `Left is better; the axis is logarithmic, and what loses ${percent(0.0001).slice(1)} or less, or ` +
         'wins, stands at its left edge. “fixed:…” is an algorithm that always stays; the oracle knows everything and still pays for its switches.',

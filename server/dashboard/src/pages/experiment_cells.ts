@@ -34,7 +34,7 @@ export function dominanceGrid(document: ExperimentDocument, words: Words): HTMLE
   });
 }
 
-const paperOf = (paper: PaperCell[], row: ExperimentRow) =>
+const paperOf = ({ paper = [] }: ExperimentDocument, row: ExperimentRow) =>
   paper.find(({ scene, objects }) => scene === row.scene && objects === row.objects);
 
 function table3Row(row: ExperimentRow, paper?: PaperCell): Cell[] {
@@ -52,10 +52,10 @@ function table4Row(row: ExperimentRow, paper?: PaperCell): Cell[] {
     figure('switches', row.runs, 1), figure('active_percent', dominantRuns, 1), figure('mu', dominantRuns, 3), figure('n', dominantRuns, 1)];
 }
 
-export function paperTables(document: ExperimentDocument, words: Words, paper: PaperCell[]): HTMLElement[] {
+export function paperTables(document: ExperimentDocument, words: Words): HTMLElement[] {
   const groups = (toRow: (row: ExperimentRow, paper?: PaperCell) => Cell[]): Group[] => policiesOf(document).map((policy) => ({
     title: `Policy ${words.policyTitle(policy)}`,
-    rows: document.rows.filter((row) => row.policy === policy).map((row) => toRow(row, paperOf(paper, row))),
+    rows: document.rows.filter((row) => row.policy === policy).map((row) => toRow(row, paperOf(document, row))),
   }));
   return [
     drawTable({ id: 'table-3', caption: 'Table 3. Dominant algorithms across the runs of each scenario and size', groups: groups(table3Row),

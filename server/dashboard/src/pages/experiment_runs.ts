@@ -16,7 +16,7 @@ function laneOf(words: Words, run: Run): Lane {
   return {
     name: runName(words, run),
     stretches: run.periods.map(({ arm, from_s, to_s, reason }) => ({
-      from: minutes(run, from_s), to: minutes(run, to_s), colour: colourOf(run.arms[arm]!), faint: from_s < run.exploration_s,
+      from: minutes(run, from_s), to: minutes(run, to_s), name: run.arms[arm]!, colour: colourOf(run.arms[arm]!), faint: from_s < run.exploration_s,
       text: `${run.arms[arm]}\nfrom ${minutesText(run, from_s)} to ${minutesText(run, to_s)}${reason ? ` (${reason})` : ''}`,
     })),
     strokes: run.held_back_s.map((time) => minutes(run, time)),

@@ -1,12 +1,12 @@
 // What live runs are judged by: the true ranking, regret by replay, tests, live against replay.
 import { byValue, rangeChart, type RangeRow } from '../charts/range_chart';
-import { bold, details, small, verdict, type Child } from '../dom';
+import { details, small, verdict, type Child } from '../dom';
 import { interval, mean, microseconds, percent, probability, share, shareInterval, significant, times } from '../format';
 import { regretsByPlayer, replayed, type Agreement, type Comparison, type ExperimentDocument, type Truth } from '../model/experiment';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell, type Group } from '../table';
 import { armChip } from './experiment_cells';
 import type { Words } from './experiment_words';
-import { REGRET_AXIS, regretRow, styleOf } from './regret';
+import { REGRET_AXIS, regretRow, styleOf, type PlayerStyle } from './regret';
 
 export function trueRanking({ truths }: ExperimentDocument, words: Words): HTMLElement | undefined {
   const places = truths[0]?.ranking.map((_, i) => text(`${i + 1}.`));
@@ -73,7 +73,8 @@ export function comparisonTables(document: ExperimentDocument, words: Words): Ch
     comparisonGroup(`${words.cellName(truth.cell)}; a pair per seed`, truth.comparisons, words))))];
 }
 
-const agreementStyle = (agrees: boolean) => ({ colour: agrees ? 'var(--own)' : 'var(--paper)', solid: agrees });
+const agreementStyle = (agrees: boolean): PlayerStyle =>
+  (agrees ? { colour: 'var(--own)', symbol: 'circle', solid: true } : { colour: 'var(--paper)', symbol: 'triangle', solid: false });
 
 function agreeCell(agrees: boolean, live: string, value: number, expected: string): Cell {
   return cell([live, small(verdict(agrees, `${agrees ? 'in' : 'outside'} ${expected}`))], value, agrees ? 'met' : 'missed');
@@ -86,7 +87,7 @@ function agreementRows(name: string, each: Agreement): { regret: RangeRow; share
       `live ${percent(each.regret)}, replay ${interval(each.replayed_regret)}`),
     share: { name, ...agreementStyle(each.share_agrees), low: Math.max(100 * low, 0), value: 100 * each.active_share, high: Math.min(100 * high, 100),
       label: share(each.active_share), text: `live ${share(each.active_share)}, replay ${shareInterval(each.replayed_active_share)}` },
-    row: [cell(bold(name), name), cell(String(each.runs), each.runs),
+    row: [cell(name), cell(String(each.runs), each.runs),
       agreeCell(each.regret_agrees, percent(each.regret), each.regret, interval(each.replayed_regret)),
       agreeCell(each.share_agrees, share(each.active_share), each.active_share, shareInterval(each.replayed_active_share)),
       cell(percent(each.measured_regret), each.measured_regret)],

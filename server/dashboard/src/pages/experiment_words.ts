@@ -1,7 +1,7 @@
 // What the page of an experiment says in words.
 import { h, headline, list, paragraph, terms, verdict, type Child } from '../dom';
 import { compact, counted, grouped, percent, significant } from '../format';
-import { agreementCounts, chosenWell, frameTime, meanRegret, noisyCells, timeParts, type ExperimentDocument, type PaperCell } from '../model/experiment';
+import { agreementCounts, chosenWell, frameTime, meanRegret, noisyCells, timeParts, type ExperimentDocument } from '../model/experiment';
 
 const SCENES: Record<string, string> = { brownian: 'Brownian', 'rotating-gravity': 'Rotating Grav', hurricane: 'Hurricane' };
 export const sceneName = (scene: string) => SCENES[scene] ?? scene;
@@ -48,7 +48,7 @@ function trulyFastest(document: ExperimentDocument, words: Words, policy: string
     `${fastest} of ${all} scenes${tied > 0 ? `, and within 3 % of it in ${tied} more` : ''}.`;
 }
 
-function sameAsPaper({ rows }: ExperimentDocument, paper: PaperCell[]): Child {
+function sameAsPaper({ rows, paper = [] }: ExperimentDocument): Child {
   const compared = rows.filter(({ policy }) => policy === 'paper').flatMap((row) =>
     paper.filter(({ scene, objects }) => scene === row.scene && objects === row.objects).map(({ dominant }) => dominant === row.dominant));
   return compared.length > 0 && `The same algorithm as in the paper’s Table 3 dominates in ${compared.filter(Boolean).length} of ` +
@@ -70,7 +70,7 @@ function selectorCost({ runs }: ExperimentDocument): Child {
     `structures anew after switches ${significant((100 * parts[2]!) / frames, 2)} %.`;
 }
 
-export function summary(document: ExperimentDocument, words: Words, paper: PaperCell[]): Child[] {
+export function summary(document: ExperimentDocument, words: Words): Child[] {
   const { options, complete, finished_runs: finished, planned_runs: planned, time_scale: scale } = document;
   const noisy = noisyCells(document).map(words.cellName);
   return [
@@ -82,7 +82,7 @@ export function summary(document: ExperimentDocument, words: Words, paper: Paper
       `objects), ${counted(options.policies.length, 'policy', 'policies')}, ${counted(options.run_count, 'run', 'runs')} of each, ` +
       `${options.window} after the exploration${scale > 1 ? `, all intervals divided by ${compact(scale)}` : ''}.`,
     ...options.policies.map((policy) => trulyFastest(document, words, policy)),
-    sameAsPaper(document, paper), agreed(document), selectorCost(document)])];
+    sameAsPaper(document), agreed(document), selectorCost(document)])];
 }
 
 export function method({ options, time_scale: scale }: ExperimentDocument): HTMLElement {

@@ -3,7 +3,7 @@ import { byValue, rangeChart } from '../charts/range_chart';
 import { chip } from '../charts/figure';
 import { stackedBars } from '../charts/stacked_bars';
 import { headline, list, paragraph, small, terms, verdict, type Child } from '../dom';
-import { grouped, interval, mean, percent, probability, share, significant } from '../format';
+import { grouped, interval, mean, percent, probability, share, significant, spread } from '../format';
 import { VERDICTS } from '../model/experiment';
 import { costsOf, fileName, isFixed, meanRegretOf, type ReplayDocument, type ReplayRow } from '../model/replay';
 import { commandLine, rawRows, type Page } from '../page';
@@ -67,7 +67,7 @@ function rowCells(row: ReplayRow): Cell[] {
   const { against_paper: paper } = row;
   return [cell(row.policy), cell([percent(row.regret_best_fixed), small(interval(row.ci95))], row.regret_best_fixed),
     cell(percent(row.regret_after_start), row.regret_after_start), cell(percent(row.regret_oracle), row.regret_oracle),
-    optional(row.headroom_captured, (value) => `${grouped(100 * value)} %`), cell(row.switches.toFixed(1), row.switches),
+    optional(row.headroom_captured, (value) => `${grouped(100 * value)} %`), cell(spread(row.switches, 0, 1, 1), row.switches),
     cell(share(row.active_share), row.active_share), textCell(chip(row.dominant, colourOf(row.dominant))),
     optional(row.bail_outs, (value) => significant(value)), optional(row.first_best_s, (value) => `${significant(value)} s`),
     cell(share(row.shadow_share), row.shadow_share),
