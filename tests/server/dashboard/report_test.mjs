@@ -97,6 +97,9 @@ async function checkBench(page, { rows }) {
   assert.equal(await rowsOf(page, 'fastest'), 4);
   const fastest = Math.min(...rows.filter(({ scene, objects }) => scene === 'suite-b' && objects === 100).map((row) => row.ms_median));
   assert.equal(Number(await page.locator('#fastest tbody tr:not(.heading) td').nth(1).innerText()), Number(fastest.toPrecision(3)));
+  const lines = await count(page, '#chart-1 .legend label');
+  assert.equal(await count(page, '#chart-1 .legend svg.swatch'), lines, 'the legend shows stroke and symbol');
+  assert.equal(await count(page, '#chart-1 .leader'), lines, 'a dotted line leads to each name');
   await checkTip(page, '#chart-1', /objects: .* ms/);
   await page.locator('#chart-1 .legend input').first().uncheck();
   assert.equal(await count(page, '#chart-1 .point'), rows.length / 2 - 2, 'a line that is hidden is gone');
@@ -126,6 +129,8 @@ async function checkExperiment(page, { rows, runs, truths, arms, over_cells, pap
   for (const chart of ['active-shares', 'verdict-shares', 'time-shares', 'agreement-regret', 'agreement-share']) {
     assert.ok(await count(page, `#${chart} .point`) >= rows.length, chart);
   }
+  const wide = arms.filter((arm) => runs.some((run) => run.active_shares[run.arms.indexOf(arm)] > 0.5));
+  for (const arm of wide) assert.match(await page.locator('#active-shares svg').first().textContent(), new RegExp(`${arm} [0-9]`), 'areas are named');
   await checkTip(page, '#active-shares', /%/);
 }
 
