@@ -79,7 +79,7 @@ async function checkTheme(page) {
 
 // A chart answers to the pointer and to the arrow keys.
 async function checkTip(page, figure, expected) {
-  await page.locator(`${figure} .point`).first().hover();
+  await page.locator(`${figure} .point`).first().hover({ force: true }); // a point of nearly the same time may cover it
   assert.match(await page.locator(`${figure} .tip`).innerText(), expected);
   await page.mouse.move(0, 0);
   await page.locator(`${figure} svg`).first().focus();
