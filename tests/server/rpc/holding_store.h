@@ -1,4 +1,5 @@
-// A store that keeps commits back until the test lets them through, or fails them.
+// A store that keeps commits back until the test lets them through, or fails them, and that can be
+// closed while the store behind it goes on.
 #pragma once
 
 #include <atomic>
@@ -16,15 +17,15 @@ class HoldingStore final : public priors::AsyncPriorStore {
   explicit HoldingStore(priors::AsyncPriorStore& store) : store_(store) {}
 
   void Commit(priors::SourceUpdate update, CommitCallback done) override {
-    {
-      const std::lock_guard lock(mutex_);
-      if (failing_) return done(absl::UnavailableError("the disk is full"));
-      if (holding_) return held_.push_back({std::move(update), std::move(done)});
-    }
+    const std::lock_guard lock(mutex_);
+    if (closed_) return done(absl::UnavailableError("the store is closed"));
+    if (failing_) return done(absl::UnavailableError("the disk is full"));
+    if (holding_) return held_.push_back({std::move(update), std::move(done)});
     store_.Commit(std::move(update), std::move(done));
   }
   bool Submit(Job job) override {
-    const bool submitted = store_.Submit(std::move(job));
+    const std::lock_guard lock(mutex_);
+    const bool submitted = !closed_ && store_.Submit(std::move(job));
     ++submit_count_;
     return submitted;
   }
@@ -40,6 +41,11 @@ class HoldingStore final : public priors::AsyncPriorStore {
   void Fail(bool failing) {
     const std::lock_guard lock(mutex_);
     failing_ = failing;
+  }
+  // While it is closed it takes nothing; what it took before still runs.
+  void Close(bool closed) {
+    const std::lock_guard lock(mutex_);
+    closed_ = closed;
   }
   // Jobs offered so far.
   size_t submit_count() const { return submit_count_; }
@@ -68,6 +74,7 @@ class HoldingStore final : public priors::AsyncPriorStore {
   std::vector<Held> held_;  // guarded by mutex_
   bool holding_ = false;    // guarded by mutex_
   bool failing_ = false;    // guarded by mutex_
+  bool closed_ = false;     // guarded by mutex_
 };
 
 }  // namespace sweepstake::rpc

@@ -180,10 +180,13 @@ class RpcTest : public ::testing::Test {
   void StopServer() {
     channel_.reset();
     if (server_ != nullptr) server_->Drain(std::chrono::milliseconds(0));
-    // Callbacks of the store refer to the server's loop.
+    // Callbacks of the store refer to the server's loop, and tasks of the loop begin new calls of
+    // the store, the loop's last ones included. So the store is closed first, as the daemon does.
     store_.Release();
+    store_.Close(true);
     Flush();
     server_.reset();
+    store_.Close(false);
   }
   void RestartServer() {
     StopServer();

@@ -99,7 +99,10 @@ TEST_F(TelemetryTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
   for (uint64_t sequence = 3; sequence <= 5; ++sequence) {
     client.Send(Frames(sequence, 30, 50));
     ASSERT_TRUE(Applied(sequence));
+    const uint64_t decision_count = server_->counters().decision_count;
     Tick();
+    // A tick that has not run yet takes the next frames into its window.
+    ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decision_count; }));
   }
   const v1::PosteriorSnapshot snapshot =
       client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
