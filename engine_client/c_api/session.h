@@ -9,7 +9,7 @@
 #include <span>
 
 #include "engine_client/c_api/boundary.h"
-#include "engine_client/telemetry/decider_loop.h"
+#include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
 

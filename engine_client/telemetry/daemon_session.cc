@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "engine_client/telemetry/daemon_connection.h"
-#include "engine_client/telemetry/decider_loop.h"
+#include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/evidence_intake.h"
 #include "engine_client/telemetry/proto_conversion.h"
 #include "engine_client/telemetry/session_base.h"

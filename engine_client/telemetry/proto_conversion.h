@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/telemetry/priors_file.h"
+#include "engine_client/telemetry/embedded/priors_file.h"
 #include "engine_client/telemetry/sample_queue.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/v1/priors.pb.h"

@@ -8,7 +8,7 @@
 
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/text_table.h"
-#include "engine_client/telemetry/decision_conversion.h"
+#include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "engine_client/telemetry/proto_conversion.h"
 #include "server/decision/policy/diagnosis.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/telemetry/priors_file.h"
+#include "engine_client/telemetry/embedded/priors_file.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {

@@ -9,7 +9,7 @@
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/scene_choice.h"
-#include "engine_client/telemetry/study_policies.h"
+#include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/decision/options.h"
 #include "server/decision/study/ablations.h"
 #include "sweepstake/session.h"

@@ -7,7 +7,7 @@
 
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/cli/replay/replay_lane.h"
-#include "engine_client/telemetry/decision_conversion.h"
+#include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {

@@ -5,7 +5,7 @@
 
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/io/statistics.h"
-#include "engine_client/telemetry/decision_conversion.h"
+#include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "server/decision/math/hash.h"
 
 namespace sweepstake::cli {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine_client/telemetry/priors_file.h"
+#include "engine_client/telemetry/embedded/priors_file.h"
 #include "server/decision/options.h"
 #include "server/decision/types.h"
 

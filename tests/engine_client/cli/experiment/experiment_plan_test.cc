@@ -9,7 +9,7 @@
 
 #include "engine_client/cli/experiment/experiment_live.h"
 #include "engine_client/cli/experiment/paper_tables.h"
-#include "engine_client/telemetry/study_policies.h"
+#include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/decision/study/ablations.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/cli/command_run.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "engine_client/telemetry/study_policies.h"
+#include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/decision/study/ablations.h"
 #include "tests/support/temporary_directory.h"
 

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/decision_conversion.h"
+#include "engine_client/telemetry/embedded/decision_conversion.h"
 
 #include <cmath>
 #include <optional>

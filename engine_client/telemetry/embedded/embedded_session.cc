@@ -4,9 +4,9 @@
 #include <optional>
 #include <utility>
 
-#include "engine_client/telemetry/decider_loop.h"
+#include "engine_client/telemetry/embedded/decider_loop.h"
+#include "engine_client/telemetry/embedded/study_policies.h"
 #include "engine_client/telemetry/session_base.h"
-#include "engine_client/telemetry/study_policies.h"
 #include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {

@@ -4,9 +4,9 @@
 #include <set>
 #include <utility>
 
-#include "engine_client/telemetry/decision_conversion.h"
-#include "engine_client/telemetry/priors_file.h"
-#include "engine_client/telemetry/study_policies.h"
+#include "engine_client/telemetry/embedded/decision_conversion.h"
+#include "engine_client/telemetry/embedded/priors_file.h"
+#include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/audit/audit_log.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"

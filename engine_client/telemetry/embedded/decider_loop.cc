@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/decider_loop.h"
+#include "engine_client/telemetry/embedded/decider_loop.h"
 
 #include <utility>
 #include <variant>
