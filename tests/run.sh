@@ -48,8 +48,9 @@ for folder in tests/proto server/dashboard; do
     exit 1
   }
 done
-# A program without the report's page is a failure here, not a reason to skip its tests.
-export SWEEPSTAKE_REQUIRE_PAGE=1
+# A program without the report's page is a failure here, not a reason to skip its tests. (The daemon takes each
+# SWEEPSTAKE_… of the environment for a setting.)
+export REQUIRE_REPORT_PAGE=1
 
 jobs=$(nproc)
 for preset in "${presets[@]}"; do

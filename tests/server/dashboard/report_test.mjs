@@ -19,7 +19,7 @@ const file = (name) => join(folder, name);
 function skip(why) {
   rmSync(folder, { recursive: true });
   console.log(`skipped: ${why}`);
-  process.exit(process.env.SWEEPSTAKE_REQUIRE_PAGE ? 1 : 77);
+  process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
 }
 
 function sweepstake(...words) {

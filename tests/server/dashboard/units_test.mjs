@@ -7,7 +7,7 @@ const dashboard = fileURLToPath(new URL('../../../server/dashboard/', import.met
 const modules = `${dashboard}node_modules/`;
 if (!existsSync(`${modules}vitest/vitest.mjs`)) {
   console.log('skipped: `npm ci` in server/dashboard installs what these tests need');
-  process.exit(process.env.SWEEPSTAKE_REQUIRE_PAGE ? 1 : 77);
+  process.exit(process.env.REQUIRE_REPORT_PAGE ? 1 : 77);
 }
 for (const command of [[`${modules}typescript/bin/tsc`, '--noEmit'], [`${modules}vitest/vitest.mjs`, 'run']]) {
   const { status } = spawnSync(process.execPath, command, { cwd: dashboard, stdio: 'inherit' });

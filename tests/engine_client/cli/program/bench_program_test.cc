@@ -89,7 +89,7 @@ json DocumentsIn(const std::string& path) {
 // failure where tests/run.sh has installed what the page needs.
 bool HasNoPage(const ProgramRun& run, const std::string& path) {
   if (run.exit_code != 3) return false;
-  EXPECT_EQ(std::getenv("SWEEPSTAKE_REQUIRE_PAGE"), nullptr) << run.err;
+  EXPECT_EQ(std::getenv("REQUIRE_REPORT_PAGE"), nullptr) << run.err;
   EXPECT_THAT(run.err, HasSubstr("built without the page"));
   EXPECT_FALSE(std::filesystem::exists(path));
   return true;

@@ -113,8 +113,8 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
   } cases[] = {
       {"", "give one of --costs FILE.costs and --log FILE.csv"},
       {"--costs " + Costs() + " --log x.csv", "give one of --costs"},
-      {"--log x.csv --report x.html", "--report excludes --log"},
-      {"--log x.csv --csv y.csv", "--csv excludes --log"},
+      {"--log x.csv --report x.html", "--log excludes --report"},
+      {"--log x.csv --csv y.csv", "--log excludes --csv"},
       {"--costs " + Costs() + " --pass 1m,2m,3m", "--pass has 3 durations for 1 traces"},
       {"--costs " + Costs() + " --pass soon", "'soon' is no duration"},
       {"--costs " + Costs() + " --policy pape", "must be one of paper, default, "},
