@@ -22,7 +22,12 @@ constexpr uint64_t kSecond = 1'000'000'000;
 // Two arms, three frames per second of the first, and one switch.
 RunSummary SomeSummary() {
   RunSummary summary;
-  summary.setup = {{"suite-b", 100, 7}, "ai", "embedded", "", "project p"};
+  summary.setup.scene.name = "suite-b";
+  summary.setup.scene.object_count = 100;
+  summary.setup.scene.seed = 7;
+  summary.setup.mode = "ai";
+  summary.setup.decider = "embedded";
+  summary.setup.priors_key = "project p";
   summary.frame_count = 40;
   summary.active_arm = "Grid";
   summary.arms = {{"SAP", 2, {"SAP", 3, 1}, {30, 10 * kSecond, 6 * kSecond}},
