@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build ccache pkg-config git ca-certificates
-  libgrpc++-dev protobuf-compiler-grpc protobuf-compiler libprotobuf-dev libabsl-dev
+  libgrpc++-dev libssl-dev protobuf-compiler-grpc protobuf-compiler libprotobuf-dev libabsl-dev
   libhwy-dev libeigen3-dev libsqlite3-dev libcli11-dev libtomlplusplus-dev libspdlog-dev nlohmann-json3-dev
 )
 tools=(c++ cmake ninja git protoc grpc_cpp_plugin)

@@ -7,12 +7,12 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <regex>
 #include <system_error>
 #include <utility>
 
 #include <toml++/toml.h>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/decision/math/names.h"
@@ -274,12 +274,13 @@ absl::Status UnknownName(std::string_view what, std::string_view name,
   return absl::InvalidArgumentError(math::UnknownName(what, name, names));
 }
 
+// Returns whether Kubernetes sets such a variable in every container beside a service whose name
+// begins with "sweepstake".
 bool IsOfKubernetes(const std::string& variable) {
-  constexpr std::string_view kPort = "SWEEPSTAKE_PORT";
-  if (variable.starts_with("SWEEPSTAKE_SERVICE_") || variable == kPort) return true;
-  // SWEEPSTAKE_PORT is followed by an underscore and the port's number.
-  return variable.starts_with(kPort) && variable.size() > kPort.size() + 1 &&
-         absl::ascii_isdigit(static_cast<unsigned char>(variable[kPort.size() + 1]));
+  static const std::regex shape(
+      "SWEEPSTAKE(_[A-Z0-9_]+)?_(SERVICE_HOST|SERVICE_PORT(_[A-Z0-9_]+)?|PORT|"
+      "PORT_[0-9]+_(TCP|UDP|SCTP)(_(PROTO|PORT|ADDR))?)");
+  return std::regex_match(variable, shape);
 }
 
 // Returns a scalar as text, or nothing for a table or an array.

@@ -31,8 +31,8 @@ struct Config {
 
 // The names and properties of one setting.
 struct SettingDescription {
-  std::string key;       // in the file
-  std::string variable;  // in the environment
+  std::string key;       // name in the file
+  std::string variable;  // name in the environment
   std::string flag;
   std::string help;
   bool is_switch = false;  // a flag without a value

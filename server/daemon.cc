@@ -1,14 +1,19 @@
 #include "server/daemon.h"
 
+#include <fcntl.h>
 #include <spdlog/logger.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 
+#include <unistd.h>
+
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -60,6 +65,38 @@ std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   return log;
 }
 
+using ResumeKey = std::array<char, 32>;
+
+// The file appears whole and only its owner can read it.
+absl::Status MakeResumeKey(const fs::path& path) {
+  ResumeKey key;
+  const fs::path unfinished = path.string() + ".new";
+  const int file = getentropy(key.data(), key.size()) == 0
+                       ? open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600)
+                       : -1;
+  bool made = file >= 0 && write(file, key.data(), key.size()) == std::ssize(key);
+  made = made && fsync(file) == 0 && rename(unfinished.c_str(), path.c_str()) == 0;
+  const int error = errno;
+  if (file >= 0) close(file);
+  if (made) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("cannot write ", path.string(), ": ",
+                                             std::generic_category().message(error),
+                                             "; make the data directory writable"));
+}
+
+// Returns the secret of the data directory's sessions, which is made at the first start.
+absl::StatusOr<std::string> ReadResumeKey(const fs::path& path) {
+  std::error_code unknown;  // a file that cannot be examined cannot be read either
+  if (!fs::exists(path, unknown)) {
+    if (absl::Status status = MakeResumeKey(path); !status.ok()) return status;
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string key(std::istreambuf_iterator<char>(file), {});
+  if (key.size() == std::tuple_size_v<ResumeKey>) return key;
+  return absl::DataLossError(absl::StrCat(
+      path.string(), " cannot be read or is damaged; remove it, and games begin new sessions"));
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc::Clock& clock) {
@@ -75,11 +112,20 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
     : config_(config), log_(MakeLog(config.log_level)), directory_(std::move(directory)) {}
 
 absl::Status Daemon::Open(rpc::Clock& clock) {
+  if (directory_.open_to_others()) {
+    log_->warn("others can read the data directory {}; session ids are in it: chmod 0700 it",
+               config_.data.string());
+  }
   auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit);
   if (!store.ok()) return store.status();
   store_ = std::make_unique<storage::StoreThread>(*std::move(store));
-  RemovePortFile();
-  auto server = rpc::RpcServer::Start(config_.listen, config_.rpc, clock, *store_, *log_);
+  if (absl::Status status = RemovePortFile(); !status.ok()) return status;
+  auto key = ReadResumeKey(directory_.resume_key());
+  if (!key.ok()) return key.status();
+  rpc::RpcOptions options = config_.rpc;
+  options.resume_secret = *std::move(key);
+  options.daemon_version = SWEEPSTAKE_VERSION;
+  auto server = rpc::RpcServer::Start(config_.listen, std::move(options), clock, *store_, *log_);
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
@@ -106,9 +152,15 @@ absl::Status Daemon::WritePortFile() const {
                                              "; name another with --port-file"));
 }
 
-void Daemon::RemovePortFile() const {
+// A port file of an earlier start would name a port that nobody serves.
+absl::Status Daemon::RemovePortFile() const {
   std::error_code ignored;
-  if (!config_.port_file.empty()) fs::remove(config_.port_file, ignored);
+  if (config_.port_file.empty() || !fs::exists(config_.port_file, ignored)) return absl::OkStatus();
+  if (!fs::is_regular_file(config_.port_file, ignored))
+    return absl::UnavailableError(
+        absl::StrCat(config_.port_file.string(), " is no file; name another with --port-file"));
+  fs::remove(config_.port_file, ignored);
+  return absl::OkStatus();
 }
 
 void Daemon::Drain(std::chrono::milliseconds patience) {

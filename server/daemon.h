@@ -44,7 +44,7 @@ class Daemon {
   absl::Status Open(rpc::Clock& clock);
   absl::Status WritePortFile() const;
   // Removes the file of an earlier daemon, which a waiting process must not read.
-  void RemovePortFile() const;
+  absl::Status RemovePortFile() const;
 
   const Config config_;
   const std::shared_ptr<spdlog::logger> log_;

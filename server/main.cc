@@ -1,7 +1,8 @@
 // `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
 //
-// Exit codes: 0 done; 1 the configuration to be checked is not valid; 2 bad usage or configuration;
-// 3 the daemon could not start; 4 it did not end within nine seconds after a signal.
+// Exit codes: 0 done; 1 the configuration to be checked is not valid, or a copy could not be made,
+// verified or put back; 2 bad usage or configuration; 3 the daemon could not start; 4 it did not
+// end within nine seconds after a signal.
 #include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -18,6 +19,7 @@
 #include "server/daemon.h"
 #include "server/decision/math/names.h"
 #include "server/rpc/common/decision_loop.h"
+#include "server/storage/sqlite_backup.h"
 
 namespace {
 
@@ -35,8 +37,8 @@ constexpr std::chrono::seconds kEndPatience{9};
 struct CommandLine {
   Assignments flags;
   std::string config_file;
-  std::string file_to_check;
-  bool check_config = false;
+  std::string file;  // of a subcommand
+  bool verify = false;
   bool print_config = false;
 };
 
@@ -59,9 +61,20 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   }
   CLI::App* check =
       app.add_subcommand("check-config", "check a configuration file and exit: 0 fine, 1 wrong");
-  check->add_option("file", line.file_to_check, "the TOML file")->required();
-  check->callback([&line] { line.check_config = true; });
+  check->add_option("file", line.file, "the TOML file")->required();
+  CLI::App* backup = app.add_subcommand(
+      "backup", "copy the priors and the audit log to a new file; the daemon may run meanwhile");
+  backup->add_option("file", line.file, "the file to write")->required();
+  backup->fallthrough();
+  backup->footer("Example: sweepstaked backup priors-monday.db --data /var/lib/sweepstake");
+  CLI::App* restore =
+      app.add_subcommand("restore", "check a backup and copy it into a data directory without one");
+  restore->add_option("file", line.file, "the file that `backup` wrote")->required();
+  restore->add_flag("--verify", line.verify, "only check it and say what it has");
+  restore->fallthrough();
+  restore->footer("Example: sweepstaked restore priors-monday.db --data /var/lib/sweepstake");
   app.footer("Example: sweepstaked --listen 127.0.0.1:7433 --data /var/lib/sweepstake");
+  app.require_subcommand(0, 1);
   app.allow_extras();
 }
 
@@ -110,10 +123,20 @@ int CheckConfig(const std::string& file) {
   return kDone;
 }
 
+int ReportContents(const std::string& file,
+                   const absl::StatusOr<sweepstake::storage::StoreContents>& contents) {
+  if (!contents.ok()) return Fail(kCheckFailed, std::string(contents.status().message()));
+  std::cout << file << ": whole; " << contents->record_count << " records of "
+            << contents->source_count << " sources about " << contents->scene_count << " scenes, "
+            << contents->audit_row_count << " rows of the audit log, schema "
+            << contents->schema_version << '\n';
+  return kDone;
+}
+
 std::string UnknownFlag(const std::string& flag) {
   const auto settings = sweepstake::server::DescribeSettings();
-  std::vector<std::string_view> known = {"--config", "--print-config", "--help", "--version",
-                                         "check-config"};
+  std::vector<std::string_view> known = {"--config",     "--print-config", "--help", "--version",
+                                         "check-config", "backup",         "restore"};
   for (const auto& setting : settings) known.push_back(setting.flag);
   return sweepstake::math::UnknownName("argument", flag, known);
 }
@@ -165,12 +188,19 @@ int main(int argc, char** argv) {
     return code == 0 ? kDone : kBadUsage;
   }
   if (!app.remaining().empty()) return Fail(kBadUsage, UnknownFlag(app.remaining().front()));
-  if (line.check_config) return CheckConfig(line.file_to_check);
+  if (app.got_subcommand("check-config")) return CheckConfig(line.file);
   const auto config = Load(line);
   if (!config.ok()) return Fail(kBadUsage, std::string(config.status().message()));
   if (line.print_config) {
     std::cout << PrintConfig(*config);
     return kDone;
+  }
+  if (app.got_subcommand("backup"))
+    return ReportContents(line.file, sweepstake::storage::BackUpStore(config->data, line.file));
+  if (app.got_subcommand("restore")) {
+    return ReportContents(line.file,
+                          line.verify ? sweepstake::storage::VerifyStore(line.file)
+                                      : sweepstake::storage::RestoreStore(line.file, config->data));
   }
   return Run(*config);
 }

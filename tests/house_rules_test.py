@@ -3,6 +3,7 @@
 
     A folder holds at most 25 files; beyond that it gets rooms (data of tests is free: golden/, logs/, results/).
     A source file has at most 500 lines.
+    A header/source pair under 90 lines has two users or a test of its own, or is a backend.
     In the command line only io/ and main.cc know the standard streams; a *_command.cc parses and wires.
     A path that a document names, in backticks or as a link, exists.
 
@@ -23,6 +24,8 @@ import tempfile
 
 MAX_FOLDER_FILES = 25
 MAX_LINES = 500
+MIN_PAIR_LINES = 90
+BACKENDS = {"engine_client/broad_phase/brute_force.h", "engine_client/broad_phase/grid/grid.h"}
 
 DATA_FOLDERS = {"golden", "logs", "results"}
 SOURCE_SUFFIXES = (".h", ".cc", ".c", ".cs", ".ts", ".tsx", ".js", ".mjs", ".css", ".py", ".sh", ".proto")
@@ -32,6 +35,7 @@ PRINTING = re.compile(r"\bstd::(?:cout|cerr|clog)\b|(?<![\w.])(?:std::)?(?:f?pri
 PRINTING_COMMAND = re.compile(r"\bterminal\.(?:out|err)\s*<<")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 CODE_BLOCK = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 QUOTED = re.compile(r"`([^`\n]+)`")
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
@@ -56,6 +60,22 @@ def length_errors(path, text):
     count = text.count("\n")
     if path.endswith(SOURCE_SUFFIXES) and not is_data(path) and count > MAX_LINES:
         yield f"{path}: {count} lines; a source has at most {MAX_LINES}"
+
+
+def pair_errors(texts):
+    """`texts` by path. A user is a module, which is a header and its source; a test is one in tests/."""
+    users = collections.defaultdict(set)
+    for path, text in texts.items():
+        for included in INCLUDE.findall(text):
+            users[included].add(posixpath.splitext(path)[0])
+    for header in sorted(texts):
+        module, suffix = posixpath.splitext(header)
+        if suffix != ".h" or module + ".cc" not in texts or header in BACKENDS:
+            continue
+        lines = texts[header].count("\n") + texts[module + ".cc"].count("\n")
+        others = users[header] - {module}
+        if lines < MIN_PAIR_LINES and len(others) == 1 and not next(iter(others)).startswith("tests/"):
+            yield f"{header}: {lines} lines with its source, and one user; it joins {others.pop()}"
 
 
 def printing_errors(path, text):
@@ -125,9 +145,11 @@ def document_errors(path, text, tree):
 
 def check(root, files):
     errors, tree = list(folder_errors(files)), Tree(files)
+    texts = {path: (root / path).read_text(encoding="utf-8") for path in files if path.endswith((".h", ".cc"))}
+    errors += pair_errors({path: text for path, text in texts.items() if not path.startswith("tests/support/")})
     for path in files:
         if path.endswith(SOURCE_SUFFIXES + (".md",)):
-            text = (root / path).read_text(encoding="utf-8")
+            text = texts.get(path) or (root / path).read_text(encoding="utf-8")
             errors += length_errors(path, text)
             errors += printing_errors(path, text)
             errors += document_errors(path, text, tree)
@@ -150,6 +172,10 @@ GOOD = {
     "tests/bench/README.md": "`results/` and `../../README.md`\n",
     "engine_client/cli/io/text_table.cc": "void Print() { std::cout << 1; }\n",
     "engine_client/cli/main.cc": "int main() { std::cerr << 1; }\n",
+    "engine_client/cli/io/csv.h": "\n",
+    "engine_client/cli/io/csv.cc": '#include "engine_client/cli/io/csv.h"\n',
+    "engine_client/cli/trace/trace.cc": '#include "engine_client/cli/io/csv.h"\n',
+    "tests/engine_client/cli/io/csv_test.cc": '#include "engine_client/cli/io/csv.h"\n',
     "engine_client/cli/run_command.cc": "// std::cout\nvoid F() { std::snprintf(buffer, 8, \"\"); }\n",
     **{f"server/rpc/f{index}.cc": "\n" for index in range(MAX_FOLDER_FILES)},
     **{f"tests/server/golden/{index}.log": "\n" for index in range(MAX_FOLDER_FILES + 1)},
@@ -158,6 +184,7 @@ GOOD = {
 BAD = [
     ("server/rpc", "server/rpc/one_more.cc", "\n"),
     ("server/long.cc", "server/long.cc", "x\n" * (MAX_LINES + 1)),
+    ("engine_client/cli/io/csv.h", "tests/engine_client/cli/io/csv_test.cc", "\n"),
     ("engine_client/cli/bench/a.cc", "engine_client/cli/bench/a.cc", "void F() { std::cout << 1; }\n"),
     ("engine_client/cli/run_command.cc", "engine_client/cli/run_command.cc", "void F() { std::printf(\"\"); }\n"),
     ("engine_client/cli/run_command.cc", "engine_client/cli/run_command.cc", "void F() { terminal.out << 1; }\n"),

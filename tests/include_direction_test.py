@@ -3,7 +3,8 @@
 
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     server/decision/math <- everything else, since it is pure
-    server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, rpc <- daemon <- main
+    server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
+    watch <- rpc
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
 
@@ -46,8 +47,9 @@ ALLOWED = {
     "server/audit": DECISION,
     "server/priors": DECISION | {"server/audit"},
     "server/storage": DECISION | {"server/audit", "server/priors"},
-    "server/rpc": DECISION | {"server/audit", "server/priors", "proto"},
-    "server": DECISION | {"server/audit", "server/priors", "server/storage", "server/rpc", "proto"},
+    "server/watch": DECISION | {"server/audit", "server/priors"},
+    "server/rpc": DECISION | {"server/audit", "server/priors", "server/watch", "proto"},
+    "server": DECISION | {"server/audit", "server/priors", "server/storage", "server/watch", "server/rpc", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -77,13 +79,15 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 # Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
 ROOM_ORDER = {
     "engine_client/broad_phase": ("common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
-    "engine_client/cli": ("io", "game", "daemon", "peers", "bench", "trace", "replay", "experiment", ""),
+    "engine_client/cli": ("io", "game", "daemon", "load", "trace", "replay", "experiment", "peers", "bench", ""),
+    "engine_client/telemetry": ("common", "embedded", ""),
     "server/rpc": ("common", "sessions", "services", ""),
 }
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/rpc"}
+    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/watch",
+    "server/rpc"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
@@ -216,7 +220,7 @@ BAD = {
     "engine_client/broad_phase/b.cc": '#  include "sweepstake/adaptive_broad_phase.h"\n',
     "engine_client/scene/c.cc": '#include "sweepstake/frame_sample.h"\n',
     "engine_client/scene/d.cc": "#include <sys/mman.h>\n",
-    "engine_client/adaptive/e.cc": '#include "engine_client/telemetry/sample_queue.h"\n',
+    "engine_client/adaptive/e.cc": '#include "engine_client/telemetry/common/sample_queue.h"\n',
     "engine_client/adaptive/f.cc": "#include <unistd.h>\n",
     "engine_client/c_api/g.cc": '#include "sweepstake/v1/telemetry.pb.h"\n',
     "engine_client/c_api/h.cc": "#include <grpcpp/grpcpp.h>\n",
@@ -244,9 +248,12 @@ BAD = {
     "server/decision/policy/x.cc": '#include "server/decision/session/decision_session.h"\n',
     "server/decision/y.cc": '#include "server/decision/policy/policy.h"\n',
     "server/rpc/z.cc": '#include "server/decision/study/ablations.h"\n',
+    "engine_client/telemetry/embedded/z.cc": '#include "engine_client/telemetry/proto_conversion.h"\n',
     "engine_client/telemetry/aa.cc": '#include "server/decision/study/ablations.h"\n',
     "server/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
     "server/audit/ac.cc": "#include <fstream>\n",
+    "server/watch/ad.cc": '#include "server/rpc/common/decision_loop.h"\n',
+    "server/watch/ae.cc": '#include "server/storage/store_thread.h"\n',
 }
 
 

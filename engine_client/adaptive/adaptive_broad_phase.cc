@@ -24,7 +24,7 @@ namespace {
 // The maximum frame time for which a commanded switch waits for the shadow lane: some 30 frames at
 // 60 frames/s, of which a preparation takes 5. It is one frame if the active arm is so slow that
 // leaving it matters more than a smooth switch.
-constexpr uint64_t kPreparationNsMax = 500'000'000;
+constexpr uint64_t kMaxPreparationNs = 500'000'000;
 
 // Packs the active arm and its epoch into one word, so that other threads read both together.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
@@ -32,10 +32,10 @@ constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{ar
 constexpr uint64_t kCommandIdMask = (uint64_t{1} << 48) - 1;
 // A larger arm becomes 255, which no client has (there are at most 32 arms), so that it is refused
 // and not mistaken for another one.
-constexpr uint32_t kCommandArmMax = 255;
+constexpr uint32_t kMaxCommandArm = 255;
 
 uint64_t Pack(const SwitchCommand& command) {
-  const uint64_t arm = std::min(command.arm, kCommandArmMax);
+  const uint64_t arm = std::min(command.arm, kMaxCommandArm);
   const uint64_t reason = static_cast<uint32_t>(command.reason) & 0xFF;
   return ((command.command_id & kCommandIdMask) << 16) | (arm << 8) | reason;
 }
@@ -67,7 +67,7 @@ std::optional<uint32_t> IndexOf(std::string_view name, std::span<const std::stri
 }
 
 Status ValidateArms(std::span<const std::string> arms) {
-  if (arms.empty() || arms.size() > BailOutGuard::kArmMax) {
+  if (arms.empty() || arms.size() > BailOutGuard::kMaxArms) {
     return {StatusCode::kInvalidArgument,
             "arms holds " + std::to_string(arms.size()) + " names; give 1 to 32"};
   }
@@ -185,9 +185,9 @@ class AdaptiveBroadPhase::Impl {
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;
-  std::optional<SwitchCommand> local_command_;  // from SelectArm or the guard, for the next frame
+  std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
   std::optional<PendingSwitch> pending_;
-  bool built_ = false;  // the active structure holds the boxes of the latest frame
+  bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   DescriptorEstimator descriptors_;
   FrameSample sample_{};
@@ -270,7 +270,7 @@ bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
 bool AdaptiveBroadPhase::Impl::WaitsForLane() {
   const bool bails_out = pending_->command.reason == SwitchReason::kBailOut ||
                          (last_sample.flags & kFrameBailOut) != 0;
-  return lane_ != nullptr && !bails_out && pending_->waited_ns < kPreparationNsMax &&
+  return lane_ != nullptr && !bails_out && pending_->waited_ns < kMaxPreparationNs &&
          lane_->Ask(pending_->command.arm) == ShadowLane::Preparation::kUnderWay;
 }
 
@@ -329,12 +329,12 @@ void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t sta
 }
 
 void AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns) {
-  constexpr size_t kCountMax = std::numeric_limits<uint32_t>::max();
+  constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
   const BroadPhase& backend = *backends_[sample_.arm].backend;
   sample_.detection_time_ns += clock_.NowNs() - start_ns;
   sample_.aabb_check_count += backend.aabb_check_count();
   sample_.native_bytes = backend.native_bytes();
-  sample_.pair_count = static_cast<uint32_t>(std::min(pairs_.size(), kCountMax));
+  sample_.pair_count = static_cast<uint32_t>(std::min(pairs_.size(), kMaxCount));
   sample_.object_count = static_cast<uint32_t>(boxes.size());
   descriptors_.Observe(boxes);
 }

@@ -52,7 +52,7 @@ using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 // The parts of the shadow lane; there is no lane without `make`.
 struct LaneParts {
   ArmBackendFactory make;  // makes the lane's own backends
-  size_t core_count = 0;   // of the machine
+  size_t core_count = 0;   // the machine's cores
 };
 
 class AdaptiveFactory {
@@ -63,7 +63,8 @@ class AdaptiveFactory {
                                                           std::vector<ArmBackend> backends,
                                                           const LaneParts& lane, FrameSink* sink,
                                                           Clock& clock);
-  // Does the same without a lane.
+  // Makes an AdaptiveBroadPhase of `backends` without a lane. The errors are those of
+  // AdaptiveBroadPhase::Create.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Make(
       const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
       FrameSink* sink, Clock& clock);

@@ -19,7 +19,7 @@ bool IsCausedByDetection(const FrameSample& sample) {
 
 BailOutGuard::BailOutGuard(uint64_t limit_ns, uint32_t arm_count)
     : limit_ns_(limit_ns), arm_count_(arm_count) {
-  assert(limit_ns > 0 && arm_count >= 1 && arm_count <= kArmMax);
+  assert(limit_ns > 0 && arm_count >= 1 && arm_count <= kMaxArms);
 }
 
 void BailOutGuard::SetLimit(uint64_t limit_ns) {

@@ -18,9 +18,9 @@ namespace sweepstake {
 
 class BailOutGuard {
  public:
-  static constexpr uint32_t kArmMax = 32;
+  static constexpr uint32_t kMaxArms = 32;
 
-  // REQUIRES: limit_ns > 0, 1 <= arm_count <= kArmMax.
+  // REQUIRES: limit_ns > 0, 1 <= arm_count <= kMaxArms.
   BailOutGuard(uint64_t limit_ns, uint32_t arm_count);
 
   // 0 is ignored.
@@ -45,7 +45,7 @@ class BailOutGuard {
   const uint32_t arm_count_;
   std::atomic<bool> decider_present_{false};
   std::atomic<bool> has_means_{false};
-  std::array<std::atomic<double>, kArmMax> means_{};
+  std::array<std::atomic<double>, kMaxArms> means_{};
 };
 
 }  // namespace sweepstake

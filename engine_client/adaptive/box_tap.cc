@@ -31,7 +31,7 @@ void BoxTap::OnFrame(std::span<const Aabb> boxes, const FrameNote& note, Clock& 
 }
 
 void BoxTap::Reserve(uint32_t slot_count, size_t object_count) {
-  assert(complete() && slot_count <= kSlotMax);
+  assert(complete() && slot_count <= kMaxSlots);
   word_.store(0, std::memory_order_relaxed);
   slot_count_ = 0;
   capacity_ = 0;

@@ -25,26 +25,26 @@ namespace sweepstake {
 // The frame thread's description of a frame.
 struct FrameNote {
   uint64_t frame_index = 0;
-  uint64_t frame_time_ns = 0;  // of the previous frame, since this one has not ended yet
+  uint64_t frame_time_ns = 0;  // the previous frame's time, since this one has not ended
   uint32_t arm = 0;            // the active arm
 };
 
 struct TappedFrame {
   FrameNote note;
-  std::span<const Aabb> boxes;  // valid until the next Reserve or Request
+  std::span<const Aabb> boxes;  // the copied boxes, valid until the next Reserve or Request
   uint64_t copy_time_ns = 0;
 };
 
 class BoxTap {
  public:
-  static constexpr uint32_t kSlotMax = kShadowBurstFrames;
+  static constexpr uint32_t kMaxSlots = kShadowBurstFrames;
 
   // Copies the boxes if a frame is requested. More boxes than reserved end the request.
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note, Clock& clock) noexcept;
 
   // Allocates memory for `slot_count` frames of up to `object_count` objects; the old memory is
   // freed first. Throws std::bad_alloc and then holds no memory. REQUIRES: complete(), slot_count
-  // <= kSlotMax.
+  // <= kMaxSlots.
   void Reserve(uint32_t slot_count, size_t object_count);
   // REQUIRES: complete(), 1 <= frame_count <= slot_count().
   void Request(uint32_t frame_count);
@@ -71,12 +71,12 @@ class BoxTap {
     uint64_t copy_time_ns = 0;
   };
 
-  std::atomic<uint32_t> word_{0};  // requested << 8 | filled
+  std::atomic<uint32_t> word_{0};  // the number of requested frames << 8 | that of filled ones
   std::atomic<uint64_t> latest_frame_{0};
   // Accessed by the thread whose turn it is according to the word.
-  std::array<Slot, kSlotMax> slots_{};
+  std::array<Slot, kMaxSlots> slots_{};
   std::vector<Aabb> storage_;
-  size_t capacity_ = 0;  // objects per slot
+  size_t capacity_ = 0;  // the number of objects per slot
   uint32_t slot_count_ = 0;
   size_t too_big_count_ = 0;
 };

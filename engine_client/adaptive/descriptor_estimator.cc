@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kCellsPerAxis = 4;
 // With fewer points than this, clustering cannot be measured.
-constexpr uint32_t kClusteringPointMin = 16;
+constexpr uint32_t kMinClusteringPoints = 16;
 
 double Side(const Aabb& box, int axis) {
   return static_cast<double>(box.max[axis]) - static_cast<double>(box.min[axis]);
@@ -129,7 +129,7 @@ double DescriptorEstimator::DensityRatio(const Aabb& bounds) const {
 }
 
 double DescriptorEstimator::ClusteringRatio(const Aabb& bounds) const {
-  if (centre_count_ < kClusteringPointMin) return -1;
+  if (centre_count_ < kMinClusteringPoints) return -1;
   std::array<uint32_t, kCellsPerAxis * kCellsPerAxis * kCellsPerAxis> counts{};
   uint32_t cells[3];
   for (int axis = 0; axis < 3; ++axis) cells[axis] = Side(bounds, axis) > 0 ? kCellsPerAxis : 1;

@@ -45,7 +45,7 @@ class DescriptorEstimator {
   struct Point {
     float coordinate[3];
   };
-  // Sum and sum of squares, for a mean and a standard deviation.
+  // The sum and the sum of squares, which give a mean and a standard deviation.
   struct Moments {
     double sum = 0;
     double square_sum = 0;
@@ -66,7 +66,7 @@ class DescriptorEstimator {
   // The present step.
   std::array<uint32_t, kObjectsPerStep> step_index_{};
   std::array<Aabb, kObjectsPerStep> step_box_{};
-  uint32_t step_object_count_ = 0;  // 0: nothing stored
+  uint32_t step_object_count_ = 0;  // the objects of the frame; 0 if nothing is stored
   uint64_t walk_ = 0;
 
   // The present period.

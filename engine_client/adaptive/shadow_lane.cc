@@ -17,7 +17,7 @@ constexpr std::chrono::microseconds kBusyPoll{1'000};
 constexpr std::chrono::microseconds kIdlePoll{4'000};
 // Yields while a preparation waits for a frame: long enough for the next frame of a game with 5,000
 // frames/s.
-constexpr int kYieldMax = 200;
+constexpr int kMaxYields = 200;
 constexpr uint64_t kRetryNs = 1'000'000'000;
 
 void Add(std::atomic<uint64_t>& counter, uint64_t amount) {
@@ -102,7 +102,7 @@ void ShadowLane::OnBurst() {
     if (MakeRoom(tap_.too_big_count())) RequestBurst();
     return;
   }
-  if (tap_.filled_count() >= kFramesMin && !tap_.frame(0).boxes.empty()) Sweep();
+  if (tap_.filled_count() >= kMinFrames && !tap_.frame(0).boxes.empty()) Sweep();
 }
 
 // Reserves memory for slightly more objects, so that a slowly growing scene does not reallocate all
@@ -110,11 +110,11 @@ void ShadowLane::OnBurst() {
 bool ShadowLane::MakeRoom(size_t object_count) {
   const size_t capacity = object_count + object_count / 8 + 64;
   const uint64_t cap_bytes = setup_.options.memory_cap_bytes / 2;
-  const uint64_t slot_max = cap_bytes / (capacity * sizeof(Aabb));
-  const bool fits = slot_max >= kFramesMin;
+  const uint64_t max_slots = cap_bytes / (capacity * sizeof(Aabb));
+  const bool fits = max_slots >= kMinFrames;
   state_.store(fits ? ShadowState::kRunning : ShadowState::kTooBig, std::memory_order_relaxed);
   if (fits) {
-    tap_.Reserve(static_cast<uint32_t>(std::min<uint64_t>(slot_max, BoxTap::kSlotMax)), capacity);
+    tap_.Reserve(static_cast<uint32_t>(std::min<uint64_t>(max_slots, BoxTap::kMaxSlots)), capacity);
   } else {
     FreeMemory();
   }
@@ -124,7 +124,7 @@ bool ShadowLane::MakeRoom(size_t object_count) {
 // Counts each copied frame once. The spacing is based on the mean frame time, since engines report
 // times near 0 after a pause.
 void ShadowLane::AccountCopies() {
-  constexpr uint64_t kFrameNsMin = 1000;
+  constexpr uint64_t kMinFrameNs = 1000;
   const uint32_t filled = tap_.filled_count();
   const uint32_t fresh = filled - accounted_frames_;
   uint64_t copy_ns = 0;
@@ -137,7 +137,7 @@ void ShadowLane::AccountCopies() {
   Add(counters_.copied_frame_count, fresh);
   Add(counters_.copy_time_ns, copy_ns);
   accounted_frames_ = filled;
-  const uint64_t mean_frame_ns = std::max(frame_ns / std::max(fresh, 1U), kFrameNsMin);
+  const uint64_t mean_frame_ns = std::max(frame_ns / std::max(fresh, 1U), kMinFrameNs);
   const double spacing =
       static_cast<double>(copy_ns) / (kCopyRatio * static_cast<double>(mean_frame_ns));
   next_burst_frame_ =
@@ -235,7 +235,7 @@ void ShadowLane::Prepare(const SwitchHandover::Order& order) {
 
 // Returns whether there is a frame in the next slot. If none arrives soon, the next Step continues.
 bool ShadowLane::AwaitFrame(const SwitchHandover::Order& order) {
-  for (int yields = 0; yields < kYieldMax; ++yields) {
+  for (int yields = 0; yields < kMaxYields; ++yields) {
     if (stopping_.load(std::memory_order_relaxed) || handover_.order() != order) return false;
     if (next_slot_ < tap_.filled_count()) return true;
     if (!tap_.complete()) {

@@ -41,7 +41,7 @@ class ShadowLane {
     ShadowOptions options;
     uint32_t arm_count = 0;
     ArmBackendFactory make;
-    FrameSink* sink = nullptr;  // null: none
+    FrameSink* sink = nullptr;  // may be null
     Clock& clock;
     const std::atomic<Mode>& mode;
   };
@@ -75,12 +75,12 @@ class ShadowLane {
     tap_.OnFrame(boxes, note, setup_.clock);
   }
 
-  // All fields but the switch counts.
+  // Returns all fields but the switch counts.
   ShadowStats stats() const;
 
  private:
   // The minimum number of frames of a burst, of which a visit still measures one.
-  static constexpr uint32_t kFramesMin = 1 + kShadowWarmUpFrames + 1;
+  static constexpr uint32_t kMinFrames = 1 + kShadowWarmUpFrames + 1;
 
   struct Counters {
     std::atomic<uint64_t> sweep_count{0};
@@ -94,8 +94,8 @@ class ShadowLane {
 
   struct Progress {
     uint32_t ticket = 0;
-    uint32_t frame_count = 0;  // frames that the structure has processed
-    uint64_t frame_index = 0;  // the latest of them
+    uint32_t frame_count = 0;  // the frames that the structure has processed
+    uint64_t frame_index = 0;  // the latest frame of these
     bool caught_up = false;    // whether it was updated once more
   };
 
@@ -135,16 +135,16 @@ class ShadowLane {
   ShadowSchedule schedule_;
   std::vector<ArmBackend> backends_;
   PairBuffer pairs_;
-  bool collecting_ = false;        // the tap's request is a burst for a sweep
-  uint32_t accounted_frames_ = 0;  // frames of the tap's request
+  bool collecting_ = false;        // whether the tap's request is a burst for a sweep
+  uint32_t accounted_frames_ = 0;  // the frames of the tap's request whose copies are accounted for
   uint64_t next_burst_frame_ = 0;
   uint64_t next_try_ns_ = 0;
-  uint32_t next_slot_ = 0;  // of the preparation
+  uint32_t next_slot_ = 0;  // the tap's slot that the preparation reads next
   std::optional<Progress> progress_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::atomic<bool> stopping_{false};  // written under mutex_
+  std::atomic<bool> stopping_{false};  // set while mutex_ is held
   std::thread thread_;
 };
 

@@ -85,7 +85,7 @@ void ShadowSchedule::OnVisit(const ShadowVisit& visit) {
   arm.last_sweep = sweep_;
   arm.too_big = visit.native_bytes > options_.memory_cap_bytes;
   const bool over = visit.capped || arm.too_big;
-  arm.back_off = over ? std::clamp(2 * arm.back_off, 2U, kPeriodMax) : 0;
+  arm.back_off = over ? std::clamp(2 * arm.back_off, 2U, kMaxPeriod) : 0;
   busy_ns_ += visit.busy_ns;
 }
 
@@ -110,7 +110,7 @@ uint64_t ShadowSchedule::Period(uint32_t index, uint64_t best_ns) const {
   const Arm& arm = arms_[index];
   const double ratio = static_cast<double>(arm.cost_ns) / static_cast<double>(best_ns);
   if ((index == active_arm_ || ratio <= kContenderRatio) && !arm.too_big) return 1;
-  const double period = std::min(ratio * ratio, static_cast<double>(kPeriodMax));
+  const double period = std::min(ratio * ratio, static_cast<double>(kMaxPeriod));
   return std::max<uint64_t>(static_cast<uint64_t>(period), arm.back_off);
 }
 

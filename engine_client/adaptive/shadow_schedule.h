@@ -9,11 +9,11 @@
 // - Every sweep begins with the active arm, since the others are compared with it.
 // - An arm within kContenderRatio of the cheapest known cost is in every sweep. An arm that costs r
 //   times as much is in every r²-th sweep, so that it takes 1/r of a cheap arm's share of the
-//   budget, but at least in every kPeriodMax-th.
+//   budget, but at least in every kMaxPeriod-th.
 // - If the object count or the cost of the active arm has changed by more than kChangeRatio since
 //   every arm was visited, the scene is a different one: the sweep visits every arm again.
 // - An arm whose visit ends at the time cap is visited half as often each time, down to every
-//   kPeriodMax-th sweep, until a visit stays below the cap or the object count changes. The active
+//   kMaxPeriod-th sweep, until a visit stays below the cap or the object count changes. The active
 //   arm and arms within kContenderRatio are exempt. The same holds for an arm whose structure
 //   exceeds the memory cap, without these exceptions.
 // - Sweeps are spaced so that visits take duty_ratio of the time since the first one.
@@ -35,9 +35,9 @@ inline constexpr uint32_t kShadowBurstFrames = 8;
 inline constexpr uint32_t kShadowWarmUpFrames = 2;
 
 struct ShadowScheduleOptions {
-  double duty_ratio = 0.15;                      // of one thread's time, (0, 1]
+  double duty_ratio = 0.15;                      // the share of one thread's time, (0, 1]
   uint64_t visit_cap_ns = 250'000'000;           // a visit ends with the frame that reaches it
-  uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // of one arm's structure
+  uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // the cap of one arm's structure
   // Decisions are seconds apart, so that more frequent sweeps would add no information.
   uint64_t sweep_interval_min_ns = 250'000'000;
 };
@@ -45,13 +45,13 @@ struct ShadowScheduleOptions {
 // The cost of a visit to one arm.
 struct ShadowVisit {
   uint32_t arm = 0;
-  uint32_t frame_count = 0;   // measured frames
-  uint64_t detection_ns = 0;  // their median, or the fastest frame if none was measured
-  uint64_t build_ns = 0;      // the first frame
-  uint64_t busy_ns = 0;       // all frames
+  uint32_t frame_count = 0;   // the number of measured frames
+  uint64_t detection_ns = 0;  // the frames' median, or the fastest frame if none was measured
+  uint64_t build_ns = 0;      // the time of the first frame
+  uint64_t busy_ns = 0;       // the time of all frames
   uint64_t native_bytes = 0;
-  uint64_t aabb_check_count = 0;  // mean of the measured frames
-  bool capped = false;            // at the time cap, before the last frame
+  uint64_t aabb_check_count = 0;  // the mean of the measured frames
+  bool capped = false;            // whether the time cap ended it before the last frame
 };
 
 // Returns the visit whose frames took `frame_ns`, up to `cap_ns`. The caller sets arm, native_bytes
@@ -62,7 +62,7 @@ class ShadowSchedule {
  public:
   static constexpr double kContenderRatio = 1.5;
   static constexpr double kChangeRatio = 0.25;
-  static constexpr uint32_t kPeriodMax = 64;
+  static constexpr uint32_t kMaxPeriod = 64;
 
   // REQUIRES: arm_count >= 1.
   ShadowSchedule(const ShadowScheduleOptions& options, uint32_t arm_count);
@@ -83,11 +83,11 @@ class ShadowSchedule {
 
  private:
   struct Arm {
-    uint64_t cost_ns = 0;       // of the latest visit; 0: none yet
-    uint64_t reference_ns = 0;  // of the first visit since the latest Renew
-    uint64_t last_sweep = 0;    // 0: none since the latest Renew
-    uint32_t back_off = 0;      // sweeps between visits; 0: not over a cap
-    bool too_big = false;       // over the memory cap
+    uint64_t cost_ns = 0;       // the cost of the latest visit; 0 before one
+    uint64_t reference_ns = 0;  // the cost of the first visit since the latest Renew
+    uint64_t last_sweep = 0;    // the sweep of the latest visit; 0 if none since the latest Renew
+    uint32_t back_off = 0;      // the sweeps between visits; 0 if not over a cap
+    bool too_big = false;       // whether the structure exceeds the memory cap
   };
 
   void Renew(bool end_back_off);
@@ -97,9 +97,9 @@ class ShadowSchedule {
 
   const ShadowScheduleOptions options_;
   std::vector<Arm> arms_;
-  uint64_t sweep_ = 0;  // number of the latest one
+  uint64_t sweep_ = 0;  // the number of the latest sweep
   uint64_t begun_ns_ = 0;
-  uint64_t busy_ns_ = 0;  // since it began
+  uint64_t busy_ns_ = 0;  // the lane's time since the latest sweep began
   uint32_t active_arm_ = 0;
   uint64_t reference_count_ = 0;  // the object count at the latest Renew
 };

@@ -9,8 +9,8 @@ namespace sweepstake {
 namespace {
 
 // A part with fewer rows or boxes takes less time than waking a thread.
-constexpr size_t kRowsPerPartMin = 512;
-constexpr size_t kBoxesPerPartMin = 2048;
+constexpr size_t kMinRowsPerPart = 512;
+constexpr size_t kMinBoxesPerPart = 2048;
 
 class BruteForce final : public BroadPhase {
  public:
@@ -37,7 +37,7 @@ void BruteForce::Load(std::span<const Aabb> boxes) {
   boxes_.Resize(boxes.size(), false);
   std::iota(boxes_.ids(), boxes_.ids() + boxes.size(), 0U);
   const CoordinateRange range = CoordinateRange::Sample(boxes);
-  const size_t part_count = PartCount(executor_, boxes.size(), kBoxesPerPartMin);
+  const size_t part_count = PartCount(executor_, boxes.size(), kMinBoxesPerPart);
   RunParts(executor_, part_count, [&](size_t part) {
     const PartRange slots = RangeOfPart(boxes.size(), part, part_count, ByteBoxes::kGranule);
     boxes_.Fill(boxes, range, {}, slots.begin, slots.end);
@@ -46,7 +46,7 @@ void BruteForce::Load(std::span<const Aabb> boxes) {
 
 void BruteForce::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
-  checks_ = parts_.Run(executor_, lanes.count, kRowsPerPartMin, kRowsPerTile, out,
+  checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return FindPairsOfAll(lanes, begin, end, pairs);
                        });

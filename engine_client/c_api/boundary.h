@@ -66,14 +66,15 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
   return {reinterpret_cast<const Aabb*>(boxes), count};
 }
 
-// Writes all pairs, or only their number if `capacity` is too small for them.
-inline swp_result WritePairs(std::span<const OverlapPair> found, swp_pair* pairs, uint64_t capacity,
-                             uint64_t* count) noexcept {
-  *count = found.size();
-  if (found.size() > capacity) {
-    return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer pairs than there are");
+// Writes all results, or only their number if `capacity` is too small for them.
+template <typename From, typename To>
+swp_result WriteAll(std::span<From> results, To* out, uint64_t capacity, uint64_t* count) noexcept {
+  static_assert(sizeof(From) == sizeof(To));
+  *count = results.size();
+  if (results.size() > capacity) {
+    return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer results than there are");
   }
-  if (!found.empty() && pairs != nullptr) std::memcpy(pairs, found.data(), found.size_bytes());
+  if (!results.empty() && out != nullptr) std::memcpy(out, results.data(), results.size_bytes());
   return SWP_OK;
 }
 

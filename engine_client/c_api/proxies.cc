@@ -74,18 +74,6 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
   return SWP_OK;
 }
 
-// Writes all results, or only their number if `capacity` is too small for them.
-template <typename From, typename To>
-swp_result WriteAll(std::span<const From> results, To* out, uint64_t capacity, uint64_t* count) {
-  static_assert(sizeof(From) == sizeof(To));
-  *count = results.size();
-  if (results.size() > capacity) {
-    return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer results than there are");
-  }
-  if (!results.empty() && out != nullptr) std::memcpy(out, results.data(), results.size_bytes());
-  return SWP_OK;
-}
-
 swp_result CheckOutput(const swp_proxies* proxies, const void* out, uint64_t capacity,
                        const uint64_t* count) {
   if (proxies == nullptr || count == nullptr) return NullArgument("proxies and the count");
@@ -232,7 +220,7 @@ swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pair
   return Guard([&] {
     proxies->pairs.reset();
     Keep(*proxies, proxies->set.Resolve(given), given);
-    return WritePairs(*proxies->pairs, pairs, capacity, pair_count);
+    return WriteAll(*proxies->pairs, pairs, capacity, pair_count);
   });
 }
 
@@ -241,7 +229,7 @@ swp_result swp_proxies_copy_pairs(const swp_proxies* proxies, swp_pair* pairs, u
   const swp_result wrong = CheckOutput(proxies, pairs, capacity, pair_count);
   if (wrong != SWP_OK) return wrong;
   if (!proxies->pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_proxies_resolve first");
-  return WritePairs(*proxies->pairs, pairs, capacity, pair_count);
+  return WriteAll(*proxies->pairs, pairs, capacity, pair_count);
 }
 
 swp_result swp_proxies_added(const swp_proxies* proxies, swp_proxy_pair* added, uint64_t capacity,
@@ -263,7 +251,7 @@ swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box, swp_
   if (box == nullptr) return NullArgument("box");
   return Guard([&] {
     proxies->set.QueryBox(ToBoxes(box, 1)[0], ToFilter(filter), proxies->found);
-    return WriteAll(std::span<const ProxyHandle>(proxies->found), found, capacity, count);
+    return WriteAll(std::span(proxies->found), found, capacity, count);
   });
 }
 
@@ -276,7 +264,7 @@ swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, swp_fi
     const Ray& cast = *reinterpret_cast<const Ray*>(ray);
     const auto status = proxies->set.CastRay(cast, ToFilter(filter), proxies->hits);
     if (!status.ok()) return ToResult(status);
-    return WriteAll(std::span<const RayHit>(proxies->hits), hits, capacity, count);
+    return WriteAll(std::span(proxies->hits), hits, capacity, count);
   });
 }
 

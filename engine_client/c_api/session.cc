@@ -5,10 +5,12 @@
 #include <cstring>
 #include <string>
 
+#include "engine_client/adaptive/bail_out_guard.h"
 #include "engine_client/c_api/executor.h"
 
 using sweepstake::AdaptiveBroadPhase;
 using sweepstake::AdaptiveOptions;
+using sweepstake::BailOutGuard;
 using sweepstake::Mode;
 using sweepstake::SampleQueue;
 using sweepstake::ShadowMode;
@@ -17,7 +19,6 @@ using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 namespace {
 
 constexpr uint32_t kDefaultQueueFrames = 4096;
-constexpr uint32_t kMaxArms = 32;
 
 bool IsMode(swp_mode mode) { return mode == SWP_MODE_MANUAL || mode == SWP_MODE_AI; }
 
@@ -37,7 +38,9 @@ swp_session_options DefaultOptions() {
 }
 
 swp_result CheckArms(const swp_session_options& options) {
-  if (options.arm_count > kMaxArms) return Fail(SWP_INVALID_ARGUMENT, "arm_count is over 32");
+  if (options.arm_count > BailOutGuard::kMaxArms) {
+    return Fail(SWP_INVALID_ARGUMENT, "arm_count is over 32");
+  }
   if (options.arm_count > 0 && options.arms == nullptr) return NullArgument("arms");
   for (uint32_t i = 0; i < options.arm_count; ++i) {
     if (options.arms[i] == nullptr) return NullArgument("a name in arms");
@@ -51,7 +54,7 @@ swp_result CheckOptions(const swp_session_options& options) {
     return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
   }
   if (!std::has_single_bit(options.queue_frames) || options.queue_frames < 2 ||
-      options.queue_frames > SampleQueue::kFrameCapacityMax) {
+      options.queue_frames > SampleQueue::kMaxFrameCapacity) {
     return Fail(SWP_INVALID_ARGUMENT, "queue_frames must be a power of two from 2 to 1048576");
   }
   if (options.shadow > SWP_SHADOW_ON) {
@@ -134,7 +137,7 @@ swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, u
   return Guard([&] {
     session->pairs = session->adaptive->FindPairs(ToBoxes(boxes, box_count));
     session->phase = FramePhase::kSearched;
-    return WritePairs(*session->pairs, pairs, capacity, pair_count);
+    return WriteAll(*session->pairs, pairs, capacity, pair_count);
   });
 }
 
@@ -143,7 +146,7 @@ swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs, u
   if (session == nullptr || pair_count == nullptr) return NullArgument("session and pair_count");
   if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
   if (!session->pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_session_find_pairs first");
-  return WritePairs(*session->pairs, pairs, capacity, pair_count);
+  return WriteAll(*session->pairs, pairs, capacity, pair_count);
 }
 
 swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, uint32_t flags) {

@@ -9,8 +9,8 @@
 #include <span>
 
 #include "engine_client/c_api/boundary.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/telemetry/embedded/decider_loop.h"
-#include "engine_client/telemetry/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
 
 namespace sweepstake::c_api {

@@ -127,7 +127,7 @@ swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capa
   if (!world->built) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first");
   return Guard([&] {
     if (!world->searched) Search(*world);
-    return WritePairs(world->pairs.pairs(), pairs, capacity, count);
+    return WriteAll(world->pairs.pairs(), pairs, capacity, count);
   });
 }
 

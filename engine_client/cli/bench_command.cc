@@ -25,7 +25,7 @@ int Bench(const BenchOptions& options, Terminal& terminal) {
     if (!created.ok()) return Fail(terminal, created.status());
     file = std::move(*created);
   }
-  const auto report = RunBench(options, terminal);
+  const auto report = RunBench(options, Progress(terminal, "bench").OnShare());
   if (!report.ok()) return Fail(terminal, report.status());
   if (options.json) {
     PrintBenchJson(*report, terminal.out);

@@ -1,7 +1,10 @@
 #include "engine_client/cli/command.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
+
+#include "server/decision/math/names.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -45,6 +48,17 @@ CLI::Validator NotNegative() {
             return text.starts_with('-') ? text + " is negative" : std::string();
           },
           "UINT64"};
+}
+
+CLI::Validator OneOf(std::span<const std::string_view> words) {
+  std::string all;
+  for (const std::string_view word : words) all.append(all.empty() ? "{" : ",").append(word);
+  return {[words](const std::string& text) {
+            return std::find(words.begin(), words.end(), text) == words.end()
+                       ? math::UnknownName("value", text, words)
+                       : std::string();
+          },
+          all + "}"};
 }
 
 void AddDaemonOption(CLI::App& command, std::string& address) {

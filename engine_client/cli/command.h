@@ -8,6 +8,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine_client/cli/io/terminal.h"
@@ -24,6 +25,10 @@ CLI::Validator RealFrom(double min, double max);
 
 // Accepts every number without a sign, for options of which all unsigned values are valid.
 CLI::Validator NotNegative();
+
+// Accepts these words; for another one the message names the nearest first. `words` must outlive
+// the validator.
+CLI::Validator OneOf(std::span<const std::string_view> words);
 
 // --daemon HOST:PORT, required.
 void AddDaemonOption(CLI::App& command, std::string& address);

@@ -1,5 +1,6 @@
 #include "engine_client/cli/commands.h"
 
+#include "engine_client/cli/game/scene_choice.h"
 #include "server/decision/math/names.h"
 
 namespace sweepstake::cli {
@@ -35,6 +36,7 @@ void AddLaboratory(CLI::App& app, Terminal& terminal, const std::string& command
   AddCheckCommand(app, terminal, exit_code);
   AddBenchCommand(app, terminal, command_line, exit_code);
   AddExperimentCommand(app, terminal, command_line, exit_code);
+  AddLoadCommand(app, terminal, exit_code);
   AddPairsCommand(app, terminal, exit_code);
   AddRecordCommand(app, terminal, exit_code);
   AddReplayCommand(app, terminal, exit_code);
@@ -60,12 +62,9 @@ int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
   CLI::App app("Sweepstake: adaptive broad-phase collision detection", "sweepstake");
   app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   app.require_subcommand(1);
-  app.footer(
-      "SCENE is brownian, rotating-gravity, hurricane, free-fall, random-gravity, suite-b, "
-      "suite-g,\n"
-      "suite-h, one of the other scenes that `sweepstake bench --help` lists, or a FILE.aabbs.\n"
-      "Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not reach something.\n"
-      "`sweepstake COMMAND --help` shows options and examples.");
+  app.footer(SceneHelp() +
+             "Exit codes: 0 done, 1 a check failed, 2 bad usage, 3 could not reach something.\n"
+             "`sweepstake COMMAND --help` shows options and examples.");
   int exit_code = kDone;
   AddCommands(app, terminal, CommandLine(words), exit_code);
   const Status status = CheckCommandName(app, words.empty() ? words : words.subspan(1));

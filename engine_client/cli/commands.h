@@ -23,6 +23,7 @@ void AddCheckCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 // `command_line` is what the user typed; the experiment's manifest keeps it.
 void AddExperimentCommand(CLI::App& app, Terminal& terminal, const std::string& command_line,
                           int& exit_code);
+void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPairsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code);

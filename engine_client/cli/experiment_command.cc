@@ -24,7 +24,7 @@ struct CommandOptions {
 struct Opened {
   ExperimentFolder folder;
   ExperimentPlan plan;
-  std::vector<ExperimentSitting> sittings;
+  std::vector<ExperimentSession> sessions;
 };
 
 Result<Opened> OpenExperiment(const CommandOptions& options) {
@@ -44,7 +44,7 @@ Result<Opened> OpenExperiment(const CommandOptions& options) {
   if (options.resume.empty()) {
     if (Status status = folder.Create(); !status.ok()) return status;
   }
-  return Opened{folder, std::move(*plan), std::move(manifest.sittings)};
+  return Opened{folder, std::move(*plan), std::move(manifest.sessions)};
 }
 
 std::filesystem::path ReportPath(const CommandOptions& options, const ExperimentFolder& folder) {
@@ -71,20 +71,21 @@ Status WriteResults(const ExperimentFolder& folder, const ExperimentReport& repo
   if (status.ok()) status = WriteText(json.str(), path / "experiment.json");
   if (status.ok() && page != nullptr) status = page->Commit(std::array{json.str()}, terminal);
   if (!status.ok()) return status;
-  return folder.WriteManifest(ManifestJson(report.plan, report.sittings, report.records.size()));
+  return folder.WriteManifest(ManifestJson(report.plan, report.sessions, report.records.size()));
 }
 
 Result<ExperimentReport> MakeReport(Opened opened, Terminal& terminal) {
   ExperimentReport report;
-  report.machine = DescribeMachine({});
+  report.machine = DescribeMachine();
   report.records = opened.folder.ReadRecords(opened.plan);
   report.cells = SummarizeCells(opened.plan, report.records);
-  auto truths = Assess(opened.plan, opened.folder, report.cells, terminal);
+  auto truths =
+      Assess(opened.plan, opened.folder, report.cells, Progress(terminal, "replay").OnShare());
   if (!truths.ok()) return truths.status();
   report.truths = std::move(*truths);
   report.plan = std::move(opened.plan);
-  report.sittings = std::move(opened.sittings);
-  report.sittings.back().end_utc = DescribeMachine({}).date_utc;
+  report.sessions = std::move(opened.sessions);
+  report.sessions.back().end_utc = DescribeMachine().date_utc;
   return report;
 }
 
@@ -113,14 +114,16 @@ int RunExperiment(const CommandOptions& options, const std::string& command_line
     // can make the report later.
     if (!options.report.empty()) return exit_code;
   }
-  opened->sittings.push_back({command_line, DescribeMachine({}).date_utc, ""});
+  opened->sessions.push_back({command_line, DescribeMachine().date_utc, ""});
   // The manifest is written before the first run, so that an experiment that is killed can be
   // resumed.
-  Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sittings, 0));
+  Status status = opened->folder.WriteManifest(ManifestJson(opened->plan, opened->sessions, 0));
   if (!status.ok()) return Fail(terminal, status);
   InstallStopSignal();
-  status = TraceCells(opened->plan, opened->folder, terminal);
-  if (status.ok()) status = PlayGrid(opened->plan, opened->folder, terminal);
+  status = TraceCells(opened->plan, opened->folder, Progress(terminal, "trace").OnShare());
+  if (status.ok()) {
+    status = PlayGrid(opened->plan, opened->folder, Progress(terminal, "experiment").OnShare());
+  }
   if (!status.ok()) return Fail(terminal, status);
   return Finish(options, std::move(*opened), page.ok() ? page->get() : nullptr, terminal);
 }

@@ -32,14 +32,14 @@ PairBuffer FindPairsOfFrame(Scene& scene, BroadPhase& arm, uint64_t frame) {
   return pairs;
 }
 
-void PrintPairsJson(const PairsOptions& options, const PairBuffer& pairs, std::ostream& out) {
+nlohmann::ordered_json PairsJson(const PairsOptions& options, const PairBuffer& pairs) {
   nlohmann::ordered_json document = {{"command", "pairs"},
                                      {"scene", options.scene.name},
                                      {"frame", options.frame},
                                      {"arm", options.arm},
                                      {"pairs", nlohmann::ordered_json::array()}};
   for (const OverlapPair& pair : pairs.pairs()) document["pairs"].push_back({pair.a, pair.b});
-  PrintJson(document, out, -1);
+  return document;
 }
 
 std::string PairsText(const PairBuffer& pairs) {
@@ -56,11 +56,8 @@ int RunPairs(const PairsOptions& options, Terminal& terminal) {
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
   const PairBuffer pairs = FindPairsOfFrame(**scene, **arm, options.frame);
-  if (options.json) {
-    PrintPairsJson(options, pairs, terminal.out);
-  } else {
-    PrintText(terminal, PairsText(pairs));
-  }
+  constexpr int kOneLine = -1;
+  PrintResult(terminal, options.json, PairsJson(options, pairs), PairsText(pairs), kOneLine);
   return kDone;
 }
 

@@ -4,10 +4,12 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <thread>
 
+#include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/report_file.h"
 #include "engine_client/cli/replay/replay_log.h"
 #include "engine_client/cli/replay/replay_output.h"
@@ -93,13 +95,21 @@ int ReplayTraces(const ReplayCommandOptions& options, Terminal& terminal) {
   return status.ok() ? kDone : Fail(terminal, status);
 }
 
+int RederiveLog(const ReplayCommandOptions& options, Terminal& terminal) {
+  const auto report = ReplayLog(options.log_file);
+  if (!report.ok()) return Fail(terminal, report.status());
+  PrintResult(terminal, options.json, ReplayLogJson(*report, options.log_file),
+              ReplayLogText(*report));
+  return report->difference ? kCheckFailed : kDone;
+}
+
 int RunReplay(const ReplayCommandOptions& options, Terminal& terminal) {
   if (options.request.costs.empty() == options.log_file.empty()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
                                  "give one of --costs FILE.costs and --log FILE.csv"));
   }
   return options.log_file.empty() ? ReplayTraces(options, terminal)
-                                  : ReplayLog(options.log_file, options.json, terminal);
+                                  : RederiveLog(options, terminal);
 }
 
 void Declare(CLI::App& command, ReplayCommandOptions& options) {
@@ -133,8 +143,7 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       .add_option(
           "--priors", request.priors,
           "right: what another seed's game has learnt; wrong: that with the ranking reversed")
-      ->check(CLI::IsMember(
-          std::vector<std::string>(kReplayPriorsNames.begin(), kReplayPriorsNames.end())))
+      ->check(OneOf(kReplayPriorsNames))
       ->capture_default_str();
   command.add_option("--threads", request.thread_count, "Games played at a time")
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))

@@ -1,5 +1,6 @@
 // `sweepstake run`: a scene on the frame path, decided by a daemon, by the embedded decider, or by
 // hand.
+#include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -22,6 +23,8 @@ namespace sweepstake::cli {
 namespace {
 
 constexpr uint32_t kStopDeadlineMs = 2000;
+constexpr std::array<std::string_view, 2> kModes = {"ai", "manual"};
+constexpr std::array<std::string_view, 3> kShadowModes = {"auto", "on", "off"};
 
 struct RunOptions {
   SceneChoice scene{"hurricane", 3000, 1};
@@ -304,7 +307,7 @@ void Declare(CLI::App& command, RunOptions& options) {
       ->capture_default_str();
   AddSeedOption(command, options.scene.seed, "the scene and of the decisions");
   command.add_option("--mode", options.mode, "ai: the decider chooses; manual: --arm stays")
-      ->check(CLI::IsMember({"ai", "manual"}))
+      ->check(OneOf(kModes))
       ->capture_default_str();
   command.add_option("--arm", options.arm, "Arm to start with (default: the first)");
   command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT");
@@ -328,7 +331,7 @@ void Declare(CLI::App& command, RunOptions& options) {
   command
       .add_option("--shadow", options.shadow,
                   "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")
-      ->check(CLI::IsMember({"auto", "on", "off"}))
+      ->check(OneOf(kShadowModes))
       ->capture_default_str();
   command.add_option(
       "--csv", options.csv,

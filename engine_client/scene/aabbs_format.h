@@ -22,14 +22,14 @@ inline constexpr size_t kCountBytes = 4;
 inline constexpr size_t kNameBytes = 128;
 
 enum class Layout : int32_t {
-  kFixedCount = 0,     // Broadmark's: (1 + frames) * N boxes
-  kChangingCount = 1,  // ours: N is the maximum count; a table of counts follows the boxes
+  kFixedCount = 0,     // Broadmark's layout: (1 + frames) * N boxes
+  kChangingCount = 1,  // our layout: N is the maximum count; a table of counts follows the boxes
 };
 
 struct Header {
   std::string scene_name;
-  int32_t object_count = 0;  // of each frame, or the maximum of all frames
-  int32_t frame_count = 0;   // without the spawn state
+  int32_t object_count = 0;  // the count of each frame, or the maximum of all
+  int32_t frame_count = 0;   // the number of frames after the spawn state
   Layout layout = Layout::kFixedCount;
   Aabb world{};
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kFloatMax = std::numeric_limits<float>::max();
+constexpr float kMaxFloat = std::numeric_limits<float>::max();
 
 // The index of the box that is made or moved, and the frame.
 struct Slot {
@@ -156,8 +156,8 @@ void StepFar(SequentialRandom& random, const Slot&, Aabb& box) {
 
 Aabb SpawnFloatLimits(SequentialRandom& random, const Slot&) {
   constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
-  const std::array kValues = {-kFloatMax,
-                              -std::nextafter(kFloatMax, 0.0F),
+  const std::array kValues = {-kMaxFloat,
+                              -std::nextafter(kMaxFloat, 0.0F),
                               -1e30F,
                               -1.0F,
                               -kDenormal,
@@ -165,9 +165,9 @@ Aabb SpawnFloatLimits(SequentialRandom& random, const Slot&) {
                               kDenormal,
                               1e-30F,
                               1.0F,
-                              0.5F * kFloatMax,
-                              std::nextafter(kFloatMax, 0.0F),
-                              kFloatMax};
+                              0.5F * kMaxFloat,
+                              std::nextafter(kMaxFloat, 0.0F),
+                              kMaxFloat};
   Aabb box;
   for (int axis = 0; axis < 3; ++axis) {
     const size_t low = random.Below(kValues.size());
@@ -314,13 +314,6 @@ constexpr std::array kKinds = {
 };
 constexpr std::string_view kMixture = "mixture";
 
-constexpr auto kNames = [] {
-  std::array<std::string_view, kKinds.size() + 1> names;
-  for (size_t i = 0; i < kKinds.size(); ++i) names[i] = kKinds[i].name;
-  names.back() = kMixture;
-  return names;
-}();
-
 size_t KindIndex(std::string_view name) {
   for (size_t i = 0; i < kKinds.size(); ++i) {
     if (kKinds[i].name == name) return i;
@@ -376,8 +369,6 @@ class DegenerateScene : public Scene {
 };
 
 }  // namespace
-
-std::span<const std::string_view> BoxSceneKinds() { return kNames; }
 
 BoxScene::BoxScene(std::string_view kind, size_t count, uint64_t seed) : random_(seed) {
   for (size_t i = 0; i < count; ++i) {

@@ -19,16 +19,10 @@
 
 namespace sweepstake {
 
-// brownian, nearly-resting (moves by ±0.001), few-moving (1 % of the boxes move in a frame),
-// falling, all-coincident, all-disjoint, touching-faces, zero-size, one-huge, coordinates-1e30,
-// float-limits, signed-zeros, teleporting, broken-boxes, long-thin (half the world and longer),
-// beams (1:10 to 1:160), clusters, planar, sizes-1-to-1000, mixture (every box of a kind of its
-// own).
-std::span<const std::string_view> BoxSceneKinds();
-
 class BoxScene {
  public:
-  // REQUIRES: `kind` is one of BoxSceneKinds().
+  // REQUIRES: `kind` is "brownian" or a name in SceneNames(SceneGroup::kDegenerate), except for the
+  // five names listed below.
   BoxScene(std::string_view kind, size_t count, uint64_t seed);
 
   std::span<const Aabb> boxes() const { return boxes_; }
@@ -36,7 +30,7 @@ class BoxScene {
 
  private:
   std::vector<Aabb> boxes_;
-  std::vector<size_t> kinds_;  // of each box
+  std::vector<size_t> kinds_;  // the kind of each box
   SequentialRandom random_;
   uint64_t frame_ = 0;
 };

@@ -15,10 +15,10 @@ namespace {
 
 enum class Motion {
   kJitter,    // every axis moves by up to ±reach
-  kStir,      // one object in a hundred jitters, other ones in each frame
-  kScramble,  // one object in three jumps anywhere
+  kMoveFew,   // one object in a hundred jitters, other ones in each frame
+  kTeleport,  // one object in three jumps anywhere
   kFlow,      // each object moves straight on by up to reach per axis; walls reflect it
-  kSwirl,     // each object turns around the vertical axis at its own pace of up to reach radians
+  kRotate,    // each object turns around the vertical axis at its own pace of up to reach radians
 };
 
 // How the objects behave for a while. All distances from the middle of the world are multiplied by
@@ -27,7 +27,7 @@ struct Regime {
   Motion motion;
   float reach = 0;
   uint32_t shown_divisor = 1;  // one object in this many is shown
-  bool churns = false;         // a 64th of the objects comes or goes in each frame
+  bool count_changes = false;  // whether a 64th of the objects comes or goes in each frame
   float scale_begin = 1;
   float scale_end = 1;
 };
@@ -35,27 +35,27 @@ struct Regime {
 constexpr Regime kRest{Motion::kJitter, 0};
 constexpr Regime kNearRest{Motion::kJitter, 0.001F};
 constexpr Regime kDrift{Motion::kJitter, 0.1F};
-constexpr Regime kScramble{Motion::kScramble};
+constexpr Regime kTeleport{Motion::kTeleport};
 constexpr Regime kFlow{Motion::kFlow, 0.12F};
-constexpr Regime kSwirl{Motion::kSwirl, 0.03F};
-constexpr Regime kStir{Motion::kStir, 0.1F};
-constexpr Regime kChurn{.motion = Motion::kJitter, .reach = 0.1F, .churns = true};
+constexpr Regime kRotate{Motion::kRotate, 0.03F};
+constexpr Regime kMoveFew{Motion::kMoveFew, 0.1F};
+constexpr Regime kChangeCount{.motion = Motion::kJitter, .reach = 0.1F, .count_changes = true};
 
-constexpr float kDenseScale = 0.6F;  // 4.6 objects per unit of volume
+constexpr float kDenseScale = 0.6F;  // this makes 4.6 objects per unit of volume
 constexpr Regime kGather{.motion = Motion::kJitter, .reach = 0.05F, .scale_end = kDenseScale};
 constexpr Regime kCamp{
     .motion = Motion::kJitter, .scale_begin = kDenseScale, .scale_end = kDenseScale};
 constexpr Regime kScatter{.motion = Motion::kJitter, .reach = 0.05F, .scale_begin = kDenseScale};
 
-constexpr uint32_t kFew = 60;  // 50 of 3,000
+constexpr uint32_t kFew = 60;  // this shows 50 of 3,000 objects
 constexpr Regime kFewDrift{.motion = Motion::kJitter, .reach = 0.1F, .shown_divisor = kFew};
 
 constexpr std::array kRestAndMotion{kNearRest, kDrift};
-constexpr std::array kWaves{kFewDrift, kScramble, kNearRest};
-constexpr std::array kStorms{kScramble, kDrift};
+constexpr std::array kWaves{kFewDrift, kTeleport, kNearRest};
+constexpr std::array kStorms{kTeleport, kDrift};
 constexpr std::array kGatherAndScatter{kGather, kCamp, kScatter, kRest};
-constexpr std::array kDayAndNight{kSwirl, kStir};
-constexpr std::array kArrivals{kChurn, kRest, kFlow};
+constexpr std::array kDayAndNight{kRotate, kMoveFew};
+constexpr std::array kArrivals{kChangeCount, kRest, kFlow};
 
 struct Kind {
   std::string_view name;
@@ -73,11 +73,11 @@ constexpr Kind kKinds[] = {
 };
 
 struct Body {
-  float place[3];     // of the centre, before the world shrinks
-  float half[3];      // extents
-  float velocity[3];  // per frame, as a fraction of a regime's reach
-  float sine;         // of the swirl's step
-  float cosine;
+  float place[3];     // the centre, before the world shrinks
+  float half[3];      // the half extents
+  float velocity[3];  // the motion per frame, as a fraction of a regime's reach
+  float sine;         // the sine of the rotation per frame
+  float cosine;       // the cosine of the rotation per frame
 };
 
 class ChangingScene : public Scene {
@@ -95,7 +95,7 @@ class ChangingScene : public Scene {
   }
 
   std::string_view name() const override { return kind_.name; }
-  // Returns the bounds, which are wider than the cube, since the swirl turns corners out of it.
+  // Returns the bounds, which are wider than the cube, since a rotation turns corners out of it.
   Aabb world() const override {
     const float low = -0.25F * side_;
     const float high = 1.25F * side_;
@@ -122,7 +122,7 @@ class ChangingScene : public Scene {
   size_t ShownCount() const {
     const size_t max = bodies_.size();
     const Regime& regime = RegimeNow();
-    if (regime.churns) {
+    if (regime.count_changes) {
       const uint64_t phase = FrameInRegime() % 64;
       return max - max * (phase < 32 ? phase : 64 - phase) / 64;
     }
@@ -141,8 +141,8 @@ class ChangingScene : public Scene {
         body.velocity[axis] = velocity.Symmetric(i, axis);
       }
       const double pace = 0.3 + 0.7 * velocity.Unit(i, 3);
-      body.sine = static_cast<float>(math::Sin(kSwirl.reach * pace));
-      body.cosine = static_cast<float>(math::Cos(kSwirl.reach * pace));
+      body.sine = static_cast<float>(math::Sin(kRotate.reach * pace));
+      body.cosine = static_cast<float>(math::Cos(kRotate.reach * pace));
     }
   }
 
@@ -153,10 +153,10 @@ class ChangingScene : public Scene {
       case Motion::kJitter:
         if (regime.reach > 0) Jitter(object, regime.reach, body);
         break;
-      case Motion::kStir:
+      case Motion::kMoveFew:
         if (kicks_.Bits(object, draw + 3) % 100 == 0) Jitter(object, regime.reach, body);
         break;
-      case Motion::kScramble:
+      case Motion::kTeleport:
         if (kicks_.Bits(object, draw + 3) % 3 != 0) break;
         for (int axis = 0; axis < 3; ++axis) {
           body.place[axis] = side_ * kicks_.Unit(object, draw + static_cast<uint64_t>(axis));
@@ -165,8 +165,8 @@ class ChangingScene : public Scene {
       case Motion::kFlow:
         Flow(regime.reach, body);
         break;
-      case Motion::kSwirl:
-        Swirl(body);
+      case Motion::kRotate:
+        Rotate(body);
         break;
     }
   }
@@ -187,7 +187,7 @@ class ChangingScene : public Scene {
     }
   }
 
-  void Swirl(Body& body) const {
+  void Rotate(Body& body) const {
     const float x = body.place[0] - 0.5F * side_;
     const float z = body.place[2] - 0.5F * side_;
     body.place[0] = 0.5F * side_ + (x * body.cosine - z * body.sine);
@@ -231,8 +231,6 @@ const Kind& Find(std::string_view name) {
 }
 
 }  // namespace
-
-uint32_t RegimeFrames(std::string_view name) { return Find(name).regime_frames; }
 
 std::unique_ptr<Scene> MakeChangingScene(std::string_view name, uint32_t object_count,
                                          uint64_t seed, uint32_t regime_frames) {

@@ -18,9 +18,6 @@
 
 namespace sweepstake {
 
-// Number of frames of each regime. REQUIRES: `name` is in SceneNames(SceneGroup::kChanging).
-uint32_t RegimeFrames(std::string_view name);
-
 // `object_count` is the maximum of a frame. A `regime_frames` other than 0 replaces the scene's own
 // number. REQUIRES: `name` is in SceneNames(SceneGroup::kChanging).
 std::unique_ptr<Scene> MakeChangingScene(std::string_view name, uint32_t object_count,

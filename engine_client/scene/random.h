@@ -47,12 +47,12 @@ class CounterRandom {
   uint64_t key_;
 };
 
-// splitmix64.
+// Draws from splitmix64.
 class SequentialRandom {
  public:
-  explicit SequentialRandom(uint64_t seed) : state_(seed) {}
+  explicit SequentialRandom(uint64_t seed) : generator_{seed} {}
 
-  uint64_t Next() { return math::Mix64(state_ += math::kGoldenGamma); }
+  uint64_t Next() { return generator_.Next(); }
   // Returns a number in [0, 1), in steps of 2^-24.
   float Unit() { return UnitFloat(Next()); }
   // Returns a number in [-1, 1).
@@ -62,7 +62,7 @@ class SequentialRandom {
   size_t Below(size_t count) { return static_cast<size_t>(Next() % count); }
 
  private:
-  uint64_t state_;
+  math::SplitMix64 generator_;
 };
 
 }  // namespace sweepstake

@@ -146,10 +146,10 @@ class FrameWriter {
 };
 
 Status CheckTarget(uint64_t frame_count, const fs::path& path) {
-  constexpr uint64_t kFrameCountMax = std::numeric_limits<int32_t>::max();
-  if (frame_count > kFrameCountMax) {
+  constexpr uint64_t kMaxFrameCount = std::numeric_limits<int32_t>::max();
+  if (frame_count > kMaxFrameCount) {
     return {StatusCode::kInvalidArgument, "a recording takes at most " +
-                                              std::to_string(kFrameCountMax) + " frames, not " +
+                                              std::to_string(kMaxFrameCount) + " frames, not " +
                                               std::to_string(frame_count)};
   }
   if (!path.has_filename()) {
@@ -162,7 +162,8 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
     return {StatusCode::kNotFound,
             math::PrintableLine(directory.string()) + " is no directory: create it first"};
   }
-  if (fs::is_directory(path, error)) return CannotWrite(path, "it is a directory");
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+    return CannotWrite(path, "it is no file; give the path of a file");
   return {};
 }
 

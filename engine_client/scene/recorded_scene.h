@@ -50,7 +50,7 @@ class RecordedScene final : public Scene {
 
   std::ifstream file_;
   aabbs::Header header_;
-  std::vector<uint32_t> counts_;  // per frame; empty if the count is fixed
+  std::vector<uint32_t> counts_;  // the count of each frame; empty if it is fixed
   std::vector<Aabb> boxes_;
   std::vector<std::byte> bytes_;  // one frame in the format of the file
   size_t shown_count_ = 0;

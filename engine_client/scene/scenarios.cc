@@ -169,8 +169,8 @@ void FallingScene::Bounce(uint32_t object, int axis) {
   }
 }
 
-// Let H be world_half_extent and r the mean radius of an orbit. The tangential speed is kSwirl *
-// speed * sqrt(H / r) outside the core of radius kCore * H, and the core turns as one body. The
+// Let H be world_half_extent and r the mean radius of an orbit. The tangential speed is kOrbitSpeed
+// * speed * sqrt(H / r) outside the core of radius kCore * H, and the core turns as one body. The
 // radius breathes by ±kBreathing of itself at 1 rad/s with a phase per object; the height takes
 // kicks of ±kRise * speed * fixed_step_s and is reflected.
 class HurricaneScene final : public GeneratedScene {
@@ -178,7 +178,7 @@ class HurricaneScene final : public GeneratedScene {
   explicit HurricaneScene(const SceneOptions& options);
 
  private:
-  static constexpr float kSwirl = 4;
+  static constexpr float kOrbitSpeed = 4;
   static constexpr float kCore = 0.1F;
   static constexpr float kBreathing = 0.05F;
   static constexpr float kRise = 0.5F;
@@ -192,8 +192,8 @@ class HurricaneScene final : public GeneratedScene {
   float world_half_extent_;
   CounterRandom kicks_;
   std::vector<float> radius_;
-  std::vector<float> angle_;  // in [0, 2 pi)
-  std::vector<float> phase_;  // of the breathing, in [0, 2 pi)
+  std::vector<float> angle_;  // the angle on the orbit, in [0, 2 pi)
+  std::vector<float> phase_;  // the phase of the breathing, in [0, 2 pi)
   std::vector<float> turn_;   // radians per step, below 2 pi
 };
 
@@ -228,7 +228,7 @@ void HurricaneScene::SpawnOrbits(const SceneOptions& options) {
     angle_[i] = kTwoPiF * position.Unit(i, 2);
     phase_[i] = kTwoPiF * phase.Unit(i, 0);
     const float orbit = std::max(radius_[i], core);
-    const float speed = kSwirl * options.speed * std::sqrt(world_half_extent_ / orbit);
+    const float speed = kOrbitSpeed * options.speed * std::sqrt(world_half_extent_ / orbit);
     turn_[i] = std::fmod(speed / orbit * step_s_, kTwoPiF);
     PlaceOnOrbit(i);
   }

@@ -23,7 +23,7 @@ using ScenePointer = std::unique_ptr<Scene>;
 
 struct Entry {
   SceneDescription description;
-  bool uses_all_options;  // otherwise only the object count and perhaps the spawn seed
+  bool uses_all_options;  // if not, only the object count and perhaps the spawn seed
   ScenePointer (*make)(std::string_view name, const SceneOptions& options);
 };
 

@@ -10,7 +10,7 @@
 namespace sweepstake {
 namespace {
 
-constexpr float kHalfExtentMin = 0.145F;
+constexpr float kMinHalfExtent = 0.145F;
 constexpr float kLogOfSizeRatio = 1.6094379F;  // ln 5
 constexpr float kTwoPi = 6.2831853F;
 
@@ -67,7 +67,7 @@ class SuiteGravity final : public SuiteScene {
   void MoveAxis(uint32_t object, int axis);
 
   std::vector<float> floor_;
-  std::array<std::vector<float>, 3> velocity_;  // units per frame
+  std::array<std::vector<float>, 3> velocity_;  // the motion in units per frame
 };
 
 // H: orbits around the middle, 0.44 radians per frame at the axis to 0.04 at the rim.
@@ -95,7 +95,7 @@ SuiteScene::SuiteScene(std::string_view name, uint64_t variant, uint32_t object_
 
 void SuiteScene::SpawnSize(uint32_t object) {
   for (std::vector<float>& half_extent : bodies().half_extent) {
-    half_extent[object] = kHalfExtentMin * ExpF(kLogOfSizeRatio * random_.Unit());
+    half_extent[object] = kMinHalfExtent * ExpF(kLogOfSizeRatio * random_.Unit());
   }
 }
 

@@ -4,14 +4,12 @@
 #include <cassert>
 #include <utility>
 
-#include "server/decision/math/hash.h"
-
 namespace sweepstake {
 namespace {
 
 constexpr int kKeepAliveIntervalMs = 20'000;
 constexpr int kKeepAliveTimeoutMs = 10'000;
-constexpr int kMessageBytesMax = 256 * 1024;
+constexpr int kMaxMessageBytes = 256 * 1024;
 
 std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
   grpc::ChannelArguments arguments;
@@ -20,7 +18,7 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  arguments.SetMaxReceiveMessageSize(kMessageBytesMax);
+  arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }
 
@@ -100,7 +98,7 @@ void DaemonConnection::OnReadDone(bool ok) {
     const std::lock_guard lock(mutex_);
     if (ok) inbox_.push_back(std::move(reading_response_));
     broken_ = broken_ || !ok;
-    read_on = ok && inbox_.size() < kInboxMax;
+    read_on = ok && inbox_.size() < kMaxInboxMessages;
     reading_ = read_on;
   }
   if (read_on) StartRead(&reading_response_);
@@ -125,7 +123,7 @@ void DaemonConnection::OnDone(const grpc::Status& status) {
 }
 
 Backoff::Backoff(uint32_t min_ms, uint32_t max_ms, uint64_t seed)
-    : min_ms_(min_ms), max_ms_(max_ms), bound_ms_(min_ms), random_state_(seed) {
+    : min_ms_(min_ms), max_ms_(max_ms), bound_ms_(min_ms), random_{seed} {
   assert(min_ms >= 1 && min_ms <= max_ms);
 }
 
@@ -143,9 +141,7 @@ uint32_t Backoff::LongMs() {
 
 uint32_t Backoff::JitterMs(uint32_t bound_ms) {
   // The upper 32 bits, scaled: even enough for a delay.
-  return static_cast<uint32_t>(((NextRandom() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
+  return static_cast<uint32_t>(((random_.Next() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
 }
-
-uint64_t Backoff::NextRandom() { return math::Mix64(random_state_ += math::kGoldenGamma); }
 
 }  // namespace sweepstake

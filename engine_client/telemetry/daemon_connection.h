@@ -21,6 +21,7 @@
 #include <optional>
 #include <string>
 
+#include "server/decision/math/hash.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 
 namespace sweepstake {
@@ -30,7 +31,7 @@ class DaemonConnection final
  public:
   // The maximum number of unread responses. At this number reading pauses, and flow control slows
   // the daemon down.
-  static constexpr size_t kInboxMax = 64;
+  static constexpr size_t kMaxInboxMessages = 64;
 
   // Begins to connect. `wake` is called from gRPC's threads whenever there is something to look at,
   // until the destructor returns; it must not block.
@@ -62,8 +63,8 @@ class DaemonConnection final
   const std::shared_ptr<grpc::Channel> channel_;
   const std::unique_ptr<v1::TelemetryService::Stub> stub_;
   grpc::ClientContext context_;
-  v1::StreamTelemetryRequest writing_request_;    // while a write is in flight
-  v1::StreamTelemetryResponse reading_response_;  // while a read is in flight
+  v1::StreamTelemetryRequest writing_request_;    // used while a write is in flight
+  v1::StreamTelemetryResponse reading_response_;  // used while a read is in flight
   bool held_ = true;                              // the owner may still start operations
 
   std::mutex mutex_;  // guards what follows
@@ -71,7 +72,7 @@ class DaemonConnection final
   bool reading_ = true;
   bool writing_ = false;
   bool broken_ = false;                 // a read or write failed: the stream is at its end
-  std::optional<grpc::Status> status_;  // from OnDone on
+  std::optional<grpc::Status> status_;  // present from OnDone on
   std::condition_variable done_;
 };
 
@@ -96,12 +97,10 @@ class Backoff {
   void Reset() { bound_ms_ = min_ms_; }
 
  private:
-  uint64_t NextRandom();
-
   const uint32_t min_ms_;
   const uint32_t max_ms_;
   uint32_t bound_ms_;
-  uint64_t random_state_;
+  math::SplitMix64 random_;
 };
 
 }  // namespace sweepstake

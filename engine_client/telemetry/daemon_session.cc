@@ -10,12 +10,12 @@
 #include <random>
 #include <utility>
 
+#include "engine_client/telemetry/common/session_base.h"
+#include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/evidence_intake.h"
 #include "engine_client/telemetry/proto_conversion.h"
-#include "engine_client/telemetry/session_base.h"
-#include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {
 namespace {
@@ -27,7 +27,7 @@ constexpr std::chrono::milliseconds kPollInterval{5};
 constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
 // After a connection that lasted this long, the next back-off starts from its minimum.
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
-constexpr uint32_t kBatchFramesMax = 240;
+constexpr uint32_t kMaxBatchFrames = 240;
 
 v1::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
   v1::Hello hello;
@@ -66,7 +66,7 @@ BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) 
   BatchLimits limits = LimitsOf(options);
   limits.interval_ns = interval_ms * kNsPerMs;
   if (welcome.max_batch_frames() > 0) {
-    limits.frames = std::min({limits.frames, welcome.max_batch_frames(), kBatchFramesMax});
+    limits.frames = std::min({limits.frames, welcome.max_batch_frames(), kMaxBatchFrames});
   }
   if (welcome.max_message_bytes() > 0) {
     limits.bytes = std::min(limits.bytes, welcome.max_message_bytes());
@@ -100,7 +100,7 @@ uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs();
 struct Link {
   std::unique_ptr<DaemonConnection> stream;
   std::string address;
-  uint64_t deadline_ns = 0;  // for the daemon's next answer
+  uint64_t deadline_ns = 0;  // the daemon's next answer must come before it
   std::optional<uint64_t> online_since_ns;
   std::optional<v1::ReconnectElsewhere> redirect;
   bool goodbye_sent = false;

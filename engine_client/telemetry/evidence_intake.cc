@@ -12,7 +12,7 @@ namespace {
 // An upper bound for the tags and lengths of the columns, the sequence number and the descriptor.
 constexpr uint32_t kBatchOverheadBytes = 160;
 constexpr uint32_t kMessageTagBytes = 2;  // tag and length of a message within the batch
-constexpr uint32_t kShadowBytesMax = kMessageTagBytes + 5 * 11 + 4 * 6;
+constexpr uint32_t kMaxShadowBytes = kMessageTagBytes + 5 * 11 + 4 * 6;
 
 uint32_t VarintBytes(uint64_t value) {
   return (static_cast<uint32_t>(std::bit_width(value | 1)) + 6) / 7;
@@ -57,8 +57,8 @@ void FrameBatcher::SetDescriptor(const SceneDescriptor& descriptor) {
 }
 
 bool FrameBatcher::TakesShadow() const {
-  return batch_.shadow_samples_size() < kShadowMax &&
-         kBatchOverheadBytes + shadow_bytes_ + kShadowBytesMax <= limits_.bytes / 2;
+  return batch_.shadow_samples_size() < kMaxShadows &&
+         kBatchOverheadBytes + shadow_bytes_ + kMaxShadowBytes <= limits_.bytes / 2;
 }
 
 void FrameBatcher::AddShadow(const ShadowSample& sample) {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "engine_client/telemetry/sample_queue.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/telemetry/session_state.h"
 #include "sweepstake/frame_sample.h"
 #include "sweepstake/v1/telemetry.pb.h"
@@ -22,7 +22,7 @@ struct BatchLimits {
 // Time comes in as an argument. Not thread-safe. Memory: one batch.
 class FrameBatcher {
  public:
-  static constexpr int kShadowMax = 64;
+  static constexpr int kMaxShadows = 64;
 
   explicit FrameBatcher(const BatchLimits& limits) : limits_(limits) {}
 
@@ -37,7 +37,7 @@ class FrameBatcher {
   // Sends the descriptor with the current batch, or the next one; the latest wins.
   void SetDescriptor(const SceneDescriptor& descriptor);
   // Returns whether the current batch, or the next one, has room for another visit of the shadow
-  // lane: a batch holds up to kShadowMax, in at most half of its bytes.
+  // lane: a batch holds up to kMaxShadows, in at most half of its bytes.
   bool TakesShadow() const;
   // REQUIRES: TakesShadow.
   void AddShadow(const ShadowSample& sample);
@@ -54,8 +54,8 @@ class FrameBatcher {
   v1::FrameBatch batch_;
   uint32_t batch_bytes_ = 0;
   uint32_t shadow_bytes_ = 0;      // the visits' share of batch_bytes_
-  uint64_t begun_ns_ = 0;          // when the first frame of the batch came
-  uint64_t next_frame_index_ = 0;  // after the latest frame
+  uint64_t begun_ns_ = 0;          // arrival of the first frame of the batch
+  uint64_t next_frame_index_ = 0;  // index of the frame after the latest one
 };
 
 // Takes the items of the queue in order and makes messages of them.
@@ -66,7 +66,7 @@ class FrameBatcher {
 // the queue's consumer.
 class EvidenceIntake {
  public:
-  // Both are borrowed.
+  // The queue and the state must outlive the intake.
   EvidenceIntake(SampleQueue& queue, SessionState& state, const BatchLimits& limits)
       : queue_(queue), state_(state), batcher_(limits) {}
 

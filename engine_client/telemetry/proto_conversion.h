@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "engine_client/telemetry/embedded/priors_file.h"
-#include "engine_client/telemetry/sample_queue.h"
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"

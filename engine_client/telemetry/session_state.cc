@@ -60,6 +60,7 @@ v1::StreamTelemetryRequest SessionState::Connect(const Position& position) {
   v1::Hello& hello = *request.mutable_hello();
   hello = hello_;
   hello.set_session_id(session_id_);
+  hello.set_resume_token(resume_token_);
   hello.set_mode(position.mode);
   hello.set_active_arm(position.active_arm);
   hello.set_switch_epoch(position.switch_epoch);
@@ -74,6 +75,7 @@ void SessionState::OnWelcome(const v1::Welcome& welcome) {
   const bool resumed = welcome.resumed() && welcome.session_id() == session_id_;
   if (!resumed) BeginSession();
   session_id_ = welcome.session_id();
+  resume_token_ = welcome.resume_token();
   online_ = true;
   buffer_.Rewind();
   ++counts_.connection_count;
@@ -114,7 +116,7 @@ void SessionState::MarkSent() {
 
 void SessionState::Disconnect(bool unknown_session, bool refused) {
   if (online_ && refused) counts_.discarded_frame_count += buffer_.DiscardSent();
-  if (unknown_session) session_id_.clear();
+  if (unknown_session || (refused && !online_)) session_id_.clear();
   online_ = false;
 }
 

@@ -5,9 +5,10 @@
 //   disconnected → Connect (Hello) → connecting → OnWelcome → online → Disconnect → …
 //
 // Resuming: the daemon's welcome says which messages are on disk. Everything later is sent again
-// under the same numbers, in order. When the daemon no longer knows the session (NOT_FOUND, or a
-// welcome that does not resume), a new session begins: the remaining messages were never durable,
-// so they get new numbers from 1 and count for the new session.
+// under the same numbers, in order. When the daemon no longer knows the session (a welcome that
+// does not resume), a new session begins: the remaining messages were never durable, so they get
+// new numbers from 1 and count for the new session. A Hello that is refused with NOT_FOUND or
+// INVALID_ARGUMENT may have been refused for its session, so the next one does not name it.
 //
 // Not thread-safe.
 #pragma once
@@ -29,8 +30,8 @@ namespace sweepstake {
 class ResendBuffer {
  public:
   struct Entry {
-    v1::StreamTelemetryRequest request;  // with its sequence number
-    bool sent_before = false;            // on any connection
+    v1::StreamTelemetryRequest request;  // carries its sequence number
+    bool sent_before = false;            // true if any connection has sent it
   };
 
   // REQUIRES: capacity >= 1.
@@ -39,7 +40,6 @@ class ResendBuffer {
   // Gives the message the next sequence number.
   void Append(v1::StreamTelemetryRequest request);
   bool full() const { return entries_.size() >= capacity_; }
-  size_t size() const { return entries_.size(); }
   uint64_t last_sequence() const { return next_sequence_ - 1; }
 
   // Returns the first message not sent on this connection; null if there is none.
@@ -63,7 +63,7 @@ class ResendBuffer {
 
  private:
   const size_t capacity_;
-  std::deque<Entry> entries_;  // in the order of their numbers
+  std::deque<Entry> entries_;  // sorted by sequence number
   size_t cursor_ = 0;          // index of Next
   uint64_t next_sequence_ = 1;
 };
@@ -81,7 +81,7 @@ class SessionState {
     uint64_t connection_count = 0;
     uint64_t resumed_count = 0;
     uint64_t resent_message_count = 0;
-    uint64_t sent_frame_count = 0;       // each once, however often it was sent
+    uint64_t sent_frame_count = 0;       // counts a frame once, however often it was sent
     uint64_t discarded_frame_count = 0;  // refused by the daemon
     uint64_t acknowledged_sequence = 0;
     uint64_t sent_sequence = 0;
@@ -113,14 +113,14 @@ class SessionState {
 
   const std::string& session_id() const { return session_id_; }
   const Counts& counts() const { return counts_; }
-  size_t unacknowledged_count() const { return buffer_.size(); }
 
  private:
   void BeginSession();
 
   const v1::Hello hello_;
   ResendBuffer buffer_;
-  std::string session_id_;  // empty: none yet
+  std::string session_id_;    // empty: none yet
+  std::string resume_token_;  // secret; of session_id_
   bool online_ = false;
   Counts counts_;
 };

@@ -34,7 +34,7 @@ enum class AuditColumn : size_t {
   kSegment,
   kRow,
   kKind,            // setup, tick, bail-out, switch, refusal or mode
-  kTimeNs,          // of the decider's steady clock
+  kTimeNs,          // time of the decider's steady clock
   kSetup,           // setup: key=value;… (cells.h)
   kRuns,            // the arms' runs at the event (cells.h)
   kFrame,           // bail-out: the members of Frame
@@ -42,7 +42,7 @@ enum class AuditColumn : size_t {
   kDescriptor,      // tick: SceneDescriptor's members
   kCommandId,       // refusal: refused; decision: commanded
   kArm,             // switch, mode: active from now on; decision: commanded
-  kReason,          // of the switch or of the command
+  kReason,          // reason of the switch or of the command
   kSwitchEpoch,     // switch
   kRebuildTimeNs,   // switch
   kSettlingCostNs,  // switch
@@ -141,7 +141,7 @@ struct AuditOrigin {
   std::string scene;
   std::string machine_class;
   std::string program_version;
-  std::vector<uint32_t> backend_versions;  // per arm, or none
+  std::vector<uint32_t> backend_versions;  // holds one per arm, or none
   int64_t unix_start_ms = 0;               // wall clock; 0 if unknown
 };
 

@@ -87,18 +87,9 @@ bool ParseText(std::string_view text, const std::tuple<Ts&...>& values) {
 
 enum class AuditKind : uint32_t { kSetup, kTick, kBailOut, kSwitch, kRefusal, kMode };
 
-// The words of each enumeration by value; an empty word means that there is no such value.
+// As the names in server/decision/types.h: by value.
 inline constexpr std::array<std::string_view, 6> kAuditKindNames = {"setup",  "tick",    "bail-out",
                                                                     "switch", "refusal", "mode"};
-inline constexpr std::array<std::string_view, 3> kModeNames = {"", "manual", "ai"};
-inline constexpr std::array<std::string_view, 5> kSwitchReasonNames = {"", "policy", "exploration",
-                                                                       "bail-out", "manual"};
-inline constexpr std::array<std::string_view, 13> kOutcomeNames = {
-    "",          "kept",   "switched",  "held-cooldown", "held-settling",
-    "no-frames", "manual", "exploring", "rejected",      "held-gate",
-    "",          "",       "held-tie"};
-inline constexpr std::array<std::string_view, 5> kVerdictNames = {"unknown", "stable", "tie",
-                                                                  "ambiguous", "degraded"};
 
 template <typename Enum>
 void AppendName(std::string& out, std::span<const std::string_view> names, Enum value) {
@@ -108,6 +99,13 @@ void AppendName(std::string& out, std::span<const std::string_view> names, Enum 
   } else {
     AppendText(out, number);
   }
+}
+
+template <typename Enum>
+std::string NameOf(std::span<const std::string_view> names, Enum value) {
+  std::string name;
+  AppendName(name, names, value);
+  return name;
 }
 
 template <typename Enum>

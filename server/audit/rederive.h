@@ -17,7 +17,7 @@
 namespace sweepstake::decision {
 
 struct AuditDifference {
-  uint64_t line = 0;    // of the file, from 1
+  uint64_t line = 0;    // line of the file; the first one is 1
   std::string session;  // empty if the text is not a row
   std::string segment;
   std::string row;

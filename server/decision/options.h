@@ -25,8 +25,8 @@ struct DecisionOptions {
   int64_t settling_ns = 2'000'000'000;
   // A frame longer than this is a bail-out, > 0. A time scale does not divide it.
   int64_t bail_out_ns = 5'000'000'000;
-  int64_t exploration_warm_up_ns = 2'000'000'000;  // per arm, >= 0
-  int64_t exploration_measure_ns = 4'000'000'000;  // per arm, > 0
+  int64_t exploration_warm_up_ns = 2'000'000'000;  // time per arm, >= 0
+  int64_t exploration_measure_ns = 4'000'000'000;  // time per arm, > 0
   bool explore = true;                             // false: no initial exploration
   double bail_out_penalty = 10;                    // observations of reward 0, >= 0
   double fps_floor = 30;  // a scene whose best arm is slower is degraded, >= 0

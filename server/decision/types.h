@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/decision/math/beta_distribution.h"
@@ -25,8 +26,8 @@ enum FrameFlag : uint32_t {
 
 // The cost of one frame (paper §4: FPS, DET, MEM, CHK).
 struct Frame {
-  uint64_t frame_time_ns = 0;      // unscaled, whole frame
-  uint64_t detection_time_ns = 0;  // update and search
+  uint64_t frame_time_ns = 0;      // time of the whole frame, unscaled
+  uint64_t detection_time_ns = 0;  // time of update and search
   uint64_t aabb_check_count = 0;
   uint64_t native_bytes = 0;
   uint32_t object_count = 0;
@@ -70,12 +71,17 @@ struct SceneDescriptor {
 
 // The cost of an executed switch, as the client measured it.
 struct SwitchCost {
-  uint64_t rebuild_time_ns = 0;   // of a build on the frame thread; 0 if it was built beforehand
+  uint64_t rebuild_time_ns = 0;   // time of a build on the frame thread; 0 if it was built before
   uint64_t settling_cost_ns = 0;  // sum of the settling frames' time above the settled mean
 };
 
 enum class Mode : uint32_t { kManual = 1, kAi = 2 };
 enum class SwitchReason : uint32_t { kPolicy = 1, kExploration = 2, kBailOut = 3, kManual = 4 };
+
+// The words of an enumeration by value; an empty word means that there is no such value.
+inline constexpr std::array<std::string_view, 3> kModeNames = {"", "manual", "ai"};
+inline constexpr std::array<std::string_view, 5> kSwitchReasonNames = {"", "policy", "exploration",
+                                                                       "bail-out", "manual"};
 
 // The outcome of a tick's candidate. The values are those of sweepstake.v1.DecisionOutcome; 10 and
 // 11 were used by older versions and must not be reused.
@@ -91,6 +97,10 @@ enum class Outcome : uint32_t {
   kHeldGate = 9,   // the expected gain does not pay for the switch
   kHeldTie = 12,   // the expected gain is too small to matter
 };
+inline constexpr std::array<std::string_view, 13> kOutcomeNames = {
+    "",          "kept",   "switched",  "held-cooldown", "held-settling",
+    "no-frames", "manual", "exploring", "rejected",      "held-gate",
+    "",          "",       "held-tie"};
 
 // What the posteriors say about the scene (paper §7.1 uses posteriors as a diagnosis).
 enum class Verdict : uint32_t {
@@ -100,16 +110,18 @@ enum class Verdict : uint32_t {
   kAmbiguous = 3,  // P(best) is lower, and choosing the leader may lose more
   kDegraded = 4,   // even the leader misses the frame-rate floor
 };
+inline constexpr std::array<std::string_view, 5> kVerdictNames = {"unknown", "stable", "tie",
+                                                                  "ambiguous", "degraded"};
 
 // How certain the choice of an arm is.
 struct Diagnosis {
-  std::vector<double> best_probability;  // one per arm, sum 1; empty while nothing is learnt
+  std::vector<double> best_probability;  // has one per arm, sum 1; empty while nothing is learnt
   uint32_t leader = 0;                   // the arm with the highest best_probability
-  double expected_loss_ratio = 0;        // of choosing the leader, relative to the best arm's cost
+  double expected_loss_ratio = 0;        // loss of choosing the leader ÷ the best arm's cost
   // What perfect information would gain over choosing the arm with the best mean, on the same
   // scale.
   double value_remaining_ratio = 0;
-  double entropy = 0;  // of best_probability, in nats
+  double entropy = 0;  // entropy of best_probability, in nats
   Verdict verdict = Verdict::kUnknown;
 };
 
@@ -125,7 +137,7 @@ struct GateTerms {
 };
 
 struct SwitchCommand {
-  uint64_t command_id = 0;  // from 1 within the session
+  uint64_t command_id = 0;  // counts from 1 within the session
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
 };
@@ -141,15 +153,15 @@ struct Increment {
 
 // One decision, for the audit log and for watchers.
 struct DecisionRecord {
-  uint64_t decision_id = 0;  // from 1 within the session
+  uint64_t decision_id = 0;  // counts from 1 within the session
   int64_t time_ns = 0;
   uint32_t active_arm = 0;
   std::optional<uint32_t> candidate;  // absent if the policy was not asked
   Outcome outcome = Outcome::kKept;
-  std::optional<SwitchReason> reason;     // of the commanded switch
+  std::optional<SwitchReason> reason;     // reason of the commanded switch
   std::optional<double> reward;           // absent if there was no window to learn from
-  std::vector<double> draws;              // one per arm; empty if nothing was drawn
-  std::vector<BetaPosterior> posteriors;  // after the update
+  std::vector<double> draws;              // has one per arm; empty if nothing was drawn
+  std::vector<BetaPosterior> posteriors;  // posteriors after the update
   std::string context;                    // bucket of the scene descriptors; empty if there is none
   std::optional<GateTerms> gate;          // absent if the policy has no gate
   double propensity = 1;                  // probability with which the policy draws this candidate
@@ -158,18 +170,18 @@ struct DecisionRecord {
 
 // Counts of frames and bail-outs since the session began, by how they were treated.
 struct SessionCounts {
-  uint64_t measured_frame_count = 0;  // in a window
+  uint64_t measured_frame_count = 0;  // frames that a window contains
   // The next four counts are of frames that no window contains.
-  uint64_t settling_frame_count = 0;    // settling or warming up
-  uint64_t suspended_frame_count = 0;   // paused or loading
-  uint64_t over_limit_frame_count = 0;  // over the bail-out limit
+  uint64_t settling_frame_count = 0;    // frames while settling or warming up
+  uint64_t suspended_frame_count = 0;   // frames while paused or loading
+  uint64_t over_limit_frame_count = 0;  // frames over the bail-out limit
   // Frames of an earlier switch epoch, or of an arm that is not active in its epoch.
   uint64_t other_epoch_frame_count = 0;
   uint64_t rebuild_frame_count = 0;  // measured and settling frames that rebuilt
   // Detection time of these rebuild frames. It saturates at the maximum instead of wrapping.
   uint64_t rebuild_detection_time_ns = 0;
-  uint64_t charged_bail_out_count = 0;  // blamed on an arm
-  uint64_t excused_bail_out_count = 0;  // recorded, not blamed
+  uint64_t charged_bail_out_count = 0;  // bail-outs blamed on an arm
+  uint64_t excused_bail_out_count = 0;  // bail-outs recorded without blame
 };
 
 // The run since the exploration ended, in the paper's terms: active time and post-exploration
@@ -177,7 +189,7 @@ struct SessionCounts {
 class ObservationSummary {
  public:
   std::optional<int64_t> start_ns;  // absent while the exploration goes on
-  std::vector<uint64_t> active_ns;  // one per arm
+  std::vector<uint64_t> active_ns;  // has one per arm
   // Executed switches by the value of SwitchReason; index 0 counts every other value.
   std::array<uint64_t, 5> switch_counts{};
 

@@ -10,12 +10,12 @@ namespace sweepstake::priors {
 
 // Rows that continue those stored before.
 struct AuditRows {
-  uint32_t segment = 1;  // from 1
-  std::string project;   // project and scene have 1 to 128 bytes
+  uint32_t segment = 1;  // counts from 1
+  std::string project;   // project and scene are names (decision/math/names.h)
   std::string scene;
-  int64_t unix_start_ms = 0;      // when the segment began
+  int64_t unix_start_ms = 0;      // time at which the segment began
   uint64_t first_row = 1;         // number of rows[0] in the segment, from 1
-  std::vector<std::string> rows;  // each 1 to kMaxAuditRowBytes bytes; may be empty
+  std::vector<std::string> rows;  // rows of 1 to kMaxAuditRowBytes bytes; may be empty
 };
 
 inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row ends its segment's log

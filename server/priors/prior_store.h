@@ -63,7 +63,7 @@ struct KeyedEvidence {
 // The progress of a source. All numbers except the seed are below 2^63.
 struct SourceProgress {
   std::string source_id;
-  uint64_t commit_sequence = 0;   // from 1, incremented at each commit of the source
+  uint64_t commit_sequence = 0;   // begins at 1 and grows at each commit of the source
   uint64_t message_sequence = 0;  // every client message up to this one is included
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
@@ -76,6 +76,7 @@ struct SourceProgress {
 // One atomic step of one source.
 struct SourceUpdate {
   SourceProgress progress;
+  uint64_t unix_time_s = 0;               // the wall clock's time of the step, below 2^63
   std::vector<KeyedEvidence> increments;  // may be empty; a key occurs at most once
   AuditRows audit;
 };
@@ -85,6 +86,10 @@ struct SourceState {
   SourceProgress progress;
   std::vector<KeyedEvidence> evidence;  // ordered by key
   uint32_t audit_segment = 0;           // the last one stored, or 0
+  // The times of the source's first and last commit here. Those of a file from before they were
+  // kept are 0.
+  uint64_t created_unix_s = 0;
+  uint64_t last_seen_unix_s = 0;
 };
 
 // The evidence of one key, summed over its sources.
@@ -95,8 +100,8 @@ struct PriorSum {
 
 // The sums of several keys.
 struct PriorSums {
-  std::vector<PriorSum> sums;  // in the order of the given keys
-  uint64_t source_count = 0;   // distinct sources behind any of them
+  std::vector<PriorSum> sums;  // has the order of the given keys
+  uint64_t source_count = 0;   // sources of the keys' scenes, of those with evidence of a key
 };
 
 // Names the posteriors of a scene. Keys are ordered by project, scene, machine class and reward
@@ -141,7 +146,7 @@ struct PriorRecord {
 
 struct ImportResult {
   uint64_t applied_count = 0;    // records that were new or newer
-  uint64_t unchanged_count = 0;  // records that were known, or of a revoked source
+  uint64_t unchanged_count = 0;  // records that were known, or of a session or a revoked source
 };
 
 // The store of evidence. Every implementation passes
@@ -184,7 +189,8 @@ class PriorStore {
                                                           uint32_t limit) = 0;
 
   // Imports all records or, if one is invalid, none. A record replaces an older one of the same key
-  // and source, and is ignored if the stored one is as new. Evidence of unknown sources is added.
+  // and source, and is ignored if the stored one is as new. Evidence of unknown sources is added. A
+  // record of a source that was committed here is ignored: the store's own evidence is newer.
   virtual absl::StatusOr<ImportResult> Import(std::span<const PriorRecord> records) = 0;
 
   // Removes exactly the source's evidence, and bars the source from later commits and imports.

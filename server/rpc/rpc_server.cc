@@ -57,14 +57,22 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
 RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
-      context_{{options_, loop_, store, counters_, watchers_}, sessions_, watchers_, log},
+      context_{{options_, loop_, store, counters_, watch_hub_}, sessions_, watchers_, stalls_, log},
       sessions_(options_, loop_),
+      watch_hub_(store, {.post = [this](DecisionLoop::Task task) { loop_.Post(std::move(task)); },
+                         .post_after =
+                             [this](int64_t delay_ns, DecisionLoop::Task task) {
+                               loop_.PostAt(loop_.clock().NowNs() + delay_ns, std::move(task));
+                             }}),
       watchers_(context_),
+      stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
       posteriors_(context_),
       priors_(context_),
       audit_(context_),
-      loop_(clock) {}
+      loop_(clock) {
+  watch_hub_.Add(watchers_);
+}
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
                                                             RpcOptions options, Clock& clock,
@@ -124,6 +132,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   RunOnLoop([this] {
     draining_ = true;
     telemetry_.Drain();
+    watch_hub_.Drain();
     watchers_.Drain();
     sessions_.RetryCommits();
   });

@@ -20,9 +20,11 @@
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
 #include "server/rpc/services/service_context.h"
+#include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_service.h"
-#include "server/rpc/services/watch_hub.h"
+#include "server/rpc/services/watcher_set.h"
 #include "server/rpc/sessions/session_table.h"
+#include "server/watch/watch_hub.h"
 
 namespace sweepstake::rpc {
 
@@ -57,7 +59,9 @@ class RpcServer {
   Counters counters_;
   ServiceContext context_;  // refers to the members below
   SessionTable sessions_;
-  WatchHub watchers_;
+  watch::WatchHub watch_hub_;
+  WatcherSet watchers_;
+  StallSweep stalls_;
   TelemetryService telemetry_;
   PosteriorsService posteriors_;
   PriorsService priors_;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,11 +13,29 @@
 
 namespace sweepstake::storage {
 namespace fs = std::filesystem;
+namespace {
+
+constexpr fs::perms kOthers = fs::perms::group_all | fs::perms::others_all;
+
+bool IsPrivate(const fs::path& path) {
+  std::error_code error;
+  return (fs::status(path, error).permissions() & kOthers) == fs::perms::none;
+}
+
+// Returns whether only the owner can reach the file now, or there is none.
+bool MakePrivate(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error) || IsPrivate(file)) return true;
+  fs::permissions(file, kOthers, fs::perm_options::remove, error);
+  return !error;
+}
+
+}  // namespace
 
 absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
   std::error_code error;
-  fs::create_directory(path, error);
-  std::error_code unknown;  // if this fails too, it counts as no directory
+  if (mkdir(path.c_str(), 0700) != 0) error = std::error_code(errno, std::system_category());
+  std::error_code unknown;  // a failure here too counts as no directory
   if (!fs::is_directory(path, unknown)) {
     return absl::UnavailableError(absl::StrCat("cannot create the data directory ", path.string(),
                                                ": ",
@@ -38,11 +57,19 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
                                                path.string(),
                                                "; stop it, or name another with --data"));
   }
+  directory.open_to_others_ = !IsPrivate(path);
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const fs::path file = directory.database().string() + suffix;
+    if (!MakePrivate(file)) directory.open_to_others_ = true;
+  }
+  if (!MakePrivate(lock_path)) directory.open_to_others_ = true;
   return directory;
 }
 
 DataDirectory::DataDirectory(DataDirectory&& other) noexcept
-    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+    : path_(std::move(other.path_)),
+      open_to_others_(other.open_to_others_),
+      lock_(std::exchange(other.lock_, -1)) {}
 
 DataDirectory::~DataDirectory() {
   if (lock_ >= 0) close(lock_);

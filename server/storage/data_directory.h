@@ -12,19 +12,26 @@ namespace sweepstake::storage {
 
 class DataDirectory {
  public:
-  // Creates the directory, but not its parents, if it is missing. Errors: UNAVAILABLE (cannot
-  // create or write it, or another daemon holds it).
+  static constexpr const char* kDatabaseName = "priors.db";
+
+  // Creates the directory, but not its parents, if it is missing. Only the owner can read it and
+  // its files; a directory that exists keeps its mode, its files do not. Errors: UNAVAILABLE
+  // (cannot create or write it, or another daemon holds it).
   static absl::StatusOr<DataDirectory> Open(const std::filesystem::path& path);
   ~DataDirectory();
   DataDirectory(DataDirectory&& other) noexcept;
   DataDirectory& operator=(DataDirectory&&) = delete;
 
-  std::filesystem::path database() const { return path_ / "priors.db"; }
+  // Returns whether others than the owner can reach the directory, or a file of it.
+  bool open_to_others() const { return open_to_others_; }
+  std::filesystem::path database() const { return path_ / kDatabaseName; }
+  std::filesystem::path resume_key() const { return path_ / "resume-key"; }
 
  private:
   DataDirectory(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
 
   std::filesystem::path path_;
+  bool open_to_others_ = false;
   int lock_;  // descriptor of the locked file; -1 after a move
 };
 

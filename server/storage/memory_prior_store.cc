@@ -126,6 +126,8 @@ void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
   Source& source = sources_[update.progress.source_id];
   if (source.revoked || update.progress.commit_sequence <= source.progress.commit_sequence) return;
   source.progress = update.progress;
+  if (!source.is_session) source.created_unix_s = update.unix_time_s;
+  source.last_seen_unix_s = update.unix_time_s;
   source.is_session = true;
   for (const auto& increment : update.increments) {
     Entry& entry = evidence_[increment.key][update.progress.source_id];
@@ -137,19 +139,16 @@ void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
 
 absl::StatusOr<priors::PriorSums> MemoryPriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
   priors::PriorSums result;
-  std::set<std::string> sources;
+  std::set<SceneKey> scenes;
   for (const EvidenceKey& key : keys) {
-    priors::PriorSum sum;
-    if (const auto found = evidence_.find(key); found != evidence_.end()) {
-      for (const auto& [source_id, entry] : found->second) {
-        sum.evidence += entry.evidence;
-        sources.insert(source_id);
-      }
-      sum.source_count = found->second.size();
-    }
-    result.sums.push_back(sum);
+    priors::PriorSum& sum = result.sums.emplace_back();
+    const auto found = evidence_.find(key);
+    if (found == evidence_.end()) continue;
+    for (const auto& [source_id, entry] : found->second) sum.evidence += entry.evidence;
+    sum.source_count = found->second.size();
+    scenes.insert(SceneOf(key));
   }
-  result.source_count = sources.size();
+  for (const SceneKey& scene : scenes) result.source_count += Sum(scene).source_count;
   return result;
 }
 
@@ -160,7 +159,9 @@ absl::StatusOr<std::optional<priors::SourceState>> MemoryPriorStore::LoadSource(
     return std::nullopt;
   priors::SourceState state{.progress = found->second.progress,
                             .evidence = {},
-                            .audit_segment = audit_.LastSegment(source_id)};
+                            .audit_segment = audit_.LastSegment(source_id),
+                            .created_unix_s = found->second.created_unix_s,
+                            .last_seen_unix_s = found->second.last_seen_unix_s};
   for (const auto& [key, entries] : evidence_) {
     if (const auto entry = entries.find(source_id); entry != entries.end()) {
       state.evidence.push_back({key, entry->second.evidence});
@@ -221,13 +222,10 @@ absl::StatusOr<std::vector<PriorRecord>> MemoryPriorStore::Export(
 
 bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
   Source& source = sources_[record.source_id];
-  if (source.revoked) return false;
+  if (source.revoked || source.is_session) return false;
   Entry& entry = evidence_[record.key][record.source_id];
   if (record.source_sequence <= entry.sequence) return false;
   entry = {record.source_sequence, record.evidence};
-  source.progress.source_id = record.source_id;
-  source.progress.commit_sequence =
-      std::max(source.progress.commit_sequence, record.source_sequence);
   return true;
 }
 

@@ -36,12 +36,12 @@ class MemoryAuditLog {
   void Trim();
 
   const priors::AuditLimits limits_;
-  std::deque<Segment> segments_;  // in order of their beginning
+  std::deque<Segment> segments_;  // ordered by their beginning
   uint64_t last_id_ = 0;
   uint64_t row_count_ = 0;
 };
 
-class MemoryPriorStore final : public priors::PriorStore {
+class MemoryPriorStore : public priors::PriorStore {
  public:
   explicit MemoryPriorStore(const priors::AuditLimits& audit_limits = {}) : audit_(audit_limits) {}
 
@@ -69,6 +69,8 @@ class MemoryPriorStore final : public priors::PriorStore {
  private:
   struct Source {
     priors::SourceProgress progress;
+    uint64_t created_unix_s = 0;
+    uint64_t last_seen_unix_s = 0;
     bool is_session = false;
     bool revoked = false;
   };

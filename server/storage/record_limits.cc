@@ -5,10 +5,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake::storage {
 namespace {
 
+using math::IsName;
+using math::IsOptionalName;
 using priors::Evidence;
 using priors::EvidenceKey;
 
@@ -23,22 +26,19 @@ absl::string_view WrongEvidence(const Evidence& evidence) {
   return {};
 }
 
-bool IsName(absl::string_view text) { return !text.empty() && text.size() <= kMaxNameBytes; }
-
 absl::string_view WrongKey(const EvidenceKey& key) {
-  if (!IsName(key.project)) return "project must have 1 to 128 bytes";
-  if (!IsName(key.scene)) return "scene must have 1 to 128 bytes";
-  if (!IsName(key.arm)) return "arm must have 1 to 128 bytes";
-  if (key.context_bucket.size() > kMaxNameBytes)
-    return "context_bucket must have at most 128 bytes";
-  if (key.machine_class.size() > kMaxNameBytes) return "machine_class must have at most 128 bytes";
+  if (!IsName(key.project)) return "project must be a name of 1 to 128 bytes";
+  if (!IsName(key.scene)) return "scene must be a name of 1 to 128 bytes";
+  if (!IsName(key.arm)) return "arm must be a name of 1 to 128 bytes";
+  if (!IsOptionalName(key.context_bucket)) return "context_bucket must be absent or a name";
+  if (!IsOptionalName(key.machine_class)) return "machine_class must be absent or a name";
   if (key.backend_version == 0) return "backend_version must be at least 1";
   if (key.reward_version == 0) return "reward_version must be at least 1";
   return {};
 }
 
-absl::string_view WrongSource(absl::string_view source_id, uint64_t sequence) {
-  if (!IsName(source_id)) return "source_id must have 1 to 128 bytes";
+absl::string_view WrongSource(const std::string& source_id, uint64_t sequence) {
+  if (!IsName(source_id)) return "source_id must be a name of 1 to 128 bytes";
   if (sequence == 0 || sequence > kMaxCount) return "the source's sequence must be 1 to 2^63 - 1";
   return {};
 }
@@ -51,6 +51,7 @@ absl::string_view WrongUpdate(const priors::SourceUpdate& update) {
   if (wrong.empty() && progress.decision_count > kMaxCount)
     wrong = "decision_count must be below 2^63";
   if (wrong.empty() && progress.frame_count > kMaxCount) wrong = "frame_count must be below 2^63";
+  if (wrong.empty() && update.unix_time_s > kMaxCount) wrong = "unix_time_s must be below 2^63";
   for (const auto& increment : update.increments) {
     if (wrong.empty()) wrong = WrongKey(increment.key);
     if (wrong.empty()) wrong = WrongEvidence(increment.evidence);

@@ -11,7 +11,6 @@ namespace sweepstake::storage {
 inline constexpr double kMaxEvidence = 1e15;  // exclusive maximum of an increment and of a sum
 // The maximum of sequences and counts, which must fit SQLite's integers.
 inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
-inline constexpr size_t kMaxNameBytes = 128;
 
 // These check all updates or records. The error INVALID_ARGUMENT names the update or record (from
 // 0) and the field.

@@ -54,7 +54,7 @@ class SqliteAuditLog {
 
   priors::AuditLimits limits_;
   Statements statements_;
-  uint64_t row_count_ = 0;      // in all stored segments
+  uint64_t row_count_ = 0;      // rows of all stored segments
   uint64_t new_row_count_ = 0;  // the same once the current transaction is committed
 };
 

@@ -1,6 +1,10 @@
 #include "server/storage/sqlite_database.h"
 
+#include <filesystem>
+#include <system_error>
+
 #include "absl/strings/str_cat.h"
+#include "server/storage/private_file.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -47,7 +51,8 @@ absl::Status SqliteStatement::Error(int code) const {
 }
 
 absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::string& path, OpenMode mode) {
-  int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
+  flags |= mode == OpenMode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE;
   if (mode == OpenMode::kCreate) flags |= SQLITE_OPEN_CREATE;
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
@@ -90,6 +95,19 @@ absl::StatusOr<std::string> SqliteDatabase::QueryText(std::string_view sql) {
   absl::Status status = statement->ForEachRow([&](const SqliteRow& row) { value = row.Text(0); });
   if (!status.ok()) return status;
   return value;
+}
+
+absl::Status SqliteDatabase::CopyTo(const std::string& path) {
+  const std::string unfinished = path + ".new";
+  if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
+  auto copy = Prepare("VACUUM INTO ?1");
+  if (!copy.ok()) return copy.status();
+  if (absl::Status status = copy->Run(unfinished); !status.ok()) {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    return {status.code(), absl::StrCat(unfinished, ": ", status.message())};
+  }
+  return PublishFile(unfinished, path);
 }
 
 absl::Status SqliteDatabase::EnableDefensive() {

@@ -84,7 +84,7 @@ class SqliteStatement {
 
 class SqliteDatabase {
  public:
-  enum class OpenMode { kExisting, kCreate };
+  enum class OpenMode { kExisting, kCreate, kReadOnly };
 
   // If the file exists, it is not read before the first statement.
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
@@ -95,6 +95,9 @@ class SqliteDatabase {
   // These return the single value of a pragma or query.
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
   absl::StatusOr<std::string> QueryText(std::string_view sql);
+  // Writes all that is committed to a new file at `path`, in place of one that is there. Others may
+  // write meanwhile; the whole database is read once. The file appears whole or not at all.
+  absl::Status CopyTo(const std::string& path);
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
 

@@ -6,6 +6,7 @@
 #include "server/storage/record_limits.h"
 #include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_prior_statements.h"
 #include "server/storage/sqlite_schema.h"
 
 namespace sweepstake::storage {
@@ -17,109 +18,6 @@ using priors::PriorRecord;
 using priors::SceneEvidence;
 using priors::SceneFilter;
 using priors::SceneKey;
-
-// Every statement of the store, prepared once.
-struct Statements {
-  SqliteStatement advance_source, find_key, add_key, add_evidence, key_evidence, load_source,
-      source_evidence, list_scenes, scene_arms, scene_sources, export_records, touch_source,
-      import_evidence, revoke_source, delete_evidence;
-};
-
-struct StatementText {
-  SqliteStatement Statements::*statement;
-  const char* sql;
-};
-
-// An upsert returns a row exactly if it changed something; this is how repeated updates and revoked
-// sources are recognised. Counts are added by total(), because sum() fails on an overflow, so that
-// two imported records could make a scene unreadable.
-constexpr StatementText kStatements[] = {
-    {&Statements::advance_source, R"sql(
-        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed)
-        VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7)
-        ON CONFLICT (name) DO UPDATE
-          SET is_session = 1, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
-              decision_count = ?5, frame_count = ?6, seed = ?7
-          WHERE revoked = 0 AND ?2 > commit_sequence
-        RETURNING id)sql"},
-    {&Statements::find_key, R"sql(
-        SELECT id FROM evidence_key
-        WHERE project = ?1 AND scene = ?2 AND context_bucket = ?3 AND arm = ?4
-          AND backend_version = ?5 AND machine_class = ?6 AND reward_version = ?7)sql"},
-    {&Statements::add_key, R"sql(
-        INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,
-                                  machine_class, reward_version)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
-        RETURNING id)sql"},
-    {&Statements::add_evidence, R"sql(
-        INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
-                              bail_out_count)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
-        ON CONFLICT DO UPDATE
-          SET sequence = ?3, alpha = alpha + ?4, beta = beta + ?5,
-              window_count = window_count + ?6, bail_out_count = bail_out_count + ?7)sql"},
-    {&Statements::key_evidence, R"sql(
-        SELECT source_id, alpha, beta, window_count, bail_out_count
-        FROM evidence WHERE key_id = ?1)sql"},
-    {&Statements::load_source, R"sql(
-        SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
-               frame_count, seed
-        FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
-    {&Statements::source_evidence, R"sql(
-        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               alpha, beta, window_count, bail_out_count
-        FROM evidence JOIN evidence_key k ON k.id = key_id
-        WHERE source_id = ?1
-        ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
-                 reward_version)sql"},
-    {&Statements::list_scenes, R"sql(
-        SELECT DISTINCT project, scene, machine_class, reward_version FROM evidence_key
-        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
-          AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
-          AND EXISTS (SELECT 1 FROM evidence WHERE key_id = evidence_key.id)
-        ORDER BY 1, 2, 3, 4 LIMIT ?7)sql"},
-    {&Statements::scene_arms, R"sql(
-        SELECT arm, backend_version, sum(alpha), sum(beta), CAST(total(window_count) AS INTEGER),
-               CAST(total(bail_out_count) AS INTEGER)
-        FROM evidence_key k JOIN evidence ON k.id = key_id
-        WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
-        GROUP BY arm, backend_version ORDER BY arm, backend_version)sql"},
-    {&Statements::scene_sources, R"sql(
-        SELECT count(DISTINCT source_id)
-        FROM evidence_key k JOIN evidence ON k.id = key_id
-        WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4)sql"},
-    {&Statements::export_records, R"sql(
-        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               alpha, beta, window_count, bail_out_count, name, sequence
-        FROM evidence_key k JOIN evidence ON k.id = key_id JOIN source s ON s.id = source_id
-        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
-          AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               name) > (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
-        ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11)sql"},
-    {&Statements::touch_source, R"sql(
-        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed)
-        VALUES (?1, 0, 0, ?2, 0, 0, 0, 0, 0)
-        ON CONFLICT (name) DO UPDATE
-          SET commit_sequence = max(commit_sequence, ?2) WHERE revoked = 0
-        RETURNING id)sql"},
-    {&Statements::import_evidence, R"sql(
-        INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
-                              bail_out_count)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
-        ON CONFLICT DO UPDATE
-          SET sequence = ?3, alpha = ?4, beta = ?5, window_count = ?6, bail_out_count = ?7
-          WHERE ?3 > sequence
-        RETURNING 1)sql"},
-    {&Statements::revoke_source, R"sql(
-        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed)
-        VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0)
-        ON CONFLICT (name) DO UPDATE SET revoked = 1
-        RETURNING id)sql"},
-    {&Statements::delete_evidence, "DELETE FROM evidence WHERE source_id = ?1 RETURNING 1"},
-};
 
 EvidenceKey KeyOf(const SqliteRow& row) {
   return {.project = row.Text(0),
@@ -137,6 +35,16 @@ Evidence EvidenceOf(const SqliteRow& row, int first) {
           .window_count = row.Unsigned(first + 2),
           .bail_out_count = row.Unsigned(first + 3)};
 }
+
+using KeyIds = std::unordered_set<int64_t>;
+
+// A key's row and its sums.
+struct StoredKey {
+  int64_t id = 0;
+  int64_t scene_id = 0;
+  priors::PriorSum sum;
+  uint64_t scene_source_count = 0;
+};
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:
@@ -173,24 +81,29 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status InTransaction(Body body);
   // Returns false if the update was applied before or its source is revoked.
   absl::StatusOr<bool> Apply(const priors::SourceUpdate& update);
-  absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result);
-  // Returns 0 if there is no such key.
-  absl::StatusOr<int64_t> FindKey(const EvidenceKey& key);
-  absl::StatusOr<int64_t> FindOrAddKey(const EvidenceKey& key);
-  absl::Status LoadArms(SceneEvidence& scene);
+  absl::Status Add(int64_t source, uint64_t sequence, const priors::KeyedEvidence& increment);
+  // Inserts the key of an applied record into `changed`.
+  absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result, KeyIds& changed);
+  // Counts the source in the scene, once.
+  absl::Status JoinScene(int64_t source, int64_t scene);
+  absl::Status RecountSums(const KeyIds& keys);
+  // Bars the source and inserts the keys that it had evidence of into `changed`.
+  absl::Status RemoveEvidence(const std::string& source_id, KeyIds& changed);
+  // If there is no such key, its id is 0.
+  absl::StatusOr<StoredKey> FindKey(const EvidenceKey& key);
+  absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
+  absl::Status LoadArms(int64_t scene_id, SceneEvidence& scene);
 
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
-  Statements statements_;
+  PriorStatements statements_;
   std::optional<SqliteAuditLog> audit_;  // present from Prepare on
 };
 
 absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
-  for (const StatementText& text : kStatements) {
-    auto statement = database_.Prepare(text.sql);
-    if (!statement.ok()) return statement.status();
-    statements_.*text.statement = *std::move(statement);
-  }
+  auto statements = PriorStatements::Prepare(database_);
+  if (!statements.ok()) return statements.status();
+  statements_ = *std::move(statements);
   auto audit = SqliteAuditLog::Open(database_, audit_limits);
   if (!audit.ok()) return audit.status();
   audit_ = *std::move(audit);
@@ -230,56 +143,88 @@ absl::StatusOr<bool> SqlitePriorStore::Apply(const priors::SourceUpdate& update)
   absl::Status status = statements_.advance_source.ForEachRow(
       [&](const SqliteRow& row) { source = row.Integer(0); }, progress.source_id,
       progress.commit_sequence, progress.message_sequence, progress.explored_arm_count,
-      progress.decision_count, progress.frame_count, progress.seed);
+      progress.decision_count, progress.frame_count, progress.seed, update.unix_time_s);
   if (!status.ok()) return status;
   if (source == 0) return false;
-  for (const auto& [key, evidence] : update.increments) {
-    auto key_id = FindOrAddKey(key);
-    if (!key_id.ok()) return key_id.status();
-    status =
-        statements_.add_evidence.Run(*key_id, source, progress.commit_sequence, evidence.alpha,
-                                     evidence.beta, evidence.window_count, evidence.bail_out_count);
-    if (!status.ok()) return status;
+  for (const auto& increment : update.increments) {
+    if (status = Add(source, progress.commit_sequence, increment); !status.ok()) return status;
   }
   return true;
 }
 
-absl::StatusOr<int64_t> SqlitePriorStore::FindKey(const EvidenceKey& key) {
-  int64_t id = 0;
-  absl::Status status = statements_.find_key.ForEachRow(
-      [&](const SqliteRow& row) { id = row.Integer(0); }, key.project, key.scene,
-      key.context_bucket, key.arm, key.backend_version, key.machine_class, key.reward_version);
+absl::Status SqlitePriorStore::Add(int64_t source, uint64_t sequence,
+                                   const priors::KeyedEvidence& increment) {
+  const Evidence& evidence = increment.evidence;
+  auto key = FindOrAddKey(increment.key);
+  if (!key.ok()) return key.status();
+  bool is_new = true;
+  absl::Status status = statements_.advance_evidence.ForEachRow(
+      [&](const SqliteRow&) { is_new = false; }, key->id, source, sequence, evidence.alpha,
+      evidence.beta, evidence.window_count, evidence.bail_out_count);
+  if (status.ok() && is_new) {
+    status = statements_.add_evidence.Run(key->id, source, sequence, evidence.alpha, evidence.beta,
+                                          evidence.window_count, evidence.bail_out_count);
+    if (status.ok()) status = JoinScene(source, key->scene_id);
+  }
   if (!status.ok()) return status;
-  return id;
+  return statements_.add_to_sums.Run(key->id, evidence.alpha, evidence.beta, evidence.window_count,
+                                     evidence.bail_out_count, uint32_t{is_new});
 }
 
-absl::StatusOr<int64_t> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key) {
-  auto id = FindKey(key);
-  if (!id.ok() || *id != 0) return id;
-  absl::Status status = statements_.add_key.ForEachRow(
-      [&](const SqliteRow& row) { *id = row.Integer(0); }, key.project, key.scene,
-      key.context_bucket, key.arm, key.backend_version, key.machine_class, key.reward_version);
+absl::Status SqlitePriorStore::JoinScene(int64_t source, int64_t scene) {
+  bool joined = false;
+  absl::Status status =
+      statements_.join_scene.ForEachRow([&](const SqliteRow&) { joined = true; }, source, scene);
+  return status.ok() && joined ? statements_.count_source.Run(scene) : status;
+}
+
+absl::Status SqlitePriorStore::RecountSums(const KeyIds& keys) {
+  for (const int64_t key : keys) {
+    if (absl::Status status = statements_.recount_sums.Run(key); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<StoredKey> SqlitePriorStore::FindKey(const EvidenceKey& key) {
+  StoredKey stored;
+  absl::Status status = statements_.find_key.ForEachRow(
+      [&](const SqliteRow& row) {
+        stored = {.id = row.Integer(0),
+                  .scene_id = row.Integer(1),
+                  .sum = {.evidence = EvidenceOf(row, 2), .source_count = row.Unsigned(6)},
+                  .scene_source_count = row.Unsigned(7)};
+      },
+      key.project, key.scene, key.context_bucket, key.arm, key.backend_version, key.machine_class,
+      key.reward_version);
   if (!status.ok()) return status;
-  return id;
+  return stored;
+}
+
+absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key) {
+  auto stored = FindKey(key);
+  if (!stored.ok() || stored->id != 0) return stored;
+  absl::Status status = statements_.add_scene.ForEachRow(
+      [&](const SqliteRow& row) { stored->scene_id = row.Integer(0); }, key.project, key.scene,
+      key.machine_class, key.reward_version);
+  if (!status.ok()) return status;
+  status = statements_.add_key.ForEachRow(
+      [&](const SqliteRow& row) { stored->id = row.Integer(0); }, key.project, key.scene,
+      key.context_bucket, key.arm, key.backend_version, key.machine_class, key.reward_version,
+      stored->scene_id);
+  if (!status.ok()) return status;
+  return stored;
 }
 
 absl::StatusOr<priors::PriorSums> SqlitePriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
   priors::PriorSums result;
-  std::unordered_set<int64_t> sources;
+  KeyIds scenes;
   for (const EvidenceKey& key : keys) {
-    auto id = FindKey(key);
-    if (!id.ok()) return id.status();
-    priors::PriorSum& sum = result.sums.emplace_back();
-    absl::Status status = statements_.key_evidence.ForEachRow(
-        [&](const SqliteRow& row) {
-          sum.evidence += EvidenceOf(row, 1);
-          ++sum.source_count;
-          sources.insert(row.Integer(0));
-        },
-        *id);
-    if (!status.ok()) return status;
+    auto stored = FindKey(key);
+    if (!stored.ok()) return stored.status();
+    result.sums.push_back(stored->sum);
+    if (stored->sum.source_count > 0 && scenes.insert(stored->scene_id).second)
+      result.source_count += stored->scene_source_count;
   }
-  result.source_count = sources.size();
   return result;
 }
 
@@ -297,6 +242,8 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
                           .decision_count = row.Unsigned(4),
                           .frame_count = row.Unsigned(5),
                           .seed = row.Unsigned(6)};
+        state.created_unix_s = row.Unsigned(7);
+        state.last_seen_unix_s = row.Unsigned(8);
       },
       source_id);
   if (!status.ok()) return status;
@@ -313,18 +260,13 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
   return state;
 }
 
-absl::Status SqlitePriorStore::LoadArms(SceneEvidence& scene) {
-  const SceneKey& key = scene.key;
-  absl::Status status = statements_.scene_arms.ForEachRow(
+absl::Status SqlitePriorStore::LoadArms(int64_t scene_id, SceneEvidence& scene) {
+  return statements_.scene_arms.ForEachRow(
       [&](const SqliteRow& row) {
         scene.arms.push_back(
             {row.Text(0), static_cast<uint32_t>(row.Integer(1)), EvidenceOf(row, 2)});
       },
-      key.project, key.scene, key.machine_class, key.reward_version);
-  if (!status.ok()) return status;
-  return statements_.scene_sources.ForEachRow(
-      [&](const SqliteRow& row) { scene.source_count = row.Unsigned(0); }, key.project, key.scene,
-      key.machine_class, key.reward_version);
+      scene_id);
 }
 
 absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
@@ -332,26 +274,34 @@ absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
   // An empty project sorts before all, since projects are never empty.
   const SceneKey start = after.value_or(SceneKey{});
   std::vector<SceneEvidence> scenes;
+  std::vector<int64_t> ids;
   absl::Status status = statements_.list_scenes.ForEachRow(
       [&](const SqliteRow& row) {
+        ids.push_back(row.Integer(0));
         scenes.push_back(
-            {.key = {row.Text(0), row.Text(1), row.Text(2), static_cast<uint32_t>(row.Integer(3))},
+            {.key = {row.Text(2), row.Text(3), row.Text(4), static_cast<uint32_t>(row.Integer(5))},
              .arms = {},
-             .source_count = 0});
+             .source_count = row.Unsigned(1)});
       },
       filter.project, filter.scene, start.project, start.scene, start.machine_class,
       start.reward_version, limit);
+  for (size_t i = 0; status.ok() && i < scenes.size(); ++i) status = LoadArms(ids[i], scenes[i]);
   if (!status.ok()) return status;
-  for (SceneEvidence& scene : scenes) {
-    if (status = LoadArms(scene); !status.ok()) return status;
-  }
   return scenes;
 }
 
 absl::StatusOr<std::optional<SceneEvidence>> SqlitePriorStore::LoadScene(const SceneKey& key) {
   SceneEvidence scene{.key = key, .arms = {}, .source_count = 0};
-  if (absl::Status status = LoadArms(scene); !status.ok()) return status;
-  if (scene.arms.empty()) return std::nullopt;
+  int64_t id = 0;
+  absl::Status status = statements_.find_scene.ForEachRow(
+      [&](const SqliteRow& row) {
+        id = row.Integer(0);
+        scene.source_count = row.Unsigned(1);
+      },
+      key.project, key.scene, key.machine_class, key.reward_version);
+  if (status.ok() && id == 0) return std::nullopt;
+  if (status.ok()) status = LoadArms(id, scene);
+  if (!status.ok()) return status;
   return scene;
 }
 
@@ -370,20 +320,22 @@ absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
   return records;
 }
 
-absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record, priors::ImportResult& result) {
+absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record, priors::ImportResult& result,
+                                         KeyIds& changed) {
   int64_t source = 0;
-  absl::Status status =
-      statements_.touch_source.ForEachRow([&](const SqliteRow& row) { source = row.Integer(0); },
-                                          record.source_id, record.source_sequence);
+  absl::Status status = statements_.import_source.ForEachRow(
+      [&](const SqliteRow& row) { source = row.Integer(0); }, record.source_id);
   if (!status.ok()) return status;
   bool applied = false;
   if (source != 0) {
-    auto key_id = FindOrAddKey(record.key);
-    if (!key_id.ok()) return key_id.status();
+    auto key = FindOrAddKey(record.key);
+    if (!key.ok()) return key.status();
     const Evidence& evidence = record.evidence;
     status = statements_.import_evidence.ForEachRow(
-        [&](const SqliteRow&) { applied = true; }, *key_id, source, record.source_sequence,
+        [&](const SqliteRow&) { applied = true; }, key->id, source, record.source_sequence,
         evidence.alpha, evidence.beta, evidence.window_count, evidence.bail_out_count);
+    if (status.ok() && applied) status = JoinScene(source, key->scene_id);
+    if (applied) changed.insert(key->id);
   }
   ++(applied ? result.applied_count : result.unchanged_count);
   return status;
@@ -394,26 +346,33 @@ absl::StatusOr<priors::ImportResult> SqlitePriorStore::Import(
   if (absl::Status status = CheckRecords(records); !status.ok()) return status;
   priors::ImportResult result;
   absl::Status status = InTransaction([&] {
+    KeyIds changed;
     for (const PriorRecord& record : records) {
-      if (absl::Status one = ImportOne(record, result); !one.ok()) return one;
+      if (absl::Status one = ImportOne(record, result, changed); !one.ok()) return one;
     }
-    return absl::OkStatus();
+    return RecountSums(changed);
   });
   if (!status.ok()) return status;
   return result;
 }
 
 absl::StatusOr<uint64_t> SqlitePriorStore::Revoke(const std::string& source_id) {
-  uint64_t removed = 0;
-  absl::Status status = InTransaction([&] {
-    int64_t source = 0;
-    absl::Status found = statements_.revoke_source.ForEachRow(
-        [&](const SqliteRow& row) { source = row.Integer(0); }, source_id);
-    if (!found.ok()) return found;
-    return statements_.delete_evidence.ForEachRow([&](const SqliteRow&) { ++removed; }, source);
-  });
+  KeyIds changed;
+  absl::Status status = InTransaction([&] { return RemoveEvidence(source_id, changed); });
   if (!status.ok()) return status;
-  return removed;
+  return changed.size();
+}
+
+absl::Status SqlitePriorStore::RemoveEvidence(const std::string& source_id, KeyIds& changed) {
+  int64_t source = 0;
+  absl::Status status = statements_.revoke_source.ForEachRow(
+      [&](const SqliteRow& row) { source = row.Integer(0); }, source_id);
+  if (status.ok()) status = statements_.leave_scenes.Run(source);
+  if (status.ok()) status = statements_.forget_scenes.Run(source);
+  if (!status.ok()) return status;
+  status = statements_.delete_evidence.ForEachRow(
+      [&](const SqliteRow& row) { changed.insert(row.Integer(0)); }, source);
+  return status.ok() ? RecountSums(changed) : status;
 }
 
 }  // namespace

@@ -1,15 +1,13 @@
 #include "server/storage/sqlite_schema.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <array>
-#include <cerrno>
+#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/storage/private_file.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -18,7 +16,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 2> kMigrations = {R"sql(
+constexpr std::array<const char*, 5> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -75,6 +73,62 @@ constexpr std::array<const char*, 2> kMigrations = {R"sql(
     text TEXT NOT NULL CHECK (length(CAST(text AS BLOB)) BETWEEN 1 AND 65536),
     UNIQUE (segment_id, number)
   ) STRICT;
+)sql",
+                                                    R"sql(
+  CREATE TABLE scene (
+    id INTEGER PRIMARY KEY,
+    project TEXT NOT NULL CHECK (length(CAST(project AS BLOB)) BETWEEN 1 AND 128),
+    scene TEXT NOT NULL CHECK (length(CAST(scene AS BLOB)) BETWEEN 1 AND 128),
+    machine_class TEXT NOT NULL CHECK (length(CAST(machine_class AS BLOB)) BETWEEN 0 AND 128),
+    reward_version INTEGER NOT NULL CHECK (reward_version BETWEEN 1 AND 4294967295),
+    source_count INTEGER NOT NULL CHECK (source_count BETWEEN 0 AND 9223372036854775807),
+    UNIQUE (project, scene, machine_class, reward_version)
+  ) STRICT;
+
+  CREATE TABLE scene_source (
+    source_id INTEGER NOT NULL REFERENCES source (id),
+    scene_id INTEGER NOT NULL REFERENCES scene (id),
+    PRIMARY KEY (source_id, scene_id)
+  ) STRICT, WITHOUT ROWID;
+
+  ALTER TABLE evidence_key ADD COLUMN scene_id INTEGER REFERENCES scene (id);
+  ALTER TABLE evidence_key ADD COLUMN alpha_sum REAL NOT NULL DEFAULT 0
+    CHECK (alpha_sum >= 0 AND alpha_sum < 1e300);
+  ALTER TABLE evidence_key ADD COLUMN beta_sum REAL NOT NULL DEFAULT 0
+    CHECK (beta_sum >= 0 AND beta_sum < 1e300);
+  ALTER TABLE evidence_key ADD COLUMN window_sum INTEGER NOT NULL DEFAULT 0
+    CHECK (window_sum BETWEEN 0 AND 9223372036854775807);
+  ALTER TABLE evidence_key ADD COLUMN bail_out_sum INTEGER NOT NULL DEFAULT 0
+    CHECK (bail_out_sum BETWEEN 0 AND 9223372036854775807);
+  ALTER TABLE evidence_key ADD COLUMN source_count INTEGER NOT NULL DEFAULT 0
+    CHECK (source_count BETWEEN 0 AND 9223372036854775807);
+
+  INSERT INTO scene (project, scene, machine_class, reward_version, source_count)
+    SELECT DISTINCT project, scene, machine_class, reward_version, 0 FROM evidence_key;
+  UPDATE evidence_key AS k SET scene_id = s.id FROM scene s
+    WHERE (s.project, s.scene, s.machine_class, s.reward_version) =
+          (k.project, k.scene, k.machine_class, k.reward_version);
+  UPDATE evidence_key
+    SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count) =
+        (SELECT total(alpha), total(beta), CAST(total(window_count) AS INTEGER),
+                CAST(total(bail_out_count) AS INTEGER), count(*)
+         FROM evidence WHERE key_id = evidence_key.id);
+  INSERT INTO scene_source
+    SELECT DISTINCT source_id, scene_id FROM evidence JOIN evidence_key k ON k.id = key_id;
+  UPDATE scene SET source_count = n
+    FROM (SELECT scene_id, count(*) AS n FROM scene_source GROUP BY scene_id)
+    WHERE scene_id = scene.id;
+  CREATE INDEX evidence_key_by_scene ON evidence_key (scene_id, arm, backend_version);
+)sql",
+                                                    R"sql(
+  ALTER TABLE source ADD COLUMN created_unix_s INTEGER NOT NULL DEFAULT 0
+    CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807);
+  ALTER TABLE source ADD COLUMN last_seen_unix_s INTEGER NOT NULL DEFAULT 0
+    CHECK (last_seen_unix_s BETWEEN 0 AND 9223372036854775807);
+)sql",
+                                                    R"sql(
+  CREATE TABLE store (id TEXT NOT NULL CHECK (length(id) = 32)) STRICT;
+  INSERT INTO store VALUES (lower(hex(randomblob(16))));
 )sql"};
 
 absl::Status Explain(const fs::path& path, const absl::Status& status) {
@@ -114,18 +168,43 @@ absl::Status Migrate(SqliteDatabase& database, int64_t from) {
   return absl::OkStatus();
 }
 
-// Syncs the directory, so that a file renamed into it survives a power failure.
-absl::Status SyncDirectory(const fs::path& path) {
-  const std::string name = path.empty() ? "." : path.string();
-  const int directory = open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const bool synced = directory >= 0 && fsync(directory) == 0;
-  const int why = errno;
-  if (directory >= 0) close(directory);
-  if (synced) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat(name, ": ", std::system_category().message(why)));
+fs::path IdFile(const fs::path& path) { return path.parent_path() / "store-id"; }
+
+// Returns an empty text if there is no such file.
+std::string ReadId(const fs::path& path) {
+  std::string id;
+  std::ifstream(IdFile(path)) >> id;
+  return id;
+}
+
+absl::Status WriteId(const fs::path& path, const std::string& id) {
+  const fs::path unfinished = IdFile(path).string() + ".new";
+  if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
+  std::ofstream file(unfinished);
+  file << id << '\n';
+  file.close();
+  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", unfinished.string()));
+  return PublishFile(unfinished, IdFile(path));
+}
+
+// Compares the database with the one that the directory had at the last start.
+absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
+  const std::string expected = ReadId(path);
+  auto id = database.QueryText("SELECT id FROM store");
+  if (!id.ok()) return Explain(path, id.status());
+  if (expected.empty()) return WriteId(path, *id);
+  if (*id == expected) return absl::OkStatus();
+  return absl::DataLossError(
+      absl::StrCat(path.string(), " is not the database that was here (", IdFile(path).string(),
+                   " has another id); put that one back, or delete store-id to use this one"));
 }
 
 absl::Status CreateFile(const fs::path& path) {
+  if (!ReadId(path).empty()) {
+    return absl::DataLossError(
+        absl::StrCat(path.string(), " is missing but was here, as ", IdFile(path).string(),
+                     " says; restore it from a backup, or delete store-id to begin anew"));
+  }
   const fs::path log = path.string() + "-wal";
   std::error_code error;
   if (fs::exists(log, error)) {
@@ -134,9 +213,7 @@ absl::Status CreateFile(const fs::path& path) {
                      " is there; restore the file, or move the log away to start anew"));
   }
   const fs::path unfinished = path.string() + ".new";
-  std::error_code ignored;
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"})
-    fs::remove(unfinished.string() + suffix, ignored);
+  if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
   {
     auto database = SqliteDatabase::Open(unfinished.string(), SqliteDatabase::OpenMode::kCreate);
     if (!database.ok()) return Explain(unfinished, database.status());
@@ -146,9 +223,7 @@ absl::Status CreateFile(const fs::path& path) {
     if (status.ok()) status = Migrate(*database, 0);
     if (!status.ok()) return Explain(unfinished, status);
   }
-  fs::rename(unfinished, path, error);
-  if (error) return absl::UnavailableError(absl::StrCat(path.string(), ": ", error.message()));
-  return SyncDirectory(path.parent_path());
+  return PublishFile(unfinished, path);
 }
 
 // Returns an error if the file belongs to another program.
@@ -172,6 +247,18 @@ absl::Status CheckVersion(int64_t version, const fs::path& path) {
       SqliteSchemaVersion(), "); use that daemon, or another data directory"));
 }
 
+}  // namespace
+
+absl::StatusOr<int64_t> CheckPriorDatabase(SqliteDatabase& database, const fs::path& path) {
+  if (absl::Status status = CheckOwner(database, path); !status.ok()) return status;
+  auto version = database.QueryInteger("PRAGMA user_version");
+  if (!version.ok()) return Explain(path, version.status());
+  if (absl::Status status = CheckVersion(*version, path); !status.ok()) return status;
+  return version;
+}
+
+namespace {
+
 absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
   auto verdict = database.QueryText("PRAGMA quick_check(1)");
   if (!verdict.ok()) return Explain(path, verdict.status());
@@ -180,14 +267,19 @@ absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
                                           "); restore it from a backup, or move it away"));
 }
 
+// An older file is copied before it is changed, so that the daemon that wrote it can be used again.
+absl::Status KeepOlder(SqliteDatabase& database, const fs::path& path, int64_t version) {
+  if (version == SqliteSchemaVersion()) return absl::OkStatus();
+  return database.CopyTo(absl::StrCat(path.string(), ".schema-", version));
+}
+
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
-  if (absl::Status status = CheckOwner(database, path); !status.ok()) return status;
+  auto version = CheckPriorDatabase(database, path);
+  if (!version.ok()) return version.status();
   if (absl::Status status = Configure(database); !status.ok()) return Explain(path, status);
-  auto version = database.QueryInteger("PRAGMA user_version");
-  if (!version.ok()) return Explain(path, version.status());
-  if (absl::Status status = CheckVersion(*version, path); !status.ok()) return status;
   if (absl::Status status = CheckPages(database, path); !status.ok()) return status;
   absl::Status status = UseWriteAheadLog(database);
+  if (status.ok()) status = KeepOlder(database, path, *version);
   if (status.ok()) status = Migrate(database, *version);
   if (status.ok()) status = database.EnableDefensive();
   return status.ok() ? status : Explain(path, status);
@@ -208,7 +300,9 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   }
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return Explain(path, database.status());
-  if (absl::Status status = PrepareExisting(*database, path); !status.ok()) return status;
+  absl::Status status = PrepareExisting(*database, path);
+  if (status.ok()) status = CheckId(*database, path);
+  if (!status.ok()) return status;
   return database;
 }
 

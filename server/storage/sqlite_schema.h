@@ -1,6 +1,11 @@
 // Opens the database file of the prior store: a missing file is created, an older one is migrated,
 // and every other one is refused.
 //
+// The file store-id beside it says which database was there at the last start: if that one is
+// missing, or another is in its place, both are left alone and the error says what to do.
+//
+// Before a migration the file is copied to NAME.schema-N, for its version N.
+//
 // A file that exists is never created again or taken over. An empty file (a lost copy, a full
 // disk), one of another program and one of a newer version are errors, so that priors never become
 // empty silently. A new file is built beside its place and renamed into it, so that a crash leaves
@@ -18,6 +23,11 @@ inline constexpr int64_t kSqliteApplicationId = 0x53575031;  // "SWP1"
 
 // The version of the schema that this program writes.
 int64_t SqliteSchemaVersion();
+
+// Returns the version of a file's schema. Errors: DATA_LOSS (it belongs to another program or has
+// no schema), FAILED_PRECONDITION (written by a newer version).
+absl::StatusOr<int64_t> CheckPriorDatabase(SqliteDatabase& database,
+                                           const std::filesystem::path& path);
 
 // Returns a connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write),
 // DATA_LOSS (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). It reads

@@ -34,10 +34,10 @@ namespace {
 constexpr uint64_t kSeed = 7;
 constexpr size_t kPoolThreads = 3;
 
-// FNV-1a over words of 32 bits: the order of the bytes in memory is the machine's own.
+// FNV-1a of words. They enter byte by byte, the lowest first, whatever the machine's own order is.
 class Hash {
  public:
-  void Add(uint32_t word) { value_ = (value_ ^ word) * math::kFnv1aPrime; }
+  void Add(uint32_t word) { value_ = math::Fnv1aOfWord(value_, word); }
   uint64_t value() const { return value_; }
 
  private:
@@ -62,7 +62,7 @@ uint64_t BoxesHash(std::span<const Aabb> boxes) {
   return hash.value();
 }
 
-// Sorts them.
+// Sorts the pairs and returns their hash.
 uint64_t PairsHash(std::span<OverlapPair> pairs) {
   std::ranges::sort(pairs);
   Hash hash;
@@ -78,7 +78,7 @@ struct Backend {
   size_t thread_count;
 };
 
-// Every family, alone and with `pool`.
+// Returns every family, alone and with `pool`.
 std::vector<Backend> MakeBackends(Executor& pool) {
   std::vector<Backend> backends;
   for (const std::string_view name : BroadPhaseNames()) {

@@ -35,7 +35,10 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
       return stats.connection_count == kills + 1 &&
              stats.acknowledged_sequence >= acknowledged + 40;
     })) << game.stats().last_error;
+    game.BailOut();
+    game.RunFrames(100);
     daemon->Pause();  // So that something is under way when it dies.
+    game.BailOut();
     ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) {
       return stats.sent_sequence >= stats.acknowledged_sequence + 5;
     }));
@@ -47,6 +50,7 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
     ExpectConsistent(source);
     before = source.progress;
     game.RunFrames(2'000);  // Nobody is there; the frames go on.
+    game.BailOut();
     daemon = std::make_unique<DaemonProcess>(data.path(), address);
   }
 
@@ -64,6 +68,8 @@ TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   EXPECT_EQ(source.progress.message_sequence, stats.sent_sequence);
   EXPECT_EQ(source.progress.frame_count, stats.sent_frame_count)
       << "every frame that was sent is in the store, once";
+  EXPECT_EQ(stats.dropped_frame_count, 0U);
+  EXPECT_EQ(TotalEvidence(source).bail_out_count, 15U) << "three in each of five rounds";
   ExpectConsistent(source);
 }
 
@@ -95,6 +101,30 @@ TEST(RestartTest, ADaemonThatComesLateIsFound) {
   const DaemonProcess daemon(data.path(), address);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 5; }));
   EXPECT_EQ(game.wait_count(), 0U);
+}
+
+TEST(RestartTest, ADaemonWithAnotherPolicyGivesTheGameANewSessionAndItGoesOnLearning) {
+  const TemporaryDirectory data;
+  auto daemon = std::make_unique<DaemonProcess>(
+      data.path(), "127.0.0.1:0", std::vector<std::string>{"--decision-policy", "paper"});
+  const std::string address = daemon->address();
+  SessionOptions options = FastOptions();
+  options.policy.clear();  // the daemon's
+  ScriptedGame game(address, options);
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return LearntEvidence(stats) >= 10; }));
+  const std::string first = game.stats().session_id;
+  EXPECT_EQ(daemon->Terminate(), 0);
+  daemon = std::make_unique<DaemonProcess>(
+      data.path(), address, std::vector<std::string>{"--decision-policy", "calibrated"});
+  ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
+    return stats.session_id != first && stats.acknowledged_sequence >= 40;
+  })) << game.stats().last_error;
+  EXPECT_EQ(game.stats().resumed_count, 0U);
+  game.Stop();
+  const SessionStats stats = game.stats();
+  EXPECT_EQ(stats.acknowledged_sequence, stats.sent_sequence);
+  EXPECT_EQ(daemon->Terminate(), 0);
+  EXPECT_THAT(TotalEvidence(ReadSource(data.path(), stats.session_id)).window_count, Gt(0U));
 }
 
 TEST(RestartTest, ADrainedDaemonEndsCleanlyAndTheSessionGoesOnWithTheNext) {

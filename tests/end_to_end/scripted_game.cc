@@ -16,6 +16,9 @@ constexpr uint64_t kFramesPerLook = 16;
 // How far the frame loop may run ahead of the sender.
 constexpr uint64_t kFramesAhead = 1024;
 constexpr double kRestOfFrameMs = 1;
+// Half of the frame, or all of it if the frame rebuilds, since the clock is then looked at once
+// more.
+constexpr double kBailOutDetectionMs = 4'000;
 
 template <typename T>
 T Must(Result<T> result) {
@@ -66,20 +69,23 @@ ScriptedGame::ScriptedGame(const std::string& address, SessionOptions options, A
 
 ScriptedGame::~ScriptedGame() { session_->Stop(); }
 
-void ScriptedGame::RunFrame() {
+void ScriptedGame::RunFrame(bool bails_out) {
   const WaitCounter waits;
   adaptive_->BeginFrame();
-  const double cost_ms = costs_ms_[adaptive_->active_arm()];
+  const double cost_ms = bails_out ? kBailOutDetectionMs : costs_ms_[adaptive_->active_arm()];
   clock_->SetStep(static_cast<uint64_t>(cost_ms * 1e6));
   adaptive_->FindPairs(boxes_);
-  adaptive_->EndFrame({.frame_time_ns = static_cast<uint64_t>((cost_ms + kRestOfFrameMs) * 1e6)});
+  const double rest_ms = bails_out ? kBailOutDetectionMs : kRestOfFrameMs;
+  adaptive_->EndFrame({.frame_time_ns = static_cast<uint64_t>((cost_ms + rest_ms) * 1e6)});
   wait_count_ += waits.count();
   ++frame_count_;
 }
 
 void ScriptedGame::RunFrames(uint64_t count) {
-  for (uint64_t frame = 0; frame < count; ++frame) RunFrame();
+  for (uint64_t frame = 0; frame < count; ++frame) RunFrame(false);
 }
+
+void ScriptedGame::BailOut() { RunFrame(true); }
 
 bool ScriptedGame::RunUntil(const std::function<bool(const SessionStats&)>& done,
                             uint64_t frame_limit) {

@@ -39,6 +39,8 @@ class ScriptedGame {
                 uint64_t frame_limit = 5'000'000);
   // Runs `count` frames without looking at the session at all.
   void RunFrames(uint64_t count);
+  // Runs one frame of 8 s, which its arm is to blame for.
+  void BailOut();
   void Stop(uint32_t deadline_ms = 5'000);
 
   SessionStats stats() const { return session_->stats(); }
@@ -49,7 +51,7 @@ class ScriptedGame {
 
  private:
   class ScriptedClock;
-  void RunFrame();
+  void RunFrame(bool bails_out);
 
   ArmCostsMs costs_ms_;
   std::unique_ptr<ScriptedClock> clock_;

@@ -23,7 +23,7 @@ bool FindsTheOnePair(std::string_view name) {
 }
 
 // Plays 200 frames of 16 ms, in which one decision is due, and expects both callbacks to be called.
-bool HearsADecision() {
+bool ReportsADecision() {
   std::vector<sweepstake::DecisionEvent> events;
   std::vector<std::string> audit_rows;
   sweepstake::EmbeddedOptions options;
@@ -57,5 +57,5 @@ int main() {
     std::fprintf(stderr, "%s is wrong\n", std::string(name).c_str());
     return 1;
   }
-  return HearsADecision() ? 0 : 1;
+  return ReportsADecision() ? 0 : 1;
 }

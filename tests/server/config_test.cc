@@ -75,6 +75,10 @@ TEST_F(ConfigTest, AnUnknownKeyIsAnErrorThatListsTheNearestFirst) {
 TEST_F(ConfigTest, VariablesThatKubernetesMakesAreNotTakenForOurs) {
   const std::vector<std::string> environment = {"SWEEPSTAKE_SERVICE_HOST=10.0.0.1",
                                                 "SWEEPSTAKE_PORT_7433_TCP=tcp://10.0.0.1:7433",
+                                                "SWEEPSTAKE_HTTP_SERVICE_HOST=10.0.0.1",
+                                                "SWEEPSTAKE_HTTP_SERVICE_PORT_WEB=80",
+                                                "SWEEPSTAKE_HTTP_PORT=tcp://10.0.0.1:80",
+                                                "SWEEPSTAKE_HTTP_PORT_80_TCP_ADDR=10.0.0.1",
                                                 "SWEEPSTAKE_PORT_FILE=p"};
   const auto assignments = ReadEnvironment(environment);
   ASSERT_TRUE(assignments.ok()) << assignments.status();

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <string>
@@ -103,6 +104,14 @@ TEST_F(DaemonTest, APortFileThatCannotBeWrittenStopsTheStart) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("cannot write the port file"));
 }
 
+TEST_F(DaemonTest, APortFileThatIsAPipeOrADeviceStaysWhatItIs) {
+  config_.port_file = directory_.path() / "pipe";
+  ASSERT_EQ(mkfifo(config_.port_file.c_str(), 0600), 0);
+  const auto daemon = Daemon::Start(config_, clock_);
+  EXPECT_THAT(std::string(daemon.status().message()), HasSubstr("is no file"));
+  EXPECT_TRUE(std::filesystem::is_fifo(config_.port_file));
+}
+
 TEST_F(DaemonTest, AStartThatFailsLeavesNoPortOfAnEarlierDaemon) {
   const auto other = Start();
   config_.listen = "127.0.0.1:" + std::to_string(other->port());
@@ -154,6 +163,29 @@ TEST_F(DaemonTest, AnEmptyDatabaseFileStopsTheStart) {
   std::filesystem::create_directory(config_.data);
   std::ofstream(config_.data / "priors.db").close();
   EXPECT_TRUE(absl::IsDataLoss(Daemon::Start(config_, clock_).status()));
+}
+
+TEST_F(DaemonTest, ADatabaseThatWasDeletedIsNotReplacedByAnEmptyOne) {
+  Start()->Drain();
+  std::filesystem::remove(config_.data / "priors.db");
+  const absl::Status status = Daemon::Start(config_, clock_).status();
+  EXPECT_TRUE(absl::IsDataLoss(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("delete store-id to begin anew"));
+  EXPECT_FALSE(std::filesystem::exists(config_.data / "priors.db"));
+  std::filesystem::remove(config_.data / "store-id");
+  EXPECT_NE(Start(), nullptr);
+}
+
+TEST_F(DaemonTest, ADatabaseOfAnotherDirectoryIsRefused) {
+  Start()->Drain();
+  const auto here = config_.data / "priors.db";
+  config_.data = directory_.path() / "other";
+  Start()->Drain();
+  std::filesystem::copy_file(here, config_.data / "priors.db",
+                             std::filesystem::copy_options::overwrite_existing);
+  const absl::Status status = Daemon::Start(config_, clock_).status();
+  EXPECT_TRUE(absl::IsDataLoss(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("is not the database that was here"));
 }
 
 TEST_F(DaemonTest, HealthIsServing) {

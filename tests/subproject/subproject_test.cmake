@@ -26,3 +26,16 @@ file(GLOB_RECURSE test_lists ${WORK}/CTestTestfile.cmake ${WORK}/DartConfigurati
 if(test_lists)
   message(FATAL_ERROR "Sweepstake brings tests to the project that added it: ${test_lists}")
 endif()
+
+# Its own source compiles, and what it installs is its own.
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK} --target CMakeFiles/game.dir/game.cc.o
+  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${output}")
+endif()
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${WORK} --prefix ${WORK}/installed
+  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+file(GLOB_RECURSE installed ${WORK}/installed/*)
+if(NOT result EQUAL 0 OR installed)
+  message(FATAL_ERROR "With EXCLUDE_FROM_ALL Sweepstake installs files of its own: ${installed} ${output}")
+endif()

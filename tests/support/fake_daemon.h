@@ -29,7 +29,7 @@ class FakeDaemon final : public v1::TelemetryService::Service {
     std::optional<grpc::Status> refusal_of_evidence;
     bool never_reads = false;   // welcomes, then reads nothing more
     bool acknowledges = true;   // each message with evidence at once
-    bool answers_hello = true;  // false: stays silent
+    bool answers_hello = true;  // whether a Hello gets a Welcome
     v1::Welcome welcome;        // session_id, resumed and acknowledged_sequence are filled in
   };
 
@@ -48,7 +48,7 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   void SetScript(const std::function<void(Script&)>& change);
   // Loses the knowledge of all sessions: to resume one fails with NOT_FOUND.
   void ForgetSessions();
-  // To the connection that is open. False: there is none.
+  // Writes to the open connection; returns false if there is none.
   bool Send(const v1::StreamTelemetryResponse& response);
 
   // Waits until `condition` holds for what was received. The test's time limit ends a wait that
@@ -58,7 +58,7 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   // What was received so far, in order, over all connections. Inside WaitUntil's condition only, or
   // when stopped.
   std::vector<v1::Hello> hellos;
-  std::vector<v1::StreamTelemetryRequest> evidence;  // with replays
+  std::vector<v1::StreamTelemetryRequest> evidence;  // all messages, replays included
   std::vector<v1::Goodbye> goodbyes;
   int open_stream_count = 0;
 
@@ -83,7 +83,7 @@ class FakeDaemon final : public v1::TelemetryService::Service {
   std::vector<grpc::ServerContext*> contexts_;
   bool killed_ = false;
   int session_count_ = 0;
-  std::string session_id_;  // of the session that is known; empty: none
+  std::string session_id_;  // the session that is known; empty if there is none
   uint64_t acknowledged_sequence_ = 0;
 };
 

@@ -11,7 +11,7 @@
 
 namespace sweepstake::test_support {
 
-// Every overlapping pair in ascending order. Cost: n²/2 scalar tests.
+// Returns every overlapping pair in ascending order. Cost: n²/2 scalar tests.
 std::vector<OverlapPair> ScalarPairs(std::span<const Aabb> boxes);
 
 // Ascending order, duplicates kept.

@@ -19,7 +19,7 @@ class RecordingSink final : public FrameSink {
   std::vector<FrameSample> frames;
   std::vector<SceneDescriptor> descriptors;
   std::vector<SwitchOutcome> switches;
-  std::vector<ShadowSample> shadows;  // on the lane's thread: to be read when it has ended
+  std::vector<ShadowSample> shadows;  // written on the lane's thread; read them when it has ended
 };
 
 }  // namespace sweepstake::test_support

@@ -49,8 +49,8 @@ class AlignedBuffer {
     capacity_ = grown;
   }
 
-  // Does the same for a count that fluctuates from frame to frame: growing reserves a quarter more,
-  // which avoids repeated allocation.
+  // Makes room for a count that fluctuates from frame to frame; the content is lost if the array
+  // has to grow. It then reserves a quarter more, which avoids repeated allocation.
   void EnsureWithSpare(size_t count) {
     if (count > capacity_) EnsureDiscarding(count + count / 4 + 2048);
   }

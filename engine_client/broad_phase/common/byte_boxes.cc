@@ -3,7 +3,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/common/byte_boxes.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/box_record-inl.h"
 
 #ifndef SWEEPSTAKE_BYTE_BOXES_ONCE
@@ -54,7 +54,7 @@ void FillFromBoxes(std::span<const Aabb> boxes, const ByteScale& scale, const Sw
 
 void FillFromRecords(const BoxRecord* records, const ByteScale& scale, const SweepAxis& sweep,
                      const ByteLanes& lanes, size_t begin, size_t end) {
-  const ByteScale local = scale;  // copies, as in FillFromBoxes
+  const ByteScale local = scale;  // a copy that no store can alias
   const ByteLanes to = lanes;
   const size_t axis = scale.axis[0];
   for (size_t slot = begin; slot < end; ++slot) {

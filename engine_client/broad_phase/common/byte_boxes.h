@@ -47,7 +47,7 @@ struct ByteLanes {
   float* begin;
   float* end;
   uint32_t* id;
-  const BoxRecord* record;  // by slot, or by id
+  const BoxRecord* record;  // the exact boxes, indexed by slot or by id
   bool records_by_id;
   size_t count;
 };
@@ -61,7 +61,7 @@ class ByteBoxes {
   // Makes room for `count` boxes whose records are stored by slot; `swept` boxes have positions on
   // the sweep axis.
   void Resize(size_t count, bool swept);
-  // Does the same for swept boxes with borrowed records, which are stored by id and end with a
+  // Makes room for `count` swept boxes whose records are borrowed: stored by id, ended by a
   // kInvalidRecord.
   void ResizeFor(const BoxRecord* records, size_t count);
   // Returns the box of each slot. The caller writes count() ids before Fill.
@@ -84,7 +84,7 @@ class ByteBoxes {
   AlignedBuffer<BoxRecord> records_;
   // The low bytes of the three axes from the sweep axis on, then the high bytes.
   AlignedBuffer<uint8_t> bytes_;
-  AlignedBuffer<float> ends_;  // begin, then end
+  AlignedBuffer<float> ends_;  // the begins of all slots, then the ends
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;

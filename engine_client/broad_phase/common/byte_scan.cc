@@ -6,7 +6,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/common/byte_scan.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/box_record-inl.h"
 #include "engine_client/broad_phase/common/pair_cursor.h"
 
@@ -158,6 +158,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
     }
     checks += kRowsPerTile * (at - first);
   }
+  // Tests the remaining candidates.
   TestExactly<kById>(lanes, candidates, count, cursor);
   cursor.Flush();
   return checks;

@@ -19,8 +19,8 @@ inline constexpr size_t kRowsPerTile = 4;
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
 // AABB checks.
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
-// Does the same for swept slots: a tile is not compared with slots that begin after its boxes have
-// ended.
+// Appends each overlapping pair of a swept slot in [begin, end) and a later slot; returns the
+// number of AABB checks. A tile is not compared with slots that begin after its boxes have ended.
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
 
 }  // namespace sweepstake

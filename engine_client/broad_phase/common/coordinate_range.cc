@@ -18,7 +18,7 @@ constexpr size_t kSmallSampleCount = 64;
 // This many values at either end of the sample may be outliers: one box at 1e30 must not map all
 // others to one value.
 constexpr size_t kTail = 2;
-constexpr float kBoundMax = 1e38F;  // the difference of two bounds is finite
+constexpr float kMaxBound = 1e38F;  // the difference of two bounds is finite
 
 struct AxisSample {
   float low[kSampleCount] = {};
@@ -34,7 +34,7 @@ struct AxisSample {
 // Returns the index of the k-th draw. The draws have no period, since objects often come in classes
 // by index modulo some number.
 size_t DrawIndex(size_t k, size_t box_count) {
-  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // of 2^32
+  const uint64_t fraction = (k * math::kGoldenGamma) >> 32;  // a fraction of 1, times 2^32
   return static_cast<size_t>((fraction * box_count) >> 32);
 }
 
@@ -43,11 +43,11 @@ void SetBounds(AxisSample& sample, float& low, float& high) {
   std::nth_element(sample.low, sample.low + tail, sample.low + sample.count);
   const auto upper = sample.high + (sample.count - 1 - tail);
   std::nth_element(sample.high, upper, sample.high + sample.count);
-  low = std::clamp(sample.low[tail], -kBoundMax, kBoundMax);
-  high = std::clamp(*upper, -kBoundMax, kBoundMax);
-  const float margin = std::max((high - low) / 16, CoordinateRange::kWidthMin);
-  low = std::max(low - margin, -kBoundMax);
-  high = std::max(std::min(high + margin, kBoundMax), low + CoordinateRange::kWidthMin);
+  low = std::clamp(sample.low[tail], -kMaxBound, kMaxBound);
+  high = std::clamp(*upper, -kMaxBound, kMaxBound);
+  const float margin = std::max((high - low) / 16, CoordinateRange::kMinWidth);
+  low = std::max(low - margin, -kMaxBound);
+  high = std::max(std::min(high + margin, kMaxBound), low + CoordinateRange::kMinWidth);
 }
 
 // Returns the mean fraction of `width` that a box covers.

@@ -13,7 +13,7 @@ namespace sweepstake {
 
 // Sample reads at most 128 boxes, so that its cost does not depend on their number.
 struct CoordinateRange {
-  static constexpr float kWidthMin = 1e-30F;
+  static constexpr float kMinWidth = 1e-30F;
 
   // Finite, low <= high, with a finite difference.
   float low[3] = {0, 0, 0};
@@ -23,8 +23,8 @@ struct CoordinateRange {
 
   static CoordinateRange Sample(std::span<const Aabb> boxes);
 
-  // At least kWidthMin, so that a quotient by it stays finite.
-  float width(int axis) const { return std::max(high[axis] - low[axis], kWidthMin); }
+  // Returns at least kMinWidth, so that a quotient by it stays finite.
+  float width(int axis) const { return std::max(high[axis] - low[axis], kMinWidth); }
 };
 
 }  // namespace sweepstake

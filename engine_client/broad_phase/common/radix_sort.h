@@ -25,7 +25,6 @@ inline uint32_t SortableKey(float value) {
 constexpr uint64_t PackSortItem(uint32_t key, uint32_t payload) {
   return uint64_t{key} << 32 | payload;
 }
-constexpr uint32_t SortItemKey(uint64_t item) { return static_cast<uint32_t>(item >> 32); }
 constexpr uint32_t SortItemPayload(uint64_t item) { return static_cast<uint32_t>(item); }
 // Returns the 33 bits that define the order.
 constexpr uint64_t SortItemRank(uint64_t item) { return item >> 31; }
@@ -53,7 +52,7 @@ class RadixSort {
 
   AlignedBuffer<uint64_t> items_;
   AlignedBuffer<uint64_t> spare_;
-  AlignedBuffer<uint32_t> starts_;  // kPasses × kBuckets
+  AlignedBuffer<uint32_t> starts_;  // the first slots of kPasses × kBuckets buckets
   size_t count_ = 0;
 };
 

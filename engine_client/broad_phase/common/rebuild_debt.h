@@ -31,13 +31,13 @@ class RebuildDebt {
   uint64_t excess_checks_ = 0;
 };
 
-// Returns the cost of a search in checks: writing a pair takes about as long as 8 of them.
+// Returns the cost of a search in checks, of which writing a pair counts as 8.
 constexpr uint64_t SearchCost(uint64_t checks, uint64_t pair_count) {
   return checks + 8 * pair_count;
 }
 
-// Returns the number of frames, 1 to 6, over which to spread a rebuild so that each costs about a
-// third more than its search.
+// Returns the number of frames, 1 to 6, over which to spread a rebuild so that no frame costs much
+// more than its search.
 constexpr uint64_t RebuildFrames(uint64_t rebuild_cost, uint64_t search_cost) {
   return std::clamp<uint64_t>(3 * rebuild_cost / (search_cost + 1), 1, 6);
 }

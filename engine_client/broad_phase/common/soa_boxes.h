@@ -24,16 +24,15 @@ struct BoxLanes {
 
 class SoaBoxes {
  public:
-  // Number of sentinels behind the last box, at least one register of every target: a kernel may
-  // read [i, i + lanes) for any i <= count. A sentinel (min = +inf, max = -inf) overlaps nothing,
-  // not even another sentinel.
+  // The number of sentinels behind the last box, at least one register of every target: a kernel
+  // may read [i, i + lanes) for any i <= count. A sentinel (min = +inf, max = -inf) overlaps
+  // nothing, not even another sentinel.
   static constexpr size_t kPadding = 64;
 
-  // In both functions, an invalid box (aabb.h) becomes a sentinel and keeps its slot and id.
-  //
-  // Puts boxes[k] with id k in slot k.
+  // Puts boxes[k] with id k in slot k, and a sentinel with this id for an invalid box (aabb.h).
   void Gather(std::span<const Aabb> boxes);
-  // Puts boxes[order[k]] with id order[k] in slot k. REQUIRES: every entry is an index of `boxes`.
+  // Puts boxes[order[k]] with id order[k] in slot k, and a sentinel with this id for an invalid
+  // box. REQUIRES: every entry is an index of `boxes`.
   void Gather(std::span<const Aabb> boxes, std::span<const uint32_t> order);
 
   size_t count() const { return count_; }
@@ -45,7 +44,7 @@ class SoaBoxes {
   void Finish();
   float* Column(size_t index) { return floats_.data() + index * stride_; }
 
-  AlignedBuffer<float> floats_;  // min x y z, max x y z, each stride_ floats
+  AlignedBuffer<float> floats_;  // the columns min x, y, z, max x, y, z, each of stride_ floats
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;

@@ -13,21 +13,20 @@
 namespace sweepstake {
 namespace {
 
-// The cost of an order and of a tree from it, in checks per object: 28 ns at 0.27 ns per check (AMD
-// Zen 5, suite-b with 10,000 objects).
+// The cost of an order and of a tree from it, in checks per object.
 constexpr uint64_t kChecksPerRebuild = 100;
 // The tree is rebuilt at once when one entry in this number would have to be inserted again.
 constexpr size_t kEntriesPerMisplaced = 8;
 // It is built from scratch when one object in this number comes or goes in one frame.
 constexpr size_t kObjectsPerChanged = 4;
 // A frame is calm when at most one sampled object in this number moves further than a step.
-constexpr size_t kSamplesPerRestless = 32;
+constexpr size_t kSamplesPerFast = 32;
 // Candidates cost memory: they are not kept if there are more pairs per object than this.
 constexpr size_t kMaxPairsPerObject = 16;
 // The number of calm frames before margins are tried. It doubles each time margins have held for
 // fewer than kShortRest frames.
-constexpr uint32_t kMinPatience = 2;
-constexpr uint32_t kMaxPatience = 256;
+constexpr uint32_t kMinCalmFrames = 2;
+constexpr uint32_t kMaxCalmFrames = 256;
 constexpr uint32_t kShortRest = 32;
 // A part with fewer lowest inner nodes (some 1,500 objects) takes less time than waking a thread.
 constexpr size_t kMinGroupsPerPart = 8;
@@ -55,27 +54,27 @@ class Dbvt final : public BroadPhase {
   void Resize(size_t count);
   void Refit(std::span<const Aabb> boxes);
   void InsertReturning(std::span<const Aabb> boxes);
-  void ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& motion);
+  void MaybeUseMargins(std::span<const Aabb> boxes, const DbvtTree::Motion& motion);
   void StopResting();
-  void LosePatience() { patience_ = std::min(2 * patience_, kMaxPatience); }
+  void WaitLonger() { calm_frames_needed_ = std::min(2 * calm_frames_needed_, kMaxCalmFrames); }
 
   Executor* executor_;
   DbvtTree tree_;
   DbvtMargins margins_;
   KdOrder splitter_;
   AlignedBuffer<uint32_t> order_;  // the slots of the latest rebuild
-  size_t ordered_count_ = 0;       // objects there were when that order was begun
+  size_t ordered_count_ = 0;       // the number of objects when that order was begun
   bool is_ordering_ = false;
-  RebuildDebt debt_;  // of the tree
+  RebuildDebt debt_;  // the debt of the tree
   // Objects that are not in the tree, since their boxes are invalid; not kept up to date at rest.
   std::vector<uint32_t> outside_;
   PairParts parts_;
-  size_t pair_count_ = 0;  // of the latest search
+  size_t pair_count_ = 0;  // the pairs of the latest search
   bool is_at_rest_ = false;
   uint32_t calm_frames_ = 0;
   uint32_t resting_frames_ = 0;
-  uint32_t patience_ = kMinPatience;
-  uint64_t latest_cost_ = 0;  // of the latest search, in checks
+  uint32_t calm_frames_needed_ = kMinCalmFrames;
+  uint64_t latest_cost_ = 0;  // the cost of the latest search, in checks
   uint64_t update_checks_ = 0;
   uint64_t pair_checks_ = 0;
 };
@@ -85,7 +84,7 @@ void Dbvt::Build(std::span<const Aabb> boxes) {
   margins_.MeasureSide(boxes);
   is_at_rest_ = false;
   calm_frames_ = 0;
-  patience_ = kMinPatience;
+  calm_frames_needed_ = kMinCalmFrames;
   pair_count_ = 0;
   update_checks_ = 0;
   pair_checks_ = 0;
@@ -168,7 +167,7 @@ void Dbvt::Refit(std::span<const Aabb> boxes) {
   }
   tree_.Settle();
   InsertReturning(boxes);
-  ConsiderRest(boxes, motion);
+  MaybeUseMargins(boxes, motion);
 }
 
 // Inserts the objects whose boxes have become valid.
@@ -181,15 +180,15 @@ void Dbvt::InsertReturning(std::span<const Aabb> boxes) {
 }
 
 // Starts to use margins after enough calm frames in a row.
-void Dbvt::ConsiderRest(std::span<const Aabb> boxes, const DbvtTree::Motion& motion) {
-  const bool is_calm = motion.restless_count <= motion.sample_count / kSamplesPerRestless &&
+void Dbvt::MaybeUseMargins(std::span<const Aabb> boxes, const DbvtTree::Motion& motion) {
+  const bool is_calm = motion.fast_count <= motion.sample_count / kSamplesPerFast &&
                        pair_count_ <= kMaxPairsPerObject * boxes.size();
   calm_frames_ = is_calm ? calm_frames_ + 1 : 0;
-  if (calm_frames_ < patience_) return;
+  if (calm_frames_ < calm_frames_needed_) return;
   margins_.MeasureSide(boxes);
   if (!margins_.Start(boxes, motion.mean, tree_, executor_)) {
     calm_frames_ = 0;
-    LosePatience();
+    WaitLonger();
     return;
   }
   is_at_rest_ = true;
@@ -201,9 +200,9 @@ void Dbvt::StopResting() {
   is_at_rest_ = false;
   calm_frames_ = 0;
   if (resting_frames_ < kShortRest) {
-    LosePatience();
+    WaitLonger();
   } else {
-    patience_ = kMinPatience;
+    calm_frames_needed_ = kMinCalmFrames;
   }
   outside_.clear();
   for (uint32_t object = 0; object < tree_.object_count(); ++object) {

@@ -11,7 +11,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_margins.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -114,7 +114,7 @@ constexpr float kMaxMargin = 0.1F;
 constexpr float kMarginFrames = 8;
 // If one object in this number leaves its margin, one refit and one search for all objects cost
 // less than renewing the objects that have left.
-constexpr size_t kObjectsPerLeaver = 20;
+constexpr size_t kObjectsPerOutside = 20;
 // Testing more candidates than this takes longer than a search in the tree. The limit is 1.5 times
 // the number of pairs up to which DBVT tries to rest.
 constexpr size_t kMaxCandidatesPerObject = 24;
@@ -231,19 +231,19 @@ void DbvtMargins::Resize(size_t count, DbvtTree& tree) {
 bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor,
                          uint64_t& checks) {
   if (boxes.size() != count_) Resize(boxes.size(), tree);
-  CollectLeavers(boxes, executor);
+  CollectObjectsOutside(boxes, executor);
   checks += count_;
-  if (left_count_ > count_ / kObjectsPerLeaver) return false;
+  if (left_count_ > count_ / kObjectsPerOutside) return false;
   if (left_count_ == 0) return true;
   const std::span<const uint32_t> left{left_.data(), left_count_};
   for (const uint32_t object : left) Replace(object, tree);
-  DropCandidatesOfLeavers();
+  DropOutdatedCandidates();
   checks += FindPairsOf(tree, left, fat_.data(), has_left_.data(), candidates_);
   for (const uint32_t object : left) has_left_[object] = 0;
   return AreWorthKeeping();
 }
 
-void DbvtMargins::CollectLeavers(std::span<const Aabb> boxes, Executor* executor) {
+void DbvtMargins::CollectObjectsOutside(std::span<const Aabb> boxes, Executor* executor) {
   const size_t part_count = PartCount(executor, count_, kMinBoxesPerPart);
   left_counts_.resize(std::max(left_counts_.size(), part_count));
   RunParts(executor, part_count, [&](size_t part) {
@@ -289,9 +289,10 @@ void DbvtMargins::Replace(uint32_t object, DbvtTree& tree) {
   }
 }
 
-// Few candidates are dropped, so that the branch is well predicted. With branchless stores the loop
-// would be slower, since their addresses would wait for the flags.
-void DbvtMargins::DropCandidatesOfLeavers() {
+// Drops the candidates of objects that have left their margins. These are few, so that the branch
+// is well predicted. With branchless stores the loop would be slower, since their addresses would
+// wait for the flags.
+void DbvtMargins::DropOutdatedCandidates() {
   const std::span<OverlapPair> candidates = candidates_.pairs();
   OverlapPair* kept = candidates.data();
   for (const OverlapPair& pair : candidates) {

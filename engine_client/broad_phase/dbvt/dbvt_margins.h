@@ -47,7 +47,7 @@ class DbvtMargins {
   // and outdated boxes, and the next call must be Start.
   bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks);
 
-  // Does the same as BroadPhase::FindPairs; returns the AABB checks.
+  // Appends the overlapping pairs of the latest boxes; returns the AABB checks.
   uint64_t FindPairs(Executor* executor, PairParts& parts, PairBuffer& out);
 
   size_t native_bytes() const;
@@ -57,16 +57,16 @@ class DbvtMargins {
   float MarginFor(float motion) const;
   void Resize(size_t count, DbvtTree& tree);
   void Reserve(size_t count, size_t kept);
-  void CollectLeavers(std::span<const Aabb> boxes, Executor* executor);
+  void CollectObjectsOutside(std::span<const Aabb> boxes, Executor* executor);
   size_t UpdatePart(std::span<const Aabb> boxes, size_t begin, size_t end);
   void Replace(uint32_t object, DbvtTree& tree);
-  void DropCandidatesOfLeavers();
+  void DropOutdatedCandidates();
 
   AlignedBuffer<Aabb> exact_;     // the latest boxes, and room to read behind the last one
   AlignedBuffer<Aabb> fat_;       // the enlarged boxes
   AlignedBuffer<uint32_t> left_;  // the objects that have left their enlarged boxes
   AlignedBuffer<uint8_t> has_left_;
-  std::vector<size_t> left_counts_;  // by part
+  std::vector<size_t> left_counts_;  // the number of objects that each part lists in left_
   std::vector<float> sides_;
   PairBuffer candidates_;
   size_t count_ = 0;

@@ -5,7 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_query.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "hwy/cache_control.h"
@@ -194,6 +194,7 @@ uint64_t PairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const 
   uint32_t met[2 * kWidth];
   for (const uint32_t object : objects) {
     if (!tree.Contains(object)) continue;
+    // Descends to the leaves that the object's enlarged box overlaps.
     size_t waiting = 0;
     stack[waiting++] = tree.root();
     while (waiting > 0) {

@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_refit.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "hwy/cache_control.h"
 
@@ -108,7 +108,7 @@ DbvtGroupNote Refit(DbvtNode* HWY_RESTRICT nodes, const DbvtLink* links, uint32_
       FetchAhead(nodes[ahead], links[ahead].count, boxes);
     }
     const float motion = MotionFrom(leaf, 0, boxes[leaf.child[0]]);
-    note.restless_count += motion <= step ? 0 : 1;
+    note.fast_count += motion <= step ? 0 : 1;
     note.motion += std::min(motion, step);
     TakeBoxes(leaf, links[group.child[lane]].count, boxes);
   }

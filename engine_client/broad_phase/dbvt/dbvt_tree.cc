@@ -87,7 +87,7 @@ Outermost OutermostLane(const float* faces, uint32_t count, float sign) {
 }
 
 // Returns the lane without which the node shrinks most.
-uint32_t LaneToShed(const DbvtNode& node, uint32_t count) {
+uint32_t LaneToEvict(const DbvtNode& node, uint32_t count) {
   std::array<float, DbvtNode::kWidth> gains{};
   for (size_t axis = 0; axis < 3; ++axis) {
     const Outermost low = OutermostLane(node.min[axis], count, 1);
@@ -165,7 +165,7 @@ void DbvtTree::EvictLane(uint32_t node, uint32_t lane) {
 }
 
 // Removes the node; its entries wait to be inserted elsewhere. REQUIRES: it is not the root.
-void DbvtTree::Dissolve(uint32_t node) {
+void DbvtTree::RemoveNode(uint32_t node) {
   for (uint32_t lane = links_[node].count; lane-- > 0;) EvictLane(node, lane);
   RemoveLane(links_[node].parent, links_[node].lane);
   FreeNode(node);
@@ -178,7 +178,7 @@ void DbvtTree::WriteBounds(uint32_t node) {
 void DbvtTree::TightenUpFrom(uint32_t node) {
   while (node != root_) {
     const uint32_t parent = links_[node].parent;
-    links_[node].count < kMinFill ? Dissolve(node) : WriteBounds(node);
+    links_[node].count < kMinFill ? RemoveNode(node) : WriteBounds(node);
     node = parent;
   }
 }
@@ -345,8 +345,8 @@ void DbvtTree::Settle() {
   }
 }
 
-// Evicts entries until the node is within its reach again, or dissolves it.
-void DbvtTree::Shed(uint32_t node) {
+// Evicts entries until the node is within its reach again, or removes it.
+void DbvtTree::EvictToReach(uint32_t node) {
   const float reach = nodes_[links_[node].parent].reach[links_[node].lane];
   while (links_[node].count >= kMinFill) {
     const Aabb bounds = NodeBounds(nodes_[node]);
@@ -354,17 +354,17 @@ void DbvtTree::Shed(uint32_t node) {
       SetBox(nodes_[links_[node].parent], links_[node].lane, bounds);
       return;
     }
-    EvictLane(node, LaneToShed(nodes_[node], links_[node].count));
+    EvictLane(node, LaneToEvict(nodes_[node], links_[node].count));
   }
-  Dissolve(node);
+  RemoveNode(node);
 }
 
-// Sheds from the highest lane down, since the last child takes the lane of one that is dissolved.
-void DbvtTree::ShedBelow(uint32_t node, uint32_t stretched) {
+// Starts at the highest lane, since the last child takes the lane of one that is removed.
+void DbvtTree::EvictBelow(uint32_t node, uint32_t stretched) {
   while (stretched != 0) {
     const auto lane = static_cast<uint32_t>(std::bit_width(stretched)) - 1;
     stretched ^= 1U << lane;
-    Shed(nodes_[node].child[lane]);
+    EvictToReach(nodes_[node].child[lane]);
   }
 }
 
@@ -403,7 +403,7 @@ DbvtTree::Motion DbvtTree::SumUpNotes() const {
   size_t stretched = 0;
   for (size_t k = 0; k < groups_.size(); ++k) {
     motion.sample_count += links_[groups_[k]].count;
-    motion.restless_count += notes_[k].restless_count;
+    motion.fast_count += notes_[k].fast_count;
     motion.mean += notes_[k].motion;
     stretched += static_cast<size_t>(std::popcount(notes_[k].stretched));
   }
@@ -421,15 +421,15 @@ DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Execut
   for (size_t k = inner_.size(); k-- > 0;) {
     const uint32_t node = inner_[k];
     if (links_[node].level > 1) {
-      ShedBelow(node, StretchedLanes(nodes_[node]));
+      EvictBelow(node, StretchedLanes(nodes_[node]));
     } else {
       const DbvtGroupNote& note = notes_[--group];
       for (uint32_t left = note.invalid; left != 0; left &= left - 1) {
         RemoveInvalid(nodes_[node].child[std::countr_zero(left)], boxes, lost);
       }
-      ShedBelow(node, note.stretched | note.invalid);
+      EvictBelow(node, note.stretched | note.invalid);
     }
-    if (node != root_) links_[node].count < kMinFill ? Dissolve(node) : WriteBounds(node);
+    if (node != root_) links_[node].count < kMinFill ? RemoveNode(node) : WriteBounds(node);
   }
   return motion;
 }

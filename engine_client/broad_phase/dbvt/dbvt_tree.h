@@ -4,7 +4,7 @@
 // All leaves have the same depth. The size of a box is the sum of its sides, which works for flat
 // and thin boxes too. An object is inserted where it enlarges the tree by the minimum. A node that
 // overflows is split in two at the median of its widest axis; one with fewer than kMinFill entries
-// is dissolved, and its entries are inserted elsewhere. Each node has a reach, the size up to which
+// is removed, and its entries are inserted elsewhere. Each node has a reach, the size up to which
 // it may stretch while its entries move: kReachFactor times the smallest size it has had. Refit
 // takes the objects' new boxes, and removes what stretches a node beyond its reach, objects and
 // subtrees alike, to insert it where it fits better. This is the forced reinsertion of the R*-tree
@@ -32,8 +32,8 @@ struct alignas(64) DbvtNode {
 
   float min[3][kWidth];
   float max[3][kWidth];
-  uint32_t child[kWidth];  // objects in a leaf, nodes in an inner node
-  float reach[kWidth];     // of the child nodes
+  uint32_t child[kWidth];  // the objects of a leaf, the nodes of an inner node
+  float reach[kWidth];     // the reach of each child node
 };
 static_assert(sizeof(DbvtNode) == 512);
 
@@ -42,17 +42,17 @@ struct DbvtLink {
   uint32_t parent;
   uint8_t lane;
   uint8_t count;
-  uint8_t level;  // 0: a leaf
+  uint8_t level;  // 0 is a leaf
 };
 
 // A group is a lowest inner node with the leaves below it. This is what Refit found in one; bit k
 // is the leaf in lane k.
 struct DbvtGroupNote {
-  uint16_t stretched;  // beyond its reach
-  uint16_t invalid;    // has invalid boxes
+  uint16_t stretched;  // the leaves beyond their reach
+  uint16_t invalid;    // the leaves with invalid boxes
   // One object per leaf is sampled: the number of samples that moved further than a step, and the
   // sum of their motion, each cut off at a step.
-  uint16_t restless_count;
+  uint16_t fast_count;
   float motion;
 };
 
@@ -84,8 +84,8 @@ class DbvtTree {
 
   struct Motion {
     size_t sample_count;
-    size_t restless_count;  // samples that moved further than the step
-    float mean;             // of the samples, each cut off at the step
+    size_t fast_count;  // the samples that moved further than the step
+    float mean;         // the mean motion of the samples, each cut off at the step
     bool needs_build;
   };
   // Takes the objects' new boxes. Objects whose boxes have become invalid leave the tree and are
@@ -115,7 +115,7 @@ class DbvtTree {
   struct Entry {
     Aabb box;
     uint32_t child;
-    uint32_t level;  // of the node it goes to
+    uint32_t level;  // the level of the node it goes to
   };
 
   uint32_t AllocateNode(uint32_t level);
@@ -125,13 +125,13 @@ class DbvtTree {
   void RemoveLane(uint32_t node, uint32_t lane);
   Entry EntryAt(uint32_t node, uint32_t lane) const;
   void EvictLane(uint32_t node, uint32_t lane);
-  void Dissolve(uint32_t node);
+  void RemoveNode(uint32_t node);
   void WriteBounds(uint32_t node);
   void TightenUpFrom(uint32_t node);
   bool FitsInReach(uint32_t node, const Aabb& box) const;
   void WidenUpFrom(uint32_t node, const Aabb& box);
-  void Shed(uint32_t node);
-  void ShedBelow(uint32_t node, uint32_t stretched);
+  void EvictToReach(uint32_t node);
+  void EvictBelow(uint32_t node, uint32_t stretched);
   void RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes, std::vector<uint32_t>& lost);
   void Attach(const Entry& entry);
   void AddTo(uint32_t node, const Entry& entry);
@@ -145,13 +145,13 @@ class DbvtTree {
 
   AlignedBuffer<DbvtNode> nodes_;
   AlignedBuffer<DbvtLink> links_;
-  AlignedBuffer<uint32_t> slots_;  // of each object: node * kWidth + lane, or kNone
+  AlignedBuffer<uint32_t> slots_;  // each object's node * kWidth + lane, or kNone
   std::vector<Entry> waiting_;
-  std::vector<uint32_t> inner_;   // all inner nodes, parents before children
-  std::vector<uint32_t> groups_;  // the lowest of them
+  std::vector<uint32_t> inner_;   // the inner nodes, parents before children
+  std::vector<uint32_t> groups_;  // the lowest inner nodes
   std::vector<DbvtGroupNote> notes_;
   size_t object_count_ = 0;
-  size_t node_limit_ = 0;  // all node numbers are below
+  size_t node_limit_ = 0;  // one more than the maximum node number
   uint32_t root_ = kNone;
   uint32_t free_ = kNone;        // the first free node; DbvtLink::parent is the next one
   bool is_order_known_ = false;  // whether inner_ and groups_ are up to date

@@ -9,7 +9,7 @@ namespace sweepstake {
 namespace {
 
 // A part with fewer boxes takes less time than waking a thread.
-constexpr size_t kBoxesPerPartMin = 1024;
+constexpr size_t kMinBoxesPerPart = 1024;
 
 class Grid final : public BroadPhase {
  public:
@@ -28,7 +28,7 @@ class Grid final : public BroadPhase {
   }
   void FindPairs(PairBuffer& out) override {
     const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};
-    checks_ = parts_.Run(executor_, count_, kBoxesPerPartMin, GridView::kBatch, out,
+    checks_ = parts_.Run(executor_, count_, kMinBoxesPerPart, GridView::kBatch, out,
                          [&](size_t begin, size_t end, PairBuffer& pairs) {
                            return SearchGrids(view, begin, end, pairs);
                          });

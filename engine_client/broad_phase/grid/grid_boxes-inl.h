@@ -135,7 +135,7 @@ HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellOfCorner(D d, const GroupGrid& gri
   return hn::Add(in_grid, hn::Set(di, static_cast<int32_t>(grid.first_cell)));
 }
 
-// Does the same in the grid of the box's group.
+// Returns the cell of each min corner in the grid of the box's group.
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToSigned<D>> CellInGroup(D d, std::span<const GroupGrid> grids,
                                                       hn::Vec<hn::RebindToSigned<D>> groups, V x,

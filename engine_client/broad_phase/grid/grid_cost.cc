@@ -7,11 +7,10 @@
 namespace sweepstake {
 namespace {
 
-// Nanoseconds for one box that searches a grid, for one row of cells and for one tested box,
-// measured on AMD Zen 5 with AVX-512.
-constexpr double kSearchNs = 4;
-constexpr double kRowNs = 3;
-constexpr double kTestNs = 0.3;
+// The relative costs of one box that searches a grid, of one row of cells and of one tested box.
+constexpr double kSearchCost = 4;
+constexpr double kRowCost = 3;
+constexpr double kTestCost = 0.3;
 // The assumed mean side of a group's boxes, as a fraction of its maximum side.
 constexpr double kMeanSide = 0.6;
 
@@ -55,7 +54,7 @@ double SearchCost(const CornerBounds& bounds, const Group& from, const Group& in
     if (axis != into.grid.row_axis) rows *= cells;
     share *= std::min(1.0, cells * side / Extent(bounds, axis));
   }
-  return from.shape.count * (kSearchNs + kRowNs * rows + kTestNs * share * into.shape.count);
+  return from.shape.count * (kSearchCost + kRowCost * rows + kTestCost * share * into.shape.count);
 }
 
 double OwnCost(const CornerBounds& bounds, const Group& group) {
@@ -111,7 +110,7 @@ uint32_t FirstClass(const Group& group) {
 // Joins the smallest group with the most similar one until the number of groups is small enough to
 // compare all of them.
 void JoinSmallest(const CornerBounds& bounds, Groups& groups) {
-  while (groups.size() > kGridGroupCountMax) {
+  while (groups.size() > kMaxGridGroups) {
     const auto smallest = std::min_element(
         groups.begin(), groups.end(),
         [](const Group& a, const Group& b) { return a.shape.count < b.shape.count; });
@@ -149,7 +148,7 @@ void JoinWhereItSaves(const CornerBounds& bounds, Groups& groups) {
 
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
-                    std::array<uint32_t, kGridGroupCountMax>& searches) {
+                    std::array<uint32_t, kMaxGridGroups>& searches) {
   Groups groups;
   for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
     if ((known_classes >> k & 1) == 0) continue;

@@ -12,13 +12,13 @@
 
 namespace sweepstake {
 
-constexpr size_t kGridGroupCountMax = 8;
+constexpr size_t kMaxGridGroups = 8;
 
-// Joins the known classes (one bit each) to at most kGridGroupCountMax groups. Bit h of searches[g]
+// Joins the known classes (one bit each) to at most kMaxGridGroups groups. Bit h of searches[g]
 // says that the boxes of group g search the grid of group h. Unknown classes belong to the first
 // group. Returns the number of groups. REQUIRES: at least one class is known.
 size_t ChooseGroups(const CornerBounds& bounds, const GridMeasure& measure, uint64_t known_classes,
                     uint32_t (&group_of_class)[ShapeClasses::kCount],
-                    std::array<uint32_t, kGridGroupCountMax>& searches);
+                    std::array<uint32_t, kMaxGridGroups>& searches);
 
 }  // namespace sweepstake

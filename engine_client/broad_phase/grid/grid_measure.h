@@ -1,7 +1,7 @@
 // The measurements that a grid is planned from: the bounds of the boxes' min corners, their maximum
 // sides, and their number in each class of shape.
 //
-// Values. Cost: O(n), five times as much if the boxes are of several classes.
+// Values. Cost: O(n), several times as much if the boxes are of several classes.
 #pragma once
 
 #include <array>

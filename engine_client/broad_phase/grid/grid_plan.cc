@@ -10,8 +10,8 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kPartCountMax = 8;
-constexpr size_t kBoxesPerPartMin = 4096;
+constexpr size_t kMaxParts = 8;
+constexpr size_t kMinBoxesPerPart = 4096;
 // The interval in frames at which the plan checks whether the scene's density has changed.
 constexpr uint32_t kFramesPerDensityCheck = 32;
 // The sample is large enough to estimate the outer tenths of a distribution.
@@ -21,11 +21,10 @@ constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
                            const ShapeClasses& classes) {
-  const size_t part_max =
-      executor == nullptr ? 1 : std::min(executor->thread_count(), kPartCountMax);
-  const size_t parts = std::clamp<size_t>(boxes.size() / kBoxesPerPartMin, 1, part_max);
+  const size_t max_parts = executor == nullptr ? 1 : std::min(executor->thread_count(), kMaxParts);
+  const size_t parts = std::clamp<size_t>(boxes.size() / kMinBoxesPerPart, 1, max_parts);
   if (parts == 1) return MeasureBoxes(boxes, classes);
-  std::array<GridMeasure, kPartCountMax> measures;
+  std::array<GridMeasure, kMaxParts> measures;
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(boxes.size(), part, parts, 64);
     measures[part] = MeasureBoxes(boxes.subspan(range.begin, range.end - range.begin), classes);
@@ -132,7 +131,7 @@ void GridPlan::Plan(const GridMeasure& measure) {
 }
 
 void GridPlan::LayOut(std::span<const Aabb> boxes, const GridMeasure& measure) {
-  std::array<GroupShape, kGroupCountMax> shapes{};
+  std::array<GroupShape, kMaxGroups> shapes{};
   for (uint32_t k = 0; k < ShapeClasses::kCount; ++k) {
     shapes[choice_.group_of_class[k]].Add(measure.shapes[k]);
   }
@@ -140,12 +139,12 @@ void GridPlan::LayOut(std::span<const Aabb> boxes, const GridMeasure& measure) {
   bool has_all_corners = true;
   uint32_t first_cell = 0;
   for (size_t g = 0; g < group_count_; ++g) {
-    const size_t cell_max = MaxCellCount(shapes[g].count);
-    if (has_all_corners && CellsWanted(bounds, shapes[g]) > static_cast<double>(cell_max)) {
+    const size_t max_cells = MaxCellCount(shapes[g].count);
+    if (has_all_corners && CellsWanted(bounds, shapes[g]) > static_cast<double>(max_cells)) {
       bounds = TypicalCorners(boxes, bounds);
       has_all_corners = false;
     }
-    grids_[g] = MakeGroupGrid(bounds, shapes[g], cell_max);
+    grids_[g] = MakeGroupGrid(bounds, shapes[g], max_cells);
     grids_[g].first_cell = first_cell;
     first_cell = grids_[g].last_cell();
   }

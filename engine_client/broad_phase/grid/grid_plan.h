@@ -22,7 +22,7 @@ namespace sweepstake {
 
 class GridPlan {
  public:
-  static constexpr size_t kGroupCountMax = kGridGroupCountMax;
+  static constexpr size_t kMaxGroups = kMaxGridGroups;
 
   // Drops the plan: the next MakeGrids makes a new one.
   void Reset();
@@ -41,11 +41,11 @@ class GridPlan {
   void LayOut(std::span<const Aabb> boxes, const GridMeasure& measure);
 
   GroupChoice choice_{};
-  uint64_t known_classes_ = 0;  // one bit per class that the plan covers
+  uint64_t known_classes_ = 0;  // the classes that the plan covers, a bit each
   size_t group_count_ = 0;
   uint32_t frame_ = 0;
-  std::array<GroupGrid, kGroupCountMax> grids_{};
-  std::array<uint32_t, kGroupCountMax> searches_{};
+  std::array<GroupGrid, kMaxGroups> grids_{};
+  std::array<uint32_t, kMaxGroups> searches_{};
 };
 
 }  // namespace sweepstake

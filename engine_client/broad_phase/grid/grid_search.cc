@@ -5,7 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid/grid_search.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
@@ -41,7 +41,7 @@ struct BatchRows {
 // If the cells are smaller, a box searches a block of cells, given along the rows (x) and, relative
 // to the min corner's cell, across them (y, z).
 struct BatchBlocks {
-  int32_t row[kBatchRoom];  // first cell of the row that holds the min corner
+  int32_t row[kBatchRoom];  // the first cell of the row that holds the min corner
   int32_t first_x[kBatchRoom];
   int32_t last_x[kBatchRoom];
   int32_t first_y[kBatchRoom];
@@ -121,10 +121,10 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
   const auto y_stride = hn::Set(di, static_cast<int32_t>(grid.stride[y_axis]));
   const auto z_stride = hn::Set(di, static_cast<int32_t>(grid.stride[z_axis]));
   const auto first_cell = hn::Set(di, static_cast<int32_t>(grid.first_cell));
-  auto reach_max = hn::Zero(di);
+  auto max_reach = hn::Zero(di);
   for (size_t slot = begin; slot < end; slot += hn::Lanes(d)) {
     const size_t k = slot - begin;
-    // The cells on each axis, and how many rows the box reaches beyond its own.
+    // Finds the min corner's row, and how many rows the box reaches up and down (y).
     auto first_x = hn::Zero(di);
     auto own = first_x;
     auto last_x = first_x;
@@ -135,12 +135,14 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     auto row = hn::Add(first_cell, hn::Mul(own, y_stride));
     const auto up = hn::Sub(last_y, own);
     const auto down = hn::Sub(own, first_y);
+    // Adds the row's offset along z, and finds how many rows the box reaches beyond it.
     auto unused = first_x;
     auto last_z = first_x;
     CellsOnAxis(d, lanes, grid, z_axis, slot, unused, own, last_z);
     row = hn::Add(row, hn::Mul(own, z_stride));
     const auto beyond = hn::Sub(last_z, own);
-    reach_max = hn::Max(reach_max, hn::Max(beyond, hn::Max(up, down)));
+    max_reach = hn::Max(max_reach, hn::Max(beyond, hn::Max(up, down)));
+    // Stores the own row, from the first cell to the one behind the last.
     const auto first = hn::Add(row, first_x);
     const auto behind = hn::Add(hn::Add(row, last_x), one);
     hn::StoreU(behind, di, rows.behind[0] + k);
@@ -152,11 +154,12 @@ bool FindRows(const BoxLanes& lanes, const GroupGrid& grid, size_t begin, size_t
     StoreRow(di, first, behind, hn::Mul(hn::And(beyond, up), hn::Add(z_stride, y_stride)), 4, k,
              rows);
   }
-  return hn::AllFalse(di, hn::Gt(reach_max, one));
+  return hn::AllFalse(di, hn::Gt(max_reach, one));
 }
 
-// Does the same as StoreHits, for few hits: the second half of a register of pairs is rarely
-// needed.
+// Stores the pairs of `id` with the ids of the lanes that it hits and returns their number, like
+// StoreHits (overlap_kernel-inl.h). It is faster for few hits, since the second half of a register
+// of pairs is rarely needed.
 template <class D>
 HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                                OverlapPair* out) {

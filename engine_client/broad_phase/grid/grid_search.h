@@ -22,8 +22,8 @@ struct GridView {
   // The number of slots searched at a time; parts of a search begin at multiples of it.
   static constexpr size_t kBatch = 256;
 
-  BoxLanes lanes;          // in the order of the cells
-  const uint32_t* starts;  // first slot of each cell; one more at the end
+  BoxLanes lanes;          // the boxes in the order of the cells
+  const uint32_t* starts;  // the first slot of each cell, then the number of slots
   std::span<const GroupGrid> grids;
   // Bit h of searches[g] says that boxes of group g search group h.
   const uint32_t* searches;

@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid/grid_sort.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -66,13 +66,13 @@ constexpr size_t Padded(size_t count) {
 }
 
 // Each part has its own counts, which cost as much per cell as its boxes do.
-constexpr size_t kPartCountMax = 8;
-constexpr size_t kBoxesPerPartMin = 2048;
+constexpr size_t kMaxParts = 8;
+constexpr size_t kMinBoxesPerPart = 2048;
 
 size_t PartsFor(const Executor* executor, size_t count) {
   if (executor == nullptr) return 1;
-  const size_t part_max = std::min(executor->thread_count(), kPartCountMax);
-  return std::clamp<size_t>(count / kBoxesPerPartMin, 1, part_max);
+  const size_t max_parts = std::min(executor->thread_count(), kMaxParts);
+  return std::clamp<size_t>(count / kMinBoxesPerPart, 1, max_parts);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ class GridColumns {
   size_t native_bytes() const { return floats_.capacity_bytes() + ids_.capacity_bytes(); }
 
  private:
-  AlignedBuffer<float> floats_;  // min x y z, max x y z, each stride_ floats
+  AlignedBuffer<float> floats_;  // the columns min x, y, z, max x, y, z, each of stride_ floats
   AlignedBuffer<uint32_t> ids_;
   size_t count_ = 0;
   size_t stride_ = 0;
@@ -78,7 +78,7 @@ class GridSort {
   AlignedBuffer<uint32_t> part_counts_;
   GridColumns columns_;
   size_t count_ = 0;
-  size_t cells_ = 0;  // including one for invalid boxes
+  size_t cells_ = 0;  // the number of cells, one for invalid boxes included
 };
 
 }  // namespace sweepstake

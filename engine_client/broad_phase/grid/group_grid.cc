@@ -9,13 +9,13 @@ namespace {
 // This factor keeps a box within one cell in spite of rounding.
 constexpr double kCellSlack = 1.0001;
 // This minimum keeps the scale finite.
-constexpr double kCellSideMin = 1e-36;
+constexpr double kMinCellSide = 1e-36;
 // Cells are this many times shorter along the rows, where more cells cost no more searches.
 constexpr double kRowCells = 2;
 // Bisections of the logarithm of the cell size; the last step is below 0.01 for any scene.
 constexpr int kBisectionCount = 14;
 // A float holds every cell number on an axis exactly.
-constexpr double kCellsPerAxisMax = 1 << 22;
+constexpr double kMaxCellsPerAxis = 1 << 22;
 
 struct Cells {
   double side[3];
@@ -24,21 +24,21 @@ struct Cells {
   double Product() const { return count[0] * count[1] * count[2]; }
 };
 
-Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double side_min) {
+Cells Divide(const CornerBounds& bounds, const GroupShape& shape, double min_side) {
   Cells cells{};
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = std::max(0.0, bounds.high[axis] - bounds.low[axis]);
-    const double wanted = std::max({kCellSlack * shape.max_side[axis], side_min, kCellSideMin});
-    cells.side[axis] = std::max(wanted, extent / kCellsPerAxisMax);
+    const double wanted = std::max({kCellSlack * shape.max_side[axis], min_side, kMinCellSide});
+    cells.side[axis] = std::max(wanted, extent / kMaxCellsPerAxis);
     cells.count[axis] = std::floor(extent / cells.side[axis]) + 1;
   }
   return cells;
 }
 
-// Returns the smallest cells such that there are at most `count_max`.
-Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double count_max) {
+// Returns the smallest cells such that there are at most `max_count`.
+Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double max_count) {
   const Cells finest = Divide(bounds, shape, 0);
-  if (finest.Product() <= count_max) return finest;
+  if (finest.Product() <= max_count) return finest;
   double low = 0;
   double high = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,7 @@ Cells DivideInto(const CornerBounds& bounds, const GroupShape& shape, double cou
   }
   for (int step = 0; step < kBisectionCount; ++step) {
     const double middle = (low + high) / 2;
-    (Divide(bounds, shape, std::exp2(middle)).Product() > count_max ? low : high) = middle;
+    (Divide(bounds, shape, std::exp2(middle)).Product() > max_count ? low : high) = middle;
   }
   return Divide(bounds, shape, std::exp2(high));
 }
@@ -77,10 +77,11 @@ double CellsWanted(const CornerBounds& bounds, const GroupShape& shape) {
   return kRowCells * Divide(bounds, shape, 0).Product();
 }
 
-GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t cell_max) {
+GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t max_cells) {
   GroupGrid grid;
   if (bounds.low[0] > bounds.high[0]) return grid;
-  Cells cells = DivideInto(bounds, shape, std::max(1.0, static_cast<double>(cell_max) / kRowCells));
+  Cells cells =
+      DivideInto(bounds, shape, std::max(1.0, static_cast<double>(max_cells) / kRowCells));
   grid.row_axis = ChooseRowAxis(cells.side);
   cells.side[grid.row_axis] /= kRowCells;
   cells.count[grid.row_axis] *= kRowCells;

@@ -18,10 +18,10 @@ namespace sweepstake {
 
 struct GroupGrid {
   float origin[3] = {};            // half the coordinate at which cell 0 starts, per axis
-  float scale[3] = {1, 1, 1};      // cells per half unit
+  float scale[3] = {1, 1, 1};      // the number of cells per half unit
   float reach[3] = {};             // half the maximum side of the group, rounded up
-  uint32_t cells[3] = {1, 1, 1};   // along x, y and z
-  uint32_t stride[3] = {1, 1, 1};  // between neighbouring cells on an axis; 1 along the rows
+  uint32_t cells[3] = {1, 1, 1};   // the number of cells along x, y and z
+  uint32_t stride[3] = {1, 1, 1};  // the step between neighbouring cells; 1 along the rows
   uint32_t first_cell = 0;         // the number of its first cell among those of all groups
   int row_axis = 0;
 
@@ -54,7 +54,7 @@ constexpr size_t MaxCellCount(size_t box_count) { return 4 * box_count + 256; }
 double CellsWanted(const CornerBounds& bounds, const GroupShape& shape);
 
 // Makes a grid for the group with cells as small as its maximum sides, or larger if that needs more
-// than `cell_max` cells. REQUIRES: cell_max > 0.
-GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t cell_max);
+// than `max_cells` cells. REQUIRES: max_cells > 0.
+GroupGrid MakeGroupGrid(const CornerBounds& bounds, const GroupShape& shape, size_t max_cells);
 
 }  // namespace sweepstake

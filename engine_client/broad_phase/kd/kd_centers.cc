@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/kd/kd_centers.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 
 HWY_BEFORE_NAMESPACE();

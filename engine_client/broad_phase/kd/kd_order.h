@@ -45,19 +45,19 @@ class KdOrder {
   size_t work() const;
   size_t box_count() const { return valid_count_ + invalid_count_; }
 
-  // The four functions below REQUIRE that the order is complete. TakeSlots writes the boxes in
-  // their order with holes, so that each class begins at a multiple of kPart; invalid boxes are
-  // last. REQUIRES: slots.size() == slot_count().
+  // Writes the boxes in their order with holes, so that each class begins at a multiple of kPart;
+  // invalid boxes are last. REQUIRES: the order is complete, slots.size() == slot_count().
   void TakeSlots(std::span<uint32_t> slots) const;
+  // Returns the number of boxes and holes. REQUIRES: the order is complete.
   size_t slot_count() const;
   static constexpr size_t MaxSlots(size_t box_count) {
     return box_count + (SizeClasses::kCount + 1) * kPart;
   }
-  // Writes the same without holes. REQUIRES: order.size() == box_count().
+  // Writes the boxes in their order without holes. REQUIRES: the order is complete, order.size() ==
+  // box_count().
   void TakeBoxes(std::span<uint32_t> order) const;
 
-  // Rearranges `order`, which names boxes by index, each at most once; it does all of the above in
-  // one call.
+  // Orders only the boxes whose indices `order` names, each at most once, and rearranges it.
   void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
@@ -69,7 +69,7 @@ class KdOrder {
   // A range that is still to be split.
   struct Waiting {
     KdRange range;
-    size_t columns;  // the ones that hold its centers
+    size_t columns;  // the index in columns_ of those that hold its centers
   };
   // The slots of a class.
   struct Run {
@@ -91,13 +91,13 @@ class KdOrder {
     return {result_ + capacity_ - invalid_count_, invalid_count_};
   }
 
-  AlignedBuffer<float> floats_;    // of both columns
-  AlignedBuffer<uint32_t> words_;  // of both columns, and the result
+  AlignedBuffer<float> floats_;    // the centers of both columns
+  AlignedBuffer<uint32_t> words_;  // the boxes of both columns, and the result
   // A split moves centers from one of them to the other.
   KdColumns columns_[2] = {};
   // Boxes by slot, each class from a multiple of kPart on, and the invalid boxes at the end.
   uint32_t* result_ = nullptr;
-  size_t capacity_ = 0;  // of each column, in slots
+  size_t capacity_ = 0;  // the number of slots of each column
   size_t valid_count_ = 0;
   size_t invalid_count_ = 0;
   std::array<Run, SizeClasses::kCount> runs_;

@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/kd/kd_split.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -262,7 +262,8 @@ class SavedSlots {
   alignas(64) uint32_t boxes_[kWidth];
 };
 
-// Does the same as Scatter if the slots of `to` behind the target's are in use.
+// Scatters the slots like Scatter, and preserves the slots of `to` behind the target's, which are
+// in use.
 void ScatterAmong(const KdColumns& from, const KdColumns& to, size_t source, size_t count,
                   size_t target, size_t axis, const Bracket& bracket, size_t limit) {
   const size_t end = target + count;

@@ -12,18 +12,17 @@
 namespace sweepstake {
 namespace {
 
-// The cost of a split of all boxes, in checks per box: 18 ns at 0.17 ns per check (AMD Zen 5,
-// suite-b with 10,000 boxes).
+// The cost of a split of all boxes, in checks per box.
 constexpr uint64_t kChecksPerSplit = 105;
 // The debt is counted per 256 boxes, so that it can be kept in whole checks.
 constexpr uint64_t kDebtScale = 256;
 // The maximum growth of the leaves' mean volume, in powers of two. Beyond it, finding the pairs
 // costs more than splitting at once.
 constexpr double kMaxLeafGrowth = 2;
-// A split is due when one slot in this number is a stray or a hole, and is made at once when one in
-// 4 is.
-constexpr size_t kSlotsPerStray = 16;
-constexpr size_t kSlotsPerStrayAtOnce = 4;
+// A split is due when one slot in this number holds an unsorted box or a hole, and is made at once
+// when one in kSlotsPerUnsortedAtOnce does.
+constexpr size_t kSlotsPerUnsorted = 16;
+constexpr size_t kSlotsPerUnsortedAtOnce = 4;
 // A part with fewer blocks of 16 leaves takes less time than waking a thread.
 constexpr size_t kMinBlocksPerPart = 4;
 
@@ -37,7 +36,7 @@ class KdTree final : public BroadPhase {
   void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override {
-    return splitter_.native_bytes() + stray_sorter_.native_bytes() + order_.capacity_bytes() +
+    return splitter_.native_bytes() + unsorted_sorter_.native_bytes() + order_.capacity_bytes() +
            tree_.native_bytes() + parts_.native_bytes();
   }
 
@@ -48,7 +47,7 @@ class KdTree final : public BroadPhase {
   void ReserveSlots(size_t count);
   void Refit(std::span<const Aabb> boxes);
   double MeanLeafSize() const;
-  size_t StrayCount() const { return removed_count_ + slot_count_ - stray_begin_; }
+  size_t UnsortedCount() const { return removed_count_ + slot_count_ - unsorted_begin_; }
   bool SplitIsDue() const;
   bool SplitIsUrgent() const;
   void BeginSplit();
@@ -59,13 +58,14 @@ class KdTree final : public BroadPhase {
 
   Executor* const executor_;
   KdOrder splitter_;
-  KdOrder stray_sorter_;
-  // The box in each slot. The slots up to stray_begin_ are in the order of the latest split, with
-  // holes for removed boxes; behind them are the strays, which are boxes added since then.
+  KdOrder unsorted_sorter_;
+  // The box in each slot. The slots up to unsorted_begin_ are in the order of the latest split,
+  // with holes for removed boxes; behind them are the unsorted boxes, which were added since then
+  // and are in an order of their own.
   AlignedBuffer<uint32_t> order_;
   size_t slot_count_ = 0;
-  size_t stray_begin_ = 0;
-  size_t removed_count_ = 0;  // since the latest split
+  size_t unsorted_begin_ = 0;
+  size_t removed_count_ = 0;  // the boxes removed since the latest split
   size_t box_count_ = 0;
   LeafTree tree_;
   PairParts parts_;
@@ -74,14 +74,14 @@ class KdTree final : public BroadPhase {
   // The minimum box count since the present split began. Boxes with this index or a higher one have
   // been replaced since then: their places in the split are void.
   size_t lasting_count_ = 0;
-  double fresh_leaf_size_ = 0;  // after the latest split
-  RebuildDebt debt_;            // since the latest split, per kDebtScale boxes
-  uint64_t latest_cost_ = 0;    // of a search, in checks per box
+  double fresh_leaf_size_ = 0;  // the mean leaf size after the latest split
+  RebuildDebt debt_;            // the debt since the latest split, in checks per kDebtScale boxes
+  uint64_t latest_cost_ = 0;    // the cost of the latest search, in checks per box
   uint64_t checks_ = 0;
 };
 
 void KdTree::Build(std::span<const Aabb> boxes) {
-  box_count_ = slot_count_ = stray_begin_ = boxes.size();
+  box_count_ = slot_count_ = unsorted_begin_ = boxes.size();
   ReserveSlots(box_count_);
   std::iota(order_.data(), order_.data() + box_count_, 0U);
   Refit(boxes);
@@ -124,25 +124,25 @@ void KdTree::Remove(size_t count) {
   lasting_count_ = std::min(lasting_count_, count);
 }
 
-// Makes the boxes from `first` on strays and sorts all strays again.
+// Adds the boxes from `first` on to the unsorted ones, and puts these in a new order of their own.
 void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
-  // The remaining strays are moved together, to leaves of their own.
-  uint32_t* const strays = order_.data() + stray_begin_;
+  // The remaining unsorted boxes are moved together, to leaves of their own.
+  uint32_t* const unsorted = order_.data() + unsorted_begin_;
   const size_t old_count = static_cast<size_t>(
-      std::remove(strays, order_.data() + slot_count_, KdOrder::kHole) - strays);
+      std::remove(unsorted, order_.data() + slot_count_, KdOrder::kHole) - unsorted);
   const size_t count = old_count + boxes.size() - first;
-  const size_t aligned = (stray_begin_ + LeafTree::kWidth - 1) & ~(LeafTree::kWidth - 1);
+  const size_t aligned = (unsorted_begin_ + LeafTree::kWidth - 1) & ~(LeafTree::kWidth - 1);
   slot_count_ = aligned + count;
-  order_.EnsureKeeping(slot_count_, stray_begin_ + old_count);
-  uint32_t* const from = order_.data() + stray_begin_;
+  order_.EnsureKeeping(slot_count_, unsorted_begin_ + old_count);
+  uint32_t* const from = order_.data() + unsorted_begin_;
   std::copy_backward(from, from + old_count, order_.data() + aligned + old_count);
   std::fill(from, order_.data() + aligned, KdOrder::kHole);
   // The new boxes join them.
   const std::span<uint32_t> all(order_.data() + aligned, count);
   std::iota(all.begin() + static_cast<ptrdiff_t>(old_count), all.end(),
             static_cast<uint32_t>(first));
-  stray_sorter_.Sort(boxes, all);
-  stray_begin_ = aligned;
+  unsorted_sorter_.Sort(boxes, all);
+  unsorted_begin_ = aligned;
 }
 
 // Makes room for `count` boxes, whatever number of holes a split leaves.
@@ -167,19 +167,20 @@ double KdTree::MeanLeafSize() const {
   for (size_t axis = 0; axis < 3; ++axis) {
     for (size_t leaf = 0; leaf < leaves.count; ++leaf) {
       const float extent = std::max(leaves.max[axis][leaf] - leaves.min[axis][leaf], 0.0F);
-      sum += std::bit_cast<int32_t>(extent) >> 23;  // its exponent
+      sum += std::bit_cast<int32_t>(extent) >> 23;  // the exponent of the extent
     }
   }
   return static_cast<double>(sum) / static_cast<double>(leaves.count);
 }
 
 bool KdTree::SplitIsDue() const {
-  return debt_.Exceeds(kChecksPerSplit * kDebtScale) || StrayCount() > slot_count_ / kSlotsPerStray;
+  return debt_.Exceeds(kChecksPerSplit * kDebtScale) ||
+         UnsortedCount() > slot_count_ / kSlotsPerUnsorted;
 }
 
 bool KdTree::SplitIsUrgent() const {
   return MeanLeafSize() > fresh_leaf_size_ + kMaxLeafGrowth ||
-         StrayCount() > slot_count_ / kSlotsPerStrayAtOnce;
+         UnsortedCount() > slot_count_ / kSlotsPerUnsortedAtOnce;
 }
 
 void KdTree::BeginSplit() {
@@ -188,10 +189,10 @@ void KdTree::BeginSplit() {
   is_splitting_ = true;
 }
 
-// Takes the order of the completed split and makes the boxes strays that were added since it began.
+// Takes the order of the completed split; the boxes added since it began become unsorted ones.
 void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
   ReserveSlots(box_count_);
-  slot_count_ = stray_begin_ = splitter_.slot_count();
+  slot_count_ = unsorted_begin_ = splitter_.slot_count();
   splitter_.TakeSlots({order_.data(), slot_count_});
   is_splitting_ = split_is_done_ = false;
   removed_count_ = 0;

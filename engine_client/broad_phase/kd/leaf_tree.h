@@ -85,7 +85,7 @@ class LeafTree {
   size_t leaf_count_ = 0;
   // The columns of all levels above the boxes, from the leaves' bounds upwards.
   AlignedBuffer<float> bounds_;
-  std::array<float*, kMaxLevels + 1> first_column_{};  // by level
+  std::array<float*, kMaxLevels + 1> first_column_{};  // the first column of each level
   View view_;
 };
 

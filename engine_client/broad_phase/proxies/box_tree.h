@@ -45,11 +45,11 @@ class BoxTree {
 
   KdOrder splitter_;
   AlignedBuffer<uint32_t> order_;
-  size_t count_ = 0;  // of boxes
+  size_t count_ = 0;  // the number of boxes
   LeafTree tree_;
-  AlignedBuffer<float> sorted_extents_;  // of each leaf after the latest sort
+  AlignedBuffer<float> sorted_extents_;  // the leaves' extents after the latest sort
   size_t sorted_leaf_count_ = 0;
-  RebuildDebt debt_;  // of the order
+  RebuildDebt debt_;  // the debt of the order
 };
 
 }  // namespace sweepstake

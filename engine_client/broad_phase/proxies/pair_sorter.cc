@@ -5,19 +5,18 @@
 #include <cstdint>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "engine_client/broad_phase/proxies/proxy_table.h"
 
 namespace sweepstake {
 namespace {
 
 constexpr uint32_t kDigitBits = 11;
 constexpr size_t kBuckets = size_t{1} << kDigitBits;
-constexpr size_t kDigits = 6;  // three of b, then three of a
+constexpr size_t kDigits = 6;  // three digits of b, then three of a
 // For fewer pairs std::sort is faster.
 constexpr size_t kMinRadixPairs = 128;
 
 using Starts = std::array<uint32_t, kBuckets>;
-
-uint64_t KeyOf(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
 
 // Returns one digit of a pair. The digits of an id have 11, 11 and 10 bits.
 template <size_t kDigit>
@@ -65,7 +64,7 @@ PairSorter& PairSorter::operator=(PairSorter&&) noexcept = default;
 void PairSorter::Sort(std::span<OverlapPair> pairs) {
   if (pairs.size() < kMinRadixPairs) {
     std::sort(pairs.begin(), pairs.end(), [](const OverlapPair& left, const OverlapPair& right) {
-      return KeyOf(left) < KeyOf(right);
+      return PairKey(left) < PairKey(right);
     });
     return;
   }

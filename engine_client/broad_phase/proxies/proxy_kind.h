@@ -33,11 +33,12 @@ class ProxyKind {
 
   const LeafTree::View& view() const { return tree_.view(); }
   void NoteSearch(uint64_t checks) { tree_.NoteSearch(checks); }
-  // Both functions append, in unspecified order.
+  // Appends the proxies whose boxes overlap `box`, in unspecified order.
   void QueryBox(const Aabb& box, const CollisionFilter& filter,
                 std::vector<ProxyHandle>& out) const;
+  // Appends the proxies whose boxes the ray hits, in unspecified order.
   void CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) const;
-  // Does the same as CastRayNearest of proxy_set.h, among these proxies.
+  // Returns the nearest hit among these proxies, as CastRayNearest of proxy_set.h defines it.
   RayHit CastRayNearest(const Ray& ray, const CollisionFilter& filter) const;
 
   size_t native_bytes() const { return table_.native_bytes() + tree_.native_bytes(); }

@@ -80,8 +80,8 @@ class ProxySet::Impl {
   void AppendStatic();
 
   ProxySetOptions options_;
-  PairBuffer pairs_;  // of the latest Resolve
-  PairBuffer next_;   // of the one under way
+  PairBuffer pairs_;  // the pairs of the latest Resolve
+  PairBuffer next_;   // the pairs of the Resolve under way
   PairParts parts_;
   PairSorter sorter_;
 };

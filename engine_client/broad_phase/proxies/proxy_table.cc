@@ -8,8 +8,6 @@
 namespace sweepstake {
 namespace {
 
-uint64_t KeyOf(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
-
 // The owners of ids, in this frame and in the last one.
 class Owners {
  public:
@@ -122,8 +120,8 @@ void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const Ov
   size_t b = 0;
   size_t n = 0;
   while (b < before.size() && n < now.size()) {
-    const uint64_t key_before = KeyOf(before[b]);
-    const uint64_t key_now = KeyOf(now[n]);
+    const uint64_t key_before = PairKey(before[b]);
+    const uint64_t key_now = PairKey(now[n]);
     // Most pairs persist, so that this branch is well predicted.
     if (key_before == key_now && !owners.Changed(now[n])) {
       ++b;

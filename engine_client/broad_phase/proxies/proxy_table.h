@@ -16,6 +16,9 @@
 
 namespace sweepstake {
 
+// Returns a number that orders pairs by a, then by b.
+constexpr uint64_t PairKey(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
+
 class ProxyTable {
  public:
   static constexpr size_t kMaxPlaces = 0x7fffffff;
@@ -27,15 +30,18 @@ class ProxyTable {
     return place < generations_.size() && generations_[place] == generation && IsOdd(generation);
   }
 
-  // The five functions below REQUIRE that `place` holds a proxy.
+  // REQUIRES: `place` holds a proxy.
   void Remove(uint32_t place);
+  // REQUIRES: `place` holds a proxy.
   void SetBox(uint32_t place, const Aabb& box) {
     boxes_[place] = box;
     changed_ = true;
   }
+  // REQUIRES: `place` holds a proxy.
   void SetFilter(uint32_t place, const CollisionFilter& filter);
+  // REQUIRES: `place` holds a proxy.
   void SetUser(uint32_t place, uint64_t user) { users_[place] = user; }
-
+  // REQUIRES: `place` holds a proxy.
   uint64_t user(uint32_t place) const { return users_[place]; }
   // Returns 0 if the place is free or does not exist.
   uint32_t generation(uint32_t place) const {
@@ -53,12 +59,13 @@ class ProxyTable {
   bool changed() const { return changed_; }
   void MarkUnchanged() { changed_ = false; }
 
-  // The two functions below compare the present owners with those at the last MarkSeen. HasNewOwner
-  // REQUIRES that the place was taken then and is taken now.
+  // Returns whether a place has an owner that has come since the last MarkSeen.
   bool any_new_owner() const { return !new_owners_.empty(); }
+  // Returns whether the place has another owner than at the last MarkSeen. REQUIRES: the place was
+  // taken then and is taken now.
   bool HasNewOwner(uint32_t place) const { return seen_[place] != generations_[place]; }
   uint32_t seen_generation(uint32_t place) const { return seen_[place]; }
-  // O(places with new owners).
+  // Takes the present owners as seen. Cost: O(places with new owners).
   void MarkSeen();
 
   size_t native_bytes() const;
@@ -74,7 +81,7 @@ class ProxyTable {
   std::vector<CollisionFilter> filters_;
   std::vector<uint64_t> users_;
   std::vector<uint32_t> generations_;
-  std::vector<uint32_t> seen_;  // generations at the last MarkSeen
+  std::vector<uint32_t> seen_;  // the generations at the last MarkSeen
   // The freed places; there is room for every place, so that Remove does not allocate.
   std::vector<uint32_t> free_;
   // The places with owners that have come since the last MarkSeen, each once.

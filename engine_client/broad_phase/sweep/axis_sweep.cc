@@ -13,22 +13,22 @@ namespace sweepstake {
 namespace {
 
 // A part with fewer rows or boxes takes less time than waking a thread.
-constexpr size_t kRowsPerPartMin = 1024;
-constexpr size_t kBoxesPerPartMin = 2048;
+constexpr size_t kMinRowsPerPart = 1024;
+constexpr size_t kMinBoxesPerPart = 2048;
 
 // Pairs are kept between frames up to this number per box.
-constexpr size_t kPairsPerBoxMax = 32;
-// Frames without another attempt after a repair has exceeded its budget, since its work was lost.
+constexpr size_t kMaxPairsPerBox = 32;
+// The frames without another attempt after a repair has exceeded its budget: its work was lost.
 constexpr int kPauseFrames = 8;
-// Budget of the first repair after a Sort, which has to sort the faces of each step.
-constexpr size_t kPassesPerFace = 8;
-// Size of the sample from which the motion is estimated.
+// The budget of the first repair after a Sort, which has to sort the faces of each step.
+constexpr size_t kSwapsPerFace = 8;
+// The size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// Returns the number of passings up to which a repair is cheaper than a sweep. On AMD Zen 5
-// (`sweepstake bench`) a passing takes about 5 ns, a new sort with filling the lanes 30 ns per box,
+// Returns the number of swaps up to which a repair is cheaper than a sweep. On AMD Zen 5
+// (`sweepstake bench`) a swap takes about 5 ns, a new sort with filling the lanes 30 ns per box,
 // and 64 lanes of a sweep 1 ns.
-double PassBudget(uint64_t sweep_checks, size_t box_count) {
+double SwapBudget(uint64_t sweep_checks, size_t box_count) {
   return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
 }
 
@@ -49,10 +49,10 @@ class AxisSweep final : public BroadPhase {
 
  private:
   std::span<const BoxRecord> records() const { return {records_.data(), count_}; }
-  size_t BoxParts() const { return PartCount(executor_, count_, kBoxesPerPartMin); }
+  size_t BoxParts() const { return PartCount(executor_, count_, kMinBoxesPerPart); }
   void LoadBoxes(std::span<const Aabb> boxes);
   bool ChangeCount(std::span<const Aabb> boxes);
-  double ExpectedPasses(std::span<const Aabb> boxes) const;
+  double ExpectedSwaps(std::span<const Aabb> boxes) const;
   bool RepairOrders(std::span<const Aabb> boxes);
   void CollectMoved(std::span<const Aabb> boxes);
   bool RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget);
@@ -67,19 +67,19 @@ class AxisSweep final : public BroadPhase {
   Executor* executor_;
   AlignedBuffer<BoxRecord> records_;  // the latest boxes by id, then one kInvalidRecord
   std::array<SortedEndpoints, 3> axes_{SortedEndpoints(0), SortedEndpoints(1), SortedEndpoints(2)};
-  std::array<EndpointRoom, 2> rooms_;  // one per thread that sorts
+  std::array<EndpointRoom, 2> rooms_;  // a room for each thread that sorts
   CoordinateRange range_;
   ByteBoxes swept_;
   PairParts parts_;
   SortedPairs pairs_;
   MovedBoxes moved_;
-  AlignedBuffer<uint32_t> moved_ids_;  // in the format of FindMoved
+  AlignedBuffer<uint32_t> moved_ids_;  // the boxes that FindMoved has listed
   size_t count_ = 0;
-  bool pairs_known_ = false;  // pairs_ holds the pairs of the latest boxes
-  bool calm_ = false;         // the pairs of the next sweep will be kept
+  bool pairs_known_ = false;  // whether pairs_ holds the pairs of the latest boxes
+  bool calm_ = false;         // whether the pairs of the next sweep will be kept
   int pause_frames_ = 0;
   uint64_t checks_ = 0;
-  uint64_t sweep_checks_ = 0;  // checks of the latest sweep
+  uint64_t sweep_checks_ = 0;  // the checks of the latest sweep
 };
 
 void AxisSweep::Build(std::span<const Aabb> boxes) {
@@ -96,7 +96,7 @@ void AxisSweep::Update(std::span<const Aabb> boxes) {
   checks_ = 0;
   const bool in_order = ChangeCount(boxes);
   calm_ =
-      in_order && pause_frames_ == 0 && ExpectedPasses(boxes) <= PassBudget(sweep_checks_, count_);
+      in_order && pause_frames_ == 0 && ExpectedSwaps(boxes) <= SwapBudget(sweep_checks_, count_);
   pause_frames_ = std::max(0, pause_frames_ - 1);
   if (calm_ && RepairOrders(boxes)) {
     if (!pairs_known_) PrepareSweep();
@@ -112,13 +112,13 @@ void AxisSweep::FindPairs(PairBuffer& out) {
   if (pairs_known_) return CopyPairs(out);
   const size_t before = out.size();
   const ByteLanes lanes = swept_.Lanes();
-  sweep_checks_ = parts_.Run(executor_, lanes.count, kRowsPerPartMin, kRowsPerTile, out,
+  sweep_checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
                              [&](size_t begin, size_t end, PairBuffer& pairs) {
                                return FindPairsOfSwept(lanes, begin, end, pairs);
                              });
   checks_ += sweep_checks_;
   const auto found = out.pairs().subspan(before);
-  pairs_known_ = calm_ && found.size() <= kPairsPerBoxMax * count_;
+  pairs_known_ = calm_ && found.size() <= kMaxPairsPerBox * count_;
   if (pairs_known_) pairs_.Adopt(found, count_);
 }
 
@@ -163,11 +163,11 @@ bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   return true;
 }
 
-// Returns the expected number of passings of a repair, estimated from the motion of a few boxes.
-double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
+// Returns the expected number of swaps of a repair, estimated from the motion of a few boxes.
+double AxisSweep::ExpectedSwaps(std::span<const Aabb> boxes) const {
   if (count_ == 0) return 0;
   const size_t stride = count_ / kMotionSample + 1;
-  double passes = 0;
+  double swaps = 0;
   size_t sampled = 0;
   double density[3];
   for (size_t axis = 0; axis < 3; ++axis) density[axis] = axes_[axis].Density(records());
@@ -176,23 +176,23 @@ double AxisSweep::ExpectedPasses(std::span<const Aabb> boxes) const {
     for (size_t axis = 0; axis < 3; ++axis) {
       const double distance = std::abs(double{boxes[i].min[axis]} - records_[i].min[axis]) +
                               std::abs(double{boxes[i].max[axis]} - records_[i].max[axis]);
-      passes += std::min(distance * density[axis], 2.0 * static_cast<double>(count_));
+      swaps += std::min(distance * density[axis], 2.0 * static_cast<double>(count_));
     }
   }
-  return passes / static_cast<double>(sampled) * static_cast<double>(count_);
+  return swaps / static_cast<double>(sampled) * static_cast<double>(count_);
 }
 
 // Updates orders and pairs axis by axis. Between two axes the records are a mixture of two frames,
 // for which orders and pairs are correct too: a pair that has begun or ended since the last frame
-// has done so by a passing on some axis while it overlapped on the other two. Returns false if the
+// has done so by a swap on some axis while it overlapped on the other two. Returns false if the
 // budget is exceeded; orders and pairs are then undefined.
 bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   CollectMoved(boxes);
   const bool exact = axes_[0].is_exact() && axes_[1].is_exact() && axes_[2].is_exact();
   if (moved_.count() == 0 && exact) return true;
   if (!pairs_known_) range_ = CoordinateRange::Sample(boxes);
-  auto budget = static_cast<size_t>(PassBudget(sweep_checks_, count_));
-  if (!exact) budget += kPassesPerFace * 6 * count_;
+  auto budget = static_cast<size_t>(SwapBudget(sweep_checks_, count_));
+  if (!exact) budget += kSwapsPerFace * 6 * count_;
   for (size_t axis = 0; axis < 3; ++axis) {
     if (RepairAxis(boxes, axis, budget)) continue;
     pairs_.ClearTouched();
@@ -262,8 +262,8 @@ void AxisSweep::SetSweepOrder() {
     ids[slot] = EndpointOwner(endpoint);
     slot += IsUpperFace(endpoint) ? 0 : 1;
   }
-  ids[count_] =
-      static_cast<uint32_t>(count_);  // restores the padding, which the last upper face overwrote
+  // Restores the padding, which the last upper face overwrote.
+  ids[count_] = static_cast<uint32_t>(count_);
 }
 
 void AxisSweep::FillLanes(size_t part, size_t part_count) {

@@ -1,14 +1,14 @@
 // AxisSweep, incremental sweep and prune: the faces of all boxes stay sorted on three axes between
-// frames, and the overlapping pairs stay sorted too. With little motion few faces pass one another,
-// and a pair can begin or end only if a lower face passes an upper one.
+// frames, and the overlapping pairs stay sorted too. With little motion few faces swap places, and
+// a pair can begin or end only if a lower and an upper face do.
 //
 // The pairs are updated in one of two ways. A sample of boxes gives the distance they have moved
-// and so the expected number of passings. If it is small, insertion repairs the three orders at the
-// moved boxes, and each passing marks a pair to be tested again. Otherwise the three orders are
-// sorted again and a sweep finds the pairs as in SAP, O(n + c + pairs), c = pairs that overlap on
-// that axis. The pairs of a sweep are kept once there is little motion, unless there are more than
-// 32 per box: then writing them dominates either way. New boxes add their faces and cause a sweep
-// in that frame; removed boxes remove theirs.
+// and so the expected number of swaps. If it is small, insertion repairs the three orders at the
+// moved boxes, and each swap of a lower and an upper face marks a pair to be tested again.
+// Otherwise the three orders are sorted again and a sweep finds the pairs as in SAP, O(n + c +
+// pairs), c = pairs that overlap on that axis. The pairs of a sweep are kept once there is little
+// motion, unless there are more than 32 per box: then writing them dominates either way. New boxes
+// add their faces and cause a sweep in that frame; removed boxes remove theirs.
 //
 // A new sort is one pass by equal steps of each axis, with four faces per step on average; the
 // first repair after it sorts the faces of each step.
@@ -18,7 +18,7 @@
 // of nearly-resting, which all move by ±0.001 per frame, take 0.36 ms. Memory: 80 bytes per box,
 // 100 after frames with little motion, and 8 to 9 per pair while pairs are kept. Boxes, the three
 // orders and the pairs are kept between frames. aabb_check_count: lanes of the sweep, and one per
-// lower face that passes an upper one.
+// swap of a lower and an upper face.
 #pragma once
 
 #include <memory>

@@ -11,13 +11,13 @@ namespace sweepstake {
 namespace {
 
 // A part with fewer rows or boxes takes less time than waking a thread.
-constexpr size_t kRowsPerPartMin = 1024;
-constexpr size_t kFilledPerPartMin = 2048;
-constexpr size_t kSortedPerPartMin = 16384;
+constexpr size_t kMinRowsPerPart = 1024;
+constexpr size_t kMinFilledPerPart = 2048;
+constexpr size_t kMinSortedPerPart = 16384;
 
 // If more boxes than this share a step, on average over boxes, an exact sort pays: a sweep compares
 // one more register for each 64 of them.
-constexpr uint64_t kSharedStepMax = 64;
+constexpr uint64_t kMaxBoxesSharingStep = 64;
 // The mean number of boxes per step. Counting finer steps costs more than they save, since a box
 // covers dozens of them.
 constexpr size_t kBoxesPerStep = 8;
@@ -45,9 +45,9 @@ class Sap final : public BroadPhase {
 
   Executor* executor_;
   SweepAxis sweep_;
-  size_t part_count_ = 1;           // for sorting
-  AlignedBuffer<uint32_t> steps_;   // of each box
-  AlignedBuffer<uint32_t> starts_;  // per part and step: box count, then the next free slot
+  size_t part_count_ = 1;           // the number of parts of a sort
+  AlignedBuffer<uint32_t> steps_;   // the step of each box
+  AlignedBuffer<uint32_t> starts_;  // each part's and step's box count, later its next free slot
   RadixSort sort_;
   ByteBoxes boxes_;
   PairParts parts_;
@@ -62,11 +62,11 @@ void Sap::Update(std::span<const Aabb> boxes) {
       static_cast<float>(std::clamp<size_t>(boxes.size() / kBoxesPerStep, 512, 65536));
   sweep_ = {false, range.low[axis], steps / range.width(range.sweep_axis), steps - 1};
   boxes_.Resize(boxes.size(), true);
-  part_count_ = PartCount(executor_, boxes.size(), kSortedPerPartMin);
+  part_count_ = PartCount(executor_, boxes.size(), kMinSortedPerPart);
   CountSteps(boxes, axis);
   sweep_.exact = !CountSlots();
   sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
-  const size_t fill_parts = PartCount(executor_, boxes.size(), kFilledPerPartMin);
+  const size_t fill_parts = PartCount(executor_, boxes.size(), kMinFilledPerPart);
   RunParts(executor_, fill_parts, [&](size_t part) {
     const PartRange slots = RangeOfPart(boxes.size(), part, fill_parts, ByteBoxes::kGranule);
     boxes_.Fill(boxes, range, sweep_, slots.begin, slots.end);
@@ -101,7 +101,7 @@ bool Sap::CountSlots() {
       sum += std::exchange(starts_[part * step_count() + step], sum);
     neighbours += (sum - before) * (sum - before);
   }
-  return neighbours <= kSharedStepMax * boxes_.count();
+  return neighbours <= kMaxBoxesSharingStep * boxes_.count();
 }
 
 // Sorts the boxes by steps. Those of a step are in the order of their ids, whatever the number of
@@ -128,7 +128,7 @@ void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
 
 void Sap::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
-  checks_ = parts_.Run(executor_, lanes.count, kRowsPerPartMin, kRowsPerTile, out,
+  checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return FindPairsOfSwept(lanes, begin, end, pairs);
                        });

@@ -9,7 +9,7 @@ namespace {
 
 // If more faces than this share a step, on average over faces, an exact sort pays: a sweep compares
 // more registers for each of them.
-constexpr uint64_t kSharedStepMax = 16;
+constexpr uint64_t kMaxFacesSharingStep = 16;
 
 uint64_t ItemOf(float coordinate, Endpoint endpoint) {
   return PackSortItem(SortableKey(coordinate), endpoint);
@@ -41,12 +41,12 @@ bool SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const Swee
   room.starts.EnsureDiscarding(step_count);
   uint32_t* const starts = room.starts.data();
   std::fill_n(starts, step_count, 0U);
-  uint64_t neighbours = 0;  // pairs of faces that share a step
+  uint64_t neighbours = 0;  // the pairs of faces that share a step
   for (const BoxRecord& record : records) {
     neighbours += starts[step.Step(record.min[axis_])]++;
     neighbours += starts[step.Step(record.max[axis_])]++;
   }
-  if (neighbours > kSharedStepMax * count_) return false;
+  if (neighbours > kMaxFacesSharingStep * count_) return false;
   uint32_t sum = 0;
   for (size_t k = 0; k < step_count; ++k) sum += std::exchange(starts[k], sum);
   Endpoint* const order = endpoints_.data();
@@ -78,7 +78,7 @@ void SortedEndpoints::Append(std::span<const BoxRecord> records, size_t first, E
   std::sort(room.items.data(), room.items.data() + added);
   endpoints_.EnsureKeeping(count_ + added, count_);
   Endpoint* const order = endpoints_.data();
-  size_t end = count_;  // end of the faces that are not yet moved
+  size_t end = count_;  // the end of the faces that are not yet moved
   for (size_t left = added; left > 0; --left) {
     const uint64_t item = room.items[left - 1];
     const auto place =

@@ -78,12 +78,12 @@ class SortedEndpoints {
   void Truncate(size_t count);
 
   // Restores the exact order by insertion, after some boxes have moved or after a Sort, and calls
-  // on_pass(a, b) for each lower face of one box and upper face of another whose order has changed.
-  // O(n + passes). Reduces `budget` by the passes and returns false once they exceed it; the order
+  // on_swap(a, b) for each lower face of one box and upper face of another whose order has changed.
+  // O(n + swaps). Reduces `budget` by the swaps and returns false once they exceed it; the order
   // then needs a Sort.
-  template <typename OnPass>
+  template <typename OnSwap>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
-              size_t& budget, OnPass&& on_pass);
+              size_t& budget, OnSwap&& on_swap);
 
   std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
   // Returns the number of faces per unit of length in the range of their middle half.
@@ -102,8 +102,8 @@ class SortedEndpoints {
   bool SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
   // Stores the ranks of all faces in room.items, by owner, the lower face before the upper one.
   void StoreRanks(std::span<const BoxRecord> records, EndpointRoom& room) const;
-  template <typename RankOf, typename HasMoved, typename OnPass>
-  bool RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget, OnPass&& on_pass);
+  template <typename RankOf, typename HasMoved, typename OnSwap>
+  bool RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget, OnSwap&& on_swap);
 
   size_t axis_;
   AlignedBuffer<Endpoint> endpoints_;
@@ -111,22 +111,22 @@ class SortedEndpoints {
   bool is_exact_ = true;
 };
 
-template <typename OnPass>
+template <typename OnSwap>
 bool SortedEndpoints::Repair(std::span<const BoxRecord> records, const MovedBoxes& moved,
-                             EndpointRoom& room, size_t& budget, OnPass&& on_pass) {
+                             EndpointRoom& room, size_t& budget, OnSwap&& on_swap) {
   if (is_exact_ && 8 * moved.count() < records.size()) {
     return RepairBy([&](Endpoint face) { return Rank(records, face); },
-                    [&](Endpoint face) { return moved.Has(EndpointOwner(face)); }, budget, on_pass);
+                    [&](Endpoint face) { return moved.Has(EndpointOwner(face)); }, budget, on_swap);
   }
   StoreRanks(records, room);
   const uint64_t* const ranks = room.items.data();
   return RepairBy([ranks](Endpoint face) { return ranks[std::rotl(face, 1)]; },
-                  [](Endpoint) { return true; }, budget, on_pass);
+                  [](Endpoint) { return true; }, budget, on_swap);
 }
 
-template <typename RankOf, typename HasMoved, typename OnPass>
+template <typename RankOf, typename HasMoved, typename OnSwap>
 bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget,
-                               OnPass&& on_pass) {
+                               OnSwap&& on_swap) {
   Endpoint* const order = endpoints_.data();
   is_exact_ = false;
   bool before_moved = false;  // whether the face before this one has moved
@@ -134,11 +134,13 @@ bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
   uint64_t before_rank = 0;
   for (size_t i = 0; i < count_; ++i) {
     const Endpoint face = order[i];
+    // Skips a face that is in order, since neither it nor the face before it has moved.
     const bool moved = has_moved(face);
     if (!moved && !before_moved) {
       before_known = false;
       continue;
     }
+    // Compares its rank with the rank of the face before it.
     const uint64_t rank = rank_of(face);
     if (!before_known) before_rank = i > 0 ? rank_of(order[i - 1]) : 0;
     before_known = true;
@@ -151,11 +153,11 @@ bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
     // stays its rank.
     size_t hole = i;
     do {
-      const Endpoint passed = order[--hole];
-      order[hole + 1] = passed;
-      const uint32_t a = EndpointOwner(passed);
+      const Endpoint swapped = order[--hole];
+      order[hole + 1] = swapped;
+      const uint32_t a = EndpointOwner(swapped);
       const uint32_t b = EndpointOwner(face);
-      if (IsUpperFace(passed) != IsUpperFace(face) && a != b) on_pass(a, b);
+      if (IsUpperFace(swapped) != IsUpperFace(face) && a != b) on_swap(a, b);
     } while (hole > 0 && rank_of(order[hole - 1]) > rank);
     order[hole] = face;
     before_moved = has_moved(order[i]);

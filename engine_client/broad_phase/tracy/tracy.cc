@@ -20,23 +20,23 @@ constexpr uint64_t kChecksPerLayout = 256;
 constexpr uint64_t kExpectedChecksPerBox = 128;
 constexpr uint64_t kExpectedChecksPerPair = 16;
 constexpr uint32_t kFramesPerTrial = 64;
-// The maximum number of boxes too long for their cells is kLongMin plus one in this number of
+// The maximum number of boxes too long for their cells is kLongAllowance plus one in this number of
 // boxes.
-constexpr size_t kBoxesPerLongOne = 64;
-constexpr size_t kLongMin = 16;
+constexpr size_t kBoxesPerLong = 64;
+constexpr size_t kLongAllowance = 16;
 // The scene counts as nearly at rest if fewer than one in this number of boxes changes its list.
 constexpr size_t kBoxesPerCrossing = 128;
 // A margin is a cell divided by this: wide enough to hold slow boxes for many frames, and narrow
 // enough to add few pairs.
 constexpr float kMarginsPerCell = 48;
 // With more pairs, testing the kept ones costs as much as finding them.
-constexpr size_t kPairsPerBoxMax = 8;
+constexpr size_t kMaxPairsPerBox = 8;
 // Margins pay if they hold for this number of frames. If they do not, they are tried again after a
 // wait that doubles each time up to the maximum.
-constexpr uint32_t kRestFramesMin = 6;
-constexpr uint32_t kWaitFramesMax = 256;
+constexpr uint32_t kMinRestFrames = 6;
+constexpr uint32_t kMaxWaitFrames = 256;
 // A part with fewer boxes takes less time than waking a thread.
-constexpr size_t kBoxesPerPartMin = 1024;
+constexpr size_t kMinBoxesPerPart = 1024;
 
 class Tracy final : public BroadPhase {
  public:
@@ -63,13 +63,13 @@ class Tracy final : public BroadPhase {
   PairParts parts_;
   TracyRest rest_;
   bool resting_ = false;
-  uint32_t rest_frames_ = 0;  // since margins were last set
-  uint32_t wait_ = 0;         // frames until margins may be set
+  uint32_t rest_frames_ = 0;  // the frames since margins were last set
+  uint32_t wait_ = 0;         // the frames until margins may be set
   uint32_t last_wait_ = 1;
-  size_t pair_count_ = 0;     // of the latest search
-  uint32_t frames_ = 0;       // since the grids were laid out
-  bool inefficient_ = false;  // the latest search took more checks than expected
-  RebuildDebt debt_;          // since the grids were laid out
+  size_t pair_count_ = 0;     // the pairs of the latest search
+  uint32_t frames_ = 0;       // the frames since the grids were laid out
+  bool inefficient_ = false;  // whether the latest search took more checks than expected
+  RebuildDebt debt_;          // the debt since the grids were laid out
   uint64_t checks_ = 0;
 };
 
@@ -95,7 +95,7 @@ void Tracy::LayOut(std::span<const Aabb> boxes) {
 void Tracy::Update(std::span<const Aabb> boxes) {
   checks_ = 0;
   if (resting_ && UpdateAtRest(boxes)) return;
-  if (wait_ == 0 && pair_count_ < kPairsPerBoxMax * boxes.size() &&
+  if (wait_ == 0 && pair_count_ < kMaxPairsPerBox * boxes.size() &&
       lists_.moved_count() * kBoxesPerCrossing < boxes.size()) {
     StartResting(boxes);
   } else {
@@ -108,12 +108,12 @@ bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
   if (rest_.Step(executor_, boxes, lists_, checks_)) return true;
   resting_ = false;
-  if (rest_frames_ >= kRestFramesMin) {
+  if (rest_frames_ >= kMinRestFrames) {
     last_wait_ = 1;
     StartResting(boxes);
     return true;
   }
-  last_wait_ = std::min(2 * last_wait_, kWaitFramesMax);
+  last_wait_ = std::min(2 * last_wait_, kMaxWaitFrames);
   wait_ = last_wait_;
   lists_.SetMargin(0);
   return false;
@@ -133,14 +133,14 @@ void Tracy::UpdateInMotion(std::span<const Aabb> boxes) {
   const bool try_another = inefficient_ && frames_ >= kFramesPerTrial;
   if (try_another || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
   lists_.Update(executor_, boxes);
-  if (lists_.long_count() > boxes.size() / kBoxesPerLongOne + kLongMin) LayOut(boxes);
+  if (lists_.long_count() > boxes.size() / kBoxesPerLong + kLongAllowance) LayOut(boxes);
 }
 
 void Tracy::FindPairs(PairBuffer& out) {
   if (resting_) return rest_.Append(out);
   const GridView view = lists_.View();
   const size_t before = out.size();
-  checks_ = parts_.Run(executor_, lists_.size(), kBoxesPerPartMin, GridView::kBatch, out,
+  checks_ = parts_.Run(executor_, lists_.size(), kMinBoxesPerPart, GridView::kBatch, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
                          return SearchGrids(view, begin, end, pairs);
                        });

@@ -12,8 +12,8 @@
 namespace sweepstake {
 namespace {
 
-constexpr size_t kPartCountMax = 8;
-constexpr size_t kBoxesPerPartMin = 2048;
+constexpr size_t kMaxParts = 8;
+constexpr size_t kMinBoxesPerPart = 2048;
 // The number of boxes whose rows are found at a time, so that they stay in the L1 cache.
 constexpr size_t kBatch = 512;
 // A list counts as unsorted after this number of shifts per item.
@@ -60,8 +60,8 @@ void TracyLists::Reset(const RowGrids& grids) {
 
 size_t TracyLists::PartsFor(const Executor* executor, size_t count) const {
   if (executor == nullptr) return 1;
-  return std::clamp<size_t>(count / kBoxesPerPartMin, 1,
-                            std::min(executor->thread_count(), kPartCountMax));
+  return std::clamp<size_t>(count / kMinBoxesPerPart, 1,
+                            std::min(executor->thread_count(), kMaxParts));
 }
 
 void TracyLists::MakeRoom(size_t count, size_t parts) {
@@ -71,7 +71,7 @@ void TracyLists::MakeRoom(size_t count, size_t parts) {
   arrived_.EnsureDiscarding(count + SoaBoxes::kPadding);
   old_slots_.EnsureWithSpare(rows + 1);
   arrivals_.EnsureWithSpare(rows);
-  starts_.EnsureWithSpare(cells + 2);  // including the cell of the guests
+  starts_.EnsureWithSpare(cells + 2);  // one more cell holds the query boxes
   if (parts_.size() < parts) parts_.resize(parts);
   for (size_t part = 0; part < parts; ++part) {
     parts_[part].change.EnsureWithSpare(rows);
@@ -88,7 +88,7 @@ void TracyLists::SetCount(size_t count) {
   count_ = count;
 }
 
-void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t guests) {
+void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count) {
   const size_t parts = PartsFor(executor, boxes.size());
   // Copies the lists, which will be overwritten.
   order_.EnsureDiscarding(std::max(boxes.size(), size_) + SoaBoxes::kPadding);
@@ -103,7 +103,7 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t 
   });
   PlaceLists(parts);
   // Appends the boxes that have arrived to their lists.
-  columns_.Resize(size_ + guests);
+  columns_.Resize(size_ + query_count);
   for (size_t index = 0; index < parts; ++index) {
     const Part& part = parts_[index];
     for (size_t k = part.begin; k < part.begin + part.arrived; ++k) {
@@ -159,19 +159,19 @@ void TracyLists::Invalidate(uint32_t object) {
 
 uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
                                PairBuffer& out) {
-  // The guests are one more group with one cell, which searches all other groups.
-  std::array<GroupGrid, RowGrids::kGroupCountMax + 1> grids;
-  std::array<uint32_t, RowGrids::kGroupCountMax + 1> searches;
+  // The query boxes are one more group with one cell, which searches all other groups.
+  std::array<GroupGrid, RowGrids::kMaxGroups + 1> grids;
+  std::array<uint32_t, RowGrids::kMaxGroups + 1> searches;
   std::copy_n(grids_.grids.begin(), grids_.group_count, grids.begin());
   std::copy_n(grids_.searches.begin(), grids_.group_count, searches.begin());
   grids[grids_.group_count] = grids[grids_.group_count - 1];
-  GroupGrid& guests = grids[grids_.group_count];
-  guests.first_cell = grids[grids_.group_count - 1].last_cell();
+  GroupGrid& query = grids[grids_.group_count];
+  query.first_cell = grids[grids_.group_count - 1].last_cell();
   searches[grids_.group_count] = (1U << grids_.group_count) - 1;
   const size_t end = size_ + ids.size();
   std::copy(ids.begin(), ids.end(), columns_.ids() + size_);
   columns_.Gather(boxes, size_, end);
-  starts_[guests.last_cell()] = static_cast<uint32_t>(end);
+  starts_[query.last_cell()] = static_cast<uint32_t>(end);
   const GridView view{
       columns_.lanes(), starts_.data(), {grids.data(), grids_.group_count + 1}, searches.data()};
   return SearchGrids(view, size_, end, out);

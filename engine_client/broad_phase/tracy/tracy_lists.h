@@ -28,8 +28,8 @@ class TracyLists {
   // Makes empty lists for these grids.
   void Reset(const RowGrids& grids);
   // Moves boxes to their present rows, adds new and removes deleted boxes, and restores the order.
-  // Leaves room for `guests` of SearchFor.
-  void Update(Executor* executor, std::span<const Aabb> boxes, size_t guests = 0);
+  // Leaves room for `query_count` boxes of SearchFor.
+  void Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count = 0);
 
   // Makes boxes that are enlarged by `margin` on each side fit their grids.
   void SetMargin(float margin);
@@ -59,11 +59,11 @@ class TracyLists {
  private:
   // The buffers of a part of the work. Each part has its own cache lines.
   struct alignas(64) Part {
-    AlignedBuffer<int32_t> change;  // change of each list's length
-    AlignedBuffer<uint64_t> items;  // of one list (radix_sort.h)
-    AlignedBuffer<uint32_t> cells;  // first slots of one row
-    size_t begin = 0;               // its first box
-    size_t arrived = 0;             // number of boxes listed in arrived_ from `begin` on
+    AlignedBuffer<int32_t> change;  // the change of each list's length
+    AlignedBuffer<uint64_t> items;  // the items of one list (radix_sort.h)
+    AlignedBuffer<uint32_t> cells;  // the first slots of one row's cells
+    size_t begin = 0;               // the first box of the part
+    size_t arrived = 0;             // the number of boxes that arrived_ lists from `begin` on
   };
 
   size_t PartsFor(const Executor* executor, size_t count) const;
@@ -79,14 +79,14 @@ class TracyLists {
 
   RowGrids grids_;
   RowGrids grids_without_margin_;
-  size_t count_ = 0;  // number of objects
+  size_t count_ = 0;  // the number of objects
   size_t size_ = 0;
   size_t moved_count_ = 0;
-  AlignedBuffer<uint32_t> rows_;         // of each object
+  AlignedBuffer<uint32_t> rows_;         // the row of each object
   AlignedBuffer<uint32_t> order_;        // the lists before the latest Update
-  AlignedBuffer<uint32_t> first_slots_;  // per list; the last element is size_
-  AlignedBuffer<uint32_t> old_slots_;    // the same before the latest Update
-  AlignedBuffer<uint32_t> arrivals_;     // per list: the slot of the next box that has arrived
+  AlignedBuffer<uint32_t> first_slots_;  // the first slot of each list, then size_
+  AlignedBuffer<uint32_t> old_slots_;    // first_slots_ before the latest Update
+  AlignedBuffer<uint32_t> arrivals_;     // the slot of the next arrived box of each list
   AlignedBuffer<uint32_t> arrived_;
   GridColumns columns_;
   AlignedBuffer<uint32_t> starts_;

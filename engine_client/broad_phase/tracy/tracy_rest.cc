@@ -8,7 +8,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/tracy/tracy_rest.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
-// After foreach_target.h.
+// What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -74,13 +74,15 @@ constexpr Aabb kEverywhere = {{-kInfinity, -kInfinity, -kInfinity},
                               {kInfinity, kInfinity, kInfinity}};
 constexpr Aabb kInvalidMargin = {{kNan, kNan, kNan}, {kNan, kNan, kNan}};
 
-// The maximum number of loose boxes is kLooseMin plus one in this number of boxes.
-constexpr size_t kBoxesPerLooseOne = 32;
-constexpr size_t kLooseMin = 8;
-constexpr size_t kPairsPerPartMin = 4096;
-constexpr size_t kSlotsPerPartMin = 1024;
+// The maximum number of boxes outside their margins is kOutsideAllowance plus one in this number of
+// boxes.
+constexpr size_t kBoxesPerOutside = 32;
+constexpr size_t kOutsideAllowance = 8;
+constexpr size_t kMinPairsPerPart = 4096;
+constexpr size_t kMinSlotsPerPart = 1024;
 
-// Does the same as Overlap without its checks. REQUIRES: both boxes are valid.
+// Returns whether two boxes overlap, without the checks of Overlap (aabb.h) and without branches.
+// REQUIRES: both boxes are valid.
 bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   bool overlap = true;
   for (int axis = 0; axis < 3; ++axis) {
@@ -90,6 +92,8 @@ bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return overlap;
 }
 
+// Unlike DBVT's function of this name (dbvt_margins.cc), it leaves a valid box as it is if it
+// cannot be enlarged, and returns NaN for an invalid one.
 Aabb Enlarged(const Aabb& box, float margin) {
   Aabb enlarged = box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -101,24 +105,24 @@ Aabb Enlarged(const Aabb& box, float margin) {
 
 }  // namespace
 
-size_t TracyRest::LooseCountMax() const { return count_ / kBoxesPerLooseOne + kLooseMin; }
+size_t TracyRest::MaxOutsideCount() const { return count_ / kBoxesPerOutside + kOutsideAllowance; }
 
 uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float margin,
                           TracyLists& lists) {
   count_ = boxes.size();
-  loose_count_ = 0;
+  outside_count_ = 0;
   margins_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
-  is_loose_.EnsureDiscarding(count_);
-  std::fill_n(is_loose_.data(), count_, uint8_t{0});
+  is_outside_.EnsureDiscarding(count_);
+  std::fill_n(is_outside_.data(), count_, uint8_t{0});
   for (size_t i = 0; i < count_; ++i) margins_[i] = Enlarged(boxes[i], margin);
   std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kInvalidMargin);
-  outside_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
-  loose_.EnsureDiscarding(LooseCountMax() + 1);
-  lists.Update(executor, {margins_.data(), count_}, LooseCountMax());
+  listed_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
+  outside_.EnsureDiscarding(MaxOutsideCount() + 1);
+  lists.Update(executor, {margins_.data(), count_}, MaxOutsideCount());
   kept_.Clear();
-  loose_pairs_.Clear();
+  outside_pairs_.Clear();
   const GridView view = lists.View();
-  const uint64_t checks = parts_.Run(executor, lists.size(), kSlotsPerPartMin, GridView::kBatch,
+  const uint64_t checks = parts_.Run(executor, lists.size(), kMinSlotsPerPart, GridView::kBatch,
                                      kept_, [&](size_t begin, size_t end, PairBuffer& pairs) {
                                        return SearchGrids(view, begin, end, pairs);
                                      });
@@ -129,65 +133,65 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
 bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists,
                      uint64_t& checks) {
   if (boxes.size() != count_) return false;
-  const size_t outside = HWY_DYNAMIC_DISPATCH(ListOutside)(boxes, margins_.data(), outside_.data());
-  if (loose_count_ + outside > LooseCountMax()) return false;
-  Loosen({outside_.data(), outside}, lists);
+  const size_t listed = HWY_DYNAMIC_DISPATCH(ListOutside)(boxes, margins_.data(), listed_.data());
+  if (outside_count_ + listed > MaxOutsideCount()) return false;
+  AddOutside({listed_.data(), listed}, lists);
   TestPairs(executor, boxes);
   checks += count_ + kept_.size();
-  loose_pairs_.Clear();
-  if (loose_count_ == 0) return true;
-  checks += lists.SearchFor(boxes, {loose_.data(), loose_count_}, loose_pairs_);
-  const auto found = loose_pairs_.pairs();
+  outside_pairs_.Clear();
+  if (outside_count_ == 0) return true;
+  checks += lists.SearchFor(boxes, {outside_.data(), outside_count_}, outside_pairs_);
+  const auto found = outside_pairs_.pairs();
   const auto end = std::remove_if(found.begin(), found.end(), [&](const OverlapPair& pair) {
     return !Overlap(boxes[pair.a], boxes[pair.b]);
   });
   const auto count = static_cast<size_t>(end - found.begin());
-  loose_pairs_.Clear();
-  loose_pairs_.Advance(count);
+  outside_pairs_.Clear();
+  outside_pairs_.Advance(count);
   return true;
 }
 
-void TracyRest::Loosen(std::span<const uint32_t> outside, TracyLists& lists) {
-  for (const uint32_t object : outside) {
-    if (is_loose_[object] != 0) continue;  // a loose box that has become invalid
-    is_loose_[object] = 1;
+void TracyRest::AddOutside(std::span<const uint32_t> listed, TracyLists& lists) {
+  for (const uint32_t object : listed) {
+    if (is_outside_[object] != 0) continue;  // a box that was outside and has become invalid
+    is_outside_[object] = 1;
     margins_[object] = kEverywhere;
     lists.Invalidate(object);
-    loose_[loose_count_++] = object;
+    outside_[outside_count_++] = object;
   }
 }
 
 void TracyRest::TestPairs(Executor* executor, std::span<const Aabb> boxes) {
   const auto pairs = kept_.pairs();
   overlaps_.EnsureDiscarding(pairs.size());
-  const size_t parts = PartCount(executor, pairs.size(), kPairsPerPartMin);
+  const size_t parts = PartCount(executor, pairs.size(), kMinPairsPerPart);
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(pairs.size(), part, parts, 64);
     for (size_t k = range.begin; k < range.end; ++k) {
       const OverlapPair& pair = pairs[k];
-      const bool bound = (is_loose_[pair.a] | is_loose_[pair.b]) == 0;
-      overlaps_[k] = static_cast<uint8_t>(bound & ValidBoxesOverlap(boxes[pair.a], boxes[pair.b]));
+      const bool inside = (is_outside_[pair.a] | is_outside_[pair.b]) == 0;
+      overlaps_[k] = static_cast<uint8_t>(inside & ValidBoxesOverlap(boxes[pair.a], boxes[pair.b]));
     }
   });
 }
 
 void TracyRest::Append(PairBuffer& out) const {
   const auto kept = kept_.pairs();
-  OverlapPair* const to = out.EnsureRoom(kept.size() + loose_pairs_.size());
+  OverlapPair* const to = out.EnsureRoom(kept.size() + outside_pairs_.size());
   size_t count = 0;
   for (size_t k = 0; k < kept.size(); ++k) {
     to[count] = kept[k];
     count += overlaps_[k];
   }
-  const auto loose = loose_pairs_.pairs();
-  std::copy(loose.begin(), loose.end(), to + count);
-  out.Advance(count + loose.size());
+  const auto outside = outside_pairs_.pairs();
+  std::copy(outside.begin(), outside.end(), to + count);
+  out.Advance(count + outside.size());
 }
 
 size_t TracyRest::native_bytes() const {
-  return margins_.capacity_bytes() + is_loose_.capacity_bytes() + outside_.capacity_bytes() +
-         loose_.capacity_bytes() + kept_.capacity_bytes() + overlaps_.capacity_bytes() +
-         loose_pairs_.capacity_bytes() + parts_.native_bytes();
+  return margins_.capacity_bytes() + is_outside_.capacity_bytes() + listed_.capacity_bytes() +
+         outside_.capacity_bytes() + kept_.capacity_bytes() + overlaps_.capacity_bytes() +
+         outside_pairs_.capacity_bytes() + parts_.native_bytes();
 }
 
 }  // namespace sweepstake

@@ -2,11 +2,11 @@
 // pairs of enlarged boxes.
 //
 // The lists hold the enlarged boxes and do not change. A frame checks whether each box is still
-// within its margin and tests the kept pairs. A box outside its margin is loose until the next
-// Start: its kept pairs are ignored, and it searches the lists itself.
+// within its margin and tests the kept pairs. A box that has left its margin counts as outside
+// until the next Start: its kept pairs are ignored, and it searches the lists itself.
 //
 // Not thread-safe. Owns its memory. Cost: Start about one frame of the lists; Step O(n + kept
-// pairs), and a search per loose box. Memory: 26 bytes per box and 9 per kept pair.
+// pairs), and a search per box outside its margin. Memory: 26 bytes per box and 9 per kept pair.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +27,8 @@ class TracyRest {
   // Encloses the boxes in margins and updates `lists` to these. Returns the number of AABB checks.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists);
   // Processes the boxes of the next frame and adds its AABB checks to `checks`. Returns false if
-  // too many boxes are loose or their number has changed; `lists` then needs an Update. REQUIRES:
-  // the last call was Start or a Step that returned true, with the same lists.
+  // too many boxes are outside their margins or the number of boxes has changed; `lists` then needs
+  // an Update. REQUIRES: the last call was Start or a Step that returned true, with the same lists.
   bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks);
   // Appends the overlapping pairs of the latest boxes.
   void Append(PairBuffer& out) const;
@@ -36,20 +36,21 @@ class TracyRest {
   size_t native_bytes() const;
 
  private:
-  size_t LooseCountMax() const;
-  void Loosen(std::span<const uint32_t> outside, TracyLists& lists);
+  size_t MaxOutsideCount() const;
+  void AddOutside(std::span<const uint32_t> listed, TracyLists& lists);
   void TestPairs(Executor* executor, std::span<const Aabb> boxes);
 
-  // Per object: the enlarged box, all space for a loose box, NaN for an invalid one.
+  // The margin of each object: the enlarged box, all space if the object is outside, NaN if its box
+  // was invalid.
   AlignedBuffer<Aabb> margins_;
-  AlignedBuffer<uint8_t> is_loose_;
+  AlignedBuffer<uint8_t> is_outside_;
   size_t count_ = 0;
-  AlignedBuffer<uint32_t> outside_;
-  AlignedBuffer<uint32_t> loose_;
-  size_t loose_count_ = 0;
+  AlignedBuffer<uint32_t> listed_;   // the boxes that a step finds outside
+  AlignedBuffer<uint32_t> outside_;  // the boxes outside since the latest Start
+  size_t outside_count_ = 0;
   PairBuffer kept_;
-  AlignedBuffer<uint8_t> overlaps_;  // per kept pair
-  PairBuffer loose_pairs_;
+  AlignedBuffer<uint8_t> overlaps_;  // whether each kept pair overlaps
+  PairBuffer outside_pairs_;
   PairParts parts_;
 };
 

@@ -19,12 +19,12 @@ namespace sweepstake {
 
 // Grids that live for several frames, and their rows.
 struct RowGrids {
-  static constexpr size_t kGroupCountMax = GridPlan::kGroupCountMax + 1;
+  static constexpr size_t kMaxGroups = GridPlan::kMaxGroups + 1;
 
-  std::array<GroupGrid, kGroupCountMax> grids;      // the last one is one cell for the long boxes
-  std::array<GroupGrid, kGroupCountMax> row_grids;  // the same with rows as cells
-  std::array<uint32_t, kGroupCountMax> searches;
-  size_t group_count = 0;  // including the group of long boxes
+  std::array<GroupGrid, kMaxGroups> grids;  // the grids; the last is one cell for the long boxes
+  std::array<GroupGrid, kMaxGroups> row_grids;  // `grids` with rows as cells
+  std::array<uint32_t, kMaxGroups> searches;
+  size_t group_count = 0;  // the number of groups, the long boxes included
   GroupChoice choice;
 
   RowGrids() = default;

@@ -13,11 +13,6 @@ using Json = nlohmann::ordered_json;
 
 const char* KindName(ContestantKind kind) { return kind == ContestantKind::kArm ? "arm" : "peer"; }
 
-template <typename T>
-Json OrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json RowJson(const BenchRow& row, const BenchCell& cell) {
   Json json = {{"scene", cell.scene},
                {"objects", cell.object_count},
@@ -124,7 +119,7 @@ void PrintNotes(const BenchReport& report, std::ostream& out) {
   }
 }
 
-void PrintMachine(const BenchMachine& machine, std::ostream& out) {
+void PrintMachine(const Machine& machine, std::ostream& out) {
   out << machine.cpu << ", " << machine.core_count << " cores, " << machine.compiler << ", "
       << machine.simd_target << ", " << machine.date_utc << '\n';
   for (const LibraryVersion& library : machine.libraries) {

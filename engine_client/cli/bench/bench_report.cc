@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "engine_client/cli/bench/scene_timing.h"
+#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {

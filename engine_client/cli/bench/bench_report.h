@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/bench/bench_machine.h"
+#include "engine_client/cli/game/machine.h"
 
 namespace sweepstake::cli {
 
@@ -96,7 +96,7 @@ struct BenchSpeedup {
 };
 
 struct BenchReport {
-  BenchMachine machine;
+  Machine machine;
   BenchOptions options;
   std::vector<BenchCell> cells;
   std::vector<BenchRow> rows;  // by cell, family, kind, name and threads

@@ -4,9 +4,9 @@
 #include <map>
 #include <memory>
 
-#include "engine_client/cli/bench/bench_machine.h"
 #include "engine_client/cli/bench/scene_timing.h"
 #include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/peers/peer_registry.h"
 
@@ -177,9 +177,21 @@ void AddContestants(const std::vector<std::string>& arms, std::span<const PeerLi
   }
 }
 
+void AddLibraries(const std::vector<PeerLibrary>& peers, Machine& machine) {
+  for (const PeerLibrary& library : peers) {
+    const std::string name(library.name);
+    if (library.kinds.empty()) {
+      machine.absent_peers.push_back(name + ": install " + std::string(library.package) +
+                                     " and build with -DSWEEPSTAKE_PEERS=ON");
+    } else {
+      machine.libraries.push_back({name, library.version});
+    }
+  }
+}
+
 Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
                std::span<const PeerLibrary> peers, const ThreadPools& pools,
-               const std::function<void(const std::string& text, double share)>& on_progress,
+               const std::function<void(double share, const std::string& text)>& on_progress,
                BenchReport& report) {
   auto scene = OpenScene(choice);
   if (!scene.ok()) return scene.status();
@@ -192,30 +204,32 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
       static_cast<double>((report.options.warmup + report.options.frames) * cell.size());
   uint64_t done = 0;
   cell.Measure(**scene, [&](const std::string& name) {
-    on_progress(label + name, static_cast<double>(++done) / steps);
+    on_progress(static_cast<double>(++done) / steps, label + name);
   });
   return {};
 }
 
 }  // namespace
 
-Result<BenchReport> RunBench(const BenchOptions& options, Terminal& terminal) {
+Result<BenchReport> RunBench(
+    const BenchOptions& options,
+    const std::function<void(double share, const std::string& text)>& on_progress) {
   const auto arms = ChooseArms(options.arms);
   if (!arms.ok()) return arms.status();
   const auto scenes = ExpandScenes(options.scenes, options.object_counts, options.seed);
   const auto peers = options.peers ? PeerLibraries() : std::vector<PeerLibrary>();
   const ThreadPools pools(options.thread_counts);
   BenchReport report;
-  report.machine = DescribeMachine(peers);
+  report.machine = DescribeMachine();
+  AddLibraries(peers, report.machine);
   report.options = options;
-  constexpr uint64_t kPartsOfACell = 1000;
-  Progress progress(terminal, "bench", scenes.size() * kPartsOfACell);
+  const auto cell_count = static_cast<double>(scenes.size());
   for (const SceneChoice& scene : scenes) {
-    const uint64_t before = report.cells.size() * kPartsOfACell;
+    const auto before = static_cast<double>(report.cells.size());
     const Status status = RunCell(
         scene, *arms, peers, pools,
-        [&](const std::string& text, double share) {
-          progress.Show(before + static_cast<uint64_t>(share * kPartsOfACell), text);
+        [&](double share, const std::string& text) {
+          on_progress((before + share) / cell_count, text);
         },
         report);
     if (!status.ok()) return status;

@@ -4,15 +4,19 @@
 // Memory: all contestants of a cell exist at once.
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "engine_client/cli/bench/bench_report.h"
-#include "engine_client/cli/io/terminal.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
 
-// Shows its progress on `terminal`. Errors: those of ChooseArms and OpenScene. Wrong pairs of an
-// arm or a peer are not an error; its row says so.
-Result<BenchReport> RunBench(const BenchOptions& options, Terminal& terminal);
+// Calls `on_progress` with the share that is done and with what runs. Errors: those of ChooseArms
+// and OpenScene. Wrong pairs of an arm or a peer are not an error; its row says so.
+Result<BenchReport> RunBench(
+    const BenchOptions& options,
+    const std::function<void(double share, const std::string& text)>& on_progress);
 
 // Returns whether any row has a difference.
 bool AnyDiffers(const BenchReport& report);

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
-#include <numeric>
 #include <thread>
 
 #include "engine_client/cli/game/frame_block.h"
-#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -147,19 +144,6 @@ std::vector<ContestantTiming> TimeScene(Scene& scene, std::span<const Contestant
   timings.reserve(runs.size());
   for (Run& run : runs) timings.push_back(run.Finish());
   return timings;
-}
-
-TimeSummary Summarize(std::span<const double> times_ms) {
-  std::vector<double> sorted(times_ms.begin(), times_ms.end());
-  std::sort(sorted.begin(), sorted.end());
-  const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
-  return {Median(sorted), sum / static_cast<double>(sorted.size()), sorted.front(),
-          Quantile(sorted, 0.99)};
-}
-
-double Quantile(const std::vector<double>& sorted, double ratio) {
-  const auto rank = static_cast<size_t>(std::ceil(ratio * static_cast<double>(sorted.size())));
-  return sorted[std::clamp<size_t>(rank, 1, sorted.size()) - 1];
 }
 
 }  // namespace sweepstake::cli

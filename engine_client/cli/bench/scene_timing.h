@@ -52,16 +52,4 @@ std::vector<ContestantTiming> TimeScene(
     Scene& scene, std::span<const Contestant> contestants, uint64_t warmup, uint64_t frames,
     const std::function<void(size_t contestant, uint64_t step)>& on_step);
 
-struct TimeSummary {
-  double ms_median = 0;
-  double ms_mean = 0;
-  double ms_min = 0;
-  double ms_p99 = 0;
-};
-// Returns median, mean, minimum and 99th percentile. REQUIRES: not empty.
-TimeSummary Summarize(std::span<const double> times_ms);
-
-// Returns the quantile at `ratio` by the nearest rank. REQUIRES: sorted, not empty.
-double Quantile(const std::vector<double>& sorted, double ratio);
-
 }  // namespace sweepstake::cli

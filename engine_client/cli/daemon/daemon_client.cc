@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "engine_client/telemetry/validation.h"
+#include "engine_client/telemetry/common/validation.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -27,10 +27,12 @@ StatusCode ToCode(grpc::StatusCode code) {
 
 }  // namespace
 
-Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address) {
+Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address,
+                                                   bool own_connection) {
   if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, own_connection ? 1 : 0);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }
 

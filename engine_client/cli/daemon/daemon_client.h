@@ -12,8 +12,10 @@
 namespace sweepstake::cli {
 
 // Returns a channel to HOST:PORT, which connects at its first call. Error: kInvalidArgument (the
-// address does not have this form).
-Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address);
+// address does not have this form). Channels to one address share a connection unless
+// `own_connection` is set.
+Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address,
+                                                   bool own_connection = false);
 
 // Makes the call fail with kUnavailable after ten seconds.
 void SetDeadline(grpc::ClientContext& context);

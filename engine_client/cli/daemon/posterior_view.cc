@@ -6,10 +6,11 @@
 #include <sstream>
 #include <vector>
 
-#include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "engine_client/telemetry/proto_conversion.h"
+#include "server/audit/cell_text.h"
 #include "server/decision/policy/diagnosis.h"
 
 namespace sweepstake::cli {
@@ -24,22 +25,13 @@ double Mean(const v1::ArmPosterior& arm) {
   return evidence > 0 ? arm.posterior().alpha() / evidence : 0;
 }
 
-// Returns a name of the protocol without its prefix, in lower case and with spaces: "held
-// cooldown".
-std::string Words(std::string name, size_t prefix_length) {
-  name.erase(0, std::min(prefix_length, name.size()));
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char character) {
-    return character == '_' ? ' ' : static_cast<char>(std::tolower(character));
-  });
+// Returns the value's name with spaces: "held cooldown". The protocol's values are those of the
+// decision core.
+template <typename Enum>
+std::string Words(std::span<const std::string_view> names, Enum value) {
+  std::string name = decision::NameOf(names, value);
+  std::replace(name.begin(), name.end(), '-', ' ');
   return name;
-}
-
-std::string OutcomeText(v1::DecisionOutcome outcome) {
-  return Words(v1::DecisionOutcome_Name(outcome), sizeof("DECISION_OUTCOME_") - 1);
-}
-
-std::string ReasonText(v1::SwitchReason reason) {
-  return Words(v1::SwitchReason_Name(reason), sizeof("SWITCH_REASON_") - 1);
 }
 
 // The values computed for an arm from the posteriors that the daemon sent.
@@ -69,7 +61,7 @@ SceneView ViewOf(const v1::ScenePosterior& scene) {
     ArmView& shown = view.arms.emplace_back();
     const auto belief = FromProto(arm.posterior(), arm.arm());
     if (!belief) continue;
-    const decision::BetaPosterior posterior = {belief->alpha, belief->beta};
+    const decision::BetaPosterior posterior = ToDecision(*belief);
     shown.interval = decision::CentralInterval(posterior, 0.95);
     if (!IsNewest(scene, arm)) continue;
     contenders.push_back(posterior);
@@ -87,12 +79,12 @@ SceneView ViewOf(const v1::ScenePosterior& scene) {
 
 std::string VerdictText(const SceneView& view) {
   const decision::Diagnosis& diagnosis = view.diagnosis;
-  const std::string name = VerdictName(FromDecision(diagnosis).verdict);
+  const std::string name = decision::NameOf(decision::kVerdictNames, diagnosis.verdict);
   if (view.leader.empty()) return name;
   return name + ": " + view.leader + " is the best with probability " +
          Fixed(diagnosis.best_probability[diagnosis.leader], 3) + ", choosing it loses " +
-         Fixed(100 * diagnosis.expected_loss_ratio, 2) + " %, knowing all would gain " +
-         Fixed(100 * diagnosis.value_remaining_ratio, 2) + " %";
+         Percent(diagnosis.expected_loss_ratio, 2) + ", knowing all would gain " +
+         Percent(diagnosis.value_remaining_ratio, 2);
 }
 
 }  // namespace
@@ -140,7 +132,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
                    {"reward_version", scene.reward_version()},
                    {"active_sessions", scene.active_session_count()},
                    {"sources", scene.source_count()},
-                   {"verdict", VerdictName(FromDecision(view.diagnosis).verdict)},
+                   {"verdict", decision::NameOf(decision::kVerdictNames, view.diagnosis.verdict)},
                    {"leader_arm", view.leader},
                    {"expected_loss_ratio", view.diagnosis.expected_loss_ratio},
                    {"value_remaining_ratio", view.diagnosis.value_remaining_ratio},
@@ -156,7 +148,7 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
                                 {"mean", Mean(arm)},
                                 {"low_95", interval.low},
                                 {"high_95", interval.high},
-                                {"best_probability", best ? Json(*best) : Json()},
+                                {"best_probability", OrNull(best)},
                                 {"n", posterior.alpha() + posterior.beta()},
                                 {"windows", arm.window_count()},
                                 {"bail_outs", arm.bail_out_count()}});
@@ -181,13 +173,13 @@ std::string DecisionText(const v1::DecisionEvent& event) {
   std::string text = event.scene() + ": decision " + std::to_string(event.decision_id()) + ", " +
                      event.active_arm();
   if (!event.candidate_arm().empty()) text += " → " + event.candidate_arm();
-  text += ": " + OutcomeText(event.outcome());
+  text += ": " + Words(decision::kOutcomeNames, event.outcome());
   if (event.reason() != v1::SWITCH_REASON_UNSPECIFIED) {
-    text += " (" + ReasonText(event.reason()) + ")";
+    text += " (" + Words(decision::kSwitchReasonNames, event.reason()) + ")";
   }
   if (event.has_reward()) text += ", reward " + Fixed(event.reward(), 3);
   if (event.verdict() != v1::VERDICT_UNSPECIFIED) {
-    text += ", " + Words(v1::Verdict_Name(event.verdict()), sizeof("VERDICT_") - 1);
+    text += ", " + Words(decision::kVerdictNames, event.verdict());
   }
   return text;
 }

@@ -5,7 +5,7 @@
 namespace sweepstake::cli {
 namespace {
 
-constexpr size_t kDecisionMax = 10;
+constexpr size_t kMaxDecisions = 10;
 constexpr std::chrono::milliseconds kRedrawInterval{200};
 constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
 constexpr char kLegend[] =
@@ -30,7 +30,7 @@ void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
 
 void WatchScreen::ShowDecision(const v1::DecisionEvent& decision) {
   decisions_.push_back(DecisionText(decision));
-  if (decisions_.size() > kDecisionMax) decisions_.pop_front();
+  if (decisions_.size() > kMaxDecisions) decisions_.pop_front();
   if (!redraws_) out_ << decisions_.back() << std::endl;
 }
 

@@ -1,6 +1,7 @@
 // Writes the CSV files of an experiment.
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -24,12 +25,6 @@ std::string ReasonText(uint32_t reason) {
 // Returns "1" if the time is in the observation window, else "0".
 std::string Observed(const RunRecord& record, double time_s) {
   return time_s >= record.exploration_s ? "1" : "0";
-}
-
-std::string OutcomeName(uint32_t outcome) {
-  std::string name;
-  decision::AppendName(name, decision::kOutcomeNames, outcome);
-  return name;
 }
 
 using RowWriter =
@@ -63,7 +58,7 @@ void DecisionRows(const RunRecord& record, const std::string& run, CsvFile& csv)
     const bool known = !each.best_probability.empty();
     csv.Row({run, Seconds(each.time_s), record.arms[each.active_arm],
              each.candidate < 0 ? "" : record.arms[static_cast<size_t>(each.candidate)],
-             OutcomeName(each.outcome), ReasonText(each.reason),
+             decision::NameOf(decision::kOutcomeNames, each.outcome), ReasonText(each.reason),
              each.reward < 0 ? "" : Exact(each.reward), known ? record.arms[each.leader] : "",
              known ? Exact(each.best_probability[each.leader]) : "",
              known ? Exact(each.expected_loss_ratio) : "",
@@ -82,7 +77,7 @@ void PosteriorRows(const RunRecord& record, const std::string& run, CsvFile& csv
 }
 
 void FinalRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
-  const RunSummary summary = Summarize(record);
+  const PlayedRun summary = Summarize(record);
   for (size_t arm = 0; arm < record.arms.size(); ++arm) {
     const double alpha = record.decisions.empty() ? 1 : record.decisions.back().alpha[arm];
     const double beta = record.decisions.empty() ? 1 : record.decisions.back().beta[arm];
@@ -159,10 +154,6 @@ Status WriteRawCsv(std::span<const RunRecord> records, const std::filesystem::pa
   return {};
 }
 
-const PaperCell* PaperOf(const CellSummary& cell) {
-  return FindPaperCell(cell.cell.scene, cell.cell.object_count);
-}
-
 Status WriteTable3(std::span<const CellSummary> cells, const std::filesystem::path& path) {
   auto csv =
       CsvFile::Create(path, {"policy", "scene", "objects", "runs", "dominance", "interpretation",
@@ -180,68 +171,75 @@ Status WriteTable3(std::span<const CellSummary> cells, const std::filesystem::pa
 
 std::string Number(double value) { return Fixed(value, 6); }
 
+// Begins Table 4 with the names of Table4Row's columns.
+Result<std::unique_ptr<CsvFile>> CreateTable4(const std::filesystem::path& path) {
+  return CsvFile::Create(path, {"policy",
+                                "scene",
+                                "objects",
+                                "runs",
+                                "dominant",
+                                "dominant_runs",
+                                "switches_mean",
+                                "switches_sd",
+                                "active_percent_mean",
+                                "active_percent_sd",
+                                "mu_mean",
+                                "mu_sd",
+                                "n_mean",
+                                "n_sd",
+                                "paper_dominant",
+                                "paper_dominant_runs",
+                                "paper_switches_mean",
+                                "paper_switches_sd",
+                                "paper_active_percent_mean",
+                                "paper_active_percent_sd",
+                                "paper_mu_mean",
+                                "paper_mu_sd",
+                                "paper_n_mean",
+                                "paper_n_sd"});
+}
+
+void Table4Row(const CellSummary& cell, CsvFile& csv) {
+  const PaperCell* paper = PaperOf(cell);
+  const auto printed = [&](double PaperFigure::*part, PaperFigure PaperCell::*figure) {
+    return paper == nullptr ? std::string() : Fixed(paper->*figure.*part, 3);
+  };
+  const auto mean = [&](PaperFigure PaperCell::*figure) {
+    return printed(&PaperFigure::mean, figure);
+  };
+  const auto deviation = [&](PaperFigure PaperCell::*figure) {
+    return printed(&PaperFigure::deviation, figure);
+  };
+  csv.Row({cell.policy,
+           cell.cell.scene,
+           std::to_string(cell.cell.object_count),
+           std::to_string(cell.runs.size()),
+           cell.dominance.front().first,
+           std::to_string(cell.dominance.front().second),
+           Number(cell.switches.mean),
+           Number(cell.switches.deviation),
+           Number(cell.active_percent.mean),
+           Number(cell.active_percent.deviation),
+           Number(cell.posterior_mean.mean),
+           Number(cell.posterior_mean.deviation),
+           Number(cell.evidence.mean),
+           Number(cell.evidence.deviation),
+           paper == nullptr ? "" : paper->dominant,
+           paper == nullptr ? "" : std::to_string(paper->dominant_run_count),
+           mean(&PaperCell::switches),
+           deviation(&PaperCell::switches),
+           mean(&PaperCell::active_percent),
+           deviation(&PaperCell::active_percent),
+           mean(&PaperCell::posterior_mean),
+           deviation(&PaperCell::posterior_mean),
+           mean(&PaperCell::evidence),
+           deviation(&PaperCell::evidence)});
+}
+
 Status WriteTable4(std::span<const CellSummary> cells, const std::filesystem::path& path) {
-  auto csv = CsvFile::Create(path, {"policy",
-                                    "scene",
-                                    "objects",
-                                    "runs",
-                                    "dominant",
-                                    "dominant_runs",
-                                    "switches_mean",
-                                    "switches_sd",
-                                    "active_percent_mean",
-                                    "active_percent_sd",
-                                    "mu_mean",
-                                    "mu_sd",
-                                    "n_mean",
-                                    "n_sd",
-                                    "paper_dominant",
-                                    "paper_dominant_runs",
-                                    "paper_switches_mean",
-                                    "paper_switches_sd",
-                                    "paper_active_percent_mean",
-                                    "paper_active_percent_sd",
-                                    "paper_mu_mean",
-                                    "paper_mu_sd",
-                                    "paper_n_mean",
-                                    "paper_n_sd"});
+  auto csv = CreateTable4(path);
   if (!csv.ok()) return csv.status();
-  for (const CellSummary& cell : cells) {
-    const PaperCell* paper = PaperOf(cell);
-    const auto printed = [&](double PaperFigure::*part, PaperFigure PaperCell::*figure) {
-      return paper == nullptr ? std::string() : Fixed(paper->*figure.*part, 3);
-    };
-    const auto mean = [&](PaperFigure PaperCell::*figure) {
-      return printed(&PaperFigure::mean, figure);
-    };
-    const auto deviation = [&](PaperFigure PaperCell::*figure) {
-      return printed(&PaperFigure::deviation, figure);
-    };
-    (*csv)->Row({cell.policy,
-                 cell.cell.scene,
-                 std::to_string(cell.cell.object_count),
-                 std::to_string(cell.runs.size()),
-                 cell.dominance.front().first,
-                 std::to_string(cell.dominance.front().second),
-                 Number(cell.switches.mean),
-                 Number(cell.switches.deviation),
-                 Number(cell.active_percent.mean),
-                 Number(cell.active_percent.deviation),
-                 Number(cell.posterior_mean.mean),
-                 Number(cell.posterior_mean.deviation),
-                 Number(cell.evidence.mean),
-                 Number(cell.evidence.deviation),
-                 paper == nullptr ? "" : paper->dominant,
-                 paper == nullptr ? "" : std::to_string(paper->dominant_run_count),
-                 mean(&PaperCell::switches),
-                 deviation(&PaperCell::switches),
-                 mean(&PaperCell::active_percent),
-                 deviation(&PaperCell::active_percent),
-                 mean(&PaperCell::posterior_mean),
-                 deviation(&PaperCell::posterior_mean),
-                 mean(&PaperCell::evidence),
-                 deviation(&PaperCell::evidence)});
-  }
+  for (const CellSummary& cell : cells) Table4Row(cell, **csv);
   return (*csv)->Commit();
 }
 

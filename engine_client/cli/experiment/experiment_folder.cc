@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine_client/cli/bench/bench_machine.h"
+#include "engine_client/cli/game/machine.h"
 #include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/io/whole_file.h"
 #include "server/decision/options.h"
@@ -17,7 +17,7 @@ namespace sweepstake::cli {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentOptions, scenes, object_counts, large_object_counts,
                                    policies, run_count, window, time_scale, seed, trace_frame_count,
                                    replay_seed_count, quick, frames)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSitting, command_line, start_utc, end_utc)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentSession, command_line, start_utc, end_utc)
 
 namespace {
 
@@ -32,16 +32,10 @@ bool IsOfRun(const RunRecord& record, const PlannedRun& run) {
          record.seed == run.seed;
 }
 
-Json MachineJson() {
-  const BenchMachine machine = DescribeMachine({});
-  Json json = {{"class", MachineClass()},       {"cpu", machine.cpu},
-               {"cores", machine.core_count},   {"system", machine.system},
-               {"compiler", machine.compiler},  {"simd_target", machine.simd_target},
-               {"sweepstake", machine.program}, {"libraries", Json::object()}};
-  for (const LibraryVersion& library : machine.libraries) {
-    json["libraries"][library.name] = library.version;
-  }
-  return json;
+Json ClassedMachineJson() {
+  Json machine = {{"class", MachineClass()}};
+  machine.update(MachineJson(DescribeMachine()));
+  return machine;
 }
 
 // Returns the parameters of the paper's mechanism after the time scale is applied.
@@ -119,7 +113,7 @@ Result<ExperimentManifest> ExperimentFolder::ReadManifest() const {
                     file_path.string() + " is the manifest of another program");
     }
     return ExperimentManifest{document.at("options").get<ExperimentOptions>(),
-                              document.at("sittings").get<std::vector<ExperimentSitting>>()};
+                              document.at("sittings").get<std::vector<ExperimentSession>>()};
   } catch (const nlohmann::json::exception& error) {
     return Status(StatusCode::kDataLoss, file_path.string() + " is broken: " + error.what());
   }
@@ -141,7 +135,7 @@ std::vector<RunRecord> ExperimentFolder::ReadRecords(const ExperimentPlan& plan)
   return records;
 }
 
-std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSitting>& sittings,
+std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
                          size_t finished_count) {
   const Json manifest = {
       {"format", kFormat},
@@ -152,8 +146,8 @@ std::string ManifestJson(const ExperimentPlan& plan, const std::vector<Experimen
       {"options", Json(nlohmann::json(plan.options))},
       {"window_ns", plan.window_ns},
       {"decider", DecisionJson(plan.options.time_scale)},
-      {"machine", MachineJson()},
-      {"sittings", Json(nlohmann::json(sittings))},
+      {"machine", ClassedMachineJson()},
+      {"sittings", Json(nlohmann::json(sessions))},
       {"runs", RunsJson(plan)},
   };
   return manifest.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -20,7 +20,7 @@
 namespace sweepstake::cli {
 
 // One execution of the program on this experiment.
-struct ExperimentSitting {
+struct ExperimentSession {
   std::string command_line;
   std::string start_utc;
   std::string end_utc;  // empty if the program was killed
@@ -28,7 +28,7 @@ struct ExperimentSitting {
 
 struct ExperimentManifest {
   ExperimentOptions options;  // defaults filled in
-  std::vector<ExperimentSitting> sittings;
+  std::vector<ExperimentSession> sessions;
 };
 
 class ExperimentFolder {
@@ -57,7 +57,7 @@ class ExperimentFolder {
 
 // Returns the manifest: options, every run's seeds, the decider's scaled parameters, machine and
 // versions. `finished_count` is how many of the plan's runs are finished.
-std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSitting>& sittings,
+std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
                          size_t finished_count);
 
 }  // namespace sweepstake::cli

@@ -18,8 +18,6 @@ using Json = nlohmann::ordered_json;
 // A chart of a run's posteriors is about 200 pixels wide, so more points would not be visible.
 constexpr size_t kMaxPosteriorPoints = 50;
 
-Json IntervalJson(const Interval& interval) { return {interval.low, interval.high}; }
-
 // Adds the columns that come from the trace: the fastest arm and the policy's regret.
 void AddTruth(const CellTruth& truth, const CellSummary& cell, Json& row) {
   row["truly_fastest"] = truth.ranking.front().arm;
@@ -140,7 +138,7 @@ Json TimeJson(const TimeShares& time) {
           {"lane", time.lane_ns}};
 }
 
-Json RunJson(const RunSummary& run) {
+Json RunJson(const PlayedRun& run) {
   const RunRecord& record = *run.record;
   return {{"cell", record.cell.label()},
           {"policy", record.policy},
@@ -224,10 +222,10 @@ Json OptionsJson(const ExperimentOptions& options) {
           {"replay_seed_count", options.replay_seed_count}};
 }
 
-Json SittingJson(const ExperimentSitting& sitting) {
-  return {{"command_line", sitting.command_line},
-          {"start_utc", sitting.start_utc},
-          {"end_utc", sitting.end_utc}};
+Json SessionJson(const ExperimentSession& session) {
+  return {{"command_line", session.command_line},
+          {"start_utc", session.start_utc},
+          {"end_utc", session.end_utc}};
 }
 
 // Returns what the paper printed of a cell, under the names that our own rows have.
@@ -255,7 +253,7 @@ Json RunsJson(const ExperimentReport& report) {
   for (const ExperimentCell& cell : report.plan.cells) {
     for (const CellSummary& summary : report.cells) {
       if (summary.cell != cell) continue;
-      for (const RunSummary& run : summary.runs) runs.push_back(RunJson(run));
+      for (const PlayedRun& run : summary.runs) runs.push_back(RunJson(run));
     }
   }
   return runs;
@@ -279,7 +277,7 @@ void PrintExperimentJson(const ExperimentReport& report, const std::filesystem::
                          {"own_policy", OwnPolicyName("default")},
                          {"machine", MachineJson(report.machine)},
                          {"options", OptionsJson(report.plan.options)},
-                         {"sittings", ListJson(report.sittings, SittingJson)},
+                         {"sittings", ListJson(report.sessions, SessionJson)},
                          {"arms", BroadPhaseNames()},
                          {"cells", ListJson(report.plan.cells, cell_json)},
                          {"runs", RunsJson(report)},

@@ -5,10 +5,11 @@
 #include <memory>
 #include <utility>
 
-#include "engine_client/cli/bench/bench_machine.h"
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
+#include "engine_client/cli/game/machine.h"
 #include "engine_client/cli/game/scene_choice.h"
+#include "engine_client/cli/io/duration.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/decision/options.h"
 #include "server/decision/study/ablations.h"
@@ -31,8 +32,6 @@ constexpr uint64_t kControlRounds = 2;
 constexpr uint64_t kBlocksPerWindow = 210;  // 7 arms × 2 rounds take a fifteenth of the window
 constexpr uint64_t kBlockFrames = 360;
 constexpr uint64_t kBlockPatience = 10;
-
-double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 RecordedDecision Recorded(const DecisionEvent& event, uint64_t begin_ns) {
   RecordedDecision kept;
@@ -101,14 +100,9 @@ std::vector<RecordedSwitch> Switches(const GameRun& run) {
   for (const SwitchEvent& event : run.switches()) {
     RecordedSwitch kept{Seconds(event.time_ns), event.frame_index, event.from, event.to,
                         static_cast<uint32_t>(event.reason)};
-    const auto outcome =
-        std::find_if(run.outcomes().begin(), run.outcomes().end(), [&](const SwitchOutcome& each) {
-          return each.executed == 1 && each.switch_epoch == event.switch_epoch;
-        });
-    if (outcome != run.outcomes().end()) {
-      kept.rebuild_ns = outcome->rebuild_time_ns;
-      kept.settling_ns = outcome->settling_cost_ns;
-    }
+    const SwitchOutcome outcome = run.OutcomeOf(event.switch_epoch);
+    kept.rebuild_ns = outcome.rebuild_time_ns;
+    kept.settling_ns = outcome.settling_cost_ns;
     switches.push_back(kept);
   }
   return switches;
@@ -182,7 +176,7 @@ Status LiveRun::Prepare() {
   begin_ns_ = SteadyClock().NowNs() - run_->elapsed_ns();
   const auto arms = run_->adaptive().arms();
   record_.arms.assign(arms.begin(), arms.end());
-  record_.start_utc = DescribeMachine({}).date_utc;
+  record_.start_utc = DescribeMachine().date_utc;
   if (options_.frames_file.empty()) return {};
   auto frames = FrameLog::Create(options_.frames_file);
   if (!frames.ok()) return frames.status();

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/cli/bench/bench_machine.h"
 #include "engine_client/cli/experiment/experiment_folder.h"
 #include "engine_client/cli/experiment/experiment_summary.h"
 #include "engine_client/cli/experiment/experiment_truth.h"
+#include "engine_client/cli/game/machine.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
@@ -18,8 +18,8 @@ namespace sweepstake::cli {
 // All outputs are made from this alone.
 struct ExperimentReport {
   ExperimentPlan plan;
-  std::vector<ExperimentSitting> sittings;  // the last one made this report
-  BenchMachine machine;
+  std::vector<ExperimentSession> sessions;  // the last one made this report
+  Machine machine;
   std::vector<RunRecord> records;  // the finished runs
   std::vector<CellSummary> cells;  // by policy, then cell; point into `records`
   ExperimentTruths truths;

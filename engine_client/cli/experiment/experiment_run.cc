@@ -16,10 +16,10 @@ namespace sweepstake::cli {
 namespace {
 
 constexpr uint64_t kSecondNs = 1'000'000'000;
-constexpr double kProgressSteps = 1000;  // per cell
 
-uint64_t Steps(size_t cells, double share) {
-  return static_cast<uint64_t>(kProgressSteps * (static_cast<double>(cells) + share));
+// Returns the share of all cells that is done after `cells` of them and a share of the next.
+double Share(const ExperimentPlan& plan, size_t cells, double share) {
+  return (static_cast<double>(cells) + share) / static_cast<double>(plan.cells.size());
 }
 
 // Returns whether the trace was made with this experiment's options; any other is measured again.
@@ -46,13 +46,14 @@ std::vector<const CellSummary*> CellsOf(std::span<const CellSummary> summaries,
 
 class Grid {
  public:
-  Grid(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal)
+  Grid(const ExperimentPlan& plan, const ExperimentFolder& folder,
+       const ExperimentProgress& on_progress)
       : plan_(plan),
         folder_(folder),
         run_ns_(plan.expected_run_ns()),
         missing_(Missing()),
         start_ns_(SteadyClock().NowNs()),
-        progress_(terminal, "experiment", run_ns_ * missing_.size() / 1'000'000) {}
+        on_progress_(on_progress) {}
 
   Status Play() {
     for (const PlannedRun* run : missing_) {
@@ -82,7 +83,7 @@ class Grid {
     options.time_scale = plan_.options.time_scale;
     if (plan_.options.frames) options.frames_file = folder_.FramesFile(run);
     options.go_on = [&](uint64_t elapsed_ns) {
-      if (progress_.due()) ShowProgress(run, elapsed_ns);
+      ReportProgress(run, elapsed_ns);
       return !StopRequested();
     };
     const auto record = PlayLive(run, options);
@@ -91,16 +92,16 @@ class Grid {
   }
 
   // The remaining time is estimated from the finished runs, if there are any.
-  void ShowProgress(const PlannedRun& run, uint64_t elapsed_ns) {
+  void ReportProgress(const PlannedRun& run, uint64_t elapsed_ns) {
     const uint64_t done_ns = done_count_ * run_ns_ + std::min(elapsed_ns, run_ns_);
     const uint64_t total_ns = missing_.size() * run_ns_;
     const double pace = done_count_ == 0 ? 1.0
                                          : static_cast<double>(SteadyClock().NowNs() - start_ns_) /
                                                static_cast<double>(done_ns);
     const auto left_ns = static_cast<uint64_t>(pace * static_cast<double>(total_ns - done_ns));
-    progress_.Show(done_ns / 1'000'000, DurationText(left_ns) + " left; run " +
-                                            std::to_string(done_count_ + 1) + " of " +
-                                            std::to_string(missing_.size()) + ": " + run.label());
+    on_progress_(static_cast<double>(done_ns) / static_cast<double>(total_ns),
+                 DurationText(left_ns) + " left; run " + std::to_string(done_count_ + 1) + " of " +
+                     std::to_string(missing_.size()) + ": " + run.label());
   }
 
   const ExperimentPlan& plan_;
@@ -109,7 +110,7 @@ class Grid {
   const std::vector<const PlannedRun*> missing_;
   const uint64_t start_ns_;
   uint64_t done_count_ = 0;
-  Progress progress_;
+  const ExperimentProgress& on_progress_;
 };
 
 }  // namespace
@@ -122,38 +123,40 @@ std::string DurationText(uint64_t ns) {
   return std::to_string(minutes / 60) + " h " + std::to_string(minutes % 60) + " min";
 }
 
-Status TraceCells(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal) {
-  Progress progress(terminal, "trace", Steps(plan.cells.size(), 0));
+Status TraceCells(const ExperimentPlan& plan, const ExperimentFolder& folder,
+                  const ExperimentProgress& on_progress) {
   for (size_t i = 0; i < plan.cells.size() && !StopRequested(); ++i) {
     const ExperimentCell& cell = plan.cells[i];
     if (IsTraceOf(ReadCosts(folder.TraceFile(cell)), plan)) continue;
-    const auto trace = RunTrace(
-        OptionsOf(plan, cell), [&](double share) { progress.Show(Steps(i, share), cell.label()); });
+    const auto trace = RunTrace(OptionsOf(plan, cell), [&](double share) {
+      on_progress(Share(plan, i, share), cell.label());
+    });
     if (!trace.ok()) return trace.status();
     if (Status status = WriteCosts(folder.TraceFile(cell), *trace); !status.ok()) return status;
   }
   return {};
 }
 
-Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder, Terminal& terminal) {
-  return Grid(plan, folder, terminal).Play();
+Status PlayGrid(const ExperimentPlan& plan, const ExperimentFolder& folder,
+                const ExperimentProgress& on_progress) {
+  return Grid(plan, folder, on_progress).Play();
 }
 
 Result<ExperimentTruths> Assess(const ExperimentPlan& plan, const ExperimentFolder& folder,
-                                std::span<const CellSummary> cells, Terminal& terminal) {
+                                std::span<const CellSummary> cells,
+                                const ExperimentProgress& on_progress) {
   TruthOptions options;
   options.seed_count = plan.options.replay_seed_count;
   options.thread_count = std::max(1U, std::thread::hardware_concurrency());
   options.time_scale = plan.options.time_scale;
   ExperimentTruths truths;
-  Progress progress(terminal, "replay", Steps(plan.cells.size(), 0));
   for (size_t i = 0; i < plan.cells.size(); ++i) {
     const ExperimentCell& cell = plan.cells[i];
     const auto trace = ReadCosts(folder.TraceFile(cell));
     if (!IsTraceOf(trace, plan)) continue;
     truths.cells.push_back(RankArms(cell, *trace));
     if (StopRequested()) continue;
-    const auto done = [&](double share) { progress.Show(Steps(i, share), cell.label()); };
+    const auto done = [&](double share) { on_progress(Share(plan, i, share), cell.label()); };
     Status status = AssessCell(*trace, CellsOf(cells, cell), options, done, truths.cells.back());
     if (!status.ok()) return status;
   }

@@ -12,17 +12,17 @@ namespace {
 // has 82 %; its "stable" cells have 41 to 72 %.
 constexpr double kStrongPercent = 75;
 
-Verdict MostFrequentVerdict(const std::vector<RunSummary>& runs) {
+Verdict MostFrequentVerdict(const std::vector<PlayedRun>& runs) {
   std::map<Verdict, size_t> counts;
-  for (const RunSummary& run : runs) ++counts[run.verdict];
+  for (const PlayedRun& run : runs) ++counts[run.verdict];
   return std::max_element(counts.begin(), counts.end(),
                           [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
 }
 
-std::vector<std::pair<std::string, uint32_t>> Dominance(const std::vector<RunSummary>& runs) {
+std::vector<std::pair<std::string, uint32_t>> Dominance(const std::vector<PlayedRun>& runs) {
   std::vector<std::pair<std::string, uint32_t>> counts;
-  for (const RunSummary& run : runs) {
+  for (const PlayedRun& run : runs) {
     const auto known = std::find_if(counts.begin(), counts.end(), [&](const auto& each) {
       return each.first == run.dominant_name();
     });
@@ -38,25 +38,25 @@ std::vector<std::pair<std::string, uint32_t>> Dominance(const std::vector<RunSum
 }
 
 template <typename Measure>
-Spread SpreadOver(const std::vector<RunSummary>& runs, Measure measure) {
+Spread SpreadOver(const std::vector<PlayedRun>& runs, Measure measure) {
   std::vector<double> values;
   values.reserve(runs.size());
-  for (const RunSummary& run : runs) values.push_back(measure(run));
+  for (const PlayedRun& run : runs) values.push_back(measure(run));
   return SpreadOf(values);
 }
 
 void FillSpreads(CellSummary& summary) {
   summary.switches = SpreadOver(
-      summary.runs, [](const RunSummary& run) { return static_cast<double>(run.switch_count); });
-  std::vector<RunSummary> dominant;
-  for (const RunSummary& run : summary.runs) {
+      summary.runs, [](const PlayedRun& run) { return static_cast<double>(run.switch_count); });
+  std::vector<PlayedRun> dominant;
+  for (const PlayedRun& run : summary.runs) {
     if (run.dominant_name() == summary.dominance.front().first) dominant.push_back(run);
   }
   summary.active_percent = SpreadOver(
-      dominant, [](const RunSummary& run) { return 100 * run.active_shares[run.dominant]; });
+      dominant, [](const PlayedRun& run) { return 100 * run.active_shares[run.dominant]; });
   summary.posterior_mean =
-      SpreadOver(dominant, [](const RunSummary& run) { return run.posterior_mean; });
-  summary.evidence = SpreadOver(dominant, [](const RunSummary& run) { return run.evidence; });
+      SpreadOver(dominant, [](const PlayedRun& run) { return run.posterior_mean; });
+  summary.evidence = SpreadOver(dominant, [](const PlayedRun& run) { return run.evidence; });
 }
 
 std::string Doubt(Verdict verdict) {
@@ -90,8 +90,8 @@ std::vector<ArmPeriod> ArmPeriods(const RunRecord& record) {
   return periods;
 }
 
-RunSummary Summarize(const RunRecord& record) {
-  RunSummary summary;
+PlayedRun Summarize(const RunRecord& record) {
+  PlayedRun summary;
   summary.record = &record;
   summary.active_shares.assign(record.arms.size(), 0);
   for (const ArmPeriod& period : ArmPeriods(record)) {

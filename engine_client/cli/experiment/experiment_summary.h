@@ -33,7 +33,7 @@ struct ArmPeriod {
 // Returns the periods of the whole run, exploration included.
 std::vector<ArmPeriod> ArmPeriods(const RunRecord& record);
 
-struct RunSummary {
+struct PlayedRun {
   const RunRecord* record = nullptr;
   std::vector<double> active_shares;   // per arm, in the observation window; sum 1
   uint32_t dominant = 0;               // the arm with the largest share
@@ -47,13 +47,13 @@ struct RunSummary {
 };
 
 // Summarizes a run. The result keeps a pointer to `record`.
-RunSummary Summarize(const RunRecord& record);
+PlayedRun Summarize(const RunRecord& record);
 
 // A row of the tables: all runs of one cell and policy.
 struct CellSummary {
   ExperimentCell cell;
   std::string policy;
-  std::vector<RunSummary> runs;                             // by run number
+  std::vector<PlayedRun> runs;                              // by run number
   std::vector<std::pair<std::string, uint32_t>> dominance;  // arm and run count, descending
   // Over all runs.
   Spread switches;

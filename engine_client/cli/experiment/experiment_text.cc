@@ -25,11 +25,10 @@ std::string PaperText(const PaperFigure& figure, int decimals) {
 
 // Formats a percentage with two decimals below 10 %, one below 100 %, none above. REQUIRES: ratio
 // >= 0.
-std::string Percent(double ratio) {
-  const double percent = 100 * ratio;
-  if (percent < 9.995) return Fixed(percent, 2) + " %";
-  if (percent < 99.95) return Fixed(percent, 1) + " %";
-  return GroupedWhole(percent) + " %";
+std::string RoundedPercent(double ratio) {
+  if (100 * ratio < 9.995) return Percent(ratio, 2);
+  if (100 * ratio < 99.95) return Percent(ratio, 1);
+  return GroupedWhole(100 * ratio) + " %";
 }
 
 std::string CellName(const ExperimentCell& cell) {
@@ -37,7 +36,7 @@ std::string CellName(const ExperimentCell& cell) {
 }
 
 std::string PercentText(double ratio) {
-  const std::string size = Percent(std::abs(ratio));
+  const std::string size = RoundedPercent(std::abs(ratio));
   // A value that rounds to 0 is printed without a sign.
   return size.find_first_not_of("0. %") == std::string::npos ? "0 %"
                                                              : (ratio < 0 ? "−" : "+") + size;
@@ -50,10 +49,6 @@ std::string PolicyTitle(const std::string& policy) {
 
 std::string Frequency(uint32_t count, size_t of) {
   return std::to_string(count) + " / " + std::to_string(of);
-}
-
-const PaperCell* PaperOf(const CellSummary& cell) {
-  return FindPaperCell(cell.cell.scene, cell.cell.object_count);
 }
 
 void PrintTable3(std::span<const CellSummary> cells, std::ostream& out) {
@@ -150,9 +145,9 @@ void PrintAgreement(const ExperimentTruths& truths, std::ostream& out) {
     for (const Agreement& each : truth.agreements) {
       table.AddRow({CellName(truth.cell), each.policy, PercentText(each.regret),
                     IntervalText(each.replayed_regret), each.regret_agrees() ? "in" : "OUTSIDE",
-                    Percent(each.active_share),
-                    Percent(each.replayed_active_share.low) + " to " +
-                        Percent(each.replayed_active_share.high),
+                    RoundedPercent(each.active_share),
+                    RoundedPercent(each.replayed_active_share.low) + " to " +
+                        RoundedPercent(each.replayed_active_share.high),
                     each.share_agrees() ? "in" : "OUTSIDE", PercentText(each.measured_regret)});
     }
   }

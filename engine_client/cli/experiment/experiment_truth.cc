@@ -97,9 +97,9 @@ struct LiveScale {
 
 uint64_t Whole(double value) { return static_cast<uint64_t>(std::max(1.0, std::round(value))); }
 
-LiveScale ScaleOf(const std::vector<RunSummary>& runs) {
+LiveScale ScaleOf(const std::vector<PlayedRun>& runs) {
   std::vector<double> frame_ns, other_ns, run_ns;
-  for (const RunSummary& run : runs) {
+  for (const PlayedRun& run : runs) {
     const auto& controls = run.record->controls;
     const auto best = std::min_element(controls.begin(), controls.end(),
                                        [](const ArmControl& a, const ArmControl& b) {
@@ -168,7 +168,7 @@ Agreement LiveFigures(const CellSummary& cell, const CostTrace& trace, double ot
       static_cast<uint32_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   Agreement agreement;
   agreement.policy = cell.policy;
-  for (const RunSummary& run : cell.runs) {
+  for (const PlayedRun& run : cell.runs) {
     agreement.runs.push_back({run.record->run, MeasuredRegret(*run.record, best),
                               RegretByTrace(*run.record, costs, other_work_ns),
                               run.active_shares[run.dominant]});

@@ -63,9 +63,9 @@ struct LiveRegret {
 struct Agreement {
   std::string policy;
   std::vector<LiveRegret> runs;
-  double measured_regret = 0;  // mean over the runs, as the next two
-  double regret = 0;           // by trace
-  double active_share = 0;
+  double measured_regret = 0;  // mean of LiveRegret::measured over the runs
+  double regret = 0;           // mean of LiveRegret::by_trace over the runs
+  double active_share = 0;     // mean of LiveRegret::active_share over the runs
   Interval replayed_regret;
   Interval replayed_active_share;
 

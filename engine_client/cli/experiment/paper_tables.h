@@ -7,6 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "engine_client/cli/experiment/experiment_summary.h"
+
 namespace sweepstake::cli {
 
 struct PaperFigure {
@@ -23,9 +25,9 @@ struct PaperCell {
   std::string_view dominant;        // Table 4: the most frequent dominant arm
   uint32_t dominant_run_count = 0;  // of kPaperRunCount
   PaperFigure switches;             // after the exploration, over all runs
-  PaperFigure active_percent;       // over the dominant runs, as the next two are
-  PaperFigure posterior_mean;       // μ* = α ÷ (α + β)
-  PaperFigure evidence;             // n* = α + β
+  PaperFigure active_percent;       // over the dominant runs
+  PaperFigure posterior_mean;       // μ* = α ÷ (α + β), over the dominant runs
+  PaperFigure evidence;             // n* = α + β, over the dominant runs
 };
 
 inline constexpr uint32_t kPaperRunCount = 5;
@@ -35,5 +37,8 @@ std::span<const PaperCell> PaperCells();
 
 // Returns null if the paper does not have this cell.
 const PaperCell* FindPaperCell(std::string_view scene, uint32_t object_count);
+inline const PaperCell* PaperOf(const CellSummary& summary) {
+  return FindPaperCell(summary.cell.scene, summary.cell.object_count);
+}
 
 }  // namespace sweepstake::cli

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/audit/cell_text.h"
+
 namespace sweepstake::cli {
 namespace {
 
-constexpr size_t kOutcomeMax = 65'536;
+constexpr size_t kMaxOutcomes = 65'536;
 
 }  // namespace
 
@@ -18,22 +20,16 @@ ShadowOptions ScaledShadow(ShadowMode mode, double time_scale) {
 }
 
 std::string ReasonName(SwitchReason reason) {
-  switch (reason) {
-    case SwitchReason::kPolicy:
-      return "policy";
-    case SwitchReason::kExploration:
-      return "exploration";
-    case SwitchReason::kBailOut:
-      return "bail-out";
-    case SwitchReason::kManual:
-      return "manual";
-  }
-  return "unknown";
+  return decision::NameOf(decision::kSwitchReasonNames, reason);
+}
+
+std::string VerdictName(Verdict verdict) {
+  return decision::NameOf(decision::kVerdictNames, verdict);
 }
 
 GameRun::GameRun(Scene& scene, FrameSink& sink) : scene_(scene), sink_(sink) {
   // The frame thread never allocates for outcomes.
-  outcomes_.reserve(kOutcomeMax);
+  outcomes_.reserve(kMaxOutcomes);
 }
 
 Result<std::unique_ptr<GameRun>> GameRun::Create(const AdaptiveOptions& options, Scene& scene,
@@ -59,6 +55,13 @@ bool GameRun::Frame() {
   end_cost_ns_ = SteadyClock().NowNs() - work_end_ns;
   Account(stepped_ns - begin_ns, work_end_ns - stepped_ns, adaptive_->last_sample());
   return Note(adaptive_->last_sample());
+}
+
+SwitchOutcome GameRun::OutcomeOf(uint32_t switch_epoch) const {
+  for (const SwitchOutcome& outcome : outcomes_) {
+    if (outcome.executed == 1 && outcome.switch_epoch == switch_epoch) return outcome;
+  }
+  return {};
 }
 
 void GameRun::Account(uint64_t step_ns, uint64_t path_ns, const FrameSample& sample) {
@@ -106,24 +109,8 @@ void GameRun::OnDescriptor(const SceneDescriptor& descriptor) noexcept {
 void GameRun::OnShadow(const ShadowSample& sample) noexcept { sink_.OnShadow(sample); }
 
 void GameRun::OnSwitch(const SwitchOutcome& outcome) noexcept {
-  if (outcomes_.size() < kOutcomeMax) outcomes_.push_back(outcome);
+  if (outcomes_.size() < kMaxOutcomes) outcomes_.push_back(outcome);
   sink_.OnSwitch(outcome);
-}
-
-std::string VerdictName(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kUnknown:
-      return "unknown";
-    case Verdict::kStable:
-      return "stable";
-    case Verdict::kTie:
-      return "tie";
-    case Verdict::kAmbiguous:
-      return "ambiguous";
-    case Verdict::kDegraded:
-      return "degraded";
-  }
-  return "unknown";
 }
 
 }  // namespace sweepstake::cli

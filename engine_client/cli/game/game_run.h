@@ -72,6 +72,8 @@ class GameRun final : private FrameSink {
   const FrameProfile& profile() const { return profile_; }
   // Returns the outcomes of the switches in the order in which they settled, at most 65,536.
   const std::vector<SwitchOutcome>& outcomes() const { return outcomes_; }
+  // Returns the outcome of the switch with this epoch; all zeros if it has not settled.
+  SwitchOutcome OutcomeOf(uint32_t switch_epoch) const;
 
  private:
   GameRun(Scene& scene, FrameSink& sink);

@@ -21,7 +21,8 @@ class PairOracle {
  public:
   // Returns all overlap pairs, sorted. The span is valid until the next call.
   std::span<const OverlapPair> Find(std::span<const Aabb> boxes);
-  // Does the same, but stops with kResourceExhausted if there are more than `max_pairs`.
+  // Returns all overlap pairs as Find does. Error: kResourceExhausted (there are more than
+  // `max_pairs`; the search stops there).
   Result<std::span<const OverlapPair>> FindUpTo(size_t max_pairs, std::span<const Aabb> boxes);
 
  private:

@@ -164,10 +164,9 @@ Status WritePosteriors(const RunSummary& summary, const std::filesystem::path& p
 
 std::string PriorsText(const RunSetup& setup, const SessionStats& session) {
   if (session.prior_source_count == 0 && !setup.priors_file.empty()) {
-    return setup.priors_file + " has no priors of these backends for " + setup.priors_key +
-           ": every arm starts from Beta(1,1)";
+    return setup.priors_file + " has no priors of these backends for " + setup.priors_key;
   }
-  if (session.prior_source_count == 0) return "no priors yet: every arm starts from Beta(1,1)";
+  if (session.prior_source_count == 0) return "no priors yet";
   return "starts from priors of " + std::to_string(session.prior_source_count) +
          (session.prior_source_count == 1 ? " earlier session" : " earlier sessions");
 }

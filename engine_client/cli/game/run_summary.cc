@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine_client/cli/io/duration.h"
+
 namespace sweepstake::cli {
 namespace {
-
-double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 // Returns the quotient, or 0 if the divisor is 0.
 double Ratio(double part, double whole) { return whole > 0 ? part / whole : 0; }
@@ -20,14 +20,6 @@ std::vector<ArmRow> ArmRows(const GameRun& run, const SessionStats& session) {
     if (i < session.beliefs.size()) rows.back().belief = session.beliefs[i];
   }
   return rows;
-}
-
-// Returns the outcome of the switch with this epoch; all zeros if it had not settled at the end.
-SwitchOutcome OutcomeOf(const GameRun& run, uint32_t switch_epoch) {
-  for (const SwitchOutcome& outcome : run.outcomes()) {
-    if (outcome.executed == 1 && outcome.switch_epoch == switch_epoch) return outcome;
-  }
-  return {};
 }
 
 }  // namespace
@@ -94,7 +86,7 @@ RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionSta
                      .verdict_changes = {}};
   for (const SwitchEvent& event : run.switches()) {
     SwitchRow row = ToRow(event, adaptive);
-    const SwitchOutcome outcome = OutcomeOf(run, event.switch_epoch);
+    const SwitchOutcome outcome = run.OutcomeOf(event.switch_epoch);
     row.rebuild_time_ns = outcome.rebuild_time_ns;
     row.settling_cost_ns = outcome.settling_cost_ns;
     summary.switches.push_back(std::move(row));

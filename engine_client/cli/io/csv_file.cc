@@ -1,18 +1,11 @@
 #include "engine_client/cli/io/csv_file.h"
 
+#include <string>
 #include <utility>
 
-namespace sweepstake::cli {
+#include "server/audit/csv.h"
 
-std::string QuoteCsv(std::string_view cell) {
-  if (cell.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(cell);
-  std::string quoted = "\"";
-  for (const char character : cell) {
-    if (character == '"') quoted += '"';
-    quoted += character;
-  }
-  return quoted + '"';
-}
+namespace sweepstake::cli {
 
 Result<std::unique_ptr<CsvFile>> CsvFile::Create(std::filesystem::path path,
                                                  std::initializer_list<std::string_view> header) {
@@ -27,7 +20,8 @@ void CsvFile::Row(std::initializer_list<std::string_view> cells) {
   std::string line;
   const char* separator = "";
   for (const std::string_view cell : cells) {
-    line += separator + QuoteCsv(cell);
+    line += separator;
+    decision::AppendCsv(line, cell);
     separator = ",";
   }
   file_->Write(line + "\r\n");

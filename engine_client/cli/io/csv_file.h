@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -29,8 +28,5 @@ class CsvFile {
 
   std::unique_ptr<WholeFile> file_;
 };
-
-// Returns the cell, in quotes if it contains a comma, a quote or a line break.
-std::string QuoteCsv(std::string_view cell);
 
 }  // namespace sweepstake::cli

@@ -1,7 +1,5 @@
 #include "engine_client/cli/io/json_output.h"
 
-#include <nlohmann/json.hpp>
-
 namespace sweepstake::cli {
 
 void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int indent) {
@@ -12,9 +10,9 @@ void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int in
 void PrintText(Terminal& terminal, const std::string& text) { terminal.out << text << std::flush; }
 
 void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
-                 const std::string& text) {
+                 const std::string& text, int indent) {
   if (as_json) {
-    PrintJson(document, terminal.out);
+    PrintJson(document, terminal.out, indent);
   } else {
     PrintText(terminal, text);
   }

@@ -1,10 +1,12 @@
 // What a command prints as its result: one JSON document with --json, else text for people.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <string>
 
+#include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/terminal.h"
 
 namespace sweepstake::cli {
@@ -16,8 +18,19 @@ void PrintJson(const nlohmann::ordered_json& document, std::ostream& out, int in
 // Prints `text` (whole lines) on `terminal.out` and flushes it.
 void PrintText(Terminal& terminal, const std::string& text);
 
-// Prints either `document` or `text` (whole lines) on `terminal.out`.
+// Prints either `document`, as PrintJson does, or `text` (whole lines) on `terminal.out`.
 void PrintResult(Terminal& terminal, bool as_json, const nlohmann::ordered_json& document,
-                 const std::string& text);
+                 const std::string& text, int indent = 2);
+
+// Returns the value, or null if it is absent.
+template <typename T>
+nlohmann::ordered_json OrNull(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+// Returns [low, high].
+inline nlohmann::ordered_json IntervalJson(const Interval& interval) {
+  return {interval.low, interval.high};
+}
 
 }  // namespace sweepstake::cli

@@ -9,21 +9,12 @@
 namespace sweepstake::cli {
 namespace {
 
-// This generator is splitmix64, because the distributions of std:: are not portable.
-class Draws {
- public:
-  explicit Draws(uint64_t seed) : state_(seed) {}
-
-  // Returns a number below `count`; the bias for counts of some thousand is below 1e-15.
-  size_t Index(size_t count) {
-    const uint64_t word = math::Mix64(state_ += math::kGoldenGamma);
-    const double unit = static_cast<double>(word >> 11) * 0x1p-53;
-    return std::min(count - 1, static_cast<size_t>(unit * static_cast<double>(count)));
-  }
-
- private:
-  uint64_t state_;
-};
+// Returns a number below `count`; the bias for counts of some thousand is below 1e-15. The
+// generator is our own, because the distributions of std:: are not portable.
+size_t DrawIndex(math::SplitMix64& random, size_t count) {
+  const double unit = static_cast<double>(random.Next() >> 11) * 0x1p-53;
+  return std::min(count - 1, static_cast<size_t>(unit * static_cast<double>(count)));
+}
 
 // Returns twice the ranks of the absolute values of `differences`. Doubling makes shared ranks
 // whole numbers.
@@ -88,14 +79,27 @@ double Median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
+TimeSummary Summarize(std::span<const double> times_ms) {
+  std::vector<double> sorted(times_ms.begin(), times_ms.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
+  return {Median(sorted), sum / static_cast<double>(sorted.size()), sorted.front(),
+          Quantile(sorted, 0.99)};
+}
+
+double Quantile(const std::vector<double>& sorted, double ratio) {
+  const auto rank = static_cast<size_t>(std::ceil(ratio * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<size_t>(rank, 1, sorted.size()) - 1];
+}
+
 Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options) {
   const double mean = Mean(values);
   if (values.size() < 2) return {mean, mean};
-  Draws draws(options.seed);
+  math::SplitMix64 random{options.seed};
   std::vector<double> means(options.resample_count);
   for (double& resampled : means) {
     double sum = 0;
-    for (size_t i = 0; i < values.size(); ++i) sum += values[draws.Index(values.size())];
+    for (size_t i = 0; i < values.size(); ++i) sum += values[DrawIndex(random, values.size())];
     resampled = sum / static_cast<double>(values.size());
   }
   std::sort(means.begin(), means.end());
@@ -117,7 +121,7 @@ WilcoxonResult WilcoxonSignedRank(std::span<const double> differences) {
     if (kept[i] > 0) positive += ranks[i];
   }
   const size_t smaller = std::min(positive, total - positive);
-  const double doubled = kept.size() <= kExactWilcoxonMax
+  const double doubled = kept.size() <= kMaxExactWilcoxon
                              ? 2 * ShareAtMost(ranks, smaller)
                              : NormalProbability(ranks, static_cast<double>(smaller) / 2);
   result.positive_ranks = static_cast<double>(positive) / 2;

@@ -19,6 +19,18 @@ double SampleDeviation(std::span<const double> values);
 // 0 for no values.
 double Median(std::vector<double> values);
 
+struct TimeSummary {
+  double ms_median = 0;
+  double ms_mean = 0;
+  double ms_min = 0;
+  double ms_p99 = 0;
+};
+// Returns median, mean, minimum and 99th percentile. REQUIRES: not empty.
+TimeSummary Summarize(std::span<const double> times_ms);
+
+// Returns the quantile at `ratio` by the nearest rank. REQUIRES: sorted, not empty.
+double Quantile(const std::vector<double>& sorted, double ratio);
+
 struct Interval {
   double low = 0;
   double high = 0;
@@ -36,7 +48,7 @@ struct BootstrapOptions {
 Interval BootstrapMean(std::span<const double> values, const BootstrapOptions& options = {});
 
 // Wilcoxon's signed-rank test of paired differences against 0, two-sided. Zero differences are left
-// out, and differences of equal size share their mean rank. Up to kExactWilcoxonMax pairs, the
+// out, and differences of equal size share their mean rank. Up to kMaxExactWilcoxon pairs, the
 // probability is exact: all sign patterns are counted, ties included. For more pairs it comes from
 // the normal distribution, corrected for ties and continuity.
 struct WilcoxonResult {
@@ -49,7 +61,7 @@ struct WilcoxonResult {
   // (W⁺ − W⁻) ÷ (W⁺ + W⁻), the matched-pairs rank-biserial effect size.
   double rank_correlation = 0;
 };
-inline constexpr size_t kExactWilcoxonMax = 30;
+inline constexpr size_t kMaxExactWilcoxon = 30;
 WilcoxonResult WilcoxonSignedRank(std::span<const double> differences);
 
 // Returns Holm's step-down correction of the probabilities of a family of tests, in their order.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <ostream>
 #include <string>
 
@@ -37,7 +38,7 @@ std::string CutToColumns(const std::string& text, size_t columns);
 class Progress {
  public:
   // A `total` of 0 shows the text without a bar.
-  Progress(Terminal& terminal, std::string label, uint64_t total);
+  Progress(Terminal& terminal, std::string label, uint64_t total = 1'000'000);
   // Clears the bar.
   ~Progress();
   Progress(const Progress&) = delete;
@@ -45,6 +46,13 @@ class Progress {
 
   // Draws if an update is due, and only reads the clock otherwise.
   void Show(uint64_t done, const std::string& text = {});
+  // Returns a callback for work that knows no terminal; it shows the share of the total, 0 to 1.
+  // REQUIRES: this outlives it.
+  std::function<void(double share, const std::string& text)> OnShare() {
+    return [this](double share, const std::string& text) {
+      Show(static_cast<uint64_t>(share * static_cast<double>(total_)), text);
+    };
+  }
   // Returns whether Show would draw now. A caller need not compose a text if not.
   bool due() const;
   // Writes a line above the bar.

@@ -70,4 +70,6 @@ std::string Fixed(double value, int decimals) {
   return text;
 }
 
+std::string Percent(double ratio, int decimals) { return Fixed(100 * ratio, decimals) + " %"; }
+
 }  // namespace sweepstake::cli

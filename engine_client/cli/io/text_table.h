@@ -34,4 +34,7 @@ class TextTable {
 // Returns `value` with `decimals` digits after the point.
 std::string Fixed(double value, int decimals);
 
+// Returns 100 times `ratio` with `decimals` digits after the point: "12.3 %".
+std::string Percent(double ratio, int decimals);
+
 }  // namespace sweepstake::cli

@@ -56,7 +56,7 @@ bool Collect(Object* a, Object* b, void* out) {
 }
 
 // Returns the edge of a cell of the spatial hash, which is the mean of the boxes' longest edges.
-// With twice that, a frame of 10,000 objects of suite-b takes 40 % longer.
+// Twice that is slower.
 double CellEdge(std::span<const Aabb> boxes) {
   double sum = 0;
   for (const Aabb& box : boxes) {
@@ -142,9 +142,9 @@ std::unique_ptr<Peer> Make(std::string_view name, uint32_t) {
 
 void AddFclPeers(PeerLibrary& library) {
   // SaPCollisionManager is left out: in version 0.7.0 its update does not terminate if boxes
-  // coincide, and otherwise takes four times as long as Bullet's.
+  // coincide, and otherwise takes longer than Bullet's.
   using S = double;
-  constexpr uint32_t kMaxInSweep = 30'000;  // at which a frame takes about a second
+  constexpr uint32_t kMaxInSweep = 30'000;  // more take too long
   library.version = FCL_VERSION;
   library.kinds = {
       {"FclBruteForce", "BruteForce", 20'000, false,

@@ -47,8 +47,7 @@ struct PeerKind {
 
 struct PeerLibrary {
   std::string_view name;
-  std::string_view package;  // the name of Debian's package
-  std::string_view licence;
+  std::string_view package;     // the name of Debian's package
   std::string version;          // empty if this build leaves the library out
   std::vector<PeerKind> kinds;  // none if this build leaves the library out
 };
@@ -58,7 +57,8 @@ inline void AppendPair(PairBuffer& out, uint32_t a, uint32_t b) {
   out.Append({std::min(a, b), std::max(a, b)});
 }
 
-// Returns whether two valid boxes overlap.
+// Returns whether two valid boxes overlap, like the function of this name in Tracy
+// (broad_phase/tracy/tracy_rest.cc), but stops at the first axis on which they do not.
 inline bool ValidBoxesOverlap(const Aabb& a, const Aabb& b) {
   return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] &&
          b.min[1] <= a.max[1] && a.min[2] <= b.max[2] && b.min[2] <= a.max[2];

@@ -4,12 +4,12 @@ namespace sweepstake::cli {
 
 std::vector<PeerLibrary> PeerLibraries() {
   std::vector<PeerLibrary> libraries = {
-      {"Bullet", "libbullet-dev", "zlib", "", {}},
-      {"FCL", "libfcl-dev", "BSD-3-Clause", "", {}},
-      {"ODE", "libode-dev", "BSD-3-Clause or LGPL-2.1+", "", {}},
-      {"Embree", "libembree-dev", "Apache-2.0", "", {}},
-      {"Boost.Geometry", "libboost-dev", "BSL-1.0", "", {}},
-      {"CGAL", "libcgal-dev", "GPL-3.0+", "", {}},
+      {"Bullet", "libbullet-dev", "", {}},
+      {"FCL", "libfcl-dev", "", {}},
+      {"ODE", "libode-dev", "", {}},
+      {"Embree", "libembree-dev", "", {}},
+      {"Boost.Geometry", "libboost-dev", "", {}},
+      {"CGAL", "libcgal-dev", "", {}},
   };
   AddBulletPeers(libraries[0]);
   AddFclPeers(libraries[1]);

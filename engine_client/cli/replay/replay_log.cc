@@ -5,9 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/numbers.h"
-#include "server/audit/rederive.h"
 #include "server/decision/study/ablations.h"
 
 namespace sweepstake::cli {
@@ -37,45 +35,36 @@ Json DifferenceJson(const std::optional<AuditDifference>& difference) {
           {"column", difference->column},   {"message", difference->message}};
 }
 
-void PrintReportJson(const AuditReport& report, const std::string& file, std::ostream& out) {
-  PrintJson(Json{{"command", "replay"},
-                 {"log", file},
-                 {"sessions", report.session_count},
-                 {"segments", report.segment_count},
-                 {"rows", report.row_count},
-                 {"decisions", report.decision_count},
-                 {"equal", !report.difference},
-                 {"difference", DifferenceJson(report.difference)}},
-            out);
-}
-
-void PrintReport(const AuditReport& report, std::ostream& out) {
-  out << Counted(report.decision_count, "decision") << " in "
-      << Counted(report.segment_count, "segment") << " re-derived, ";
-  if (report.difference) {
-    out << "then a difference\n" << report.difference->Text() << '\n';
-  } else {
-    out << "all equal\n";
-  }
-}
-
 }  // namespace
 
-int ReplayLog(const std::string& file, bool json, Terminal& terminal) {
+Result<AuditReport> ReplayLog(const std::string& file) {
   const auto text = ReadLog(file);
-  if (!text.ok()) return Fail(terminal, text.status());
-  const AuditReport report = decision::Rederive(*text, decision::StudyPolicies());
+  if (!text.ok()) return text.status();
+  AuditReport report = decision::Rederive(*text, decision::StudyPolicies());
   if (!report.difference && report.decision_count == 0) {
-    return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 file + " holds no decisions; `sweepstake audit list` says which "
-                                        "sessions have some"));
+    return Status(
+        StatusCode::kInvalidArgument,
+        file + " holds no decisions; `sweepstake audit list` says which sessions have some");
   }
-  if (json) {
-    PrintReportJson(report, file, terminal.out);
-  } else {
-    PrintReport(report, terminal.out);
-  }
-  return report.difference ? kCheckFailed : kDone;
+  return report;
+}
+
+Json ReplayLogJson(const AuditReport& report, const std::string& file) {
+  return {{"command", "replay"},
+          {"log", file},
+          {"sessions", report.session_count},
+          {"segments", report.segment_count},
+          {"rows", report.row_count},
+          {"decisions", report.decision_count},
+          {"equal", !report.difference},
+          {"difference", DifferenceJson(report.difference)}};
+}
+
+std::string ReplayLogText(const AuditReport& report) {
+  return Counted(report.decision_count, "decision") + " in " +
+         Counted(report.segment_count, "segment") + " re-derived, " +
+         (report.difference ? "then a difference\n" + report.difference->Text() : "all equal") +
+         '\n';
 }
 
 }  // namespace sweepstake::cli

@@ -1,16 +1,21 @@
-// `sweepstake replay --log`: derives every decision of an audit log again and compares it with the
-// logged one.
+// Derives every decision of an audit log again and compares it with the logged one
+// (`sweepstake replay --log`). Thread-safe.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "engine_client/cli/io/terminal.h"
+#include "server/audit/rederive.h"
+#include "sweepstake/status.h"
 
 namespace sweepstake::cli {
 
-// Returns the exit code: kDone (all decisions are equal), kCheckFailed (the first difference is
-// printed) or kBadUsage (the file cannot be read). The file is read into memory. Cost: some 30 µs
-// per decision of 7 arms.
-int ReplayLog(const std::string& file, bool json, Terminal& terminal);
+// Reads the file into memory and returns what was derived, with the first difference. Errors:
+// kNotFound (the file cannot be read), kInvalidArgument (it holds no decisions).
+Result<decision::AuditReport> ReplayLog(const std::string& file);
+
+// Return the report as one document and as whole lines.
+nlohmann::ordered_json ReplayLogJson(const decision::AuditReport& report, const std::string& file);
+std::string ReplayLogText(const decision::AuditReport& report);
 
 }  // namespace sweepstake::cli

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 #include "server/decision/session/policy_registry.h"
@@ -18,16 +17,10 @@ const std::string& ArmName(const ReplayReport& report, uint32_t scene, uint32_t 
   return report.scenes[scene].scene.arms()[arm];
 }
 
-template <typename T>
-Json OrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-Json IntervalJson(const Interval& interval) { return {interval.low, interval.high}; }
-
 Json VerdictsJson(const std::vector<double>& shares) {
   Json json = Json::object();
-  for (size_t i = 0; i < shares.size(); ++i) json[VerdictName(static_cast<Verdict>(i))] = shares[i];
+  for (size_t i = 0; i < shares.size(); ++i)
+    json[std::string(decision::kVerdictNames[i])] = shares[i];
   return json;
 }
 
@@ -61,26 +54,26 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
 }
 
 // Formats a ratio as "+1.23%".
-std::string Percent(double ratio) {
+std::string SignedPercent(double ratio) {
   std::string text = Fixed(100 * ratio, 2);
   if (text == "-0.00") text = "0.00";
   return (text.starts_with('-') ? "" : "+") + text + "%";
 }
 
 std::string IntervalText(const Interval& interval) {
-  return Percent(interval.low) + " to " + Percent(interval.high);
+  return SignedPercent(interval.low) + " to " + SignedPercent(interval.high);
 }
 
 std::string AgainstPaperText(const StudyRow& row) {
   if (!row.against_paper) return "-";
-  return Percent(row.against_paper->difference) + " (" + IntervalText(row.against_paper->ci95) +
-         ")";
+  return SignedPercent(row.against_paper->difference) + " (" +
+         IntervalText(row.against_paper->ci95) + ")";
 }
 
 std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
-  return scene.name + ": noise floor " + Percent(std::abs(scene.scene.control_regret())) +
-         ", headroom " + Percent(first_row.headroom) + " with switches paid, " +
-         Percent(first_row.frame_headroom) + " frame by frame";
+  return scene.name + ": noise floor " + SignedPercent(std::abs(scene.scene.control_regret())) +
+         ", headroom " + SignedPercent(first_row.headroom) + " with switches paid, " +
+         SignedPercent(first_row.frame_headroom) + " frame by frame";
 }
 
 }  // namespace
@@ -94,9 +87,9 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
       table.AddTitle(SceneTitle(report.scenes[row.scene], row));
     }
     before = &row;
-    table.AddRow({report.options.players[row.player].name, Percent(row.regret_best_fixed),
-                  IntervalText(row.ci95), Percent(row.regret_after_start_up),
-                  Percent(row.regret_oracle),
+    table.AddRow({report.options.players[row.player].name, SignedPercent(row.regret_best_fixed),
+                  IntervalText(row.ci95), SignedPercent(row.regret_after_start_up),
+                  SignedPercent(row.regret_oracle),
                   row.headroom_captured ? Fixed(100 * *row.headroom_captured, 0) + "%" : "-",
                   Fixed(row.switches, 1), Fixed(row.active_share, 2),
                   ArmName(report, row.scene, row.dominant_arm),

@@ -132,9 +132,6 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   if (!players.ok()) return players.status();
   const auto priors =
       std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
-  if (priors == kReplayPriorsNames.end()) {
-    return Invalid(math::UnknownName("priors", request.priors, kReplayPriorsNames));
-  }
   ReplayPlan plan{.scenes = std::move(*scenes), .study = {}};
   plan.study.players = std::move(*players);
   plan.study.seed_count = request.seed_count;

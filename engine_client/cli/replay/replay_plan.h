@@ -20,7 +20,7 @@ struct ReplayRequest {
   std::string frame = "10ms";
   std::string other_work{};
   std::vector<std::string> passes{};  // none, one for all traces, or one for each
-  std::string priors = "none";        // none, right, wrong
+  std::string priors = "none";        // REQUIRES: one of kReplayPriorsNames
   bool no_shadow = false;
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;

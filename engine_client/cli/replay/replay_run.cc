@@ -214,10 +214,8 @@ void Game::Meter(const decision::Frame& frame) {
 
 void Game::Report(const SwitchOutcome& outcome) {
   Flush();
-  session_.ObserveSwitch(
-      outcome.arm, outcome.switch_epoch, static_cast<decision::SwitchReason>(outcome.reason),
-      now_ns_,
-      {.rebuild_time_ns = outcome.rebuild_time_ns, .settling_cost_ns = outcome.settling_cost_ns});
+  session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, ToDecision(outcome.reason), now_ns_,
+                         ToDecision(outcome));
 }
 
 void Game::ObserveScene() {

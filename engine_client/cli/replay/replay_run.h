@@ -12,7 +12,7 @@
 // switch costs what the last frame of the warm-up does. The client's own SwitchCostMeter measures
 // switch costs. A frame over the limit is reported at once.
 //
-// Cost: some 2–3 ms for 90,000 frames and seven arms, plus the policy's own time.
+// Cost: linear in the frames, plus the policy's own time.
 #pragma once
 
 #include <array>

@@ -47,7 +47,8 @@ class ReplayScene {
   uint32_t frame_count() const { return frame_count_; }  // the game's
   uint32_t trace_frame_count() const { return trace_frame_count_; }
 
-  // Each of these four functions returns one measured value of a frame of the trace.
+  // detection_ns, aabb_check_count, native_bytes and object_count return what was measured in a
+  // frame of the trace.
   double detection_ns(uint32_t trace_frame, uint32_t arm) const {
     return detection_ns_[size_t{trace_frame} * arms_.size() + arm];
   }

@@ -55,7 +55,7 @@ struct StudyGame {
   double regret_oracle = 0;  // against the oracle that pays for its switches
   double regret_after_start_up = 0;
   double headroom = 0;        // that oracle's: 1 − its time ÷ the best fixed arm's
-  double frame_headroom = 0;  // the same with the best arm in every frame and free switches
+  double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
   uint64_t switch_count = 0;  // after the exploration
   double active_share = 1;    // the dominant arm's
   uint32_t dominant_arm = 0;
@@ -72,21 +72,23 @@ struct StudyRow {
   uint32_t player = 0;
   std::vector<StudyGame> games;  // by seed, from 1
 
-  double regret_best_fixed = 0;  // mean over the games, as all below
-  Interval ci95;                 // of regret_best_fixed
+  // The means over the games of the members of StudyGame with these names.
+  double regret_best_fixed = 0;
   double regret_oracle = 0;
   double regret_after_start_up = 0;
-  Interval after_start_up_ci95;
   double headroom = 0;
   double frame_headroom = 0;
-  std::optional<double> headroom_captured;  // absent if the headroom is below kMinHeadroom
-  double switches = 0;
   double active_share = 0;
-  uint32_t dominant_arm = 0;  // in the largest number of games
-  std::optional<double> bail_outs;
   std::vector<double> verdict_shares;
-  std::optional<double> first_best_s;
   double shadow_share = 0;
+
+  Interval ci95;                            // 95 % interval of regret_best_fixed
+  Interval after_start_up_ci95;             // 95 % interval of regret_after_start_up
+  std::optional<double> headroom_captured;  // absent if the headroom is below kMinHeadroom
+  double switches = 0;                      // mean of StudyGame::switch_count
+  uint32_t dominant_arm = 0;                // in the largest number of games
+  std::optional<double> bail_outs;          // mean of StudyGame::bail_out_count
+  std::optional<double> first_best_s;       // median over the games that have one
   struct AgainstPaper {
     double difference = 0;  // of regret_best_fixed, paired by seed
     Interval ci95;

@@ -24,7 +24,7 @@ constexpr std::string_view kMagic = "SWPCOSTS";
 constexpr uint32_t kVersion = 1;
 constexpr size_t kHeaderBytes = 32;
 
-std::string FlawOfArms(const std::vector<TracedArm>& arms) {
+std::string ErrorOfArms(const std::vector<TracedArm>& arms) {
   if (arms.empty() || arms.size() > kMaxTracedArms) {
     return "has " + std::to_string(arms.size()) + " arms, not 1 to " +
            std::to_string(kMaxTracedArms);
@@ -49,7 +49,7 @@ bool IsOneShortLine(const std::string& text) {
          });
 }
 
-std::string FlawOfCounts(const CostTrace& trace) {
+std::string ErrorOfCounts(const CostTrace& trace) {
   if (trace.frame_count == 0 || trace.frame_count > kMaxTracedFrames) {
     return "has " + std::to_string(trace.frame_count) + " frames, not 1 to " +
            std::to_string(kMaxTracedFrames);
@@ -66,14 +66,14 @@ std::string FlawOfCounts(const CostTrace& trace) {
   return "";
 }
 
-std::string FlawOfTimes(const std::string& column, std::span<const uint64_t> times, size_t count) {
+std::string ErrorOfTimes(const std::string& column, std::span<const uint64_t> times, size_t count) {
   if (times.size() != count) return "has a column " + column + " of another length than its frames";
   const bool valid = std::all_of(times.begin(), times.end(),
                                  [](uint64_t ns) { return ns >= 1 && ns <= kMaxTracedNs; });
   return valid ? "" : "has a time of nothing or of more than an hour in its column " + column;
 }
 
-std::string FlawOfColumns(const CostTrace& trace) {
+std::string ErrorOfColumns(const CostTrace& trace) {
   const size_t frames = trace.frame_count;
   const size_t all = frames * trace.arms.size();
   const std::pair<const char*, bool> lengths[] = {
@@ -90,13 +90,13 @@ std::string FlawOfColumns(const CostTrace& trace) {
   if (std::any_of(trace.held.begin(), trace.held.end(), [](uint8_t held) { return held > 1; })) {
     return "has a column held with other values than 0 and 1";
   }
-  if (std::string flaw = FlawOfTimes("control_ns", trace.control_ns, frames); !flaw.empty()) {
-    return flaw;
+  if (std::string error = ErrorOfTimes("control_ns", trace.control_ns, frames); !error.empty()) {
+    return error;
   }
-  return FlawOfTimes("detection_ns", trace.detection_ns, all);
+  return ErrorOfTimes("detection_ns", trace.detection_ns, all);
 }
 
-std::string FlawOfBursts(const CostTrace& trace) {
+std::string ErrorOfBursts(const CostTrace& trace) {
   if (trace.bursts.empty()) return "has no burst";
   const uint32_t length = trace.burst_frame_count;
   uint64_t free_from = 0;
@@ -105,10 +105,10 @@ std::string FlawOfBursts(const CostTrace& trace) {
       return "has a burst out of order or out of its frames";
     }
     free_from = burst.first_frame + uint64_t{1};
-    if (std::string flaw =
-            FlawOfTimes("detection_ns of a burst", burst.detection_ns, length * trace.arms.size());
-        !flaw.empty()) {
-      return flaw;
+    if (std::string error =
+            ErrorOfTimes("detection_ns of a burst", burst.detection_ns, length * trace.arms.size());
+        !error.empty()) {
+      return error;
     }
   }
   return "";
@@ -123,7 +123,7 @@ bool IsFinite(const SceneDescriptor& descriptor) {
                      [](float value) { return std::isfinite(value); });
 }
 
-std::string FlawOfDescriptors(const CostTrace& trace) {
+std::string ErrorOfDescriptors(const CostTrace& trace) {
   uint32_t last = 0;
   for (const TracedDescriptor& traced : trace.descriptors) {
     if (traced.frame < last || traced.frame > trace.frame_count || !IsFinite(traced.descriptor)) {
@@ -237,9 +237,9 @@ std::string Header(std::string_view payload) {
   return header;
 }
 
-Status Broken(const fs::path& path, const std::string& flaw) {
+Status Broken(const fs::path& path, const std::string& error) {
   return {StatusCode::kDataLoss,
-          path.string() + " " + flaw + "; make it again with `sweepstake trace`"};
+          path.string() + " " + error + "; make it again with `sweepstake trace`"};
 }
 
 Result<std::string> ReadBytes(const fs::path& path) {
@@ -260,7 +260,7 @@ Result<std::string> ReadBytes(const fs::path& path) {
 }
 
 // Returns what is wrong with the file's header, or an empty text.
-std::string FlawOfHeader(std::string_view bytes) {
+std::string ErrorOfHeader(std::string_view bytes) {
   if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) return "is no cost trace";
   const uint64_t version = NumberAt(bytes, 8, 4);
   if (version != kVersion) {
@@ -280,16 +280,16 @@ std::string FlawOfHeader(std::string_view bytes) {
 
 }  // namespace
 
-std::string FlawOf(const CostTrace& trace) {
-  for (const auto& flaw_of : {+[](const CostTrace& t) { return FlawOfArms(t.arms); }, FlawOfCounts,
-                              FlawOfColumns, FlawOfBursts, FlawOfDescriptors}) {
-    if (std::string flaw = flaw_of(trace); !flaw.empty()) return flaw;
+std::string ErrorOf(const CostTrace& trace) {
+  for (const auto& error_of : {+[](const CostTrace& t) { return ErrorOfArms(t.arms); },
+                               ErrorOfCounts, ErrorOfColumns, ErrorOfBursts, ErrorOfDescriptors}) {
+    if (std::string error = error_of(trace); !error.empty()) return error;
   }
   return "";
 }
 
 Status WriteCosts(const fs::path& path, const CostTrace& trace) {
-  assert(FlawOf(trace).empty());
+  assert(ErrorOf(trace).empty());
   const std::string payload = MessageOf(trace).SerializeAsString();
   if (payload.size() > kMaxCostsBytes) {
     return {StatusCode::kResourceExhausted,
@@ -305,14 +305,14 @@ Status WriteCosts(const fs::path& path, const CostTrace& trace) {
 Result<CostTrace> ReadCosts(const fs::path& path) {
   const auto bytes = ReadBytes(path);
   if (!bytes.ok()) return bytes.status();
-  if (const std::string flaw = FlawOfHeader(*bytes); !flaw.empty()) return Broken(path, flaw);
+  if (const std::string error = ErrorOfHeader(*bytes); !error.empty()) return Broken(path, error);
   const std::string_view payload = std::string_view(*bytes).substr(kHeaderBytes);
   costs::CostTrace message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
     return Broken(path, "holds no readable message");
   }
   CostTrace trace = TraceOf(message);
-  if (const std::string flaw = FlawOf(trace); !flaw.empty()) return Broken(path, flaw);
+  if (const std::string error = ErrorOf(trace); !error.empty()) return Broken(path, error);
   return trace;
 }
 

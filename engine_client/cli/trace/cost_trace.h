@@ -89,11 +89,11 @@ struct CostTrace {
 
 // Returns why the trace is invalid, or an empty text if it is valid: a column has the wrong length,
 // a number is out of bounds, or bursts or descriptors are out of order.
-std::string FlawOf(const CostTrace& trace);
+std::string ErrorOf(const CostTrace& trace);
 
 // Writes the file, which appears whole or not at all. Errors: those of WholeFile, and
 // kResourceExhausted (the file would have more than kMaxCostsBytes). REQUIRES:
-// FlawOf(trace).empty().
+// ErrorOf(trace).empty().
 Status WriteCosts(const std::filesystem::path& path, const CostTrace& trace);
 
 // Reads the file. Errors: kNotFound (there is no such file), kDataLoss (it holds no valid cost

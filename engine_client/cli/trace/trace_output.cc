@@ -10,8 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string Percent(double ratio, int decimals = 1) { return Fixed(100 * ratio, decimals) + " %"; }
-
 Json ArmJson(const TracedArm& arm, const TracedArmSummary& summary) {
   return {{"arm", arm.name},
           {"version", arm.version},
@@ -82,14 +80,14 @@ void PrintTrace(const CostTrace& trace, const TraceSummary& summary, const std::
   for (size_t i = 0; i < trace.arms.size(); ++i) {
     const TracedArmSummary& arm = summary.arms[i];
     table.AddRow({trace.arms[i].name, Fixed(arm.ms_mean, 4), Fixed(arm.ms_median, 4),
-                  Fixed(arm.ms_p99, 4), Fixed(arm.build_ms, 4), Percent(arm.best_ratio),
-                  Percent(arm.held_ratio)});
+                  Fixed(arm.ms_p99, 4), Fixed(arm.build_ms, 4), Percent(arm.best_ratio, 1),
+                  Percent(arm.held_ratio, 1)});
   }
   table.Print(out);
   out << "Best fixed arm: " << trace.arms[summary.best_arm].name
-      << ". The cheapest arm of every frame would save " << Percent(summary.frame_headroom)
+      << ". The cheapest arm of every frame would save " << Percent(summary.frame_headroom, 1)
       << " of it,\nof every " << TraceSummary::kWindowFrames << " frames "
-      << Percent(summary.window_headroom) << ".\nA/A control: a second "
+      << Percent(summary.window_headroom, 1) << ".\nA/A control: a second "
       << trace.arms[trace.control_arm].name << " takes " << Fixed(summary.control_ratio, 4)
       << " of the first one's time\n(95 %: " << Fixed(summary.control_low, 4) << " to "
       << Fixed(summary.control_high, 4) << ").\n";

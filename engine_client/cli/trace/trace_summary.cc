@@ -5,7 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "engine_client/cli/bench/scene_timing.h"
 #include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {

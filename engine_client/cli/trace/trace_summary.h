@@ -45,7 +45,7 @@ struct TraceSummary {
   }
 };
 
-// REQUIRES: FlawOf(trace).empty().
+// REQUIRES: ErrorOf(trace).empty().
 TraceSummary SummarizeTrace(const CostTrace& trace);
 
 }  // namespace sweepstake::cli

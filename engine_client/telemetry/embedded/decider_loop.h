@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine_client/telemetry/sample_queue.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/embedded_decider.h"
 
@@ -42,7 +42,7 @@ class DeciderLoop {
   SampleQueue& queue_;
   AdaptiveBroadPhase& adaptive_;
   const std::unique_ptr<EmbeddedDecider> decider_;
-  std::vector<FrameSample> frames_;  // not yet handed on; its memory is kept
+  std::vector<FrameSample> frames_;  // frames not yet handed on; the memory is reused
   uint64_t frame_count_ = 0;         // handed on by the TakeQueue under way
   uint64_t published_decision_count_ = ~uint64_t{0};
 };

@@ -63,6 +63,8 @@ decision::SwitchReason ToDecision(SwitchReason reason) {
 
 decision::Mode ToDecision(Mode mode) { return static_cast<decision::Mode>(mode); }
 
+decision::BetaPosterior ToDecision(const ArmBelief& belief) { return {belief.alpha, belief.beta}; }
+
 SwitchCommand FromDecision(const decision::SwitchCommand& command) {
   return {.command_id = command.command_id,
           .arm = command.arm,

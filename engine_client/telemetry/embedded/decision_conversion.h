@@ -19,6 +19,7 @@ decision::SceneDescriptor ToDecision(const SceneDescriptor& descriptor);
 decision::SwitchCost ToDecision(const SwitchOutcome& outcome);
 decision::SwitchReason ToDecision(SwitchReason reason);
 decision::Mode ToDecision(Mode mode);
+decision::BetaPosterior ToDecision(const ArmBelief& belief);
 
 SwitchCommand FromDecision(const decision::SwitchCommand& command);
 SceneVerdict FromDecision(const decision::Diagnosis& diagnosis);

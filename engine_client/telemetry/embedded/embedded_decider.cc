@@ -8,6 +8,7 @@
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/audit/audit_log.h"
+#include "server/decision/session/arm_runs.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
 
@@ -114,7 +115,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   const uint64_t prior_source_count_;
   const OnDecision on_decision_;
   std::function<void(std::string_view)> on_audit_row_;  // null: no log
-  uint32_t latest_epoch_ = 0;                           // of all frames and outcomes
+  uint32_t latest_epoch_ = 0;                           // latest epoch of all frames and outcomes
   std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
   std::optional<SwitchCommand> pending_command_;
 };
@@ -140,7 +141,7 @@ void EmbeddedDecider::Impl::Fold() {
 // take the session back to that epoch.
 void EmbeddedDecider::Impl::Observe(const SwitchOutcome& outcome, int64_t now_ns) {
   if (outcome.executed == 0) return session_.ObserveRefusal(outcome.command_id);
-  if (outcome.switch_epoch < latest_epoch_) return;
+  if (decision::IsLaterEpoch(latest_epoch_, outcome.switch_epoch)) return;
   if (outcome.arm >= session_.arms().size()) return;
   latest_epoch_ = outcome.switch_epoch;
   session_.ObserveSwitch(outcome.arm, outcome.switch_epoch, ToDecision(outcome.reason), now_ns,
@@ -188,8 +189,8 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
     return status;
   }
   decision::SessionSetup setup = MakeSetup(options, arms, now_ns);
-  if (const std::optional<std::string> complaint = decision::Validate(setup, policies)) {
-    return Status(StatusCode::kInvalidArgument, *complaint);
+  if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
+    return Status(StatusCode::kInvalidArgument, *error);
   }
   std::vector<PriorRecord> records;
   if (!options.priors_file.empty()) {
@@ -201,8 +202,8 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
   }
   LoadedPriors priors = SumPriors(records, options, arms, arm_versions);
   if (!priors.sources.empty()) setup.priors = std::move(priors.arms);
-  if (const std::optional<std::string> complaint = decision::Validate(setup, policies)) {
-    return Status(StatusCode::kInvalidArgument, *complaint);
+  if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
+    return Status(StatusCode::kInvalidArgument, *error);
   }
   auto impl = std::make_unique<EmbeddedDecider::Impl>(std::move(setup), policies,
                                                       priors.sources.size(), options.on_decision);

@@ -4,10 +4,10 @@
 #include <optional>
 #include <utility>
 
+#include "engine_client/telemetry/common/session_base.h"
+#include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
-#include "engine_client/telemetry/session_base.h"
-#include "engine_client/telemetry/validation.h"
 
 namespace sweepstake {
 namespace {
@@ -35,7 +35,7 @@ class EmbeddedSession final : public SessionBase {
 
   const StudyMaker maker_;
   const EmbeddedOptions embedded_;
-  std::optional<DeciderLoop> loop_;  // from Prepare on
+  std::optional<DeciderLoop> loop_;  // present from Prepare on
 };
 
 Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <tuple>
 
-#include "engine_client/telemetry/validation.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake {
 namespace {
@@ -18,13 +18,13 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kFormat = "sweepstake-priors";
 constexpr int kVersion = 1;
-constexpr uintmax_t kFileBytesMax = uintmax_t{64} << 20;
-constexpr size_t kRecordsMax = 200'000;
-constexpr double kIncrementMax = 1e15;
+constexpr uintmax_t kMaxFileBytes = uintmax_t{64} << 20;
+constexpr size_t kMaxRecords = 200'000;
+constexpr double kMaxIncrement = 1e15;
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
-// Reads the fields of one record; keeps the first complaint.
+// Reads the fields of one record; keeps the first error.
 class RecordReader {
  public:
   explicit RecordReader(const Json& record) : record_(record) {}
@@ -32,56 +32,58 @@ class RecordReader {
   void Name(const char* key, std::string& value, bool required) {
     const Json* field = Find(key, required);
     if (field == nullptr) return;
-    if (!field->is_string()) return Complain(key, "is not a string");
+    if (!field->is_string()) return SetError(key, "is not a string");
     value = field->get_ref<const std::string&>();
-    if (required && value.empty()) return Complain(key, "is empty");
-    if (!IsName(value)) Complain(key, "is over 128 bytes or holds a control character");
+    if (required && value.empty()) return SetError(key, "is empty");
+    if (!math::IsOptionalName(value)) {
+      SetError(key, "is over 128 bytes or holds a control character");
+    }
   }
 
   template <typename Integer>
   void Count(const char* key, Integer& value, bool required) {
     const Json* field = Find(key, required);
     if (field == nullptr) return;
-    if (!field->is_number_unsigned()) return Complain(key, "is not a whole number >= 0");
+    if (!field->is_number_unsigned()) return SetError(key, "is not a whole number >= 0");
     const uint64_t number = field->get<uint64_t>();
-    if (number > std::numeric_limits<Integer>::max()) return Complain(key, "is too large");
-    if (required && number == 0) return Complain(key, "is 0");
+    if (number > std::numeric_limits<Integer>::max()) return SetError(key, "is too large");
+    if (required && number == 0) return SetError(key, "is 0");
     value = static_cast<Integer>(number);
   }
 
   void Increment(const char* key, double& value) {
     const Json* field = Find(key, true);
     if (field == nullptr) return;
-    if (!field->is_number()) return Complain(key, "is not a number");
+    if (!field->is_number()) return SetError(key, "is not a number");
     value = field->get<double>();
-    if (!(value >= 0 && value <= kIncrementMax)) Complain(key, "is not within 0 to 1e15");
+    if (!(value >= 0 && value <= kMaxIncrement)) SetError(key, "is not within 0 to 1e15");
   }
 
   // To be called after all fields were read.
   void RejectUnknown() {
     for (const auto& item : record_.items()) {
-      if (!known_.contains(item.key())) return Complain(item.key(), "is not a field of a record");
+      if (!known_.contains(item.key())) return SetError(item.key(), "is not a field of a record");
     }
   }
 
-  const std::optional<std::string>& complaint() const { return complaint_; }
+  const std::optional<std::string>& error() const { return error_; }
 
  private:
   const Json* Find(const char* key, bool required) {
     known_.insert(key);
     const auto found = record_.find(key);
     if (found != record_.end()) return &*found;
-    if (required) Complain(key, "is missing");
+    if (required) SetError(key, "is missing");
     return nullptr;
   }
 
-  void Complain(const std::string& key, const char* what) {
-    if (!complaint_) complaint_ = key.substr(0, kNameBytesMax) + " " + what;
+  void SetError(const std::string& key, const char* what) {
+    if (!error_) error_ = key.substr(0, math::kMaxNameBytes) + " " + what;
   }
 
   const Json& record_;
   std::set<std::string> known_;
-  std::optional<std::string> complaint_;
+  std::optional<std::string> error_;
 };
 
 std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
@@ -101,7 +103,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Count("window_count", record.window_count, false);
   reader.Count("bail_out_count", record.bail_out_count, false);
   reader.RejectUnknown();
-  return reader.complaint();
+  return reader.error();
 }
 
 // Returns the key; two records with the same key are the same evidence.
@@ -139,7 +141,7 @@ Status CheckDocument(const Json& document) {
   if (records == document.end() || !records->is_array()) {
     return Broken("the priors have no array \"records\"");
   }
-  if (records->size() > kRecordsMax) {
+  if (records->size() > kMaxRecords) {
     return Broken("the priors hold " + std::to_string(records->size()) +
                   " records, more than 200000");
   }
@@ -172,14 +174,14 @@ Status Unwritable(const std::filesystem::path& path) {
 }  // namespace
 
 Result<std::vector<PriorRecord>> ParsePriors(std::string_view text) {
-  if (text.size() > kFileBytesMax) return Broken("the priors are over 64 MiB");
+  if (text.size() > kMaxFileBytes) return Broken("the priors are over 64 MiB");
   const Json document = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (Status status = CheckDocument(document); !status.ok()) return status;
   const Json& array = *document.find("records");
   std::vector<PriorRecord> records(array.size());
   for (size_t i = 0; i < records.size(); ++i) {
-    if (auto complaint = ReadRecord(array[i], records[i])) {
-      return Broken(RecordName(i) + ": " + *complaint);
+    if (auto error = ReadRecord(array[i], records[i])) {
+      return Broken(RecordName(i) + ": " + *error);
     }
   }
   if (const std::optional<size_t> repeated = FirstRepeated(records)) {
@@ -201,7 +203,7 @@ Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& pat
     return Status(StatusCode::kNotFound, "there is no priors file " + path.string());
   }
   const uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kFileBytesMax) return Broken(path.string() + ": over 64 MiB or unreadable");
+  if (error || bytes > kMaxFileBytes) return Broken(path.string() + ": over 64 MiB or unreadable");
   std::string text(static_cast<size_t>(bytes), '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -214,12 +216,16 @@ Result<std::vector<PriorRecord>> ReadPriorsFile(const std::filesystem::path& pat
 }
 
 Status WritePriorsFile(std::span<const PriorRecord> records, const std::filesystem::path& path) {
+  std::error_code error;
+  // A device or a pipe must not be replaced by a file.
+  if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error)) {
+    return Unwritable(path);
+  }
   std::filesystem::path partial = path;
   partial += ".partial";
   std::ofstream file(partial, std::ios::binary | std::ios::trunc);
   file << FormatPriors(records);
   file.close();
-  std::error_code error;
   if (file) std::filesystem::rename(partial, path, error);
   if (file && !error) return {};
   std::filesystem::remove(partial, error);

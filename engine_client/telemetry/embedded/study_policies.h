@@ -7,8 +7,8 @@
 
 namespace sweepstake {
 
-// As EmbeddedDecider::Create and MakeEmbeddedSession, but the policy is one of `policies`, which
-// must outlive what is made.
+// Makes what EmbeddedDecider::Create and MakeEmbeddedSession make, with a policy of `policies`. The
+// registry must outlive the deciders and sessions.
 struct StudyMaker {
   decision::PolicyRegistry policies;
 

@@ -19,6 +19,16 @@ function pageOf(data: Document): Page {
   throw new Error(`this page cannot show what ${JSON.stringify((data as { command?: unknown }).command)} printed`);
 }
 
+// A document that cannot be drawn does not take the others with it.
+function pageOrError(data: Document, i: number): Page {
+  try {
+    return pageOf(data);
+  } catch (error) {
+    return { title: 'Sweepstake report', sections: [],
+      lead: [h('p', {}, `Document ${i + 1} cannot be drawn: ${(error as Error).message}.`)] };
+  }
+}
+
 function readDocuments(): Document[] {
   const text = document.getElementById('documents')?.textContent ?? '';
   if (!text.startsWith('[')) throw new Error('it holds no documents; `sweepstake report FILE.json --out FILE.html` makes one that does');
@@ -27,7 +37,7 @@ function readDocuments(): Document[] {
 
 const main = document.getElementById('report')!;
 try {
-  const pages = readDocuments().map(pageOf);
+  const pages = readDocuments().map(pageOrError);
   document.title = [...new Set(pages.map(({ title }) => title))].join(', ');
   const theme = themeSwitch();
   main.replaceChildren();

@@ -45,11 +45,11 @@ class LinTsPolicy : public RewardPolicy {
   // The belief about an arm's reward in the current scene.
   struct Belief {
     double mean = 0;
-    double variance = 0;  // without v²
+    double variance = 0;  // variance without the factor v²
   };
   Belief BeliefOf(const Model& model) const;
 
-  std::vector<Model> models_;  // one per arm
+  std::vector<Model> models_;  // has one per arm
   Features features_;
 };
 

@@ -96,7 +96,7 @@ class ThresholdsPolicy : public RewardPolicy {
   std::vector<std::string> arms_;
   std::vector<bool> bailed_out_;
   std::optional<double> object_count_;
-  double density_ratio_ = 0;  // until one is measured, the scene counts as sparse
+  double density_ratio_ = 0;  // the scene counts as sparse until one is measured
 };
 
 }  // namespace sweepstake::decision

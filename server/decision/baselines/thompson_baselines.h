@@ -67,7 +67,7 @@ class PooledVariance {
   std::vector<Arm> arms_;
   double degrees_ = 0;  // degrees of freedom
   double squares_ = 0;
-  double products_ = 0;  // of successive residuals
+  double products_ = 0;  // sum of the products of successive residuals
 };
 
 // Thompson sampling on calibrated beliefs (`calibrated`). The reward is the absolute log-cost

@@ -36,7 +36,7 @@ double StirlingError(double x) {
 }
 
 struct UnitPoint {
-  double x = 0;  // in [0, 1]
+  double x = 0;  // a point of [0, 1]
   double y = 0;  // 1 − x, with all its digits
 };
 
@@ -115,12 +115,12 @@ double DistributionAt(const BetaPosterior& p, double offset) {
 // distribution function is concave, so Newton's steps approach from below without overshooting.
 // REQUIRES: 0 < p <= 0.5.
 double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
-  constexpr int kStepMax = 100;
+  constexpr int kMaxStep = 100;
   const double log_peak = LogitLogPeak(posterior);
   const double log_p = math::Log(p);
   double offset = 0;
   double step = 0;
-  for (int i = 0; i < kStepMax; ++i) {
+  for (int i = 0; i < kMaxStep; ++i) {
     const double below = DistributionAt(posterior, offset);
     const double density = math::Exp(log_peak + LogitLogShape(posterior, offset));
     // An empty tail means that the last step was too long.
@@ -135,8 +135,8 @@ double OffsetOfLowerTail(const BetaPosterior& posterior, double p) {
 }  // namespace
 
 BetaPosterior Bounded(const BetaPosterior& posterior) {
-  return {.alpha = std::clamp(posterior.alpha, kShapeMin, kShapeMax),
-          .beta = std::clamp(posterior.beta, kShapeMin, kShapeMax)};
+  return {.alpha = std::clamp(posterior.alpha, kMinShape, kMaxShape),
+          .beta = std::clamp(posterior.beta, kMinShape, kMaxShape)};
 }
 
 BetaPosterior Mirrored(const BetaPosterior& posterior) {
@@ -178,14 +178,6 @@ double LogitLogShape(const BetaPosterior& posterior, double offset) {
   const double log_ratio =
       offset < kMaxExponent ? math::Log1p(mean * math::Expm1(offset)) : offset + math::Log(mean);
   return std::min(0.0, p.alpha * offset - n * log_ratio);
-}
-
-double BetaLogDensity(const BetaPosterior& posterior, double x) {
-  assert(x > 0 && x < 1);
-  const double log_x = math::Log(x);
-  const double log_y = math::Log1p(-x);
-  return LogitLogPeak(posterior) + LogitLogShape(posterior, log_x - log_y - LogitMode(posterior)) -
-         log_x - log_y;
 }
 
 double BetaDistribution(const BetaPosterior& posterior, double x) {

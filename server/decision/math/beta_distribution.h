@@ -1,7 +1,7 @@
 // The Beta distribution of an arm's reward: density, distribution function and quantiles, with the
 // same bits on every platform (portable_math.h).
 //
-// Pure functions, thread-safe. A parameter outside of [kShapeMin, kShapeMax] counts as the nearer
+// Pure functions, thread-safe. A parameter outside of [kMinShape, kMaxShape] counts as the nearer
 // bound. The errors were measured against 50 digits over that range
 // (tests/server/decision/math/beta_distribution_test.cc).
 #pragma once
@@ -18,8 +18,8 @@ struct BetaPosterior {
   friend bool operator==(const BetaPosterior&, const BetaPosterior&) = default;
 };
 
-inline constexpr double kShapeMin = 1e-6;
-inline constexpr double kShapeMax = 1e15;
+inline constexpr double kMinShape = 1e-6;
+inline constexpr double kMaxShape = 1e15;
 
 // Returns the posterior with both parameters clamped to these bounds.
 BetaPosterior Bounded(const BetaPosterior& posterior);
@@ -27,7 +27,7 @@ BetaPosterior Bounded(const BetaPosterior& posterior);
 BetaPosterior Mirrored(const BetaPosterior& posterior);
 
 // Returns ln Γ(x). Error: 2e-14 absolute or 1e-15 relative, whichever is larger. REQUIRES: 1e-6 <=
-// x <= 4e15. Cost: some 40 ns.
+// x <= 4e15.
 double LogGamma(double x);
 
 // The density on the scale of logits, x^α (1 − x)^β / B(α, β), at logit = ln(x / (1 − x)), is
@@ -38,13 +38,9 @@ double LogitLogPeak(const BetaPosterior& posterior);
 // <= 0, concave, 0 at offset 0. Error: 1e-13 relative, and some 1e-16 × √(α + β) absolute.
 double LogitLogShape(const BetaPosterior& posterior, double offset);
 
-// Returns the logarithm of the reward's density at x. REQUIRES: 0 < x < 1. Error: 1e-12 or some
-// 1e-16 × √(α + β), whichever is larger.
-double BetaLogDensity(const BetaPosterior& posterior, double x);
-
 // Returns P(reward <= x), the regularised incomplete beta function. Error: 1e-10, up to 1e-9
-// towards α + β = 2e15; for results below 1e-3 with x below the mean the error is relative. Cost:
-// 0.2–5 µs. REQUIRES: 0 <= x <= 1.
+// towards α + β = 2e15; for results below 1e-3 with x below the mean the error is relative.
+// REQUIRES: 0 <= x <= 1.
 double BetaDistribution(const BetaPosterior& posterior, double x);
 
 // Returns the reward below which the arm is with probability p; 0 if it is too small for a double.

@@ -9,9 +9,9 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kVarianceMin = 1e-18;
+constexpr double kMinVariance = 1e-18;
 // Keeps the equations solvable for variables that cannot be the lowest.
-constexpr double kWeightMin = 1e-9;
+constexpr double kMinWeight = 1e-9;
 // Fewer sweeps already bring the sums of the pairs that matter within 1e-6.
 constexpr int kSweepCount = 30;
 
@@ -37,7 +37,7 @@ LeastSquares::LeastSquares(std::span<const double> means, std::span<const double
     for (size_t j = 0; j < count_; ++j) {
       const double variance =
           covariance[i * count_ + i] + covariance[j * count_ + j] - 2 * covariance[i * count_ + j];
-      pairs_[i * count_ + j].variance = std::max(variance, kVarianceMin);
+      pairs_[i * count_ + j].variance = std::max(variance, kMinVariance);
     }
   }
   const auto lowest =
@@ -46,7 +46,7 @@ LeastSquares::LeastSquares(std::span<const double> means, std::span<const double
   for (size_t i = 0; i < count_; ++i) {
     const double variance = pairs_[lowest * count_ + i].variance;
     const double distance = means[i] - means[lowest];
-    openness[i] = kWeightMin + math::Exp(-0.5 * distance * distance / variance);
+    openness[i] = kMinWeight + math::Exp(-0.5 * distance * distance / variance);
     start_[i] = variance / 2;
   }
   for (size_t i = 0; i < count_; ++i) {

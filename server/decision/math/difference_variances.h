@@ -1,7 +1,7 @@
 // Independent variances whose pairwise sums approximate the variances of the differences between
 // correlated variables. Which variable is the best depends on nothing else of a covariance.
 //
-// Pure, deterministic, thread-safe. Cost: 2 µs for 7 variables, 30 µs for 32.
+// Pure, deterministic, thread-safe.
 #pragma once
 
 #include <span>

@@ -1,7 +1,6 @@
 // Hashes that give the same bits on every platform: splitmix64's mix for numbers, FNV-1a for bytes.
 //
-// Pure functions, safe from any thread. Not for secrets. A mix costs about 1 ns, FNV-1a about 1 ns
-// per byte.
+// Pure functions, safe from any thread. Not for secrets.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +13,18 @@ namespace sweepstake::math {
 // range evenly however many of them are taken.
 inline constexpr uint64_t kGoldenGamma = 0x9E3779B97F4A7C15U;
 
-// The output function of splitmix64: every input bit reaches every output bit. The generator itself
-// is Mix64(state += kGoldenGamma).
+// The output function of splitmix64: every input bit reaches every output bit.
 constexpr uint64_t Mix64(uint64_t word) {
   word = (word ^ (word >> 30U)) * 0xBF58476D1CE4E5B9U;
   word = (word ^ (word >> 27U)) * 0x94D049BB133111EBU;
   return word ^ (word >> 31U);
 }
+
+// The generator splitmix64. The same state gives the same numbers on every platform.
+struct SplitMix64 {
+  uint64_t state;
+  constexpr uint64_t Next() { return Mix64(state += kGoldenGamma); }
+};
 
 // FNV-1a with 64 bits. A hash begins with kFnv1aStart and takes its bytes in any number of calls.
 inline constexpr uint64_t kFnv1aStart = 0xCBF29CE484222325U;

@@ -3,7 +3,7 @@
 //
 // Deterministic, thread-safe. Cost: some 40 grid points if the variables are of similar width, and
 // one exponential per variable and point. Variables that are certainly below another one cost
-// nothing. Error of each probability: 1e-6 (tests/server/decision/diagnosis_test.cc).
+// nothing. Error of each probability: 1e-6 (tests/server/decision/policy/diagnosis_test.cc).
 #pragma once
 
 #include <cstddef>
@@ -46,8 +46,8 @@ class IndependentVariables {
 };
 
 struct Maximum {
-  std::vector<double> probability;  // per variable, sum 1
-  double expected_value = 0;        // of the maximum
+  std::vector<double> probability;  // has one per variable, sum 1
+  double expected_value = 0;        // expected value of the maximum
 };
 
 // Returns the distribution of the maximum. REQUIRES: variables.count() > 0.

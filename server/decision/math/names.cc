@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 namespace sweepstake::math {
 namespace {
 
-constexpr size_t kLineMax = 200;
+constexpr size_t kMaxLineBytes = 200;
 
 // Returns the Levenshtein distance. It fills the table of distances between all prefixes row by
 // row.
@@ -25,10 +26,53 @@ size_t EditDistance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+// Returns the length in bytes of the UTF-8 sequence that begins with `lead`; 0 if no sequence
+// begins with it.
+size_t SequenceLength(uint8_t lead) {
+  if (lead < 0x80) return 1;
+  if (lead >= 0xC2 && lead < 0xE0) return 2;
+  if (lead >= 0xE0 && lead < 0xF0) return 3;
+  if (lead >= 0xF0 && lead < 0xF5) return 4;
+  return 0;
+}
+
+// Returns false for overlong forms, surrogates, code points above U+10FFFF, and control characters.
+bool IsPrintable(uint32_t code_point, size_t length) {
+  constexpr uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (code_point < kMin[length] || code_point > 0x10FFFF) return false;
+  if (code_point >= 0xD800 && code_point < 0xE000) return false;
+  return code_point >= 0x20 && (code_point < 0x7F || code_point >= 0xA0);
+}
+
+// Consumes one printable character; returns false if there is none.
+bool TakeCharacter(std::string_view& text) {
+  const auto lead = static_cast<uint8_t>(text.front());
+  const size_t length = SequenceLength(lead);
+  if (length == 0 || length > text.size()) return false;
+  uint32_t code_point = length == 1 ? lead : lead & (0x7FU >> length);
+  for (size_t i = 1; i < length; ++i) {
+    const auto next = static_cast<uint8_t>(text[i]);
+    if ((next & 0xC0) != 0x80) return false;
+    code_point = code_point << 6 | (next & 0x3F);
+  }
+  text.remove_prefix(length);
+  return IsPrintable(code_point, length);
+}
+
 }  // namespace
 
+bool IsName(std::string_view text) { return !text.empty() && IsOptionalName(text); }
+
+bool IsOptionalName(std::string_view text) {
+  if (text.size() > kMaxNameBytes) return false;
+  while (!text.empty()) {
+    if (!TakeCharacter(text)) return false;
+  }
+  return true;
+}
+
 std::string PrintableLine(std::string_view text) {
-  std::string line(text.substr(0, kLineMax));
+  std::string line(text.substr(0, kMaxLineBytes));
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return line;

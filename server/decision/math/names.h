@@ -1,13 +1,22 @@
-// Error texts for names that are not in the list of valid ones.
+// The rule for names, and error texts for names that are not in the list of valid ones.
 //
 // Pure functions, safe from any thread.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace sweepstake::math {
+
+inline constexpr size_t kMaxNameBytes = 128;
+
+// Returns whether the text is a name, on the wire, in files and in the store: 1 to kMaxNameBytes
+// bytes of UTF-8 without control characters.
+bool IsName(std::string_view text);
+// Returns whether the text is empty or a name.
+bool IsOptionalName(std::string_view text);
 
 // Returns `text` for use in a one-line message: each byte that is not printable ASCII becomes '?',
 // and only the first 200 bytes are kept.

@@ -23,7 +23,7 @@ PhiloxBlock Round(const PhiloxBlock& c, const PhiloxKey& k) {
   return {High(product1) ^ c[1] ^ k[0], Low(product1), High(product0) ^ c[3] ^ k[1], Low(product0)};
 }
 
-constexpr double kGammaShapeMin = 1e-300;
+constexpr double kMinGammaShape = 1e-300;
 
 // REQUIRES: shape >= 1.
 double DrawLogGammaFromOne(double shape, RandomStream& stream) {
@@ -95,7 +95,7 @@ double DrawNormal(RandomStream& stream) {
 double DrawLogGamma(double shape, RandomStream& stream) {
   if (shape >= 1) return DrawLogGammaFromOne(shape, stream);
   // Gamma(a) = Gamma(a + 1) · U^(1/a).
-  const double a = std::max(shape, kGammaShapeMin);
+  const double a = std::max(shape, kMinGammaShape);
   const double log_boosted = DrawLogGammaFromOne(a + 1, stream);
   return log_boosted + math::Log(stream.NextUniform()) / a;
 }

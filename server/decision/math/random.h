@@ -6,7 +6,6 @@
 // counter is made of purpose, decision and index, so that a session that continues after a restart
 // draws the same numbers as without it. Plain values; distinct streams are independent. Not for
 // secrets.
-// Cost: a Beta draw takes some 200 ns.
 #pragma once
 
 #include <array>

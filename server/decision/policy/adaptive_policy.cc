@@ -14,19 +14,19 @@ namespace {
 constexpr double Square(double x) { return x * x; }
 
 // These constants concern priors.
-constexpr double kFlatEvidence = 2.5;            // a prior below this says nothing (Beta(1,1) is 2)
-constexpr double kPriorVariance = Square(0.15);  // minimum of a prior's log-cost
-constexpr double kUnknownDeviation = 0.8;        // of an unknown arm's log-cost
-constexpr double kFlatShare = 0.2;               // of the belief that ignores the prior
+constexpr double kFlatEvidence = 2.5;            // a prior below it says nothing; Beta(1,1) has 2
+constexpr double kPriorVariance = Square(0.15);  // minimum variance of a prior's log-cost
+constexpr double kUnknownDeviation = 0.8;        // standard deviation of an unknown arm's log-cost
+constexpr double kFlatShare = 0.2;               // weight of the belief that ignores the prior
 constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
 // These constants define the safety limit.
-constexpr double kUnsafeShare = 0.6;         // of the bail-out limit
+constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
 constexpr double kUnsafeDeviations = 2.326;  // the 99 % quantile of a normal distribution
 // These constants define the gate.
 constexpr double kHorizonCooldowns = 5;
 constexpr double kTie = 0.005;            // a smaller expected gain does not matter
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
-constexpr double kFirstCostShare = 0.05;  // of the settling time, before a switch was measured
+constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
 constexpr uint64_t kShareWindows = 10;    // memory of detection's share of the frame time
 // The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
@@ -131,11 +131,14 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
                       .reward = reward};
 }
 
+// The penalty is that number of windows of reward 0: a window is worth thousands of observations,
+// beside which the paper's ten would not be seen in stored priors.
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
+  const double window_evidence = EvidenceOf(posteriors_[arm].mean(), filter_.live_noise());
   filter_.Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
   observed_[arm] = true;
   UpdatePosteriors();
-  return BailOutIncrement(arm, options_.bail_out_penalty);
+  return BailOutIncrement(arm, options_.bail_out_penalty * window_evidence);
 }
 
 void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {

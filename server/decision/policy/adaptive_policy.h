@@ -81,13 +81,13 @@ class AdaptivePolicy : public Policy {
   AdaptiveComponents components_;
   RelativeCostFilter filter_;
   std::vector<bool> has_prior_;
-  std::vector<bool> observed_;  // in this session, live or by the lane
+  std::vector<bool> observed_;  // arms observed in this session, live or by the lane
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
   std::optional<int64_t> last_shadow_ns_;
   uint64_t window_count_ = 0;
   double switch_cost_s_;
-  double detection_share_ = 1;  // of frame time
+  double detection_share_ = 1;  // detection's share of the frame time
 };
 
 }  // namespace sweepstake::decision

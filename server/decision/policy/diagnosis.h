@@ -34,11 +34,11 @@ Diagnosis Diagnose(std::span<const BetaPosterior> posteriors);
 // finite, variances >= 0.
 Diagnosis DiagnoseLogCosts(std::span<const double> means, std::span<const double> variances);
 
-// Does the same for log-costs with this symmetric covariance matrix, given row by row. Only the
-// variances of differences matter; independent variances approximate them
-// (math/difference_variances.h). The probabilities are off by some 0.01 if a common part has the
-// same weight on all arms up to a tenth, and by 0.04 on average and at most 0.09 for random
-// covariances of 7 arms. REQUIRES: means.size()² finite numbers.
+// Diagnoses log-costs with this symmetric covariance matrix, given row by row, as DiagnoseLogCosts
+// does for independent ones. Only the variances of differences matter; independent variances
+// approximate them (math/difference_variances.h). The probabilities are off by some 0.01 if a
+// common part has the same weight on all arms up to a tenth, and by 0.04 on average and at most
+// 0.09 for random covariances of 7 arms. REQUIRES: means.size()² finite numbers.
 Diagnosis DiagnoseCorrelatedLogCosts(std::span<const double> means,
                                      std::span<const double> covariance);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLogStall = 0x1.ed992d88db147p+3;  // ln(5 s in µs)
 constexpr double kMaxEvidence = 1e12;
-constexpr double kMinDistance = 1e-6;  // of a mean from 0 and from 1
+constexpr double kMinDistance = 1e-6;  // minimum distance of a mean from 0 and from 1
 
 }  // namespace
 

@@ -28,7 +28,7 @@ struct WindowObservation {
 
 // The result of learning from a window.
 struct WindowUpdate {
-  Increment increment;  // to be stored
+  Increment increment;  // evidence to be stored
   double reward = 0;    // 0–1
 };
 
@@ -39,7 +39,7 @@ struct ChoiceInput {
   int64_t now_ns = 0;
   int64_t last_tick_ns = 0;               // start_ns before the first tick
   std::optional<int64_t> last_switch_ns;  // executed, for any reason; absent if there was none
-  int64_t start_ns = 0;                   // of the session
+  int64_t start_ns = 0;                   // the session's start
   bool bailed_out = false;  // asked outside the ticks because the active arm was blamed
 };
 
@@ -82,14 +82,14 @@ struct PolicyKind {
   std::string_view name;
   uint32_t reward_version = 1;      // evidence of different versions is never merged
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
-  bool starts_from_priors = false;  // with priors, it decides before the first frame
+  bool starts_from_priors = false;  // decides before the first frame if it has priors
   bool uses_shadow = false;         // learns from the shadow lane
 };
 
 struct PolicySetup {
   DecisionOptions options;
   std::vector<std::string> arms;
-  std::vector<BetaPosterior> priors;  // one per arm
+  std::vector<BetaPosterior> priors;  // has one per arm
   bool has_priors = false;            // false: all priors are Beta(1,1) because none are known
 };
 

@@ -13,11 +13,11 @@ constexpr double Square(double x) { return x * x; }
 // traces of tests/bench/data/tuning_scenes.txt, where halving or doubling any of them changes
 // little.
 constexpr double kFirstLevel = 7.6;               // mean log-cost before any observation: 2 ms
-constexpr double kLevelVariance = Square(2);      // of the unknown common level
-constexpr double kUnknownVariance = Square(0.8);  // of an arm relative to the others
-constexpr double kLaneVariance = Square(0.3);     // of the lane relative to the frame thread
-constexpr double kBiasVariance = Square(0.04);    // of the lane's bias for one arm
-constexpr double kAssumedVariance = Square(0.5);  // of a cost given by Assume
+constexpr double kLevelVariance = Square(2);      // variance of the unknown common level
+constexpr double kUnknownVariance = Square(0.8);  // variance of an arm relative to the others
+constexpr double kLaneVariance = Square(0.3);   // variance of the lane relative to the frame thread
+constexpr double kBiasVariance = Square(0.04);  // variance of the lane's bias for one arm
+constexpr double kAssumedVariance = Square(0.5);  // variance of a cost given by Assume
 // These are noise variances.
 constexpr double kFirstNoise = Square(0.05);
 constexpr double kMinNoise = Square(0.005);
@@ -33,7 +33,7 @@ constexpr double kMaxDrift = Square(0.1);
 constexpr double kOutlierDeviations = 3;
 constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
 constexpr double kDriftRate = 0.1;   // step size of the drift estimates
-constexpr double kMaxProduct = 4;    // of two normalised innovations
+constexpr double kMaxProduct = 4;    // maximum product of two normalised innovations
 // The share of a change in the active arm's live windows that may be this arm's alone.
 constexpr double kOwnShare = 0.3;
 

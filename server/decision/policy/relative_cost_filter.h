@@ -94,7 +94,7 @@ class RelativeCostFilter {
 
   std::optional<uint32_t> live_arm_;
   std::optional<uint64_t> sweep_;
-  bool reference_visited_ = false;  // in the current sweep
+  bool reference_visited_ = false;  // the current sweep has visited the reference
 };
 
 }  // namespace sweepstake::decision

@@ -66,7 +66,7 @@ class ArmRun {
   bool settling_frames_seen_ = false;
   uint64_t elapsed_ns_ = 0;
   uint64_t settling_end_ns_;
-  uint64_t measured_ns_ = 0;  // since the last settling
+  uint64_t measured_ns_ = 0;  // frame time measured since the last settling
   Window window_;
 };
 

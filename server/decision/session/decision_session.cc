@@ -104,7 +104,7 @@ uint64_t DecisionSession::SettlingOfNewRun() const {
 void DecisionSession::ObserveShadow(std::span<const ShadowSample> samples) {
   for (const ShadowSample& sample : samples) {
     if (sample.arm >= setup_.arms.size() || sample.detection_time_ns == 0) continue;
-    if (shadow_samples_.size() == kShadowSampleMax) shadow_samples_.erase(shadow_samples_.begin());
+    if (shadow_samples_.size() == kMaxShadowSamples) shadow_samples_.erase(shadow_samples_.begin());
     shadow_samples_.push_back(sample);
   }
 }

@@ -88,9 +88,9 @@ class DecisionSession {
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
 
   // Takes what the shadow lane measured, to be learnt at the next tick in AI mode. The latest
-  // kShadowSampleMax samples since the last tick are kept. Samples of an unknown arm or without a
+  // kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or without a
   // cost are ignored.
-  static constexpr size_t kShadowSampleMax = 256;
+  static constexpr size_t kMaxShadowSamples = 256;
   void ObserveShadow(std::span<const ShadowSample> samples);
   // Takes what the scene looks like. The latest descriptor is learnt at the next tick.
   void ObserveDescriptor(const SceneDescriptor& descriptor) { descriptor_ = descriptor; }
@@ -187,7 +187,7 @@ class DecisionSession {
   bool run_reported_ = true;  // whether ObserveSwitch or the setup named the active run
   SwitchReason commanded_reason_ = SwitchReason::kPolicy;
 
-  std::vector<ShadowSample> shadow_samples_;   // since the last tick
+  std::vector<ShadowSample> shadow_samples_;   // samples since the last tick
   std::optional<SceneDescriptor> descriptor_;  // the latest one since the last tick
 
   int64_t next_tick_ns_;

@@ -41,7 +41,7 @@ class Exploration {
  private:
   std::vector<uint32_t> order_;
   uint32_t explored_;
-  uint32_t command_count_ = 0;  // of the current slot
+  uint32_t command_count_ = 0;  // commands of the current slot
 };
 
 // Counts active time per arm and executed switches by reason. Active time is the caller's clock
@@ -63,7 +63,7 @@ class ObservationWindow {
  private:
   void Charge(ObservationSummary& summary, int64_t now_ns) const;
 
-  ObservationSummary summary_;  // up to the last activation
+  ObservationSummary summary_;  // the run up to the last activation
   uint32_t active_arm_;
   int64_t active_since_ns_ = 0;
   SwitchReason last_reason_ = SwitchReason::kPolicy;

@@ -72,7 +72,7 @@ class FrameRateFloor {
 
  private:
   double floor_fps_;
-  std::vector<bool> missed_;  // per arm, whether its latest window was under the floor
+  std::vector<bool> missed_;  // whether each arm's latest window was under the floor
   bool degraded_ = false;
   uint32_t contrary_count_ = 0;  // successive windows that contradict the current state
 };

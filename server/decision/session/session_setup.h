@@ -20,18 +20,18 @@ struct SessionSetup {
   std::vector<std::string> arms;  // 1–kMaxArms unique, non-empty names
   // One prior per arm, or none for Beta(1,1) each. Both parameters are in (0, kMaxPriorEvidence).
   std::vector<BetaPosterior> priors;
-  uint64_t seed = 1;  // of the exploration order and of all draws
+  uint64_t seed = 1;  // determines the exploration order and all draws
   Mode mode = Mode::kAi;
   uint32_t active_arm = 0;
   uint32_t switch_epoch = 0;
   int64_t start_ns = 0;
-  // These two are above 0 if the session goes on after a restart.
+  // A session that goes on after a restart has both counts of the run before it.
   uint32_t explored_arm_count = 0;
   uint64_t decision_count = 0;
 };
 
-// Both return what is wrong and how to correct it, in one line, or nothing if all is valid. Policy
-// names are looked up in `policies`.
+// Validate returns what is wrong and how to correct it, in one line, or nothing if all is valid. It
+// looks up policy names in `policies`.
 std::optional<std::string> Validate(const DecisionOptions& options,
                                     PolicyRegistry policies = ShippedPolicies());
 std::optional<std::string> Validate(const SessionSetup& setup,

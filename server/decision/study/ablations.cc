@@ -39,6 +39,4 @@ PolicyRegistry StudyPolicies() {
   return policies;
 }
 
-bool IsAblation(std::string_view name) { return FindPolicy(name, kAblations) != nullptr; }
-
 }  // namespace sweepstake::decision

@@ -9,7 +9,4 @@ namespace sweepstake::decision {
 // Returns the shipped policies, followed by the ablations `adaptive-without-…`.
 PolicyRegistry StudyPolicies();
 
-// Returns whether this is the name of an ablation.
-bool IsAblation(std::string_view name);
-
 }  // namespace sweepstake::decision

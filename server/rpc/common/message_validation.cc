@@ -8,15 +8,21 @@
 #include "absl/strings/str_cat.h"
 #include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
+#include "server/decision/session/session_setup.h"
 #include "server/rpc/common/options.h"
 
 namespace sweepstake::rpc {
 namespace {
 
+using math::IsName;
+using math::IsOptionalName;
+
 constexpr uint64_t kMinFrameNs = 1'000;
 constexpr uint64_t kMaxChecks = 1ull << 60;
 constexpr uint64_t kMaxNativeBytes = 1ull << 46;
 constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
+// Two years at 1,000 frames/s; the counter holds the sum of 2^28 such reports.
+constexpr uint64_t kMaxDroppedFrames = 1ull << 36;
 
 absl::Status Invalid(absl::string_view message) { return absl::InvalidArgumentError(message); }
 
@@ -37,9 +43,9 @@ bool IsKnownReason(v1::SwitchReason reason) {
 }
 
 absl::Status CheckArms(const v1::Hello& hello) {
-  if (hello.arms().empty() || hello.arms_size() > static_cast<int>(kMaxArms)) {
-    return Invalid(
-        absl::StrCat("Hello must announce 1 to ", kMaxArms, " arms, not ", hello.arms_size()));
+  if (hello.arms().empty() || hello.arms_size() > static_cast<int>(decision::kMaxArms)) {
+    return Invalid(absl::StrCat("Hello must announce 1 to ", decision::kMaxArms, " arms, not ",
+                                hello.arms_size()));
   }
   std::set<std::string_view> names;
   for (const v1::Arm& arm : hello.arms()) {
@@ -85,6 +91,8 @@ absl::Status CheckColumns(const v1::FrameBatch& batch) {
   }
   if (batch.first_frame_index() > kMaxSequence)
     return Invalid("first_frame_index must be below 2^63");
+  if (batch.dropped_frame_count() > kMaxDroppedFrames)
+    return Invalid("dropped_frame_count must be at most 2^36");
   return absl::OkStatus();
 }
 
@@ -128,20 +136,6 @@ absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
 }
 
 }  // namespace
-
-bool IsName(std::string_view name) { return !name.empty() && IsOptionalName(name); }
-
-bool IsOptionalName(std::string_view name) {
-  if (name.size() > kMaxNameBytes) return false;
-  for (size_t i = 0; i < name.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(name[i]);
-    if (byte < 0x20 || byte == 0x7f) return false;
-    // These bytes are U+0080 to U+009F, the second block of control characters.
-    if (byte == 0xc2 && i + 1 < name.size() && static_cast<unsigned char>(name[i + 1]) < 0xa0)
-      return false;
-  }
-  return true;
-}
 
 absl::Status CheckHello(const v1::Hello& hello) {
   if (hello.protocol_version() != kProtocolVersion) {

@@ -7,21 +7,12 @@
 // skipped and counted; the rest of its batch is used.
 #pragma once
 
-#include <string_view>
-#include <vector>
-
 #include "absl/status/status.h"
 #include "server/decision/types.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake::rpc {
-
-// Returns whether the text has 1–128 bytes of UTF-8 without control characters (protobuf has
-// checked the UTF-8).
-bool IsName(std::string_view name);
-// Returns whether the text is empty or a name.
-bool IsOptionalName(std::string_view name);
 
 // Checks a Hello. REQUIRES: it names a policy; the caller has filled in the daemon's default if the
 // client named none.

@@ -11,44 +11,56 @@
 namespace sweepstake::rpc {
 
 inline constexpr uint32_t kProtocolVersion = 1;
-inline constexpr uint32_t kMaxBatchFrames = 240;          // a longer batch is INVALID_ARGUMENT
-inline constexpr uint32_t kMaxBatchShadows = 64;          // more are INVALID_ARGUMENT
+// A message beyond one of these three limits is INVALID_ARGUMENT.
+inline constexpr uint32_t kMaxBatchFrames = 240;
+inline constexpr uint32_t kMaxBatchShadows = 64;
+inline constexpr double kMaxTimeScale = 1000;
 inline constexpr uint32_t kMaxMessageBytes = 256 * 1024;  // a longer message is RESOURCE_EXHAUSTED
-inline constexpr uint32_t kMaxArms = 32;                  // more are INVALID_ARGUMENT
-inline constexpr uint32_t kMaxNameBytes = 128;            // a longer name is INVALID_ARGUMENT
-inline constexpr double kMaxTimeScale = 1000;             // a larger one is INVALID_ARGUMENT
 inline constexpr uint64_t kMaxFrameNs = 3'600'000'000'000;  // an hour; a longer frame is left out
-inline constexpr uint32_t kRecordsPerMessage =
-    200;  // of export and import; more are INVALID_ARGUMENT
-inline constexpr uint32_t kMaxImportRecords =
-    200'000;  // of one import, and twice as many of all under way; more are RESOURCE_EXHAUSTED
-inline constexpr uint32_t kAuditSegmentsPerMessage = 100;  // of a listing
-inline constexpr uint32_t kAuditRowsPerPage = 500;         // of an export
+// An export sends this many records per message; an import with more in one is INVALID_ARGUMENT.
+inline constexpr uint32_t kRecordsPerMessage = 200;
+// One import has at most this many records, all imports under way have twice as many. More are
+// RESOURCE_EXHAUSTED.
+inline constexpr uint32_t kMaxImportRecords = 200'000;
+// A message of a listing has at most this many segments, a page of an export this many rows.
+inline constexpr uint32_t kAuditSegmentsPerMessage = 100;
+inline constexpr uint32_t kAuditRowsPerPage = 500;
 // An export's message is sent once its rows have this many bytes; it may exceed that by one row.
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
 // The maximum bytes of one session's audit rows that wait for the disk: 64 rows of 7 arms, which
 // are two minutes. Beyond it the session's log ends, since a log with a gap could not be derived
 // again.
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024;
-inline constexpr uint32_t kScenesPerPage = 100;     // of a listing; more are not given
-inline constexpr uint32_t kWatcherQueueEvents = 4;  // more are dropped and a snapshot follows
+// Streams that have no session, beside those of max_sessions. The next stream is
+// RESOURCE_EXHAUSTED.
+inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
+inline constexpr uint32_t kScenesPerPage = 100;  // a listing gives no more scenes
+// Decisions that wait for a watcher beyond this are dropped; of posteriors the latest always waits.
+inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 
 struct RpcOptions {
   // The policy in it is that of sessions that name none.
   decision::DecisionOptions decision;
-  std::string daemon_version = "0.1.0";
-  priors::AuditLimits audit;  // the store's limits; no rows are made if it keeps 0
+  std::string daemon_version;  // of the program, as in Welcome and the audit log
+  priors::AuditLimits audit;   // the store's limits; no rows are made if it keeps 0
 
   // The maximum number of sessions in memory, connected or resumable. At the bound the session that
   // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
   // new one is RESOURCE_EXHAUSTED.
   uint32_t max_sessions = 20'000;
+  // The secret from which the resume token of every session is made, 32 random bytes. If it
+  // changes, no earlier session can be resumed.
+  std::string resume_secret;
   // A lost session leaves memory after this time; from then on it is resumed from the store.
   int64_t resume_window_ns = 600'000'000'000;
   // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED.
   uint32_t max_watchers = 256;
-  // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED.
+  // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED; an export or
+  // import that makes no progress for so long ends with DEADLINE_EXCEEDED.
   int64_t watcher_patience_ns = 20'000'000'000;
+  // A stream that has no welcome after this time, because it sent no Hello or the store is slow,
+  // ends with DEADLINE_EXCEEDED.
+  int64_t welcome_patience_ns = 10'000'000'000;
   // A client that does not read its last messages for this long is disconnected.
   int64_t close_patience_ns = 2'000'000'000;
   // The maximum number of streams of one connection; the next one waits.
@@ -60,25 +72,27 @@ struct RpcOptions {
   bool reflection = false;
 };
 
-// Counts of events since the daemon's start. The services' threads write them and any thread may
-// read them. Each counter is exact, but several are not read at one moment.
+// Counts of events since the daemon's start, and of what is open now. The services' threads write
+// them and any thread may read them. Each counter is exact, but several are not read at one moment.
 struct Counters {
+  std::atomic<uint64_t> open_stream_count{0};        // streams that are open now
   std::atomic<uint64_t> connected_stream_count{0};   // streams that got a welcome
-  std::atomic<uint64_t> resumed_count{0};            // of those, resumed
-  std::atomic<uint64_t> goodbye_count{0};            // sessions ended by the client
-  std::atomic<uint64_t> malformed_message_count{0};  // could not be parsed
-  std::atomic<uint64_t> invalid_message_count{0};    // broke a rule of the contract
-  std::atomic<uint64_t> replayed_message_count{0};   // sequence at or below one already applied
+  std::atomic<uint64_t> resumed_count{0};            // connected streams that resumed a session
+  std::atomic<uint64_t> goodbye_count{0};            // sessions that the client ended
+  std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
+  std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract
+  // Messages whose sequence number was applied before.
+  std::atomic<uint64_t> replayed_message_count{0};
   std::atomic<uint64_t> applied_message_count{0};
+  // Frames and shadow visits; rejected ones fail IsPlausible (message_validation.h).
   std::atomic<uint64_t> accepted_frame_count{0};
-  std::atomic<uint64_t> rejected_frame_count{
-      0};  // values that are not plausible, see message_validation.h
-  std::atomic<uint64_t> dropped_frame_count{0};    // by the clients' queues, as they report
-  std::atomic<uint64_t> accepted_shadow_count{0};  // visits of the clients' shadow lanes
-  std::atomic<uint64_t> rejected_shadow_count{0};  // values that are not plausible
+  std::atomic<uint64_t> rejected_frame_count{0};
+  std::atomic<uint64_t> accepted_shadow_count{0};
+  std::atomic<uint64_t> rejected_shadow_count{0};
+  std::atomic<uint64_t> dropped_frame_count{0};  // the clients report what their queues dropped
   std::atomic<uint64_t> decision_count{0};
   std::atomic<uint64_t> switch_command_count{0};
-  std::atomic<uint64_t> refused_switch_count{0};  // commands a client did not execute
+  std::atomic<uint64_t> refused_switch_count{0};  // commands that a client did not execute
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
   // Audit logs that ended before their session because the disk was too slow.

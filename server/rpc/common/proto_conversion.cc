@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "server/rpc/common/options.h"
+#include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -15,6 +15,19 @@ namespace {
 // The flags that this version knows. Bits of later protocol versions are dropped.
 constexpr uint32_t kKnownFlags = 15;
 constexpr uint32_t kKnownShadowFlags = 3;
+
+constexpr int64_t kNsPerMs = 1'000'000;
+constexpr uint32_t kMaxBatchIntervalMs = 250;
+
+uint32_t Milliseconds(int64_t interval_ns) {
+  return static_cast<uint32_t>(
+      std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
+}
+
+// Returns the registry's name, since options may call it "default".
+std::string PolicyNameOf(const SessionIdentity& identity) {
+  return std::string(decision::PolicyKindOf(identity.decision.policy).name);
+}
 
 }  // namespace
 
@@ -92,11 +105,16 @@ void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   }
 }
 
-void ToProto(const decision::DecisionRecord& record, std::span<const std::string> arms,
+void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,
              v1::DecisionEvent& message) {
+  message.set_session_id(identity.id);
+  message.set_project(identity.scene.project);
+  message.set_scene(identity.scene.scene);
+  message.set_machine_class(identity.scene.machine_class);
+  message.set_policy(PolicyNameOf(identity));
   message.set_decision_id(record.decision_id);
-  message.set_active_arm(arms[record.active_arm]);
-  if (record.candidate) message.set_candidate_arm(arms[*record.candidate]);
+  message.set_active_arm(identity.arms[record.active_arm]);
+  if (record.candidate) message.set_candidate_arm(identity.arms[*record.candidate]);
   message.set_outcome(static_cast<v1::DecisionOutcome>(record.outcome));
   if (record.reason) message.set_reason(static_cast<v1::SwitchReason>(*record.reason));
   if (record.reward) message.set_reward(*record.reward);
@@ -106,6 +124,26 @@ void ToProto(const decision::DecisionRecord& record, std::span<const std::string
   message.set_expected_loss_ratio(diagnosis.expected_loss_ratio);
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
   message.set_context_bucket(record.context);
+}
+
+void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPosterior> posteriors,
+             const RpcOptions& options, v1::Welcome& message) {
+  const decision::DecisionOptions& decision = identity.decision;
+  message.set_session_id(identity.id);
+  message.set_max_batch_frames(kMaxBatchFrames);
+  message.set_max_message_bytes(kMaxMessageBytes);
+  message.set_decision_interval_ms(std::max(1u, Milliseconds(decision.decision_interval_ns)));
+  message.set_batch_interval_ms(
+      std::clamp(message.decision_interval_ms() / 8, 1u, kMaxBatchIntervalMs));
+  message.set_cooldown_ms(Milliseconds(decision.cooldown_ns));
+  message.set_settling_ms(Milliseconds(decision.settling_ns));
+  message.set_bail_out_ms(Milliseconds(decision.bail_out_ns));
+  message.set_resume_window_ms(Milliseconds(options.resume_window_ns));
+  message.set_daemon_version(options.daemon_version);
+  message.set_reward_version(identity.scene.reward_version);
+  message.set_policy(PolicyNameOf(identity));
+  message.set_seed(identity.seed);
+  for (const auto& posterior : posteriors) ToProto(posterior, *message.add_priors());
 }
 
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
@@ -173,6 +211,7 @@ decision::ShadowSample FromProto(const v1::ShadowSample& sample) {
 }
 
 decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
+  // `measured` in engine_client/telemetry/embedded/decision_conversion.cc has the same rule.
   const auto measured = [](bool present, float value) -> std::optional<double> {
     if (!present || !std::isfinite(value) || value < 0) return std::nullopt;
     return value;
@@ -190,6 +229,11 @@ decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor) {
 decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome) {
   return {.rebuild_time_ns = std::min<uint64_t>(outcome.rebuild_time_ns(), kMaxFrameNs),
           .settling_cost_ns = std::min<uint64_t>(outcome.settling_cost_ns(), kMaxFrameNs)};
+}
+
+priors::SceneKey FromProto(const v1::Hello& message) {
+  return {message.project(), message.scene(), message.machine_class(),
+          decision::PolicyKindOf(message.policy()).reward_version};
 }
 
 priors::SceneKey FromProto(const v1::ScenePosterior& message) {

@@ -12,6 +12,8 @@
 #include "server/decision/types.h"
 #include "server/priors/audit_rows.h"
 #include "server/priors/prior_store.h"
+#include "server/rpc/common/options.h"
+#include "server/rpc/common/session_identity.h"
 #include "sweepstake/v1/audit.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
@@ -39,9 +41,11 @@ void ToProto(std::span<const decision::BetaPosterior> posteriors,
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 // The posteriors are Beta(1,1) plus the evidence. The caller sets active_session_count.
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
-// Fills in everything except the names of session, scene and policy.
-void ToProto(const decision::DecisionRecord& record, std::span<const std::string> arms,
+void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,
              v1::DecisionEvent& message);
+// The caller sets resumed, acknowledged_sequence and prior_source_count.
+void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPosterior> posteriors,
+             const RpcOptions& options, v1::Welcome& message);
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
@@ -56,7 +60,8 @@ decision::ShadowSample FromProto(const v1::ShadowSample& sample);
 decision::SceneDescriptor FromProto(const v1::SceneDescriptor& descriptor);
 // Each cost is limited to kMaxFrameNs.
 decision::SwitchCost FromProto(const v1::SwitchOutcome& outcome);
-// Reads the key only.
+// These two read the key only. The reward version is that of the policy, which Hello must name.
+priors::SceneKey FromProto(const v1::Hello& message);
 priors::SceneKey FromProto(const v1::ScenePosterior& message);
 priors::PriorRecord FromProto(const v1::PriorRecord& message);
 

@@ -31,7 +31,7 @@ absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorStore& store,
 struct RowPlace {
   uint64_t after = 0;               // the segments up to this id are done
   std::optional<uint64_t> segment;  // the current one
-  uint64_t next_row = 1;            // in the current segment
+  uint64_t next_row = 1;            // the next row of the current segment
 };
 
 using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
@@ -82,17 +82,18 @@ AuditFilter FilterOf(const Request& request) {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
-    grpc::CallbackServerContext* /*call*/, const v1::ListAuditSegmentsRequest* request) {
+    grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
   return SegmentStream::Start(
-      context_, [filter = FilterOf(*request)](priors::PriorStore& store, uint64_t after) {
+      context_, *call, [filter = FilterOf(*request)](priors::PriorStore& store, uint64_t after) {
         return LoadSegments(store, filter, after);
       });
 }
 
 grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
-    grpc::CallbackServerContext* /*call*/, const v1::ExportDecisionsRequest* request) {
+    grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
   return RowStream::Start(
-      context_, [filter = FilterOf(*request)](priors::PriorStore& store, const RowPlace& place) {
+      context_, *call,
+      [filter = FilterOf(*request)](priors::PriorStore& store, const RowPlace& place) {
         return LoadRows(store, filter, place);
       });
 }

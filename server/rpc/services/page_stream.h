@@ -1,5 +1,6 @@
 // A response stream that is read from the store page by page, as fast as the client reads. Every
-// streaming export uses it.
+// streaming export uses it. One that makes no progress for RpcOptions::watcher_patience_ns ends
+// with DEADLINE_EXCEEDED.
 //
 // It is used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It
 // owns itself until gRPC is done with it; results of the store find it through a weak pointer.
@@ -15,6 +16,7 @@
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/service_context.h"
+#include "server/rpc/services/stall_sweep.h"
 
 namespace sweepstake::rpc {
 
@@ -29,17 +31,21 @@ struct StreamPage {
 
 template <typename Response, typename Place>
 class PageStream final : public grpc::ServerWriteReactor<Response>,
+                         public StallingCall,
                          public std::enable_shared_from_this<PageStream<Response, Place>> {
  public:
   using Page = StreamPage<Response, Place>;
   // Reads the page that begins at the place. It runs on the store's thread.
   using Load = std::function<absl::StatusOr<Page>(priors::PriorStore&, const Place&)>;
 
-  static PageStream* Start(ServiceContext& context, Load load) {
-    std::shared_ptr<PageStream> stream(new PageStream(context, std::move(load)));
+  static PageStream* Start(ServiceContext& context, grpc::CallbackServerContext& call, Load load) {
+    std::shared_ptr<PageStream> stream(new PageStream(context, call, std::move(load)));
     PageStream* raw = stream.get();
     raw->self_ = std::move(stream);
-    context.loop.Post([raw] { raw->LoadNext(); });
+    context.loop.Post([raw] {
+      raw->LoadNext();
+      raw->context_.stalls.Add(*raw);
+    });
     return raw;
   }
 
@@ -50,13 +56,23 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   // A pending write fails, and a page that is being read is not written, so both end soon.
   void OnCancel() override {}
   void OnDone() override {
-    context_.loop.Post([this] { self_.reset(); });
+    context_.loop.Post([this] {
+      context_.stalls.Remove(*this);
+      self_.reset();
+    });
+  }
+  int64_t waiting_since_ns() const override { return last_progress_ns_; }
+  void OnStalled() override {
+    context_.stalls.Remove(*this);
+    Cancel(call_, absl::DeadlineExceededError("the answer was not read; ask again"));
   }
 
  private:
-  PageStream(ServiceContext& context, Load load) : context_(context), load_(std::move(load)) {}
+  PageStream(ServiceContext& context, grpc::CallbackServerContext& call, Load load)
+      : context_(context), call_(call), load_(std::move(load)) {}
 
   void LoadNext() {
+    last_progress_ns_ = context_.loop.clock().NowNs();
     if (page_.last) return End(absl::OkStatus());
     const bool submitted =
         context_.store.Submit([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
@@ -80,9 +96,11 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   void End(const absl::Status& status) { this->Finish(ToGrpc(status)); }
 
   ServiceContext& context_;
+  grpc::CallbackServerContext& call_;
   const Load load_;
-  std::shared_ptr<PageStream> self_;  // until OnDone
+  std::shared_ptr<PageStream> self_;  // keeps this object alive until OnDone
   Page page_;                         // the latest page
+  int64_t last_progress_ns_ = 0;
 };
 
 }  // namespace sweepstake::rpc

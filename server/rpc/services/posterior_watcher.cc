@@ -1,12 +1,10 @@
 #include "server/rpc/services/posterior_watcher.h"
 
-#include <grpc/grpc.h>
-
 #include <string>
 #include <utility>
 
 #include "server/rpc/common/proto_conversion.h"
-#include "server/rpc/services/watch_hub.h"
+#include "server/rpc/services/watcher_set.h"
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
@@ -27,6 +25,7 @@ void PosteriorWatcher::Begin(grpc::ByteBuffer request) {
     return Close(absl::InvalidArgumentError("the request does not parse"));
   filter_ = {wanted.project(), wanted.scene()};
   if (const absl::Status added = context_.watchers.Add(*this); !added.ok()) return Close(added);
+  context_.stalls.Add(*this);
   LoadPage();
 }
 
@@ -35,20 +34,26 @@ bool PosteriorWatcher::Watches(const priors::SceneKey& scene) const {
          (filter_.scene.empty() || filter_.scene == scene.scene);
 }
 
-void PosteriorWatcher::OnEvent(const grpc::ByteBuffer& event) {
+void PosteriorWatcher::OnDecision(const grpc::ByteBuffer& event) {
   if (end_) return;
-  if (events_.size() >= kWatcherQueueEvents) {
-    stale_ = true;
-    events_.clear();
-  } else if (!stale_) {
-    events_.push_back(event);
+  if (decision_bytes_ + event.Length() > kWatcherQueueBytes) {
+    std::erase_if(events_, [](const Event& waiting) { return waiting.decision.has_value(); });
+    decision_bytes_ = 0;
   }
+  events_.push_back({.decision = event, .scene = {}});
+  decision_bytes_ += event.Length();
+  WriteNext();
+}
+
+void PosteriorWatcher::OnPosterior(const priors::SceneKey& scene, const grpc::ByteBuffer& event) {
+  if (end_) return;
+  const bool waits = !posteriors_.insert_or_assign(scene, event).second;
+  if (!waits) events_.push_back({.decision = std::nullopt, .scene = scene});
   WriteNext();
 }
 
 void PosteriorWatcher::Resend() {
   stale_ = true;
-  events_.clear();
   WriteNext();
 }
 
@@ -68,21 +73,37 @@ void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<priors::SceneEvid
   loading_ = false;
   if (end_) return;
   if (!page.ok()) return Close(page.status());
-  for (const priors::SceneEvidence& scene : *page)
+  for (const priors::SceneEvidence& scene : *page) {
     scenes_.push_back(context_.watchers.Encode(scene));
+    posteriors_.erase(scene.key);  // it is older than the page
+  }
   page_wanted_ = page->size() == kScenesPerPage;
   if (page_wanted_) last_of_page_ = page->back().key;
   WriteNext();
 }
 
 std::optional<grpc::ByteBuffer> PosteriorWatcher::TakeNext() {
-  std::deque<grpc::ByteBuffer>& queue = scenes_.empty() ? events_ : scenes_;
+  if (!scenes_.empty()) {
+    grpc::ByteBuffer next = std::move(scenes_.front());
+    scenes_.pop_front();
+    return next;
+  }
   // An event must not be sent before the scenes that it changes.
-  if (queue.empty() || (scenes_.empty() && (loading_ || page_wanted_ || stale_)))
-    return std::nullopt;
-  grpc::ByteBuffer next = std::move(queue.front());
-  queue.pop_front();
-  return next;
+  if (loading_ || page_wanted_ || stale_) return std::nullopt;
+  return TakeEvent();
+}
+
+std::optional<grpc::ByteBuffer> PosteriorWatcher::TakeEvent() {
+  while (!events_.empty()) {
+    Event next = std::move(events_.front());
+    events_.pop_front();
+    if (next.decision) {
+      decision_bytes_ -= next.decision->Length();
+      return std::move(next.decision);
+    }
+    if (auto posterior = posteriors_.extract(next.scene)) return std::move(posterior.mapped());
+  }
+  return std::nullopt;
 }
 
 void PosteriorWatcher::WriteNext() {
@@ -94,9 +115,8 @@ void PosteriorWatcher::WriteNext() {
   if (std::optional<grpc::ByteBuffer> next = TakeNext()) {
     write_bytes_ = *std::move(next);
     writing_ = true;
-    ++write_count_;
+    write_start_ns_ = context_.loop.clock().NowNs();
     StartWrite(&write_bytes_);
-    GuardWrite();
   } else if (!loading_ && (page_wanted_ || stale_)) {
     if (!page_wanted_) last_of_page_.reset();
     if (!page_wanted_) stale_ = false;
@@ -105,13 +125,8 @@ void PosteriorWatcher::WriteNext() {
   }
 }
 
-void PosteriorWatcher::GuardWrite() {
-  const int64_t deadline_ns = context_.loop.clock().NowNs() + context_.options.watcher_patience_ns;
-  context_.loop.PostAt(deadline_ns, [weak = weak_from_this(), write = write_count_] {
-    const auto self = weak.lock();
-    if (!self || !self->writing_ || self->write_count_ != write) return;
-    self->Close(absl::ResourceExhaustedError("the watcher did not read; watch again"));
-  });
+void PosteriorWatcher::OnStalled() {
+  Close(absl::ResourceExhaustedError("the watcher did not read; watch again"));
 }
 
 void PosteriorWatcher::OnWritten(bool ok) {
@@ -125,12 +140,11 @@ void PosteriorWatcher::Close(const absl::Status& status) {
   end_ = status;
   scenes_.clear();
   events_.clear();
+  posteriors_.clear();
   context_.watchers.Remove(*this);
+  context_.stalls.Remove(*this);
   if (writing_) {
-    // The pending write waits for a client that does not read. Cancelling ends it, and OnWritten
-    // continues from there.
-    grpc_call_cancel_with_status(call_.c_call(), static_cast<grpc_status_code>(status.code()),
-                                 std::string(status.message()).c_str(), nullptr);
+    Cancel(call_, status);  // OnWritten continues from there
   }
   WriteNext();
 }
@@ -146,6 +160,7 @@ void PosteriorWatcher::OnCancel() {
 void PosteriorWatcher::OnDone() {
   context_.loop.Post([this] {
     context_.watchers.Remove(*this);
+    context_.stalls.Remove(*this);
     self_.reset();
   });
 }

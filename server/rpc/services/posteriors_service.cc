@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
-#include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/sessions/session_table.h"
@@ -113,7 +113,8 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
   const SceneKey key{request->project(), request->scene(), request->machine_class(),
                      request->reward_version() != 0 ? request->reward_version()
                                                     : DefaultRewardVersion(context_.options)};
-  if (!IsName(key.project) || !IsName(key.scene) || !IsOptionalName(key.machine_class)) {
+  if (!math::IsName(key.project) || !math::IsName(key.scene) ||
+      !math::IsOptionalName(key.machine_class)) {
     reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
                      "project and scene must have 1 to 128 bytes and no control characters"});
     return reactor;

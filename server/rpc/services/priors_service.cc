@@ -9,7 +9,6 @@
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
-#include "server/rpc/services/watch_hub.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -33,17 +32,20 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
 
 // One import. gRPC's callbacks, of which one runs at a time, read all messages; the store's job
 // then ends the call.
-class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
+class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public StallingCall {
  public:
   // `collected_count` is shared by all imports.
   PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
               grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
       : context_(context), collected_count_(collected_count), call_(call), response_(response) {
+    NoteProgress();
+    context_.loop.Post([this] { context_.stalls.Add(*this); });
     StartRead(&bytes_);
   }
   ~PriorImport() override { collected_count_ -= records_.size(); }
 
   void OnReadDone(bool ok) override {
+    NoteProgress();
     if (ok) {
       const absl::Status status = Take();
       if (!status.ok()) return Finish(ToGrpc(status));
@@ -52,15 +54,28 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     // A lost connection must not count as the end of the records.
     if (call_.IsCancelled())
       return Finish(ToGrpc(absl::CancelledError("the stream broke off; nothing was imported")));
+    last_progress_ns_ = Clock::kNever;
     if (!context_.store.Submit([this](priors::PriorStore& store) { Apply(store); })) {
       Finish(
           ToGrpc(absl::UnavailableError("the prior store has too much to do; import again later")));
     }
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    context_.loop.Post([this] {
+      context_.stalls.Remove(*this);
+      delete this;
+    });
+  }
+  int64_t waiting_since_ns() const override { return last_progress_ns_; }
+  void OnStalled() override {
+    context_.stalls.Remove(*this);
+    Cancel(call_, absl::DeadlineExceededError("no records came; nothing was imported"));
+  }
 
  private:
+  void NoteProgress() { last_progress_ns_ = context_.loop.clock().NowNs(); }
+
   absl::Status Take() {
     if (!Parse(bytes_, request_)) {
       ++context_.counters.malformed_message_count;
@@ -96,7 +111,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
     response_ = Serialize(answer);
-    context_.loop.Post([&watchers = context_.watchers] { watchers.OnImport(); });
+    context_.loop.Post([&hub = context_.watch_hub] { hub.Reset(); });
     Finish(grpc::Status::OK);
   }
 
@@ -104,6 +119,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
+  std::atomic<int64_t> last_progress_ns_;
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
@@ -112,10 +128,11 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
-    grpc::CallbackServerContext* /*call*/, const v1::ExportPriorsRequest* request) {
+    grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) {
   return ExportStream::Start(
-      context_, [filter = priors::SceneFilter{request->project(), request->scene()}](
-                    priors::PriorStore& store, const std::optional<PriorRecord>& after) {
+      context_, *call,
+      [filter = priors::SceneFilter{request->project(), request->scene()}](
+          priors::PriorStore& store, const std::optional<PriorRecord>& after) {
         return LoadRecords(store, filter, after);
       });
 }

@@ -10,11 +10,13 @@ class logger;
 namespace sweepstake::rpc {
 
 class SessionTable;
-class WatchHub;
+class StallSweep;
+class WatcherSet;
 
 struct ServiceContext : SessionContext {
   SessionTable& sessions;  // used on the loop only
-  WatchHub& watchers;      // used on the loop only
+  WatcherSet& watchers;    // used on the loop only
+  StallSweep& stalls;      // used on the loop only
   spdlog::logger& log;
 };
 

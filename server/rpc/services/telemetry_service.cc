@@ -28,12 +28,31 @@ TelemetryStream* TelemetryStream::Start(ServiceContext& context, TelemetryStream
   std::shared_ptr<TelemetryStream> stream(new TelemetryStream(context, streams, call));
   TelemetryStream* raw = stream.get();
   raw->self_ = std::move(stream);
-  context.loop.Post([raw] {
-    raw->streams_.all.insert(raw);
-    if (raw->streams_.draining) return raw->Drain();
-    raw->StartRead(&raw->read_bytes_);
-  });
+  context.loop.Post([raw] { raw->Accept(); });
   return raw;
+}
+
+void TelemetryStream::Accept() {
+  streams_.all.insert(this);
+  context_.counters.open_stream_count = streams_.all.size();
+  if (streams_.draining) return Drain();
+  if (streams_.all.size() > size_t{context_.options.max_sessions} + kMaxStreamsWithoutSession) {
+    return Close(absl::ResourceExhaustedError(
+        "this daemon has as many streams as it may; try again later, or use another"));
+  }
+  StartRead(&read_bytes_);
+  DecisionLoop& loop = context_.loop;
+  loop.PostAt(loop.clock().NowNs() + context_.options.welcome_patience_ns,
+              [weak = weak_from_this()] {
+                if (const auto self = weak.lock()) self->OnWelcomeOverdue();
+              });
+}
+
+void TelemetryStream::OnWelcomeOverdue() {
+  if (end_ || session_) return;
+  Reject(absl::DeadlineExceededError(
+      hello_ ? "the prior store took too long to load the session; connect again later"
+             : "no Hello came in time; send it first"));
 }
 
 void TelemetryStream::OnReadDone(bool ok) {
@@ -47,6 +66,7 @@ void TelemetryStream::OnWriteDone(bool ok) {
 }
 
 void TelemetryStream::OnCancel() {
+  *gone_ = true;
   context_.loop.Post([this] {
     outbox_.Clear();
     if (!end_) end_ = absl::CancelledError("the connection was lost");
@@ -60,6 +80,7 @@ void TelemetryStream::OnDone() {
   context_.loop.Post([this] {
     LeaveSession();
     streams_.all.erase(this);
+    context_.counters.open_stream_count = streams_.all.size();
     self_.reset();
   });
 }
@@ -103,14 +124,27 @@ absl::Status TelemetryStream::Dispatch() {
 absl::Status TelemetryStream::Open(const v1::Hello& given) {
   hello_ = given;
   if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
-  const v1::Hello& hello = *hello_;
-  if (absl::Status status = CheckHello(hello); !status.ok()) return status;
-  if (std::shared_ptr<GameSession> session = context_.sessions.Find(hello.session_id())) {
-    if (absl::Status status = CheckSame(*session, hello); !status.ok()) return status;
-    return Enter(std::move(session), /*resumed=*/true);
+  if (absl::Status status = CheckHello(*hello_); !status.ok()) return status;
+  if (!HasResumeToken(*hello_, context_.options)) hello_->clear_session_id();
+  if (std::shared_ptr<GameSession> session = FindSession()) {
+    Enter(std::move(session), /*resumed=*/true);
+    return absl::OkStatus();
   }
-  const bool submitted = context_.store.Submit(
-      [weak = weak_from_this(), &loop = context_.loop, wanted = hello](priors::PriorStore& store) {
+  return Load();
+}
+
+std::shared_ptr<GameSession> TelemetryStream::FindSession() {
+  std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
+  if (!session || CanResume(*session, *hello_)) return session;
+  hello_->clear_session_id();
+  return nullptr;
+}
+
+absl::Status TelemetryStream::Load() {
+  const bool submitted =
+      context_.store.Submit([weak = weak_from_this(), &loop = context_.loop, wanted = *hello_,
+                             gone = gone_](priors::PriorStore& store) {
+        if (*gone) return;
         loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
           if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
         });
@@ -122,25 +156,25 @@ absl::Status TelemetryStream::Open(const v1::Hello& given) {
 void TelemetryStream::OnLoaded(absl::StatusOr<StoredStart> start) {
   if (end_) return;
   if (!start.ok()) return Reject(start.status());
-  // Another connection may have resumed the same session in the meantime, possibly with other arms.
-  std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
-  if (session) {
-    if (absl::Status status = CheckSame(*session, *hello_); !status.ok()) return Reject(status);
-  } else {
-    auto made = MakeSession(context_, *hello_, *start);
-    if (!made.ok()) return Reject(made.status());
-    session = *std::move(made);
-    if (absl::Status added = context_.sessions.Add(session); !added.ok()) return Reject(added);
-  }
-  if (absl::Status status = Enter(std::move(session), !hello_->session_id().empty());
-      !status.ok()) {
-    return Reject(status);
-  }
-  StartRead(&read_bytes_);
+  if (absl::Status status = Begin(*start); !status.ok()) return Reject(status);
+  if (session_) StartRead(&read_bytes_);
 }
 
-absl::Status TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {
-  if (session->ended()) return absl::NotFoundError("the session has said goodbye; begin a new one");
+absl::Status TelemetryStream::Begin(const StoredStart& start) {
+  // Another connection may have resumed the same session in the meantime, possibly with other arms.
+  if (std::shared_ptr<GameSession> session = FindSession()) {
+    Enter(std::move(session), /*resumed=*/true);
+    return absl::OkStatus();
+  }
+  if (start.source && hello_->session_id().empty()) return Load();
+  auto session = MakeSession(context_, *hello_, start);
+  if (!session.ok()) return session.status();
+  if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;
+  Enter(*std::move(session), /*resumed=*/start.source.has_value());
+  return absl::OkStatus();
+}
+
+void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {
   session_ = std::move(session);
   context_.sessions.Attach(*session_, *this);
   ++context_.counters.connected_stream_count;
@@ -150,7 +184,6 @@ absl::Status TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool r
   Send(std::move(response));
   session_->Start(*hello_);
   context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
-  return absl::OkStatus();
 }
 
 void TelemetryStream::OnHalfClose() {
@@ -246,6 +279,7 @@ void TelemetryStream::Abort(const absl::Status& status) {
 }
 
 void TelemetryStream::LeaveSession() {
+  *gone_ = true;
   if (const std::shared_ptr<GameSession> session = std::exchange(session_, nullptr)) {
     context_.sessions.Detach(*session, *this);
   }

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <array>
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <set>
@@ -81,11 +82,18 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
       : context_(context), streams_(streams), call_(call) {}
 
   // These run on the loop.
+  void Accept();
+  void OnWelcomeOverdue();
   void OnMessage(bool parsed);
   absl::Status Dispatch();
   absl::Status Open(const v1::Hello& given);
+  // Returns the session in memory that the Hello resumes, or null. If there is one that it may not
+  // resume, the Hello forgets its id.
+  std::shared_ptr<GameSession> FindSession();
+  absl::Status Load();
   void OnLoaded(absl::StatusOr<StoredStart> start);
-  absl::Status Enter(std::shared_ptr<GameSession> session, bool resumed);
+  absl::Status Begin(const StoredStart& start);
+  void Enter(std::shared_ptr<GameSession> session, bool resumed);
   void OnHalfClose();
   void OnWritten(bool ok);
   void Reject(const absl::Status& status);
@@ -97,16 +105,20 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   ServiceContext& context_;
   TelemetryStreams& streams_;
   grpc::CallbackServerContext& call_;
-  std::shared_ptr<TelemetryStream> self_;  // until OnDone
+  std::shared_ptr<TelemetryStream> self_;  // keeps this object alive until OnDone
 
   // gRPC's callback uses these while a read is pending, the loop otherwise.
   grpc::ByteBuffer read_bytes_;
   v1::StreamTelemetryRequest request_;
 
+  // Set when the stream has ended, by any thread; a job of the store that is still waiting then
+  // reads nothing.
+  const std::shared_ptr<std::atomic<bool>> gone_ = std::make_shared<std::atomic<bool>>(false);
+
   // These are used on the loop.
   std::shared_ptr<GameSession> session_;
-  // The Hello as received, with the policy filled in. If session_ is null, the session is being
-  // loaded.
+  // The Hello as received, with the policy filled in and without the id of a session that it may
+  // not resume. If session_ is null, the session is being loaded.
   std::optional<v1::Hello> hello_;
   TelemetryOutbox outbox_;
   grpc::ByteBuffer write_bytes_;

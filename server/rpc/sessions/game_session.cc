@@ -4,16 +4,11 @@
 #include <chrono>
 #include <utility>
 
+#include "server/decision/session/arm_runs.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {
-namespace {
-
-// Epochs wrap around; the later one is less than half of their range ahead.
-bool IsEarlier(uint32_t epoch, uint32_t than) { return epoch != than && than - epoch < (1u << 31); }
-
-}  // namespace
 
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
                                                  const decision::SessionSetup& setup,
@@ -23,8 +18,9 @@ std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, Sessio
       new GameSession(context, std::move(identity), setup, progress, prior_source_count));
   session->ledger_ = std::make_shared<SessionLedger>(
       context.store, context.loop, context.counters, std::move(progress),
-      [weak = session->weak_from_this()](const absl::Status& status) {
-        if (const auto self = weak.lock()) self->OnCommitted(status);
+      [weak = session->weak_from_this()](const absl::Status& status,
+                                         std::span<const priors::KeyedEvidence> increments) {
+        if (const auto self = weak.lock()) self->OnCommitted(status, increments);
       });
   if (context.options.audit.rows > 0) session->StartAudit();
   return session;
@@ -40,7 +36,8 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
       applied_sequence_(progress.message_sequence),
       frame_count_(progress.frame_count),
       acknowledged_sequence_(progress.message_sequence),
-      switch_epoch_(setup.switch_epoch) {}
+      switch_epoch_(setup.switch_epoch),
+      in_store_(progress.commit_sequence > 0) {}
 
 void GameSession::StartAudit() {
   const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
@@ -70,7 +67,7 @@ void GameSession::Attach(SessionLink& link) {
   link_ = &link;
   // The welcome message acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
-  told_verdict_ = decision::Verdict::kUnknown;
+  sent_verdict_ = decision::Verdict::kUnknown;
 }
 
 void GameSession::Start(const v1::Hello& hello) {
@@ -117,7 +114,9 @@ void GameSession::ApplyEvidence(const v1::StreamTelemetryRequest& request) {
 void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
   frames_.clear();
   for (int i = 0; i < batch.frame_time_ns_size(); ++i) {
-    const decision::Frame frame = FrameFromProto(batch, i);
+    decision::Frame frame = FrameFromProto(batch, i);
+    // The flag is the client's word; only the time makes a bail-out.
+    if (!IsOverLimit(frame)) frame.flags &= ~decision::kFrameBailOut;
     if (IsPlausible(frame)) frames_.push_back(frame);
   }
   const auto received = static_cast<uint64_t>(batch.frame_time_ns_size());
@@ -151,7 +150,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
     return decisions_.ObserveRefusal(outcome.command_id());
   }
   // A resent message may be older than the state in the client's Hello.
-  if (IsEarlier(outcome.switch_epoch(), switch_epoch_)) return;
+  if (decision::IsLaterEpoch(switch_epoch_, outcome.switch_epoch())) return;
   switch_epoch_ = outcome.switch_epoch();
   decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(), FromProto(outcome.reason()),
                            context_.loop.clock().NowNs(), FromProto(outcome));
@@ -161,13 +160,17 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
   if (last_bail_out_frame_ && bail_out.frame_index() <= *last_bail_out_frame_) return;
   last_bail_out_frame_ = bail_out.frame_index();
   const decision::Frame frame = FromProto(bail_out);
-  if (!IsPlausible(frame)) {
+  if (!IsPlausible(frame) || !IsOverLimit(frame)) {
     ++context_.counters.rejected_frame_count;
     return;
   }
   // The evidence of the bail-out goes to disk with the next tick, not now: its sequence number
   // would also acknowledge the frames before it, which are only in memory until then.
-  Carry(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+  SendDecision(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+}
+
+bool GameSession::IsOverLimit(const decision::Frame& frame) const {
+  return frame.frame_time_ns > static_cast<uint64_t>(identity_.decision.bail_out_ns);
 }
 
 void GameSession::ApplyModeChange(const v1::ModeChange& change) {
@@ -186,7 +189,7 @@ void GameSession::OnTimer(uint64_t generation) {
   if (generation != timer_generation_ || link_ == nullptr) return;
   const int64_t now_ns = context_.loop.clock().NowNs();
   if (now_ns >= decisions_.next_tick_ns()) {
-    Carry(decisions_.Tick(now_ns));
+    SendDecision(decisions_.Tick(now_ns));
     Checkpoint();
   }
   ScheduleTick();
@@ -199,8 +202,12 @@ void GameSession::Checkpoint() {
                        .frame_count = frame_count_});
 }
 
-void GameSession::OnCommitted(const absl::Status& status) {
-  if (status.ok()) context_.listener.OnEvidence(identity_.scene);
+void GameSession::OnCommitted(const absl::Status& status,
+                              std::span<const priors::KeyedEvidence> increments) {
+  if (!increments.empty()) {
+    context_.watch_hub.OnEvidence(identity_.scene, increments,
+                                  /*new_source=*/!std::exchange(in_store_, true));
+  }
   if (link_ == nullptr) return;
   if (durable_sequence() > acknowledged_sequence_) {
     acknowledged_sequence_ = durable_sequence();
@@ -240,7 +247,7 @@ void GameSession::Drain() {
   CloseIfSettled();
 }
 
-void GameSession::Carry(const decision::Decision& decision) {
+void GameSession::SendDecision(const decision::Decision& decision) {
   ++context_.counters.decision_count;
   if (decision.increment) {
     const decision::Increment& increment = *decision.increment;
@@ -248,32 +255,27 @@ void GameSession::Carry(const decision::Decision& decision) {
         {KeyOf(increment.arm),
          {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
   }
-  Inform(decision);
+  SendPosteriors(decision);
   if (decision.command) {
     ++context_.counters.switch_command_count;
     unanswered_ = decision.command;
     if (link_ != nullptr) link_->SendSwitch(*decision.command);
   }
-  if (context_.listener.WatchesDecisionsOf(identity_.scene)) Publish(decision.record);
+  if (context_.watch_hub.Watches(identity_.scene)) Publish(decision.record);
 }
 
 // Sends the client changed posteriors or a changed verdict.
-void GameSession::Inform(const decision::Decision& decision) {
+void GameSession::SendPosteriors(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
-  if (link_ == nullptr || (!decision.increment && diagnosis.verdict == told_verdict_)) return;
+  if (link_ == nullptr || (!decision.increment && diagnosis.verdict == sent_verdict_)) return;
   link_->SendSnapshot(decision.record.posteriors, diagnosis);
-  told_verdict_ = diagnosis.verdict;
+  sent_verdict_ = diagnosis.verdict;
 }
 
 void GameSession::Publish(const decision::DecisionRecord& record) {
   v1::DecisionEvent event;
-  event.set_session_id(identity_.id);
-  event.set_project(identity_.scene.project);
-  event.set_scene(identity_.scene.scene);
-  event.set_machine_class(identity_.scene.machine_class);
-  event.set_policy(std::string(decisions_.policy()));
-  ToProto(record, identity_.arms, event);
-  context_.listener.OnDecision(identity_.scene, event);
+  ToProto(record, identity_, event);
+  context_.watch_hub.OnDecision(identity_.scene, event);
 }
 
 priors::EvidenceKey GameSession::KeyOf(uint32_t arm) const {

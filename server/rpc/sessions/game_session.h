@@ -21,7 +21,9 @@
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"
+#include "server/rpc/common/session_identity.h"
 #include "server/rpc/sessions/session_ledger.h"
+#include "server/watch/watch_hub.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
@@ -46,36 +48,13 @@ class SessionLink {
   virtual void Abort(const absl::Status& status) = 0;
 };
 
-// The interface that receives what sessions decide and learn. Used on the decision loop only.
-class SessionListener {
- public:
-  virtual ~SessionListener() = default;
-
-  // Returns whether anybody watches the decisions of this scene; if not, no events are made.
-  virtual bool WatchesDecisionsOf(const priors::SceneKey& scene) const = 0;
-  virtual void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) = 0;
-  // Called when evidence about the scene has reached the disk.
-  virtual void OnEvidence(const priors::SceneKey& scene) = 0;
-};
-
 // The objects that the sessions share. The server owns them and outlives every session.
 struct SessionContext {
   const RpcOptions& options;
   DecisionLoop& loop;
   priors::AsyncPriorStore& store;
   Counters& counters;
-  SessionListener& listener;
-};
-
-// The identity of a session, fixed for its life.
-struct SessionIdentity {
-  std::string id;
-  priors::SceneKey scene;
-  std::vector<std::string> arms;
-  std::vector<uint32_t> backend_versions;  // one per arm
-  uint64_t seed = 0;
-  decision::DecisionOptions decision;  // time scale applied
-  uint32_t audit_segment = 1;          // segment of the session's audit log
+  watch::WatchHub& watch_hub;
 };
 
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
@@ -123,16 +102,17 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void ApplyShadows(const v1::FrameBatch& batch);
   void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
   void ApplyBailOut(const v1::BailOut& bail_out);
+  bool IsOverLimit(const decision::Frame& frame) const;
   void ApplyModeChange(const v1::ModeChange& change);
 
   void ScheduleTick();
   void OnTimer(uint64_t generation);
   void Checkpoint();
-  void OnCommitted(const absl::Status& status);
+  void OnCommitted(const absl::Status& status, std::span<const priors::KeyedEvidence> increments);
   void CloseIfSettled();
   void CloseLink();
-  void Carry(const decision::Decision& decision);
-  void Inform(const decision::Decision& decision);
+  void SendDecision(const decision::Decision& decision);
+  void SendPosteriors(const decision::Decision& decision);
   void Publish(const decision::DecisionRecord& record);
   priors::EvidenceKey KeyOf(uint32_t arm) const;
 
@@ -147,9 +127,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
   uint64_t acknowledged_sequence_;  // sent to the client
   uint32_t switch_epoch_;           // the latest in a message other than frames
+  bool in_store_;                   // the store knows this session's evidence
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
-  decision::Verdict told_verdict_ = decision::Verdict::kUnknown;  // sent to the client
+  decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool ending_ = false;
   bool draining_ = false;

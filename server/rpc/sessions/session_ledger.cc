@@ -1,14 +1,25 @@
 #include "server/rpc/sessions/session_ledger.h"
 
+#include <algorithm>
+#include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "server/rpc/common/options.h"
 
 namespace sweepstake::rpc {
+namespace {
+
+uint64_t UnixTimeS() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<uint64_t>(
+      std::max<int64_t>(0, std::chrono::floor<std::chrono::seconds>(since_epoch).count()));
+}
+
+}  // namespace
 
 SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
-                             priors::SourceProgress progress,
-                             std::function<void(const absl::Status&)> on_committed)
+                             priors::SourceProgress progress, CommitListener on_committed)
     : store_(store),
       loop_(loop),
       counters_(counters),
@@ -17,7 +28,7 @@ SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop,
       durable_sequence_(progress_.message_sequence) {}
 
 void SessionLedger::Add(const priors::KeyedEvidence& increment) {
-  waiting_[increment.key] += increment.evidence;
+  open_[increment.key] += increment.evidence;
 }
 
 void SessionLedger::AddAuditRow(std::string_view row) {
@@ -27,19 +38,23 @@ void SessionLedger::AddAuditRow(std::string_view row) {
     ++counters_.cut_audit_log_count;
     return;
   }
-  audit_.rows.emplace_back(row);
+  open_rows_.emplace_back(row);
   audit_bytes_ += row.size();
 }
 
 void SessionLedger::Checkpoint(const Position& position) {
   const bool unknown_to_store = progress_.commit_sequence == 0 && !offered_;
-  if (position.message_sequence > progress_.message_sequence || !waiting_.empty() ||
-      !audit_.rows.empty() || unknown_to_store)
+  if (position.message_sequence > progress_.message_sequence || !open_.empty() ||
+      !open_rows_.empty() || unknown_to_store)
     checkpointed_ = true;
   progress_.message_sequence = position.message_sequence;
   progress_.explored_arm_count = position.explored_arm_count;
   progress_.decision_count = position.decision_count;
   progress_.frame_count = position.frame_count;
+  for (const auto& [key, evidence] : open_) waiting_[key] += evidence;
+  open_.clear();
+  std::move(open_rows_.begin(), open_rows_.end(), std::back_inserter(audit_.rows));
+  open_rows_.clear();
   CommitNext();
 }
 
@@ -47,16 +62,20 @@ void SessionLedger::CommitNext() {
   if (in_flight_) return;
   if (!offered_) {
     if (!checkpointed_) return;
-    ++progress_.commit_sequence;
-    offered_ = priors::SourceUpdate{.progress = progress_, .increments = {}, .audit = audit_};
-    audit_.first_row += audit_.rows.size();
-    audit_.rows.clear();
-    audit_bytes_ = 0;
-    for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
-    waiting_.clear();
-    checkpointed_ = false;
+    MakeOffer();
   }
   Offer();
+}
+
+void SessionLedger::MakeOffer() {
+  ++progress_.commit_sequence;
+  offered_ = priors::SourceUpdate{
+      .progress = progress_, .unix_time_s = UnixTimeS(), .increments = {}, .audit = audit_};
+  audit_.first_row += audit_.rows.size();
+  audit_.rows.clear();
+  for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
+  waiting_.clear();
+  checkpointed_ = false;
 }
 
 void SessionLedger::Offer() {
@@ -68,18 +87,25 @@ void SessionLedger::Offer() {
   });
 }
 
+void SessionLedger::DropOffer() {
+  for (const std::string& row : offered_->audit.rows) audit_bytes_ -= row.size();
+  offered_.reset();
+}
+
 void SessionLedger::OnCommitted(const absl::Status& status) {
   in_flight_ = false;
+  std::vector<priors::KeyedEvidence> stored;
   if (status.ok()) {
     ++counters_.stored_commit_count;
     durable_sequence_ = offered_->progress.message_sequence;
-    offered_.reset();
+    stored = std::move(offered_->increments);
+    DropOffer();
   } else {
     ++counters_.failed_commit_count;
     // An update that can never be stored must not block those after it.
-    if (absl::IsInvalidArgument(status)) offered_.reset();
+    if (absl::IsInvalidArgument(status)) DropOffer();
   }
-  on_committed_(status);
+  on_committed_(status, stored);
   if (!offered_) CommitNext();
 }
 

@@ -3,6 +3,8 @@
 // Evidence waits for a checkpoint, a moment at which it contains every message applied so far (a
 // tick). A checkpoint commits the evidence and the sequence number that it covers in one atomic
 // update. Acknowledged messages are therefore never lost, and resent ones are never counted twice.
+// What comes after a checkpoint is kept apart until the next, since a commit in between would write
+// it without the number of its message.
 // The rows of the session's audit log are in the same update; if the disk is too slow for them
 // (kMaxWaitingAuditBytes), the log ends. At most one update is pending; later checkpoints merge
 // into one behind it, so the memory is bounded by the number of arms. A failed update is offered
@@ -18,8 +20,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/decision_loop.h"
@@ -29,11 +34,14 @@ namespace sweepstake::rpc {
 
 class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
  public:
+  // Takes the status of a commit and the increments that are on disk now, if any.
+  using CommitListener =
+      std::function<void(const absl::Status&, std::span<const priors::KeyedEvidence>)>;
+
   // `progress` is the state in the store (commit_sequence 0: none). `on_committed` runs on the loop
-  // after each commit with its status.
+  // after each commit.
   SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
-                priors::SourceProgress progress,
-                std::function<void(const absl::Status&)> on_committed);
+                priors::SourceProgress progress, CommitListener on_committed);
 
   void Add(const priors::KeyedEvidence& increment);
   // `head` identifies the session's audit log; it has no rows.
@@ -61,23 +69,28 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
 
  private:
   void CommitNext();
+  void MakeOffer();
   void Offer();
+  void DropOffer();
   void OnCommitted(const absl::Status& status);
 
   priors::AsyncPriorStore& store_;
   DecisionLoop& loop_;
   Counters& counters_;
-  const std::function<void(const absl::Status&)> on_committed_;
+  const CommitListener on_committed_;
 
-  priors::SourceProgress progress_;  // at the latest checkpoint
+  priors::SourceProgress progress_;  // progress at the latest checkpoint
   uint64_t durable_sequence_;
-  std::map<priors::EvidenceKey, priors::Evidence> waiting_;  // since the latest offer
-  priors::AuditRows audit_;                                  // since the latest offer
-  size_t audit_bytes_ = 0;                                   // the size of its rows
-  bool audit_cut_ = false;                                   // the log has ended
-  bool checkpointed_ = false;                                // `waiting_` may be offered
-  std::optional<priors::SourceUpdate> offered_;              // not yet confirmed by the store
-  bool in_flight_ = false;                                   // the store has `offered_`
+  std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
+  std::map<priors::EvidenceKey, priors::Evidence>
+      waiting_;                                  // evidence between offer and checkpoint
+  std::vector<std::string> open_rows_;           // audit rows since the checkpoint
+  priors::AuditRows audit_;                      // rows between offer and checkpoint
+  size_t audit_bytes_ = 0;                       // size of all rows held here
+  bool audit_cut_ = false;                       // the log has ended
+  bool checkpointed_ = false;                    // `waiting_` may be offered
+  std::optional<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
+  bool in_flight_ = false;                       // the store has `offered_`
 };
 
 }  // namespace sweepstake::rpc

@@ -1,12 +1,14 @@
 #include "server/rpc/sessions/session_start.h"
 
+#include <openssl/crypto.h>
+#include <openssl/hmac.h>
+
 #include <algorithm>
 #include <random>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/decision/session/policy_registry.h"
 #include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {
@@ -14,10 +16,6 @@ namespace {
 
 using decision::BetaPosterior;
 using priors::EvidenceKey;
-using priors::SceneKey;
-
-constexpr int64_t kNsPerMs = 1'000'000;
-constexpr uint32_t kMaxBatchIntervalMs = 250;
 
 uint64_t RandomBits() {
   std::random_device device;
@@ -26,15 +24,20 @@ uint64_t RandomBits() {
 
 std::string NewSessionId() { return absl::StrFormat("%016x%016x", RandomBits(), RandomBits()); }
 
-SceneKey SceneOf(const v1::Hello& hello) {
-  return {hello.project(), hello.scene(), hello.machine_class(),
-          decision::PolicyKindOf(hello.policy()).reward_version};
+std::string ResumeTokenOf(const std::string& session_id, const RpcOptions& options) {
+  std::string token(EVP_MAX_MD_SIZE, '\0');
+  unsigned int size = 0;
+  HMAC(EVP_sha256(), options.resume_secret.data(), static_cast<int>(options.resume_secret.size()),
+       reinterpret_cast<const unsigned char*>(session_id.data()), session_id.size(),
+       reinterpret_cast<unsigned char*>(token.data()), &size);
+  token.resize(size);
+  return token;
 }
 
 std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
   std::vector<EvidenceKey> keys;
   for (const v1::Arm& arm : hello.arms()) {
-    keys.push_back(EvidenceKeyOf(SceneOf(hello), arm.name(), arm.backend_version()));
+    keys.push_back(EvidenceKeyOf(FromProto(hello), arm.name(), arm.backend_version()));
   }
   return keys;
 }
@@ -52,10 +55,9 @@ priors::PriorSums OwnEvidence(const v1::Hello& hello,
   return own;
 }
 
-bool BelongsTo(const priors::SourceState& source, const SceneKey& scene) {
+bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>& keys) {
   return std::all_of(source.evidence.begin(), source.evidence.end(), [&](const auto& stored) {
-    const EvidenceKey& key = stored.key;
-    return SceneKey{key.project, key.scene, key.machine_class, key.reward_version} == scene;
+    return std::find(keys.begin(), keys.end(), stored.key) != keys.end();
   });
 }
 
@@ -69,7 +71,7 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
                            const RpcOptions& options) {
   SessionIdentity identity;
   identity.id = start.source ? start.source->progress.source_id : NewSessionId();
-  identity.scene = SceneOf(hello);
+  identity.scene = FromProto(hello);
   for (const v1::Arm& arm : hello.arms()) {
     identity.arms.push_back(arm.name());
     identity.backend_versions.push_back(arm.backend_version());
@@ -124,11 +126,6 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
   return setup;
 }
 
-uint32_t Milliseconds(int64_t interval_ns) {
-  return static_cast<uint32_t>(
-      std::clamp<int64_t>((interval_ns + kNsPerMs / 2) / kNsPerMs, 0, UINT32_MAX));
-}
-
 }  // namespace
 
 absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
@@ -136,11 +133,9 @@ absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
     if (!source.ok()) return source.status();
-    if (!source->has_value()) {
-      return absl::NotFoundError(
-          "session_id is unknown here; leave it absent to begin a new session");
+    if (source->has_value() && BelongsTo(**source, KeysOf(hello))) {
+      start.source = *std::move(source);
     }
-    start.source = *std::move(source);
   }
   if (hello.ignore_priors()) {
     start.priors = OwnEvidence(hello, start.source);
@@ -155,11 +150,6 @@ absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
                                                          const v1::Hello& hello,
                                                          const StoredStart& start) {
-  if (start.source && !BelongsTo(*start.source, SceneOf(hello))) {
-    return absl::InvalidArgumentError(
-        "session_id belongs to another scene, machine class or version of the reward; leave it "
-        "absent to begin a new session");
-  }
   SessionIdentity identity = IdentityOf(hello, start, context.options);
   const decision::SessionSetup setup =
       SetupOf(hello, identity, start, context.loop.clock().NowNs());
@@ -172,42 +162,29 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
                              start.priors.source_count);
 }
 
-absl::Status CheckSame(const GameSession& session, const v1::Hello& hello) {
+bool HasResumeToken(const v1::Hello& hello, const RpcOptions& options) {
+  const std::string token = ResumeTokenOf(hello.session_id(), options);
+  return hello.resume_token().size() == token.size() &&
+         CRYPTO_memcmp(hello.resume_token().data(), token.data(), token.size()) == 0;
+}
+
+bool CanResume(const GameSession& session, const v1::Hello& hello) {
   const SessionIdentity& identity = session.identity();
-  bool same = identity.scene == SceneOf(hello) &&
+  bool same = !session.ended() && identity.scene == FromProto(hello) &&
               identity.arms.size() == static_cast<size_t>(hello.arms_size());
   for (int i = 0; same && i < hello.arms_size(); ++i) {
     same = identity.arms[static_cast<size_t>(i)] == hello.arms(i).name() &&
            identity.backend_versions[static_cast<size_t>(i)] == hello.arms(i).backend_version();
   }
-  if (same) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "session_id was opened with another project, scene, machine class, version of the reward or "
-      "other arms; leave it absent to begin a new session");
+  return same;
 }
 
 v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options) {
-  const decision::DecisionOptions& decision = session.identity().decision;
   v1::Welcome welcome;
-  welcome.set_session_id(session.identity().id);
+  ToProto(session.identity(), session.decisions().posteriors(), options, welcome);
+  welcome.set_resume_token(ResumeTokenOf(session.identity().id, options));
   welcome.set_resumed(resumed);
   welcome.set_acknowledged_sequence(session.durable_sequence());
-  welcome.set_max_batch_frames(kMaxBatchFrames);
-  welcome.set_max_message_bytes(kMaxMessageBytes);
-  welcome.set_decision_interval_ms(std::max(1u, Milliseconds(decision.decision_interval_ns)));
-  welcome.set_batch_interval_ms(
-      std::clamp(welcome.decision_interval_ms() / 8, 1u, kMaxBatchIntervalMs));
-  welcome.set_cooldown_ms(Milliseconds(decision.cooldown_ns));
-  welcome.set_settling_ms(Milliseconds(decision.settling_ns));
-  welcome.set_bail_out_ms(Milliseconds(decision.bail_out_ns));
-  welcome.set_resume_window_ms(Milliseconds(options.resume_window_ns));
-  welcome.set_daemon_version(options.daemon_version);
-  welcome.set_reward_version(session.identity().scene.reward_version);
-  welcome.set_policy(std::string(session.decisions().policy()));
-  welcome.set_seed(session.identity().seed);
-  for (const BetaPosterior& posterior : session.decisions().posteriors()) {
-    ToProto(posterior, *welcome.add_priors());
-  }
   welcome.set_prior_source_count(session.prior_source_count());
   return welcome;
 }

@@ -5,6 +5,13 @@
 // included. A session that is resumed from memory continues unchanged. With ignore_priors only the
 // session's own evidence is used. All evidence is that of the policy's reward version; a checked
 // Hello names the policy.
+//
+// A session's id is public, so resuming needs its token too, which only its client has:
+// HMAC-SHA-256 of the id under RpcOptions::resume_secret. The token is stored nowhere.
+//
+// If the token is wrong, or the session to resume is unknown, has ended or is not of Hello's scene,
+// machine class, reward version and arms, a new one begins. The answer is the same in all these
+// cases, so that it tells nothing about other sessions.
 #pragma once
 
 #include <memory>
@@ -18,22 +25,23 @@ namespace sweepstake::rpc {
 
 // The store's knowledge for a Hello.
 struct StoredStart {
-  priors::PriorSums priors;                   // in Hello's order of arms
-  std::optional<priors::SourceState> source;  // if a session is resumed
+  priors::PriorSums priors;                   // sums have Hello's order of arms
+  std::optional<priors::SourceState> source;  // present if a session is resumed
 };
 
-// Reads the store, on its thread. Error: NOT_FOUND (the session to resume is unknown).
+// Reads the store, on its thread.
 absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello);
 
-// Makes the session of a checked Hello. Error: INVALID_ARGUMENT (the stored session has another
-// scene, or the setup is not valid).
+// Makes the session of a checked Hello. Error: INVALID_ARGUMENT (the setup is not valid).
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
                                                          const v1::Hello& hello,
                                                          const StoredStart& start);
 
-// Checks that Hello matches a session in memory. Error: INVALID_ARGUMENT (it was opened with
-// another project, scene, machine class, reward version or other arms).
-absl::Status CheckSame(const GameSession& session, const v1::Hello& hello);
+// Returns whether Hello has the token of its session id. It takes the same time for every token.
+bool HasResumeToken(const v1::Hello& hello, const RpcOptions& options);
+
+// Returns whether Hello, with its token checked, may resume this session, which is in memory.
+bool CanResume(const GameSession& session, const v1::Hello& hello);
 
 v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options);
 

@@ -51,7 +51,7 @@ class SessionTable {
     std::shared_ptr<GameSession> session;
     SessionLink* link = nullptr;
     std::optional<LostKey> lost;     // absent if connected or never connected
-    int64_t resumable_until_ns = 0;  // if lost
+    int64_t resumable_until_ns = 0;  // end of the resume window of a lost session
   };
 
   bool MakeRoom();

@@ -24,7 +24,7 @@ namespace sweepstake::decision {
 namespace {
 
 constexpr int kRoundCount = 5;
-constexpr int kTickCount = 1'000;  // of a round
+constexpr int kTickCount = 1'000;  // the ticks of a round
 constexpr int kFramesPerTick = 20;
 
 // The processor time of this thread, which leaves out what other programs take; where the system
@@ -148,7 +148,7 @@ struct Row {
   uint32_t arm_count = 0;
   Quantiles plain;
   Quantiles audited;
-  double row_bytes = 0;  // of the audit log, mean
+  double row_bytes = 0;  // the mean of the audit log's rows
 };
 
 Row Measure(const std::string& policy, uint32_t arm_count) {

@@ -27,7 +27,7 @@
 #include "engine_client/adaptive/box_tap.h"
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/scene/box_scenes.h"
-#include "engine_client/telemetry/sample_queue.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "tests/bench/programs/system_call_counter.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/malloc_counter.h"
@@ -206,9 +206,9 @@ void BM_CopyForTheLane(benchmark::State& state) {
   const auto object_count = static_cast<size_t>(state.range(0));
   const BoxScene scene("brownian", object_count, 11);
   BoxTap tap;
-  tap.Reserve(BoxTap::kSlotMax, object_count);
+  tap.Reserve(BoxTap::kMaxSlots, object_count);
   const auto copy = [&] {
-    if (tap.complete()) tap.Request(BoxTap::kSlotMax);
+    if (tap.complete()) tap.Request(BoxTap::kMaxSlots);
     tap.OnFrame(scene.boxes(), {}, SteadyClock());
   };
   while (state.KeepRunning()) copy();

@@ -28,7 +28,7 @@ namespace {
 
 constexpr int kFramesBefore = 12;
 constexpr int kFramesAfter = 24;
-constexpr int kFramesUnsettled = 4;  // of those after, not in the median
+constexpr int kFramesUnsettled = 4;  // the first of those after, which the median leaves out
 constexpr int kBlocks = 12;
 constexpr uint64_t kBlockNs = 150'000'000;
 
@@ -39,7 +39,8 @@ std::vector<std::string> Split(const std::string& list) {
   return items;
 }
 
-double Median(std::vector<double> values) {
+// Returns the upper of the two middle values if their number is even.
+double UpperMedian(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values.empty() ? 0 : values[values.size() / 2];
 }
@@ -91,12 +92,12 @@ FrameTimes SwitchRatio(const std::vector<std::string>& arms, uint32_t from, uint
     frames.push_back(times.frame);
     detections.push_back(times.detection);
   }
-  return {switching.frame / Median(frames), switching.detection / Median(detections)};
+  return {switching.frame / UpperMedian(frames), switching.detection / UpperMedian(detections)};
 }
 
 void PrintSummary(const char* what, const std::vector<double>& ratios) {
   const auto over = std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > 1.2; });
-  std::printf("%s: median %.2f, largest %.2f, over 1.2: %d of %zu\n", what, Median(ratios),
+  std::printf("%s: median %.2f, largest %.2f, over 1.2: %d of %zu\n", what, UpperMedian(ratios),
               *std::max_element(ratios.begin(), ratios.end()), static_cast<int>(over),
               ratios.size());
 }
@@ -134,8 +135,8 @@ void MeasureSwitches(const std::vector<std::string>& arms, uint32_t object_count
       frames.push_back(ratio.frame);
       detections.push_back(ratio.detection);
     }
-    frame_ratios.push_back(matrix[pair] = Median(frames));
-    detection_ratios.push_back(Median(detections));
+    frame_ratios.push_back(matrix[pair] = UpperMedian(frames));
+    detection_ratios.push_back(UpperMedian(detections));
   }
   std::printf("\n%s switches, %u objects: switching frame / median frame of the new arm\n",
               lane == ShadowMode::kOff ? "cold" : "warm", object_count);
@@ -170,7 +171,7 @@ void PrintRatio(const char* what, const std::vector<double>& ratios) {
   const double count = static_cast<double>(ratios.size());
   const double mean = sum / count;
   const double error = std::sqrt(std::max(square_sum / count - mean * mean, 0.0) / (count - 1));
-  std::printf("%-28s %.3f ± %.3f (median %.3f)\n", what, mean, 2 * error, Median(ratios));
+  std::printf("%-28s %.3f ± %.3f (median %.3f)\n", what, mean, 2 * error, UpperMedian(ratios));
 }
 
 void MeasureLane(const std::vector<std::string>& arms, uint32_t object_count) {

@@ -13,7 +13,7 @@ namespace sweepstake::test_support {
 
 struct SystemCallCount {
   uint64_t count = 0;
-  int last_number = -1;  // of the latest call, as in <sys/syscall.h>
+  int last_number = -1;  // the latest call's number, as in <sys/syscall.h>
 };
 
 // Runs `work` in a copy of this process. Absent where the kernel has no such filter, or the copy

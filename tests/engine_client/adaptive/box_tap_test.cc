@@ -89,7 +89,7 @@ TEST_F(BoxTapTest, TakesFramesWithoutBoxes) {
 // ThreadSanitizer reports a slot that has two owners.
 TEST(BoxTapThreads, HandsWholeFramesOverWhileTheyGoOn) {
   BoxTap tap;
-  tap.Reserve(BoxTap::kSlotMax, 200);
+  tap.Reserve(BoxTap::kMaxSlots, 200);
   std::atomic<bool> stop{false};
   std::thread game([&] {
     TickingClock clock;
@@ -99,7 +99,7 @@ TEST(BoxTapThreads, HandsWholeFramesOverWhileTheyGoOn) {
     }
   });
   for (uint32_t round = 0; round < 300; ++round) {
-    const uint32_t wanted = 1 + round % BoxTap::kSlotMax;
+    const uint32_t wanted = 1 + round % BoxTap::kMaxSlots;
     tap.Request(wanted);
     while (!tap.complete()) std::this_thread::yield();
     ASSERT_EQ(tap.filled_count(), wanted);

@@ -6,12 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/box_scenes.h"
+#include "engine_client/scene/random.h"
 
 namespace sweepstake {
 namespace {
-
-using test_support::Random;
 
 Aabb Cube(float x, float y, float z, float side) {
   return {{x, y, z}, {x + side, y + side, z + side}};
@@ -19,7 +17,7 @@ Aabb Cube(float x, float y, float z, float side) {
 
 // Returns unit cubes that are uniform in a cube of `world` units.
 std::vector<Aabb> Uniform(size_t count, float world, uint64_t seed) {
-  Random random(seed);
+  SequentialRandom random(seed);
   std::vector<Aabb> boxes;
   for (size_t i = 0; i < count; ++i) {
     boxes.push_back(
@@ -70,7 +68,7 @@ TEST(DescriptorEstimator, FindsTheDensityWithinATenth) {
 }
 
 TEST(DescriptorEstimator, FindsTheSizeSpread) {
-  Random random(3);
+  SequentialRandom random(3);
   std::vector<Aabb> boxes;
   boxes.reserve(2000);
   // ln(side) is uniform in [0, 2], which has a standard deviation of 2 ÷ √12.

@@ -5,17 +5,16 @@
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
-#include "engine_client/telemetry/sample_queue.h"
+#include "engine_client/scene/box_scenes.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/box_scenes.h"
 #include "tests/support/malloc_counter.h"
 #include "tests/support/wait_counter.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::ThreadAllocationCount;
 using test_support::ThreadMallocCount;
 using test_support::WaitCounter;

@@ -71,7 +71,7 @@ TEST_F(ShadowScheduleTest, VisitsContendersInEverySweepAndOthersByTheSquareOfThe
 TEST_F(ShadowScheduleTest, VisitsEvenAHopelessArmFromTimeToTime) {
   cost_ns_[2] = 20 * kMs;
   Sweep();
-  EXPECT_EQ(CountVisits(3 * ShadowSchedule::kPeriodMax).at(2), 3);
+  EXPECT_EQ(CountVisits(3 * ShadowSchedule::kMaxPeriod).at(2), 3);
 }
 
 TEST_F(ShadowScheduleTest, MeasuresTheActiveArmInEverySweepHoweverSlowItIs) {

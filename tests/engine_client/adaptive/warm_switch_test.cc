@@ -80,7 +80,7 @@ class WarmSwitchTest : public ::testing::Test {
   RecordingSink sink_;
   BoxScene scene_{"brownian", 220, 3};
   size_t object_count_ = 200;
-  uint64_t frame_time_ns_ = 1000;  // so short that no preparation is late
+  uint64_t frame_time_ns_ = 1000;  // this is so short that no preparation is late
   uint64_t command_id_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
 };
@@ -243,7 +243,7 @@ TEST_F(WarmSwitchTest, EndsWhileTheLaneIsAtWork) {
 }
 
 TEST_F(WarmSwitchTest, SendsSamplesOfEveryArmWithTheFramesTheyAreOf) {
-  frame_time_ns_ = 16 * kMs;  // so long that copying may be frequent
+  frame_time_ns_ = 16 * kMs;  // this is so long that copying may be frequent
   Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
   while (adaptive_->shadow_stats().sweep_count < 3) {
     ASSERT_NO_FATAL_FAILURE(Frame());

@@ -4,13 +4,12 @@
 #include <vector>
 
 #include "engine_client/broad_phase/sweep/sorted_endpoints.h"
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 
@@ -68,7 +67,7 @@ TEST_F(FacesOnAnAxis, AreLowerBeforeUpperWhereTheyTouch) {
 
 TEST_F(FacesOnAnAxis, AreInStepAfterTheirSort) {
   std::vector<BoxRecord> records;
-  test_support::Random random(4);
+  SequentialRandom random(4);
   for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(0, 100))));
   const SweepAxis steps{false, 0, 10, 999};
   axis_.Sort(records, steps, room_);
@@ -84,7 +83,7 @@ TEST_F(FacesOnAnAxis, AreInStepAfterTheirSort) {
 
 TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
   std::vector<BoxRecord> records;
-  test_support::Random random(4);
+  SequentialRandom random(4);
   for (int i = 0; i < 300; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(-50, 50))));
   records.push_back(kInvalidRecord);
   Sort(records, -50, 50);
@@ -95,19 +94,19 @@ TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
   }
 }
 
-TEST_F(FacesOnAnAxis, TellEachPassingOfALowerAndAnUpperOneWhenRepaired) {
+TEST_F(FacesOnAnAxis, TellEachSwapOfALowerAndAnUpperOneWhenRepaired) {
   Sort(RecordsAlongX({0, 5}));
   size_t budget = 10;
-  std::vector<std::pair<uint32_t, uint32_t>> passings;
+  std::vector<std::pair<uint32_t, uint32_t>> swaps;
   EXPECT_TRUE(axis_.Repair(RecordsAlongX({5.5F, 5}), AllMoved(2), room_, budget,
-                           [&](uint32_t a, uint32_t b) { passings.emplace_back(a, b); }));
+                           [&](uint32_t a, uint32_t b) { swaps.emplace_back(a, b); }));
   EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
-  EXPECT_EQ(passings, (std::vector<std::pair<uint32_t, uint32_t>>{{0, 1}}));
+  EXPECT_EQ(swaps, (std::vector<std::pair<uint32_t, uint32_t>>{{0, 1}}));
   EXPECT_EQ(budget, 7U);
 }
 
 TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
-  test_support::Random random(9);
+  SequentialRandom random(9);
   for (int round = 0; round < 50; ++round) {
     std::vector<BoxRecord> records;
     for (int i = 0; i < 40; ++i) records.push_back(RecordOf(UnitBoxAt(random.Between(0, 20))));
@@ -195,7 +194,7 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
     std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
     backend_->Build(boxes);
     backend_->FindPairs(pairs_);
-    test_support::Random random(1);
+    SequentialRandom random(1);
     for (int frame = 0; frame < 80; ++frame) {
       // First all boxes rest, then one more box per frame moves, then all boxes move.
       const size_t changes = frame % 20 < 5 ? 0 : frame % 20 < 18 ? 1 + frame % 20 : boxes.size();
@@ -212,7 +211,7 @@ TEST_F(AxisSweepOverFrames, IsRightThroughRestJumpsAndRest) {
 TEST_F(AxisSweepOverFrames, KeepsItsOrdersWhileTheCountChanges) {
   for (const std::string_view kind : {"nearly-resting", "brownian", "broken-boxes", "long-thin"}) {
     BoxScene scene(kind, 600, 3);
-    test_support::Random random(2);
+    SequentialRandom random(2);
     backend_->Build(scene.boxes().first(500));
     backend_->FindPairs(pairs_);
     for (int frame = 0; frame < 40; ++frame) {

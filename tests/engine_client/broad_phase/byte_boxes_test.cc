@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "tests/support/box_scenes.h"
+#include "engine_client/scene/box_scenes.h"
 
 namespace sweepstake {
 namespace {
@@ -31,9 +31,9 @@ CoordinateRange RangeOf(float low, float high) {
 
 TEST(ByteBoxes, OverlapWhereTheBoxesDo) {
   ByteBoxes bytes;
-  for (const std::string_view kind : test_support::BoxSceneKinds()) {
-    const test_support::BoxScene scene(kind, 150, 3);
-    const auto boxes = scene.boxes();
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    const auto scene = MakeDegenerateScene(name, 150, 3);
+    const auto boxes = scene->aabbs();
     for (const CoordinateRange& range :
          {CoordinateRange::Sample(boxes), RangeOf(2, 3), RangeOf(0, 0), RangeOf(-1e38F, 1e38F)}) {
       bytes.Resize(boxes.size(), false);
@@ -42,7 +42,7 @@ TEST(ByteBoxes, OverlapWhereTheBoxesDo) {
       for (size_t a = 0; a < boxes.size(); ++a) {
         EXPECT_EQ(bytes.Lanes().record[a], RecordOf(boxes[a]));
         for (size_t b = 0; b < a; ++b) {
-          EXPECT_GE(BytesOverlap(bytes.Lanes(), a, b), Overlap(boxes[a], boxes[b])) << kind;
+          EXPECT_GE(BytesOverlap(bytes.Lanes(), a, b), Overlap(boxes[a], boxes[b])) << name;
         }
       }
     }
@@ -62,7 +62,7 @@ TEST(ByteBoxes, TellBoxesApartThatAreAPartOfTheRangeAway) {
 TEST(ByteBoxes, EndInBoxesThatTakeNoPart) {
   ByteBoxes bytes;
   for (const size_t count : {0, 1, 63, 64, 65}) {
-    const test_support::BoxScene scene("brownian", count, 8);
+    const BoxScene scene("brownian", count, 8);
     bytes.Resize(count, true);
     std::iota(bytes.ids(), bytes.ids() + count, 0U);
     bytes.Fill(scene.boxes(), CoordinateRange::Sample(scene.boxes()), {}, 0, count);
@@ -72,7 +72,7 @@ TEST(ByteBoxes, EndInBoxesThatTakeNoPart) {
 }
 
 TEST(ByteBoxes, AreTheSameFromRecordsById) {
-  const test_support::BoxScene scene("broken-boxes", 100, 8);
+  const BoxScene scene("broken-boxes", 100, 8);
   const auto boxes = scene.boxes();
   const CoordinateRange range = CoordinateRange::Sample(boxes);
   std::vector<BoxRecord> records(101, kInvalidRecord);

@@ -6,22 +6,25 @@
 #include <string>
 #include <tuple>
 
+#include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/changing_scenes.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
-using test_support::BoxSceneKinds;
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 
 std::string ParameterName(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
+}
+
+// Returns the first `count` boxes of the scene, or all if it shows fewer.
+std::span<const Aabb> FirstOf(const Scene& scene, size_t count) {
+  return scene.aabbs().first(std::min(count, scene.aabbs().size()));
 }
 
 class EveryBackend : public testing::TestWithParam<std::string_view> {
@@ -34,63 +37,63 @@ class EveryBackendInEveryScene
     : public testing::TestWithParam<std::tuple<std::string_view, std::string_view>> {
  protected:
   std::unique_ptr<BroadPhase> backend_ = MakeOrThrow(std::get<0>(GetParam()));
-  std::string_view kind_ = std::get<1>(GetParam());
+  std::string_view scene_name_ = std::get<1>(GetParam());
   PairBuffer pairs_;
 };
 
 TEST_P(EveryBackendInEveryScene, FindsEachOverlappingPairOnceInEachFrame) {
-  for (const size_t count : {0, 1, 2, 3, 4, 5, 15, 16, 17, 33, 64, 65, 200, 611}) {
-    BoxScene scene(kind_, count, 1000 + count);
-    backend_->Build(scene.boxes());
+  for (const uint32_t count : {0, 1, 2, 3, 4, 5, 15, 16, 17, 33, 64, 65, 200, 611}) {
+    const auto scene = MakeDegenerateScene(scene_name_, count, 1000 + count);
+    backend_->Build(scene->aabbs());
     for (int frame = 0; frame < 16; ++frame) {
-      ASSERT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "")
+      ASSERT_EQ(FindPairsError(*backend_, scene->aabbs(), pairs_), "")
           << "of " << count << " boxes in frame " << frame;
-      scene.Step();
-      backend_->Update(scene.boxes());
+      scene->Step();
+      backend_->Update(scene->aabbs());
     }
   }
 }
 
 TEST_P(EveryBackendInEveryScene, IsRightWhenTheCountChangesEveryFrame) {
-  BoxScene scene(kind_, 300, 77);
-  test_support::Random random(5);
+  const auto scene = MakeDegenerateScene(scene_name_, 300, 77);
+  SequentialRandom random(5);
   for (int frame = 0; frame < 40; ++frame) {
-    const auto boxes = scene.boxes().first(random.Below(301));
+    const auto boxes = FirstOf(*scene, random.Below(301));
     backend_->Build(boxes);
     ASSERT_EQ(FindPairsError(*backend_, boxes, pairs_), "")
         << "of " << boxes.size() << " boxes in frame " << frame;
-    scene.Step();
+    scene->Step();
   }
 }
 
 TEST_P(EveryBackendInEveryScene, IsRightAfterUpdatesWhosePairsNobodyAskedFor) {
-  BoxScene scene(kind_, 150, 31);
-  backend_->Build(scene.boxes());
+  const auto scene = MakeDegenerateScene(scene_name_, 150, 31);
+  backend_->Build(scene->aabbs());
   for (int round = 0; round < 6; ++round) {
     for (int frame = 0; frame < round; ++frame) {
-      scene.Step();
-      backend_->Update(scene.boxes());
+      scene->Step();
+      backend_->Update(scene->aabbs());
     }
-    ASSERT_EQ(FindPairsError(*backend_, scene.boxes(), pairs_), "") << "in round " << round;
-    scene.Step();
-    backend_->Update(scene.boxes());
+    ASSERT_EQ(FindPairsError(*backend_, scene->aabbs(), pairs_), "") << "in round " << round;
+    scene->Step();
+    backend_->Update(scene->aabbs());
   }
 }
 
 TEST_P(EveryBackendInEveryScene, CountsItsChecksFromZeroWithEachBuildAndUpdate) {
   const auto fresh = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer fresh_pairs;
-  BoxScene scene(kind_, 200, 21);
+  const auto scene = MakeDegenerateScene(scene_name_, 200, 21);
   for (int frame = 0; frame < 4; ++frame) {
-    backend_->Build(scene.boxes());
+    backend_->Build(scene->aabbs());
     backend_->FindPairs(pairs_);
-    scene.Step();
-    backend_->Update(scene.boxes());
+    scene->Step();
+    backend_->Update(scene->aabbs());
     backend_->FindPairs(pairs_);
-    scene.Step();
+    scene->Step();
   }
-  backend_->Build(scene.boxes());
-  fresh->Build(scene.boxes());
+  backend_->Build(scene->aabbs());
+  fresh->Build(scene->aabbs());
   EXPECT_EQ(backend_->aabb_check_count(), fresh->aabb_check_count());
   backend_->FindPairs(pairs_);
   fresh->FindPairs(fresh_pairs);
@@ -100,9 +103,9 @@ TEST_P(EveryBackendInEveryScene, CountsItsChecksFromZeroWithEachBuildAndUpdate) 
 TEST_P(EveryBackendInEveryScene, GivesTheSameSequenceForTheSameHistory) {
   const auto twin = MakeOrThrow(std::get<0>(GetParam()));
   PairBuffer twin_pairs;
-  BoxScene scene(kind_, 250, 9);
-  backend_->Build(scene.boxes());
-  twin->Build(scene.boxes());
+  const auto scene = MakeDegenerateScene(scene_name_, 250, 9);
+  backend_->Build(scene->aabbs());
+  twin->Build(scene->aabbs());
   for (int frame = 0; frame < 10; ++frame) {
     pairs_.Clear();
     twin_pairs.Clear();
@@ -110,16 +113,17 @@ TEST_P(EveryBackendInEveryScene, GivesTheSameSequenceForTheSameHistory) {
     twin->FindPairs(twin_pairs);
     ASSERT_TRUE(std::ranges::equal(pairs_.pairs(), twin_pairs.pairs())) << "in frame " << frame;
     ASSERT_EQ(backend_->aabb_check_count(), twin->aabb_check_count());
-    scene.Step();
-    backend_->Update(scene.boxes());
-    twin->Update(scene.boxes());
+    scene->Step();
+    backend_->Update(scene->aabbs());
+    twin->Update(scene->aabbs());
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(
     , EveryBackendInEveryScene,
     testing::Combine(testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
-                     testing::ValuesIn(BoxSceneKinds().begin(), BoxSceneKinds().end())),
+                     testing::ValuesIn(SceneNames(SceneGroup::kDegenerate).begin(),
+                                       SceneNames(SceneGroup::kDegenerate).end())),
     [](const auto& test) {
       return ParameterName(std::string(std::get<0>(test.param)) + "_" +
                            std::string(std::get<1>(test.param)));
@@ -151,14 +155,14 @@ TEST_P(EveryBackend, IsRightInMixturesFromManySeeds) {
 }
 
 TEST_P(EveryBackend, IsRightWhenOneObjectPassesThroughFromSceneToScene) {
-  for (const std::string_view kind : BoxSceneKinds()) {
-    BoxScene scene(kind, 120, 3);
-    backend_->Build(scene.boxes());
-    for (const std::string_view next : BoxSceneKinds()) {
-      const BoxScene other(next, 120, 4);
-      backend_->Update(other.boxes());
-      ASSERT_EQ(FindPairsError(*backend_, other.boxes(), pairs_), "")
-          << "from " << kind << " to " << next;
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    const auto scene = MakeDegenerateScene(name, 120, 3);
+    backend_->Build(scene->aabbs());
+    for (const std::string_view next : SceneNames(SceneGroup::kDegenerate)) {
+      const auto other = MakeDegenerateScene(next, 120, 4);
+      backend_->Update(other->aabbs());
+      ASSERT_EQ(FindPairsError(*backend_, other->aabbs(), pairs_), "")
+          << "from " << name << " to " << next;
     }
   }
 }
@@ -187,14 +191,14 @@ TEST_P(EveryBackend, IsRightOverALongRunOfThreeHundredFrames) {
 }
 
 TEST_P(EveryBackend, IsRightWhileObjectsComeAndGo) {
-  for (const std::string_view kind : BoxSceneKinds()) {
-    BoxScene scene(kind, 400, 5);
-    backend_->Build(scene.boxes().first(100));
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    const auto scene = MakeDegenerateScene(name, 400, 5);
+    backend_->Build(FirstOf(*scene, 100));
     for (const size_t count : {101, 100, 130, 130, 400, 399, 90, 0, 1, 17, 300, 0, 0, 250}) {
-      scene.Step();
-      backend_->Update(scene.boxes().first(count));
-      ASSERT_EQ(FindPairsError(*backend_, scene.boxes().first(count), pairs_), "")
-          << "in " << kind << " with " << count << " objects";
+      scene->Step();
+      backend_->Update(FirstOf(*scene, count));
+      ASSERT_EQ(FindPairsError(*backend_, FirstOf(*scene, count), pairs_), "")
+          << "in " << name << " with " << count << " objects";
     }
   }
 }

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/support/box_scenes.h"
+#include "engine_client/scene/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
 TEST(CoordinateRange, CoversMostBoxesWhateverAFewOutliersDo) {
-  const test_support::BoxScene scene("brownian", 1000, 1);
+  const BoxScene scene("brownian", 1000, 1);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
   boxes[0] = {{1e30F, 1e30F, 1e30F}, {2e30F, 2e30F, 2e30F}};
   const CoordinateRange range = CoordinateRange::Sample(boxes);
@@ -57,13 +57,13 @@ TEST(CoordinateRange, DoesNotSampleOneOfSevenClasses) {
 }
 
 TEST(CoordinateRange, IsFiniteInEveryScene) {
-  for (const std::string_view kind : test_support::BoxSceneKinds()) {
-    for (const size_t count : {0, 1, 2, 7, 128, 129, 1000}) {
-      const test_support::BoxScene scene(kind, count, 3);
-      const CoordinateRange range = CoordinateRange::Sample(scene.boxes());
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    for (const uint32_t count : {0, 1, 2, 7, 128, 129, 1000}) {
+      const auto scene = MakeDegenerateScene(name, count, 3);
+      const CoordinateRange range = CoordinateRange::Sample(scene->aabbs());
       for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_TRUE(std::isfinite(range.low[axis]) && std::isfinite(range.width(axis))) << kind;
-        EXPECT_GE(range.width(axis), CoordinateRange::kWidthMin) << kind;
+        EXPECT_TRUE(std::isfinite(range.low[axis]) && std::isfinite(range.width(axis))) << name;
+        EXPECT_GE(range.width(axis), CoordinateRange::kMinWidth) << name;
       }
     }
   }

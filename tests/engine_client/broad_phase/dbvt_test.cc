@@ -10,20 +10,18 @@
 
 #include "engine_client/broad_phase/dbvt/dbvt_query.h"
 #include "engine_client/broad_phase/dbvt/dbvt_tree.h"
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::PairDifference;
-using test_support::Random;
 using test_support::ScalarPairs;
 
-Aabb RandomBox(Random& random) {
+Aabb RandomBox(SequentialRandom& random) {
   Aabb box{};
   for (int axis = 0; axis < 3; ++axis) {
     box.min[axis] = random.Between(0, 20);
@@ -109,7 +107,7 @@ std::string FaultOf(const DbvtTree& tree, std::span<const Aabb> boxes) {
   return TreeInspection(tree, boxes).Fault();
 }
 
-std::vector<Aabb> RandomBoxes(Random& random, size_t count) {
+std::vector<Aabb> RandomBoxes(SequentialRandom& random, size_t count) {
   std::vector<Aabb> boxes(count);
   for (Aabb& box : boxes) box = RandomBox(random);
   return boxes;
@@ -143,7 +141,7 @@ TEST(DbvtTree, HoldsNothingWhenBuiltOfNothing) {
 }
 
 TEST(DbvtTree, FillsItsLeavesWhenBuilt) {
-  Random random(1);
+  SequentialRandom random(1);
   for (const size_t count : {1, 2, 16, 17, 255, 256, 257, 5000}) {
     const std::vector<Aabb> boxes = RandomBoxes(random, count);
     DbvtTree tree;
@@ -157,7 +155,7 @@ TEST(DbvtTree, FillsItsLeavesWhenBuilt) {
 }
 
 TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart) {
-  Random random(1);
+  SequentialRandom random(1);
   std::vector<Aabb> boxes = RandomBoxes(random, 40);
   boxes[7].min[1] = 1e9F;
   std::vector<uint32_t> slots(64, DbvtTree::kNone);
@@ -173,7 +171,7 @@ TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart)
 }
 
 TEST(DbvtTree, StaysAHierarchyUnderRandomInsertionsMovesAndRemovals) {
-  Random random(1);
+  SequentialRandom random(1);
   std::vector<Aabb> boxes = RandomBoxes(random, 600);
   DbvtTree tree;
   BuildOf(tree, boxes, FirstNumbers(200));
@@ -194,7 +192,7 @@ TEST(DbvtTree, StaysAHierarchyUnderRandomInsertionsMovesAndRemovals) {
 }
 
 TEST(DbvtTree, CanBeEmptiedAndFilledAgain) {
-  Random random(2);
+  SequentialRandom random(2);
   const std::vector<Aabb> boxes = RandomBoxes(random, 700);
   DbvtTree tree;
   BuildOf(tree, boxes, FirstNumbers(700));
@@ -227,7 +225,7 @@ TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
 }
 
 TEST(DbvtTree, SaysHowMuchMoved) {
-  Random random(5);
+  SequentialRandom random(5);
   std::vector<Aabb> boxes = RandomBoxes(random, 160);
   std::vector<uint32_t> lost;
   DbvtTree tree;
@@ -235,14 +233,14 @@ TEST(DbvtTree, SaysHowMuchMoved) {
   for (Aabb& box : boxes) box.min[1] -= 0.5F;
   const DbvtTree::Motion motion = tree.Refit(boxes, 1, nullptr, lost);
   EXPECT_EQ(motion.sample_count, 10U) << "one of each leaf";
-  EXPECT_EQ(motion.restless_count, 0U);
+  EXPECT_EQ(motion.fast_count, 0U);
   EXPECT_NEAR(motion.mean, 0.5F, 1e-5F);
   for (Aabb& box : boxes) box.min[1] -= 2;
-  EXPECT_EQ(tree.Refit(boxes, 1, nullptr, lost).restless_count, 10U);
+  EXPECT_EQ(tree.Refit(boxes, 1, nullptr, lost).fast_count, 10U);
 }
 
 TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {
-  Random random(6);
+  SequentialRandom random(6);
   std::vector<Aabb> boxes = RandomBoxes(random, 100);
   std::vector<uint32_t> lost;
   DbvtTree tree;
@@ -290,7 +288,7 @@ TEST(DbvtTree, TakesTheLargestFloats) {
 }
 
 TEST(DbvtQuery, FindsThePairsOfSomeObjectsOnce) {
-  Random random(4);
+  SequentialRandom random(4);
   const std::vector<Aabb> boxes = RandomBoxes(random, 200);
   DbvtTree tree;
   BuildOf(tree, boxes, FirstNumbers(200));
@@ -326,7 +324,7 @@ TEST(Dbvt, LooksAtNoTreeWhileBoxesStayInsideTheirMargins) {
 // Every `stride`-th of 2,000 boxes moves.
 uint64_t ChecksWhenSomeMove(size_t stride) {
   const auto backend = MakeOrThrow("DBVT");
-  Random random(3);
+  SequentialRandom random(3);
   const BoxScene scene("brownian", 2000, 8);
   std::vector<Aabb> boxes(scene.boxes().begin(), scene.boxes().end());
   backend->Build(boxes);

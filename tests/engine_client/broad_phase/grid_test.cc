@@ -12,16 +12,14 @@
 #include "engine_client/broad_phase/grid/grid_plan.h"
 #include "engine_client/broad_phase/grid/grid_sort.h"
 #include "engine_client/broad_phase/grid/group_grid.h"
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
-using test_support::Random;
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -239,7 +237,7 @@ TEST(Grid, FindsPartnersInEveryNeighbouringCell) {
 
 // At these coordinates rounding makes boxes extend beyond the next cell.
 TEST(Grid, FindsPartnersFarFromTheOriginOfItsCells) {
-  Random random(3);
+  SequentialRandom random(3);
   std::vector<Aabb> boxes;
   for (int i = 0; i < 400; ++i) {
     Aabb box;

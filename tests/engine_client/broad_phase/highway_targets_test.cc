@@ -2,14 +2,13 @@
 // says.
 #include <gtest/gtest.h>
 
+#include "engine_client/scene/box_scenes.h"
 #include "hwy/highway.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 
@@ -22,15 +21,15 @@ class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
   // Describes the first scene with an error when all targets but `target` are disabled.
   std::string VerdictOn(int64_t target) {
     hwy::SetSupportedTargetsForTest(target);
-    for (const std::string_view kind : test_support::BoxSceneKinds()) {
-      BoxScene scene(kind, 333, 6);
+    for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+      const auto scene = MakeDegenerateScene(name, 333, 6);
       const auto backend = MakeOrThrow(GetParam());
-      backend->Build(scene.boxes());
+      backend->Build(scene->aabbs());
       for (int frame = 0; frame < 6; ++frame) {
-        const std::string verdict = FindPairsError(*backend, scene.boxes(), pairs_);
-        if (!verdict.empty()) return std::string(kind) + ": " + verdict;
-        scene.Step();
-        backend->Update(scene.boxes());
+        const std::string verdict = FindPairsError(*backend, scene->aabbs(), pairs_);
+        if (!verdict.empty()) return std::string(name) + ": " + verdict;
+        scene->Step();
+        backend->Update(scene->aabbs());
       }
     }
     return "";

@@ -9,13 +9,12 @@
 
 #include "engine_client/broad_phase/kd/kd_order.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::MakeOrThrow;
 using test_support::PairDifference;
 using test_support::ScalarPairs;
@@ -121,7 +120,8 @@ TEST(KdOrder, SplitsEveryPartAtTheMiddleOfAnAxis) {
     for (const size_t count : {17, 100, 300, 1000, 5000, 20'000}) {
       const BoxScene scene(kind, count, 8);
       const std::vector<uint32_t> slots = SlotsOf(scene.boxes());
-      if (std::ranges::find(slots, KdOrder::kHole) != slots.end()) continue;  // of several classes
+      if (std::ranges::find(slots, KdOrder::kHole) != slots.end())
+        continue;  // skips boxes of several classes
       SCOPED_TRACE(kind);
       ExpectDivided(scene.boxes(), slots);
     }
@@ -148,13 +148,14 @@ TEST(KdOrder, IsTheSameInStepsAndInParts) {
 }
 
 TEST(KdOrder, LeavesNoBoxOut) {
-  for (const std::string_view kind : test_support::BoxSceneKinds()) {
-    const BoxScene scene(kind, 3000, 8);
-    std::vector<uint32_t> slots = SlotsOf(scene.boxes());
-    EXPECT_LE(slots.size(), KdOrder::MaxSlots(3000));
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    const auto scene = MakeDegenerateScene(name, 3000, 8);
+    const auto count = static_cast<uint32_t>(scene->aabbs().size());
+    std::vector<uint32_t> slots = SlotsOf(scene->aabbs());
+    EXPECT_LE(slots.size(), KdOrder::MaxSlots(count));
     std::erase(slots, KdOrder::kHole);
     std::sort(slots.begin(), slots.end());
-    EXPECT_EQ(slots, Identity(3000)) << kind;
+    EXPECT_EQ(slots, Identity(count)) << name;
   }
 }
 
@@ -359,7 +360,7 @@ TEST(KdTree, IsRightWhenTheCountChangesWhileItSplits) {
   BoxScene scene("brownian", 800, 5);
   backend->Build(scene.boxes());
   PairBuffer pairs;
-  test_support::Random random(4);
+  SequentialRandom random(4);
   for (int frame = 0; frame < 300; ++frame) {
     scene.Step();
     const auto boxes = scene.boxes().first(760 + random.Below(41));

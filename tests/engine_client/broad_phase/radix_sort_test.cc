@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/box_scenes.h"
+#include "engine_client/scene/random.h"
 
 namespace sweepstake {
 namespace {
@@ -26,7 +26,7 @@ TEST(SortableKey, OrdersAsFloatsDo) {
 TEST(SortableKey, IsTheSameForBothZeros) { EXPECT_EQ(SortableKey(-0.0F), SortableKey(0.0F)); }
 
 std::vector<uint64_t> RandomItems(size_t count, uint64_t key_range) {
-  test_support::Random random(count);
+  SequentialRandom random(count);
   std::vector<uint64_t> items;
   for (size_t i = 0; i < count; ++i) {
     const auto key = static_cast<uint32_t>(random.Next() % key_range);

@@ -3,13 +3,12 @@
 
 #include <vector>
 
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::MakeOrThrow;
 
 std::vector<OverlapPair> PairsOf(BroadPhase& backend, std::span<const Aabb> boxes) {

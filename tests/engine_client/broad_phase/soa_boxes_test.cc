@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/box_scenes.h"
+#include "engine_client/scene/box_scenes.h"
 
 namespace sweepstake {
 namespace {
@@ -21,15 +21,16 @@ const Aabb kSentinel = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfini
 
 TEST(SoaBoxes, KeepsEachBoxThatIsValidAndReplacesTheOthers) {
   SoaBoxes soa;
-  for (const std::string_view kind : test_support::BoxSceneKinds()) {
-    for (const size_t count : {0, 1, 15, 16, 17, 63, 64, 65, 200}) {
-      const test_support::BoxScene scene(kind, count, 8);
-      soa.Gather(scene.boxes());
+  for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+    for (const uint32_t count : {0, 1, 15, 16, 17, 63, 64, 65, 200}) {
+      const auto scene = MakeDegenerateScene(name, count, 8);
+      const auto boxes = scene->aabbs();
+      soa.Gather(boxes);
       const BoxLanes lanes = soa.Lanes();
-      ASSERT_EQ(lanes.count, count);
-      for (size_t i = 0; i < count; ++i) {
-        const Aabb& box = scene.boxes()[i];
-        EXPECT_EQ(At(lanes, i), IsValid(box) ? box : kSentinel) << kind << " " << i;
+      ASSERT_EQ(lanes.count, boxes.size());
+      for (size_t i = 0; i < boxes.size(); ++i) {
+        const Aabb& box = boxes[i];
+        EXPECT_EQ(At(lanes, i), IsValid(box) ? box : kSentinel) << name << " " << i;
         EXPECT_EQ(lanes.id[i], i);
       }
     }
@@ -39,7 +40,7 @@ TEST(SoaBoxes, KeepsEachBoxThatIsValidAndReplacesTheOthers) {
 TEST(SoaBoxes, EndInSentinelsAWholeRegisterLong) {
   SoaBoxes soa;
   for (const size_t count : {200, 0, 64, 63}) {
-    const test_support::BoxScene scene("brownian", count, 8);
+    const BoxScene scene("brownian", count, 8);
     soa.Gather(scene.boxes());
     for (size_t i = count; i < count + SoaBoxes::kPadding; ++i)
       EXPECT_EQ(At(soa.Lanes(), i), kSentinel);
@@ -47,7 +48,7 @@ TEST(SoaBoxes, EndInSentinelsAWholeRegisterLong) {
 }
 
 TEST(SoaBoxes, GatherInTheOrderGiven) {
-  const test_support::BoxScene scene("brownian", 5, 8);
+  const BoxScene scene("brownian", 5, 8);
   const std::vector<uint32_t> order = {4, 0, 3};
   SoaBoxes soa;
   soa.Gather(scene.boxes(), order);

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "tests/support/box_scenes.h"
+#include "engine_client/scene/random.h"
 
 namespace sweepstake {
 namespace {
@@ -43,7 +43,7 @@ TEST(SortedPairs, DropThePairsOfObjectsThatAreGone) {
 }
 
 TEST(SortedPairs, AgreeWithAnOrderedSetOverManyChanges) {
-  test_support::Random random(3);
+  SequentialRandom random(3);
   SortedPairs pairs;
   pairs.Adopt({}, 40);
   std::set<OverlapPair> expected;

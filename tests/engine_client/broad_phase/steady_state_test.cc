@@ -6,14 +6,13 @@
 #include <string>
 #include <tuple>
 
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::MakeOrThrow;
 using test_support::ThreadAllocationCount;
 

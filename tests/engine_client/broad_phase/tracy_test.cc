@@ -9,13 +9,12 @@
 #include "engine_client/broad_phase/grid/grid_plan.h"
 #include "engine_client/broad_phase/tracy/tracy_lists.h"
 #include "engine_client/broad_phase/tracy/tracy_rows.h"
+#include "engine_client/scene/box_scenes.h"
 #include "tests/engine_client/broad_phase/backend_under_test.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::BoxScene;
 using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 using test_support::PairDifference;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 
 namespace sweepstake::cli {
@@ -95,6 +96,21 @@ TEST(NotNegative, AcceptsTheLargestNumberAndRefusesASign) {
   EXPECT_EQ(parsed.seed, UINT64_MAX);
   EXPECT_GT(Parse("--seed=-1", parsed), 100);
   EXPECT_GT(Parse("--seed=-0", parsed), 100);
+}
+
+TEST(OneOf, NamesTheNearestWordFirst) {
+  constexpr std::array<std::string_view, 3> kWords = {"auto", "on", "off"};
+  CLI::App app("test", "test");
+  std::string word;
+  app.add_option("--shadow", word)->check(OneOf(kWords));
+  EXPECT_NO_THROW(app.parse("--shadow on"));
+  try {
+    app.parse("--shadow offf");
+    ADD_FAILURE() << "accepted";
+  } catch (const CLI::ValidationError& error) {
+    EXPECT_STREQ(error.what(), "--shadow: unknown value 'offf', must be one of off, auto, on");
+  }
+  EXPECT_THAT(app.help(), HasSubstr("{auto,on,off}"));
 }
 
 TEST(AddDaemonOption, RequiresAnAddress) {

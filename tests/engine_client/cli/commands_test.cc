@@ -42,9 +42,9 @@ void ExpectBadUsage(const std::vector<BadUsage>& cases) {
 
 TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
   for (const std::string command :
-       {"run", "check", "bench", "pairs", "record", "replay", "trace", "watch", "experiment",
-        "report", "audit", "audit list", "audit export", "priors", "priors list", "priors export",
-        "priors import"}) {
+       {"run", "check", "bench", "load", "pairs", "record", "replay", "trace", "watch",
+        "experiment", "report", "audit", "audit list", "audit export", "priors", "priors list",
+        "priors export", "priors import"}) {
     const CommandRun run = RunCommand(command + " --help");
     EXPECT_EQ(run.exit_code, kDone) << command;
     const size_t examples = run.out.find("Examples:\n");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "tests/engine_client/scene/scene_fixtures.h"
 
@@ -20,8 +21,8 @@ std::unique_ptr<Scene> Make(std::string_view name, uint32_t object_count, uint64
 }
 
 struct Step {
-  double moved_share;  // of the objects shown before and after
-  double mean_move;    // of these, along x
+  double moved_share;  // the share of the objects shown before and after that have moved
+  double mean_move;    // the mean distance of these objects along x
   size_t object_count;
 };
 
@@ -62,8 +63,18 @@ double Side(const Scene& scene, int axis) {
   return static_cast<double>(high) - static_cast<double>(low);
 }
 
+// The number of frames of each scene's regimes if the caller does not choose one.
+constexpr std::pair<std::string_view, uint32_t> kRegimeFrames[] = {
+    {"rest-and-motion", 400},    {"waves", 400},         {"storms", 400},
+    {"gather-and-scatter", 300}, {"day-and-night", 500}, {"arrivals", 350}};
+
 TEST(ChangingScenes, RegimesLastSomeSeconds) {
-  for (const std::string_view name : kNames) EXPECT_GE(RegimeFrames(name), 300U);
+  ASSERT_EQ(std::size(kRegimeFrames), kNames.size());
+  for (const auto& [name, frames] : kRegimeFrames) {
+    EXPECT_EQ(HashOfFrames(*Make(name, 50), 2 * frames),
+              HashOfFrames(*Make(name, 50, 1, frames), 2 * frames))
+        << name;
+  }
 }
 
 TEST(ChangingScenes, TheSameSeedGivesTheSameBoxesAndAnotherOneOthers) {
@@ -119,15 +130,15 @@ TEST(ChangingScenes, NoObjectsAndOneObjectAreValidScenes) {
 }
 
 TEST(ChangingScenes, ARegimeLastsItsFramesAndThenTheNextOneComes) {
-  const uint32_t regime_frames = RegimeFrames("rest-and-motion");
-  const auto scene = Make("rest-and-motion", 200);
+  const auto [name, regime_frames] = kRegimeFrames[0];
+  const auto scene = Make(name, 200);
   for (uint32_t step = 1; step <= 4 * regime_frames; ++step) {
     const bool rests = (step - 1) / regime_frames % 2 == 0;
     ASSERT_EQ(TakeStep(*scene).mean_move < 0.01, rests) << "step " << step;
   }
 }
 
-TEST(ChangingScenes, WavesAreFewThenAllAndScrambledThenAllAtRest) {
+TEST(ChangingScenes, WavesAreFewThenAllAndTeleportedThenAllAtRest) {
   const auto steps = MiddleOfRegimes("waves", 3000, 4);
   EXPECT_EQ(steps[0].object_count, 50U);
   EXPECT_EQ(steps[1].object_count, 3000U);
@@ -138,7 +149,7 @@ TEST(ChangingScenes, WavesAreFewThenAllAndScrambledThenAllAtRest) {
   EXPECT_EQ(steps[3].object_count, 50U);
 }
 
-TEST(ChangingScenes, StormsAreScrambledThenJitter) {
+TEST(ChangingScenes, StormsTeleportThenJitter) {
   const auto steps = MiddleOfRegimes("storms", 1000, 2);
   EXPECT_NEAR(steps[0].moved_share, 1.0 / 3, 0.05);
   EXPECT_EQ(steps[1].moved_share, 1);

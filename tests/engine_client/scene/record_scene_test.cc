@@ -10,6 +10,7 @@
 
 #if defined(__linux__)
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #endif
@@ -113,6 +114,16 @@ TEST_F(Recording, ADirectoryOrNoNameIsNoTarget) {
   EXPECT_EQ(RecordScene(scene, 1, "").code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(FileCount(), 1U);
 }
+
+#if defined(__linux__)
+TEST_F(Recording, APipeOrADeviceIsNotReplacedByAFile) {
+  ScriptedScene scene({{BoxAt(0)}});
+  ASSERT_EQ(mkfifo(PathOf("pipe").c_str(), 0600), 0);
+  const Status status = RecordScene(scene, 1, PathOf("pipe"));
+  EXPECT_THAT(status.message(), HasSubstr("it is no file"));
+  EXPECT_TRUE(std::filesystem::is_fifo(PathOf("pipe")));
+}
+#endif
 
 TEST_F(Recording, MoreFramesThanTheHeaderCanSayAreRefusedAtOnce) {
   ScriptedScene scene({{BoxAt(0)}});

@@ -55,14 +55,6 @@ TEST(SceneRegistry, EveryNameMakesASceneOfThatName) {
   }
 }
 
-// The name brownian belongs to the scenario.
-TEST(SceneRegistry, HasEveryKindOfBoxesAsAScene) {
-  for (const std::string_view kind : BoxSceneKinds()) {
-    if (kind == "brownian") continue;
-    EXPECT_THAT(SceneNames(SceneGroup::kDegenerate), Contains(kind));
-  }
-}
-
 TEST(MakeScene, TheSpawnSeedDecidesChangingAndDegenerateScenes) {
   SceneOptions other = WithCount(50);
   other.spawn_seed = 2;

@@ -19,6 +19,7 @@ v1::StreamTelemetryRequest Batch(uint32_t arm = 0, uint32_t epoch = 0) {
 v1::Welcome WelcomeTo(const std::string& session, bool resumed = false, uint64_t acknowledged = 0) {
   v1::Welcome welcome;
   welcome.set_session_id(session);
+  welcome.set_resume_token("token of " + std::string(session));
   welcome.set_resumed(resumed);
   welcome.set_acknowledged_sequence(acknowledged);
   return welcome;
@@ -73,7 +74,9 @@ TEST_F(SessionStateTest, ResumesAndSendsAgainOnlyWhatIsNotOnDisk) {
   SendAll();
   state_.OnAcknowledgement(1);
   state_.Disconnect(false, false);
-  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "a");
+  const v1::Hello hello = state_.Connect(kPosition).hello();
+  EXPECT_EQ(hello.session_id(), "a");
+  EXPECT_EQ(hello.resume_token(), "token of a");
   state_.Append(Batch());
   state_.OnWelcome(WelcomeTo("a", true, 2));
   EXPECT_EQ(SendAll(), (Sequences{3, 4, 5}));
@@ -109,6 +112,18 @@ TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOl
   EXPECT_EQ(SendAll(), (Sequences{1, 2}));
   EXPECT_EQ(state_.counts().acknowledged_sequence, 0U);
   EXPECT_EQ(state_.counts().sent_sequence, 2U);
+}
+
+TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWith) {
+  Begin();
+  state_.Append(Batch());
+  SendAll();
+  state_.Disconnect(false, false);
+  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "a");
+  state_.Disconnect(false, /*refused=*/true);
+  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "");
+  state_.OnWelcome(WelcomeTo("b"));
+  EXPECT_EQ(SendAll(), Sequences{1}) << "no message was refused";
 }
 
 TEST_F(SessionStateTest, TreatsAWelcomeThatDoesNotResumeAsANewSession) {
@@ -152,7 +167,9 @@ TEST_F(SessionStateTest, KeepsItsEvidenceWhenHelloIsRefused) {
   state_.Disconnect(false, false);
   state_.Connect(kPosition);
   state_.Disconnect(false, /*refused=*/true);
-  EXPECT_EQ(state_.unacknowledged_count(), 1U);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("a", true, 0));
+  EXPECT_EQ(SendAll(), Sequences{1});
 }
 
 TEST_F(SessionStateTest, IgnoresAcknowledgementsOfWhatWasNeverSent) {

@@ -82,7 +82,7 @@ TEST_F(AuditTest, ASessionThatGoesOnAfterARestartBeginsAnotherSegment) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
+    Resume(hello, client.Open(hello));
     Play(client, 1, 3);
   }
   RestartServer();
@@ -100,7 +100,7 @@ TEST_F(AuditTest, ASessionThatComesBackWithinItsTimeGoesOnInItsSegment) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
+    Resume(hello, client.Open(hello));
     Play(client, 1, 2);
   }
   TelemetryClient client(channel_);

@@ -125,7 +125,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(LearnOneWindow(client, hello));
+    Resume(hello, LearnOneWindow(client, hello));
   }
   const priors::SceneEvidence before = Stored();
   RawClient raw(channel_);
@@ -138,11 +138,11 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
 }
 
-TEST_F(BadInputTest, TwoThatResumeASessionAtOnceMustAnnounceTheSameArms) {
+TEST_F(BadInputTest, OfTwoThatResumeASessionAtOnceWithDifferentArmsOneBeginsANewSession) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
+    Resume(hello, client.Open(hello));
     ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
   }
   RestartServer();
@@ -162,7 +162,11 @@ TEST_F(BadInputTest, TwoThatResumeASessionAtOnceMustAnnounceTheSameArms) {
   ASSERT_TRUE(Eventually([&] { return store_.submit_count() == jobs + 2; }));
   release.set_value();
   EXPECT_TRUE(first.Await(v1::StreamTelemetryResponse::kWelcome).welcome().resumed());
-  EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  const v1::Welcome welcome = second.Await(v1::StreamTelemetryResponse::kWelcome).welcome();
+  EXPECT_FALSE(welcome.resumed());
+  EXPECT_NE(welcome.session_id(), hello.session_id());
+  first.Send(Frames(1, 30));
+  EXPECT_TRUE(Applied(1)) << "the first one goes on";
 }
 
 TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
@@ -275,6 +279,8 @@ TEST(MessageValidationTest, ARequestThatBreaksTheContractIsInvalid) {
       {"no frames", [](auto& r) { r.mutable_frame_batch()->Clear(); }},
       {"a short column", [](auto& r) { r.mutable_frame_batch()->mutable_flags()->RemoveLast(); }},
       {"a long column", [](auto& r) { r.mutable_frame_batch()->add_native_bytes(1); }},
+      {"more dropped frames than there can be",
+       [](auto& r) { r.mutable_frame_batch()->set_dropped_frame_count(~0ull); }},
       {"an unknown arm", [](auto& r) { r.mutable_frame_batch()->set_arm(0, 3); }},
       {"a bail-out of an unknown arm", [](auto& r) { r.mutable_bail_out()->set_arm(3); }},
       {"a mode that is absent", [](auto& r) { r.mutable_mode_change(); }},

@@ -164,7 +164,7 @@ TEST_F(FullTableGoodbyeTest, ALostSessionMakesRoomSinceItsClientSendsAgainWhatIs
   v1::Hello hello = OneArmHello();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(OpenWithEvidence(client).session_id());
+    Resume(hello, OpenWithEvidence(client));
     store_.Fail(true);
     const uint64_t failed = server_->counters().failed_commit_count;
     Tick();

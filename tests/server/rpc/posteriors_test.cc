@@ -4,6 +4,8 @@
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/health_check_service_interface.h>
 
+#include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,17 @@ priors::SourceUpdate Evidence(const std::string& source, const std::string& scen
   update.progress.commit_sequence = 1;
   update.increments.push_back(increment);
   return update;
+}
+
+// The names make every decision's event a kilobyte.
+v1::Hello ManyArmsHello() {
+  v1::Hello hello = HelloMessage();
+  hello.clear_arms();
+  for (int i = 0; i < 32; ++i) {
+    hello.add_arms()->set_name(std::to_string(i) + std::string(120, 'x'));
+    hello.mutable_arms()->rbegin()->set_backend_version(1);
+  }
+  return hello;
 }
 
 class PosteriorsTest : public RpcTest {
@@ -65,9 +78,20 @@ class PosteriorsTest : public RpcTest {
     return writer->Finish();
   }
 
+  // Lets the hub tell its watchers what is on disk. The call passes the store and the loop, so what
+  // was committed before has reached the hub when it returns.
+  void TellWatchers() {
+    grpc::ClientContext context;
+    v1::ListPosteriorsResponse response;
+    ASSERT_TRUE(posteriors_->ListPosteriors(&context, {}, &response).ok());
+    clock_.Advance(watch::WatchHub::kIntervalNs);
+  }
+
   std::unique_ptr<v1::PosteriorsService::Stub> posteriors_;
   std::unique_ptr<v1::PriorsService::Stub> priors_;
 };
+
+using WatchReader = std::unique_ptr<grpc::ClientReader<v1::WatchPosteriorsResponse>>;
 
 // What a server answers to a call of the reflection service.
 grpc::StatusCode CallReflection(const std::shared_ptr<grpc::Channel>& channel) {
@@ -173,8 +197,7 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   client.Send(Frames(1, 30));
   ASSERT_TRUE(Applied(1));
   Tick();
-  // The session's beginning may show as a change of its own.
-  while (!event.has_decision()) ASSERT_TRUE(watcher->Read(&event));
+  ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.decision().active_arm(), "Grid");
   EXPECT_EQ(event.decision().decision_id(), 1u);
   EXPECT_TRUE(event.decision().has_reward());
@@ -185,6 +208,8 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
                   event.decision().best_probability(2),
               1, 1e-9);
   EXPECT_GT(event.decision().expected_loss_ratio(), 0);
+  client.AwaitAcknowledgement(1);
+  TellWatchers();
   while (event.posterior().arms_size() < 2) ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.posterior().arms(0).arm(), "Grid");
   EXPECT_EQ(event.posterior().arms(0).window_count(), 1u);
@@ -192,12 +217,7 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
 }
 
 TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
-  v1::Hello hello = HelloMessage();
-  hello.clear_arms();
-  for (int i = 0; i < 32; ++i) {
-    hello.add_arms()->set_name(std::to_string(i) + std::string(120, 'x'));
-    hello.mutable_arms()->rbegin()->set_backend_version(1);
-  }
+  const v1::Hello hello = ManyArmsHello();
   grpc::ChannelArguments small_window;
   small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   const auto own_channel =
@@ -225,6 +245,135 @@ TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
   ASSERT_TRUE(Applied(601));
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(601), 601u);
+}
+
+TEST_F(PosteriorsTest, AHundredWatchersReadTheStoreOncePerSceneHoweverManyCommitsThereAre) {
+  Store(Evidence("a", "harbour"));
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  v1::WatchPosteriorsResponse event;
+  std::vector<grpc::ClientContext> contexts(99);
+  std::vector<WatchReader> watchers;
+  for (grpc::ClientContext& context : contexts) {
+    watchers.push_back(posteriors_->WatchPosteriors(&context, {}));
+    ASSERT_TRUE(watchers.back()->Read(&event));
+  }
+  const size_t before = store_.submit_count();
+  for (uint64_t sequence = 1; sequence <= 50; ++sequence) {
+    client.Send(Frames(sequence, 30));
+    ASSERT_TRUE(Applied(sequence));
+    Tick();
+    client.AwaitAcknowledgement(sequence);
+  }
+  EXPECT_EQ(store_.submit_count(), before + 1);
+  for (grpc::ClientContext& context : contexts) context.TryCancel();
+}
+
+TEST_F(PosteriorsTest, DecisionsOfOneMomentAllReachAWatcherThatKeepsUp) {
+  Store(Evidence("a", "harbour"));
+  std::vector<std::unique_ptr<TelemetryClient>> clients;
+  for (int i = 0; i < 40; ++i) {
+    clients.push_back(std::make_unique<TelemetryClient>(channel_));
+    clients.back()->Open(OneArmHello());
+  }
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+  const auto watcher = posteriors_->WatchPosteriors(&context, {});
+  v1::WatchPosteriorsResponse event;
+  ASSERT_TRUE(watcher->Read(&event));
+  Tick();
+  std::set<std::string> sessions;
+  while (sessions.size() < 40) {
+    ASSERT_TRUE(watcher->Read(&event));
+    if (event.has_decision()) sessions.insert(event.decision().session_id());
+  }
+  context.TryCancel();
+}
+
+TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce) {
+  options_.watcher_patience_ns = 1'000'000 * kSecondNs;
+  RestartServer();
+  posteriors_ = v1::PosteriorsService::NewStub(channel_);
+  Store(Evidence("a", "harbour"));
+  std::vector<std::unique_ptr<TelemetryClient>> clients;
+  for (int i = 0; i < 30; ++i) {
+    v1::Hello hello = ManyArmsHello();
+    hello.set_scene(i == 0 ? "harbour" : "elsewhere");
+    clients.push_back(std::make_unique<TelemetryClient>(channel_));
+    clients.back()->Open(hello);
+  }
+  grpc::ChannelArguments small_window;
+  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  const auto own_channel =
+      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
+                                grpc::InsecureChannelCredentials(), small_window);
+  grpc::ClientContext context;
+  const WatchReader watcher =
+      v1::PosteriorsService::NewStub(own_channel)->WatchPosteriors(&context, {});
+  v1::WatchPosteriorsResponse event;
+  ASSERT_TRUE(watcher->Read(&event));
+  const size_t before = store_.submit_count();
+  constexpr uint64_t kTicks = 200;
+  for (uint64_t sequence = 1; sequence <= kTicks; ++sequence) {
+    clients[0]->Send(Frames(sequence, 30));
+    ASSERT_TRUE(Applied(sequence));
+    Tick();
+    clients[0]->AwaitAcknowledgement(sequence);
+  }
+  EXPECT_EQ(store_.submit_count(), before + 1);
+  TellWatchers();
+  size_t decisions = 0;
+  while (event.posterior().arms_size() == 0 || event.posterior().arms(0).window_count() < kTicks) {
+    ASSERT_TRUE(watcher->Read(&event));
+    decisions += event.has_decision() ? 1 : 0;
+  }
+  EXPECT_LT(decisions, kTicks * clients.size());
+  context.TryCancel();
+}
+
+// Moves the clock until the call has ended, and returns how.
+template <typename Call>
+grpc::Status EndOfStalled(ManualClock& clock, Call& call) {
+  std::future<grpc::Status> end = std::async(std::launch::async, [&] { return call.Finish(); });
+  while (end.wait_for(std::chrono::milliseconds(1)) != std::future_status::ready)
+    clock.Advance(kSecondNs);
+  return end.get();
+}
+
+TEST_F(PosteriorsTest, AnImportThatStopsHalfwayEndsAndImportsNothing) {
+  Store(Evidence("a", "harbour"));
+  v1::ImportPriorsRequest part;
+  *part.add_records() = Export()[0];
+  part.mutable_records(0)->set_source_id("b");
+  grpc::ClientContext context;
+  v1::ImportPriorsResponse response;
+  const auto writer = priors_->ImportPriors(&context, &response);
+  writer->Write(part);
+  const int64_t start_ns = clock_.NowNs();
+  EXPECT_EQ(EndOfStalled(clock_, *writer).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_GE(clock_.NowNs() - start_ns, options_.watcher_patience_ns);
+  EXPECT_EQ(Stored().source_count, 1u);
+}
+
+TEST_F(PosteriorsTest, AnExportThatNobodyReadsEnds) {
+  for (int i = 0; i < 4000; ++i) {
+    Store(Evidence("source " + std::to_string(i) + std::string(100, 'x'), "harbour"));
+  }
+  grpc::ChannelArguments small_window;
+  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  const auto own_channel =
+      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
+                                grpc::InsecureChannelCredentials(), small_window);
+  grpc::ClientContext context;
+  const auto reader = v1::PriorsService::NewStub(own_channel)->ExportPriors(&context, {});
+  for (int i = 0; i < 60; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    clock_.Advance(kSecondNs);
+  }
+  v1::ExportPriorsResponse part;
+  while (reader->Read(&part)) {
+  }
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
 }
 
 TEST_F(PosteriorsTest, ExportedPriorsGiveAnotherDaemonTheSamePosteriors) {

@@ -33,16 +33,16 @@ class RewardVersionTest : public Directory, public RpcTest {
  protected:
   RewardVersionTest() : RpcTest(OpenStore(directory_.path() / "priors.sqlite")) {}
 
-  // A session of its own that learns one window; its id. `applied`: messages since the server
+  // A session of its own that learns one window; its welcome. `applied`: messages since the server
   // began.
-  std::string Learn(const std::string& policy, uint64_t applied) {
+  v1::Welcome Learn(const std::string& policy, uint64_t applied) {
     TelemetryClient client(channel_);
-    std::string id = client.Open(HelloOf(policy)).session_id();
+    v1::Welcome welcome = client.Open(HelloOf(policy));
     client.Send(Frames(1, 30));
     EXPECT_TRUE(Applied(applied));
     Tick();
     client.AwaitAcknowledgement(1);
-    return id;
+    return welcome;
   }
 
   v1::Welcome WelcomeOf(const std::string& policy) {
@@ -132,16 +132,17 @@ TEST_F(RewardVersionTest, AWatcherSeesEachVersion) {
   context.TryCancel();
 }
 
-TEST_F(RewardVersionTest, ASessionIsNotResumedUnderAnotherVersion) {
+TEST_F(RewardVersionTest, ANewSessionBeginsUnderAnotherVersion) {
   v1::Hello hello = HelloOf("adaptive");
-  hello.set_session_id(Learn("paper", 1));
+  Resume(hello, Learn("paper", 1));
   for (const bool from_store : {false, true}) {
     if (from_store) RestartServer();
     TelemetryClient client(channel_);
-    client.Send(Request(hello));
-    const grpc::Status status = client.Finish();
-    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-    EXPECT_THAT(status.error_message(), ::testing::HasSubstr("version of the reward"));
+    const v1::Welcome welcome = client.Open(hello);
+    EXPECT_FALSE(welcome.resumed());
+    EXPECT_NE(welcome.session_id(), hello.session_id());
+    EXPECT_EQ(welcome.acknowledged_sequence(), 0u);
+    EXPECT_EQ(welcome.reward_version(), 2u);
   }
 }
 

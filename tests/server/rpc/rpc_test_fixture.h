@@ -60,6 +60,12 @@ inline v1::Hello OneArmHello() {
   return hello;
 }
 
+// Makes the Hello one that resumes the session.
+inline void Resume(v1::Hello& hello, const v1::Welcome& session) {
+  hello.set_session_id(session.session_id());
+  hello.set_resume_token(session.resume_token());
+}
+
 inline v1::StreamTelemetryRequest Request(const v1::Hello& hello) {
   v1::StreamTelemetryRequest request;
   *request.mutable_hello() = hello;
@@ -165,6 +171,8 @@ class RpcTest : public ::testing::Test {
     // Without exploration and settling, windows are learnt from the first tick on.
     options_.decision.explore = false;
     options_.decision.settling_ns = 0;
+    options_.daemon_version = "0.1.0";
+    options_.resume_secret = std::string(32, 's');
   }
   void SetUp() override { StartServer(); }
   void TearDown() override { StopServer(); }
@@ -202,15 +210,15 @@ class RpcTest : public ::testing::Test {
   [[nodiscard]] bool Applied(uint64_t count) {
     return Eventually([&] { return server_->counters().applied_message_count == count; });
   }
-  // Opens a session, teaches it one window of message 1, and returns its id when that is
+  // Opens a session, teaches it one window of message 1, and returns its welcome when that is
   // acknowledged. The first one of a server.
-  std::string LearnOneWindow(TelemetryClient& client, const v1::Hello& hello) {
-    std::string id = client.Open(hello).session_id();
+  v1::Welcome LearnOneWindow(TelemetryClient& client, const v1::Hello& hello) {
+    v1::Welcome welcome = client.Open(hello);
     client.Send(Frames(1, 30));
     EXPECT_TRUE(Applied(1));
     Tick();
     client.AwaitAcknowledgement(1);
-    return id;
+    return welcome;
   }
   // Makes one decision tick; the caller waits for what follows from it.
   void Tick() { clock_.Advance(options_.decision.decision_interval_ns); }

@@ -149,7 +149,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(LearnOneWindow(client, hello));
+    Resume(hello, LearnOneWindow(client, hello));
     client.Send(Frames(2, 30));
     ASSERT_TRUE(Applied(2));
   }
@@ -171,7 +171,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(LearnOneWindow(client, hello));
+    Resume(hello, LearnOneWindow(client, hello));
     client.Send(Frames(2, 30));
     ASSERT_TRUE(Applied(2));
   }
@@ -197,7 +197,7 @@ TEST_F(TelemetryTest, ASessionThatSentNothingYetIsKnownAfterARestart) {
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
+    Resume(hello, client.Open(hello));
     ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
   }
   RestartServer();
@@ -222,30 +222,10 @@ TEST_F(TelemetryTest, ANewSessionStartsFromWhatOthersLearnt) {
   EXPECT_EQ(flat.priors(0).alpha() + flat.priors(0).beta(), 2);
 }
 
-TEST_F(TelemetryTest, AnUnknownSessionIsNotFound) {
-  TelemetryClient client(channel_);
-  v1::Hello hello = HelloMessage();
-  hello.set_session_id("0123456789abcdef0123456789abcdef");
-  client.Send(Request(hello));
-  const grpc::Status status = client.Finish();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_THAT(status.error_message(), HasSubstr("begin a new session"));
-}
-
-TEST_F(TelemetryTest, ASessionOfAnotherSceneIsNotResumed) {
-  v1::Hello hello = HelloMessage();
-  TelemetryClient client(channel_);
-  hello.set_session_id(client.Open(hello).session_id());
-  hello.set_scene("desert");
-  TelemetryClient other(channel_);
-  other.Send(Request(hello));
-  EXPECT_EQ(other.Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-}
-
 TEST_F(TelemetryTest, ASecondConnectionTakesTheSessionOver) {
   v1::Hello hello = HelloMessage();
   TelemetryClient first(channel_);
-  hello.set_session_id(first.Open(hello).session_id());
+  Resume(hello, first.Open(hello));
   TelemetryClient second(channel_);
   EXPECT_TRUE(second.Open(hello).resumed());
   const grpc::Status status = first.Finish();
@@ -273,12 +253,32 @@ TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndKeptWithTheNextTick) {
   EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 1u);
 }
 
+TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  v1::StreamTelemetryRequest forged = BailOut(1, 5000);
+  forged.mutable_bail_out()->set_frame_time_ns(10'000'000);
+  forged.mutable_bail_out()->set_detection_time_ns(9'000'000);
+  client.Send(forged);
+  v1::StreamTelemetryRequest frames = Frames(2, 30);
+  for (int i = 0; i < 30; ++i) {
+    frames.mutable_frame_batch()->set_flags(i, v1::FRAME_FLAG_BAIL_OUT);
+  }
+  client.Send(frames);
+  ASSERT_TRUE(Applied(2));
+  EXPECT_EQ(server_->counters().rejected_frame_count, 1u);
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
+  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 0u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u) << "its frames are ordinary ones";
+}
+
 TEST_F(TelemetryTest, ASwitchCommandThatWasLostIsSentAgain) {
   v1::Hello hello = HelloMessage();
   uint64_t command_id = 0;
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(client.Open(hello).session_id());
+    Resume(hello, client.Open(hello));
     for (uint64_t sequence = 1; server_->counters().switch_command_count == 0; ++sequence) {
       client.Send(BailOut(sequence, sequence));
       client.Await(Response::kPosteriorSnapshot);
@@ -420,7 +420,7 @@ TEST_F(TelemetryTest, ASessionLeavesMemoryWhenItsWindowIsOverAndComesBackFromThe
   v1::Hello hello = HelloMessage();
   {
     TelemetryClient client(channel_);
-    hello.set_session_id(LearnOneWindow(client, hello));
+    Resume(hello, LearnOneWindow(client, hello));
     client.HalfClose();
     EXPECT_TRUE(client.Finish().ok());
   }

@@ -8,8 +8,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
+#include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -80,6 +83,7 @@ TEST_P(PriorStoreConformance, AWrongUpdateLeavesNothingOfItsCommit) {
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({nameless})));
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 0, {})})));
   EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 1, {Key(std::string(129, 'x'))})})));
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 1, {Key("a\nb")})})));
   EXPECT_EQ(Sums({Key("Grid")}).source_count, 0u);
   EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
 }
@@ -127,6 +131,20 @@ TEST_P(PriorStoreConformance, ProgressWithoutEvidenceIsKept) {
   ASSERT_TRUE((*store_->LoadSource("a")).has_value());
   EXPECT_EQ((*store_->LoadSource("a"))->progress.message_sequence, 10u);
   EXPECT_TRUE(store_->List({}, std::nullopt, 10)->empty());
+}
+
+TEST_P(PriorStoreConformance, ASourceHasTheTimesOfItsFirstAndLastCommit) {
+  ASSERT_TRUE(store_->Import(std::vector{Record("a", 1, Key("Grid"), 1)}).ok());
+  for (const uint64_t n : {1u, 2u, 2u, 3u}) {
+    SourceUpdate update = Update("a", n, {});
+    update.unix_time_s = 1'800'000'000 + n;
+    ASSERT_TRUE(Commit({update}).ok());
+  }
+  EXPECT_EQ((*store_->LoadSource("a"))->created_unix_s, 1'800'000'001u);
+  EXPECT_EQ((*store_->LoadSource("a"))->last_seen_unix_s, 1'800'000'003u);
+  SourceUpdate wrong = Update("a", 4, {});
+  wrong.unix_time_s = 1ull << 63;
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({wrong})));
 }
 
 TEST_P(PriorStoreConformance, ScenesAreListedInPagesAndByFilter) {
@@ -215,6 +233,26 @@ TEST_P(PriorStoreConformance, AnImportedSourceIsNoSessionToResume) {
   EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
 }
 
+TEST_P(PriorStoreConformance, AnImportTouchesNoSessionOfTheStore) {
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
+  const auto before = *store_->LoadSource("a");
+  const auto result =
+      store_->Import(std::vector{Record("a", 50, Key("Grid"), 4), Record("a", 50, Key("SAP"), 4)});
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->applied_count, 0u);
+  EXPECT_EQ(result->unchanged_count, 2u);
+  EXPECT_EQ((*store_->LoadSource("a"))->progress, before->progress);
+  EXPECT_EQ((*store_->LoadSource("a"))->evidence, before->evidence);
+  ASSERT_TRUE(Commit({Update("a", 2, {Key("Grid")})}).ok());
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.window_count, 2u);
+}
+
+TEST_P(PriorStoreConformance, ACommitOfASourceThatWasImportedBeforeCounts) {
+  ASSERT_TRUE(store_->Import(std::vector{Record("a", 50, Key("Grid"), 4)}).ok());
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid")})}).ok());
+  EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence, (priors::Evidence{4.75, 0.75, 4, 2}));
+}
+
 TEST_P(PriorStoreConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysAway) {
   ASSERT_TRUE(
       Commit({Update("a", 1, {Key("Grid"), Key("SAP")}), Update("b", 1, {Key("Grid")})}).ok());
@@ -227,6 +265,54 @@ TEST_P(PriorStoreConformance, ARevokedSourceLosesExactlyItsEvidenceAndStaysAway)
   EXPECT_EQ(Sums({Key("Grid")}).source_count, 1u);
   EXPECT_EQ(*store_->Revoke("a"), 0u);
   EXPECT_EQ(*store_->Revoke("never seen"), 0u);
+}
+
+// Adds the exported records anew, as a store without sums would.
+inline void ExpectSumsOf(PriorStore& store, const std::vector<PriorRecord>& records) {
+  std::map<SceneKey, std::set<std::string>> sources;
+  std::map<EvidenceKey, priors::PriorSum> sums;
+  for (const PriorRecord& record : records) {
+    const EvidenceKey& key = record.key;
+    sources[{key.project, key.scene, key.machine_class, key.reward_version}].insert(
+        record.source_id);
+    sums[key].evidence += record.evidence;
+    ++sums[key].source_count;
+  }
+  for (const auto& [key, sum] : sums) {
+    const priors::PriorSum kept = store.LoadPriors({&key, 1})->sums[0];
+    EXPECT_NEAR(kept.evidence.alpha, sum.evidence.alpha, 1e-9 * sum.evidence.alpha);
+    EXPECT_NEAR(kept.evidence.beta, sum.evidence.beta, 1e-9 * sum.evidence.beta);
+    EXPECT_EQ(kept.evidence.window_count, sum.evidence.window_count);
+    EXPECT_EQ(kept.evidence.bail_out_count, sum.evidence.bail_out_count);
+    EXPECT_EQ(kept.source_count, sum.source_count);
+  }
+  const auto scenes = *store.List({}, std::nullopt, 1000);
+  EXPECT_EQ(scenes.size(), sources.size());
+  for (const auto& scene : scenes) EXPECT_EQ(scene.source_count, sources[scene.key].size());
+}
+
+TEST_P(PriorStoreConformance, SumsAreThoseOfTheRecordsAfterAnyHistory) {
+  std::mt19937_64 random(20'260'101);
+  const auto pick = [&](uint64_t count) { return random() % count; };
+  const auto any_key = [&] {
+    return Key("arm " + std::to_string(pick(3)), "scene " + std::to_string(pick(3)));
+  };
+  for (uint64_t step = 1; step <= 300; ++step) {
+    const std::string source = std::to_string(pick(12) + step / 25);
+    const EvidenceKey key = any_key();
+    const auto amount = static_cast<double>(pick(1'000'000)) * 1e-7;
+    if (const uint64_t what = pick(20); what == 0) {
+      ASSERT_TRUE(store_->Revoke(source).ok());
+    } else if (what < 5) {
+      const PriorRecord record = Record("import " + source, pick(step) + 1, key, 1e6 * amount);
+      ASSERT_TRUE(store_->Import({&record, 1}).ok());
+    } else {
+      SourceUpdate update = Update(source, step, {key});
+      update.increments[0].evidence.alpha = amount;
+      ASSERT_TRUE(Commit({update}).ok());
+    }
+    if (step % 20 == 0) ExpectSumsOf(*store_, ExportAll());
+  }
 }
 
 }  // namespace sweepstake::storage

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -108,10 +109,13 @@ TEST_F(SqlitePriorStoreTest, AMissingDirectoryIsNamed) {
 TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
-  ASSERT_TRUE(database
-                  .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0);"
-                           "INSERT INTO evidence_key VALUES (1, 'p', 's', '', 'Grid', 1, '', 1);")
-                  .ok());
+  ASSERT_TRUE(
+      database
+          .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0);"
+                   "INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,"
+                   "  machine_class, reward_version)"
+                   "VALUES ('p', 's', '', 'Grid', 1, '', 1);")
+          .ok());
   for (const char* wrong : {"-1", "9e999", "1e15", "NULL", "'text'"}) {
     const std::string sql =
         std::string("INSERT INTO evidence VALUES (1, 1, 1, ") + wrong + ", 1, 1, 0)";
@@ -147,20 +151,6 @@ SourceUpdate Audited(const std::string& session, uint64_t n, uint64_t first_row,
                   .first_row = first_row,
                   .rows = std::vector<std::string>(count, "row")};
   return update;
-}
-
-TEST_F(SqlitePriorStoreTest, AFileFromBeforeTheAuditLogGetsOneAndKeepsItsEvidence) {
-  {
-    auto store = *OpenSqlitePriorStore(path_);
-    ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
-  }
-  Execute("DROP TABLE audit_row; DROP TABLE audit_segment; PRAGMA user_version = 1");
-  auto store = OpenSqlitePriorStore(path_);
-  ASSERT_TRUE(store.ok()) << store.status();
-  EXPECT_EQ(QueryInteger("PRAGMA user_version"), SqliteSchemaVersion());
-  ASSERT_TRUE((*store)->Commit(std::vector{Audited("a", 2, 1, 3)}).ok());
-  EXPECT_EQ((*store)->ListAudit({}, 0, 9)->size(), 1u);
-  EXPECT_EQ((*store)->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
 }
 
 TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidence) {
@@ -200,6 +190,57 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
   }
 }
 
+// Counts the instructions of SQLite's machine on every connection that is opened while it lives; a
+// row that is visited takes several.
+class InstructionCounter {
+ public:
+  InstructionCounter() {
+    count_ = 0;
+    sqlite3_auto_extension(reinterpret_cast<void (*)()>(&Attach));
+  }
+  ~InstructionCounter() { sqlite3_reset_auto_extension(); }
+
+  template <typename Body>
+  uint64_t During(Body body) {
+    const uint64_t before = count_;
+    body();
+    return count_ - before;
+  }
+
+ private:
+  static int Attach(sqlite3* database, char** /*error*/, const sqlite3_api_routines* /*api*/) {
+    const auto count = [](void*) {
+      ++count_;
+      return 0;
+    };
+    sqlite3_progress_handler(database, 1, count, nullptr);
+    return SQLITE_OK;
+  }
+  static inline uint64_t count_ = 0;
+};
+
+TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWithTen) {
+  InstructionCounter counter;
+  auto store = *OpenSqlitePriorStore(path_);
+  const auto teach = [&](int first, int end) {
+    std::vector<SourceUpdate> updates;
+    for (int i = first; i < end; ++i)
+      updates.push_back(Update(std::to_string(i), 1, {Key("Grid"), Key("SAP")}));
+    ASSERT_TRUE(store->Commit(updates).ok());
+  };
+  const auto read = [&](uint64_t source_count) {
+    const auto keys = std::vector{Key("Grid"), Key("SAP")};
+    EXPECT_EQ(store->LoadPriors(keys)->source_count, source_count);
+    EXPECT_EQ((*store->LoadScene({"game", "harbour", "desktop", 1}))->source_count, source_count);
+    EXPECT_EQ(store->List({}, std::nullopt, 10)->at(0).source_count, source_count);
+  };
+  teach(0, 10);
+  const uint64_t with_ten = counter.During([&] { read(10); });
+  EXPECT_GT(with_ten, 0u);
+  teach(10, 10'000);
+  EXPECT_EQ(counter.During([&] { read(10'000); }), with_ten);
+}
+
 TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
   const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";
@@ -212,6 +253,30 @@ TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
     EXPECT_THAT(std::string(second.message()), HasSubstr("another daemon"));
   }
   EXPECT_TRUE(DataDirectory::Open(path).ok());
+}
+
+TEST(DataDirectoryTest, OnlyItsOwnerReadsItWhateverTheMask) {
+  const test_support::TemporaryDirectory temporary;
+  const auto path = temporary.path() / "data";
+  const auto mode = [](const std::filesystem::path& of) {
+    return static_cast<unsigned>(std::filesystem::status(of).permissions());
+  };
+  const mode_t mask = umask(0);
+  {
+    const auto directory = DataDirectory::Open(path);
+    const auto store = OpenSqlitePriorStore(directory->database());
+    ASSERT_TRUE((*store)->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+    umask(mask);
+    EXPECT_FALSE(directory->open_to_others());
+    EXPECT_EQ(mode(path), 0700u);
+    for (const char* file : {"priors.db", "priors.db-wal", "priors.db-shm", "lock"})
+      EXPECT_EQ(mode(path / file), 0600u) << file;
+  }
+  std::filesystem::permissions(path, std::filesystem::perms(0755));
+  std::filesystem::permissions(path / "priors.db", std::filesystem::perms(0644));
+  EXPECT_TRUE(DataDirectory::Open(path)->open_to_others());
+  EXPECT_EQ(mode(path), 0755u);
+  EXPECT_EQ(mode(path / "priors.db"), 0600u);
 }
 
 TEST(DataDirectoryTest, AFileInItsPlaceIsAnError) {

@@ -5,7 +5,7 @@ import { textColourOn } from '../palette';
 
 const REACH = 30; // pixels from the pointer to a mark that still answers
 
-export const LETTER = 6.9; // mean width of a letter at 13 px, rounded up
+export const LETTER = 7.6; // mean width of a bold letter at 13 px, rounded up
 export const widest = (texts: string[]) => LETTER * Math.max(0, ...texts.map((text) => text.length)) + 20;
 
 interface Target { element: SVGElement; box: DOMRect; text: string }

@@ -13,7 +13,7 @@ export function trueRanking({ truths }: ExperimentDocument, words: Words): HTMLE
   if (!places) return undefined;
   const rows = truths.map((truth) => [cell(words.cellName(truth.cell)),
     ...truth.ranking.map(({ arm, mean_ns, ratio }) => textCell([armChip(arm), small(ratio === 1 ? microseconds(mean_ns) : times(ratio))])),
-    cell(percent(truth.control_ratio - 1)), truth.players.length === 0 ? noValue() : cell(share(truth.headroom))]);
+    cell(percent(truth.control_ratio - 1)), truth.players.length === 0 ? noValue() : cell(share(Math.max(0, truth.headroom)))]);
   return drawTable({ id: 'ranking', groups: [{ rows }], head: [columns('Cell', ...places, 'Same twice', 'Headroom')],
     caption: 'Mean time to update and search a frame, every algorithm on the same frames; how many times the fastest’s' });
 }

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine_client/scene/random.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake {
 namespace {
 
 std::vector<OverlapPair> RandomPairs(size_t count, uint32_t ids, uint32_t high_bit, uint64_t seed) {
-  test_support::Random random(seed);
+  SequentialRandom random(seed);
   std::vector<OverlapPair> pairs(count);
   for (OverlapPair& pair : pairs) {
     pair.a = static_cast<uint32_t>(random.Below(ids));

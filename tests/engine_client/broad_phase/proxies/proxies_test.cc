@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 
+#include "engine_client/scene/box_scenes.h"
 #include "hwy/highway.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
@@ -233,7 +234,7 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
 TEST(ProxySetInSteadyState, AllocatesNothing) {
   ProxySet proxies({.pair_events = true});
   Frames frames("SAP");
-  test_support::BoxScene scene("brownian", 800, 21);
+  BoxScene scene("brownian", 800, 21);
   std::vector<ProxyHandle> handles;
   for (size_t k = 0; k < 800; ++k) {
     handles.push_back(proxies.Add(scene.boxes()[k], {.is_static = k % 4 == 0}));

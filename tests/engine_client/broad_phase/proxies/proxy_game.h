@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/scene/random.h"
 #include "sweepstake/proxy_set.h"
-#include "tests/support/box_scenes.h"
 
 namespace sweepstake::test_support {
 
@@ -110,7 +110,7 @@ class ProxyGame {
     return {uint32_t{1} << random_.Below(3), static_cast<uint32_t>(random_.Below(8))};
   }
 
-  Random& random() { return random_; }
+  SequentialRandom& random() { return random_; }
 
   ProxySet proxies;
   std::vector<ListedProxy> listed;
@@ -150,7 +150,7 @@ class ProxyGame {
     failed |= !proxies.Move(proxy.handle, box);
   }
 
-  Random random_;
+  SequentialRandom random_;
   float world_;
 };
 

@@ -46,7 +46,7 @@ std::vector<RayHit> ScanForRay(const ProxyGame& game, const Ray& ray,
 // Returns a ray along an axis, in a plane or without a direction, which may be short, endless, tiny
 // or huge.
 Ray RandomRay(ProxyGame& game) {
-  test_support::Random& random = game.random();
+  SequentialRandom& random = game.random();
   Ray ray{};
   const Aabb start = game.BoxAt(0);
   std::copy_n(start.min, 3, ray.origin);

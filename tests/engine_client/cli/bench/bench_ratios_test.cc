@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "engine_client/cli/bench/scene_timing.h"
+#include "engine_client/cli/io/statistics.h"
 #include "sweepstake/broad_phase.h"
 
 namespace sweepstake::cli {

@@ -19,10 +19,14 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 Result<BenchReport> Bench(const BenchOptions& options) {
-  std::ostringstream out, err;
-  Terminal terminal{.out = out, .err = err};
-  auto report = RunBench(options, terminal);
-  EXPECT_EQ(out.str(), "") << "results are the command's to print";
+  double before = 0;
+  auto report = RunBench(options, [&](double share, const std::string& text) {
+    EXPECT_GT(share, before) << text;
+    EXPECT_LE(share, 1) << text;
+    EXPECT_THAT(text, HasSubstr(" objects, "));
+    before = share;
+  });
+  EXPECT_DOUBLE_EQ(before, report.ok() ? 1 : before);
   return report;
 }
 

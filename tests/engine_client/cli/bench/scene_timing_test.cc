@@ -5,26 +5,10 @@
 #include <sstream>
 
 #include "engine_client/cli/game/scene_choice.h"
-#include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
 namespace {
-
-TEST(Median, IsTheMiddleOrTheMeanOfTheTwoMiddleOnes) {
-  EXPECT_EQ(Median({1, 2, 9}), 2);
-  EXPECT_EQ(Median({1, 2, 4, 9}), 3);
-  EXPECT_EQ(Median({5}), 5);
-}
-
-TEST(Quantile, IsTheNearestRank) {
-  std::vector<double> values;
-  for (int i = 1; i <= 200; ++i) values.push_back(i);
-  EXPECT_EQ(Quantile(values, 0.99), 198);
-  EXPECT_EQ(Quantile(values, 0), 1);
-  EXPECT_EQ(Quantile(values, 1), 200);
-  EXPECT_EQ(Quantile({7}, 0.99), 7);
-}
 
 std::vector<Contestant> ContestantsOf(std::initializer_list<std::string_view> arms) {
   std::vector<Contestant> contestants;
@@ -85,15 +69,6 @@ TEST(TimeScene, HidesBrokenBoxesFromThoseWhoCannotTakeThemAndRestoresTheIds) {
   EXPECT_GT(timings[0].step_pairs.back().count, 0U);
   EXPECT_EQ(timings[0].step_pairs, timings[1].step_pairs);
   EXPECT_GT(timings[0].aabb_checks_mean, 0);
-}
-
-TEST(Summarize, TakesTimesInAnyOrder) {
-  const std::vector<double> times = {4, 1, 9, 2};
-  const TimeSummary summary = Summarize(times);
-  EXPECT_EQ(summary.ms_median, 3);
-  EXPECT_EQ(summary.ms_mean, 4);
-  EXPECT_EQ(summary.ms_min, 1);
-  EXPECT_EQ(summary.ms_p99, 9);
 }
 
 TEST(PairFingerprint, IsThatOfTheSetWhateverTheOrder) {

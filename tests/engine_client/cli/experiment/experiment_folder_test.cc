@@ -264,7 +264,7 @@ TEST_F(InterruptedExperiment, ResumingACompleteOneOnlyMakesItsResults) {
   EXPECT_THAT(FileText(folder_.path() / "tables.txt"), StartsWith("\nTable 3 with policy paper"));
   EXPECT_EQ(Manifest()["state"], "complete");
   ASSERT_EQ(Manifest()["sittings"].size(), 2U);
-  EXPECT_EQ(Manifest()["sittings"][0]["end_utc"], "") << "the first sitting was killed";
+  EXPECT_EQ(Manifest()["sittings"][0]["end_utc"], "") << "the first session was killed";
   EXPECT_NE(Manifest()["sittings"][1]["end_utc"], "");
 }
 

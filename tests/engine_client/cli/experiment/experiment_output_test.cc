@@ -273,7 +273,7 @@ TEST(ExperimentDocument, HasTheRunsByCellThenPolicyThenNumber) {
 
 TEST(ExperimentDocument, SaysWhatWasAskedFor) {
   ExperimentReport report = Report();
-  report.sittings = {{"sweepstake experiment", "a", "b"}, {"sweepstake --resume", "c", "d"}};
+  report.sessions = {{"sweepstake experiment", "a", "b"}, {"sweepstake --resume", "c", "d"}};
   const json document = Document(report);
   EXPECT_EQ(document["options"]["policies"], json({"random", "paper"}));
   EXPECT_EQ(document["options"]["run_count"], 2);

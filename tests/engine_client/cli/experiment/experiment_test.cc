@@ -46,9 +46,9 @@ TEST(RunRecordFile, ComesBackAsItWas) {
   EXPECT_EQ(read->seed, record.seed);
 }
 
-TEST(RunSummary, CountsOnlyWhatIsInTheObservationWindow) {
+TEST(PlayedRun, CountsOnlyWhatIsInTheObservationWindow) {
   const RunRecord record = MakeRecord(kCell, "paper", 1, 1, 60);
-  const RunSummary summary = Summarize(record);
+  const PlayedRun summary = Summarize(record);
   EXPECT_EQ(summary.dominant_name(), "KDTree");
   EXPECT_NEAR(summary.active_shares[1], 0.6, 1e-12);
   EXPECT_NEAR(summary.active_shares[2], 0.4, 1e-12);
@@ -59,9 +59,9 @@ TEST(RunSummary, CountsOnlyWhatIsInTheObservationWindow) {
   EXPECT_EQ(summary.verdict, Verdict::kStable);
 }
 
-TEST(RunSummary, APeriodFromBeforeTheWindowCountsFromItsBeginning) {
+TEST(PlayedRun, APeriodFromBeforeTheWindowCountsFromItsBeginning) {
   RunRecord record = MakeRecord(kCell, "paper", 1, 2, 25);
-  const RunSummary summary = Summarize(record);
+  const PlayedRun summary = Summarize(record);
   // Grid was explored last and stayed for a quarter; the next arm is SAP.
   EXPECT_NEAR(summary.active_shares[2], 0.25, 1e-12);
   EXPECT_NEAR(summary.active_shares[0], 0.75, 1e-12);
@@ -173,7 +173,7 @@ TEST(ExperimentFolder, ItsManifestBringsTheOptionsBack) {
   ASSERT_TRUE(manifest.ok());
   EXPECT_EQ(manifest->options.seed, options.seed);
   EXPECT_THAT(manifest->options.object_counts, ElementsAre(1000, 3000));
-  EXPECT_EQ(manifest->sittings[0].command_line, "sweepstake experiment");
+  EXPECT_EQ(manifest->sessions[0].command_line, "sweepstake experiment");
   EXPECT_THAT(FileText(folder.path() / "manifest.json"), HasSubstr("\"state\": \"partial\""));
   EXPECT_THAT(folder.Create().message(), HasSubstr("--resume"));
 }

@@ -68,7 +68,7 @@ ExperimentPlan Plan() {
 ExperimentReport Report() {
   ExperimentReport report;
   report.plan = Plan();
-  report.sittings = {{"sweepstake experiment '<x>'", "2026-01-31T12:00:00Z", ""}};
+  report.sessions = {{"sweepstake experiment '<x>'", "2026-01-31T12:00:00Z", ""}};
   report.machine.cpu = "Some <CPU> & Co";
   const auto& cells = report.plan.cells;
   report.records = {

@@ -139,7 +139,7 @@ TEST(WriteRunReportCsv, NamesTheFileThatCannotBeWritten) {
 TEST(PriorsText, SaysWhereTheRunStartsFrom) {
   RunSetup setup;
   SessionStats session;
-  EXPECT_EQ(PriorsText(setup, session), "no priors yet: every arm starts from Beta(1,1)");
+  EXPECT_EQ(PriorsText(setup, session), "no priors yet");
   session.prior_source_count = 1;
   EXPECT_EQ(PriorsText(setup, session), "starts from priors of 1 earlier session");
   session.prior_source_count = 3;
@@ -148,9 +148,7 @@ TEST(PriorsText, SaysWhereTheRunStartsFrom) {
   setup.priors_key = "project p";
   EXPECT_EQ(PriorsText(setup, session), "starts from priors of 3 earlier sessions");
   session.prior_source_count = 0;
-  EXPECT_EQ(
-      PriorsText(setup, session),
-      "p.json has no priors of these backends for project p: every arm starts from Beta(1,1)");
+  EXPECT_EQ(PriorsText(setup, session), "p.json has no priors of these backends for project p");
 }
 
 TEST(SwitchText, SaysWhenWhichAndWhy) {

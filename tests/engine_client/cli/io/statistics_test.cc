@@ -12,6 +12,30 @@ namespace {
 using testing::DoubleNear;
 using testing::ElementsAre;
 
+TEST(Median, IsTheMiddleOrTheMeanOfTheTwoMiddleOnes) {
+  EXPECT_EQ(Median({1, 2, 9}), 2);
+  EXPECT_EQ(Median({1, 2, 4, 9}), 3);
+  EXPECT_EQ(Median({5}), 5);
+}
+
+TEST(Quantile, IsTheNearestRank) {
+  std::vector<double> values;
+  for (int i = 1; i <= 200; ++i) values.push_back(i);
+  EXPECT_EQ(Quantile(values, 0.99), 198);
+  EXPECT_EQ(Quantile(values, 0), 1);
+  EXPECT_EQ(Quantile(values, 1), 200);
+  EXPECT_EQ(Quantile({7}, 0.99), 7);
+}
+
+TEST(Summarize, TakesTimesInAnyOrder) {
+  const std::vector<double> times = {4, 1, 9, 2};
+  const TimeSummary summary = Summarize(times);
+  EXPECT_EQ(summary.ms_median, 3);
+  EXPECT_EQ(summary.ms_mean, 4);
+  EXPECT_EQ(summary.ms_min, 1);
+  EXPECT_EQ(summary.ms_p99, 9);
+}
+
 TEST(Statistics, MeanDeviationAndMedianOfASample) {
   const std::vector<double> values{2, 4, 4, 4, 5, 5, 7, 9};
   EXPECT_DOUBLE_EQ(Mean(values), 5);

@@ -135,6 +135,33 @@ TEST(ReportProgram, RefusesWhatIsNoDocument) {
   }
 }
 
+TEST(ReportProgram, SaysWhatADocumentLacks) {
+  const TemporaryFile saved("cut.json"), page("report.html");
+  const std::pair<const char*, const char*> documents[] = {
+      {R"({"command":"bench"})", "has no list 'rows'"},
+      {R"({"command":"bench","rows":[],"ratios":[]})", "has no rows"},
+      {R"({"command":"experiment","rows":[{}],"arms":[]})", "has no list 'sittings'"},
+      {R"({"command":7})", "is not what"}};
+  for (const auto& [text, error] : documents) {
+    std::ofstream(saved.path()) << text;
+    const ProgramRun run = RunProgram("report " + saved.path() + " --out " + page.path());
+    EXPECT_EQ(run.exit_code, 2) << text;
+    EXPECT_THAT(run.err, HasSubstr(error));
+    EXPECT_FALSE(std::filesystem::exists(page.path()));
+  }
+}
+
+TEST(ReportProgram, DoesNotReplaceItsDocument) {
+  const TemporaryFile saved("kept.json");
+  const std::string text = R"({"command":"replay","rows":[{}]})";
+  std::ofstream(saved.path()) << text;
+  const ProgramRun run = RunProgram("report " + saved.path() + " --out " + saved.path());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("would replace a document"));
+  std::ifstream file(saved.path());
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), text);
+}
+
 TEST(BenchProgram, RefusesAReportThatCannotBeWrittenBeforeItMeasures) {
   for (const std::string path : {"/nonexistent/x.html", "/tmp", "''"}) {
     const ProgramRun run =

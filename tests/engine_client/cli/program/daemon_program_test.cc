@@ -77,6 +77,39 @@ TEST(DaemonProgram, VersionIsThatOfTheCommandLine) {
   EXPECT_EQ(run.out, RunProgram("--version").out);
 }
 
+TEST(DaemonProgram, ABackupOfARunningDaemonBeginsAnotherOne) {
+  const TemporaryDirectory folder;
+  const TemporaryDirectory data_folder;
+  const std::string data = data_folder.path().string();
+  const std::string file = (folder.path() / "monday.db").string();
+  const std::string other = (folder.path() / "other").string();
+  const DaemonProcess daemon(data);
+  ASSERT_EQ(Learn(daemon).exit_code, 0);
+  const ProgramRun backup = RunDaemonProgram("backup " + file + " --data " + data);
+  EXPECT_EQ(backup.exit_code, 0) << backup.err;
+  EXPECT_THAT(backup.out, HasSubstr("monday.db: whole; "));
+  EXPECT_EQ(RunDaemonProgram("backup " + file + " --data " + data).exit_code, 1);
+  EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").out, backup.out);
+  EXPECT_EQ(RunDaemonProgram("restore " + file + " --data " + data).exit_code, 1);
+  const ProgramRun restore = RunDaemonProgram("restore " + file + " --data " + other);
+  EXPECT_EQ(restore.exit_code, 0) << restore.err;
+  const DaemonProcess next(other);
+  const auto list = [](const DaemonProcess& of) {
+    return RunProgram("priors list --json --daemon " + of.address()).out;
+  };
+  EXPECT_EQ(list(next), list(daemon));
+}
+
+TEST(DaemonProgram, ABackupThatIsDamagedIsToldByRestore) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "monday.db").string();
+  std::ofstream(file) << std::string(5000, 'x');
+  const ProgramRun run = RunDaemonProgram("restore " + file + " --verify");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("is not a Sweepstake database"));
+  EXPECT_EQ(RunDaemonProgram("restore").exit_code, 2);
+}
+
 TEST(DaemonProgram, ARunThatTheDaemonRefusesEndsAtOnceWithTwoAndItsWords) {
   const TemporaryDirectory data;
   DaemonProcess daemon(data.path());

@@ -121,7 +121,8 @@ TEST_F(ReplayProgram, BadUsageEndsWithTwoAndSaysWhatIsValid) {
       {"--costs " + Costs() + " --policy fixed:KDTree", "unknown arm of the traces 'KDTree'"},
       {"--costs " + Costs() + " --run 1", "'1' is no duration"},
       {"--costs " + Costs() + " --other-work 10ms", "--other-work"},
-      {"--costs " + Costs() + " --priors maybe", "--priors"},
+      {"--costs " + Costs() + " --priors wright",
+       "--priors: unknown value 'wright', must be one of right, none"},
       {"--costs " + Costs() + " --seeds 0", "--seeds"},
       {"--costs /nonexistent.costs", "/nonexistent.costs"},
   };

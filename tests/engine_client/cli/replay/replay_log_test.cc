@@ -8,10 +8,11 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "engine_client/cli/io/terminal.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/decision/study/ablations.h"
+#include "tests/engine_client/cli/command_run.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
@@ -61,23 +62,14 @@ Log PlayLog(const std::string& policy, uint32_t frame_count = 300) {
   return log;
 }
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out;
-  std::string err;
-};
-
 class ReplayLogTest : public testing::Test {
  protected:
-  Outcome Replay(const std::string& text, bool as_json = false) {
+  CommandRun Replay(const std::string& text, bool as_json = false) {
     std::ofstream(path_, std::ios::binary) << text;
     return ReplayFile(path_.string(), as_json);
   }
-  static Outcome ReplayFile(const std::string& path, bool as_json = false) {
-    std::ostringstream out, err;
-    Terminal terminal{.out = out, .err = err};
-    const int exit_code = ReplayLog(path, as_json, terminal);
-    return {exit_code, out.str(), err.str()};
+  static CommandRun ReplayFile(const std::string& path, bool as_json = false) {
+    return RunCommand("replay --log " + path + (as_json ? " --json" : ""));
   }
 
   const test_support::TemporaryDirectory folder_;
@@ -87,7 +79,7 @@ class ReplayLogTest : public testing::Test {
 TEST_F(ReplayLogTest, DerivesEveryDecisionAgain) {
   for (const std::string policy : {"paper", "default", "random"}) {
     const Log log = PlayLog(policy);
-    const Outcome outcome = Replay(log.text);
+    const CommandRun outcome = Replay(log.text);
     EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
     EXPECT_EQ(outcome.out, std::to_string(log.decision_count) +
                                " decisions in 1 segment re-derived, all equal\n");
@@ -96,7 +88,7 @@ TEST_F(ReplayLogTest, DerivesEveryDecisionAgain) {
 }
 
 TEST_F(ReplayLogTest, KnowsTheAblationsOfTheLaboratory) {
-  const Outcome outcome = Replay(PlayLog("adaptive-without-gate").text);
+  const CommandRun outcome = Replay(PlayLog("adaptive-without-gate").text);
   EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("all equal"));
 }
@@ -111,7 +103,7 @@ TEST_F(ReplayLogTest, GroupsLargeNumbers) {
 
 TEST_F(ReplayLogTest, JsonIsOneDocumentWithTheCounts) {
   const Log log = PlayLog("paper");
-  const Outcome outcome = Replay(log.text, /*as_json=*/true);
+  const CommandRun outcome = Replay(log.text, /*as_json=*/true);
   EXPECT_EQ(outcome.exit_code, kDone);
   const json document = json::parse(outcome.out);
   EXPECT_EQ(document["command"], "replay");
@@ -130,7 +122,7 @@ TEST_F(ReplayLogTest, AnEditedSetupIsADifference) {
   const size_t seed = text.find(";seed=1;");
   ASSERT_NE(seed, std::string::npos);
   text.replace(seed, 8, ";seed=2;");
-  const Outcome outcome = Replay(text);
+  const CommandRun outcome = Replay(text);
   EXPECT_EQ(outcome.exit_code, kCheckFailed);
   EXPECT_THAT(outcome.out, HasSubstr("re-derived, then a difference\n"));
 }
@@ -141,11 +133,11 @@ TEST_F(ReplayLogTest, NamesTheLineOfAnEdit) {
   // The last cell of a row is the hash of the log so far.
   char& digit = text[text.size() - 2];
   digit = digit == '0' ? '1' : '0';
-  const Outcome plain = Replay(text);
+  const CommandRun plain = Replay(text);
   EXPECT_EQ(plain.exit_code, kCheckFailed);
   EXPECT_THAT(plain.out, AllOf(HasSubstr("then a difference\n"),
                                HasSubstr(std::to_string(log.line_count())), HasSubstr("log_hash")));
-  const Outcome as_json = Replay(text, /*as_json=*/true);
+  const CommandRun as_json = Replay(text, /*as_json=*/true);
   EXPECT_EQ(as_json.exit_code, kCheckFailed);
   const json document = json::parse(as_json.out);
   EXPECT_EQ(document["equal"], false);
@@ -158,7 +150,7 @@ TEST_F(ReplayLogTest, NamesTheLineOfAnEdit) {
 
 TEST_F(ReplayLogTest, ALogThatIsCutOffWithinARowIsADifference) {
   const Log log = PlayLog("paper");
-  const Outcome outcome = Replay(log.text.substr(0, log.text.size() - 40));
+  const CommandRun outcome = Replay(log.text.substr(0, log.text.size() - 40));
   EXPECT_EQ(outcome.exit_code, kCheckFailed);
   EXPECT_THAT(outcome.out, HasSubstr("cut off"));
 }
@@ -166,7 +158,7 @@ TEST_F(ReplayLogTest, ALogThatIsCutOffWithinARowIsADifference) {
 TEST_F(ReplayLogTest, TheLastRowsMayBeMissing) {
   const Log log = PlayLog("paper");
   const size_t end = log.text.rfind('\n', log.text.size() - 2);
-  const Outcome outcome = Replay(log.text.substr(0, end + 1));
+  const CommandRun outcome = Replay(log.text.substr(0, end + 1));
   EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
   EXPECT_THAT(outcome.out, StartsWith(std::to_string(log.decision_count - 1) + " decisions"));
 }
@@ -184,7 +176,7 @@ TEST_F(ReplayLogTest, AMissingRowIsADifference) {
 TEST_F(ReplayLogTest, AFileThatIsNoLogIsADifferenceInItsFirstLine) {
   EXPECT_EQ(Replay("").exit_code, kCheckFailed);
   for (const std::string text : {"a,b\n1,2\n", "\xff\xfe", "{\"rows\": []}\n"}) {
-    const Outcome outcome = Replay(text, /*as_json=*/true);
+    const CommandRun outcome = Replay(text, /*as_json=*/true);
     EXPECT_EQ(outcome.exit_code, kCheckFailed) << text;
     const json document = json::parse(outcome.out);
     EXPECT_EQ(document["decisions"], 0) << text;
@@ -193,7 +185,7 @@ TEST_F(ReplayLogTest, AFileThatIsNoLogIsADifferenceInItsFirstLine) {
 }
 
 TEST_F(ReplayLogTest, ALogWithoutDecisionsIsBadUsage) {
-  const Outcome outcome = Replay(EmbeddedDecider::AuditHeader() + "\n");
+  const CommandRun outcome = Replay(EmbeddedDecider::AuditHeader() + "\n");
   EXPECT_EQ(outcome.exit_code, kBadUsage);
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, HasSubstr("decisions.csv holds no decisions"));
@@ -201,7 +193,7 @@ TEST_F(ReplayLogTest, ALogWithoutDecisionsIsBadUsage) {
 
 TEST_F(ReplayLogTest, WhatCannotBeReadIsBadUsage) {
   for (const std::filesystem::path& path : {folder_.path() / "missing.csv", folder_.path()}) {
-    const Outcome outcome = ReplayFile(path.string());
+    const CommandRun outcome = ReplayFile(path.string());
     EXPECT_EQ(outcome.exit_code, kBadUsage) << path;
     EXPECT_EQ(outcome.out, "") << path;
     EXPECT_THAT(outcome.err, HasSubstr(path.string() + " cannot be read"));

@@ -70,10 +70,10 @@ class CostsFile : public testing::Test {
     EXPECT_THAT(status.message(), HasSubstr("sweepstake trace"));
     EXPECT_EQ(status.message().find('\n'), std::string::npos);
   }
-  static void ExpectFlaw(const std::function<void(CostTrace&)>& change, const std::string& said) {
+  static void ExpectError(const std::function<void(CostTrace&)>& change, const std::string& said) {
     CostTrace trace = SmallTrace();
     change(trace);
-    EXPECT_THAT(FlawOf(trace), HasSubstr(said));
+    EXPECT_THAT(ErrorOf(trace), HasSubstr(said));
   }
 
  private:
@@ -170,31 +170,31 @@ TEST_F(CostsFile, RefusesAFileBeyondTheLargestWithoutReadingIt) {
 
 TEST_F(CostsFile, RefusesCountsThatDoNotFitTheColumns) {
   constexpr uint32_t kHuge = std::numeric_limits<uint32_t>::max();
-  ExpectFlaw([](CostTrace& t) { t.frame_count = kHuge; }, "has 4294967295 frames");
-  ExpectFlaw([](CostTrace& t) { t.frame_count = 0; }, "has 0 frames");
-  ExpectFlaw([](CostTrace& t) { t.frame_count = 11; }, "column object_count of another length");
-  ExpectFlaw([](CostTrace& t) { t.control_arm = 2; }, "no such control arm");
-  ExpectFlaw([](CostTrace& t) { t.repeat_count = 0; }, "was measured no time");
-  ExpectFlaw([](CostTrace& t) { t.burst_frame_count = kHuge; }, "has bursts of 4294967295");
-  ExpectFlaw([](CostTrace& t) { t.burst_frame_count = 5; }, "of a burst of another length");
-  ExpectFlaw([](CostTrace& t) { t.arms.clear(); }, "has 0 arms");
-  ExpectFlaw([](CostTrace& t) { t.bursts.clear(); }, "has no burst");
-  ExpectFlaw([](CostTrace& t) { t.detection_ns.pop_back(); }, "column detection_ns");
-  ExpectFlaw([](CostTrace& t) { t.native_bytes.push_back(1); }, "column native_bytes");
-  ExpectFlaw([](CostTrace& t) { t.held = {1}; }, "column held of another length");
+  ExpectError([](CostTrace& t) { t.frame_count = kHuge; }, "has 4294967295 frames");
+  ExpectError([](CostTrace& t) { t.frame_count = 0; }, "has 0 frames");
+  ExpectError([](CostTrace& t) { t.frame_count = 11; }, "column object_count of another length");
+  ExpectError([](CostTrace& t) { t.control_arm = 2; }, "no such control arm");
+  ExpectError([](CostTrace& t) { t.repeat_count = 0; }, "was measured no time");
+  ExpectError([](CostTrace& t) { t.burst_frame_count = kHuge; }, "has bursts of 4294967295");
+  ExpectError([](CostTrace& t) { t.burst_frame_count = 5; }, "of a burst of another length");
+  ExpectError([](CostTrace& t) { t.arms.clear(); }, "has 0 arms");
+  ExpectError([](CostTrace& t) { t.bursts.clear(); }, "has no burst");
+  ExpectError([](CostTrace& t) { t.detection_ns.pop_back(); }, "column detection_ns");
+  ExpectError([](CostTrace& t) { t.native_bytes.push_back(1); }, "column native_bytes");
+  ExpectError([](CostTrace& t) { t.held = {1}; }, "column held of another length");
 }
 
 TEST_F(CostsFile, RefusesNumbersAndNamesThatNoTraceHas) {
-  ExpectFlaw([](CostTrace& t) { t.detection_ns[3] = 0; }, "a time of nothing");
-  ExpectFlaw([](CostTrace& t) { t.control_ns[3] = kMaxTracedNs + 1; }, "more than an hour");
-  ExpectFlaw([](CostTrace& t) { t.held[4] = 2; }, "other values than 0 and 1");
-  ExpectFlaw([](CostTrace& t) { t.arms[1].name = "SAP"; }, "has the arm SAP twice");
-  ExpectFlaw([](CostTrace& t) { t.arms[1].name = "\x1b[2J"; }, "without a name");
-  ExpectFlaw([](CostTrace& t) { t.scene = "a\nb"; }, "name is no short line");
-  ExpectFlaw([](CostTrace& t) { t.bursts[1].first_frame = 2; }, "burst out of order");
-  ExpectFlaw([](CostTrace& t) { t.bursts[1].first_frame = 7; }, "burst out of order");
-  ExpectFlaw([](CostTrace& t) { t.descriptors[0].frame = 11; }, "descriptor out of");
-  ExpectFlaw(
+  ExpectError([](CostTrace& t) { t.detection_ns[3] = 0; }, "a time of nothing");
+  ExpectError([](CostTrace& t) { t.control_ns[3] = kMaxTracedNs + 1; }, "more than an hour");
+  ExpectError([](CostTrace& t) { t.held[4] = 2; }, "other values than 0 and 1");
+  ExpectError([](CostTrace& t) { t.arms[1].name = "SAP"; }, "has the arm SAP twice");
+  ExpectError([](CostTrace& t) { t.arms[1].name = "\x1b[2J"; }, "without a name");
+  ExpectError([](CostTrace& t) { t.scene = "a\nb"; }, "name is no short line");
+  ExpectError([](CostTrace& t) { t.bursts[1].first_frame = 2; }, "burst out of order");
+  ExpectError([](CostTrace& t) { t.bursts[1].first_frame = 7; }, "burst out of order");
+  ExpectError([](CostTrace& t) { t.descriptors[0].frame = 11; }, "descriptor out of");
+  ExpectError(
       [](CostTrace& t) {
         t.descriptors[0].descriptor.speed_mean = std::numeric_limits<float>::infinity();
       },

@@ -96,7 +96,7 @@ TEST(ArmPace, LooksAgainWhenTheSceneHasLostAnEighthOfItsObjects) {
 
 TEST(Trace, HoldsEveryArmInEveryFrameOfASoundShape) {
   const CostTrace trace = MustTrace("suite-b", 200, {"SAP", "KDTree", "Grid"}, 130, 2);
-  EXPECT_EQ(FlawOf(trace), "");
+  EXPECT_EQ(ErrorOf(trace), "");
   EXPECT_EQ(trace.scene, "suite-b");
   EXPECT_EQ(trace.frame_count, 130U);
   EXPECT_EQ(trace.repeat_count, 2U);
@@ -172,7 +172,7 @@ TEST(TracePass, HoldsTheTimeOfASlowArmAndSaysSo) {
 TEST(TracePass, MeasuresTheControlsTwinOnEveryFrame) {
   const CostTrace trace = PassWithASlowArm(1);
   EXPECT_THAT(trace.held, Each(0));
-  EXPECT_EQ(FlawOf(trace), "");
+  EXPECT_EQ(ErrorOf(trace), "");
 }
 
 // Two arms, 40 frames, a burst: the first costs 10 ms, then 30; the second 20 ms all the time.

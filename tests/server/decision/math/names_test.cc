@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <string>
+#include <string_view>
 
 #include "server/decision/math/hash.h"
 
@@ -10,6 +12,26 @@ namespace sweepstake::math {
 namespace {
 
 constexpr std::array<std::string_view, 4> kFruits = {"apple", "banana", "pear", "peach"};
+
+TEST(Names, ArePrintableUtf8UpToTheMaximumLength) {
+  EXPECT_TRUE(IsName("Hurricane <3> \"x\"; DROP TABLE"));
+  EXPECT_TRUE(IsName("\xC3\xA4\xE2\x82\xAC\xF0\x9F\x8C\x80"));
+  EXPECT_TRUE(IsName(std::string(128, 'x')));
+  EXPECT_FALSE(IsName(std::string(129, 'x')));
+  EXPECT_FALSE(IsName(""));
+  EXPECT_TRUE(IsOptionalName(""));
+  EXPECT_FALSE(IsOptionalName(std::string(129, 'x')));
+}
+
+TEST(Names, HoldNoControlCharacterAndNoBrokenUtf8) {
+  using namespace std::string_view_literals;
+  for (const std::string_view broken :
+       {"a\0b"sv, "\x1F"sv, "\x7F"sv, "\xC2\x85"sv, "\x80"sv, "\xC3"sv, "\xC0\xAF"sv,
+        "\xE0\x80\xAF"sv, "\xED\xA0\x80"sv, "\xF4\x90\x80\x80"sv, "\xF5\x80\x80\x80"sv,
+        "\xE2\x28\xA1"sv}) {
+    EXPECT_FALSE(IsName(broken)) << ::testing::PrintToString(broken);
+  }
+}
 
 TEST(Names, TheNearestNameNeedsTheFewestEdits) {
   EXPECT_EQ(NearestName("peer", kFruits), "pear");
@@ -38,9 +60,9 @@ TEST(Hash, GivesThePublishedValues) {
   EXPECT_EQ(Fnv1a(kFnv1aStart, "foobar"), 0x85944171F73967E8U);
   EXPECT_EQ(Fnv1aOfWord(kFnv1aStart, 0x6F6F66U), Fnv1a(kFnv1aStart, std::string_view("foo\0", 4)));
   // The first outputs of splitmix64 from state 1234567.
-  uint64_t state = 1234567;
-  EXPECT_EQ(Mix64(state += kGoldenGamma), 6457827717110365317U);
-  EXPECT_EQ(Mix64(state += kGoldenGamma), 3203168211198807973U);
+  SplitMix64 random{1234567};
+  EXPECT_EQ(random.Next(), 6457827717110365317U);
+  EXPECT_EQ(random.Next(), 3203168211198807973U);
 }
 
 }  // namespace

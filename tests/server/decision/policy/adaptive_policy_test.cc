@@ -159,6 +159,22 @@ TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
   EXPECT_EQ(decision.increment->bail_out_count, 1u);
 }
 
+TEST(AdaptivePolicy, ABailOutWeighsAsTenWindowsInWhatIsStored) {
+  Game game({10'000, 12'000});
+  game.RunTicks(10);
+  const auto window = game.RunToTick().increment;
+  ASSERT_TRUE(window);
+  const Frame stall{.frame_time_ns = 6'000'000'000,
+                    .detection_time_ns = 6'000'000'000,
+                    .object_count = 1'000,
+                    .arm = game.client.arm,
+                    .switch_epoch = game.client.epoch};
+  const Decision decision = game.client.session.ObserveBailOut(stall, game.client.now_ns);
+  EXPECT_EQ(decision.increment->alpha, 0);
+  EXPECT_GT(window->alpha + window->beta, 1000);
+  EXPECT_NEAR(decision.increment->beta / (window->alpha + window->beta), 10, 0.5);
+}
+
 TEST(AdaptivePolicy, ABailOutLeavesForAnArmThatIsNotSafeEither) {
   Game game({4'000'000, 4'500'000});
   game.RunTicks(10);

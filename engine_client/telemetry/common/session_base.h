@@ -13,7 +13,7 @@
 #include <mutex>
 #include <thread>
 
-#include "engine_client/telemetry/sample_queue.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 #include "sweepstake/session.h"
 
 namespace sweepstake {
@@ -47,7 +47,7 @@ class PollingThread {
   std::condition_variable changed_;
   bool woken_ = false;     // guarded by mutex_
   bool stopping_ = false;  // guarded by mutex_
-  std::mutex join_mutex_;  // so that two callers of Join do not join twice
+  std::mutex join_mutex_;  // keeps two callers of Join from joining twice
   std::thread thread_;     // guarded by join_mutex_
 };
 

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/lossy_ring.h"
+#include "engine_client/telemetry/common/lossy_ring.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/session_base.h"
+#include "engine_client/telemetry/common/session_base.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/sample_queue.h"
+#include "engine_client/telemetry/common/sample_queue.h"
 
 #include <gtest/gtest.h>
 

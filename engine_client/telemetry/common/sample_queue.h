@@ -15,7 +15,7 @@
 #include <optional>
 #include <variant>
 
-#include "engine_client/telemetry/lossy_ring.h"
+#include "engine_client/telemetry/common/lossy_ring.h"
 #include "sweepstake/adaptive_broad_phase.h"
 
 namespace sweepstake {
@@ -33,12 +33,12 @@ class SampleQueue final : public FrameSink {
   // The maximum number of notes. They outlast the frames, since a scene makes one descriptor per
   // 128 frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
-  static constexpr uint32_t kFrameCapacityMax = 1 << 20;
+  static constexpr uint32_t kMaxFrameCapacity = 1 << 20;
   // The maximum number of visits: eight sweeps over 32 arms, which take two seconds at the lane's
   // minimum interval.
   static constexpr uint32_t kShadowCapacity = 256;
 
-  // REQUIRES: frame_capacity is a power of two, 2 to kFrameCapacityMax.
+  // REQUIRES: frame_capacity is a power of two, 2 to kMaxFrameCapacity.
   explicit SampleQueue(uint32_t frame_capacity)
       : frames_(frame_capacity), notes_(kNoteCapacity), shadows_(kShadowCapacity) {}
 

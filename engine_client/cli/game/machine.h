@@ -1,13 +1,10 @@
-// Describes the machine, the build and the libraries of a bench run. Thread-safe.
+// Describes the machine, the build and its libraries. Thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
-#include <span>
 #include <string>
 #include <vector>
-
-#include "engine_client/cli/peers/peer.h"
 
 namespace sweepstake::cli {
 
@@ -17,7 +14,7 @@ struct LibraryVersion {
 };
 
 // The machine, system and software that a run was made with.
-struct BenchMachine {
+struct Machine {
   std::string date_utc;     // the start, as 2026-01-31T12:00:00Z
   std::string program;      // Sweepstake's version
   std::string cpu;          // the processor's own name
@@ -29,11 +26,10 @@ struct BenchMachine {
   std::vector<std::string> absent_peers;  // per peer left out: library and its package
 };
 
-// Describes this machine. The libraries are Highway and those of `peers`; the peers that this build
-// leaves out are listed as absent.
-BenchMachine DescribeMachine(std::span<const PeerLibrary> peers);
+// Describes this machine. Of the libraries it knows Highway; RunBench adds those of the peers.
+Machine DescribeMachine();
 
 // Returns the object that the JSON documents of bench and experiment contain.
-nlohmann::ordered_json MachineJson(const BenchMachine& machine);
+nlohmann::ordered_json MachineJson(const Machine& machine);
 
 }  // namespace sweepstake::cli

@@ -1,4 +1,4 @@
-#include "engine_client/cli/bench/bench_machine.h"
+#include "engine_client/cli/game/machine.h"
 
 #include <hwy/highway.h>
 #include <hwy/targets.h>
@@ -56,8 +56,8 @@ std::string SimdTarget() {
 
 }  // namespace
 
-BenchMachine DescribeMachine(std::span<const PeerLibrary> peers) {
-  BenchMachine machine;
+Machine DescribeMachine() {
+  Machine machine;
   machine.date_utc = DateUtc();
   machine.program = SWEEPSTAKE_VERSION;
   machine.cpu = CpuName();
@@ -68,19 +68,10 @@ BenchMachine DescribeMachine(std::span<const PeerLibrary> peers) {
   machine.libraries.push_back({"Highway", std::to_string(HWY_MAJOR) + "." +
                                               std::to_string(HWY_MINOR) + "." +
                                               std::to_string(HWY_PATCH)});
-  for (const PeerLibrary& library : peers) {
-    const std::string name(library.name);
-    if (library.kinds.empty()) {
-      machine.absent_peers.push_back(name + ": install " + std::string(library.package) +
-                                     " and build with -DSWEEPSTAKE_PEERS=ON");
-    } else {
-      machine.libraries.push_back({name, library.version});
-    }
-  }
   return machine;
 }
 
-nlohmann::ordered_json MachineJson(const BenchMachine& machine) {
+nlohmann::ordered_json MachineJson(const Machine& machine) {
   auto libraries = nlohmann::ordered_json::object();
   for (const LibraryVersion& library : machine.libraries) libraries[library.name] = library.version;
   return {{"date", machine.date_utc},

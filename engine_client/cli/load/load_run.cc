@@ -1,0 +1,337 @@
+#include "engine_client/cli/load/load_run.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+#include "engine_client/cli/daemon/daemon_client.h"
+#include "engine_client/cli/load/load_stream.h"
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr int64_t kSecondNs = 1'000'000'000;
+constexpr int64_t kPatienceNs = 10 * kSecondNs;
+constexpr double kMaxHellosPerSecond = 2000;
+
+int64_t NowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void SleepUntil(int64_t ns) {
+  std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
+      std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+          std::chrono::nanoseconds(ns))));
+}
+
+// Returns the CPU time of a process of this machine, from /proc/PID/stat (proc(5), fields 14 and
+// 15), or nothing if there is no such process.
+std::optional<double> CpuSeconds(int64_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string line;
+  if (pid == 0 || !std::getline(file, line)) return std::nullopt;
+  // The name in parentheses may hold spaces.
+  std::istringstream fields(line.substr(line.rfind(')') + 1));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  double user = 0;
+  double system = 0;
+  if (!(fields >> user >> system)) return std::nullopt;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+v1::FrameBatch MakeBatch(uint32_t frame_count) {
+  v1::FrameBatch batch;
+  for (uint32_t i = 0; i < frame_count; ++i) {
+    batch.add_frame_time_ns(10'000'000 + 10'000 * (i % 7));
+    batch.add_detection_time_ns(3'000'000 + 10'000 * (i % 11));
+    batch.add_aabb_check_count(20'000);
+    batch.add_pair_count(500);
+    batch.add_native_bytes(1 << 20);
+    batch.add_object_count(3'000);
+    batch.add_arm(0);
+    batch.add_switch_epoch(0);
+    batch.add_flags(0);
+  }
+  return batch;
+}
+
+// The streams of a run and its timer. Its own thread calls Run; what gRPC's threads tell is guarded
+// by mutex_.
+class LoadRun final : public LoadEvents {
+ public:
+  LoadRun(const LoadPlan& plan, const std::function<bool()>& stop,
+          const std::function<void(const std::string&)>& progress)
+      : plan_(plan), stop_(stop), progress_(progress), batch_(MakeBatch(plan.batch_frames)) {}
+  ~LoadRun() override;
+
+  Result<LoadResult> Run();
+
+  void OnWelcome() override;
+  void OnAcknowledged(uint64_t message_count) override;
+  void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
+             uint32_t delay_ms) override;
+  void OnSwitch(std::optional<int64_t> latency_ns) override;
+
+ private:
+  struct Timer {
+    size_t stream = 0;
+    uint64_t batch = 0;  // its number within the stream; 0 begins the stream
+  };
+
+  Status OpenStreams();
+  void ScheduleStarts();
+  // Runs timers until `done` returns true or the time is over. Returns whether it became true.
+  template <typename Done>
+  bool RunUntil(int64_t end_ns, Done done);
+  void RunDue(int64_t now_ns);
+  void Fire(const Timer& timer, int64_t due_ns);
+  void Reconnect(int64_t now_ns);
+  void ShowProgress(int64_t now_ns);
+  void Measure();
+  void SayGoodbye();
+  uint64_t UpCount();
+  // Returns whether every stream has its welcome, or every one has failed to connect.
+  bool AllUpOrNone();
+  bool Ended();
+
+  const LoadPlan& plan_;
+  const std::function<bool()>& stop_;
+  const std::function<void(const std::string&)>& progress_;
+  v1::FrameBatch batch_;
+  std::vector<std::unique_ptr<LoadStream>> streams_;
+  std::multimap<int64_t, Timer> timers_;
+  std::minstd_rand random_{1};  // of the jitter
+  int64_t progress_due_ns_ = 0;
+  std::atomic<bool> measuring_{false};
+
+  std::atomic<uint64_t> open_count_{0};  // connections
+
+  std::mutex mutex_;  // guards all below
+  LoadResult result_;
+  std::vector<std::pair<int64_t, LoadStream*>> lost_;  // when each may connect again
+  uint64_t up_count_ = 0;                              // streams with a welcome
+  int64_t lost_since_ns_ = 0;                          // 0: no stream is lost
+  bool ending_ = false;
+  grpc::Status last_error_;
+};
+
+LoadRun::~LoadRun() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  for (const auto& stream : streams_) stream->Cancel();
+  while (!Ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void LoadRun::OnWelcome() {
+  const std::lock_guard lock(mutex_);
+  ++result_.welcome_count;
+  if (++up_count_ < plan_.stream_count || lost_since_ns_ == 0) return;
+  const double seconds = static_cast<double>(NowNs() - std::exchange(lost_since_ns_, 0)) * 1e-9;
+  result_.reconnect_s = std::max(result_.reconnect_s.value_or(0), seconds);
+}
+
+void LoadRun::OnAcknowledged(uint64_t message_count) {
+  const std::lock_guard lock(mutex_);
+  if (measuring_) result_.acknowledged_count += message_count;
+}
+
+void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
+                    uint32_t delay_ms) {
+  const std::lock_guard lock(mutex_);
+  --open_count_;  // the destructor, which waits for it, then waits for the lock
+  if (was_up) --up_count_;
+  if (status.ok()) ++result_.finished_count;
+  if (ending_) return;
+  last_error_ = status;
+  const int64_t now_ns = NowNs();
+  if (status.error_code() != grpc::StatusCode::UNAVAILABLE) ++result_.rejected_count;
+  if (was_up && lost_since_ns_ == 0) lost_since_ns_ = now_ns;
+  const int64_t min_ns = int64_t{1'000'000} * std::max(delay_ms, 500U);
+  std::uniform_int_distribution<int64_t> jitter_ns(0, min_ns);
+  lost_.emplace_back(now_ns + min_ns + jitter_ns(random_), &stream);
+}
+
+void LoadRun::OnSwitch(std::optional<int64_t> latency_ns) {
+  const std::lock_guard lock(mutex_);
+  ++result_.switch_count;
+  if (latency_ns) result_.decision_latency_ms.push_back(static_cast<double>(*latency_ns) * 1e-6);
+}
+
+Status LoadRun::OpenStreams() {
+  const uint64_t per_channel = LoadPlan::kMaxStreamsPerChannel;
+  const uint64_t channel_count = plan_.channel_count != 0
+                                     ? plan_.channel_count
+                                     : (plan_.stream_count + per_channel - 1) / per_channel;
+  std::vector<std::shared_ptr<grpc::Channel>> channels;
+  for (uint64_t i = 0; i < channel_count; ++i) {
+    auto channel = OpenChannel(plan_.daemon, /*own_connection=*/true);
+    if (!channel.ok()) return channel.status();
+    channels.push_back(*std::move(channel));
+  }
+  for (uint64_t i = 0; i < plan_.stream_count; ++i) {
+    streams_.push_back(std::make_unique<LoadStream>(
+        channels[i % channel_count], "scene " + std::to_string(i % plan_.scene_count), *this));
+  }
+  return {};
+}
+
+// The starts are even over one interval of batches, or more where that would be too many at once.
+void LoadRun::ScheduleStarts() {
+  const auto count = static_cast<double>(plan_.stream_count);
+  const double spread_s = std::max(1 / plan_.batches_per_second, count / kMaxHellosPerSecond);
+  const int64_t now_ns = NowNs();
+  for (size_t i = 0; i < streams_.size(); ++i) {
+    const double share = static_cast<double>(i) / count;
+    timers_.emplace(now_ns + static_cast<int64_t>(share * spread_s * 1e9), Timer{i, 0});
+  }
+}
+
+template <typename Done>
+bool LoadRun::RunUntil(int64_t end_ns, Done done) {
+  constexpr int64_t kLongestSleepNs = 5'000'000;  // until a lost stream is looked at
+  while (true) {
+    const int64_t now_ns = NowNs();
+    RunDue(now_ns);
+    Reconnect(now_ns);
+    ShowProgress(now_ns);
+    if (done()) return true;
+    if (now_ns >= end_ns || stop_()) return false;
+    const int64_t next_ns = timers_.empty() ? end_ns : timers_.begin()->first;
+    SleepUntil(std::min({next_ns, end_ns, now_ns + kLongestSleepNs}));
+  }
+}
+
+void LoadRun::RunDue(int64_t now_ns) {
+  while (!timers_.empty() && timers_.begin()->first <= now_ns) {
+    const auto [due_ns, timer] = *timers_.begin();
+    timers_.erase(timers_.begin());
+    Fire(timer, due_ns);
+    const auto interval_ns = static_cast<int64_t>(1e9 / plan_.batches_per_second);
+    timers_.emplace(due_ns + interval_ns, Timer{timer.stream, timer.batch + 1});
+  }
+}
+
+void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
+  LoadStream& stream = *streams_[timer.stream];
+  if (timer.batch == 0) {
+    ++open_count_;
+    return stream.Connect();
+  }
+  // Every n-th batch of a stream has one, and the streams take turns.
+  const double share = plan_.bail_out_share;
+  const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
+  const bool with_bail_out = period > 0 && (timer.batch + timer.stream) % period == 0;
+  const bool sent = stream.SendBatch(batch_, with_bail_out);
+  const std::lock_guard lock(mutex_);
+  if (measuring_) result_.tick_lateness_ms.push_back(static_cast<double>(NowNs() - due_ns) * 1e-6);
+  if (!sent) {
+    ++result_.unsent_count;
+    return;
+  }
+  ++result_.batch_count;
+  if (with_bail_out) ++result_.bail_out_count;
+  if (measuring_) ++result_.measured_batch_count;
+}
+
+void LoadRun::Reconnect(int64_t now_ns) {
+  std::vector<LoadStream*> due;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(lost_, [&](const auto& lost) {
+      if (lost.first > now_ns) return false;
+      due.push_back(lost.second);
+      return true;
+    });
+  }
+  for (LoadStream* stream : due) {
+    ++open_count_;
+    stream->Connect();
+  }
+}
+
+uint64_t LoadRun::UpCount() {
+  const std::lock_guard lock(mutex_);
+  return up_count_;
+}
+
+bool LoadRun::AllUpOrNone() {
+  const std::lock_guard lock(mutex_);
+  return up_count_ == plan_.stream_count || lost_.size() == plan_.stream_count;
+}
+
+bool LoadRun::Ended() {
+  const std::lock_guard lock(mutex_);
+  return open_count_ == 0;
+}
+
+void LoadRun::ShowProgress(int64_t now_ns) {
+  if (now_ns < progress_due_ns_) return;
+  progress_due_ns_ = now_ns + kSecondNs;
+  progress_(std::to_string(UpCount()) + " of " + std::to_string(plan_.stream_count) + " streams, " +
+            std::to_string(result_.batch_count) + " batches sent");
+}
+
+void LoadRun::Measure() {
+  const std::optional<double> cpu_before_s = CpuSeconds(plan_.server_pid);
+  const int64_t start_ns = NowNs();
+  measuring_ = true;
+  RunUntil(start_ns + static_cast<int64_t>(plan_.duration_ns), [] { return false; });
+  measuring_ = false;
+  result_.measured_s = static_cast<double>(NowNs() - start_ns) * 1e-9;
+  const std::optional<double> cpu_after_s = CpuSeconds(plan_.server_pid);
+  if (cpu_before_s && cpu_after_s) result_.server_cpu_s = *cpu_after_s - *cpu_before_s;
+}
+
+void LoadRun::SayGoodbye() {
+  timers_.clear();
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    lost_.clear();
+  }
+  for (const auto& stream : streams_) stream->SayGoodbye();
+  RunUntil(NowNs() + kPatienceNs, [this] { return Ended(); });
+}
+
+Result<LoadResult> LoadRun::Run() {
+  if (Status status = OpenStreams(); !status.ok()) return status;
+  ScheduleStarts();
+  const int64_t last_start_ns = timers_.rbegin()->first;
+  RunUntil(last_start_ns + kPatienceNs, [this] { return AllUpOrNone(); });
+  if (UpCount() == 0) {
+    const std::lock_guard lock(mutex_);
+    if (last_error_.ok()) last_error_ = {grpc::StatusCode::UNAVAILABLE, "no answer in time"};
+    return ToStatus(last_error_, plan_.daemon);
+  }
+  Measure();
+  SayGoodbye();
+  const std::lock_guard lock(mutex_);
+  std::sort(result_.decision_latency_ms.begin(), result_.decision_latency_ms.end());
+  std::sort(result_.tick_lateness_ms.begin(), result_.tick_lateness_ms.end());
+  return result_;
+}
+
+}  // namespace
+
+Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
+                           const std::function<void(const std::string&)>& progress) {
+  return LoadRun(plan, stop, progress).Run();
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,211 @@
+#include "engine_client/cli/load/load_stream.h"
+
+#include <chrono>
+#include <utility>
+
+namespace sweepstake::cli {
+namespace {
+
+constexpr char kMethod[] = "/sweepstake.v1.TelemetryService/StreamTelemetry";
+
+using Bytes = grpc::ByteBuffer;
+
+int64_t NowNs() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+Bytes Serialize(const v1::StreamTelemetryRequest& request) {
+  Bytes bytes;
+  bool own_buffer = false;
+  // It cannot fail for a message that is not larger than the memory.
+  static_cast<void>(grpc::SerializationTraits<v1::StreamTelemetryRequest>::Serialize(
+      request, &bytes, &own_buffer));
+  return bytes;
+}
+
+bool Parse(Bytes& bytes, v1::StreamTelemetryResponse& response) {
+  return grpc::SerializationTraits<v1::StreamTelemetryResponse>::Deserialize(&bytes, &response)
+      .ok();
+}
+
+}  // namespace
+
+// One connection. It deletes itself when gRPC is done with it; the hold lasts until the last read,
+// so that the timer thread may write until then.
+class LoadStream::Call final : public grpc::ClientBidiReactor<Bytes, Bytes> {
+ public:
+  explicit Call(LoadStream& stream) : stream_(stream) {
+    grpc::GenericStub(stream.channel_).PrepareBidiStreamingCall(&context_, kMethod, {}, this);
+    AddHold();
+  }
+
+  void OnReadDone(bool ok) override {
+    v1::StreamTelemetryResponse response;
+    const std::lock_guard lock(stream_.mutex_);
+    if (!ok) {
+      stream_.call_ = nullptr;
+      return RemoveHold();
+    }
+    if (Parse(read_bytes_, response)) stream_.OnResponse(response);
+    StartRead(&read_bytes_);
+  }
+  void OnWriteDone(bool ok) override {
+    const std::lock_guard lock(stream_.mutex_);
+    if (!ok || stream_.call_ != this) return;
+    stream_.waiting_.pop_front();
+    stream_.WriteNext();
+  }
+  void OnDone(const grpc::Status& status) override {
+    LoadStream& stream = stream_;
+    delete this;
+    bool was_up = false;
+    uint32_t delay_ms = 0;
+    {
+      const std::lock_guard lock(stream.mutex_);
+      was_up = std::exchange(stream.up_, false);
+      delay_ms = std::exchange(stream.reconnect_delay_ms_, 0);
+      stream.waiting_.clear();
+      stream.bail_out_sent_ns_ = 0;
+      // A session that the daemon does not know any more.
+      if (!was_up && status.error_code() == grpc::StatusCode::NOT_FOUND) stream.session_id_.clear();
+    }
+    stream.events_.OnEnd(stream, status, was_up, delay_ms);
+  }
+
+  grpc::ClientContext context_;
+  Bytes read_bytes_;
+
+ private:
+  LoadStream& stream_;
+};
+
+LoadStream::LoadStream(std::shared_ptr<grpc::Channel> channel, std::string scene,
+                       LoadEvents& events)
+    : channel_(std::move(channel)), scene_(std::move(scene)), events_(events) {}
+
+LoadStream::~LoadStream() = default;
+
+void LoadStream::Connect() {
+  const std::lock_guard lock(mutex_);
+  call_ = new Call(*this);
+  call_->StartRead(&call_->read_bytes_);
+  Send(HelloRequest());
+  call_->StartCall();
+}
+
+v1::StreamTelemetryRequest LoadStream::HelloRequest() const {
+  v1::StreamTelemetryRequest request;
+  v1::Hello& hello = *request.mutable_hello();
+  hello.set_protocol_version(1);
+  hello.set_project("load");
+  hello.set_scene(scene_);
+  for (uint32_t arm = 0; arm < kLoadArms; ++arm) {
+    v1::Arm& added = *hello.add_arms();
+    added.set_name("arm " + std::to_string(arm));
+    added.set_backend_version(1);
+  }
+  hello.set_active_arm(arm_);
+  hello.set_switch_epoch(switch_epoch_);
+  hello.set_mode(v1::MODE_AI);
+  hello.set_session_id(session_id_);
+  hello.set_resume_token(resume_token_);
+  return request;
+}
+
+bool LoadStream::SendBatch(v1::FrameBatch& batch, bool with_bail_out) {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr || !up_ || waiting_.size() >= kMaxWaiting) return false;
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(++sequence_);
+  batch.set_first_frame_index(frame_index_);
+  for (int i = 0; i < batch.arm_size(); ++i) {
+    batch.set_arm(i, arm_);
+    batch.set_switch_epoch(i, switch_epoch_);
+  }
+  frame_index_ += static_cast<uint64_t>(batch.arm_size());
+  request.mutable_frame_batch()->Swap(&batch);
+  Send(request);
+  request.mutable_frame_batch()->Swap(&batch);
+  if (with_bail_out) SendBailOut();
+  return true;
+}
+
+void LoadStream::SendBailOut() {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(++sequence_);
+  v1::BailOut& bail_out = *request.mutable_bail_out();
+  bail_out.set_frame_index(frame_index_++);
+  bail_out.set_arm(arm_);
+  bail_out.set_switch_epoch(switch_epoch_);
+  bail_out.set_frame_time_ns(2 * bail_out_ns_);
+  bail_out.set_detection_time_ns(2 * bail_out_ns_);
+  bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
+  bail_out_sent_ns_ = NowNs();
+  Send(request);
+}
+
+void LoadStream::SayGoodbye() {
+  const std::lock_guard lock(mutex_);
+  if (call_ == nullptr) return;
+  v1::StreamTelemetryRequest request;
+  request.mutable_goodbye();
+  Send(request);
+}
+
+void LoadStream::Cancel() {
+  const std::lock_guard lock(mutex_);
+  if (call_ != nullptr) call_->context_.TryCancel();
+}
+
+void LoadStream::Send(const v1::StreamTelemetryRequest& request) {
+  waiting_.push_back(Serialize(request));
+  if (waiting_.size() == 1) WriteNext();
+}
+
+void LoadStream::WriteNext() {
+  if (!waiting_.empty()) call_->StartWrite(&waiting_.front());
+}
+
+void LoadStream::OnResponse(const v1::StreamTelemetryResponse& response) {
+  if (response.has_welcome()) OnWelcome(response.welcome());
+  if (response.has_acknowledgement()) {
+    const uint64_t before =
+        std::exchange(acknowledged_sequence_, response.acknowledgement().sequence());
+    events_.OnAcknowledged(acknowledged_sequence_ - before);
+  }
+  if (response.has_switch_command()) OnSwitch(response.switch_command());
+  if (response.has_reconnect_elsewhere())
+    reconnect_delay_ms_ = response.reconnect_elsewhere().delay_ms();
+}
+
+void LoadStream::OnWelcome(const v1::Welcome& welcome) {
+  session_id_ = welcome.session_id();
+  resume_token_ = welcome.resume_token();
+  acknowledged_sequence_ = welcome.acknowledged_sequence();
+  if (!welcome.resumed()) sequence_ = 0;
+  bail_out_ns_ = uint64_t{1'000'000} * welcome.bail_out_ms();
+  up_ = true;
+  events_.OnWelcome();
+}
+
+void LoadStream::OnSwitch(const v1::SwitchCommand& command) {
+  std::optional<int64_t> latency_ns;
+  if (command.reason() == v1::SWITCH_REASON_BAIL_OUT && bail_out_sent_ns_ != 0)
+    latency_ns = NowNs() - std::exchange(bail_out_sent_ns_, 0);
+  events_.OnSwitch(latency_ns);
+  arm_ = command.arm();
+  ++switch_epoch_;
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(++sequence_);
+  v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
+  outcome.set_command_id(command.command_id());
+  outcome.set_arm(arm_);
+  outcome.set_switch_epoch(switch_epoch_);
+  outcome.set_executed(true);
+  outcome.set_reason(command.reason());
+  Send(request);
+}
+
+}  // namespace sweepstake::cli

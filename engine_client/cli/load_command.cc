@@ -1,0 +1,84 @@
+// `sweepstake load`: thousands of made-up games on one daemon, and how it bears them.
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/commands.h"
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/load/load_summary.h"
+
+namespace sweepstake::cli {
+namespace {
+
+struct LoadOptions {
+  LoadPlan plan;
+  std::string duration = "30s";
+  bool json = false;
+};
+
+int Run(const LoadOptions& options, Terminal& terminal) {
+  LoadPlan plan = options.plan;
+  const auto duration_ns = ParseDuration(options.duration);
+  if (!duration_ns.ok()) return Fail(terminal, duration_ns.status());
+  plan.duration_ns = *duration_ns;
+  InstallStopSignal();
+  Progress progress(terminal, "load", 0);
+  const auto result =
+      RunLoad(plan, StopRequested, [&](const std::string& text) { progress.Show(0, text); });
+  progress.ClearBar();
+  if (!result.ok()) return Fail(terminal, result.status());
+  nlohmann::ordered_json document = {{"command", "load"}, {"daemon", plan.daemon}};
+  document.update(LoadJson(plan, *result));
+  PrintResult(terminal, options.json, document, LoadText(plan, *result));
+  return kDone;
+}
+
+void Declare(CLI::App& command, LoadOptions& options) {
+  LoadPlan& plan = options.plan;
+  AddDaemonOption(command, plan.daemon);
+  command.add_option("--streams", plan.stream_count, "Games at a time")
+      ->check(WholeUpTo(100'000))
+      ->check(CLI::PositiveNumber);
+  command.add_option("--batches-per-second", plan.batches_per_second, "Of each game")
+      ->check(RealFrom(0.01, 1000));
+  command.add_option("--frames", plan.batch_frames, "Frames in a batch")
+      ->check(WholeUpTo(240))
+      ->check(CLI::PositiveNumber);
+  command.add_option("--duration", options.duration, "How long to measure, once all have begun");
+  command
+      .add_option("--channels", plan.channel_count,
+                  "Connections; 0 takes one for each 100 streams, which is what one can carry")
+      ->check(WholeUpTo(10'000));
+  command.add_option("--scenes", plan.scene_count, "Scenes that the games take turns with")
+      ->check(WholeUpTo(100'000))
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--bail-out-share", plan.bail_out_share,
+                  "Share of the batches that a bail-out follows")
+      ->check(RealFrom(0, 1));
+  command
+      .add_option("--server-pid", plan.server_pid,
+                  "The daemon's process, where it runs on this machine, for its CPU time")
+      ->check(WholeUpTo(1u << 30));
+  AddJsonFlag(command, options.json);
+}
+
+}  // namespace
+
+void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  AddCommand<LoadOptions>(
+      app, "load", "Load a daemon with thousands of made-up games",
+      "  sweepstake load --daemon 127.0.0.1:7433 --streams 1000 --duration 30s\n"
+      "  sweepstake load --daemon 127.0.0.1:7433 --streams 10000 --server-pid PID --json\n"
+      "batches_per_s were given to gRPC, acknowledged_per_s messages (bail-outs and switches, too) "
+      "reached\n"
+      "the daemon's disk: where that is less, the daemon does not keep up.\n"
+      "decision_latency is the time from a bail-out sent to its switch command, tick_lateness how\n"
+      "late this program's own timer was: where that is large, the other figures are not the\n"
+      "daemon's. What the games send is learnt under the project `load`. Ctrl-C ends the run "
+      "early.",
+      exit_code, Declare,
+      [&terminal](const LoadOptions& options) { return Run(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,23 @@
+// The identity of a session, fixed for its life. A plain value.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/decision/options.h"
+#include "server/priors/prior_store.h"
+
+namespace sweepstake::rpc {
+
+struct SessionIdentity {
+  std::string id;
+  priors::SceneKey scene;
+  std::vector<std::string> arms;
+  std::vector<uint32_t> backend_versions;  // has one per arm
+  uint64_t seed = 0;
+  decision::DecisionOptions decision;  // time scale applied
+  uint32_t audit_segment = 1;          // segment of the session's audit log
+};
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,35 @@
+#include "server/rpc/services/stall_sweep.h"
+
+#include <grpc/grpc.h>
+
+#include <string>
+#include <utility>
+
+namespace sweepstake::rpc {
+
+void Cancel(grpc::CallbackServerContext& call, const absl::Status& status) {
+  grpc_call_cancel_with_status(call.c_call(), static_cast<grpc_status_code>(status.code()),
+                               std::string(status.message()).c_str(), nullptr);
+}
+
+void StallSweep::Add(StallingCall& call) {
+  calls_.insert(&call);
+  Schedule();
+}
+
+void StallSweep::Schedule() {
+  if (calls_.empty() || std::exchange(scheduled_, true)) return;
+  loop_.PostAt(loop_.clock().NowNs() + patience_ns_ / 4, [this] { Sweep(); });
+}
+
+void StallSweep::Sweep() {
+  scheduled_ = false;
+  const int64_t overdue_ns = loop_.clock().NowNs() - patience_ns_;
+  for (auto next = calls_.begin(); next != calls_.end();) {
+    StallingCall& call = **next++;
+    if (call.waiting_since_ns() <= overdue_ns) call.OnStalled();
+  }
+  Schedule();
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,47 @@
+// Ends calls whose client does not go on: one timer for all of them. Used on the decision loop
+// only.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <cstdint>
+#include <set>
+
+#include "absl/status/status.h"
+#include "server/rpc/common/decision_loop.h"
+
+namespace sweepstake::rpc {
+
+// Ends a call at once, also one whose pending write waits for a client that does not read: its
+// pending operation then fails.
+void Cancel(grpc::CallbackServerContext& call, const absl::Status& status);
+
+// A call that may stall.
+class StallingCall {
+ public:
+  virtual ~StallingCall() = default;
+  // The time of the last progress, or Clock::kNever while the client need not do anything.
+  virtual int64_t waiting_since_ns() const = 0;
+  // Called once the patience is over. The call may remove itself.
+  virtual void OnStalled() = 0;
+};
+
+class StallSweep {
+ public:
+  // A call is ended between one and 1.25 times the patience after its last progress.
+  StallSweep(DecisionLoop& loop, int64_t patience_ns) : loop_(loop), patience_ns_(patience_ns) {}
+
+  void Add(StallingCall& call);
+  void Remove(StallingCall& call) { calls_.erase(&call); }
+
+ private:
+  void Schedule();
+  void Sweep();
+
+  DecisionLoop& loop_;
+  const int64_t patience_ns_;
+  std::set<StallingCall*> calls_;
+  bool scheduled_ = false;
+};
+
+}  // namespace sweepstake::rpc

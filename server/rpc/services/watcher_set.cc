@@ -1,0 +1,60 @@
+#include "server/rpc/services/watcher_set.h"
+
+#include <algorithm>
+
+#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/services/posterior_watcher.h"
+#include "server/rpc/sessions/session_table.h"
+
+namespace sweepstake::rpc {
+
+absl::Status WatcherSet::Add(PosteriorWatcher& watcher) {
+  if (draining_) return absl::UnavailableError("the daemon is draining; watch again later");
+  if (watchers_.size() >= context_.options.max_watchers) {
+    return absl::ResourceExhaustedError(
+        "this daemon has as many watchers as it may; try again later");
+  }
+  watchers_.insert(&watcher);
+  return absl::OkStatus();
+}
+
+bool WatcherSet::Watches(const priors::SceneKey& scene) const {
+  return std::any_of(watchers_.begin(), watchers_.end(),
+                     [&](const auto* watcher) { return watcher->Watches(scene); });
+}
+
+void WatcherSet::OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) {
+  v1::WatchPosteriorsResponse response;
+  *response.mutable_decision() = event;
+  const grpc::ByteBuffer encoded = Serialize(response);
+  ForEach([&](PosteriorWatcher& watcher) {
+    if (watcher.Watches(scene)) watcher.OnDecision(encoded);
+  });
+}
+
+void WatcherSet::OnPosterior(const priors::SceneEvidence& scene) {
+  const grpc::ByteBuffer encoded = Encode(scene);
+  ForEach([&](PosteriorWatcher& watcher) {
+    if (watcher.Watches(scene.key)) watcher.OnPosterior(scene.key, encoded);
+  });
+}
+
+void WatcherSet::OnReset() {
+  ForEach([](PosteriorWatcher& watcher) { watcher.Resend(); });
+}
+
+void WatcherSet::Drain() {
+  draining_ = true;
+  ForEach([](PosteriorWatcher& watcher) {
+    watcher.Close(absl::UnavailableError("the daemon is draining; watch again later"));
+  });
+}
+
+grpc::ByteBuffer WatcherSet::Encode(const priors::SceneEvidence& scene) const {
+  v1::WatchPosteriorsResponse response;
+  ToProto(scene, *response.mutable_posterior());
+  response.mutable_posterior()->set_active_session_count(context_.sessions.ActiveCount(scene.key));
+  return Serialize(response);
+}
+
+}  // namespace sweepstake::rpc

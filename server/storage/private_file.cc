@@ -1,0 +1,50 @@
+#include "server/storage/private_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <string>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+absl::Status Unavailable(const fs::path& path, int why) {
+  return absl::UnavailableError(
+      absl::StrCat(path.string(), ": ", std::system_category().message(why)));
+}
+
+// Syncs a file or a directory.
+absl::Status Sync(const fs::path& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool synced = file >= 0 && fsync(file) == 0;
+  const int why = errno;
+  if (file >= 0) close(file);
+  return synced ? absl::OkStatus() : Unavailable(path, why);
+}
+
+}  // namespace
+
+absl::Status CreatePrivateFile(const fs::path& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"})
+    fs::remove(path.string() + suffix, ignored);
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0) return Unavailable(path, errno);
+  close(file);
+  return absl::OkStatus();
+}
+
+absl::Status PublishFile(const fs::path& unfinished, const fs::path& path) {
+  if (absl::Status status = Sync(unfinished); !status.ok()) return status;
+  if (std::rename(unfinished.c_str(), path.c_str()) != 0) return Unavailable(path, errno);
+  return Sync(path.has_parent_path() ? path.parent_path() : fs::path("."));
+}
+
+}  // namespace sweepstake::storage

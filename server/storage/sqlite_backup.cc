@@ -1,0 +1,142 @@
+#include "server/storage/sqlite_backup.h"
+
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/storage/data_directory.h"
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_schema.h"
+
+namespace sweepstake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The version from which on keys have sums and scenes have counts.
+constexpr int64_t kFirstVersionWithSums = 3;
+
+// Sums are added in another order than here.
+constexpr const char* kWrongSums = R"sql(
+  SELECT count(*) FROM evidence_key LEFT JOIN
+    (SELECT key_id, total(alpha) AS a, total(beta) AS b, total(window_count) AS w,
+            total(bail_out_count) AS o, count(*) AS n
+     FROM evidence GROUP BY key_id) ON key_id = id
+  WHERE source_count <> ifnull(n, 0)
+    OR abs(alpha_sum - ifnull(a, 0)) > 1e-8 * (1 + alpha_sum)
+    OR abs(beta_sum - ifnull(b, 0)) > 1e-8 * (1 + beta_sum)
+    OR abs(window_sum - ifnull(w, 0)) > 1e-8 * window_sum
+    OR abs(bail_out_sum - ifnull(o, 0)) > 1e-8 * bail_out_sum)sql";
+
+constexpr const char* kWrongCounts = R"sql(
+  SELECT count(*) FROM scene LEFT JOIN
+    (SELECT scene_id, count(DISTINCT source_id) AS n
+     FROM evidence JOIN evidence_key k ON k.id = key_id GROUP BY scene_id) ON scene_id = id
+  WHERE source_count <> ifnull(n, 0))sql";
+
+absl::Status Corrupt(const fs::path& file, absl::string_view what) {
+  return absl::DataLossError(
+      absl::StrCat(file.string(), " is corrupt (", what, "); use an earlier backup"));
+}
+
+absl::Status CheckNone(SqliteDatabase& database, const char* sql, const fs::path& file,
+                       absl::string_view what) {
+  auto count = database.QueryInteger(sql);
+  if (!count.ok()) return Corrupt(file, count.status().message());
+  return *count == 0 ? absl::OkStatus() : Corrupt(file, absl::StrCat(*count, " ", what));
+}
+
+absl::Status CheckRows(SqliteDatabase& database, const fs::path& file, int64_t version) {
+  auto verdict = database.QueryText("PRAGMA integrity_check(1)");
+  if (!verdict.ok()) return Corrupt(file, verdict.status().message());
+  if (*verdict != "ok") return Corrupt(file, *verdict);
+  absl::Status status = CheckNone(database, "SELECT count(*) FROM pragma_foreign_key_check", file,
+                                  "rows that refer to none");
+  if (!status.ok() || version < kFirstVersionWithSums) return status;
+  status = CheckNone(database, kWrongSums, file, "sums that are not those of their rows");
+  if (!status.ok()) return status;
+  return CheckNone(database, kWrongCounts, file, "scenes with a wrong number of sources");
+}
+
+absl::StatusOr<StoreContents> Count(SqliteDatabase& database, int64_t version) {
+  StoreContents contents{.schema_version = version};
+  const std::pair<int64_t*, const char*> queries[] = {
+      {&contents.scene_count,
+       "SELECT count(*) FROM (SELECT DISTINCT project, scene, machine_class, reward_version FROM "
+       "evidence_key WHERE id IN (SELECT key_id FROM evidence))"},
+      {&contents.source_count, "SELECT count(DISTINCT source_id) FROM evidence"},
+      {&contents.record_count, "SELECT count(*) FROM evidence"},
+      {&contents.audit_row_count, version == 1 ? "SELECT 0" : "SELECT count(*) FROM audit_row"},
+  };
+  for (const auto& [count, sql] : queries) {
+    auto value = database.QueryInteger(sql);
+    if (!value.ok()) return value.status();
+    *count = *value;
+  }
+  return contents;
+}
+
+absl::Status CheckAbsent(const fs::path& file, absl::string_view what_to_do) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(file, error))) return absl::OkStatus();
+  return absl::AlreadyExistsError(absl::StrCat(file.string(), " exists; ", what_to_do));
+}
+
+// Returns a connection that has not read the file yet.
+absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
+  auto database = SqliteDatabase::Open(file.string(), SqliteDatabase::OpenMode::kReadOnly);
+  absl::Status status = database.status();
+  if (status.ok())
+    status = database->Execute("PRAGMA busy_timeout = 2000; PRAGMA trusted_schema = OFF");
+  if (status.ok()) return database;
+  return absl::Status(status.code(), absl::StrCat(file.string(), ": ", status.message()));
+}
+
+}  // namespace
+
+absl::StatusOr<StoreContents> VerifyStore(const fs::path& file) {
+  auto database = OpenToRead(file);
+  if (!database.ok()) return database.status();
+  auto version = CheckPriorDatabase(*database, file);
+  if (!version.ok()) return version.status();
+  if (absl::Status status = CheckRows(*database, file, *version); !status.ok()) return status;
+  return Count(*database, *version);
+}
+
+absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::path& file) {
+  absl::Status status = CheckAbsent(file, "name a file that does not");
+  if (!status.ok()) return status;
+  const fs::path path = directory / DataDirectory::kDatabaseName;
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return absl::NotFoundError(
+        absl::StrCat("there is no ", path.string(), "; name the data directory with --data"));
+  }
+  auto database = OpenToRead(path);
+  if (!database.ok()) return database.status();
+  auto version = CheckPriorDatabase(*database, path);
+  if (!version.ok()) return version.status();
+  if (status = database->CopyTo(file.string()); !status.ok()) return status;
+  return VerifyStore(file);
+}
+
+absl::StatusOr<StoreContents> RestoreStore(const fs::path& file, const fs::path& directory) {
+  auto contents = VerifyStore(file);
+  if (!contents.ok()) return contents;
+  auto data = DataDirectory::Open(directory);
+  if (!data.ok()) return data.status();
+  absl::Status status;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    if (status.ok())
+      status = CheckAbsent(data->database().string() + suffix,
+                           "move it away, or name an empty directory with --data");
+  }
+  if (!status.ok()) return status;
+  auto database = OpenToRead(file);
+  if (!database.ok()) return database.status();
+  if (status = database->CopyTo(data->database().string()); !status.ok()) return status;
+  return contents;
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,36 @@
+// Copies of the prior store: made while a daemon runs, checked, and put back.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "absl/status/statusor.h"
+
+namespace sweepstake::storage {
+
+// What a database has.
+struct StoreContents {
+  int64_t schema_version = 0;
+  int64_t scene_count = 0;
+  int64_t source_count = 0;  // those with evidence
+  int64_t record_count = 0;
+  int64_t audit_row_count = 0;
+};
+
+// Reads all of a database and changes nothing. Errors: UNAVAILABLE (cannot open it), DATA_LOSS (not
+// a whole database of ours, or its sums are not those of its rows), FAILED_PRECONDITION (written by
+// a newer version).
+absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file);
+
+// Writes the database of a data directory, in use or not, to a new file, and verifies that. Errors:
+// those of VerifyStore, ALREADY_EXISTS, NOT_FOUND (the directory has no database).
+absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory,
+                                          const std::filesystem::path& file);
+
+// Verifies the file and copies it into a data directory that has no database and that no daemon
+// uses; makes the directory if it is missing. Errors: those of VerifyStore and of
+// DataDirectory::Open, ALREADY_EXISTS.
+absl::StatusOr<StoreContents> RestoreStore(const std::filesystem::path& file,
+                                           const std::filesystem::path& directory);
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,108 @@
+#include "server/watch/watch_hub.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace sweepstake::watch {
+namespace {
+
+using priors::KeyedEvidence;
+using priors::SceneEvidence;
+using priors::SceneKey;
+
+void Advance(SceneEvidence& scene, std::span<const KeyedEvidence> increments, bool new_source) {
+  for (const auto& [key, evidence] : increments) {
+    const auto wanted = std::tie(key.arm, key.backend_version);
+    auto arm = std::lower_bound(scene.arms.begin(), scene.arms.end(), wanted,
+                                [](const SceneEvidence::Arm& left, const auto& right) {
+                                  return std::tie(left.name, left.backend_version) < right;
+                                });
+    if (arm == scene.arms.end() || std::tie(arm->name, arm->backend_version) != wanted) {
+      arm = scene.arms.insert(arm, {key.arm, key.backend_version, {}});
+    }
+    arm->evidence += evidence;
+  }
+  if (new_source) ++scene.source_count;
+}
+
+}  // namespace
+
+bool WatchHub::Watches(const SceneKey& scene) const {
+  return std::any_of(listeners_.begin(), listeners_.end(),
+                     [&](const auto* listener) { return listener->Watches(scene); });
+}
+
+void WatchHub::OnDecision(const SceneKey& scene, const v1::DecisionEvent& event) {
+  for (WatchListener* listener : listeners_) {
+    if (listener->Watches(scene)) listener->OnDecision(scene, event);
+  }
+}
+
+void WatchHub::OnEvidence(const SceneKey& key, std::span<const KeyedEvidence> increments,
+                          bool new_source) {
+  if (draining_) return;
+  if (!Watches(key)) {
+    scenes_.erase(key);
+    return;
+  }
+  const auto [found, unknown] = scenes_.try_emplace(key);
+  Scene& scene = found->second;
+  scene.changed = true;
+  if (unknown) return Load(key);
+  // What is being read has these increments already: the store has committed them before.
+  if (!scene.sums) return;
+  Advance(*scene.sums, increments, new_source);
+  ScheduleTick();
+}
+
+// The job runs on the thread that commits, and its result takes the same way to the loop as the
+// news of a commit. So the sums have exactly the increments that were told before.
+void WatchHub::Load(const SceneKey& key) {
+  const bool submitted = store_.Submit([this, key](priors::PriorStore& store) {
+    loop_.post([this, key, loaded = store.LoadScene(key)] { OnLoaded(key, loaded); });
+  });
+  // The store's queue is full; the scene's next evidence tries again.
+  if (!submitted) scenes_.erase(key);
+}
+
+void WatchHub::OnLoaded(const SceneKey& key,
+                        const absl::StatusOr<std::optional<SceneEvidence>>& loaded) {
+  const auto found = scenes_.find(key);
+  if (found == scenes_.end()) return;
+  if (!loaded.ok() || !loaded->has_value()) {
+    scenes_.erase(found);
+    return;
+  }
+  found->second.sums = *loaded;
+  ScheduleTick();
+}
+
+void WatchHub::ScheduleTick() {
+  if (std::exchange(tick_scheduled_, true)) return;
+  loop_.post_after(kIntervalNs, [this] { Tick(); });
+}
+
+void WatchHub::Tick() {
+  tick_scheduled_ = false;
+  for (auto& [key, scene] : scenes_) {
+    if (!scene.sums || !std::exchange(scene.changed, false)) continue;
+    for (WatchListener* listener : listeners_) {
+      if (listener->Watches(key)) listener->OnPosterior(*scene.sums);
+    }
+  }
+  if (scenes_.size() <= kMaxScenes) return;
+  std::erase_if(scenes_, [](const auto& entry) { return !entry.second.changed; });
+}
+
+void WatchHub::Reset() {
+  scenes_.clear();
+  for (WatchListener* listener : listeners_) listener->OnReset();
+}
+
+void WatchHub::Drain() {
+  draining_ = true;
+  scenes_.clear();
+}
+
+}  // namespace sweepstake::watch

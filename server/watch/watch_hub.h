@@ -1,0 +1,91 @@
+// The sums of the scenes that somebody watches, kept in memory, and who is told when they change.
+//
+// A posterior is Beta(1,1) plus all committed evidence. The hub reads a watched scene from the
+// store once, at its first change, and then adds the increments of each commit, so that watchers
+// cost the store nothing while games learn. Changes are told at 4 Hz: one timer runs while
+// something has changed, and none otherwise. Decisions are told at once.
+//
+// It is used on the decision loop only. It has no thread, clock or connection of its own, so that
+// every service that shows posteriors can listen to the same hub. The memory is bounded by
+// kMaxScenes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/priors/prior_store.h"
+
+namespace sweepstake::v1 {
+class DecisionEvent;
+}
+
+namespace sweepstake::watch {
+
+// Passes on what the hub tells, as the watchers of one service. It must not call the hub back.
+class WatchListener {
+ public:
+  virtual ~WatchListener() = default;
+
+  virtual bool Watches(const priors::SceneKey& scene) const = 0;
+  // These two are called for watched scenes only.
+  virtual void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) = 0;
+  virtual void OnPosterior(const priors::SceneEvidence& scene) = 0;
+  // Called when any scene may have changed: all must be read again.
+  virtual void OnReset() = 0;
+};
+
+class WatchHub {
+ public:
+  static constexpr int64_t kIntervalNs = 250'000'000;
+  // Beyond it, scenes that are not changing are dropped and read again at their next change.
+  static constexpr size_t kMaxScenes = 10'000;
+
+  // How the hub runs tasks on the decision loop. `post` may be called from any thread.
+  struct Loop {
+    std::function<void(std::function<void()>)> post;
+    std::function<void(int64_t delay_ns, std::function<void()>)> post_after;
+  };
+
+  // The store must be closed, and the loop done, before the hub is destroyed.
+  WatchHub(priors::AsyncPriorStore& store, Loop loop) : store_(store), loop_(std::move(loop)) {}
+
+  void Add(WatchListener& listener) { listeners_.push_back(&listener); }
+
+  // Returns whether anybody watches this scene; if not, no decisions need to be told.
+  bool Watches(const priors::SceneKey& scene) const;
+  void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event);
+  // Called when increments have reached the disk. `new_source` says that they are the first of
+  // their session.
+  void OnEvidence(const priors::SceneKey& scene, std::span<const priors::KeyedEvidence> increments,
+                  bool new_source);
+  // Called when evidence was imported or revoked: forgets all sums.
+  void Reset();
+  // Tells no more posteriors and asks the store for nothing any more.
+  void Drain();
+
+ private:
+  struct Scene {
+    std::optional<priors::SceneEvidence> sums;  // absent while the store reads them
+    bool changed = false;                       // since the last tick
+  };
+
+  void Load(const priors::SceneKey& key);
+  void OnLoaded(const priors::SceneKey& key,
+                const absl::StatusOr<std::optional<priors::SceneEvidence>>& loaded);
+  void ScheduleTick();
+  void Tick();
+
+  priors::AsyncPriorStore& store_;
+  const Loop loop_;
+  std::vector<WatchListener*> listeners_;
+  std::map<priors::SceneKey, Scene> scenes_;
+  bool tick_scheduled_ = false;
+  bool draining_ = false;
+};
+
+}  // namespace sweepstake::watch

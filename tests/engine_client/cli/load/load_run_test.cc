@@ -1,0 +1,110 @@
+// What the generator of load counts is what the daemon counts.
+#include "engine_client/cli/load/load_run.h"
+
+#include <gtest/gtest.h>
+#include <spdlog/logger.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "server/rpc/rpc_server.h"
+#include "server/storage/memory_prior_store.h"
+#include "server/storage/store_thread.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using rpc::RpcServer;
+
+class LoadRunTest : public ::testing::Test {
+ protected:
+  void SetUp() override { Start("127.0.0.1:0"); }
+  void TearDown() override { Stop(); }
+
+  void Start(const std::string& listen) {
+    store_ = std::make_unique<storage::StoreThread>(std::make_unique<storage::MemoryPriorStore>());
+    auto server = RpcServer::Start(listen, {}, clock_, *store_, log_);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    plan_.daemon = "127.0.0.1:" + std::to_string(server_->port());
+  }
+  void Stop() {
+    server_->Drain(std::chrono::seconds(2));
+    store_->Close();
+    server_.reset();
+  }
+  Result<LoadResult> Run(const std::function<bool()>& stop = [] { return false; }) {
+    return RunLoad(plan_, stop, [](const std::string&) {});
+  }
+  void AwaitStreams() {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (server_->counters().connected_stream_count < plan_.stream_count) {
+      ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  rpc::SteadyClock clock_;
+  spdlog::logger log_{"test"};
+  std::unique_ptr<storage::StoreThread> store_;
+  std::unique_ptr<RpcServer> server_;
+  LoadPlan plan_{.daemon = {},
+                 .stream_count = 50,
+                 .channel_count = 3,
+                 .scene_count = 4,
+                 .batches_per_second = 10,
+                 .batch_frames = 30,
+                 .duration_ns = 2'000'000'000,
+                 .bail_out_share = 0.1};
+};
+
+TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
+  const auto result = Run();
+  ASSERT_TRUE(result.ok()) << result.status().message();
+  const rpc::Counters& counters = server_->counters();
+  EXPECT_EQ(counters.connected_stream_count, 50U);
+  EXPECT_EQ(counters.goodbye_count, 50U);
+  EXPECT_EQ(result->finished_count, 50U);
+  EXPECT_EQ(result->welcome_count, 50U);
+  EXPECT_EQ(result->rejected_count, 0U);
+  EXPECT_EQ(counters.accepted_frame_count, 30 * result->batch_count);
+  EXPECT_EQ(counters.applied_message_count,
+            result->batch_count + result->bail_out_count + result->switch_count);
+  EXPECT_EQ(counters.invalid_message_count, 0U);
+  // Ten batches a second of each stream, as far as the machine keeps up.
+  EXPECT_EQ(result->measured_batch_count + result->unsent_count, result->tick_lateness_ms.size());
+  EXPECT_GT(result->measured_batch_count, 500U);
+  EXPECT_LE(result->measured_batch_count, 1050U);
+  EXPECT_GT(result->bail_out_count, 0U);
+  EXPECT_GT(result->acknowledged_count, 0U);
+  EXPECT_FALSE(result->decision_latency_ms.empty());
+  EXPECT_FALSE(result->reconnect_s);
+}
+
+TEST_F(LoadRunTest, StreamsComeBackToARestartedDaemon) {
+  std::atomic<bool> stop{false};
+  plan_.duration_ns = 60'000'000'000;
+  auto result = std::async(std::launch::async, [&] { return Run([&] { return stop.load(); }); });
+  AwaitStreams();
+  const int port = server_->port();
+  Stop();
+  Start("127.0.0.1:" + std::to_string(port));
+  AwaitStreams();
+  stop = true;
+  const auto ended = result.get();
+  ASSERT_TRUE(ended.ok()) << ended.status().message();
+  ASSERT_TRUE(ended->reconnect_s);
+  EXPECT_GT(*ended->reconnect_s, 0.5);
+}
+
+TEST_F(LoadRunTest, NobodyThereIsAnErrorAtOnce) {
+  plan_.daemon = "127.0.0.1:1";
+  EXPECT_EQ(Run().status().code(), StatusCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

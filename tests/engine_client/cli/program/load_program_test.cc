@@ -1,0 +1,50 @@
+// `sweepstake load` against a real daemon.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/engine_client/cli/program/program.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+TEST(LoadProgram, MeasuresADaemonAndPrintsItsFigures) {
+  const test_support::TemporaryDirectory data;
+  const test_support::DaemonProcess daemon(data.path());
+  const std::string load =
+      "load --streams 50 --batches-per-second 4 --bail-out-share 0.2 "
+      "--duration 2s --daemon " +
+      daemon.address();
+  const ProgramRun run = RunProgram(load + " --json --server-pid " + std::to_string(daemon.pid()));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json figures = json::parse(run.out);
+  EXPECT_EQ(figures["streams"], 50);
+  EXPECT_EQ(figures["finished"], 50);
+  EXPECT_EQ(figures["rejected"], 0);
+  EXPECT_GT(figures["batches_per_s"], 0);
+  EXPECT_EQ(figures["frames_per_s"], 60 * figures["batches_per_s"].get<double>());
+  EXPECT_GE(figures["decision_latency_ms_p99"], figures["decision_latency_ms_p50"]);
+  EXPECT_GE(figures["tick_lateness_ms_p99"], 0);
+  EXPECT_GE(figures["server_cpu_s"], 0);
+  EXPECT_FALSE(figures.contains("reconnect_s"));
+  const json audit =
+      json::parse(RunProgram("audit list --json --project load --daemon " + daemon.address()).out);
+  EXPECT_EQ(audit["segments"].size(), 50U);
+}
+
+TEST(LoadProgram, BadUsageEndsWithTwoAndNobodyThereWithThree) {
+  EXPECT_EQ(RunProgram("load --daemon 127.0.0.1:1 --streams 0").exit_code, 2);
+  EXPECT_EQ(RunProgram("load --daemon 127.0.0.1:1 --frames 241").exit_code, 2);
+  const ProgramRun run = RunProgram("load --daemon 127.0.0.1:1 --streams 3");
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.err, HasSubstr("no daemon answered at 127.0.0.1:1"));
+}
+
+}  // namespace
+}  // namespace sweepstake::cli

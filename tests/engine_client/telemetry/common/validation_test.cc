@@ -1,0 +1,58 @@
+#include "engine_client/telemetry/common/validation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+namespace sweepstake {
+namespace {
+
+TEST(SessionOptions, DefaultsAreValid) {
+  EXPECT_TRUE(ValidateSessionOptions(SessionOptions()).ok());
+}
+
+TEST(SessionOptions, NamesTheOptionThatIsWrong) {
+  const auto wrong_option = [](auto change) {
+    SessionOptions options;
+    change(options);
+    const Status status = ValidateSessionOptions(options);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    return status.message().substr(0, status.message().find(' '));
+  };
+  EXPECT_EQ(wrong_option([](auto& o) { o.project.clear(); }), "project");
+  EXPECT_EQ(wrong_option([](auto& o) { o.scene = std::string(129, 'x'); }), "scene");
+  EXPECT_EQ(wrong_option([](auto& o) { o.build = "a\nb"; }), "build");
+  EXPECT_EQ(wrong_option([](auto& o) { o.time_scale = 0.5; }), "time_scale");
+  EXPECT_EQ(wrong_option([](auto& o) { o.time_scale = std::numeric_limits<double>::quiet_NaN(); }),
+            "time_scale");
+  EXPECT_EQ(wrong_option([](auto& o) { o.queue_frames = 1000; }), "queue_frames");
+  EXPECT_EQ(wrong_option([](auto& o) { o.queue_frames = 0; }), "queue_frames");
+  EXPECT_EQ(wrong_option([](auto& o) { o.batch_frames = 241; }), "batch_frames");
+  EXPECT_EQ(wrong_option([](auto& o) { o.batch_bytes = 1; }), "batch_bytes");
+  EXPECT_EQ(wrong_option([](auto& o) { o.batch_interval_ms = 0; }), "batch_interval_ms");
+  EXPECT_EQ(wrong_option([](auto& o) { o.unacknowledged_messages = 0; }),
+            "unacknowledged_messages");
+  EXPECT_EQ(wrong_option([](auto& o) { o.backoff_max_ms = 1; }), "backoff_min_ms");
+}
+
+TEST(DaemonAddress, TakesHostNamesAndBothKindsOfIpAddresses) {
+  for (const char* address :
+       {"localhost:1", "127.0.0.1:65535", "[::1]:7411", "daemon-1.studio.example:7411"}) {
+    EXPECT_TRUE(ValidateDaemonAddress(address).ok()) << address;
+  }
+}
+
+TEST(DaemonAddress, SaysHowToWriteOne) {
+  for (const char* address :
+       {"", ":", "host", "host:", ":80", "host:0", "host:65536", "host:-1", "host:8x", "::1:80",
+        "[]:80", "ho st:80", "unix:/tmp/x", "dns://x/host:80"}) {
+    const Status status = ValidateDaemonAddress(address);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << address;
+    EXPECT_THAT(status.message(), ::testing::HasSubstr("HOST:PORT"));
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake

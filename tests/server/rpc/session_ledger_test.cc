@@ -1,0 +1,109 @@
+// What a session's ledger offers to a store that answers late: every update is what its sequence
+// number says, neither less nor more.
+#include "server/rpc/sessions/session_ledger.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "tests/server/rpc/manual_clock.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// Keeps what it is offered until the test answers.
+class LateStore final : public priors::AsyncPriorStore {
+ public:
+  void Commit(priors::SourceUpdate update, CommitCallback done) override {
+    offered.push_back(std::move(update));
+    done_ = std::move(done);
+  }
+  bool Submit(Job /*job*/) override { return false; }
+  bool healthy() const override { return true; }
+  void Answer(const absl::Status& status) { std::exchange(done_, nullptr)(status); }
+
+  std::vector<priors::SourceUpdate> offered;
+
+ private:
+  CommitCallback done_;
+};
+
+class SessionLedgerTest : public ::testing::Test {
+ protected:
+  void SetUp() override { ledger_->StartAudit({}); }
+
+  void Learn(double alpha, const std::string& row) {
+    priors::KeyedEvidence increment;
+    increment.key.arm = "Grid";
+    increment.evidence.alpha = alpha;
+    ledger_->Add(increment);
+    ledger_->AddAuditRow(row);
+  }
+  void Checkpoint(uint64_t sequence) { ledger_->Checkpoint({.message_sequence = sequence}); }
+  // Returns when the ledger has taken the answer.
+  void Answer(const absl::Status& status) {
+    store_.Answer(status);
+    std::promise<void> done;
+    loop_.Post([&] { done.set_value(); });
+    done.get_future().wait();
+  }
+  void ExpectOffer(size_t index, uint64_t sequence, double alpha,
+                   const std::vector<std::string>& rows) {
+    ASSERT_EQ(store_.offered.size(), index + 1);
+    const priors::SourceUpdate& update = store_.offered[index];
+    EXPECT_EQ(update.progress.message_sequence, sequence);
+    ASSERT_EQ(update.increments.size(), 1u);
+    EXPECT_EQ(update.increments[0].evidence.alpha, alpha);
+    EXPECT_EQ(update.audit.rows, rows);
+  }
+
+  ManualClock clock_;
+  Counters counters_;
+  LateStore store_;
+  DecisionLoop loop_{clock_};
+  std::shared_ptr<SessionLedger> ledger_ = std::make_shared<SessionLedger>(
+      store_, loop_, counters_, priors::SourceProgress{.source_id = "session"},
+      [](const absl::Status&, std::span<const priors::KeyedEvidence>) {});
+};
+
+TEST_F(SessionLedgerTest, WhatComesAfterACheckpointWaitsForTheNextThoughACommitEndsInBetween) {
+  Learn(1, "first");
+  Checkpoint(1);
+  ExpectOffer(0, 1, 1, {"first"});
+  Learn(2, "second");
+  Checkpoint(2);
+  Learn(4, "a bail-out of message 3");
+  Answer(absl::OkStatus());
+  ExpectOffer(1, 2, 2, {"second"});
+  Answer(absl::OkStatus());
+  EXPECT_EQ(ledger_->durable_sequence(), 2u);
+  Checkpoint(3);
+  ExpectOffer(2, 3, 4, {"a bail-out of message 3"});
+  EXPECT_EQ(store_.offered[2].audit.first_row, 3u);
+}
+
+TEST_F(SessionLedgerTest, CheckpointsBehindACommitMergeIntoOneUpdate) {
+  Learn(1, "first");
+  Checkpoint(1);
+  Learn(2, "second");
+  Checkpoint(2);
+  Learn(4, "third");
+  Checkpoint(3);
+  Answer(absl::OkStatus());
+  ExpectOffer(1, 3, 6, {"second", "third"});
+}
+
+TEST_F(SessionLedgerTest, AFailedUpdateIsOfferedAgainUnchanged) {
+  Learn(1, "first");
+  Checkpoint(1);
+  Answer(absl::UnavailableError("the disk is full"));
+  Learn(2, "second");
+  Checkpoint(2);
+  ExpectOffer(1, 1, 1, {"first"});
+  EXPECT_EQ(store_.offered[1].progress.commit_sequence, 1u);
+  Answer(absl::OkStatus());
+  ExpectOffer(2, 2, 2, {"second"});
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

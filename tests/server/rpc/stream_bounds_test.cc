@@ -1,0 +1,102 @@
+// What streams cost that have no session: those that never say Hello, and those whose client gave
+// up while the store was busy.
+#include <vector>
+
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Counts what is read for Hellos.
+class CountingStore final : public storage::MemoryPriorStore {
+ public:
+  explicit CountingStore(std::atomic<uint64_t>& load_count) : load_count_(load_count) {}
+
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override {
+    ++load_count_;
+    return MemoryPriorStore::LoadPriors(keys);
+  }
+
+ private:
+  std::atomic<uint64_t>& load_count_;
+};
+
+// Made before the store that counts in it.
+class LoadCount {
+ protected:
+  std::atomic<uint64_t> load_count_{0};
+};
+
+class StreamBoundsTest : public LoadCount, public RpcTest {
+ protected:
+  StreamBoundsTest() : RpcTest(std::make_unique<CountingStore>(load_count_)) {
+    options_.max_sessions = 1;
+    options_.max_streams_per_connection = 2'000;
+  }
+  [[nodiscard]] bool StreamsOpen(uint64_t count) {
+    return Eventually([&] { return server_->counters().open_stream_count == count; });
+  }
+  // Keeps the store's thread busy until `release` is set.
+  void Block(std::promise<void>& release) {
+    thread_.Submit([&](priors::PriorStore&) { release.get_future().wait(); });
+  }
+};
+
+TEST_F(StreamBoundsTest, OneWithoutAHelloIsClosedInTime) {
+  TelemetryClient silent(channel_);
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  ASSERT_TRUE(StreamsOpen(2));
+  clock_.Advance(options_.welcome_patience_ns);
+  const grpc::Status status = silent.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
+  ASSERT_TRUE(StreamsOpen(1)) << "that with a session stays";
+}
+
+TEST_F(StreamBoundsTest, OneThatTheStoreDoesNotAnswerIsClosedInTimeAndNotServedLater) {
+  std::promise<void> release;
+  Block(release);
+  TelemetryClient client(channel_);
+  client.Send(Request(HelloMessage()));
+  ASSERT_TRUE(Eventually([&] { return store_.submit_count() == 1; }));
+  clock_.Advance(options_.welcome_patience_ns);
+  const grpc::Status status = client.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_THAT(status.error_message(), HasSubstr("store"));
+  release.set_value();
+  Flush();
+  EXPECT_EQ(load_count_, 0u);
+}
+
+TEST_F(StreamBoundsTest, NothingIsReadForHellosWhoseClientsHaveGivenUp) {
+  std::promise<void> release;
+  Block(release);
+  std::vector<std::unique_ptr<TelemetryClient>> clients;
+  for (size_t count = 1; count <= 100; ++count) {
+    clients.push_back(std::make_unique<TelemetryClient>(channel_));
+    clients.back()->Send(Request(HelloMessage()));
+    ASSERT_TRUE(Eventually([&] { return store_.submit_count() == count; }));
+  }
+  clients.clear();
+  ASSERT_TRUE(StreamsOpen(0));
+  release.set_value();
+  Flush();
+  EXPECT_EQ(load_count_, 0u);
+}
+
+TEST_F(StreamBoundsTest, ThoseWithoutASessionAreCountedToo) {
+  std::vector<std::unique_ptr<TelemetryClient>> clients;
+  const uint64_t max_count = options_.max_sessions + kMaxStreamsWithoutSession;
+  while (clients.size() < max_count) clients.push_back(std::make_unique<TelemetryClient>(channel_));
+  ASSERT_TRUE(StreamsOpen(max_count));
+  EXPECT_EQ(TelemetryClient(channel_).Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  clients.pop_back();
+  ASSERT_TRUE(StreamsOpen(max_count - 1));
+  TelemetryClient(channel_).Open(HelloMessage());
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

@@ -1,0 +1,126 @@
+// Backups: made while others write, checked, put back.
+#include "server/storage/sqlite_backup.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "server/storage/data_directory.h"
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "tests/server/storage/evidence_samples.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SqliteBackupTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directory(data_);
+    store_ = *OpenSqlitePriorStore(data_ / "priors.db");
+    ASSERT_TRUE(store_
+                    ->Commit(std::vector{Update("a", 1, {Key("Grid"), Key("SAP")}),
+                                         Update("b", 1, {Key("Grid", "desert")})})
+                    .ok());
+  }
+  void BackUp() { ASSERT_TRUE(BackUpStore(data_, file_).ok()); }
+  std::vector<PriorRecord> Records(const std::filesystem::path& directory) {
+    return *(*OpenSqlitePriorStore(directory / "priors.db"))->Export({}, std::nullopt, 100);
+  }
+  void Execute(const std::string& sql) {
+    auto file = *SqliteDatabase::Open(file_.string(), SqliteDatabase::OpenMode::kExisting);
+    ASSERT_TRUE(file.Execute(sql).ok());
+  }
+
+  test_support::TemporaryDirectory directory_;
+  std::filesystem::path data_ = directory_.path() / "data";
+  std::filesystem::path file_ = directory_.path() / "copy.db";
+  std::filesystem::path empty_ = directory_.path() / "empty";
+  std::unique_ptr<PriorStore> store_;
+};
+
+TEST_F(SqliteBackupTest, ACopyOfAStoreInUseHasAllThatWasCommitted) {
+  auto writer =
+      *SqliteDatabase::Open((data_ / "priors.db").string(), SqliteDatabase::OpenMode::kExisting);
+  ASSERT_TRUE(writer.Execute("BEGIN IMMEDIATE; UPDATE source SET decision_count = 9").ok());
+  const auto contents = BackUpStore(data_, file_);
+  ASSERT_TRUE(contents.ok()) << contents.status();
+  EXPECT_EQ(contents->record_count, 3);
+  EXPECT_EQ(contents->source_count, 2);
+  EXPECT_EQ(contents->scene_count, 2);
+  EXPECT_FALSE(std::filesystem::exists(file_.string() + ".new"));
+}
+
+TEST_F(SqliteBackupTest, NoFileIsOverwritten) {
+  std::ofstream(file_) << "precious";
+  EXPECT_TRUE(absl::IsAlreadyExists(BackUpStore(data_, file_).status()));
+  EXPECT_EQ(std::filesystem::file_size(file_), 8u);
+}
+
+TEST_F(SqliteBackupTest, ADirectoryWithoutADatabaseHasNoBackup) {
+  const absl::Status status = BackUpStore(empty_, file_).status();
+  EXPECT_TRUE(absl::IsNotFound(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("--data"));
+  EXPECT_FALSE(std::filesystem::exists(file_));
+}
+
+TEST_F(SqliteBackupTest, WhatWasBackedUpIsThereAfterTheRestore) {
+  BackUp();
+  ASSERT_TRUE(store_->Commit(std::vector{Update("c", 1, {Key("Grid")})}).ok());
+  const auto contents = RestoreStore(file_, empty_);
+  ASSERT_TRUE(contents.ok()) << contents.status();
+  EXPECT_EQ(contents->record_count, 3);
+  EXPECT_EQ(Records(empty_).size(), 3u);
+  EXPECT_EQ(Records(data_).size(), 4u);
+}
+
+TEST_F(SqliteBackupTest, ADirectoryThatHasADatabaseOrADaemonIsNotRestoredInto) {
+  BackUp();
+  EXPECT_TRUE(absl::IsAlreadyExists(RestoreStore(file_, data_).status()));
+  const auto daemon = *DataDirectory::Open(empty_);
+  EXPECT_THAT(std::string(RestoreStore(file_, empty_).status().message()),
+              HasSubstr("another daemon"));
+  EXPECT_FALSE(std::filesystem::exists(empty_ / "priors.db"));
+}
+
+TEST_F(SqliteBackupTest, ADamagedBackupIsToldAndNotRestored) {
+  BackUp();
+  std::fstream file(file_, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(4096);
+  file << std::string(4096, '\x5a');
+  file.close();
+  EXPECT_TRUE(absl::IsDataLoss(VerifyStore(file_).status())) << VerifyStore(file_).status();
+  EXPECT_TRUE(absl::IsDataLoss(RestoreStore(file_, empty_).status()));
+  EXPECT_FALSE(std::filesystem::exists(empty_ / "priors.db"));
+}
+
+TEST_F(SqliteBackupTest, SumsThatAreNotThoseOfTheRowsAreTold) {
+  BackUp();
+  Execute("UPDATE evidence SET alpha = alpha + 1 WHERE key_id = 1");
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("1 sums that are not"));
+}
+
+TEST_F(SqliteBackupTest, AWrongNumberOfSourcesIsTold) {
+  BackUp();
+  Execute("UPDATE scene SET source_count = source_count + 1");
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("2 scenes with a"));
+}
+
+TEST_F(SqliteBackupTest, RowsThatReferToNoneAreTold) {
+  BackUp();
+  Execute("DELETE FROM source WHERE name = 'b'");
+  EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("refer to none"));
+}
+
+TEST_F(SqliteBackupTest, AFileOfSomethingElseIsNoBackup) {
+  std::ofstream(file_) << std::string(5000, 'x');
+  EXPECT_TRUE(absl::IsDataLoss(VerifyStore(file_).status()));
+  EXPECT_TRUE(absl::IsUnavailable(VerifyStore(directory_.path() / "nowhere").status()));
+}
+
+}  // namespace
+}  // namespace sweepstake::storage

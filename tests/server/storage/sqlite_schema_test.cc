@@ -1,0 +1,86 @@
+// Files of every older schema: what a daemon makes of them, and what it leaves of them.
+#include "server/storage/sqlite_schema.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "server/storage/sqlite_prior_store.h"
+#include "tests/server/storage/evidence_samples.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+// The scripts of schemas/ up to the parameter make a file of that version.
+class OlderSchemaTest : public ::testing::TestWithParam<int> {
+ protected:
+  OlderSchemaTest() {
+    auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kCreate);
+    for (int version = 1; version <= GetParam(); ++version) {
+      std::ifstream script(std::string(SWEEPSTAKE_SCHEMAS_DIR) + "/" + std::to_string(version) +
+                           ".sql");
+      const std::string sql{std::istreambuf_iterator<char>(script), {}};
+      const absl::Status status = database.Execute(sql);
+      EXPECT_TRUE(status.ok()) << status;
+    }
+  }
+
+  test_support::TemporaryDirectory directory_;
+  std::filesystem::path path_ = directory_.path() / "priors.db";
+  std::filesystem::path copy_ = path_.string() + ".schema-" + std::to_string(GetParam());
+};
+
+TEST_P(OlderSchemaTest, HasItsSumsAfterTheMigration) {
+  auto store = OpenSqlitePriorStore(path_);
+  ASSERT_TRUE(store.ok()) << store.status();
+  const auto sums = *(*store)->LoadPriors(std::vector{Key("Grid"), Key("SAP"), Key("DBVT")});
+  EXPECT_EQ(sums.sums[0].evidence, (priors::Evidence{7.0, 1.5, 7, 8}));
+  EXPECT_EQ(sums.sums[0].source_count, 3u);
+  EXPECT_EQ(sums.sums[1].evidence, (priors::Evidence{0.75, 0.25, 1, 0}));
+  EXPECT_EQ(sums.sums[2].source_count, 0u);
+  EXPECT_EQ(sums.source_count, 3u);
+  const auto scenes = *(*store)->List({}, std::nullopt, 10);
+  ASSERT_EQ(scenes.size(), 2u);
+  ASSERT_EQ(scenes[0].arms.size(), 1u) << "nobody taught KDTree anything";
+  EXPECT_EQ(scenes[0].arms[0].evidence, (priors::Evidence{100.875, 7.75, (1ull << 63) - 1, 2}));
+  EXPECT_EQ(scenes[0].source_count, 2u);
+  EXPECT_EQ(scenes[1].source_count, 3u);
+}
+
+TEST_P(OlderSchemaTest, GoesOnAfterTheMigration) {
+  auto store = *OpenSqlitePriorStore(path_);
+  EXPECT_EQ((*store->LoadSource("a"))->progress.commit_sequence, 3u);
+  EXPECT_EQ(*store->LoadSource("b"), std::nullopt);
+  SourceUpdate update = Update("a", 4, {Key("Grid"), Key("Grid", "desert")});
+  update.audit = {.segment = 2, .project = "game", .scene = "harbour", .rows = {"row"}};
+  ASSERT_TRUE(store->Commit(std::vector{update}).ok());
+  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 8u);
+  EXPECT_EQ((*store->LoadScene({"game", "desert", "desktop", 1}))->source_count, 3u);
+  EXPECT_EQ(store->ListAudit({}, 0, 9)->size(), GetParam() == 1 ? 1u : 2u);
+}
+
+TEST_P(OlderSchemaTest, IsKeptAsItWasBesideTheNewOne) {
+  ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
+  auto copy = *SqliteDatabase::Open(copy_.string(), SqliteDatabase::OpenMode::kExisting);
+  EXPECT_EQ(*copy.QueryInteger("PRAGMA user_version"), GetParam());
+  EXPECT_EQ(*copy.QueryInteger("PRAGMA application_id"), kSqliteApplicationId);
+  EXPECT_EQ(*copy.QueryInteger("SELECT count(*) FROM evidence"), 6);
+  EXPECT_FALSE(std::filesystem::exists(copy_.string() + ".new"));
+  EXPECT_FALSE(
+      std::filesystem::exists(path_.string() + ".schema-" + std::to_string(SqliteSchemaVersion())));
+}
+
+TEST_P(OlderSchemaTest, IsNotChangedWhereItCannotBeKept) {
+  std::filesystem::create_directory(copy_);
+  EXPECT_TRUE(absl::IsUnavailable(OpenSqlitePriorStore(path_).status()));
+  auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
+  EXPECT_EQ(*database.QueryInteger("PRAGMA user_version"), GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Values(1, 2));
+
+}  // namespace
+}  // namespace sweepstake::storage

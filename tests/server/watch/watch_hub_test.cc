@@ -1,0 +1,182 @@
+// The hub against a memory store, on a loop that the test turns by hand.
+#include "server/watch/watch_hub.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <string>
+#include <utility>
+
+#include "server/storage/memory_prior_store.h"
+
+namespace sweepstake::watch {
+namespace {
+
+using priors::SceneEvidence;
+using priors::SceneKey;
+using ::testing::IsEmpty;
+
+SceneKey Scene(const std::string& name) { return {"game", name, "", 1}; }
+
+// Runs jobs when the test says so.
+class ManualStore final : public priors::AsyncPriorStore {
+ public:
+  void Commit(priors::SourceUpdate update, CommitCallback done) override {
+    done(store_.Commit({&update, 1}));
+  }
+  bool Submit(Job job) override {
+    ++submit_count;
+    if (!full) jobs_.push_back(std::move(job));
+    return !full;
+  }
+  bool healthy() const override { return true; }
+  void RunJobs() {
+    for (; !jobs_.empty(); jobs_.pop_front()) jobs_.front()(store_);
+  }
+  SceneEvidence Load(const SceneKey& key) { return **store_.LoadScene(key); }
+
+  size_t submit_count = 0;
+  bool full = false;
+
+ private:
+  storage::MemoryPriorStore store_;
+  std::deque<Job> jobs_;
+};
+
+class RecordingListener final : public WatchListener {
+ public:
+  bool Watches(const SceneKey& scene) const override { return scene.scene != "unwatched"; }
+  void OnDecision(const SceneKey&, const v1::DecisionEvent&) override {}
+  void OnPosterior(const SceneEvidence& scene) override { posteriors.push_back(scene); }
+  void OnReset() override { ++reset_count; }
+
+  std::vector<SceneEvidence> posteriors;
+  int reset_count = 0;
+};
+
+class WatchHubTest : public ::testing::Test {
+ protected:
+  WatchHubTest() { hub_.Add(listener_); }
+
+  // A session commits one window's evidence, and the hub is told.
+  void Commit(const std::string& scene, const std::string& source, uint64_t n = 1,
+              const std::string& arm = "Grid") {
+    priors::SourceUpdate update;
+    update.progress.source_id = source;
+    update.progress.commit_sequence = n;
+    update.increments.push_back(
+        {{.project = "game", .scene = scene, .context_bucket = {}, .arm = arm, .machine_class = {}},
+         {.alpha = 0.75, .beta = 0.25, .window_count = 1, .bail_out_count = 0}});
+    store_.Commit(update, [](const absl::Status& status) { ASSERT_TRUE(status.ok()); });
+    hub_.OnEvidence(Scene(scene), update.increments, /*new_source=*/n == 1);
+  }
+  // Runs the timers that wait, of which there is at most one, and returns how many there were.
+  size_t Tick() {
+    std::deque<std::function<void()>> due;
+    due.swap(timers_);
+    for (const auto& task : due) task();
+    return due.size();
+  }
+
+  ManualStore store_;
+  std::deque<std::function<void()>> timers_;
+  RecordingListener listener_;
+  WatchHub hub_{store_,
+                {.post = [](const std::function<void()>& task) { task(); },
+                 .post_after =
+                     [this](int64_t delay_ns, std::function<void()> task) {
+                       EXPECT_EQ(delay_ns, 250'000'000);
+                       timers_.push_back(std::move(task));
+                     }}};
+};
+
+TEST_F(WatchHubTest, AThousandCommitsReadEachSceneOnceAndAddUpToTheStore) {
+  for (uint64_t n = 1; n <= 1000; ++n) {
+    const std::string scene = std::to_string(n % 4);
+    Commit(scene, scene + " " + std::to_string(n % 8), (n + 7) / 8, n % 3 == 0 ? "SAP" : "Grid");
+    if (n % 100 == 0) store_.RunJobs();
+    if (n % 100 == 50) Tick();
+  }
+  Tick();
+  EXPECT_EQ(store_.submit_count, 4U);
+  for (auto last = listener_.posteriors.end() - 4; last != listener_.posteriors.end(); ++last) {
+    const SceneEvidence stored = store_.Load(last->key);
+    EXPECT_EQ(last->source_count, stored.source_count);
+    ASSERT_EQ(last->arms.size(), stored.arms.size());
+    for (size_t i = 0; i < stored.arms.size(); ++i) {
+      EXPECT_EQ(last->arms[i].name, stored.arms[i].name);
+      EXPECT_EQ(last->arms[i].evidence, stored.arms[i].evidence);
+    }
+  }
+}
+
+TEST_F(WatchHubTest, ASceneIsToldOncePerTickAndNothingRunsWhileNothingChanges) {
+  for (uint64_t n = 1; n <= 20; ++n) {
+    Commit("a", "s", n);
+    Commit("b", "t", n);
+    store_.RunJobs();
+  }
+  EXPECT_THAT(listener_.posteriors, IsEmpty());
+  EXPECT_EQ(Tick(), 1U);
+  EXPECT_EQ(listener_.posteriors.size(), 2U);
+  EXPECT_EQ(Tick(), 0U);
+  Commit("b", "t", 21);
+  EXPECT_EQ(Tick(), 1U);
+  ASSERT_EQ(listener_.posteriors.size(), 3U);
+  EXPECT_EQ(listener_.posteriors[2].key.scene, "b");
+  EXPECT_EQ(listener_.posteriors[2].arms[0].evidence.window_count, 21U);
+}
+
+TEST_F(WatchHubTest, EvidenceThatIsCommittedDuringAReadIsCountedOnce) {
+  Commit("a", "s", 1);
+  Commit("a", "s", 2);
+  store_.RunJobs();
+  Tick();
+  ASSERT_EQ(listener_.posteriors.size(), 1U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
+}
+
+TEST_F(WatchHubTest, NobodysSceneIsNeitherReadNorTold) {
+  Commit("unwatched", "s");
+  EXPECT_EQ(store_.submit_count, 0U);
+  EXPECT_EQ(Tick(), 0U);
+}
+
+TEST_F(WatchHubTest, AResetForgetsTheSumsAndIsTold) {
+  Commit("a", "s", 1);
+  store_.RunJobs();
+  hub_.Reset();
+  Tick();
+  EXPECT_EQ(listener_.reset_count, 1);
+  EXPECT_THAT(listener_.posteriors, IsEmpty());
+  Commit("a", "s", 2);
+  store_.RunJobs();
+  Tick();
+  EXPECT_EQ(store_.submit_count, 2U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
+}
+
+TEST_F(WatchHubTest, AFullStoreIsAskedAgainAtTheNextEvidence) {
+  store_.full = true;
+  Commit("a", "s", 1);
+  store_.full = false;
+  Commit("a", "s", 2);
+  store_.RunJobs();
+  Tick();
+  EXPECT_EQ(store_.submit_count, 2U);
+  EXPECT_EQ(listener_.posteriors.size(), 1U);
+}
+
+TEST_F(WatchHubTest, ADrainingHubAsksTheStoreForNothing) {
+  Commit("a", "s", 1);
+  hub_.Drain();
+  store_.RunJobs();
+  Commit("b", "t", 1);
+  EXPECT_EQ(store_.submit_count, 1U);
+  EXPECT_EQ(Tick(), 0U);
+  EXPECT_THAT(listener_.posteriors, IsEmpty());
+}
+
+}  // namespace
+}  // namespace sweepstake::watch
