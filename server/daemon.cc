@@ -1,10 +1,8 @@
 #include "server/daemon.h"
 
-#include <fcntl.h>
 #include <spdlog/logger.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
-
 #include <unistd.h>
 
 #include <array>
@@ -18,6 +16,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
 
 namespace sweepstake::server {
@@ -67,21 +66,24 @@ std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
 
 using ResumeKey = std::array<char, 32>;
 
-// The file appears whole and only its owner can read it.
-absl::Status MakeResumeKey(const fs::path& path) {
+// Fills a private file with random bytes.
+absl::Status WriteRandomKey(const fs::path& path) {
+  if (absl::Status status = storage::CreatePrivateFile(path); !status.ok()) return status;
   ResumeKey key;
+  if (getentropy(key.data(), key.size()) == 0 &&
+      std::ofstream(path, std::ios::binary).write(key.data(), key.size()).flush())
+    return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat(path.string(), ": ", std::generic_category().message(errno)));
+}
+
+absl::Status MakeResumeKey(const fs::path& path) {
   const fs::path unfinished = path.string() + ".new";
-  const int file = getentropy(key.data(), key.size()) == 0
-                       ? open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600)
-                       : -1;
-  bool made = file >= 0 && write(file, key.data(), key.size()) == std::ssize(key);
-  made = made && fsync(file) == 0 && rename(unfinished.c_str(), path.c_str()) == 0;
-  const int error = errno;
-  if (file >= 0) close(file);
-  if (made) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat("cannot write ", path.string(), ": ",
-                                             std::generic_category().message(error),
-                                             "; make the data directory writable"));
+  absl::Status status = WriteRandomKey(unfinished);
+  if (status.ok()) status = storage::PublishFile(unfinished, path);
+  if (status.ok()) return status;
+  return absl::UnavailableError(
+      absl::StrCat("cannot make ", status.message(), "; make the data directory writable"));
 }
 
 // Returns the secret of the data directory's sessions, which is made at the first start.

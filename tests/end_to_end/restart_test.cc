@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/end_to_end/store_reader.h"
 #include "tests/support/daemon_process.h"
@@ -116,8 +119,11 @@ TEST(RestartTest, ADaemonWithAnotherPolicyGivesTheGameANewSessionAndItGoesOnLear
   EXPECT_EQ(daemon->Terminate(), 0);
   daemon = std::make_unique<DaemonProcess>(
       data.path(), address, std::vector<std::string>{"--decision-policy", "calibrated"});
+  double least = std::numeric_limits<double>::infinity();  // what the new session began with
   ASSERT_TRUE(game.RunUntil([&](const SessionStats& stats) {
-    return stats.session_id != first && stats.acknowledged_sequence >= 40;
+    if (stats.session_id == first || stats.beliefs.empty()) return false;
+    least = std::min(least, LearntEvidence(stats));
+    return LearntEvidence(stats) >= least + 3;
   })) << game.stats().last_error;
   EXPECT_EQ(game.stats().resumed_count, 0U);
   game.Stop();

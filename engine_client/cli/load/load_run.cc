@@ -25,12 +25,6 @@ constexpr int64_t kSecondNs = 1'000'000'000;
 constexpr int64_t kPatienceNs = 10 * kSecondNs;
 constexpr double kMaxHellosPerSecond = 2000;
 
-int64_t NowNs() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 void SleepUntil(int64_t ns) {
   std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
       std::chrono::duration_cast<std::chrono::steady_clock::duration>(
@@ -104,14 +98,14 @@ class LoadRun final : public LoadEvents {
   void Measure();
   void SayGoodbye();
   uint64_t UpCount();
-  // Returns whether every stream has its welcome, or every one has failed to connect.
-  bool AllUpOrNone();
+  // Returns whether every stream has its welcome, or none ever had one and all have failed.
+  bool AllUpOrRefused();
   bool Ended();
 
   const LoadPlan& plan_;
   const std::function<bool()>& stop_;
   const std::function<void(const std::string&)>& progress_;
-  v1::FrameBatch batch_;
+  const v1::FrameBatch batch_;
   std::vector<std::unique_ptr<LoadStream>> streams_;
   std::multimap<int64_t, Timer> timers_;
   std::minstd_rand random_{1};  // of the jitter
@@ -270,9 +264,10 @@ uint64_t LoadRun::UpCount() {
   return up_count_;
 }
 
-bool LoadRun::AllUpOrNone() {
+bool LoadRun::AllUpOrRefused() {
   const std::lock_guard lock(mutex_);
-  return up_count_ == plan_.stream_count || lost_.size() == plan_.stream_count;
+  return up_count_ == plan_.stream_count ||
+         (result_.welcome_count == 0 && lost_.size() == plan_.stream_count);
 }
 
 bool LoadRun::Ended() {
@@ -313,7 +308,7 @@ Result<LoadResult> LoadRun::Run() {
   if (Status status = OpenStreams(); !status.ok()) return status;
   ScheduleStarts();
   const int64_t last_start_ns = timers_.rbegin()->first;
-  RunUntil(last_start_ns + kPatienceNs, [this] { return AllUpOrNone(); });
+  RunUntil(last_start_ns + kPatienceNs, [this] { return AllUpOrRefused(); });
   if (UpCount() == 0) {
     const std::lock_guard lock(mutex_);
     if (last_error_.ok()) last_error_ = {grpc::StatusCode::UNAVAILABLE, "no answer in time"};

@@ -4,52 +4,30 @@
 #include <utility>
 
 namespace sweepstake::cli {
-namespace {
-
-constexpr char kMethod[] = "/sweepstake.v1.TelemetryService/StreamTelemetry";
-
-using Bytes = grpc::ByteBuffer;
-
 int64_t NowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
-Bytes Serialize(const v1::StreamTelemetryRequest& request) {
-  Bytes bytes;
-  bool own_buffer = false;
-  // It cannot fail for a message that is not larger than the memory.
-  static_cast<void>(grpc::SerializationTraits<v1::StreamTelemetryRequest>::Serialize(
-      request, &bytes, &own_buffer));
-  return bytes;
-}
-
-bool Parse(Bytes& bytes, v1::StreamTelemetryResponse& response) {
-  return grpc::SerializationTraits<v1::StreamTelemetryResponse>::Deserialize(&bytes, &response)
-      .ok();
-}
-
-}  // namespace
-
 // One connection. It deletes itself when gRPC is done with it; the hold lasts until the last read,
 // so that the timer thread may write until then.
-class LoadStream::Call final : public grpc::ClientBidiReactor<Bytes, Bytes> {
+class LoadStream::Call final
+    : public grpc::ClientBidiReactor<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse> {
  public:
   explicit Call(LoadStream& stream) : stream_(stream) {
-    grpc::GenericStub(stream.channel_).PrepareBidiStreamingCall(&context_, kMethod, {}, this);
+    stream.stub_->async()->StreamTelemetry(&context_, this);
     AddHold();
   }
 
   void OnReadDone(bool ok) override {
-    v1::StreamTelemetryResponse response;
     const std::lock_guard lock(stream_.mutex_);
     if (!ok) {
       stream_.call_ = nullptr;
       return RemoveHold();
     }
-    if (Parse(read_bytes_, response)) stream_.OnResponse(response);
-    StartRead(&read_bytes_);
+    stream_.OnResponse(response_);
+    StartRead(&response_);
   }
   void OnWriteDone(bool ok) override {
     const std::lock_guard lock(stream_.mutex_);
@@ -68,29 +46,25 @@ class LoadStream::Call final : public grpc::ClientBidiReactor<Bytes, Bytes> {
       delay_ms = std::exchange(stream.reconnect_delay_ms_, 0);
       stream.waiting_.clear();
       stream.bail_out_sent_ns_ = 0;
-      // A session that the daemon does not know any more.
-      if (!was_up && status.error_code() == grpc::StatusCode::NOT_FOUND) stream.session_id_.clear();
     }
     stream.events_.OnEnd(stream, status, was_up, delay_ms);
   }
 
   grpc::ClientContext context_;
-  Bytes read_bytes_;
+  v1::StreamTelemetryResponse response_;  // the latest
 
  private:
   LoadStream& stream_;
 };
 
-LoadStream::LoadStream(std::shared_ptr<grpc::Channel> channel, std::string scene,
+LoadStream::LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string scene,
                        LoadEvents& events)
-    : channel_(std::move(channel)), scene_(std::move(scene)), events_(events) {}
-
-LoadStream::~LoadStream() = default;
+    : stub_(v1::TelemetryService::NewStub(channel)), scene_(std::move(scene)), events_(events) {}
 
 void LoadStream::Connect() {
   const std::lock_guard lock(mutex_);
   call_ = new Call(*this);
-  call_->StartRead(&call_->read_bytes_);
+  call_->StartRead(&call_->response_);
   Send(HelloRequest());
   call_->StartCall();
 }
@@ -114,20 +88,20 @@ v1::StreamTelemetryRequest LoadStream::HelloRequest() const {
   return request;
 }
 
-bool LoadStream::SendBatch(v1::FrameBatch& batch, bool with_bail_out) {
+bool LoadStream::SendBatch(const v1::FrameBatch& frames, bool with_bail_out) {
   const std::lock_guard lock(mutex_);
   if (call_ == nullptr || !up_ || waiting_.size() >= kMaxWaiting) return false;
   v1::StreamTelemetryRequest request;
   request.set_sequence(++sequence_);
+  v1::FrameBatch& batch = *request.mutable_frame_batch();
+  batch = frames;
   batch.set_first_frame_index(frame_index_);
   for (int i = 0; i < batch.arm_size(); ++i) {
     batch.set_arm(i, arm_);
     batch.set_switch_epoch(i, switch_epoch_);
   }
   frame_index_ += static_cast<uint64_t>(batch.arm_size());
-  request.mutable_frame_batch()->Swap(&batch);
-  Send(request);
-  request.mutable_frame_batch()->Swap(&batch);
+  Send(std::move(request));
   if (with_bail_out) SendBailOut();
   return true;
 }
@@ -143,7 +117,7 @@ void LoadStream::SendBailOut() {
   bail_out.set_detection_time_ns(2 * bail_out_ns_);
   bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
   bail_out_sent_ns_ = NowNs();
-  Send(request);
+  Send(std::move(request));
 }
 
 void LoadStream::SayGoodbye() {
@@ -151,7 +125,7 @@ void LoadStream::SayGoodbye() {
   if (call_ == nullptr) return;
   v1::StreamTelemetryRequest request;
   request.mutable_goodbye();
-  Send(request);
+  Send(std::move(request));
 }
 
 void LoadStream::Cancel() {
@@ -159,8 +133,8 @@ void LoadStream::Cancel() {
   if (call_ != nullptr) call_->context_.TryCancel();
 }
 
-void LoadStream::Send(const v1::StreamTelemetryRequest& request) {
-  waiting_.push_back(Serialize(request));
+void LoadStream::Send(v1::StreamTelemetryRequest request) {
+  waiting_.push_back(std::move(request));
   if (waiting_.size() == 1) WriteNext();
 }
 
@@ -205,7 +179,7 @@ void LoadStream::OnSwitch(const v1::SwitchCommand& command) {
   outcome.set_switch_epoch(switch_epoch_);
   outcome.set_executed(true);
   outcome.set_reason(command.reason());
-  Send(request);
+  Send(std::move(request));
 }
 
 }  // namespace sweepstake::cli

@@ -6,7 +6,6 @@
 // resumes its session.
 #pragma once
 
-#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
 #include <cstdint>
@@ -21,6 +20,9 @@
 namespace sweepstake::cli {
 
 inline constexpr uint32_t kLoadArms = 7;
+
+// The steady clock of a run.
+int64_t NowNs();
 
 class LoadStream;
 
@@ -45,14 +47,13 @@ class LoadStream {
   // Messages that may wait for the connection; a batch beyond is not sent.
   static constexpr size_t kMaxWaiting = 16;
 
-  LoadStream(std::shared_ptr<grpc::Channel> channel, std::string scene, LoadEvents& events);
-  ~LoadStream();
+  LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string scene, LoadEvents& events);
 
   // Opens a connection. REQUIRES: there is none.
   void Connect();
-  // Sends equal frames of `batch`, whose columns of arms and epochs are filled in, and a bail-out
-  // after them if wanted. Returns false if there is no welcome yet or too much waits.
-  bool SendBatch(v1::FrameBatch& batch, bool with_bail_out);
+  // Sends `frames` with the arm, epoch and indices of this stream, and a bail-out after them if
+  // wanted. Returns false if there is no welcome yet or too much waits.
+  bool SendBatch(const v1::FrameBatch& frames, bool with_bail_out);
   // Ends the session; the connection ends when all is on disk.
   void SayGoodbye();
   // Ends the connection at once.
@@ -63,20 +64,20 @@ class LoadStream {
 
   v1::StreamTelemetryRequest HelloRequest() const;
   // These are called with mutex_ held.
-  void Send(const v1::StreamTelemetryRequest& request);
+  void Send(v1::StreamTelemetryRequest request);
   void WriteNext();
   void OnResponse(const v1::StreamTelemetryResponse& response);
   void OnWelcome(const v1::Welcome& welcome);
   void OnSwitch(const v1::SwitchCommand& command);
   void SendBailOut();
 
-  const std::shared_ptr<grpc::Channel> channel_;
+  const std::unique_ptr<v1::TelemetryService::Stub> stub_;
   const std::string scene_;
   LoadEvents& events_;
 
   std::mutex mutex_;  // guards all below
   Call* call_ = nullptr;
-  std::deque<grpc::ByteBuffer> waiting_;  // the first one is being written
+  std::deque<v1::StreamTelemetryRequest> waiting_;  // the first one is being written
   std::string session_id_;
   std::string resume_token_;
   uint64_t acknowledged_sequence_ = 0;

@@ -1,6 +1,5 @@
 #include "server/rpc/services/telemetry_service.h"
 
-#include <grpc/grpc.h>
 #include <spdlog/logger.h>
 
 #include <set>
@@ -8,6 +7,7 @@
 
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
@@ -66,7 +66,6 @@ void TelemetryStream::OnWriteDone(bool ok) {
 }
 
 void TelemetryStream::OnCancel() {
-  *gone_ = true;
   context_.loop.Post([this] {
     outbox_.Clear();
     if (!end_) end_ = absl::CancelledError("the connection was lost");
@@ -79,9 +78,11 @@ void TelemetryStream::OnDone() {
   // All tasks posted before this one have run by then.
   context_.loop.Post([this] {
     LeaveSession();
-    streams_.all.erase(this);
-    context_.counters.open_stream_count = streams_.all.size();
+    TelemetryStreams& streams = streams_;
+    Counters& counters = context_.counters;
+    streams.all.erase(this);
     self_.reset();
+    counters.open_stream_count = streams.all.size();
   });
 }
 
@@ -141,14 +142,13 @@ std::shared_ptr<GameSession> TelemetryStream::FindSession() {
 }
 
 absl::Status TelemetryStream::Load() {
-  const bool submitted =
-      context_.store.Submit([weak = weak_from_this(), &loop = context_.loop, wanted = *hello_,
-                             gone = gone_](priors::PriorStore& store) {
-        if (*gone) return;
-        loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
-          if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
-        });
-      });
+  const bool submitted = context_.store.Submit([weak = weak_from_this(), &loop = context_.loop,
+                                                wanted = *hello_](priors::PriorStore& store) {
+    if (weak.expired()) return;  // Nobody waits for it any more.
+    loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
+      if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
+    });
+  });
   if (submitted) return absl::OkStatus();
   return absl::UnavailableError("the prior store has too much to do; connect again later");
 }
@@ -270,16 +270,13 @@ void TelemetryStream::Abort(const absl::Status& status) {
   outbox_.Clear();
   LeaveSession();
   if (writing_) {
-    // The pending write waits for a client that does not read. Cancelling ends it, and OnWritten
-    // continues from there.
-    grpc_call_cancel_with_status(call_.c_call(), static_cast<grpc_status_code>(status.code()),
-                                 std::string(status.message()).c_str(), nullptr);
+    // The pending write waits for a client that does not read. OnWritten continues from there.
+    Cancel(call_, status);
   }
   WriteNext();
 }
 
 void TelemetryStream::LeaveSession() {
-  *gone_ = true;
   if (const std::shared_ptr<GameSession> session = std::exchange(session_, nullptr)) {
     context_.sessions.Detach(*session, *this);
   }

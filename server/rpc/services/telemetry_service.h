@@ -4,7 +4,6 @@
 #include <grpcpp/grpcpp.h>
 
 #include <array>
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <set>
@@ -110,10 +109,6 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   // gRPC's callback uses these while a read is pending, the loop otherwise.
   grpc::ByteBuffer read_bytes_;
   v1::StreamTelemetryRequest request_;
-
-  // Set when the stream has ended, by any thread; a job of the store that is still waiting then
-  // reads nothing.
-  const std::shared_ptr<std::atomic<bool>> gone_ = std::make_shared<std::atomic<bool>>(false);
 
   // These are used on the loop.
   std::shared_ptr<GameSession> session_;

@@ -1,10 +1,12 @@
 // A daemon's services for reading and adding evidence, on a port of its own, with scripted answers.
-// The test fills in the answers before it calls; the service's threads only read them.
+// The test fills in the answers before it calls; the service's threads only read them, and record
+// the requests.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -14,13 +16,33 @@
 
 namespace sweepstake::test_support {
 
+// What the service's threads write and the test reads.
+template <typename T>
+class Recorded {
+ public:
+  T get() const {
+    const std::lock_guard lock(mutex_);
+    return value_;
+  }
+  // Calls `change` with the value.
+  template <typename Change>
+  void Update(const Change& change) {
+    const std::lock_guard lock(mutex_);
+    change(value_);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  T value_;
+};
+
 class FakePosteriors final : public v1::PosteriorsService::Service {
  public:
   std::vector<v1::ListPosteriorsResponse> pages;  // the token of page N is "N"
   std::vector<v1::WatchPosteriorsResponse> events;
-  bool ends_the_watch = true;         // otherwise it waits for the client to go
-  std::vector<std::string> projects;  // of the requests
-  std::string watched_scene;
+  bool ends_the_watch = true;                   // otherwise it waits for the client to go
+  Recorded<std::vector<std::string>> projects;  // of the requests
+  Recorded<std::string> watched_scene;
 
  private:
   grpc::Status ListPosteriors(grpc::ServerContext*, const v1::ListPosteriorsRequest* request,
@@ -34,9 +56,9 @@ class FakePriors final : public v1::PriorsService::Service {
  public:
   std::vector<v1::ExportPriorsResponse> parts;
   grpc::Status import_status;
-  std::vector<int> imported_sizes;  // records per message
-  std::vector<v1::PriorRecord> imported;
-  v1::ExportPriorsRequest export_request;
+  Recorded<std::vector<int>> imported_sizes;  // records per message
+  Recorded<std::vector<v1::PriorRecord>> imported;
+  Recorded<v1::ExportPriorsRequest> export_request;
 
  private:
   grpc::Status ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,
@@ -51,7 +73,7 @@ class FakeAudit final : public v1::AuditService::Service {
   std::vector<v1::ListAuditSegmentsResponse> segments;
   std::vector<v1::ExportDecisionsResponse> parts;
   grpc::Status export_status;
-  v1::ExportDecisionsRequest export_request;
+  Recorded<v1::ExportDecisionsRequest> export_request;
 
  private:
   grpc::Status ListAuditSegments(

@@ -39,7 +39,7 @@ TEST(ListPosteriors, ReadsEveryPage) {
   ASSERT_TRUE(scenes.ok()) << scenes.status().message();
   ASSERT_EQ(scenes->size(), 3U);
   EXPECT_EQ((*scenes)[2].scene(), "c");
-  EXPECT_THAT(daemon.posteriors.projects, ElementsAre("p", "p", "p"));
+  EXPECT_THAT(daemon.posteriors.projects.get(), ElementsAre("p", "p", "p"));
 }
 
 TEST(ListPosteriors, KeepsOnlyTheSceneThatIsAskedFor) {
@@ -71,7 +71,7 @@ TEST(WatchPosteriors, HandsOnEachEventUntilTheDaemonEnds) {
   EXPECT_THAT(seen, ElementsAre(1, 2, 3));
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_THAT(status.message(), HasSubstr("ended the watch"));
-  EXPECT_EQ(daemon.posteriors.watched_scene, "s");
+  EXPECT_EQ(daemon.posteriors.watched_scene.get(), "s");
 }
 
 TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
@@ -126,8 +126,8 @@ TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
   for (uint64_t i = 1; i <= 450; ++i) records.push_back(SomeRecord(i));
   const auto result = ImportPriors(daemon.address(), records);
   ASSERT_TRUE(result.ok()) << result.status().message();
-  EXPECT_THAT(daemon.priors.imported_sizes, ElementsAre(200, 200, 50));
-  EXPECT_EQ(daemon.priors.imported.back().source_sequence(), 450U);
+  EXPECT_THAT(daemon.priors.imported_sizes.get(), ElementsAre(200, 200, 50));
+  EXPECT_EQ(daemon.priors.imported.get().back().source_sequence(), 450U);
   EXPECT_EQ(result->applied_count, 449U);
   EXPECT_EQ(result->unchanged_count, 1U);
 }
@@ -146,30 +146,30 @@ TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
   const PriorRecord record = SomeRecord(9);
   ASSERT_TRUE(ImportPriors(daemon.address(), std::vector{record}).ok());
   daemon.priors.parts.resize(2);
-  *daemon.priors.parts[1].add_records() = daemon.priors.imported.at(0);
+  *daemon.priors.parts[1].add_records() = daemon.priors.imported.get().at(0);
   const auto records = ExportPriors(daemon.address(), "p", "s");
   ASSERT_TRUE(records.ok()) << records.status().message();
   ASSERT_EQ(records->size(), 1U);
   EXPECT_EQ(FormatPriors(*records), FormatPriors(std::vector{record}));
-  EXPECT_EQ(daemon.priors.export_request.project(), "p");
-  EXPECT_EQ(daemon.priors.export_request.scene(), "s");
+  EXPECT_EQ(daemon.priors.export_request.get().project(), "p");
+  EXPECT_EQ(daemon.priors.export_request.get().scene(), "s");
 }
 
 TEST(PriorsCommand, ExportsAFileThatImportReads) {
   FakeDaemonServices daemon;
   ASSERT_TRUE(ImportPriors(daemon.address(), std::vector{SomeRecord(1), SomeRecord(2)}).ok());
   daemon.priors.parts.resize(1);
-  for (const v1::PriorRecord& record : daemon.priors.imported) {
+  for (const v1::PriorRecord& record : daemon.priors.imported.get()) {
     *daemon.priors.parts[0].add_records() = record;
   }
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "p.json").string();
   const std::string at = " --daemon " + daemon.address();
   EXPECT_EQ(RunCommand("priors export --out " + file + at).out, file + ": 2 records\n");
-  daemon.priors.imported.clear();
+  daemon.priors.imported.Update([](auto& all) { all.clear(); });
   EXPECT_EQ(RunCommand("priors import --in " + file + at).out,
             file + ": 1 of 2 records were new or newer, 1 were known already\n");
-  EXPECT_EQ(daemon.priors.imported.size(), 2U);
+  EXPECT_EQ(daemon.priors.imported.get().size(), 2U);
 }
 
 TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {
@@ -227,7 +227,7 @@ TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
   std::ostringstream text;
   text << std::ifstream(folder.path() / "log.csv").rdbuf();
   EXPECT_EQ(text.str(), "a,b\n1,2\n3,4\n");
-  EXPECT_EQ(daemon.audit.export_request.session_id(), "id");
+  EXPECT_EQ(daemon.audit.export_request.get().session_id(), "id");
 }
 
 TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
