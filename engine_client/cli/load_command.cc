@@ -73,7 +73,8 @@ void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "batches_per_s were given to gRPC, acknowledged_per_s messages (bail-outs and switches, too) "
       "reached\n"
       "the daemon's disk: where that is less, the daemon does not keep up.\n"
-      "decision_latency is the time from a bail-out sent to its switch command, tick_lateness how\n"
+      "hello_latency is the time from a connection begun to its welcome, decision_latency the one\n"
+      "from a bail-out sent to its switch command, tick_lateness how\n"
       "late this program's own timer was: where that is large, the other figures are not the\n"
       "daemon's. What the games send is learnt under the project `load`. Ctrl-C ends the run "
       "early.",

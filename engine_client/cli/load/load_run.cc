@@ -74,7 +74,7 @@ class LoadRun final : public LoadEvents {
 
   Result<LoadResult> Run();
 
-  void OnWelcome() override;
+  void OnWelcome(int64_t latency_ns) override;
   void OnAcknowledged(uint64_t message_count) override;
   void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
              uint32_t delay_ms) override;
@@ -132,9 +132,10 @@ LoadRun::~LoadRun() {
   while (!Ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-void LoadRun::OnWelcome() {
+void LoadRun::OnWelcome(int64_t latency_ns) {
   const std::lock_guard lock(mutex_);
   ++result_.welcome_count;
+  result_.hello_latency_ms.push_back(static_cast<double>(latency_ns) * 1e-6);
   if (++up_count_ < plan_.stream_count || lost_since_ns_ == 0) return;
   const double seconds = static_cast<double>(NowNs() - std::exchange(lost_since_ns_, 0)) * 1e-9;
   result_.reconnect_s = std::max(result_.reconnect_s.value_or(0), seconds);
@@ -317,8 +318,10 @@ Result<LoadResult> LoadRun::Run() {
   Measure();
   SayGoodbye();
   const std::lock_guard lock(mutex_);
-  std::sort(result_.decision_latency_ms.begin(), result_.decision_latency_ms.end());
-  std::sort(result_.tick_lateness_ms.begin(), result_.tick_lateness_ms.end());
+  for (auto* figures :
+       {&result_.hello_latency_ms, &result_.decision_latency_ms, &result_.tick_lateness_ms}) {
+    std::sort(figures->begin(), figures->end());
+  }
   return result_;
 }
 

@@ -40,6 +40,7 @@ struct LoadResult {
   uint64_t measured_batch_count = 0;
   uint64_t acknowledged_count = 0;  // messages on the daemon's disk, while measuring
   double measured_s = 0;
+  std::vector<double> hello_latency_ms;     // sorted; from a connection begun to its welcome
   std::vector<double> decision_latency_ms;  // sorted
   std::vector<double> tick_lateness_ms;     // sorted
   std::optional<double> reconnect_s;        // the longest time until all streams were back

@@ -63,6 +63,7 @@ LoadStream::LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::strin
 
 void LoadStream::Connect() {
   const std::lock_guard lock(mutex_);
+  begun_ns_ = NowNs();
   call_ = new Call(*this);
   call_->StartRead(&call_->response_);
   Send(HelloRequest());
@@ -161,7 +162,7 @@ void LoadStream::OnWelcome(const v1::Welcome& welcome) {
   if (!welcome.resumed()) sequence_ = 0;
   bail_out_ns_ = uint64_t{1'000'000} * welcome.bail_out_ms();
   up_ = true;
-  events_.OnWelcome();
+  events_.OnWelcome(NowNs() - begun_ns_);
 }
 
 void LoadStream::OnSwitch(const v1::SwitchCommand& command) {

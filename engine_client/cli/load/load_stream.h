@@ -30,7 +30,8 @@ class LoadStream;
 class LoadEvents {
  public:
   virtual ~LoadEvents() = default;
-  virtual void OnWelcome() = 0;
+  // `latency_ns` is the time since the connection was begun.
+  virtual void OnWelcome(int64_t latency_ns) = 0;
   // So many more messages are on the daemon's disk.
   virtual void OnAcknowledged(uint64_t message_count) = 0;
   // `delay_ms` is the min time before the next connection that the daemon asked for. `was_up` says
@@ -87,6 +88,7 @@ class LoadStream {
   uint32_t arm_ = 0;
   uint32_t switch_epoch_ = 0;
   uint32_t reconnect_delay_ms_ = 0;
+  int64_t begun_ns_ = 0;          // of the connection
   int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
   bool up_ = false;               // the welcome has come
 };

@@ -25,6 +25,8 @@ Json LoadJson(const LoadPlan& plan, const LoadResult& result) {
   const auto add_quantile = [&](const char* name, const std::vector<double>& sorted, double ratio) {
     if (!sorted.empty()) json[name] = Quantile(sorted, ratio);
   };
+  add_quantile("hello_latency_ms_p50", result.hello_latency_ms, 0.5);
+  add_quantile("hello_latency_ms_p99", result.hello_latency_ms, 0.99);
   add_quantile("decision_latency_ms_p50", result.decision_latency_ms, 0.5);
   add_quantile("decision_latency_ms_p99", result.decision_latency_ms, 0.99);
   add_quantile("tick_lateness_ms_p99", result.tick_lateness_ms, 0.99);

@@ -70,6 +70,7 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
   EXPECT_EQ(counters.goodbye_count, 50U);
   EXPECT_EQ(result->finished_count, 50U);
   EXPECT_EQ(result->welcome_count, 50U);
+  EXPECT_EQ(result->hello_latency_ms.size(), 50U);
   EXPECT_EQ(result->rejected_count, 0U);
   EXPECT_EQ(counters.accepted_frame_count, 30 * result->batch_count);
   EXPECT_EQ(counters.applied_message_count,

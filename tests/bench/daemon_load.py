@@ -1,0 +1,217 @@
+#!/usr/bin/env python3
+"""Measures what a daemon bears: many streams at two rates, a restart, watchers, and a scene that many have taught.
+
+Starts `sweepstaked` from the folder of programs, on a free port of loopback with a data directory of its own, loads it with
+`sweepstake load`, and prints a table, or one JSON document. The generator runs on the same machine and takes a part of its
+processors: where tick_lateness is large, or batches are fewer than streams × rate, the machine is too small for the load,
+whoever of the two needs it. server_cpu is the daemon's alone. Needs Linux and Python 3.9. Exit code: 0 measured, 2 cannot.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PATIENCE_S = 60
+
+
+class Failure(Exception):
+    pass
+
+
+class Daemon:
+    """A daemon in a process of its own; its data outlives a restart."""
+
+    def __init__(self, programs, data):
+        self.programs, self.data, self.address, self.process = programs, pathlib.Path(data), "127.0.0.1:0", None
+        self.start()
+
+    def start(self):
+        port_file = self.data / "port"
+        port_file.unlink(missing_ok=True)
+        self.process = subprocess.Popen(
+            [self.programs / "sweepstaked", "--listen", self.address, "--data", self.data / "priors", "--log-level", "error",
+             "--port-file", port_file, "--max-sessions", "20000", "--max-watchers", "200"])
+        self.address = "127.0.0.1:" + await_value("the daemon's port", lambda: port_file.exists() and first_line(port_file))
+
+    def stop(self):
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(PATIENCE_S)
+
+    def rss_kib(self):
+        with open(f"/proc/{self.process.pid}/status", encoding="ascii") as status:
+            return next(int(line.split()[1]) for line in status if line.startswith("VmRSS:"))
+
+    def cpu_s(self):
+        with open(f"/proc/{self.process.pid}/stat", encoding="utf-8") as stat:
+            fields = stat.read().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def sweepstake(self, *arguments):
+        return [self.programs / "sweepstake", *map(str, arguments), "--daemon", self.address]
+
+    def load(self, streams, rate, frames, duration_s, **options):
+        words = [word for name, value in options.items() for word in ("--" + name.replace("_", "-"), value)]
+        return self.sweepstake("load", "--streams", streams, "--batches-per-second", rate, "--frames", frames, "--duration",
+                               f"{duration_s}s", "--server-pid", self.process.pid, "--json", *words)
+
+
+def first_line(path):
+    return path.read_text(encoding="ascii").partition("\n")[0]
+
+
+def await_value(what, get):
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
+        if value := get():
+            return value
+        time.sleep(0.05)
+    raise Failure(f"{what} did not come within {PATIENCE_S} s")
+
+
+def run_load(command):
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise Failure(f"{' '.join(map(str, command))} ended with {done.returncode}: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def add_cost(figures):
+    """Adds the daemon's processor time per message that reached its disk."""
+    messages = figures["acknowledged_per_s"] * figures["measured_s"]
+    figures["server_cores"] = figures["server_cpu_s"] / figures["measured_s"]
+    if messages > 0:
+        figures["server_cpu_us_per_message"] = 1e6 * figures["server_cpu_s"] / messages
+    return figures
+
+
+def measure_rate(daemon, streams, rate, frames, options):
+    return add_cost(run_load(daemon.load(streams, rate, frames, options.seconds)))
+
+
+def measure_idle(daemon, streams, options):
+    """Resident memory of streams that have said Hello, and say no more."""
+    before_kib = daemon.rss_kib()
+    with subprocess.Popen(daemon.load(streams, 0.01, 1, 1000), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as load:
+        time.sleep(max(options.seconds, streams / 1000))
+        after_kib = daemon.rss_kib()
+        load.send_signal(signal.SIGINT)
+    return {"streams": streams, "rss_kib_per_stream": (after_kib - before_kib) / streams}
+
+
+def measure_restart(daemon, streams, options):
+    """The time from the first lost stream until all are back, while the daemon is stopped and started again."""
+    duration_s = options.seconds + 15 + streams // 200
+    with subprocess.Popen(daemon.load(streams, 1, 60, duration_s), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                          text=True) as load:
+        time.sleep(max(options.seconds, streams / 1000))
+        daemon.stop()
+        daemon.start()
+        figures = json.loads(load.communicate()[0])
+    kept = ("streams", "rejected", "finished", "reconnect_s", "hello_latency_ms_p99")
+    return {name: figures[name] for name in kept if name in figures}
+
+
+def measure_watchers(daemon, streams, watchers, options):
+    watching = [subprocess.Popen(daemon.sweepstake("watch", "--json", "--project", "load", "--scene", f"scene {i % 10}"),
+                                 stdout=subprocess.DEVNULL) for i in range(watchers)]
+    try:
+        figures = measure_rate(daemon, streams, 1, 60, options)
+    finally:
+        for watcher in watching:
+            watcher.send_signal(signal.SIGINT)
+        for watcher in watching:
+            watcher.wait()
+    return {"watchers": watchers, **figures}
+
+
+def measure_hello(daemon, sources, options):
+    """Welcomes of a scene that so many sessions have taught."""
+    records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 1,
+                "source_id": f"{number:032x}", "source_sequence": 1, "alpha_increment": 1, "beta_increment": 1,
+                "window_count": 2} for number in range(sources)]
+    path = daemon.data / "sources.json"
+    path.write_text(json.dumps({"format": "sweepstake-priors", "version": 1, "records": records}),
+                    encoding="utf-8")
+    imported = subprocess.run(daemon.sweepstake("priors", "import", "--in", path), capture_output=True, text=True, check=False)
+    if imported.returncode != 0:
+        raise Failure("cannot import the sources: " + imported.stderr.strip())
+    figures = run_load(daemon.load(200, 1, 60, options.seconds, scenes=1))
+    return {"sources": sources, **{name: figures[name] for name in figures if name.startswith("hello")}}
+
+
+def measure(options):
+    streams = options.streams
+    plans = {
+        f"{streams} streams × 1 Hz × 60 frames": lambda daemon: measure_rate(daemon, streams, 1, 60, options),
+        f"{streams // 2} streams × 1 Hz × 60 frames": lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options),
+        f"{streams // 5} streams × 4 Hz × 15 frames": lambda daemon: measure_rate(daemon, streams // 5, 4, 15, options),
+        "idle streams": lambda daemon: measure_idle(daemon, streams, options),
+        "restart": lambda daemon: measure_restart(daemon, streams, options),
+        "no watchers": lambda daemon: measure_watchers(daemon, streams // 10, 0, options),
+        "100 watchers": lambda daemon: measure_watchers(daemon, streams // 10, 100, options),
+        f"Hello, {options.sources} sources": lambda daemon: measure_hello(daemon, options.sources, options),
+    }
+    results = {}
+    for number, (name, run) in enumerate(plans.items(), 1):
+        if options.only and not any(word in name for word in options.only):
+            continue
+        print(f"{number} of {len(plans)}: {name}", file=sys.stderr)
+        with tempfile.TemporaryDirectory(prefix="sweepstake-load-") as data:
+            daemon = Daemon(options.programs, data)
+            try:
+                results[name] = run(daemon)
+            finally:
+                daemon.stop()
+    return results
+
+
+def print_table(results):
+    for name, figures in results.items():
+        print(name)
+        for figure, value in figures.items():
+            if figure not in ("command", "daemon"):
+                print(f"  {figure:30}{value:14.2f}" if isinstance(value, float) else f"  {figure:30}{value:>11}")
+
+
+def parse(words):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="examples:\n  tests/bench/daemon_load.py\n  tests/bench/daemon_load.py --streams 1000 --only restart --json")
+    parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", metavar="FOLDER",
+                        help="with sweepstaked and sweepstake (default: build/release/bin)")
+    parser.add_argument("--streams", type=int, default=10_000, help="games at a time (default: %(default)s)")
+    parser.add_argument("--sources", type=int, default=100_000, help="sessions that taught the scene (default: %(default)s)")
+    parser.add_argument("--seconds", type=int, default=20, help="to measure each load for (default: %(default)s)")
+    parser.add_argument("--only", action="append", metavar="WORD", help="only the loads whose names have the word")
+    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    return parser.parse_args(words)
+
+
+def main(words):
+    options = parse(words)
+    for program in ("sweepstaked", "sweepstake"):
+        if not (options.programs / program).exists():
+            print(f"No program {options.programs / program}: build preset release, or name the folder with --programs",
+                  file=sys.stderr)
+            return 2
+    try:
+        results = measure(options)
+    except (Failure, subprocess.TimeoutExpired) as failure:
+        print(failure, file=sys.stderr)
+        return 2
+    if options.json:
+        print(json.dumps({"loads": results}, indent=2, ensure_ascii=False))
+    else:
+        print_table(results)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
