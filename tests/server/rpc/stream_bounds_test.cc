@@ -66,6 +66,7 @@ TEST_F(StreamBoundsTest, OneThatTheStoreDoesNotAnswerIsClosedInTimeAndNotServedL
   const grpc::Status status = client.Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_THAT(status.error_message(), HasSubstr("store"));
+  ASSERT_TRUE(StreamsOpen(0));
   release.set_value();
   Flush();
   EXPECT_EQ(load_count_, 0u);
