@@ -181,12 +181,11 @@ std::vector<Setting> DaemonSettings() {
           [](Config & c) -> auto& { return c.rpc.memory_quota_bytes; },
           "memory of all connections' buffers"),
       Whole(
-          "audit_rows", 0, 1'000'000'000, 1, [](Config & c) -> auto& { return c.rpc.audit.rows; },
-          "rows of the audit log, 1 to 2 kB each; beyond it the oldest go; 0 keeps none"),
+          "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.rpc.audit.bytes; },
+          "text of the audit log; beyond it the oldest rows go; 0 keeps none"),
       Whole(
-          "audit_rows_per_session", 0, 1'000'000'000, 1,
-          [](Config & c) -> auto& { return c.rpc.audit.rows_per_session; },
-          "rows of one session's audit log; then it ends"),
+          "audit_days", 1, 36'500, 86'400, [](Config & c) -> auto& { return c.rpc.audit.age_s; },
+          "age at which rows of the audit log go"),
   };
 }
 

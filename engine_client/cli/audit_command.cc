@@ -29,12 +29,19 @@ std::string TimeText(int64_t unix_ms) {
   return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
 }
 
+// A number above 1 tells that the rows before it were removed. An older daemon does not say.
+std::string FirstRowText(const v1::AuditSegment& segment) {
+  return segment.first_row() == 0 ? "" : std::to_string(segment.first_row());
+}
+
 std::string SegmentsText(const std::vector<v1::AuditSegment>& segments) {
   if (segments.empty()) return "The daemon has no log of this\n";
-  TextTable table({"session", "segment", "began (UTC)", "project", "scene", "rows"});
+  TextTable table(
+      {"session", "segment", "began (UTC)", "project", "scene", "rows", "first row", "lost rows"});
   for (const v1::AuditSegment& row : segments) {
     table.AddRow({row.session_id(), std::to_string(row.segment()), TimeText(row.unix_start_ms()),
-                  row.project(), row.scene(), std::to_string(row.row_count())});
+                  row.project(), row.scene(), std::to_string(row.row_count()), FirstRowText(row),
+                  std::to_string(row.lost_row_count())});
   }
   return table.Text();
 }
@@ -47,7 +54,9 @@ Json SegmentsJson(const std::vector<v1::AuditSegment>& segments) {
                     {"project", row.project()},
                     {"scene", row.scene()},
                     {"unix_start_ms", row.unix_start_ms()},
-                    {"rows", row.row_count()}});
+                    {"rows", row.row_count()},
+                    {"first_row", row.first_row()},
+                    {"lost_rows", row.lost_row_count()}});
   }
   return list;
 }

@@ -244,6 +244,15 @@ std::string AuditHeader() {
   return header;
 }
 
+std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t row) {
+  std::string text;
+  AppendCsv(text, session_id);
+  AppendText(text += ',', segment);
+  AppendText(text += ',', row);
+  AppendName(text += ',', kAuditKindNames, AuditKind::kMissing);
+  return text.append(kAuditColumnNames.size() - 4, ',');
+}
+
 void StartAudit(DecisionSession& session, AuditSink& sink, AuditOrigin origin) {
   session.SetObserver(std::make_unique<AuditRecorder>(sink, std::move(origin), session.setup(),
                                                       session.policy_kind()));

@@ -5,7 +5,8 @@
 // DecisionSession: it begins with its `setup` row, and its rows are numbered from 1. Frames are not
 // logged one by one, since a game makes some 3 kB of them in a second. Instead, each event logs
 // what the frames before it amount to, the state of the arms' runs (decision/session/arm_runs.h). A
-// log may therefore lack its last rows, but no other ones.
+// log may therefore lack its last rows. Where a daemon has removed the oldest rows, or could not
+// write some, a `missing` row stands in their place: the decisions after it cannot be derived.
 //
 // Numbers are the shortest decimal text that reads back as the same bits. The last cell,
 // `log_hash`, is a hash (FNV-1a, 64 bits) of the segment up to there, so that an edit is found even
@@ -33,7 +34,7 @@ enum class AuditColumn : size_t {
   kSession,
   kSegment,
   kRow,
-  kKind,            // setup, tick, bail-out, switch, refusal or mode
+  kKind,            // setup, tick, bail-out, switch, refusal, mode or missing
   kTimeNs,          // time of the decider's steady clock
   kSetup,           // setup: key=value;… (cells.h)
   kRuns,            // the arms' runs at the event (cells.h)
@@ -132,6 +133,10 @@ inline constexpr std::array<std::string_view, static_cast<size_t>(AuditColumn::k
 
 // Returns the header line without its line end.
 std::string AuditHeader();
+
+// Returns the row that stands for rows that are not there; `row` is the number of the first of
+// them. It has no other cells.
+std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t row);
 
 // Where a segment comes from. This is for people; decisions do not depend on it.
 struct AuditOrigin {

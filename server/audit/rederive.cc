@@ -1,6 +1,7 @@
 #include "server/audit/rederive.h"
 
 #include <algorithm>
+#include <charconv>
 #include <memory>
 #include <set>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "server/audit/cell_text.h"
 #include "server/audit/cells.h"
 #include "server/audit/csv.h"
+#include "server/decision/math/hash.h"
 #include "server/decision/session/decision_session.h"
 
 namespace sweepstake::decision {
@@ -30,6 +32,15 @@ const std::string& CellOf(const Cells& cells, AuditColumn column) {
 Problem Unreadable(const Cells& cells, AuditColumn column) {
   const std::string& text = CellOf(cells, column);
   return {column, text.empty() ? "is empty" : "is not readable: " + text.substr(0, 80)};
+}
+
+Problem WrongHash() {
+  return {AuditColumn::kLogHash, "does not fit: something in this row was edited"};
+}
+
+bool IsMissingRow(const Cells& cells) {
+  return CellOf(cells, AuditColumn::kKind) ==
+         kAuditKindNames[static_cast<size_t>(AuditKind::kMissing)];
 }
 
 // Returns the part of a text around a difference.
@@ -122,6 +133,8 @@ std::optional<Problem> Segment::Apply(const Cells& cells) {
       return ApplyRefusal(cells);
     case AuditKind::kMode:
       return ApplyMode(cells);
+    case AuditKind::kMissing:
+      break;  // the segment ended before
   }
   return Unreadable(cells, AuditColumn::kKind);
 }
@@ -245,8 +258,7 @@ std::optional<Problem> Segment::Compare(const Cells& cells) {
   for (size_t i = 0; i < kAuditColumnNames.size(); ++i) {
     if (cells[i] == derived_cells_[i]) continue;
     const auto column = static_cast<AuditColumn>(i);
-    if (column == AuditColumn::kLogHash)
-      return Problem{column, "does not fit: something in this row was edited"};
+    if (column == AuditColumn::kLogHash) return WrongHash();
     return Problem{column, DifferenceText(cells[i], derived_cells_[i])};
   }
   return std::nullopt;
@@ -286,28 +298,65 @@ class Rederivation {
                          std::to_string(kAuditColumnNames.size()) + "; is it cut off?"});
     }
     if (const auto problem = EnterSegment()) return Differ(*problem);
-    if (const auto problem = segment_->Take(cells_)) return Differ(*problem);
+    if (IsMissingRow(cells_)) return SkipMissing();
+    if (const auto problem = segment_ ? segment_->Take(cells_) : CheckHash())
+      return Differ(*problem);
+    after_missing_ = false;
     ++report_.row_count;
-    if (!CellOf(cells_, AuditColumn::kDecisionId).empty()) ++report_.decision_count;
+    if (CellOf(cells_, AuditColumn::kDecisionId).empty()) return;
+    ++(segment_ ? report_.decision_count : report_.underived_decision_count);
   }
 
   std::optional<Problem> EnterSegment() {
     auto key =
         std::pair(CellOf(cells_, AuditColumn::kSession), CellOf(cells_, AuditColumn::kSegment));
-    const std::string& row = CellOf(cells_, AuditColumn::kRow);
-    if (segment_ && key == *current_) {
-      const std::string expected = std::to_string(++row_in_segment_);
-      if (row == expected) return std::nullopt;
-      return Problem{AuditColumn::kRow,
-                     "comes where row " + expected + " should; rows are missing or out of order"};
-    }
-    if (row != "1")
+    if (current_ != nullptr && key == *current_) return CheckNumber();
+    if (CellOf(cells_, AuditColumn::kRow) != "1")
       return Problem{AuditColumn::kRow, "begins a segment whose first rows are missing"};
     if (sessions_.insert(key.first).second) ++report_.session_count;
-    current_ = segments_.insert(std::move(key)).first;
+    current_ = &*segments_.insert(std::move(key)).first;
     segment_ = std::make_unique<Segment>(policies_);
     row_in_segment_ = 1;
-    ++report_.segment_count;
+    after_missing_ = false;
+    if (!IsMissingRow(cells_)) ++report_.segment_count;
+    return std::nullopt;
+  }
+
+  // After a `missing` row the numbers go on anywhere.
+  std::optional<Problem> CheckNumber() {
+    const uint64_t expected = row_in_segment_ + 1;
+    if (const auto problem = Read(cells_, AuditColumn::kRow, row_in_segment_)) return problem;
+    if (row_in_segment_ == expected || (after_missing_ && row_in_segment_ > expected))
+      return std::nullopt;
+    return Problem{AuditColumn::kRow, "comes where row " + std::to_string(expected) +
+                                          " should; rows are missing or out of order"};
+  }
+
+  void SkipMissing() {
+    constexpr auto kFirstEmpty = static_cast<std::ptrdiff_t>(AuditColumn::kTimeNs);
+    if (std::any_of(cells_.begin() + kFirstEmpty, cells_.end(),
+                    [](const std::string& cell) { return !cell.empty(); }))
+      return Differ({{}, "stands for missing rows, but has cells of its own"});
+    if (segment_) ++report_.incomplete_segment_count;
+    segment_.reset();
+    hash_.reset();
+    after_missing_ = true;
+  }
+
+  // Of a row that cannot be derived: that its hash continues the one of the row before it.
+  std::optional<Problem> CheckHash() {
+    std::string text;
+    for (size_t i = 0; i + 1 < cells_.size(); ++i) {
+      AppendCsv(text, cells_[i]);
+      text += ',';
+    }
+    uint64_t logged = 0;
+    const std::string& cell = cells_.back();
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), logged, 16);
+    if (error != std::errc() || end != cell.data() + cell.size())
+      return Unreadable(cells_, AuditColumn::kLogHash);
+    if (hash_ && math::Fnv1a(*hash_, text) != logged) return WrongHash();
+    hash_ = logged;
     return std::nullopt;
   }
 
@@ -332,9 +381,11 @@ class Rederivation {
   Cells cells_;
   std::set<std::string> sessions_;
   SegmentKeys segments_;
-  SegmentKeys::iterator current_;
-  std::unique_ptr<Segment> segment_;
-  uint64_t row_in_segment_ = 0;
+  const SegmentKeys::value_type* current_ = nullptr;
+  std::unique_ptr<Segment> segment_;  // null after missing rows
+  uint64_t row_in_segment_ = 0;       // the latest row's number
+  bool after_missing_ = false;        // the latest row was a `missing` one
+  std::optional<uint64_t> hash_;      // of the row before, where it cannot be derived
 };
 
 }  // namespace

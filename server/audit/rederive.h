@@ -3,7 +3,8 @@
 // Each segment gets a DecisionSession made from its setup row. The inputs of each row are given to
 // it, with the runs standing in for the frames, and the row that it makes must equal the logged
 // one, cell by cell. A difference is either an edit, or this program decides differently from the
-// one that wrote the log. No text makes it crash. It takes the time of the decisions, and memory
+// one that wrote the log. Rows of a segment after a `missing` row are not derived; of them only the
+// hashes are checked. No text makes it crash. It takes the time of the decisions, and memory
 // for the session of one segment.
 #pragma once
 
@@ -31,14 +32,17 @@ struct AuditDifference {
 struct AuditReport {
   // Counts up to the difference.
   uint64_t session_count = 0;
-  uint64_t segment_count = 0;
-  uint64_t row_count = 0;
-  uint64_t decision_count = 0;
+  uint64_t segment_count = 0;   // those whose first row is there
+  uint64_t row_count = 0;       // rows that are there
+  uint64_t decision_count = 0;  // decisions that were derived
+  uint64_t incomplete_segment_count = 0;
+  uint64_t underived_decision_count = 0;      // decisions after missing rows
   std::optional<AuditDifference> difference;  // the first one; absent if everything is equal
 };
 
 // `csv` begins with the header. Segments may be in any order, each in one piece that begins with
-// its setup row; their last rows may be missing. Policies are looked up in `policies`.
+// its setup row, or with a `missing` row; their last rows may be missing. Policies are looked up in
+// `policies`.
 AuditReport Rederive(std::string_view csv, PolicyRegistry policies = ShippedPolicies());
 
 }  // namespace sweepstake::decision

@@ -8,36 +8,41 @@
 
 namespace sweepstake::priors {
 
-// Rows that continue those stored before.
+inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row is not stored
+
+struct AuditRow {
+  uint64_t number = 1;  // its number in the segment, from 1
+  std::string text;     // 1 to kMaxAuditRowBytes bytes
+
+  friend bool operator==(const AuditRow&, const AuditRow&) = default;
+};
+
+// Rows of one segment that come after those stored before.
 struct AuditRows {
   uint32_t segment = 1;  // counts from 1
   std::string project;   // project and scene are names (decision/math/names.h)
   std::string scene;
-  int64_t unix_start_ms = 0;      // time at which the segment began
-  uint64_t first_row = 1;         // number of rows[0] in the segment, from 1
-  std::vector<std::string> rows;  // rows of 1 to kMaxAuditRowBytes bytes; may be empty
+  int64_t unix_start_ms = 0;   // time at which the segment began
+  std::vector<AuditRow> rows;  // in the order of their numbers, which may leave out some
 };
 
-inline constexpr size_t kMaxAuditRowBytes = 65'536;  // a longer row ends its segment's log
-
-// The limits of a store's audit log. A row of 7 arms has some 1 kB.
+// The limits of a store's audit log, of all sessions together. Beyond them the oldest rows are
+// removed, in chunks of a 32nd.
 struct AuditLimits {
-  // The log of a session ends after this many rows in all its segments: 11 hours at one row every
-  // two seconds.
-  uint64_t rows_per_session = 20'000;
-  // If there are more rows than this of all sessions, whole segments are removed, the oldest first.
-  // 0 keeps nothing.
-  uint64_t rows = 200'000;
+  uint64_t bytes = 256ull << 20;    // of the rows' text, some 1 kB a row of 7 arms; 0 keeps nothing
+  uint64_t age_s = 30ull * 86'400;  // by the wall clock's time of the commits
 };
 
 struct AuditSegment {
-  uint64_t id = 0;  // given by the store, in the order in which segments begin
+  uint64_t id = 0;  // given by the store, in the order in which segments were first stored
   std::string session_id;
   uint32_t segment = 1;
   std::string project;
   std::string scene;
   int64_t unix_start_ms = 0;
-  uint64_t row_count = 0;
+  uint64_t first_row = 1;       // number of the first stored row; those before it were removed
+  uint64_t row_count = 0;       // stored rows
+  uint64_t lost_row_count = 0;  // rows after the first stored one that could not be written
 
   friend bool operator==(const AuditSegment&, const AuditSegment&) = default;
 };

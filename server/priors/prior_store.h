@@ -162,10 +162,14 @@ class PriorStore {
   // Applies all updates or none; they are durable on return. An update whose commit sequence is not
   // above the source's stored one was applied before and is ignored, as is one of a revoked source.
   //
-  // Audit rows are kept if the limits allow it and if they continue what is stored of their
-  // segment, so that what is stored is always a segment's beginning. Other rows are dropped; they
-  // never make a commit fail.
+  // Audit rows whose numbers are not above those stored of their segment are ignored. Then the
+  // oldest rows of the log are removed until it is within its limits. A row that cannot be written
+  // is lost and counted; it never makes a commit fail.
   virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
+
+  // Returns how many audit rows of successful commits could not be written since the store was
+  // opened.
+  virtual uint64_t lost_audit_row_count() const = 0;
 
   virtual absl::StatusOr<PriorSums> LoadPriors(std::span<const EvidenceKey> keys) = 0;
 
@@ -201,11 +205,10 @@ class PriorStore {
   virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
                                                               uint64_t after, uint32_t limit) = 0;
 
-  // Returns the rows of a segment from number `first_row` (from 1) on: up to `limit`, and no more
-  // once `max_bytes` have been read. REQUIRES: limit > 0.
-  virtual absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id,
-                                                             uint64_t first_row, uint32_t limit,
-                                                             size_t max_bytes) = 0;
+  // Returns the rows of a segment from number `first_row` on, in the order of their numbers: up to
+  // `limit`, and no more once `max_bytes` have been read. REQUIRES: limit > 0.
+  virtual absl::StatusOr<std::vector<AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit, size_t max_bytes) = 0;
 };
 
 // A PriorStore that runs on its own thread. Thread-safe. Callbacks run on that thread; they must
@@ -228,6 +231,9 @@ class AsyncPriorStore {
 
   // Returns false after a commit failed because of the disk, until one succeeds.
   virtual bool healthy() const = 0;
+
+  // Returns PriorStore::lost_audit_row_count after the latest commit.
+  virtual uint64_t lost_audit_row_count() const = 0;
 };
 
 }  // namespace sweepstake::priors

@@ -30,6 +30,7 @@ class WithoutReflection : public grpc::ServerBuilderOption {
 constexpr int kSecond = 1'000;
 constexpr int kMinute = 60 * kSecond;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
+constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
@@ -121,7 +122,22 @@ void RpcServer::WatchStore() {
           "the prior store cannot write: decisions go on in memory, nothing is acknowledged");
     }
   }
+  ReportLostAuditRows();
   loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
+}
+
+void RpcServer::ReportLostAuditRows() {
+  const uint64_t lost_by_store = context_.store.lost_audit_row_count();
+  counters_.lost_audit_row_count += lost_by_store - std::exchange(lost_by_store_, lost_by_store);
+  const uint64_t lost = counters_.lost_audit_row_count;
+  const int64_t now_ns = loop_.clock().NowNs();
+  if (lost == reported_lost_rows_ || now_ns < next_loss_report_ns_) return;
+  context_.log.warn(
+      "{} rows of the audit log could not be written, {} since the start: decisions after them "
+      "cannot be derived again",
+      lost - reported_lost_rows_, lost);
+  reported_lost_rows_ = lost;
+  next_loss_report_ns_ = now_ns + kLossReportIntervalNs;
 }
 
 void RpcServer::Drain(std::chrono::milliseconds patience) {

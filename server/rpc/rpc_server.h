@@ -50,6 +50,7 @@ class RpcServer {
   absl::Status Listen(const std::string& address);
   // Runs on the loop once per second and updates health: a store that cannot write is not healthy.
   void WatchStore();
+  void ReportLostAuditRows();
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
   // Waits for pending commits, including those of sessions without a client.
@@ -66,9 +67,12 @@ class RpcServer {
   PosteriorsService posteriors_;
   PriorsService priors_;
   AuditService audit_;
-  bool serving_ = true;    // the state of health; used on the loop
-  bool draining_ = false;  // used on the loop
-  bool drained_ = false;   // used by Drain's caller
+  bool serving_ = true;              // the state of health; used on the loop
+  bool draining_ = false;            // used on the loop
+  uint64_t lost_by_store_ = 0;       // audit rows that are counted; used on the loop
+  uint64_t reported_lost_rows_ = 0;  // used on the loop
+  int64_t next_loss_report_ns_ = 0;  // used on the loop
+  bool drained_ = false;             // used by Drain's caller
   // The loop is declared after everything that its tasks use, since its destructor runs the last
   // ones.
   DecisionLoop loop_;

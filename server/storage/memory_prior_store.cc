@@ -11,6 +11,7 @@
 namespace sweepstake::storage {
 namespace {
 
+using priors::AuditRow;
 using priors::AuditRows;
 using priors::AuditSegment;
 using priors::Evidence;
@@ -31,55 +32,63 @@ bool Matches(const SceneFilter& filter, const EvidenceKey& key) {
 
 }  // namespace
 
-void MemoryAuditLog::Append(const std::string& session_id, const AuditRows& rows) {
-  const uint64_t room = AuditRoom(limits_, RowCount(session_id));
-  const size_t count = StorableAuditRows(rows, room);
-  if (count == 0) return;
-  Segment* segment = Find(session_id, rows);
-  if (segment == nullptr) return;
-  segment->rows.insert(segment->rows.end(), rows.rows.begin(),
-                       rows.rows.begin() + static_cast<std::ptrdiff_t>(count));
-  segment->head.row_count += count;
-  row_count_ += count;
-  Trim();
+uint64_t MemoryAuditLog::Append(const priors::SourceUpdate& update) {
+  uint64_t lost = 0;
+  Chunk* chunk = nullptr;
+  for (const AuditRow& row : update.audit.rows) {
+    if (!IsStorable(update.audit, row)) {
+      ++lost;
+      continue;
+    }
+    Segment& segment = Find(update.progress.source_id, update.audit);
+    if (!segment.rows.empty() && row.number <= segment.rows.rbegin()->first) continue;
+    if (chunk == nullptr) chunk = &LatestChunk(update.unix_time_s);
+    segment.rows.emplace(row.number, row.text);
+    chunk->rows.emplace_back(segment.head.id, row.number);
+    chunk->byte_count += row.text.size();
+    byte_count_ += row.text.size();
+  }
+  Trim(update.unix_time_s);
+  return lost;
 }
 
-MemoryAuditLog::Segment* MemoryAuditLog::Find(const std::string& session_id,
+MemoryAuditLog::Segment& MemoryAuditLog::Find(const std::string& session_id,
                                               const AuditRows& rows) {
-  const auto found = std::find_if(segments_.begin(), segments_.end(), [&](const Segment& each) {
-    return each.head.session_id == session_id && each.head.segment == rows.segment;
-  });
-  const uint64_t stored = found == segments_.end() ? 0 : found->head.row_count;
-  if (rows.first_row != stored + 1) return nullptr;
-  if (found != segments_.end()) return &*found;
+  for (auto& [id, segment] : segments_) {
+    if (segment.head.session_id == session_id && segment.head.segment == rows.segment)
+      return segment;
+  }
   AuditSegment head{.id = ++last_id_,
                     .session_id = session_id,
                     .segment = rows.segment,
                     .project = rows.project,
                     .scene = rows.scene,
-                    .unix_start_ms = rows.unix_start_ms,
-                    .row_count = 0};
-  return &segments_.emplace_back(Segment{std::move(head), {}});
+                    .unix_start_ms = rows.unix_start_ms};
+  return segments_.emplace(last_id_, Segment{std::move(head), {}}).first->second;
 }
 
-uint64_t MemoryAuditLog::RowCount(const std::string& session_id) const {
-  uint64_t count = 0;
-  for (const Segment& each : segments_)
-    count += each.head.session_id == session_id ? each.head.row_count : 0;
-  return count;
+MemoryAuditLog::Chunk& MemoryAuditLog::LatestChunk(uint64_t unix_now_s) {
+  if (chunks_.empty() || IsFull(chunks_.back(), limits_, unix_now_s))
+    chunks_.emplace_back().unix_start_s = unix_now_s;
+  return chunks_.back();
 }
 
-void MemoryAuditLog::Trim() {
-  while (row_count_ > limits_.rows) {
-    row_count_ -= segments_.front().head.row_count;
-    segments_.pop_front();
+void MemoryAuditLog::Trim(uint64_t unix_now_s) {
+  while (!chunks_.empty() && IsBeyond(chunks_.front(), byte_count_, limits_, unix_now_s)) {
+    for (const auto& [id, number] : chunks_.front().rows) {
+      const auto segment = segments_.find(id);
+      segment->second.rows.erase(number);
+      if (segment->second.rows.empty()) segments_.erase(segment);
+    }
+    byte_count_ -= chunks_.front().byte_count;
+    chunks_.pop_front();
   }
 }
 
 uint32_t MemoryAuditLog::LastSegment(const std::string& session_id) const {
   uint32_t last = 0;
-  for (const Segment& each : segments_) {
-    if (each.head.session_id == session_id) last = std::max(last, each.head.segment);
+  for (const auto& [id, segment] : segments_) {
+    if (segment.head.session_id == session_id) last = std::max(last, segment.head.segment);
   }
   return last;
 }
@@ -90,27 +99,30 @@ std::vector<AuditSegment> MemoryAuditLog::List(const priors::AuditFilter& filter
     return wanted.empty() || wanted == is;
   };
   std::vector<AuditSegment> list;
-  for (const Segment& each : segments_) {
-    const AuditSegment& head = each.head;
-    if (list.size() == limit) break;
-    if (head.id > after && matches(filter.session_id, head.session_id) &&
-        matches(filter.project, head.project) && matches(filter.scene, head.scene)) {
-      list.push_back(head);
-    }
+  for (auto at = segments_.upper_bound(after); at != segments_.end() && list.size() < limit; ++at) {
+    const auto& [head, rows] = at->second;
+    if (!matches(filter.session_id, head.session_id) || !matches(filter.project, head.project) ||
+        !matches(filter.scene, head.scene))
+      continue;
+    AuditSegment& segment = list.emplace_back(head);
+    segment.first_row = rows.begin()->first;
+    segment.row_count = rows.size();
+    segment.lost_row_count = rows.rbegin()->first - segment.first_row + 1 - segment.row_count;
   }
   return list;
 }
 
-std::vector<std::string> MemoryAuditLog::Load(uint64_t segment_id, uint64_t first_row,
-                                              uint32_t limit, size_t max_bytes) const {
-  std::vector<std::string> rows;
+std::vector<AuditRow> MemoryAuditLog::Load(uint64_t segment_id, uint64_t first_row, uint32_t limit,
+                                           size_t max_bytes) const {
+  const auto segment = segments_.find(segment_id);
+  if (segment == segments_.end()) return {};
+  const auto& stored = segment->second.rows;
+  std::vector<AuditRow> rows;
   size_t bytes = 0;
-  for (const Segment& each : segments_) {
-    if (each.head.id != segment_id) continue;
-    for (size_t i = first_row - 1; i < each.rows.size() && rows.size() < limit; ++i) {
-      if (bytes >= max_bytes) break;
-      bytes += rows.emplace_back(each.rows[i]).size();
-    }
+  for (auto at = stored.lower_bound(first_row);
+       at != stored.end() && rows.size() < limit && bytes < max_bytes; ++at) {
+    rows.push_back({.number = at->first, .text = at->second});
+    bytes += at->second.size();
   }
   return rows;
 }
@@ -134,7 +146,7 @@ void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
     entry.sequence = update.progress.commit_sequence;
     entry.evidence += increment.evidence;
   }
-  audit_.Append(update.progress.source_id, update.audit);
+  lost_audit_row_count_ += audit_.Append(update);
 }
 
 absl::StatusOr<priors::PriorSums> MemoryPriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
@@ -255,10 +267,10 @@ absl::StatusOr<std::vector<priors::AuditSegment>> MemoryPriorStore::ListAudit(
   return audit_.List(filter, after, limit);
 }
 
-absl::StatusOr<std::vector<std::string>> MemoryPriorStore::LoadAudit(uint64_t segment_id,
-                                                                     uint64_t first_row,
-                                                                     uint32_t limit,
-                                                                     size_t max_bytes) {
+absl::StatusOr<std::vector<AuditRow>> MemoryPriorStore::LoadAudit(uint64_t segment_id,
+                                                                  uint64_t first_row,
+                                                                  uint32_t limit,
+                                                                  size_t max_bytes) {
   return audit_.Load(segment_id, first_row, limit, max_bytes);
 }
 

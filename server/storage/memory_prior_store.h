@@ -5,9 +5,11 @@
 #include <deque>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/priors/prior_store.h"
+#include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
 
@@ -16,29 +18,35 @@ class MemoryAuditLog {
  public:
   explicit MemoryAuditLog(const priors::AuditLimits& limits) : limits_(limits) {}
 
-  void Append(const std::string& session_id, const priors::AuditRows& rows);
+  // Returns how many of the rows cannot be stored.
+  uint64_t Append(const priors::SourceUpdate& update);
   // Returns 0 if there is none.
   uint32_t LastSegment(const std::string& session_id) const;
   std::vector<priors::AuditSegment> List(const priors::AuditFilter& filter, uint64_t after,
                                          uint32_t limit) const;
-  std::vector<std::string> Load(uint64_t segment_id, uint64_t first_row, uint32_t limit,
-                                size_t max_bytes) const;
+  std::vector<priors::AuditRow> Load(uint64_t segment_id, uint64_t first_row, uint32_t limit,
+                                     size_t max_bytes) const;
 
  private:
   struct Segment {
-    priors::AuditSegment head;
-    std::vector<std::string> rows;
+    priors::AuditSegment head;  // without the counts
+    std::map<uint64_t, std::string> rows;
+  };
+  // The numbers of its rows, with their segments' ids.
+  struct Chunk : AuditChunk {
+    std::vector<std::pair<uint64_t, uint64_t>> rows;
   };
 
-  // Returns null if the rows do not continue what is stored.
-  Segment* Find(const std::string& session_id, const priors::AuditRows& rows);
-  uint64_t RowCount(const std::string& session_id) const;
-  void Trim();
+  // Adds the segment if there is none.
+  Segment& Find(const std::string& session_id, const priors::AuditRows& rows);
+  Chunk& LatestChunk(uint64_t unix_now_s);
+  void Trim(uint64_t unix_now_s);
 
   const priors::AuditLimits limits_;
-  std::deque<Segment> segments_;  // ordered by their beginning
+  std::map<uint64_t, Segment> segments_;  // by id
+  std::deque<Chunk> chunks_;              // the oldest first
   uint64_t last_id_ = 0;
-  uint64_t row_count_ = 0;
+  uint64_t byte_count_ = 0;
 };
 
 class MemoryPriorStore : public priors::PriorStore {
@@ -46,6 +54,7 @@ class MemoryPriorStore : public priors::PriorStore {
   explicit MemoryPriorStore(const priors::AuditLimits& audit_limits = {}) : audit_(audit_limits) {}
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
+  uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override;
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override;
@@ -63,8 +72,9 @@ class MemoryPriorStore : public priors::PriorStore {
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override;
-  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                     uint32_t limit, size_t max_bytes) override;
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override;
 
  private:
   struct Source {
@@ -87,6 +97,7 @@ class MemoryPriorStore : public priors::PriorStore {
   std::map<std::string, Source> sources_;
   std::map<priors::EvidenceKey, EntriesBySource> evidence_;
   MemoryAuditLog audit_;
+  uint64_t lost_audit_row_count_ = 0;
 };
 
 }  // namespace sweepstake::storage

@@ -1,6 +1,5 @@
 #include "server/storage/record_limits.h"
 
-#include <algorithm>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -66,6 +65,13 @@ absl::string_view WrongRecord(const priors::PriorRecord& record) {
   return wrong;
 }
 
+constexpr uint64_t kAuditChunks = 32;
+
+// 0 if the wall clock was set back.
+uint64_t AgeS(const AuditChunk& chunk, uint64_t unix_now_s) {
+  return unix_now_s > chunk.unix_start_s ? unix_now_s - chunk.unix_start_s : 0;
+}
+
 }  // namespace
 
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates) {
@@ -84,19 +90,20 @@ absl::Status CheckRecords(std::span<const priors::PriorRecord> records) {
   return absl::OkStatus();
 }
 
-uint64_t AuditRoom(const priors::AuditLimits& limits, uint64_t stored_row_count) {
-  const uint64_t max = std::min(limits.rows_per_session, limits.rows);
-  return max > stored_row_count ? max - stored_row_count : 0;
+bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row) {
+  return IsName(rows.project) && IsName(rows.scene) && rows.segment > 0 && row.number > 0 &&
+         row.number <= kMaxCount && !row.text.empty() &&
+         row.text.size() <= priors::kMaxAuditRowBytes;
 }
 
-size_t StorableAuditRows(const priors::AuditRows& rows, uint64_t room) {
-  if (!IsName(rows.project) || !IsName(rows.scene) || rows.segment == 0) return 0;
-  size_t count = 0;
-  while (count < rows.rows.size() && count < room && !rows.rows[count].empty() &&
-         rows.rows[count].size() <= priors::kMaxAuditRowBytes) {
-    ++count;
-  }
-  return count;
+bool IsFull(const AuditChunk& chunk, const priors::AuditLimits& limits, uint64_t unix_now_s) {
+  return chunk.byte_count >= limits.bytes / kAuditChunks ||
+         AgeS(chunk, unix_now_s) > limits.age_s / kAuditChunks;
+}
+
+bool IsBeyond(const AuditChunk& oldest, uint64_t log_bytes, const priors::AuditLimits& limits,
+              uint64_t unix_now_s) {
+  return log_bytes > limits.bytes || AgeS(oldest, unix_now_s) > limits.age_s;
 }
 
 }  // namespace sweepstake::storage

@@ -17,10 +17,18 @@ inline constexpr uint64_t kMaxCount = (1ull << 63) - 1;
 absl::Status CheckUpdates(std::span<const priors::SourceUpdate> updates);
 absl::Status CheckRecords(std::span<const priors::PriorRecord> records);
 
-// Returns how many more rows of a session's audit log may be stored.
-uint64_t AuditRoom(const priors::AuditLimits& limits, uint64_t stored_row_count);
-// Returns how many of the rows, from the first one on, can be stored: at most `room`, and those
-// before the first row that is empty or too long. If a name is invalid, none can be.
-size_t StorableAuditRows(const priors::AuditRows& rows, uint64_t room);
+// Returns whether one of the rows can be stored. If a name of theirs is invalid, none can be.
+bool IsStorable(const priors::AuditRows& rows, const priors::AuditRow& row);
+
+// Audit rows that were stored in the seconds from `unix_start_s` on.
+struct AuditChunk {
+  uint64_t unix_start_s = 0;
+  uint64_t byte_count = 0;  // of the rows' text
+};
+// Returns whether the chunk takes no more rows, because it holds a 32nd of what the log may.
+bool IsFull(const AuditChunk& chunk, const priors::AuditLimits& limits, uint64_t unix_now_s);
+// Returns whether the oldest chunk of a log of so many bytes is to be removed.
+bool IsBeyond(const AuditChunk& oldest, uint64_t log_bytes, const priors::AuditLimits& limits,
+              uint64_t unix_now_s);
 
 }  // namespace sweepstake::storage

@@ -1,43 +1,60 @@
 #include "server/storage/sqlite_audit_log.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
 
+using priors::AuditRow;
 using priors::AuditRows;
 using priors::AuditSegment;
 
 const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
-    {&Statements::session_rows, R"sql(
-        SELECT CAST(total(row_count) AS INTEGER) FROM audit_segment WHERE session = ?1)sql"},
     {&Statements::last_segment, R"sql(
         SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = ?1)sql"},
+    {&Statements::find_segment, R"sql(
+        SELECT id, (SELECT max(number) FROM audit_row WHERE segment_id = s.id)
+        FROM audit_segment s WHERE session = ?1 AND segment = ?2)sql"},
     {&Statements::add_segment, R"sql(
-        INSERT INTO audit_segment (session, segment, project, scene, unix_start_ms, row_count)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6)
-        ON CONFLICT DO NOTHING
-        RETURNING id)sql"},
-    {&Statements::advance_segment, R"sql(
-        UPDATE audit_segment SET row_count = row_count + ?4
-        WHERE session = ?1 AND segment = ?2 AND row_count = ?3 - 1
+        INSERT INTO audit_segment (session, segment, project, scene, unix_start_ms)
+        VALUES (?1, ?2, ?3, ?4, ?5)
         RETURNING id)sql"},
     {&Statements::add_row, R"sql(
         INSERT INTO audit_row (segment_id, number, text) VALUES (?1, ?2, ?3))sql"},
-    {&Statements::oldest_segment, R"sql(
-        SELECT id, row_count FROM audit_segment ORDER BY id LIMIT 1)sql"},
-    {&Statements::delete_rows, "DELETE FROM audit_row WHERE segment_id = ?1"},
-    {&Statements::delete_segment, "DELETE FROM audit_segment WHERE id = ?1"},
+    {&Statements::latest_chunk, R"sql(
+        SELECT first_row_id, unix_start_s, byte_count
+        FROM audit_chunk ORDER BY first_row_id DESC LIMIT 1)sql"},
+    {&Statements::add_chunk, R"sql(
+        INSERT INTO audit_chunk SELECT coalesce(max(id), 0) + 1, ?1, ?2 FROM audit_row)sql"},
+    {&Statements::grow_chunk, R"sql(
+        UPDATE audit_chunk SET byte_count = byte_count + ?2 WHERE first_row_id = ?1)sql"},
+    {&Statements::oldest_chunk, R"sql(
+        SELECT first_row_id, unix_start_s, byte_count,
+               (SELECT CAST(total(byte_count) AS INTEGER) FROM audit_chunk)
+        FROM audit_chunk ORDER BY first_row_id LIMIT 1)sql"},
+    {&Statements::delete_rows, R"sql(
+        DELETE FROM audit_row
+        WHERE id < coalesce((SELECT min(first_row_id) FROM audit_chunk WHERE first_row_id > ?1),
+                            9223372036854775807)
+        RETURNING segment_id)sql"},
+    {&Statements::delete_chunk, "DELETE FROM audit_chunk WHERE first_row_id = ?1"},
+    {&Statements::delete_empty_segment, R"sql(
+        DELETE FROM audit_segment
+        WHERE id = ?1 AND NOT EXISTS (SELECT 1 FROM audit_row WHERE segment_id = ?1))sql"},
     {&Statements::list_segments, R"sql(
-        SELECT id, session, segment, project, scene, unix_start_ms, row_count
-        FROM audit_segment
+        SELECT id, session, segment, project, scene, unix_start_ms,
+               (SELECT min(number) FROM audit_row WHERE segment_id = s.id),
+               (SELECT max(number) FROM audit_row WHERE segment_id = s.id),
+               (SELECT count(*) FROM audit_row WHERE segment_id = s.id)
+        FROM audit_segment s
         WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
           AND (?3 = '' OR scene = ?3)
         ORDER BY id LIMIT ?5)sql"},
     {&Statements::load_rows, R"sql(
-        SELECT text FROM audit_row
+        SELECT number, text FROM audit_row
         WHERE segment_id = ?1 AND number >= ?2
         ORDER BY number LIMIT ?3)sql"},
 };
@@ -55,77 +72,107 @@ absl::Status SqliteAuditLog::Prepare(SqliteDatabase& database) {
     if (!statement.ok()) return statement.status();
     statements_.*text.statement = *std::move(statement);
   }
-  auto count = database.QueryInteger("SELECT CAST(total(row_count) AS INTEGER) FROM audit_segment");
-  if (!count.ok()) return count.status();
-  row_count_ = static_cast<uint64_t>(*count);
   return absl::OkStatus();
 }
 
-absl::Status SqliteAuditLog::Append(SqliteDatabase& database,
-                                    std::span<const priors::SourceUpdate* const> updates) {
-  new_row_count_ = row_count_;
+uint64_t SqliteAuditLog::Append(SqliteDatabase& database,
+                                std::span<const priors::SourceUpdate* const> updates) {
+  uint64_t lost = 0;
   absl::Status status = database.Execute("SAVEPOINT audit");
-  if (!status.ok()) return status;
-  status = AppendAll(updates);
-  if (!status.ok()) new_row_count_ = row_count_;
-  const absl::Status ended =
-      database.Execute(status.ok() ? "RELEASE audit" : "ROLLBACK TO audit; RELEASE audit");
-  return status.ok() ? ended : status;
-}
-
-absl::Status SqliteAuditLog::AppendAll(std::span<const priors::SourceUpdate* const> updates) {
-  for (const priors::SourceUpdate* update : updates) {
-    absl::Status status = AppendOne(update->progress.source_id, update->audit);
-    if (!status.ok()) return status;
+  if (status.ok()) {
+    status = AppendAll(updates, lost);
+    const absl::Status ended =
+        database.Execute(status.ok() ? "RELEASE audit" : "ROLLBACK TO audit; RELEASE audit");
+    if (status.ok()) status = ended;
   }
-  return Trim();
+  if (status.ok()) return lost;
+  uint64_t all = 0;
+  for (const priors::SourceUpdate* update : updates) all += update->audit.rows.size();
+  return all;
 }
 
-absl::Status SqliteAuditLog::AppendOne(const std::string& session_id, const AuditRows& rows) {
-  if (rows.rows.empty()) return absl::OkStatus();
-  uint64_t stored = 0;
-  absl::Status status = statements_.session_rows.ForEachRow(
-      [&](const SqliteRow& row) { stored = row.Unsigned(0); }, session_id);
-  if (!status.ok()) return status;
-  const size_t count = StorableAuditRows(rows, AuditRoom(limits_, stored));
-  if (count == 0) return absl::OkStatus();
-  const auto segment = Enter(session_id, rows, count);
-  if (!segment.ok() || *segment == 0) return segment.status();
-  for (size_t i = 0; i < count && status.ok(); ++i)
-    status = statements_.add_row.Run(*segment, rows.first_row + i, rows.rows[i]);
-  new_row_count_ += count;
+absl::Status SqliteAuditLog::AppendAll(std::span<const priors::SourceUpdate* const> updates,
+                                       uint64_t& lost) {
+  uint64_t unix_now_s = 0;
+  for (const priors::SourceUpdate* update : updates) {
+    unix_now_s = std::max(unix_now_s, update->unix_time_s);
+    if (absl::Status status = AppendOne(*update, lost); !status.ok()) return status;
+  }
+  return Trim(unix_now_s);
+}
+
+absl::Status SqliteAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t& lost) {
+  auto segment = Find(update.progress.source_id, update.audit.segment);
+  if (!segment.ok()) return segment.status();
+  std::vector<const AuditRow*> rows;
+  uint64_t bytes = 0;
+  for (const AuditRow& row : update.audit.rows) {
+    if (!IsStorable(update.audit, row)) {
+      ++lost;
+    } else if (row.number > segment->last_row) {
+      rows.push_back(&row);
+      bytes += row.text.size();
+    }
+  }
+  if (rows.empty()) return absl::OkStatus();
+  absl::StatusOr<int64_t> id = segment->id;
+  if (*id == 0) id = Add(update.progress.source_id, update.audit);
+  absl::Status status = id.ok() ? GrowChunk(bytes, update.unix_time_s) : id.status();
+  for (size_t i = 0; i < rows.size() && status.ok(); ++i)
+    status = statements_.add_row.Run(*id, rows[i]->number, rows[i]->text);
   return status;
 }
 
-absl::StatusOr<int64_t> SqliteAuditLog::Enter(const std::string& session_id, const AuditRows& rows,
-                                              uint64_t count) {
+absl::StatusOr<SqliteAuditLog::Segment> SqliteAuditLog::Find(const std::string& session_id,
+                                                             uint32_t segment) {
+  Segment found;
+  absl::Status status = statements_.find_segment.ForEachRow(
+      [&](const SqliteRow& row) { found = {.id = row.Integer(0), .last_row = row.Unsigned(1)}; },
+      session_id, segment);
+  if (!status.ok()) return status;
+  return found;
+}
+
+absl::StatusOr<int64_t> SqliteAuditLog::Add(const std::string& session_id, const AuditRows& rows) {
   int64_t id = 0;
-  const auto take_id = [&](const SqliteRow& row) { id = row.Integer(0); };
-  absl::Status status =
-      rows.first_row == 1
-          ? statements_.add_segment.ForEachRow(take_id, session_id, rows.segment, rows.project,
-                                               rows.scene, rows.unix_start_ms, count)
-          : statements_.advance_segment.ForEachRow(take_id, session_id, rows.segment,
-                                                   rows.first_row, count);
+  absl::Status status = statements_.add_segment.ForEachRow(
+      [&](const SqliteRow& row) { id = row.Integer(0); }, session_id, rows.segment, rows.project,
+      rows.scene, rows.unix_start_ms);
   if (!status.ok()) return status;
   return id;
 }
 
-absl::Status SqliteAuditLog::Trim() {
-  while (new_row_count_ > limits_.rows) {
-    int64_t id = 0;
-    uint64_t count = 0;
-    absl::Status status = statements_.oldest_segment.ForEachRow([&](const SqliteRow& row) {
-      id = row.Integer(0);
-      count = row.Unsigned(1);
+absl::Status SqliteAuditLog::GrowChunk(uint64_t bytes, uint64_t unix_now_s) {
+  int64_t first_row_id = 0;
+  absl::Status status = statements_.latest_chunk.ForEachRow([&](const SqliteRow& row) {
+    const AuditChunk chunk{.unix_start_s = row.Unsigned(1), .byte_count = row.Unsigned(2)};
+    if (!IsFull(chunk, limits_, unix_now_s)) first_row_id = row.Integer(0);
+  });
+  if (!status.ok()) return status;
+  return first_row_id == 0 ? statements_.add_chunk.Run(unix_now_s, bytes)
+                           : statements_.grow_chunk.Run(first_row_id, bytes);
+}
+
+absl::Status SqliteAuditLog::Trim(uint64_t unix_now_s) {
+  while (true) {
+    int64_t first_row_id = 0;
+    absl::Status status = statements_.oldest_chunk.ForEachRow([&](const SqliteRow& row) {
+      const AuditChunk chunk{.unix_start_s = row.Unsigned(1), .byte_count = row.Unsigned(2)};
+      if (IsBeyond(chunk, row.Unsigned(3), limits_, unix_now_s)) first_row_id = row.Integer(0);
     });
-    if (status.ok() && id == 0) return absl::OkStatus();
-    if (status.ok()) status = statements_.delete_rows.Run(id);
-    if (status.ok()) status = statements_.delete_segment.Run(id);
-    if (!status.ok()) return status;
-    new_row_count_ -= std::min(count, new_row_count_);
+    if (!status.ok() || first_row_id == 0) return status;
+    if (status = RemoveChunk(first_row_id); !status.ok()) return status;
   }
-  return absl::OkStatus();
+}
+
+absl::Status SqliteAuditLog::RemoveChunk(int64_t first_row_id) {
+  std::set<int64_t> segments;
+  absl::Status status = statements_.delete_rows.ForEachRow(
+      [&](const SqliteRow& row) { segments.insert(row.Integer(0)); }, first_row_id);
+  for (const int64_t segment : segments) {
+    if (status.ok()) status = statements_.delete_empty_segment.Run(segment);
+  }
+  return status.ok() ? statements_.delete_chunk.Run(first_row_id) : status;
 }
 
 absl::StatusOr<uint32_t> SqliteAuditLog::LastSegment(const std::string& session_id) {
@@ -141,27 +188,32 @@ absl::StatusOr<std::vector<AuditSegment>> SqliteAuditLog::List(const priors::Aud
   std::vector<AuditSegment> segments;
   absl::Status status = statements_.list_segments.ForEachRow(
       [&](const SqliteRow& row) {
+        const uint64_t first = row.Unsigned(6);
+        const uint64_t count = row.Unsigned(8);
         segments.push_back({.id = row.Unsigned(0),
                             .session_id = row.Text(1),
                             .segment = static_cast<uint32_t>(row.Integer(2)),
                             .project = row.Text(3),
                             .scene = row.Text(4),
                             .unix_start_ms = row.Integer(5),
-                            .row_count = row.Unsigned(6)});
+                            .first_row = first,
+                            .row_count = count,
+                            .lost_row_count = row.Unsigned(7) - first + 1 - count});
       },
       filter.session_id, filter.project, filter.scene, after, limit);
   if (!status.ok()) return status;
   return segments;
 }
 
-absl::StatusOr<std::vector<std::string>> SqliteAuditLog::Load(uint64_t segment_id,
-                                                              uint64_t first_row, uint32_t limit,
-                                                              size_t max_bytes) {
-  std::vector<std::string> rows;
+absl::StatusOr<std::vector<AuditRow>> SqliteAuditLog::Load(uint64_t segment_id, uint64_t first_row,
+                                                           uint32_t limit, size_t max_bytes) {
+  std::vector<AuditRow> rows;
   size_t bytes = 0;
   absl::Status status = statements_.load_rows.ForEachRow(
       [&](const SqliteRow& row) {
-        if (bytes < max_bytes) bytes += rows.emplace_back(row.Text(0)).size();
+        if (bytes >= max_bytes) return;
+        rows.push_back({.number = row.Unsigned(0), .text = row.Text(1)});
+        bytes += rows.back().text.size();
       },
       segment_id, first_row, limit);
   if (!status.ok()) return status;

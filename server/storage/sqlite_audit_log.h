@@ -1,5 +1,7 @@
-// The audit log in the prior store's SQLite file: a table of segments and a table of their rows.
-// Used by one thread at a time; the database must outlive it.
+// The audit log in the prior store's SQLite file: a table of segments, a table of their rows, whose
+// ids grow in the order in which they come, and a table of chunks, each a range of those ids. The
+// oldest chunk is removed as a whole, whichever sessions its rows are of. Used by one thread at a
+// time; the database must outlive it.
 //
 // The space of removed rows is used again, but the file does not shrink.
 #pragma once
@@ -20,31 +22,40 @@ class SqliteAuditLog {
   static absl::StatusOr<SqliteAuditLog> Open(SqliteDatabase& database,
                                              const priors::AuditLimits& limits);
 
-  // Appends all rows or none, inside the caller's transaction; after an error the transaction is as
-  // before. If the transaction is committed, the caller then calls Committed.
-  absl::Status Append(SqliteDatabase& database,
-                      std::span<const priors::SourceUpdate* const> updates);
-  void Committed() { row_count_ = new_row_count_; }
+  // Appends the rows of the updates inside the caller's transaction, and returns how many of them
+  // could not be written: those that are invalid or, after an error, all; then the transaction is
+  // as before.
+  uint64_t Append(SqliteDatabase& database, std::span<const priors::SourceUpdate* const> updates);
 
   absl::StatusOr<uint32_t> LastSegment(const std::string& session_id);
   absl::StatusOr<std::vector<priors::AuditSegment>> List(const priors::AuditFilter& filter,
                                                          uint64_t after, uint32_t limit);
-  absl::StatusOr<std::vector<std::string>> Load(uint64_t segment_id, uint64_t first_row,
-                                                uint32_t limit, size_t max_bytes);
+  absl::StatusOr<std::vector<priors::AuditRow>> Load(uint64_t segment_id, uint64_t first_row,
+                                                     uint32_t limit, size_t max_bytes);
 
  private:
+  // A segment as it is stored.
+  struct Segment {
+    int64_t id = 0;
+    uint64_t last_row = 0;
+  };
+
   explicit SqliteAuditLog(const priors::AuditLimits& limits) : limits_(limits) {}
   absl::Status Prepare(SqliteDatabase& database);
-  absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates);
-  absl::Status AppendOne(const std::string& session_id, const priors::AuditRows& rows);
-  // Returns the segment's id, or 0 if the rows do not continue what is stored.
-  absl::StatusOr<int64_t> Enter(const std::string& session_id, const priors::AuditRows& rows,
-                                uint64_t count);
-  absl::Status Trim();
+  absl::Status AppendAll(std::span<const priors::SourceUpdate* const> updates, uint64_t& lost);
+  absl::Status AppendOne(const priors::SourceUpdate& update, uint64_t& lost);
+  // If there is no such segment, its id is 0.
+  absl::StatusOr<Segment> Find(const std::string& session_id, uint32_t segment);
+  absl::StatusOr<int64_t> Add(const std::string& session_id, const priors::AuditRows& rows);
+  // Adds to the bytes of the latest chunk, or of a new one if that is full.
+  absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
+  absl::Status Trim(uint64_t unix_now_s);
+  absl::Status RemoveChunk(int64_t first_row_id);
 
   struct Statements {
-    SqliteStatement session_rows, last_segment, add_segment, advance_segment, add_row,
-        oldest_segment, delete_rows, delete_segment, list_segments, load_rows;
+    SqliteStatement last_segment, find_segment, add_segment, add_row, latest_chunk, add_chunk,
+        grow_chunk, oldest_chunk, delete_rows, delete_chunk, delete_empty_segment, list_segments,
+        load_rows;
   };
   struct StatementText {
     SqliteStatement Statements::*statement;
@@ -54,8 +65,6 @@ class SqliteAuditLog {
 
   priors::AuditLimits limits_;
   Statements statements_;
-  uint64_t row_count_ = 0;      // rows of all stored segments
-  uint64_t new_row_count_ = 0;  // the same once the current transaction is committed
 };
 
 }  // namespace sweepstake::storage

@@ -53,6 +53,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status Prepare(const priors::AuditLimits& audit_limits);
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
+  uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override;
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
       const std::string& source_id) override;
@@ -70,8 +71,9 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                               uint32_t limit) override {
     return audit_->List(filter, after, limit);
   }
-  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                     uint32_t limit, size_t max_bytes) override {
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override {
     return audit_->Load(segment_id, first_row, limit, max_bytes);
   }
 
@@ -98,6 +100,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Statements must be destroyed before the database, so they stand after it.
   PriorStatements statements_;
   std::optional<SqliteAuditLog> audit_;  // present from Prepare on
+  uint64_t lost_audit_row_count_ = 0;
 };
 
 absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
@@ -121,7 +124,7 @@ absl::Status SqlitePriorStore::InTransaction(Body body) {
 
 absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
   if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
-  bool audited = false;
+  uint64_t lost = 0;
   absl::Status status = InTransaction([&] {
     std::vector<const priors::SourceUpdate*> applied;
     for (const auto& update : updates) {
@@ -130,10 +133,10 @@ absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> upda
       if (*is_new && !update.audit.rows.empty()) applied.push_back(&update);
     }
     // The log must not cost evidence: if its rows cannot be written, the commit goes on without.
-    audited = !applied.empty() && audit_->Append(database_, applied).ok();
+    if (!applied.empty()) lost = audit_->Append(database_, applied);
     return absl::OkStatus();
   });
-  if (status.ok() && audited) audit_->Committed();
+  if (status.ok()) lost_audit_row_count_ += lost;
   return status;
 }
 

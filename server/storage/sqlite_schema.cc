@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 5> kMigrations = {R"sql(
+constexpr std::array<const char*, 6> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -129,6 +129,31 @@ constexpr std::array<const char*, 5> kMigrations = {R"sql(
                                                     R"sql(
   CREATE TABLE store (id TEXT NOT NULL CHECK (length(id) = 32)) STRICT;
   INSERT INTO store VALUES (lower(hex(randomblob(16))));
+)sql",
+                                                    R"sql(
+  ALTER TABLE audit_segment DROP COLUMN row_count;
+  ALTER TABLE audit_row RENAME TO audit_row_5;
+
+  CREATE TABLE audit_row (
+    id INTEGER PRIMARY KEY,
+    segment_id INTEGER NOT NULL REFERENCES audit_segment (id),
+    number INTEGER NOT NULL CHECK (number BETWEEN 1 AND 9223372036854775807),
+    text TEXT NOT NULL CHECK (length(CAST(text AS BLOB)) BETWEEN 1 AND 65536),
+    UNIQUE (segment_id, number)
+  ) STRICT;
+
+  CREATE TABLE audit_chunk (
+    first_row_id INTEGER PRIMARY KEY,
+    unix_start_s INTEGER NOT NULL CHECK (unix_start_s BETWEEN 0 AND 9223372036854775807),
+    byte_count INTEGER NOT NULL CHECK (byte_count BETWEEN 0 AND 9223372036854775807)
+  ) STRICT;
+
+  INSERT INTO audit_row SELECT rowid, segment_id, number, text FROM audit_row_5 ORDER BY rowid;
+  DROP TABLE audit_row_5;
+  INSERT INTO audit_chunk
+    SELECT min(r.id), max(0, max(s.unix_start_ms) / 1000), sum(length(CAST(text AS BLOB)))
+    FROM audit_row r JOIN audit_segment s ON s.id = segment_id
+    GROUP BY r.id / 5000;  -- some 5 MB each, to be removed one by one
 )sql"};
 
 absl::Status Explain(const fs::path& path, const absl::Status& status) {

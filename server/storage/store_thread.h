@@ -42,6 +42,9 @@ class StoreThread final : public priors::AsyncPriorStore {
   void Commit(priors::SourceUpdate update, CommitCallback done) override;
   bool Submit(Job job) override;
   bool healthy() const override { return healthy_.load(std::memory_order_relaxed); }
+  uint64_t lost_audit_row_count() const override {
+    return lost_audit_row_count_.load(std::memory_order_relaxed);
+  }
 
  private:
   struct PendingCommit {
@@ -64,6 +67,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   const std::unique_ptr<priors::PriorStore> store_;
   const StoreThreadOptions options_;
   std::atomic<bool> healthy_{true};
+  std::atomic<uint64_t> lost_audit_row_count_{0};  // the store's, after the latest commit
 
   std::mutex mutex_;
   std::condition_variable changed_;

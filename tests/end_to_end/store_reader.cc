@@ -34,7 +34,7 @@ std::string ReadAuditLog(const std::filesystem::path& data) {
   for (const priors::AuditSegment& segment : *segments) {
     const auto rows = (*store)->LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
     if (!rows.ok()) Die(rows.status().ToString());
-    for (const std::string& row : *rows) csv += row + "\n";
+    for (const priors::AuditRow& row : *rows) csv += row.text + "\n";
   }
   return csv;
 }

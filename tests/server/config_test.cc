@@ -42,10 +42,13 @@ TEST_F(ConfigTest, TheDefaultsAreValidAndThePapers) {
 
 TEST_F(ConfigTest, AFileSetsWhatItNames) {
   const auto config = FromFile(
-      "listen = '127.0.0.1:0'\n[decision]\ncooldown_ms = 1500\nexplore = false\n"
+      "listen = '127.0.0.1:0'\naudit_mb = 2\naudit_days = 3\n[decision]\ncooldown_ms = "
+      "1500\nexplore = false\n"
       "weight_fps = 1\nweight_detection = 0.0\nweight_memory = 0\nweight_checks = 0\n");
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_EQ(config->listen, "127.0.0.1:0");
+  EXPECT_EQ(config->rpc.audit.bytes, 2u << 20);
+  EXPECT_EQ(config->rpc.audit.age_s, 3u * 86'400);
   EXPECT_EQ(config->rpc.decision.cooldown_ns, 1'500'000'000);
   EXPECT_FALSE(config->rpc.decision.explore);
   EXPECT_EQ(config->rpc.decision.weights.fps, 1);

@@ -9,7 +9,7 @@
 namespace sweepstake::cli {
 namespace {
 
-// This is enough for the largest log that a daemon keeps by default, 200 MB, over a slow network.
+// This is enough for the largest log that a daemon keeps by default, 256 MiB, over a slow network.
 constexpr std::chrono::minutes kExportDeadline{10};
 
 template <typename Request>

@@ -35,13 +35,21 @@ Json DifferenceJson(const std::optional<AuditDifference>& difference) {
           {"column", difference->column},   {"message", difference->message}};
 }
 
+std::string UnderivedText(const AuditReport& report) {
+  if (report.incomplete_segment_count == 0) return "";
+  return Counted(report.underived_decision_count, "decision") + " in " +
+         Counted(report.incomplete_segment_count, "segment") +
+         " cannot be: rows before them were removed, as the log has bounds, or could not be "
+         "written\n";
+}
+
 }  // namespace
 
 Result<AuditReport> ReplayLog(const std::string& file) {
   const auto text = ReadLog(file);
   if (!text.ok()) return text.status();
   AuditReport report = decision::Rederive(*text, decision::StudyPolicies());
-  if (!report.difference && report.decision_count == 0) {
+  if (!report.difference && report.decision_count + report.underived_decision_count == 0) {
     return Status(
         StatusCode::kInvalidArgument,
         file + " holds no decisions; `sweepstake audit list` says which sessions have some");
@@ -56,6 +64,8 @@ Json ReplayLogJson(const AuditReport& report, const std::string& file) {
           {"segments", report.segment_count},
           {"rows", report.row_count},
           {"decisions", report.decision_count},
+          {"incomplete_segments", report.incomplete_segment_count},
+          {"underived_decisions", report.underived_decision_count},
           {"equal", !report.difference},
           {"difference", DifferenceJson(report.difference)}};
 }
@@ -64,7 +74,7 @@ std::string ReplayLogText(const AuditReport& report) {
   return Counted(report.decision_count, "decision") + " in " +
          Counted(report.segment_count, "segment") + " re-derived, " +
          (report.difference ? "then a difference\n" + report.difference->Text() : "all equal") +
-         '\n';
+         '\n' + UnderivedText(report);
 }
 
 }  // namespace sweepstake::cli

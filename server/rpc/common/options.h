@@ -27,10 +27,10 @@ inline constexpr uint32_t kAuditSegmentsPerMessage = 100;
 inline constexpr uint32_t kAuditRowsPerPage = 500;
 // An export's message is sent once its rows have this many bytes; it may exceed that by one row.
 inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
-// The maximum bytes of one session's audit rows that wait for the disk: 64 rows of 7 arms, which
-// are two minutes. Beyond it the session's log ends, since a log with a gap could not be derived
-// again.
-inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024;
+// The maximum bytes of audit rows that wait for the disk, of one session (64 rows of 7 arms, which
+// are two minutes) and of all. A row beyond them is lost.
+inline constexpr size_t kMaxWaitingAuditBytesOfSession = 64 * 1024;
+inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 // Streams that have no session, beside those of max_sessions. The next stream is
 // RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
@@ -95,8 +95,9 @@ struct Counters {
   std::atomic<uint64_t> refused_switch_count{0};  // commands that a client did not execute
   std::atomic<uint64_t> stored_commit_count{0};
   std::atomic<uint64_t> failed_commit_count{0};
-  // Audit logs that ended before their session because the disk was too slow.
-  std::atomic<uint64_t> cut_audit_log_count{0};
+  std::atomic<uint64_t> waiting_audit_bytes{0};  // of audit rows that wait for the disk now
+  // Audit rows that are not in the log, because too many waited or the store could not write them.
+  std::atomic<uint64_t> lost_audit_row_count{0};
 };
 
 }  // namespace sweepstake::rpc

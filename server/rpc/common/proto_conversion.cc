@@ -169,6 +169,8 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
   message.set_scene(segment.scene);
   message.set_unix_start_ms(segment.unix_start_ms);
   message.set_row_count(segment.row_count);
+  message.set_first_row(segment.first_row);
+  message.set_lost_row_count(segment.lost_row_count);
 }
 
 decision::Mode FromProto(v1::Mode mode) { return static_cast<decision::Mode>(mode); }

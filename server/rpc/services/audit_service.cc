@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/audit/audit_log.h"
 #include "server/rpc/services/page_stream.h"
@@ -29,9 +30,9 @@ absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorStore& store,
 
 // The position of an export in the log.
 struct RowPlace {
-  uint64_t after = 0;               // the segments up to this id are done
-  std::optional<uint64_t> segment;  // the current one
-  uint64_t next_row = 1;            // the next row of the current segment
+  uint64_t after = 0;                   // the segments up to this id are done
+  std::optional<AuditSegment> segment;  // the current one
+  uint64_t next_row = 1;                // the next row of the current segment
 };
 
 using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
@@ -43,9 +44,25 @@ absl::StatusOr<bool> EnterSegment(priors::PriorStore& store, const AuditFilter& 
   const auto segments = store.ListAudit(filter, place.after, 1);
   if (!segments.ok()) return segments.status();
   if (segments->empty()) return false;
-  place.segment = segments->front().id;
+  place.segment = segments->front();
   place.next_row = 1;
   return true;
+}
+
+// Adds the rows to the response, and a `missing` row where some are not there. Returns their bytes.
+size_t AddRows(std::vector<priors::AuditRow> rows, RowPlace& place,
+               v1::ExportDecisionsResponse& response) {
+  size_t bytes = 0;
+  const AuditSegment& segment = *place.segment;
+  for (priors::AuditRow& row : rows) {
+    if (row.number != place.next_row) {
+      response.add_rows(decision::MissingRow(segment.session_id, segment.segment, place.next_row));
+    }
+    place.next_row = row.number + 1;
+    bytes += row.text.size();
+    response.add_rows(std::move(row.text));
+  }
+  return bytes;
 }
 
 absl::StatusOr<RowStream::Page> LoadRows(priors::PriorStore& store, const AuditFilter& filter,
@@ -58,17 +75,14 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorStore& store, const AuditF
     if (!entered.ok()) return entered.status();
     page.last = !*entered;
     if (page.last) return page;
-    auto rows = store.LoadAudit(*page.next.segment, page.next.next_row, kAuditRowsPerPage,
+    auto rows = store.LoadAudit(page.next.segment->id, page.next.next_row, kAuditRowsPerPage,
                                 kAuditBytesPerMessage - bytes);
     if (!rows.ok()) return rows.status();
-    page.next.next_row += rows->size();
     if (rows->empty()) {
-      page.next.after = *page.next.segment;
+      page.next.after = page.next.segment->id;
       page.next.segment.reset();
-    }
-    for (std::string& row : *rows) {
-      bytes += row.size();
-      page.response.add_rows(std::move(row));
+    } else {
+      bytes += AddRows(*std::move(rows), page.next, page.response);
     }
   }
   return page;

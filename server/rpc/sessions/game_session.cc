@@ -22,7 +22,7 @@ std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, Sessio
                                          std::span<const priors::KeyedEvidence> increments) {
         if (const auto self = weak.lock()) self->OnCommitted(status, increments);
       });
-  if (context.options.audit.rows > 0) session->StartAudit();
+  if (context.options.audit.bytes > 0) session->StartAudit();
   return session;
 }
 
@@ -47,7 +47,6 @@ void GameSession::StartAudit() {
                        .project = scene.project,
                        .scene = scene.scene,
                        .unix_start_ms = now.count(),
-                       .first_row = 1,
                        .rows = {}});
   decision::StartAudit(decisions_, *this,
                        {.session_id = identity_.id,
@@ -77,7 +76,8 @@ void GameSession::Start(const v1::Hello& hello) {
   if (unanswered_) link_->SendSwitch(*unanswered_);
   // This stores the session, so that a restarted daemon can resume it.
   if (durable_sequence() == 0 && applied_sequence_ == 0) Checkpoint();
-  ScheduleTick();
+  heard_ = true;
+  ScheduleTick(decisions_.next_tick_ns());
 }
 
 void GameSession::Detach(SessionLink& link) {
@@ -92,6 +92,7 @@ void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
     return;
   }
   applied_sequence_ = request.sequence();
+  heard_ = true;
   ApplyEvidence(request);
   ++context_.counters.applied_message_count;
 }
@@ -178,9 +179,9 @@ void GameSession::ApplyModeChange(const v1::ModeChange& change) {
   unanswered_.reset();
 }
 
-void GameSession::ScheduleTick() {
+void GameSession::ScheduleTick(int64_t due_ns) {
   const uint64_t generation = ++timer_generation_;
-  context_.loop.PostAt(decisions_.next_tick_ns(), [weak = weak_from_this(), generation] {
+  context_.loop.PostAt(due_ns, [weak = weak_from_this(), generation] {
     if (const auto self = weak.lock()) self->OnTimer(generation);
   });
 }
@@ -188,11 +189,14 @@ void GameSession::ScheduleTick() {
 void GameSession::OnTimer(uint64_t generation) {
   if (generation != timer_generation_ || link_ == nullptr) return;
   const int64_t now_ns = context_.loop.clock().NowNs();
-  if (now_ns >= decisions_.next_tick_ns()) {
-    SendDecision(decisions_.Tick(now_ns));
-    Checkpoint();
+  if (now_ns < decisions_.next_tick_ns()) return ScheduleTick(decisions_.next_tick_ns());
+  if (!std::exchange(heard_, false)) {
+    RetryCommit();
+    return ScheduleTick(now_ns + decisions_.setup().options.decision_interval_ns);
   }
-  ScheduleTick();
+  SendDecision(decisions_.Tick(now_ns));
+  Checkpoint();
+  ScheduleTick(decisions_.next_tick_ns());
 }
 
 void GameSession::Checkpoint() {

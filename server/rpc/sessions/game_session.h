@@ -2,9 +2,10 @@
 // and acknowledgements.
 //
 // It outlives a connection: a link is attached while a client is connected. Without a link there
-// are no ticks, since nobody could receive a command, and the window waits. It is used on the
-// decision loop only and is owned by the session table and the stream of its link. The memory is
-// bounded by the number of arms.
+// are no ticks, since nobody could receive a command, and the window waits. Nor is there a tick if
+// the client has sent nothing since the last one: that costs no row and no commit. It is used on
+// the decision loop only and is owned by the session table and the stream of its link. The memory
+// is bounded by the number of arms.
 #pragma once
 
 #include <cstdint>
@@ -105,7 +106,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   bool IsOverLimit(const decision::Frame& frame) const;
   void ApplyModeChange(const v1::ModeChange& change);
 
-  void ScheduleTick();
+  void ScheduleTick(int64_t due_ns);
   void OnTimer(uint64_t generation);
   void Checkpoint();
   void OnCommitted(const absl::Status& status, std::span<const priors::KeyedEvidence> increments);
@@ -132,6 +133,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
   decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
+  bool heard_ = false;             // the client has sent something since the last tick
   bool ending_ = false;
   bool draining_ = false;
   std::vector<decision::Frame> frames_;          // reused

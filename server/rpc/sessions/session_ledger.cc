@@ -27,19 +27,26 @@ SessionLedger::SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop,
       progress_(std::move(progress)),
       durable_sequence_(progress_.message_sequence) {}
 
+SessionLedger::~SessionLedger() { counters_.waiting_audit_bytes -= audit_bytes_; }
+
 void SessionLedger::Add(const priors::KeyedEvidence& increment) {
   open_[increment.key] += increment.evidence;
 }
 
 void SessionLedger::AddAuditRow(std::string_view row) {
-  if (audit_cut_) return;
-  if (audit_bytes_ + row.size() > kMaxWaitingAuditBytes) {
-    audit_cut_ = true;
-    ++counters_.cut_audit_log_count;
+  ++audit_row_count_;
+  if (!HasRoomFor(row)) {
+    ++counters_.lost_audit_row_count;
     return;
   }
-  open_rows_.emplace_back(row);
+  open_rows_.push_back({.number = audit_row_count_, .text = std::string(row)});
   audit_bytes_ += row.size();
+  counters_.waiting_audit_bytes += row.size();
+}
+
+bool SessionLedger::HasRoomFor(std::string_view audit_row) const {
+  return audit_bytes_ + audit_row.size() <= kMaxWaitingAuditBytesOfSession &&
+         counters_.waiting_audit_bytes + audit_row.size() <= kMaxWaitingAuditBytes;
 }
 
 void SessionLedger::Checkpoint(const Position& position) {
@@ -71,7 +78,6 @@ void SessionLedger::MakeOffer() {
   ++progress_.commit_sequence;
   offered_ = priors::SourceUpdate{
       .progress = progress_, .unix_time_s = UnixTimeS(), .increments = {}, .audit = audit_};
-  audit_.first_row += audit_.rows.size();
   audit_.rows.clear();
   for (auto& [key, evidence] : waiting_) offered_->increments.push_back({key, evidence});
   waiting_.clear();
@@ -88,7 +94,10 @@ void SessionLedger::Offer() {
 }
 
 void SessionLedger::DropOffer() {
-  for (const std::string& row : offered_->audit.rows) audit_bytes_ -= row.size();
+  for (const priors::AuditRow& row : offered_->audit.rows) {
+    audit_bytes_ -= row.text.size();
+    counters_.waiting_audit_bytes -= row.text.size();
+  }
   offered_.reset();
 }
 
@@ -103,7 +112,10 @@ void SessionLedger::OnCommitted(const absl::Status& status) {
   } else {
     ++counters_.failed_commit_count;
     // An update that can never be stored must not block those after it.
-    if (absl::IsInvalidArgument(status)) DropOffer();
+    if (absl::IsInvalidArgument(status)) {
+      counters_.lost_audit_row_count += offered_->audit.rows.size();
+      DropOffer();
+    }
   }
   on_committed_(status, stored);
   if (!offered_) CommitNext();

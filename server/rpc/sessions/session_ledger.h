@@ -6,9 +6,9 @@
 // What comes after a checkpoint is kept apart until the next, since a commit in between would write
 // it without the number of its message.
 // The rows of the session's audit log are in the same update; if the disk is too slow for them
-// (kMaxWaitingAuditBytes), the log ends. At most one update is pending; later checkpoints merge
-// into one behind it, so the memory is bounded by the number of arms. A failed update is offered
-// again, unchanged, at the next checkpoint. If it has reached the disk after all, the store
+// (kMaxWaitingAuditBytes), the next ones are lost. At most one update is pending; later checkpoints
+// merge into one behind it, so the memory is bounded by the number of arms. A failed update is
+// offered again, unchanged, at the next checkpoint. If it has reached the disk after all, the store
 // recognises its number and ignores it.
 //
 // It is used on the decision loop only. The store's callback posts to the loop and has only a weak
@@ -42,6 +42,9 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   // after each commit.
   SessionLedger(priors::AsyncPriorStore& store, DecisionLoop& loop, Counters& counters,
                 priors::SourceProgress progress, CommitListener on_committed);
+  ~SessionLedger();
+  SessionLedger(const SessionLedger&) = delete;
+  SessionLedger& operator=(const SessionLedger&) = delete;
 
   void Add(const priors::KeyedEvidence& increment);
   // `head` identifies the session's audit log; it has no rows.
@@ -68,6 +71,7 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   bool committing() const { return in_flight_; }
 
  private:
+  bool HasRoomFor(std::string_view audit_row) const;
   void CommitNext();
   void MakeOffer();
   void Offer();
@@ -84,10 +88,10 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
       waiting_;                                  // evidence between offer and checkpoint
-  std::vector<std::string> open_rows_;           // audit rows since the checkpoint
+  std::vector<priors::AuditRow> open_rows_;      // audit rows since the checkpoint
   priors::AuditRows audit_;                      // rows between offer and checkpoint
+  uint64_t audit_row_count_ = 0;                 // rows of the segment, lost ones included
   size_t audit_bytes_ = 0;                       // size of all rows held here
-  bool audit_cut_ = false;                       // the log has ended
   bool checkpointed_ = false;                    // `waiting_` may be offered
   std::optional<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
   bool in_flight_ = false;                       // the store has `offered_`

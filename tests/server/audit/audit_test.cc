@@ -191,6 +191,56 @@ TEST(AuditLog, MissingAndExchangedRowsAreNamed) {
   EXPECT_NE(ProblemOf(TextOf(headless)).find("first rows are missing"), std::string::npos);
 }
 
+// The rows with those from number `first` on replaced by one that tells they are missing.
+Rows WithMissing(const Rows& rows, size_t first, size_t count) {
+  Rows missing = rows;
+  missing.erase(missing.begin() + static_cast<std::ptrdiff_t>(first),
+                missing.begin() + static_cast<std::ptrdiff_t>(first + count));
+  missing.insert(missing.begin() + static_cast<std::ptrdiff_t>(first),
+                 RowsOf(MissingRow(rows[1][0], 1, first)).front());
+  return missing;
+}
+
+TEST(AuditLog, WhoseMissingRowsAreToldIsDerivedUpToThereAndCheckedByItsHashesAfterThem) {
+  const AuditFile file = LogOf(1, "paper", 1'500);
+  const Rows rows = RowsOf(file.text);
+  ASSERT_GT(rows.size(), 100u);
+  const AuditReport whole = Rederive(file.text);
+  EXPECT_EQ(whole.incomplete_segment_count, 0u);
+  for (const size_t first : {1u, 2u, 50u}) {
+    for (const size_t count : {1u, 20u}) {
+      const AuditReport report = Rederive(TextOf(WithMissing(rows, first, count)));
+      ASSERT_FALSE(report.difference) << report.difference->Text();
+      EXPECT_EQ(report.row_count, file.row_count - count);
+      EXPECT_EQ(report.session_count, 1u);
+      EXPECT_EQ(report.segment_count, first == 1 ? 0u : 1u);
+      EXPECT_EQ(report.incomplete_segment_count, 1u);
+      EXPECT_LE(report.decision_count, first);
+      EXPECT_LE(report.decision_count + report.underived_decision_count, whole.decision_count);
+      EXPECT_GE(report.decision_count + report.underived_decision_count,
+                whole.decision_count - count);
+    }
+  }
+}
+
+TEST(AuditLog, AnEditAfterMissingRowsIsFound) {
+  const Rows rows = WithMissing(RowsOf(LogOf(1, "paper", 400).text), 5, 3);
+  ASSERT_GT(rows.size(), 10u);
+  ASSERT_EQ(ProblemOf(TextOf(rows)), "");
+  for (size_t column = 0; column < rows[8].size(); ++column) {
+    Rows edited = rows;
+    edited[8][column] += "1";
+    EXPECT_EQ(Rederive(TextOf(edited)).row_count, 6u) << kAuditColumnNames[column];
+    EXPECT_NE(ProblemOf(TextOf(edited)), "") << kAuditColumnNames[column];
+  }
+  Rows swapped = rows;
+  std::swap(swapped[8], swapped[9]);
+  EXPECT_NE(ProblemOf(TextOf(swapped)).find("comes where row"), std::string::npos);
+  Rows told_twice = rows;
+  CellOf(told_twice[5], AuditColumn::kTimeNs) = "1";
+  EXPECT_NE(ProblemOf(TextOf(told_twice)).find("has cells of its own"), std::string::npos);
+}
+
 TEST(AuditLog, ALineThatIsCutOffIsNamed) {
   std::string text = LogOf(1, "paper", 200).text;
   text.resize(text.size() - 3);

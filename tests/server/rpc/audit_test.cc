@@ -1,4 +1,6 @@
 // The audit log of sessions over the stream: what is exported is derived again bit for bit.
+#include <spdlog/sinks/ringbuffer_sink.h>
+
 #include "server/audit/rederive.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -10,6 +12,7 @@ using ::testing::HasSubstr;
 
 class AuditTest : public RpcTest {
  protected:
+  using RpcTest::RpcTest;
   std::string Export(const v1::ExportDecisionsRequest& request = {}) {
     const auto stub = v1::AuditService::NewStub(channel_);
     grpc::ClientContext context;
@@ -142,29 +145,107 @@ TEST_F(AuditTest, OfManyRowsComesInManyMessages) {
   EXPECT_EQ(Derived(csv).decision_count, 1'000u);
 }
 
-TEST_F(AuditTest, EndsWhereTheDiskDoesNotKeepUpAndIsDerivedAgainUpToThere) {
+TEST_F(AuditTest, LacksRowsWhereTheDiskDoesNotKeepUpAndGoesOnAfterThem) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   Play(client, 1, 2);
   store_.Hold();
-  while (server_->counters().cut_audit_log_count == 0) {
+  uint64_t message = 2;
+  while (server_->counters().lost_audit_row_count < 3) {
     const uint64_t decisions = server_->counters().decision_count;
+    client.Send(Frames(++message, 30));
+    ASSERT_TRUE(Applied(++applied_));
     Tick();
     ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decisions; }));
   }
   store_.Release();
-  client.Send(Frames(3, 30));
-  ASSERT_TRUE(Applied(3));
-  Tick();
-  EXPECT_EQ(client.AwaitAcknowledgement(3), 3u) << "evidence goes on";
+  ASSERT_EQ(client.AwaitAcknowledgement(message), message);
+  Play(client, message + 1, message + 5);
+  EXPECT_EQ(server_->counters().waiting_audit_bytes, 0u);
   const auto report = Derived(Export());
-  EXPECT_LT(report.decision_count, server_->counters().decision_count);
+  EXPECT_EQ(report.incomplete_segment_count, 1u);
   EXPECT_GT(report.decision_count, 10u);
+  EXPECT_GE(report.underived_decision_count, 5u);
+  const auto segments = List();
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(segments[0].first_row(), 1u);
+  EXPECT_EQ(segments[0].lost_row_count(), server_->counters().lost_audit_row_count);
+}
+
+TEST_F(AuditTest, HasNoRowAndNoCommitForATickInWhichNothingHappened) {
+  TelemetryClient idle(channel_);
+  TelemetryClient playing(channel_);
+  idle.Open(OneArmHello());
+  v1::Hello desert = OneArmHello();
+  desert.set_scene("desert");
+  playing.Open(desert);
+  Play(idle, 1, 1);
+  Play(playing, 1, 1);
+  Flush();
+  const uint64_t commits = server_->counters().stored_commit_count;
+  const uint64_t decisions = server_->counters().decision_count;
+  Play(playing, 2, 20);
+  EXPECT_EQ(server_->counters().stored_commit_count, commits + 19);
+  EXPECT_EQ(server_->counters().decision_count, decisions + 19);
+  Play(idle, 2, 2);
+  EXPECT_EQ(Derived(Export()).segment_count, 2u);
+}
+
+class AuditLossTest : public AuditTest {
+ protected:
+  AuditLossTest() { log_.sinks().push_back(lines_); }
+  // Lets a second pass and waits until the daemon's log has a line with the text.
+  [[nodiscard]] bool Told(const std::string& text) {
+    clock_.Advance(kSecondNs);
+    return Eventually([&] {
+      for (const std::string& line : lines_->last_formatted()) {
+        if (line.find(text) != std::string::npos) return true;
+      }
+      return false;
+    });
+  }
+
+  const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> lines_ =
+      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(16);
+};
+
+TEST_F(AuditLossTest, OfRowsThatTheStoreCouldNotWriteIsCountedAndToldOnceAMinute) {
+  store_.LoseAuditRows(7);
+  EXPECT_TRUE(Told("7 rows of the audit log could not be written, 7 since the start"));
+  EXPECT_EQ(server_->counters().lost_audit_row_count, 7u);
+  store_.LoseAuditRows(2);
+  clock_.Advance(kSecondNs);
+  ASSERT_TRUE(Eventually([&] { return server_->counters().lost_audit_row_count == 9; }));
+  store_.LoseAuditRows(1);
+  clock_.Advance(60 * kSecondNs);
+  EXPECT_TRUE(Told("3 rows of the audit log could not be written, 10 since the start"));
+}
+
+class SmallAuditTest : public AuditTest {
+ protected:
+  SmallAuditTest() : AuditTest(std::make_unique<storage::MemoryPriorStore>(kLimits)) {}
+  static constexpr priors::AuditLimits kLimits{.bytes = 20'000};
+};
+
+TEST_F(SmallAuditTest, OfALiveSessionLosesItsBeginningAndSaysSo) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  Play(client, 1, 200);
+  const auto segments = List();
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_GT(segments[0].first_row(), 1u);
+  EXPECT_EQ(segments[0].first_row() + segments[0].row_count(), 202u) << "with the setup's row";
+  EXPECT_EQ(segments[0].lost_row_count(), 0u);
+  const auto report = Derived(Export());
+  EXPECT_EQ(report.row_count, segments[0].row_count());
+  EXPECT_EQ(report.decision_count, 0u);
+  EXPECT_EQ(report.underived_decision_count, segments[0].row_count());
+  EXPECT_EQ(report.incomplete_segment_count, 1u);
 }
 
 class WithoutAuditTest : public AuditTest {
  protected:
-  WithoutAuditTest() { options_.audit.rows = 0; }
+  WithoutAuditTest() { options_.audit.bytes = 0; }
 };
 
 TEST_F(WithoutAuditTest, NothingIsKeptWhereNothingIsWanted) {

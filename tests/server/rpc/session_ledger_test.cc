@@ -20,6 +20,7 @@ class LateStore final : public priors::AsyncPriorStore {
   }
   bool Submit(Job /*job*/) override { return false; }
   bool healthy() const override { return true; }
+  uint64_t lost_audit_row_count() const override { return 0; }
   void Answer(const absl::Status& status) { std::exchange(done_, nullptr)(status); }
 
   std::vector<priors::SourceUpdate> offered;
@@ -48,7 +49,7 @@ class SessionLedgerTest : public ::testing::Test {
     done.get_future().wait();
   }
   void ExpectOffer(size_t index, uint64_t sequence, double alpha,
-                   const std::vector<std::string>& rows) {
+                   const std::vector<priors::AuditRow>& rows) {
     ASSERT_EQ(store_.offered.size(), index + 1);
     const priors::SourceUpdate& update = store_.offered[index];
     EXPECT_EQ(update.progress.message_sequence, sequence);
@@ -69,17 +70,16 @@ class SessionLedgerTest : public ::testing::Test {
 TEST_F(SessionLedgerTest, WhatComesAfterACheckpointWaitsForTheNextThoughACommitEndsInBetween) {
   Learn(1, "first");
   Checkpoint(1);
-  ExpectOffer(0, 1, 1, {"first"});
+  ExpectOffer(0, 1, 1, {{1, "first"}});
   Learn(2, "second");
   Checkpoint(2);
   Learn(4, "a bail-out of message 3");
   Answer(absl::OkStatus());
-  ExpectOffer(1, 2, 2, {"second"});
+  ExpectOffer(1, 2, 2, {{2, "second"}});
   Answer(absl::OkStatus());
   EXPECT_EQ(ledger_->durable_sequence(), 2u);
   Checkpoint(3);
-  ExpectOffer(2, 3, 4, {"a bail-out of message 3"});
-  EXPECT_EQ(store_.offered[2].audit.first_row, 3u);
+  ExpectOffer(2, 3, 4, {{3, "a bail-out of message 3"}});
 }
 
 TEST_F(SessionLedgerTest, CheckpointsBehindACommitMergeIntoOneUpdate) {
@@ -90,7 +90,7 @@ TEST_F(SessionLedgerTest, CheckpointsBehindACommitMergeIntoOneUpdate) {
   Learn(4, "third");
   Checkpoint(3);
   Answer(absl::OkStatus());
-  ExpectOffer(1, 3, 6, {"second", "third"});
+  ExpectOffer(1, 3, 6, {{2, "second"}, {3, "third"}});
 }
 
 TEST_F(SessionLedgerTest, AFailedUpdateIsOfferedAgainUnchanged) {
@@ -99,10 +99,49 @@ TEST_F(SessionLedgerTest, AFailedUpdateIsOfferedAgainUnchanged) {
   Answer(absl::UnavailableError("the disk is full"));
   Learn(2, "second");
   Checkpoint(2);
-  ExpectOffer(1, 1, 1, {"first"});
+  ExpectOffer(1, 1, 1, {{1, "first"}});
   EXPECT_EQ(store_.offered[1].progress.commit_sequence, 1u);
   Answer(absl::OkStatus());
-  ExpectOffer(2, 2, 2, {"second"});
+  ExpectOffer(2, 2, 2, {{2, "second"}});
+}
+
+TEST_F(SessionLedgerTest, AuditRowsThatFindNoRoomAreAGapAndTheLogGoesOn) {
+  const std::string half(kMaxWaitingAuditBytesOfSession / 2, 'x');
+  Learn(1, half);
+  Checkpoint(1);
+  Answer(absl::UnavailableError("the disk is full"));
+  Learn(2, half);
+  Learn(4, "lost");
+  EXPECT_EQ(counters_.lost_audit_row_count, 1u);
+  EXPECT_EQ(counters_.waiting_audit_bytes, kMaxWaitingAuditBytesOfSession);
+  Checkpoint(2);
+  Answer(absl::OkStatus());
+  Learn(8, "fourth");
+  ExpectOffer(2, 2, 6, {{2, half}});
+  Checkpoint(3);
+  Answer(absl::OkStatus());
+  ExpectOffer(3, 3, 8, {{4, "fourth"}});
+  Answer(absl::OkStatus());
+  EXPECT_EQ(counters_.waiting_audit_bytes, 0u);
+  EXPECT_EQ(counters_.lost_audit_row_count, 1u);
+}
+
+TEST_F(SessionLedgerTest, AllSessionsTogetherHaveOneBudgetOfWaitingAuditRows) {
+  counters_.waiting_audit_bytes = kMaxWaitingAuditBytes - 3;
+  Learn(1, "one");
+  Learn(2, "two");
+  EXPECT_EQ(counters_.lost_audit_row_count, 1u);
+  EXPECT_EQ(counters_.waiting_audit_bytes, kMaxWaitingAuditBytes);
+  ledger_.reset();
+  EXPECT_EQ(counters_.waiting_audit_bytes, kMaxWaitingAuditBytes - 3) << "what left memory";
+}
+
+TEST_F(SessionLedgerTest, AuditRowsOfAnUpdateThatCanNeverBeStoredAreCounted) {
+  Learn(1, "one");
+  Checkpoint(1);
+  Answer(absl::InvalidArgumentError("beyond the bounds"));
+  EXPECT_EQ(counters_.lost_audit_row_count, 1u);
+  EXPECT_EQ(counters_.waiting_audit_bytes, 0u);
 }
 
 }  // namespace

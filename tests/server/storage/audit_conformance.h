@@ -15,18 +15,19 @@ inline priors::AuditRows Rows(uint32_t segment, uint64_t first, uint64_t count,
                          .project = "game",
                          .scene = scene,
                          .unix_start_ms = 1'800'000'000'000 + segment,
-                         .first_row = first,
                          .rows = {}};
-  for (uint64_t i = 0; i < count; ++i)
-    rows.rows.push_back(std::to_string(segment) + "/" + std::to_string(first + i));
+  for (uint64_t i = first; i < first + count; ++i)
+    rows.rows.push_back({.number = i, .text = std::to_string(segment) + "/" + std::to_string(i)});
   return rows;
 }
 
 class AuditConformance : public PriorStoreConformance {
  protected:
   // The session's next commit, with rows of its audit log and nothing else.
-  absl::Status Append(const std::string& session, const priors::AuditRows& rows) {
+  absl::Status Append(const std::string& session, const priors::AuditRows& rows,
+                      uint64_t unix_time_s = 0) {
     SourceUpdate update = Update(session, ++commit_count_, {});
+    update.unix_time_s = unix_time_s;
     update.audit = rows;
     return Commit({update});
   }
@@ -36,9 +37,14 @@ class AuditConformance : public PriorStoreConformance {
   // Rows of the session's segment; empty: there is no such segment.
   std::vector<std::string> Stored(const std::string& session, uint32_t segment = 1) {
     for (const auto& each : Segments({session, "", ""})) {
-      if (each.segment == segment) return *store_->LoadAudit(each.id, 1, 1000, 1 << 20);
+      if (each.segment == segment) return Texts(*store_->LoadAudit(each.id, 1, 1000, 1 << 20));
     }
     return {};
+  }
+  static std::vector<std::string> Texts(const std::vector<priors::AuditRow>& rows) {
+    std::vector<std::string> texts;
+    for (const priors::AuditRow& row : rows) texts.push_back(row.text);
+    return texts;
   }
 
   uint64_t commit_count_ = 0;
@@ -54,7 +60,9 @@ TEST_P(AuditConformance, RowsAreThereInTheirOrderWithWhereTheyComeFrom) {
   EXPECT_EQ(segments[0].project, "game");
   EXPECT_EQ(segments[0].scene, "harbour");
   EXPECT_EQ(segments[0].unix_start_ms, 1'800'000'000'001);
+  EXPECT_EQ(segments[0].first_row, 1u);
   EXPECT_EQ(segments[0].row_count, 3u);
+  EXPECT_EQ(segments[0].lost_row_count, 0u);
 }
 
 TEST_P(AuditConformance, RowsGoWithTheirCommitOnce) {
@@ -73,14 +81,22 @@ TEST_P(AuditConformance, ACommitThatFailsKeepsNoRows) {
   EXPECT_TRUE(Segments().empty());
 }
 
-TEST_P(AuditConformance, RowsThatDoNotGoOnFromWhatIsStoredAreLeftOut) {
-  ASSERT_TRUE(Append("a", Rows(1, 2, 1)).ok());
-  EXPECT_TRUE(Segments().empty());
+TEST_P(AuditConformance, RowsThatAreStoredAlreadyAreIgnored) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
-  ASSERT_TRUE(Append("a", Rows(1, 4, 1)).ok());
-  ASSERT_TRUE(Append("a", Rows(1, 2, 1)).ok());
-  ASSERT_TRUE(Append("a", Rows(1, 1, 1)).ok());
-  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2"}));
+  ASSERT_TRUE(Append("a", Rows(1, 1, 3)).ok());
+  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
+  EXPECT_EQ(store_->lost_audit_row_count(), 0u);
+}
+
+TEST_P(AuditConformance, ASegmentGoesOnAfterRowsThatCouldNotBeWritten) {
+  ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
+  ASSERT_TRUE(Append("a", Rows(1, 6, 1)).ok());
+  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/6"}));
+  const auto segments = Segments();
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(segments[0].row_count, 3u);
+  EXPECT_EQ(segments[0].lost_row_count, 3u);
+  EXPECT_EQ(store_->LoadAudit(segments[0].id, 3, 9, 99)->at(0).number, 6u);
 }
 
 TEST_P(AuditConformance, ASegmentAfterTheOtherIsKnownToWhoResumes) {
@@ -93,43 +109,66 @@ TEST_P(AuditConformance, ASegmentAfterTheOtherIsKnownToWhoResumes) {
   EXPECT_EQ(Stored("a", 2).size(), 2u);
 }
 
-TEST_P(AuditConformance, ASessionsLogEndsAtItsBoundAndKeepsItsBeginning) {
-  const uint64_t most = kConformanceAuditLimits.rows_per_session;
-  ASSERT_TRUE(Append("a", Rows(1, 1, most - 1)).ok());
-  ASSERT_TRUE(Append("a", Rows(1, most, 2)).ok());
-  ASSERT_TRUE(Append("a", Rows(1, most + 2, 1)).ok());
-  ASSERT_TRUE(Append("a", Rows(2, 1, 1)).ok());
-  EXPECT_EQ(Stored("a").size(), most);
-  EXPECT_EQ(Segments().size(), 1u);
+TEST_P(AuditConformance, BeyondItsBytesTheLogLosesItsOldestRowsAndLiveSessionsGoOn) {
+  static_assert(kConformanceAuditLimits.bytes == 64);
+  ASSERT_TRUE(Append("a", Rows(1, 1, 9)).ok());
+  ASSERT_TRUE(Append("b", Rows(1, 1, 6)).ok());
+  ASSERT_TRUE(Append("a", Rows(2, 1, 6)).ok());
+  EXPECT_EQ(Segments().size(), 3u);
+  ASSERT_TRUE(Append("b", Rows(1, 7, 1)).ok());
+  EXPECT_TRUE(Stored("a", 1).empty());
+  EXPECT_EQ(Stored("a", 2).size(), 6u);
+  EXPECT_EQ(Stored("b").size(), 7u);
+  ASSERT_TRUE(Append("a", Rows(1, 10, 5)).ok());
+  EXPECT_EQ(Stored("a", 1).front(), "1/10");
+  ASSERT_TRUE(Append("b", Rows(1, 8, 5)).ok());
+  EXPECT_EQ(Stored("b").front(), "1/7") << "its oldest rows were the oldest of all";
+  EXPECT_EQ(Stored("b").size(), 6u);
+  const auto segments = Segments({"b", "", ""});
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(segments[0].first_row, 7u);
+  EXPECT_EQ(segments[0].lost_row_count, 0u);
+  EXPECT_EQ(store_->lost_audit_row_count(), 0u);
 }
 
-TEST_P(AuditConformance, BeyondTheBoundInAllTheOldestSegmentsGoAndDoNotComeBack) {
-  static_assert(kConformanceAuditLimits.rows == 10 &&
-                kConformanceAuditLimits.rows_per_session == 6);
-  ASSERT_TRUE(Append("a", Rows(1, 1, 5)).ok());
-  ASSERT_TRUE(Append("b", Rows(1, 1, 5)).ok());
-  EXPECT_EQ(Segments().size(), 2u);
-  ASSERT_TRUE(Append("c", Rows(1, 1, 1)).ok());
-  EXPECT_TRUE(Stored("a").empty());
-  EXPECT_EQ(Stored("b").size(), 5u);
-  EXPECT_EQ(Stored("c").size(), 1u);
-  ASSERT_TRUE(Append("a", Rows(1, 6, 1)).ok());
-  EXPECT_TRUE(Stored("a").empty());
+TEST_P(AuditConformance, RowsThatAreTooOldGoWhileTheirSessionLives) {
+  static_assert(kConformanceAuditLimits.age_s == 3200);
+  ASSERT_TRUE(Append("a", Rows(1, 1, 1), 10'000).ok());
+  ASSERT_TRUE(Append("b", Rows(1, 1, 1), 10'050).ok());
+  ASSERT_TRUE(Append("a", Rows(1, 2, 1), 10'150).ok());
+  ASSERT_TRUE(Append("a", Rows(1, 3, 1), 13'200).ok());
+  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
+  ASSERT_TRUE(Append("a", Rows(1, 4, 1), 13'300).ok());
+  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/2", "1/3", "1/4"}));
+  EXPECT_TRUE(Stored("b").empty());
+  ASSERT_TRUE(Append("a", Rows(1, 5, 1), 9'000).ok()) << "the clock was set back";
+  EXPECT_EQ(Stored("a").size(), 4u);
 }
 
-TEST_P(AuditConformance, RowsThatAreTooLongOrEmptyEndTheLogAndNotTheCommit) {
+TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotKept) {
+  priors::AuditRows rows = Rows(1, 1, 1);
+  rows.rows[0].text.assign(kConformanceAuditLimits.bytes + 1, 'x');
+  ASSERT_TRUE(Append("a", rows).ok());
+  EXPECT_TRUE(Segments().empty());
+  ASSERT_TRUE(Append("a", Rows(1, 2, 1)).ok());
+  EXPECT_EQ(Stored("a").size(), 1u);
+}
+
+TEST_P(AuditConformance, RowsThatAreTooLongOrEmptyAreCountedAndCostNothingElse) {
   priors::AuditRows rows = Rows(1, 1, 3);
-  rows.rows[1].assign(priors::kMaxAuditRowBytes + 1, 'x');
+  rows.rows[1].text.assign(priors::kMaxAuditRowBytes + 1, 'x');
   SourceUpdate update = Update("a", 1, {Key("Grid")});
   update.audit = rows;
   ASSERT_TRUE(Commit({update}).ok());
-  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1"}));
+  EXPECT_EQ(Stored("a"), (std::vector<std::string>{"1/1", "1/3"}));
+  EXPECT_EQ(store_->lost_audit_row_count(), 1u);
   rows = Rows(1, 1, 1);
-  rows.rows[0].clear();
+  rows.rows[0].text.clear();
   ASSERT_TRUE(Append("b", rows).ok());
   rows = Rows(1, 1, 1, std::string(129, 's'));
   ASSERT_TRUE(Append("c", rows).ok());
   EXPECT_EQ(Segments().size(), 1u);
+  EXPECT_EQ(store_->lost_audit_row_count(), 3u);
   EXPECT_EQ(Sums({Key("Grid")}).sums[0].evidence.window_count, 1u);
 }
 
@@ -151,17 +190,17 @@ TEST_P(AuditConformance, SegmentsAreListedByFilterAndPage) {
 TEST_P(AuditConformance, RowsAreReadByPageAndByBytes) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 5)).ok());
   const uint64_t id = Segments()[0].id;
-  EXPECT_EQ(*store_->LoadAudit(id, 2, 2, 100), (std::vector<std::string>{"1/2", "1/3"}));
-  EXPECT_EQ(*store_->LoadAudit(id, 1, 5, 4), (std::vector<std::string>{"1/1", "1/2"}));
+  EXPECT_EQ(Texts(*store_->LoadAudit(id, 2, 2, 100)), (std::vector<std::string>{"1/2", "1/3"}));
+  EXPECT_EQ(Texts(*store_->LoadAudit(id, 1, 5, 4)), (std::vector<std::string>{"1/1", "1/2"}));
   EXPECT_TRUE(store_->LoadAudit(id, 6, 5, 100)->empty());
   EXPECT_TRUE(store_->LoadAudit(id + 1, 1, 5, 100)->empty());
 }
 
 TEST_P(AuditConformance, TextComesBackByteByByte) {
   priors::AuditRows rows = Rows(1, 1, 1, "scène; DROP TABLE audit_row");
-  rows.rows[0] = "a,\"b\n\r\",ä€😀\\";
+  rows.rows[0].text = "a,\"b\n\r\",ä€😀\\";
   ASSERT_TRUE(Append("a", rows).ok());
-  EXPECT_EQ(Stored("a"), rows.rows);
+  EXPECT_EQ(Stored("a"), Texts(rows.rows));
   EXPECT_EQ(Segments()[0].scene, rows.scene);
 }
 

@@ -23,7 +23,7 @@
 namespace sweepstake::storage {
 
 // What the stores are made with.
-inline constexpr priors::AuditLimits kConformanceAuditLimits{.rows_per_session = 6, .rows = 10};
+inline constexpr priors::AuditLimits kConformanceAuditLimits{.bytes = 64, .age_s = 3200};
 
 using MakeStore = std::function<std::unique_ptr<PriorStore>()>;
 

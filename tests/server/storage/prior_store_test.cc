@@ -16,6 +16,7 @@ class TemporarySqliteStore final : public PriorStore {
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     return store_->Commit(updates);
   }
+  uint64_t lost_audit_row_count() const override { return store_->lost_audit_row_count(); }
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
     return store_->LoadPriors(keys);
   }
@@ -47,8 +48,9 @@ class TemporarySqliteStore final : public PriorStore {
                                                               uint32_t limit) override {
     return store_->ListAudit(filter, after, limit);
   }
-  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                     uint32_t limit, size_t max_bytes) override {
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override {
     return store_->LoadAudit(segment_id, first_row, limit, max_bytes);
   }
 

@@ -144,50 +144,59 @@ TEST_F(SqlitePriorStoreTest, ADatabaseThatSomebodyElseWritesIsReportedAsUnavaila
 
 SourceUpdate Audited(const std::string& session, uint64_t n, uint64_t first_row, uint64_t count) {
   SourceUpdate update = Update(session, n, {Key("Grid")});
-  update.audit = {.segment = 1,
-                  .project = "game",
-                  .scene = "harbour",
-                  .unix_start_ms = 0,
-                  .first_row = first_row,
-                  .rows = std::vector<std::string>(count, "row")};
+  update.audit = {.segment = 1, .project = "game", .scene = "harbour", .rows = {}};
+  for (uint64_t i = first_row; i < first_row + count; ++i)
+    update.audit.rows.push_back({.number = i, .text = "row"});
   return update;
 }
 
-TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidence) {
+TEST_F(SqlitePriorStoreTest, AuditRowsThatCannotBeWrittenCostNoEvidenceAndAreAGap) {
   auto store = *OpenSqlitePriorStore(path_);
   ASSERT_TRUE(store->Commit(std::vector{Audited("a", 1, 1, 2)}).ok());
-  Execute("DROP TABLE audit_row");
-  const absl::Status status = store->Commit(std::vector{Audited("a", 2, 3, 2)});
+  Execute("ALTER TABLE audit_row RENAME TO gone");
+  const absl::Status status =
+      store->Commit(std::vector{Audited("a", 2, 3, 2), Audited("b", 1, 1, 3)});
   EXPECT_TRUE(status.ok()) << status;
-  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
-  EXPECT_EQ(QueryInteger("SELECT row_count FROM audit_segment"), 2);
+  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 3u);
+  EXPECT_EQ(store->lost_audit_row_count(), 5u);
+  Execute("ALTER TABLE gone RENAME TO audit_row");
+  ASSERT_TRUE(store->Commit(std::vector{Audited("a", 3, 5, 1)}).ok());
+  const auto segments = *store->ListAudit({}, 0, 9);
+  ASSERT_EQ(segments.size(), 1u);
+  EXPECT_EQ(segments[0].row_count, 3u);
+  EXPECT_EQ(segments[0].lost_row_count, 2u);
+  EXPECT_EQ(store->lost_audit_row_count(), 5u);
 }
 
-TEST_F(SqlitePriorStoreTest, TheBoundOfAuditRowsHoldsAfterReopening) {
-  const priors::AuditLimits limits{.rows_per_session = 5, .rows = 8};
+TEST_F(SqlitePriorStoreTest, TheBoundsOfTheAuditLogHoldAfterReopening) {
+  const priors::AuditLimits limits{.bytes = 24, .age_s = 100};
   ASSERT_TRUE((*OpenSqlitePriorStore(path_, limits))
                   ->Commit(std::vector{Audited("a", 1, 1, 5), Audited("b", 1, 1, 3)})
                   .ok());
   auto store = *OpenSqlitePriorStore(path_, limits);
   ASSERT_TRUE(store->Commit(std::vector{Audited("b", 2, 4, 1)}).ok());
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 4);
-  EXPECT_EQ(QueryInteger("SELECT sum(row_count) FROM audit_segment"), 4);
+  EXPECT_EQ(QueryInteger("SELECT sum(byte_count) FROM audit_chunk"), 12);
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_segment"), 1);
 }
 
 TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   const std::string segment = "INSERT INTO audit_segment VALUES ";
-  ASSERT_TRUE(database.Execute(segment + "(1, 'a', 1, 'p', 's', 0, 1)").ok());
-  for (const char* wrong :
-       {"(2, '', 1, 'p', 's', 0, 1)", "(2, 'a', 0, 'p', 's', 0, 1)", "(2, 'a', 2, '', 's', 0, 1)",
-        "(2, 'a', 2, 'p', 's', 0, 0)", "(2, 'a', 1, 'p', 's', 0, 1)"}) {
+  ASSERT_TRUE(database.Execute(segment + "(1, 'a', 1, 'p', 's', 0)").ok());
+  for (const char* wrong : {"(2, '', 1, 'p', 's', 0)", "(2, 'a', 0, 'p', 's', 0)",
+                            "(2, 'a', 2, '', 's', 0)", "(2, 'a', 1, 'p', 's', 0)"}) {
     EXPECT_FALSE(database.Execute(segment + wrong).ok()) << wrong;
   }
-  for (const char* wrong : {"(1, 0, 'x')", "(1, 1, '')", "(1, 1, NULL)"}) {
-    EXPECT_FALSE(database.Execute(std::string("INSERT INTO audit_row VALUES ") + wrong).ok())
-        << wrong;
+  const std::string row = "INSERT INTO audit_row VALUES ";
+  ASSERT_TRUE(database.Execute(row + "(1, 1, 1, 'x')").ok());
+  for (const char* wrong :
+       {"(2, 1, 0, 'x')", "(2, 1, 2, '')", "(2, 1, 2, NULL)", "(2, 1, 1, 'x')"}) {
+    EXPECT_FALSE(database.Execute(row + wrong).ok()) << wrong;
   }
+  EXPECT_FALSE(database.Execute("INSERT INTO audit_chunk VALUES (1, -1, 0)").ok());
+  EXPECT_FALSE(database.Execute("INSERT INTO audit_chunk VALUES (1, 0, -1)").ok());
 }
 
 // Counts the instructions of SQLite's machine on every connection that is opened while it lives; a

@@ -55,11 +55,28 @@ TEST_P(OlderSchemaTest, GoesOnAfterTheMigration) {
   EXPECT_EQ((*store->LoadSource("a"))->progress.commit_sequence, 3u);
   EXPECT_EQ(*store->LoadSource("b"), std::nullopt);
   SourceUpdate update = Update("a", 4, {Key("Grid"), Key("Grid", "desert")});
-  update.audit = {.segment = 2, .project = "game", .scene = "harbour", .rows = {"row"}};
+  update.audit = {
+      .segment = 2, .project = "game", .scene = "harbour", .rows = {{.number = 1, .text = "row"}}};
   ASSERT_TRUE(store->Commit(std::vector{update}).ok());
   EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 8u);
   EXPECT_EQ((*store->LoadScene({"game", "desert", "desktop", 1}))->source_count, 3u);
   EXPECT_EQ(store->ListAudit({}, 0, 9)->size(), GetParam() == 1 ? 1u : 2u);
+}
+
+TEST_P(OlderSchemaTest, HasItsAuditLogAfterTheMigrationAndTrimsIt) {
+  auto store = *OpenSqlitePriorStore(path_, {.bytes = 12});
+  const auto segments = *store->ListAudit({}, 0, 9);
+  ASSERT_EQ(segments.size(), GetParam() == 1 ? 0u : 1u);
+  if (segments.empty()) return;
+  EXPECT_EQ(segments[0].session_id, "a");
+  EXPECT_EQ(segments[0].unix_start_ms, 1'800'000'000'000);
+  EXPECT_EQ(segments[0].row_count, 2u);
+  EXPECT_EQ(store->LoadAudit(segments[0].id, 2, 9, 99)->at(0).text, "row 2");
+  SourceUpdate update = Update("a", 4, {});
+  update.audit = {.segment = 1, .project = "game", .scene = "harbour", .rows = {}};
+  update.audit.rows.push_back({.number = 3, .text = "row 3"});
+  ASSERT_TRUE(store->Commit(std::vector{update}).ok());
+  EXPECT_EQ(store->ListAudit({}, 0, 9)->at(0).first_row, 3u);
 }
 
 TEST_P(OlderSchemaTest, IsKeptAsItWasBesideTheNewOne) {
@@ -80,7 +97,7 @@ TEST_P(OlderSchemaTest, IsNotChangedWhereItCannotBeKept) {
   EXPECT_EQ(*database.QueryInteger("PRAGMA user_version"), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 6));
 
 }  // namespace
 }  // namespace sweepstake::storage

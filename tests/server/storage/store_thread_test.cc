@@ -26,6 +26,7 @@ class CountingStore final : public priors::PriorStore {
     group_sizes_.push_back(updates.size());
     return memory_.Commit(updates);
   }
+  uint64_t lost_audit_row_count() const override { return memory_.lost_audit_row_count(); }
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
     return memory_.LoadPriors(keys);
   }
@@ -57,8 +58,9 @@ class CountingStore final : public priors::PriorStore {
                                                               uint32_t limit) override {
     return memory_.ListAudit(filter, after, limit);
   }
-  absl::StatusOr<std::vector<std::string>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                     uint32_t limit, size_t max_bytes) override {
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override {
     return memory_.LoadAudit(segment_id, first_row, limit, max_bytes);
   }
 

@@ -189,6 +189,8 @@ v1::ListAuditSegmentsResponse SegmentsOf(const std::string& session, uint64_t ro
   segment.set_scene("s");
   segment.set_unix_start_ms(1'700'000'000'000);
   segment.set_row_count(row_count);
+  segment.set_first_row(31);
+  segment.set_lost_row_count(17);
   return part;
 }
 
@@ -204,6 +206,10 @@ TEST(AuditCommand, ListsTheSegmentsOfAllParts) {
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.out, HasSubstr("one"));
   EXPECT_THAT(run.out, HasSubstr("2023-11-14 22:13:20")) << "UTC";
+  EXPECT_THAT(run.out, HasSubstr("first row"));
+  EXPECT_THAT(run.out, HasSubstr("31"));
+  EXPECT_THAT(run.out, HasSubstr("lost rows"));
+  EXPECT_THAT(run.out, HasSubstr("17"));
 }
 
 TEST(AuditCommand, SaysWhenThereIsNoLog) {

@@ -11,6 +11,7 @@
 
 #include "engine_client/cli/io/terminal.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
+#include "server/audit/audit_log.h"
 #include "server/decision/study/ablations.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/support/temporary_directory.h"
@@ -161,6 +162,23 @@ TEST_F(ReplayLogTest, TheLastRowsMayBeMissing) {
   const CommandRun outcome = Replay(log.text.substr(0, end + 1));
   EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
   EXPECT_THAT(outcome.out, StartsWith(std::to_string(log.decision_count - 1) + " decisions"));
+}
+
+TEST_F(ReplayLogTest, SaysWhatCannotBeDerivedBecauseRowsBeforeItAreMissing) {
+  const Log log = PlayLog("paper");
+  const size_t setup = log.text.find('\n') + 1;
+  const size_t rest = log.text.find('\n', setup) + 1;
+  const std::string text = log.text.substr(0, setup) + decision::MissingRow("embedded", 1, 1) +
+                           "\n" + log.text.substr(rest);
+  const CommandRun outcome = Replay(text);
+  EXPECT_EQ(outcome.exit_code, kDone) << outcome.out;
+  EXPECT_THAT(outcome.out, AllOf(StartsWith("0 decisions in 0 segments re-derived, all equal\n"),
+                                 HasSubstr(std::to_string(log.decision_count) +
+                                           " decisions in 1 segment cannot be: rows before")));
+  const json document = json::parse(Replay(text, /*as_json=*/true).out);
+  EXPECT_EQ(document["decisions"], 0);
+  EXPECT_EQ(document["incomplete_segments"], 1);
+  EXPECT_EQ(document["underived_decisions"], log.decision_count);
 }
 
 TEST_F(ReplayLogTest, AMissingRowIsADifference) {
