@@ -22,6 +22,7 @@ namespace sweepstake::server {
 namespace {
 
 constexpr std::string_view kVariablePrefix = "SWEEPSTAKE_";
+constexpr std::string_view kClientPrefix = "SWEEPSTAKE_CLIENT_";  // of the command line's variables
 constexpr int64_t kNsPerMs = 1'000'000;
 
 // Reads a value into the configuration. The error says which values are valid.
@@ -163,6 +164,16 @@ std::vector<Setting> DaemonSettings() {
       Switch(
           "insecure", [](Config & c) -> auto& { return c.insecure; },
           "allow plain text on addresses that others can reach"),
+      Text(
+          "tls_cert", [](Config & c) -> auto& { return c.rpc.tls.cert; },
+          "PEM file of the certificate to serve TLS with, its issuers' after it; read every "
+          "second"),
+      Text(
+          "tls_key", [](Config & c) -> auto& { return c.rpc.tls.key; },
+          "PEM file of the certificate's private key"),
+      Text(
+          "tls_client_ca", [](Config & c) -> auto& { return c.rpc.tls.ca; },
+          "PEM file of the authorities that must have signed the client's certificate"),
       Switch(
           "reflection", [](Config & c) -> auto& { return c.rpc.reflection; },
           "serve gRPC reflection, for grpcurl and the like"),
@@ -328,6 +339,16 @@ absl::Status CheckListen(const std::string& listen) {
   return absl::OkStatus();
 }
 
+absl::Status CheckTls(const tls::Files& files) {
+  if (files.cert.empty() != files.key.empty()) {
+    return absl::InvalidArgumentError("tls_cert and tls_key go together: name both, or neither");
+  }
+  if (files.cert.empty() && !files.ca.empty()) {
+    return absl::InvalidArgumentError("tls_client_ca needs TLS: name tls_cert and tls_key, too");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::vector<SettingDescription> DescribeSettings() {
@@ -371,7 +392,7 @@ absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environ
     const std::string name = entry.substr(0, equals);
     if (const auto found = keys.find(name); found != keys.end()) {
       assignments[found->second] = entry.substr(equals + 1);
-    } else if (!IsOfKubernetes(name)) {
+    } else if (!name.starts_with(kClientPrefix) && !IsOfKubernetes(name)) {
       return UnknownName("environment variable", name, variables);
     }
   }
@@ -400,10 +421,12 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 
 absl::Status Validate(const Config& config) {
   if (absl::Status status = CheckListen(config.listen); !status.ok()) return status;
-  if (!config.insecure && !IsLoopback(config.listen)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "listen: ", config.listen,
-        " can be reached by others, and there is no TLS; listen on 127.0.0.1, or say --insecure"));
+  if (absl::Status status = CheckTls(config.rpc.tls); !status.ok()) return status;
+  if (!config.insecure && config.rpc.tls.cert.empty() && !IsLoopback(config.listen)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("listen: ", config.listen,
+                     " can be reached by others, and there is no TLS; name --tls-cert and "
+                     "--tls-key, listen on 127.0.0.1, or say --insecure"));
   }
   if (config.data.empty()) return absl::InvalidArgumentError("data: name a directory");
   if (const auto problem = decision::Validate(config.rpc.decision)) {

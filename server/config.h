@@ -46,16 +46,16 @@ using Assignments = std::map<std::string, std::string>;
 // NOT_FOUND (no such file).
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path);
 // Reads NAME=VALUE strings. Names that do not begin with SWEEPSTAKE_ are ignored, and so are those
-// that Kubernetes makes for a service of that name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT and
-// SWEEPSTAKE_PORT_7433_…).
+// of the command line (SWEEPSTAKE_CLIENT_…) and those that Kubernetes makes for a service of that
+// name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT and SWEEPSTAKE_PORT_7433_…).
 absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environment);
 
 // Sets the assigned values. `origin` is used in messages: "config.toml", "environment", "command
 // line".
 absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config);
 
-// Checks the rules for several settings together: other addresses than loopback need --insecure,
-// and the weights sum to 1.
+// Checks the rules for several settings together: other addresses than loopback need TLS or
+// --insecure, and the weights sum to 1. The files of TLS are not read.
 absl::Status Validate(const Config& config);
 
 // Returns every setting with its value, as a TOML file that ReadConfigFile can read.

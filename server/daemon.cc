@@ -131,7 +131,12 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
-  log_->info("serving on port {}, priors in {}", rpc_->port(), directory_.database().string());
+  const auto& tls = config_.rpc.tls;
+  log_->info("serving on port {} ({}), priors in {}", rpc_->port(),
+             tls.cert.empty() ? "plain text"
+             : tls.ca.empty() ? "TLS"
+                              : "TLS with client certificates",
+             directory_.database().string());
   return absl::OkStatus();
 }
 

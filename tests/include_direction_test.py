@@ -4,7 +4,7 @@
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     server/decision/math <- everything else, since it is pure
     server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
-    watch <- rpc
+    watch <- rpc      server/tls <- telemetry, rpc
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
 
@@ -31,7 +31,8 @@ ALLOWED = {
     "engine_client/scene": {"engine_client/broad_phase"},
     "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
     "engine_client/telemetry": {
-        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/audit", "proto"},
+        "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/audit",
+        "server/tls", "proto"},
     "engine_client/c_api": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
     "engine_client/cli": {
@@ -47,9 +48,11 @@ ALLOWED = {
     "server/audit": DECISION,
     "server/priors": DECISION | {"server/audit"},
     "server/storage": DECISION | {"server/audit", "server/priors"},
+    "server/tls": set(),
     "server/watch": DECISION | {"server/audit", "server/priors"},
-    "server/rpc": DECISION | {"server/audit", "server/priors", "server/watch", "proto"},
-    "server": DECISION | {"server/audit", "server/priors", "server/storage", "server/watch", "server/rpc", "proto"},
+    "server/rpc": DECISION | {"server/audit", "server/priors", "server/tls", "server/watch", "proto"},
+    "server": DECISION | {
+        "server/audit", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -86,8 +89,8 @@ ROOM_ORDER = {
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/watch",
-    "server/rpc"}
+    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/tls",
+    "server/watch", "server/rpc"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")
@@ -252,6 +255,7 @@ BAD = {
     "engine_client/telemetry/aa.cc": '#include "server/decision/study/ablations.h"\n',
     "server/audit/ab.cc": '#include "server/priors/prior_store.h"\n',
     "server/audit/ac.cc": "#include <fstream>\n",
+    "server/tls/af.cc": '#include "server/rpc/common/options.h"\n',
     "server/watch/ad.cc": '#include "server/rpc/common/decision_loop.h"\n',
     "server/watch/ae.cc": '#include "server/storage/store_thread.h"\n',
 }

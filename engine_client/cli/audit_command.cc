@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct AuditOptions {
-  std::string daemon;
+  DaemonOptions daemon;
   AuditSelection selection;
   std::string file;
   bool json = false;
@@ -80,7 +80,7 @@ int RunExport(const AuditOptions& options, Terminal& terminal) {
 }
 
 void Declare(CLI::App& command, AuditOptions& options) {
-  AddDaemonOption(command, options.daemon);
+  AddDaemonOptions(command, options.daemon);
   command.add_option("--session", options.selection.session_id, "Only this session");
   command.add_option("--project", options.selection.project, "Only this project");
   command.add_option("--scene", options.selection.scene, "Only this scene");

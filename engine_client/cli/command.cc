@@ -1,6 +1,7 @@
 #include "engine_client/cli/command.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 
@@ -27,6 +28,21 @@ std::string Quoted(std::string_view word) {
     }
   }
   return quoted + '\'';
+}
+
+TlsOptions& Tls(DaemonOptions& daemon) { return daemon.tls ? *daemon.tls : daemon.tls.emplace(); }
+
+// The variable of --tls-ca is SWEEPSTAKE_CLIENT_TLS_CA. `daemon` must outlive the command.
+void AddTlsOption(CLI::App& command, const std::string& name, std::string TlsOptions::*field,
+                  DaemonOptions& daemon, const std::string& help) {
+  std::string variable = "SWEEPSTAKE_CLIENT";
+  for (const char c : name.substr(1)) {
+    variable += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  command
+      .add_option_function<std::string>(
+          name, [&daemon, field](const std::string& value) { Tls(daemon).*field = value; }, help)
+      ->envname(variable);
 }
 
 }  // namespace
@@ -61,8 +77,20 @@ CLI::Validator OneOf(std::span<const std::string_view> words) {
           all + "}"};
 }
 
-void AddDaemonOption(CLI::App& command, std::string& address) {
-  command.add_option("--daemon", address, "Address of sweepstaked, HOST:PORT")->required();
+CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon) {
+  CLI::Option* address =
+      command.add_option("--daemon", daemon.address, "Address of sweepstaked, HOST:PORT");
+  command.add_flag_callback(
+      "--tls", [&daemon] { Tls(daemon); }, "Connect with TLS; the options below imply it");
+  AddTlsOption(command, "--tls-ca", &TlsOptions::ca_file, daemon,
+               "PEM file of the authorities to trust (default: the system's)");
+  AddTlsOption(command, "--tls-cert", &TlsOptions::cert_file, daemon,
+               "PEM file of your certificate, where the daemon asks for one");
+  AddTlsOption(command, "--tls-key", &TlsOptions::key_file, daemon,
+               "PEM file of your certificate's private key");
+  AddTlsOption(command, "--tls-server-name", &TlsOptions::server_name, daemon,
+               "Host in the daemon's certificate, where it is not that of --daemon");
+  return address->required();
 }
 
 void AddJsonFlag(CLI::App& command, bool& json) {

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/cli/daemon/daemon_options.h"
 #include "engine_client/cli/io/terminal.h"
 
 namespace sweepstake::cli {
@@ -30,8 +31,9 @@ CLI::Validator NotNegative();
 // the validator.
 CLI::Validator OneOf(std::span<const std::string_view> words);
 
-// --daemon HOST:PORT, required.
-void AddDaemonOption(CLI::App& command, std::string& address);
+// --daemon HOST:PORT, which is returned and required, and how to connect to it: --tls and the
+// --tls-... that imply it, which variables of the environment may give instead.
+CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon);
 // --json.
 void AddJsonFlag(CLI::App& command, bool& json);
 // --seed, not negative; `purpose` says what it seeds.

@@ -27,7 +27,7 @@ int Run(const LoadOptions& options, Terminal& terminal) {
       RunLoad(plan, StopRequested, [&](const std::string& text) { progress.Show(0, text); });
   progress.ClearBar();
   if (!result.ok()) return Fail(terminal, result.status());
-  nlohmann::ordered_json document = {{"command", "load"}, {"daemon", plan.daemon}};
+  nlohmann::ordered_json document = {{"command", "load"}, {"daemon", plan.daemon.address}};
   document.update(LoadJson(plan, *result));
   PrintResult(terminal, options.json, document, LoadText(plan, *result));
   return kDone;
@@ -35,7 +35,7 @@ int Run(const LoadOptions& options, Terminal& terminal) {
 
 void Declare(CLI::App& command, LoadOptions& options) {
   LoadPlan& plan = options.plan;
-  AddDaemonOption(command, plan.daemon);
+  AddDaemonOptions(command, plan.daemon);
   command.add_option("--streams", plan.stream_count, "Games at a time")
       ->check(WholeUpTo(100'000))
       ->check(CLI::PositiveNumber);

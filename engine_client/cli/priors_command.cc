@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct PriorsOptions {
-  std::string daemon;
+  DaemonOptions daemon;
   std::string project;
   std::string scene;
   std::string file;
@@ -60,7 +60,7 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
 }
 
 void DeclareCommon(CLI::App& command, PriorsOptions& options) {
-  AddDaemonOption(command, options.daemon);
+  AddDaemonOptions(command, options.daemon);
   AddJsonFlag(command, options.json);
 }
 

@@ -30,7 +30,7 @@ struct RunOptions {
   SceneChoice scene{"hurricane", 3000, 1};
   std::string mode = "ai";
   std::string arm;
-  std::string daemon;
+  DaemonOptions daemon;
   bool embedded = false;
   std::string priors;
   std::string duration = "60s";
@@ -63,7 +63,8 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.time_scale = options.time_scale;
   session.ignore_priors = options.ignore_priors;
   session.seed = options.scene.seed;
-  if (!options.embedded) return MakeDaemonSession(options.daemon, session);
+  session.tls = options.daemon.tls;
+  if (!options.embedded) return MakeDaemonSession(options.daemon.address, session);
   EmbeddedOptions embedded;
   if (!options.policy.empty()) embedded.policy = options.policy;
   embedded.project = options.project;
@@ -243,16 +244,16 @@ int Report(const RunOptions& options, const RunSummary& summary, RunLogs& logs,
     if (!status.ok()) return Fail(terminal, status);
   }
   if (options.embedded || summary.session.connection_count > 0) return kDone;
-  return Fail(terminal,
-              Status(StatusCode::kUnavailable,
-                     "got no session from " + options.daemon + ": " + summary.session.last_error +
-                         ". The run went on without a decider. If no daemon is there, "
-                         "start it with sweepstaked --listen HOST:PORT, or use "
-                         "--embedded"));
+  return Fail(terminal, Status(StatusCode::kUnavailable,
+                               "got no session from " + options.daemon.address + ": " +
+                                   summary.session.last_error +
+                                   ". The run went on without a decider. If no daemon is there, "
+                                   "start it with sweepstaked --listen HOST:PORT, or use "
+                                   "--embedded"));
 }
 
 Status CheckRun(const RunOptions& options) {
-  if (options.embedded == !options.daemon.empty()) {
+  if (options.embedded == !options.daemon.address.empty()) {
     return {StatusCode::kInvalidArgument, "give either --daemon HOST:PORT or --embedded"};
   }
   if (!options.priors.empty() && !options.embedded) {
@@ -268,8 +269,8 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   if (!duration_ns.ok()) return Fail(terminal, duration_ns.status());
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
-  RunSetup setup{options.scene, options.mode, options.embedded ? "embedded" : options.daemon, "",
-                 ""};
+  RunSetup setup{options.scene, options.mode,
+                 options.embedded ? "embedded" : options.daemon.address, "", ""};
   setup.scene.object_count = static_cast<uint32_t>((*scene)->aabbs().size());
   const std::string scene_key = SceneKey(options, setup.scene.object_count);
   if (!options.ignore_priors) setup.priors_file = options.priors;
@@ -295,7 +296,7 @@ int RunRun(const RunOptions& options, Terminal& terminal) {
   player.End();
   if (!player.refusal().empty()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument,
-                                 "the daemon at " + options.daemon +
+                                 "the daemon at " + options.daemon.address +
                                      " refuses the session: " + player.refusal()));
   }
   return Report(options, Summarize(setup, **run, (*session)->stats()), *logs, terminal);
@@ -310,7 +311,7 @@ void Declare(CLI::App& command, RunOptions& options) {
       ->check(OneOf(kModes))
       ->capture_default_str();
   command.add_option("--arm", options.arm, "Arm to start with (default: the first)");
-  command.add_option("--daemon", options.daemon, "Address of sweepstaked, HOST:PORT");
+  AddDaemonOptions(command, options.daemon)->required(false);
   command.add_flag("--embedded", options.embedded, "Decide in this process, without a daemon");
   command.add_option("--priors", options.priors, "Priors file for --embedded");
   command.add_option("--duration", options.duration, "How long, as 500ms, 60s, 15m")

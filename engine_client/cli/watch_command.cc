@@ -12,7 +12,7 @@ namespace sweepstake::cli {
 namespace {
 
 struct WatchOptions {
-  std::string daemon;
+  DaemonOptions daemon;
   std::string project;
   std::string scene;
   bool once = false;
@@ -22,8 +22,9 @@ struct WatchOptions {
 int ShowOnce(const WatchOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
   if (!scenes.ok()) return Fail(terminal, scenes.status());
-  const nlohmann::ordered_json document = {
-      {"command", "watch"}, {"daemon", options.daemon}, {"scenes", PosteriorsJson(*scenes)}};
+  const nlohmann::ordered_json document = {{"command", "watch"},
+                                           {"daemon", options.daemon.address},
+                                           {"scenes", PosteriorsJson(*scenes)}};
   PrintResult(terminal, options.json, document, PosteriorsText(*scenes));
   return kDone;
 }
@@ -45,6 +46,7 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake watch --daemon 127.0.0.1:7433\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --scene hurricane-3000\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for machines\n"
+      "  sweepstake watch --daemon daemon.example:7433 --tls-ca ca.pem\n"
       "95_low to 95_high is the central 95 % of an arm's posterior, best its probability to be "
       "the\n"
       "best arm. Verdicts: stable (best >= 0.8), tie (below, but choosing the leader loses at "
@@ -53,7 +55,7 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "misses the frame-rate floor. Exit code 3 when no daemon answers.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {
-        AddDaemonOption(command, options.daemon);
+        AddDaemonOptions(command, options.daemon);
         command.add_option("--project", options.project, "Only this project");
         command.add_option("--scene", options.scene, "Only this scene");
         command.add_flag("--once", options.once, "Show what there is now, and end");

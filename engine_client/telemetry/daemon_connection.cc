@@ -11,22 +11,23 @@ constexpr int kKeepAliveIntervalMs = 20'000;
 constexpr int kKeepAliveTimeoutMs = 10'000;
 constexpr int kMaxMessageBytes = 256 * 1024;
 
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& address) {
+}  // namespace
+
+Result<std::shared_ptr<grpc::Channel>> DaemonConnection::MakeChannel(
+    const std::string& address, const std::optional<TlsOptions>& tls) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepAliveIntervalMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepAliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return MakeDaemonChannel(address, tls, std::move(arguments));
 }
 
-}  // namespace
-
-DaemonConnection::DaemonConnection(const std::string& address, std::function<void()> wake)
+DaemonConnection::DaemonConnection(std::shared_ptr<grpc::Channel> channel,
+                                   std::function<void()> wake)
     : wake_(std::move(wake)),
-      channel_(MakeChannel(address)),
+      channel_(std::move(channel)),
       stub_(v1::TelemetryService::NewStub(channel_)) {
   stub_->async()->StreamTelemetry(&context_, this);
   // Writes start outside of gRPC's reactions. The hold keeps the stream alive in between.

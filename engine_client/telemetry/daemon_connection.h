@@ -21,6 +21,7 @@
 #include <optional>
 #include <string>
 
+#include "engine_client/telemetry/daemon_channel.h"
 #include "server/decision/math/hash.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 
@@ -33,9 +34,14 @@ class DaemonConnection final
   // the daemon down.
   static constexpr size_t kMaxInboxMessages = 64;
 
-  // Begins to connect. `wake` is called from gRPC's threads whenever there is something to look at,
-  // until the destructor returns; it must not block.
-  DaemonConnection(const std::string& address, std::function<void()> wake);
+  // Returns a channel for one connection. Errors: those of MakeDaemonChannel.
+  static Result<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
+                                                            const std::optional<TlsOptions>& tls);
+
+  // Begins to connect over a channel of MakeChannel that nobody else has. `wake` is called from
+  // gRPC's threads whenever there is something to look at, until the destructor returns; it must
+  // not block.
+  DaemonConnection(std::shared_ptr<grpc::Channel> channel, std::function<void()> wake);
   // Cancels the stream and waits until gRPC releases it, which needs no answer from the daemon.
   ~DaemonConnection() override;
 

@@ -82,12 +82,17 @@ bool IsLasting(grpc::StatusCode code) {
          code == grpc::StatusCode::UNIMPLEMENTED;
 }
 
-std::string Describe(const grpc::Status& status, const std::string& address, uint32_t delay_ms) {
+std::string TryingAgain(uint32_t delay_ms) {
+  return "; trying again in " + std::to_string(delay_ms) + " ms";
+}
+
+std::string Describe(const grpc::Status& status, const std::string& address, bool with_tls) {
   std::string what = "the daemon at " + address + " ended the connection";
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE) what = "no connection to " + address;
   if (IsLasting(status.error_code())) what = "the daemon at " + address + " refuses the session";
   if (!status.error_message().empty()) what += ": " + status.error_message();
-  return what + "; trying again in " + std::to_string(delay_ms) + " ms";
+  const std::string advice = ConnectionAdvice(status.error_message(), with_tls);
+  return advice.empty() ? what : what + "; " + advice;
 }
 
 uint64_t NowNs() { return SteadyClock().NowNs(); }
@@ -122,6 +127,7 @@ class DaemonSession final : public SessionBase {
   std::chrono::milliseconds poll_interval() const override { return kPollInterval; }
 
   void Connect(uint64_t now_ns);
+  void OnUnusableFiles(const Status& status, uint64_t now_ns);
   void Converse(uint64_t now_ns);
   void Send();
   void OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns);
@@ -176,13 +182,22 @@ bool DaemonSession::Step(bool stopping) {
 }
 
 void DaemonSession::Connect(uint64_t now_ns) {
+  auto channel = DaemonConnection::MakeChannel(next_address_, options_.tls);
+  if (!channel.ok()) return OnUnusableFiles(channel.status(), now_ns);
   link_.emplace();
   link_->address = next_address_;
   link_->deadline_ns = now_ns + kAnswerTimeoutNs;
-  link_->stream = std::make_unique<DaemonConnection>(next_address_, [this] { Wake(); });
+  link_->stream = std::make_unique<DaemonConnection>(*std::move(channel), [this] { Wake(); });
   link_->stream->Write(state_->Connect({.active_arm = adaptive().active_arm(),
                                         .switch_epoch = adaptive().switch_epoch(),
                                         .mode = ToProto(adaptive().mode())}));
+}
+
+// They could be used when the session was made, so that they may be again.
+void DaemonSession::OnUnusableFiles(const Status& status, uint64_t now_ns) {
+  const uint32_t delay_ms = backoff_.LongMs();
+  next_attempt_ns_ = now_ns + delay_ms * kNsPerMs;
+  last_error_ = status.message() + TryingAgain(delay_ms);
 }
 
 void DaemonSession::Converse(uint64_t now_ns) {
@@ -293,7 +308,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
   const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT;
   refusal_ = refused ? status.error_message() : "";
-  if (!asked_for) last_error_ = Describe(status, link.address, delay_ms);
+  if (!asked_for)
+    last_error_ = Describe(status, link.address, options_.tls.has_value()) + TryingAgain(delay_ms);
 }
 
 uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns) {
@@ -358,8 +374,9 @@ void DaemonSession::Publish() {
 
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options) {
-  if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
   if (Status status = ValidateSessionOptions(options); !status.ok()) return status;
+  const auto channel = DaemonConnection::MakeChannel(address, options.tls);
+  if (!channel.ok()) return channel.status();
   return std::unique_ptr<Session>(std::make_unique<DaemonSession>(std::move(address), options));
 }
 

@@ -5,6 +5,8 @@
 #include <grpcpp/impl/server_builder_option.h>
 #include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/security/tls_certificate_provider.h>
 #include <spdlog/logger.h>
 
 #include <future>
@@ -32,6 +34,7 @@ constexpr int kMinute = 60 * kSecond;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
+constexpr unsigned kCertificateIntervalS = 1;  // between two looks at the files of TLS
 
 void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // Without a quota one connection can use a gigabyte.
@@ -51,6 +54,22 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, kMinute);
   // A second daemon on the same port must fail instead of sharing it.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+}
+
+// TLS is 1.2 or newer. gRPC reads the files again at each interval, for the connections that begin
+// after it. It says nothing of files that it cannot use, so that they are checked here first.
+absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const tls::Files& files) {
+  if (files.cert.empty()) return grpc::InsecureServerCredentials();
+  if (const auto read = tls::Read(files); !read.ok()) return read.status();
+  grpc::experimental::TlsServerCredentialsOptions options(
+      std::make_shared<grpc::experimental::FileWatcherCertificateProvider>(
+          files.key.string(), files.cert.string(), files.ca.string(), kCertificateIntervalS));
+  options.watch_identity_key_cert_pairs();
+  if (!files.ca.empty()) {
+    options.watch_root_certs();
+    options.set_cert_request_type(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
+  }
+  return grpc::experimental::TlsServerCredentials(options);
 }
 
 }  // namespace
@@ -85,13 +104,15 @@ absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& l
 }
 
 absl::Status RpcServer::Listen(const std::string& address) {
+  const auto credentials = MakeCredentials(options_.tls);
+  if (!credentials.ok()) return credentials.status();
   grpc::EnableDefaultHealthCheckService(true);
   // This call also keeps the linker from dropping the library.
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port_);
+  builder.AddListeningPort(address, *credentials, &port_);
   builder.RegisterService(&telemetry_);
   builder.RegisterService(&posteriors_);
   builder.RegisterService(&priors_);

@@ -30,8 +30,9 @@ namespace sweepstake::rpc {
 
 class RpcServer {
  public:
-  // `listen` is HOST:PORT; port 0 means any free port. It serves plain text; the caller has checked
-  // that this is wanted. Error: UNAVAILABLE (cannot listen there).
+  // `listen` is HOST:PORT; port 0 means any free port. It serves plain text unless the options name
+  // a certificate; the caller has checked that this is wanted. Errors: UNAVAILABLE (cannot listen
+  // there), INVALID_ARGUMENT (the files of TLS cannot be used).
   static absl::StatusOr<std::unique_ptr<RpcServer>> Start(const std::string& listen,
                                                           RpcOptions options, Clock& clock,
                                                           priors::AsyncPriorStore& store,

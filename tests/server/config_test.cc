@@ -121,6 +121,26 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
   EXPECT_TRUE(FromFile("listen = '[::1]:7433'\n").ok());
 }
 
+TEST_F(ConfigTest, WithTlsOthersMayReachIt) {
+  const std::string pair = "tls_cert = 'c.pem'\ntls_key = 'k.pem'\n";
+  const auto config = FromFile("listen = '0.0.0.0:7433'\ntls_client_ca = 'a.pem'\n" + pair);
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->rpc.tls.cert, "c.pem");
+  EXPECT_EQ(config->rpc.tls.key, "k.pem");
+  EXPECT_EQ(config->rpc.tls.ca, "a.pem");
+  EXPECT_THAT(Error("tls_cert = 'c.pem'\n"), HasSubstr("tls_cert and tls_key go together"));
+  EXPECT_THAT(Error("tls_key = 'k.pem'\n"), HasSubstr("tls_cert and tls_key go together"));
+  EXPECT_THAT(Error("tls_client_ca = 'a.pem'\n"), HasSubstr("tls_client_ca needs TLS"));
+  EXPECT_THAT(Error("listen = '0.0.0.0:7433'\n"), HasSubstr("--tls-cert"));
+}
+
+TEST_F(ConfigTest, TheCommandLinesVariablesAreNotTakenForOurs) {
+  const std::vector<std::string> environment = {"SWEEPSTAKE_CLIENT_TLS_CA=a.pem"};
+  const auto assignments = ReadEnvironment(environment);
+  ASSERT_TRUE(assignments.ok()) << assignments.status();
+  EXPECT_TRUE(assignments->empty());
+}
+
 TEST_F(ConfigTest, WhatIsPrintedReadsBackTheSame) {
   Config config;
   config.data = "a \"quoted\" \\ path";

@@ -23,9 +23,9 @@ Request RequestOf(const AuditSelection& selection) {
 
 }  // namespace
 
-Result<std::vector<v1::AuditSegment>> ListAudit(const std::string& address,
+Result<std::vector<v1::AuditSegment>> ListAudit(const DaemonOptions& daemon,
                                                 const AuditSelection& selection) {
-  const auto channel = OpenChannel(address);
+  const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::AuditService::NewStub(*channel);
   grpc::ClientContext context;
@@ -37,14 +37,14 @@ Result<std::vector<v1::AuditSegment>> ListAudit(const std::string& address,
   while (reader->Read(&part)) {
     segments.insert(segments.end(), part.segments().begin(), part.segments().end());
   }
-  const Status status = ToStatus(reader->Finish(), address);
+  const Status status = ToStatus(reader->Finish(), daemon);
   if (!status.ok()) return status;
   return segments;
 }
 
-Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& selection,
+Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& selection,
                              const std::filesystem::path& path) {
-  const auto channel = OpenChannel(address);
+  const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto file = WholeFile::Create(path);
   if (!file.ok()) return file.status();
@@ -61,7 +61,7 @@ Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& s
     for (const std::string& row : part.rows()) (*file)->Write(row + '\n');
     row_count += static_cast<uint64_t>(part.rows_size());
   }
-  Status status = ToStatus(reader->Finish(), address);
+  Status status = ToStatus(reader->Finish(), daemon);
   if (status.ok()) status = (*file)->Commit();
   if (!status.ok()) return status;
   return row_count;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/daemon/daemon_options.h"
 #include "sweepstake/status.h"
 #include "sweepstake/v1/audit.pb.h"
 
@@ -19,11 +20,11 @@ struct AuditSelection {
 };
 
 // Lists the segments of the selected sessions. Error: kUnavailable (no daemon answered).
-Result<std::vector<v1::AuditSegment>> ListAudit(const std::string& address,
+Result<std::vector<v1::AuditSegment>> ListAudit(const DaemonOptions& daemon,
                                                 const AuditSelection& selection);
 // Writes the log as a CSV file, which appears whole or not at all, and returns the number of rows.
 // Errors: those of ListAudit, and kInvalidArgument (the file cannot be written).
-Result<uint64_t> ExportAudit(const std::string& address, const AuditSelection& selection,
+Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& selection,
                              const std::filesystem::path& path);
 
 }  // namespace sweepstake::cli

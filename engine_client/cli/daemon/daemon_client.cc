@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "engine_client/telemetry/common/validation.h"
+#include "engine_client/telemetry/daemon_channel.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -27,24 +27,27 @@ StatusCode ToCode(grpc::StatusCode code) {
 
 }  // namespace
 
-Result<std::shared_ptr<grpc::Channel>> OpenChannel(const std::string& address,
+Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection) {
-  if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
   grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, own_connection ? 1 : 0);
-  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  return MakeDaemonChannel(daemon.address, daemon.tls, std::move(arguments));
 }
 
 void SetDeadline(grpc::ClientContext& context) {
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
 }
 
-Status ToStatus(const grpc::Status& status, const std::string& address) {
+Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
   if (status.ok()) return {};
   const StatusCode code = ToCode(status.error_code());
   if (code != StatusCode::kUnavailable) return {code, status.error_message()};
-  return {code, "no daemon answered at " + address + " (" + status.error_message() +
+  const std::string advice = ConnectionAdvice(status.error_message(), daemon.tls.has_value());
+  if (!advice.empty()) {
+    return {code,
+            "no connection to " + daemon.address + " (" + status.error_message() + "); " + advice};
+  }
+  return {code, "no daemon answered at " + daemon.address + " (" + status.error_message() +
                     "); start one with sweepstaked --listen HOST:PORT"};
 }
 

@@ -37,10 +37,10 @@ class Canceller {
 
 }  // namespace
 
-Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& address,
+Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daemon,
                                                        const std::string& project,
                                                        const std::string& scene) {
-  const auto channel = OpenChannel(address);
+  const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PosteriorsService::NewStub(*channel);
   std::vector<v1::ScenePosterior> scenes;
@@ -50,7 +50,7 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& addres
     grpc::ClientContext context;
     SetDeadline(context);
     v1::ListPosteriorsResponse page;
-    const Status status = ToStatus(stub->ListPosteriors(&context, request, &page), address);
+    const Status status = ToStatus(stub->ListPosteriors(&context, request, &page), daemon);
     if (!status.ok()) return status;
     for (v1::ScenePosterior& each : *page.mutable_scenes()) {
       if (scene.empty() || each.scene() == scene) scenes.push_back(std::move(each));
@@ -60,10 +60,10 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& addres
   return scenes;
 }
 
-Status WatchPosteriors(const std::string& address, const std::string& project,
+Status WatchPosteriors(const DaemonOptions& daemon, const std::string& project,
                        const std::string& scene, const std::function<bool()>& is_stopped,
                        const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event) {
-  const auto channel = OpenChannel(address);
+  const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PosteriorsService::NewStub(*channel);
   v1::WatchPosteriorsRequest request;
@@ -78,8 +78,8 @@ Status WatchPosteriors(const std::string& address, const std::string& project,
   }
   const grpc::Status status = reader->Finish();
   if (is_stopped()) return {};
-  if (!status.ok()) return ToStatus(status, address);
-  return {StatusCode::kUnavailable, "the daemon at " + address + " ended the watch"};
+  if (!status.ok()) return ToStatus(status, daemon);
+  return {StatusCode::kUnavailable, "the daemon at " + daemon.address + " ended the watch"};
 }
 
 }  // namespace sweepstake::cli

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/daemon/daemon_options.h"
 #include "sweepstake/status.h"
 #include "sweepstake/v1/posteriors.pb.h"
 
@@ -12,14 +13,14 @@ namespace sweepstake::cli {
 
 // Returns the scenes that a daemon knows. An empty `project` or `scene` selects all. Error:
 // kUnavailable (no daemon answered).
-Result<std::vector<v1::ScenePosterior>> ListPosteriors(const std::string& address,
+Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daemon,
                                                        const std::string& project,
                                                        const std::string& scene);
 
 // Calls `on_event` with each event of the daemon until `is_stopped` returns true, which another
 // thread calls every 50 ms. Returns kUnavailable if the daemon cannot be reached or ends the
 // stream.
-Status WatchPosteriors(const std::string& address, const std::string& project,
+Status WatchPosteriors(const DaemonOptions& daemon, const std::string& project,
                        const std::string& scene, const std::function<bool()>& is_stopped,
                        const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event);
 

@@ -14,10 +14,10 @@ constexpr size_t kRecordsPerMessage = 200;
 
 }  // namespace
 
-Result<std::vector<PriorRecord>> ExportPriors(const std::string& address,
+Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
                                               const std::string& project,
                                               const std::string& scene) {
-  const auto channel = OpenChannel(address);
+  const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
   grpc::ClientContext context;
@@ -31,14 +31,14 @@ Result<std::vector<PriorRecord>> ExportPriors(const std::string& address,
   while (reader->Read(&part)) {
     for (const v1::PriorRecord& message : part.records()) records.push_back(FromProto(message));
   }
-  const Status status = ToStatus(reader->Finish(), address);
+  const Status status = ToStatus(reader->Finish(), daemon);
   if (!status.ok()) return status;
   return records;
 }
 
-Result<ImportResult> ImportPriors(const std::string& address,
+Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
                                   std::span<const PriorRecord> records) {
-  const auto channel = OpenChannel(address);
+  const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
   grpc::ClientContext context;
@@ -54,7 +54,7 @@ Result<ImportResult> ImportPriors(const std::string& address,
     if (!writer->Write(request)) break;
   }
   writer->WritesDone();
-  const Status status = ToStatus(writer->Finish(), address);
+  const Status status = ToStatus(writer->Finish(), daemon);
   if (!status.ok()) return status;
   return ImportResult{response.applied_count(), response.unchanged_count()};
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/daemon/daemon_options.h"
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "sweepstake/status.h"
 
@@ -16,9 +17,10 @@ struct ImportResult {
 };
 
 // An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
-Result<std::vector<PriorRecord>> ExportPriors(const std::string& address,
+Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
                                               const std::string& project, const std::string& scene);
 // Adds all records or, on an error, none.
-Result<ImportResult> ImportPriors(const std::string& address, std::span<const PriorRecord> records);
+Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
+                                  std::span<const PriorRecord> records);
 
 }  // namespace sweepstake::cli

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_client/cli/daemon/daemon_options.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
@@ -18,7 +19,7 @@ namespace sweepstake::cli {
 struct LoadPlan {
   static constexpr uint64_t kMaxStreamsPerChannel = 100;  // the daemon lets further ones wait
 
-  std::string daemon;  // HOST:PORT
+  DaemonOptions daemon;
   uint64_t stream_count = 1000;
   uint64_t channel_count = 0;  // connections; 0: as few as can carry the streams
   uint64_t scene_count = 10;   // the streams take turns with them

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,16 @@ struct SessionStats {
   SceneVerdict verdict;
 };
 
+// TLS 1.2 or newer of a connection to a daemon. The files are PEM, of at most 1 MiB, and their
+// paths have at most 4096 bytes. They are read for every connection, so that they may be replaced
+// while the game runs.
+struct TlsOptions {
+  std::string ca_file;      // authorities of the daemon's certificate; empty: the system's
+  std::string cert_file;    // the client's certificate, where the daemon asks for one
+  std::string key_file;     // its private key, without a passphrase; with cert_file only
+  std::string server_name;  // the host in the daemon's certificate; empty: that of the address
+};
+
 struct SessionOptions {
   std::string project = "default";
   std::string scene = "default";
@@ -76,6 +87,8 @@ struct SessionOptions {
   uint32_t unacknowledged_messages = 1024;
   uint32_t backoff_min_ms = 100;  // doubles with each attempt up to the maximum, with full jitter
   uint32_t backoff_max_ms = 10'000;
+
+  std::optional<TlsOptions> tls;  // absent: plain text; of no use to an embedded decider
 };
 
 class Session {
@@ -95,7 +108,8 @@ class Session {
   virtual ~Session() = default;
 };
 
-// `address` is HOST:PORT. Start connects to it in the background.
+// `address` is HOST:PORT. Start connects to it in the background. Error: kInvalidArgument (the
+// address, an option, or a file of `tls` that cannot be used).
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options);
 // Makes a session without a daemon: the embedded decider runs on the sender thread.

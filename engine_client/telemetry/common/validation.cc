@@ -59,6 +59,11 @@ Status ValidateBatching(const SessionOptions& options) {
   return {};
 }
 
+bool IsPath(std::string_view path) {
+  constexpr size_t kMaxPathBytes = 4096;
+  return path.size() <= kMaxPathBytes && path.find('\0') == std::string_view::npos;
+}
+
 }  // namespace
 
 Status ValidateDaemonAddress(std::string_view address) {
@@ -70,6 +75,19 @@ Status ValidateDaemonAddress(std::string_view address) {
   return {StatusCode::kInvalidArgument,
           "'" + std::string(address.substr(0, 300)) +
               "' is not an address; write HOST:PORT, as 127.0.0.1:7433"};
+}
+
+Status ValidateTlsOptions(const TlsOptions& options) {
+  if (!IsPath(options.ca_file) || !IsPath(options.cert_file) || !IsPath(options.key_file)) {
+    return Invalid("ca_file, cert_file and key_file", "paths of at most 4096 bytes");
+  }
+  if (options.cert_file.empty() != options.key_file.empty()) {
+    return Invalid("a client's certificate and its key", "given both, or neither");
+  }
+  if (!options.server_name.empty() && !IsHost(options.server_name)) {
+    return Invalid("server_name", "a host name of at most 253 bytes");
+  }
+  return {};
 }
 
 Status ValidateSessionOptions(const SessionOptions& options) {
@@ -89,7 +107,7 @@ Status ValidateSessionOptions(const SessionOptions& options) {
       options.backoff_max_ms > 3'600'000) {
     return Invalid("backoff_min_ms and backoff_max_ms", "1 <= min <= max <= 3600000");
   }
-  return {};
+  return options.tls ? ValidateTlsOptions(*options.tls) : Status();
 }
 
 }  // namespace sweepstake

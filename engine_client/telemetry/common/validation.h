@@ -13,6 +13,9 @@ namespace sweepstake {
 // 65535. kInvalidArgument says what is wrong.
 Status ValidateDaemonAddress(std::string_view address);
 
+// The files are not read. kInvalidArgument names the option and its bounds.
+Status ValidateTlsOptions(const TlsOptions& options);
+
 // kInvalidArgument names the option and its bounds.
 Status ValidateSessionOptions(const SessionOptions& options);
 

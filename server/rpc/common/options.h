@@ -7,6 +7,7 @@
 
 #include "server/decision/options.h"
 #include "server/priors/audit_rows.h"
+#include "server/tls/tls_files.h"
 
 namespace sweepstake::rpc {
 
@@ -70,6 +71,9 @@ struct RpcOptions {
   // The reconnect delay that a draining daemon asks for; the client adds its jitter.
   uint32_t reconnect_delay_ms = 500;
   bool reflection = false;
+  // What it serves TLS with. It serves plain text without a certificate, and asks clients for one
+  // where there is a `ca`. The files are read again every second.
+  tls::Files tls;
 };
 
 // Counts of events since the daemon's start, and of what is open now. The services' threads write

@@ -113,13 +113,37 @@ TEST(OneOf, NamesTheNearestWordFirst) {
   EXPECT_THAT(app.help(), HasSubstr("{auto,on,off}"));
 }
 
-TEST(AddDaemonOption, RequiresAnAddress) {
+TEST(AddDaemonOptions, RequiresAnAddress) {
   CLI::App app("test", "test");
-  std::string address;
-  AddDaemonOption(app, address);
+  DaemonOptions daemon;
+  AddDaemonOptions(app, daemon);
   EXPECT_THROW(app.parse(""), CLI::RequiredError);
   EXPECT_NO_THROW(app.parse("--daemon 127.0.0.1:7433"));
-  EXPECT_EQ(address, "127.0.0.1:7433");
+  EXPECT_EQ(daemon.address, "127.0.0.1:7433");
+  EXPECT_FALSE(daemon.tls.has_value());
+}
+
+TEST(AddDaemonOptions, EachOptionOfTlsImpliesTls) {
+  const struct {
+    const char* arguments;
+    TlsOptions tls;
+  } cases[] = {
+      {"--tls", {"", "", "", ""}},
+      {"--tls-ca a.pem", {"a.pem", "", "", ""}},
+      {"--tls --tls-cert c.pem --tls-key k.pem", {"", "c.pem", "k.pem", ""}},
+      {"--tls-server-name host", {"", "", "", "host"}},
+  };
+  for (const auto& [arguments, tls] : cases) {
+    CLI::App app("test", "test");
+    DaemonOptions daemon;
+    AddDaemonOptions(app, daemon);
+    app.parse(std::string("--daemon 127.0.0.1:7433 ") + arguments);
+    ASSERT_TRUE(daemon.tls.has_value()) << arguments;
+    EXPECT_EQ(daemon.tls->ca_file, tls.ca_file);
+    EXPECT_EQ(daemon.tls->cert_file, tls.cert_file);
+    EXPECT_EQ(daemon.tls->key_file, tls.key_file);
+    EXPECT_EQ(daemon.tls->server_name, tls.server_name);
+  }
 }
 
 std::string LineOf(std::vector<std::string> words) {

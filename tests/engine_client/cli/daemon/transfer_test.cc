@@ -35,7 +35,7 @@ v1::ListPosteriorsResponse PageWith(const std::vector<std::string>& scenes) {
 TEST(ListPosteriors, ReadsEveryPage) {
   FakeDaemonServices daemon;
   daemon.posteriors.pages = {PageWith({"a", "b"}), PageWith({}), PageWith({"c"})};
-  const auto scenes = ListPosteriors(daemon.address(), "p", "");
+  const auto scenes = ListPosteriors({daemon.address()}, "p", "");
   ASSERT_TRUE(scenes.ok()) << scenes.status().message();
   ASSERT_EQ(scenes->size(), 3U);
   EXPECT_EQ((*scenes)[2].scene(), "c");
@@ -45,10 +45,10 @@ TEST(ListPosteriors, ReadsEveryPage) {
 TEST(ListPosteriors, KeepsOnlyTheSceneThatIsAskedFor) {
   FakeDaemonServices daemon;
   daemon.posteriors.pages = {PageWith({"a", "b"}), PageWith({"b"})};
-  const auto scenes = ListPosteriors(daemon.address(), "", "b");
+  const auto scenes = ListPosteriors({daemon.address()}, "", "b");
   ASSERT_TRUE(scenes.ok());
   EXPECT_EQ(scenes->size(), 2U);
-  EXPECT_TRUE(ListPosteriors(daemon.address(), "", "z")->empty());
+  EXPECT_TRUE(ListPosteriors({daemon.address()}, "", "z")->empty());
 }
 
 v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
@@ -64,7 +64,7 @@ TEST(WatchPosteriors, HandsOnEachEventUntilTheDaemonEnds) {
   daemon.posteriors.events = {DecisionOf(1), DecisionOf(2), DecisionOf(3)};
   std::vector<uint64_t> seen;
   const Status status = WatchPosteriors(
-      daemon.address(), "p", "s", [] { return false; },
+      {daemon.address()}, "p", "s", [] { return false; },
       [&](const v1::WatchPosteriorsResponse& event) {
         seen.push_back(event.decision().decision_id());
       });
@@ -80,7 +80,7 @@ TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
   daemon.posteriors.ends_the_watch = false;
   std::atomic<bool> stopped = false;
   const Status status = WatchPosteriors(
-      daemon.address(), "", "", [&] { return stopped.load(); },
+      {daemon.address()}, "", "", [&] { return stopped.load(); },
       [&](const v1::WatchPosteriorsResponse&) { stopped = true; });
   EXPECT_TRUE(status.ok()) << status.message();
 }
@@ -124,7 +124,7 @@ TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
   FakeDaemonServices daemon;
   std::vector<PriorRecord> records;
   for (uint64_t i = 1; i <= 450; ++i) records.push_back(SomeRecord(i));
-  const auto result = ImportPriors(daemon.address(), records);
+  const auto result = ImportPriors({daemon.address()}, records);
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_THAT(daemon.priors.imported_sizes.get(), ElementsAre(200, 200, 50));
   EXPECT_EQ(daemon.priors.imported.get().back().source_sequence(), 450U);
@@ -135,7 +135,7 @@ TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
 TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
   FakeDaemonServices daemon;
   daemon.priors.import_status = {grpc::StatusCode::INVALID_ARGUMENT, "record 0 has no arm"};
-  const auto result = ImportPriors(daemon.address(), std::vector{SomeRecord(1)});
+  const auto result = ImportPriors({daemon.address()}, std::vector{SomeRecord(1)});
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.status().code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(result.status().message(), "record 0 has no arm");
@@ -144,10 +144,10 @@ TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
 TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
   FakeDaemonServices daemon;
   const PriorRecord record = SomeRecord(9);
-  ASSERT_TRUE(ImportPriors(daemon.address(), std::vector{record}).ok());
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{record}).ok());
   daemon.priors.parts.resize(2);
   *daemon.priors.parts[1].add_records() = daemon.priors.imported.get().at(0);
-  const auto records = ExportPriors(daemon.address(), "p", "s");
+  const auto records = ExportPriors({daemon.address()}, "p", "s");
   ASSERT_TRUE(records.ok()) << records.status().message();
   ASSERT_EQ(records->size(), 1U);
   EXPECT_EQ(FormatPriors(*records), FormatPriors(std::vector{record}));
@@ -157,7 +157,7 @@ TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
 
 TEST(PriorsCommand, ExportsAFileThatImportReads) {
   FakeDaemonServices daemon;
-  ASSERT_TRUE(ImportPriors(daemon.address(), std::vector{SomeRecord(1), SomeRecord(2)}).ok());
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{SomeRecord(1), SomeRecord(2)}).ok());
   daemon.priors.parts.resize(1);
   for (const v1::PriorRecord& record : daemon.priors.imported.get()) {
     *daemon.priors.parts[0].add_records() = record;
@@ -197,7 +197,7 @@ v1::ListAuditSegmentsResponse SegmentsOf(const std::string& session, uint64_t ro
 TEST(AuditCommand, ListsTheSegmentsOfAllParts) {
   FakeDaemonServices daemon;
   daemon.audit.segments = {SegmentsOf("one", 5), SegmentsOf("two", 7)};
-  const auto rows = ListAudit(daemon.address(), {});
+  const auto rows = ListAudit({daemon.address()}, {});
   ASSERT_TRUE(rows.ok());
   ASSERT_EQ(rows->size(), 2U);
   EXPECT_EQ((*rows)[1].session_id(), "two");
@@ -226,7 +226,7 @@ TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
   daemon.audit.parts[1].add_rows("3,4");
   const TemporaryDirectory folder;
   const auto count =
-      ExportAudit(daemon.address(), {.session_id = "id", .project = "p", .scene = "s"},
+      ExportAudit({daemon.address()}, {.session_id = "id", .project = "p", .scene = "s"},
                   folder.path() / "log.csv");
   ASSERT_TRUE(count.ok()) << count.status().message();
   EXPECT_EQ(*count, 2U);
@@ -242,7 +242,7 @@ TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
   daemon.audit.parts[0].set_header("a,b");
   daemon.audit.export_status = {grpc::StatusCode::NOT_FOUND, "no session id"};
   const TemporaryDirectory folder;
-  const auto count = ExportAudit(daemon.address(), {}, folder.path() / "log.csv");
+  const auto count = ExportAudit({daemon.address()}, {}, folder.path() / "log.csv");
   EXPECT_EQ(count.status().code(), StatusCode::kNotFound);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }

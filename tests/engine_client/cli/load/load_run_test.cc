@@ -30,7 +30,7 @@ class LoadRunTest : public ::testing::Test {
     auto server = RpcServer::Start(listen, {}, clock_, *store_, log_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
-    plan_.daemon = "127.0.0.1:" + std::to_string(server_->port());
+    plan_.daemon.address = "127.0.0.1:" + std::to_string(server_->port());
   }
   void Stop() {
     server_->Drain(std::chrono::seconds(2));
@@ -103,7 +103,7 @@ TEST_F(LoadRunTest, StreamsComeBackToARestartedDaemon) {
 }
 
 TEST_F(LoadRunTest, NobodyThereIsAnErrorAtOnce) {
-  plan_.daemon = "127.0.0.1:1";
+  plan_.daemon.address = "127.0.0.1:1";
   EXPECT_EQ(Run().status().code(), StatusCode::kUnavailable);
 }
 

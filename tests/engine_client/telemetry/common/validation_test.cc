@@ -37,6 +37,27 @@ TEST(SessionOptions, NamesTheOptionThatIsWrong) {
   EXPECT_EQ(wrong_option([](auto& o) { o.backoff_max_ms = 1; }), "backoff_min_ms");
 }
 
+TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
+  const auto message = [](auto change) {
+    TlsOptions tls;
+    change(tls);
+    SessionOptions options;
+    options.tls = tls;
+    return ValidateSessionOptions(options).message();
+  };
+  using ::testing::HasSubstr;
+  EXPECT_EQ(message([](auto&) {}), "");
+  EXPECT_EQ(message([](auto& o) { o.cert_file = o.key_file = std::string(4096, 'x'); }), "");
+  EXPECT_EQ(message([](auto& o) { o.server_name = "daemon-1.studio.example"; }), "");
+  EXPECT_THAT(message([](auto& o) { o.ca_file = std::string(4097, 'x'); }), HasSubstr("ca_file"));
+  EXPECT_THAT(message([](auto& o) { o.ca_file = std::string("a\0b", 3); }), HasSubstr("ca_file"));
+  EXPECT_THAT(message([](auto& o) { o.cert_file = "c"; }), HasSubstr("its key"));
+  EXPECT_THAT(message([](auto& o) { o.key_file = "k"; }), HasSubstr("its key"));
+  EXPECT_THAT(message([](auto& o) { o.server_name = "a b"; }), HasSubstr("server_name"));
+  EXPECT_THAT(message([](auto& o) { o.server_name = std::string(254, 'x'); }),
+              HasSubstr("server_name"));
+}
+
 TEST(DaemonAddress, TakesHostNamesAndBothKindsOfIpAddresses) {
   for (const char* address :
        {"localhost:1", "127.0.0.1:65535", "[::1]:7411", "daemon-1.studio.example:7411"}) {

@@ -1,0 +1,16 @@
+// Which daemon a command talks to, and how. A plain value.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sweepstake/session.h"
+
+namespace sweepstake::cli {
+
+struct DaemonOptions {
+  std::string address;                           // HOST:PORT
+  std::optional<TlsOptions> tls = std::nullopt;  // absent: plain text
+};
+
+}  // namespace sweepstake::cli

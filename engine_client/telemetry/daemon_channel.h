@@ -1,0 +1,27 @@
+// A channel to a daemon, in plain text or with TLS, for sessions and for the command line.
+// Thread-safe.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sweepstake/session.h"
+#include "sweepstake/status.h"
+
+namespace sweepstake {
+
+// Returns a channel to HOST:PORT, which connects at its first call; the files of `tls` are read
+// now. `arguments` are added to those that all channels have. Error: kInvalidArgument (the address,
+// the options or the files of `tls`).
+Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& address,
+                                                         const std::optional<TlsOptions>& tls,
+                                                         grpc::ChannelArguments arguments);
+
+// Returns what to do about a connection that could not be made, for a message to people. `reason`
+// is what gRPC says of it. Empty: the reason says all there is.
+std::string ConnectionAdvice(const std::string& reason, bool with_tls);
+
+}  // namespace sweepstake

@@ -1,0 +1,116 @@
+#include "server/tls/tls_files.h"
+
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::tls {
+namespace {
+
+constexpr uintmax_t kMaxFileBytes = 1 << 20;
+
+template <auto Free>
+struct Freer {
+  template <typename T>
+  void operator()(T* object) const {
+    Free(object);
+  }
+};
+using Bio = std::unique_ptr<BIO, Freer<BIO_free>>;
+using Certificate = std::unique_ptr<X509, Freer<X509_free>>;
+using Key = std::unique_ptr<EVP_PKEY, Freer<EVP_PKEY_free>>;
+using Context = std::unique_ptr<SSL_CTX, Freer<SSL_CTX_free>>;
+
+Bio Reader(const std::string& text) {
+  return Bio(BIO_new_mem_buf(text.data(), static_cast<int>(text.size())));
+}
+
+// OpenSSL's errors of a thread are in a queue that gRPC's handshakes read, too, so that none may
+// stay there.
+std::string TakeError() {
+  const char* reason = ERR_reason_error_string(ERR_peek_error());
+  ERR_clear_error();
+  return reason == nullptr ? "unknown error" : reason;
+}
+
+absl::StatusOr<std::string> ReadFile(const std::filesystem::path& path) {
+  if (path.empty()) return std::string();
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(path, error);  // an error for what is no file
+  if (!error && size > kMaxFileBytes) error = std::make_error_code(std::errc::file_too_large);
+  std::ifstream file(path, std::ios::binary);
+  if (!error && !file) error = std::error_code(errno, std::generic_category());
+  if (!error) return std::string(std::istreambuf_iterator<char>(file), {});
+  return absl::InvalidArgumentError(absl::StrCat("cannot read ", path.string(), ": ",
+                                                 error.message(),
+                                                 "; name a PEM file that this user may read"));
+}
+
+// Returns the first certificate of `text`, or null unless all that is there can be parsed.
+Certificate FirstCertificate(const std::string& text) {
+  const Bio reader = Reader(text);
+  Certificate first;
+  while (Certificate next{PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr)}) {
+    if (first == nullptr) first = std::move(next);
+  }
+  // The end of the file is an error of this kind; a certificate that is cut off is another one.
+  if (ERR_GET_REASON(ERR_peek_last_error()) != PEM_R_NO_START_LINE) first.reset();
+  ERR_clear_error();
+  return first;
+}
+
+absl::Status NoCertificate(const std::filesystem::path& path) {
+  return absl::InvalidArgumentError(
+      absl::StrCat(path.string(), " holds no whole certificate in PEM form"));
+}
+
+// A passphrase is not asked for on the terminal, since nobody may be there.
+int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/) { return -1; }
+
+absl::Status CheckPair(const Files& files, const Texts& texts) {
+  const Certificate certificate = FirstCertificate(texts.cert);
+  if (certificate == nullptr) return NoCertificate(files.cert);
+  const Key key(PEM_read_bio_PrivateKey(Reader(texts.key).get(), nullptr, NoPassphrase, nullptr));
+  ERR_clear_error();
+  if (key == nullptr) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(files.key.string(), " holds no private key in PEM form without a passphrase"));
+  }
+  const Context context(SSL_CTX_new(TLS_method()));
+  if (context != nullptr && SSL_CTX_use_certificate(context.get(), certificate.get()) == 1 &&
+      SSL_CTX_use_PrivateKey(context.get(), key.get()) == 1) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "the certificate ", files.cert.string(), " and the key ", files.key.string(),
+      " cannot be used together (", TakeError(), "); name the key of this certificate"));
+}
+
+}  // namespace
+
+absl::StatusOr<Texts> Read(const Files& files) {
+  Texts texts;
+  for (const auto& [path, text] :
+       {std::pair(&files.cert, &texts.cert), std::pair(&files.key, &texts.key),
+        std::pair(&files.ca, &texts.ca)}) {
+    absl::StatusOr<std::string> read = ReadFile(*path);
+    if (!read.ok()) return read.status();
+    *text = *std::move(read);
+  }
+  if (!files.cert.empty()) {
+    if (absl::Status status = CheckPair(files, texts); !status.ok()) return status;
+  }
+  if (!files.ca.empty() && FirstCertificate(texts.ca) == nullptr) return NoCertificate(files.ca);
+  return texts;
+}
+
+}  // namespace sweepstake::tls

@@ -1,0 +1,37 @@
+// A certificate authority for tests. All keys are made anew, so that none is ever in the tree.
+#pragma once
+
+#include <openssl/evp.h>
+#include <openssl/x509.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace sweepstake::test_support {
+
+struct CertificateFiles {
+  std::filesystem::path cert;
+  std::filesystem::path key;
+};
+
+class TestAuthority {
+ public:
+  // Makes the authority, and its certificate as a file.
+  explicit TestAuthority(std::filesystem::path cert);
+
+  const std::filesystem::path& cert() const { return cert_file_; }
+  // Makes a key and its certificate for `host`, "IP:127.0.0.1" or "DNS:example.com", and writes
+  // both to `files`, first the certificate. Each file is replaced in one step.
+  void Issue(const std::string& host, const CertificateFiles& files) const;
+
+ private:
+  using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
+  using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
+
+  const std::filesystem::path cert_file_;
+  Key key_;
+  Certificate certificate_;
+};
+
+}  // namespace sweepstake::test_support
