@@ -127,6 +127,7 @@ void LoadStream::SayGoodbye() {
   v1::StreamTelemetryRequest request;
   request.mutable_goodbye();
   Send(std::move(request));
+  leaving_ = true;
 }
 
 void LoadStream::Cancel() {
@@ -166,6 +167,7 @@ void LoadStream::OnWelcome(const v1::Welcome& welcome) {
 }
 
 void LoadStream::OnSwitch(const v1::SwitchCommand& command) {
+  if (leaving_) return;
   std::optional<int64_t> latency_ns;
   if (command.reason() == v1::SWITCH_REASON_BAIL_OUT && bail_out_sent_ns_ != 0)
     latency_ns = NowNs() - std::exchange(bail_out_sent_ns_, 0);

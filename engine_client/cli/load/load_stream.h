@@ -91,6 +91,7 @@ class LoadStream {
   int64_t begun_ns_ = 0;          // of the connection
   int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
   bool up_ = false;               // the welcome has come
+  bool leaving_ = false;          // goodbye was said: nothing follows it
 };
 
 }  // namespace sweepstake::cli

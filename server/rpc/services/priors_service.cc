@@ -30,37 +30,25 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
   return page;
 }
 
-// One import. gRPC's callbacks, of which one runs at a time, read all messages; the store's job
-// then ends the call.
+// One import. gRPC's callbacks parse and check one message at a time and post to the decision loop,
+// where everything else happens but the store's job.
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public StallingCall {
  public:
   // `collected_count` is shared by all imports.
   PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
               grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
       : context_(context), collected_count_(collected_count), call_(call), response_(response) {
-    NoteProgress();
-    context_.loop.Post([this] { context_.stalls.Add(*this); });
-    StartRead(&bytes_);
+    context_.loop.Post([this] {
+      ReadNext();
+      context_.stalls.Add(*this);
+    });
   }
   ~PriorImport() override { collected_count_ -= records_.size(); }
 
   void OnReadDone(bool ok) override {
-    NoteProgress();
-    if (ok) {
-      const absl::Status status = Take();
-      if (!status.ok()) return Finish(ToGrpc(status));
-      return StartRead(&bytes_);
-    }
-    // A lost connection must not count as the end of the records.
-    if (call_.IsCancelled())
-      return Finish(ToGrpc(absl::CancelledError("the stream broke off; nothing was imported")));
-    last_progress_ns_ = Clock::kNever;
-    if (!context_.store.Submit([this](priors::PriorStore& store) { Apply(store); })) {
-      Finish(
-          ToGrpc(absl::UnavailableError("the prior store has too much to do; import again later")));
-    }
+    if (!ok) return context_.loop.Post([this] { OnHalfClose(); });
+    context_.loop.Post([this, status = Take()] { status.ok() ? ReadNext() : End(status); });
   }
-
   void OnDone() override {
     context_.loop.Post([this] {
       context_.stalls.Remove(*this);
@@ -74,7 +62,34 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
  private:
-  void NoteProgress() { last_progress_ns_ = context_.loop.clock().NowNs(); }
+  void ReadNext() {
+    last_progress_ns_ = context_.loop.clock().NowNs();
+    StartRead(&bytes_);
+  }
+
+  void OnHalfClose() {
+    // A lost connection must not count as the end of the records.
+    if (call_.IsCancelled())
+      return End(absl::CancelledError("the stream broke off; nothing was imported"));
+    last_progress_ns_ = Clock::kNever;
+    const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
+      context_.loop.Post([this, result = store.Import(records_)] { OnImported(result); });
+    });
+    if (!submitted)
+      End(absl::UnavailableError("the prior store has too much to do; import again later"));
+  }
+
+  void OnImported(const absl::StatusOr<priors::ImportResult>& result) {
+    if (!result.ok()) return End(result.status());
+    v1::ImportPriorsResponse answer;
+    answer.set_applied_count(result->applied_count);
+    answer.set_unchanged_count(result->unchanged_count);
+    response_ = Serialize(answer);
+    context_.watch_hub.Reset();
+    End(absl::OkStatus());
+  }
+
+  void End(const absl::Status& status) { Finish(ToGrpc(status)); }
 
   absl::Status Take() {
     if (!Parse(bytes_, request_)) {
@@ -104,22 +119,11 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     return absl::OkStatus();
   }
 
-  void Apply(priors::PriorStore& store) {
-    const auto result = store.Import(records_);
-    if (!result.ok()) return Finish(ToGrpc(result.status()));
-    v1::ImportPriorsResponse answer;
-    answer.set_applied_count(result->applied_count);
-    answer.set_unchanged_count(result->unchanged_count);
-    response_ = Serialize(answer);
-    context_.loop.Post([&hub = context_.watch_hub] { hub.Reset(); });
-    Finish(grpc::Status::OK);
-  }
-
   ServiceContext& context_;
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
-  std::atomic<int64_t> last_progress_ns_;
+  int64_t last_progress_ns_ = 0;  // used on the loop
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;

@@ -8,18 +8,18 @@ namespace sweepstake::test_support {
 grpc::Status FakePosteriors::ListPosteriors(grpc::ServerContext*,
                                             const v1::ListPosteriorsRequest* request,
                                             v1::ListPosteriorsResponse* response) {
-  projects.Update([&](auto& all) { all.push_back(request->project()); });
+  projects->push_back(request->project());
   const size_t page = request->page_token().empty() ? 0 : std::stoul(request->page_token());
-  *response = pages.at(page);
-  if (page + 1 < pages.size()) response->set_next_page_token(std::to_string(page + 1));
+  *response = pages->at(page);
+  if (page + 1 < pages->size()) response->set_next_page_token(std::to_string(page + 1));
   return grpc::Status::OK;
 }
 
 grpc::Status FakePosteriors::WatchPosteriors(
     grpc::ServerContext* context, const v1::WatchPosteriorsRequest* request,
     grpc::ServerWriter<v1::WatchPosteriorsResponse>* writer) {
-  watched_scene.Update([&](std::string& scene) { scene = request->scene(); });
-  for (const v1::WatchPosteriorsResponse& event : events) writer->Write(event);
+  watched_scene = request->scene();
+  for (const v1::WatchPosteriorsResponse& event : events.get()) writer->Write(event);
   while (!ends_the_watch && !context->IsCancelled()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -28,8 +28,8 @@ grpc::Status FakePosteriors::WatchPosteriors(
 
 grpc::Status FakePriors::ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,
                                       grpc::ServerWriter<v1::ExportPriorsResponse>* writer) {
-  export_request.Update([&](auto& recorded) { recorded = *request; });
-  for (const v1::ExportPriorsResponse& part : parts) writer->Write(part);
+  export_request = *request;
+  for (const v1::ExportPriorsResponse& part : parts.get()) writer->Write(part);
   return grpc::Status::OK;
 }
 
@@ -38,29 +38,27 @@ grpc::Status FakePriors::ImportPriors(grpc::ServerContext*,
                                       v1::ImportPriorsResponse* response) {
   v1::ImportPriorsRequest request;
   while (reader->Read(&request)) {
-    imported_sizes.Update([&](auto& sizes) { sizes.push_back(request.records_size()); });
-    imported.Update([&](auto& all) {
-      all.insert(all.end(), request.records().begin(), request.records().end());
-    });
+    imported_sizes->push_back(request.records_size());
+    for (const v1::PriorRecord& record : request.records()) imported->push_back(record);
   }
-  response->set_applied_count(imported.get().size() - 1);
+  response->set_applied_count(imported->size() - 1);
   response->set_unchanged_count(1);
-  return import_status;
+  return import_status.get();
 }
 
 grpc::Status FakeAudit::ListAuditSegments(
     grpc::ServerContext*, const v1::ListAuditSegmentsRequest*,
     grpc::ServerWriter<v1::ListAuditSegmentsResponse>* writer) {
-  for (const v1::ListAuditSegmentsResponse& part : segments) writer->Write(part);
+  for (const v1::ListAuditSegmentsResponse& part : segments.get()) writer->Write(part);
   return grpc::Status::OK;
 }
 
 grpc::Status FakeAudit::ExportDecisions(grpc::ServerContext*,
                                         const v1::ExportDecisionsRequest* request,
                                         grpc::ServerWriter<v1::ExportDecisionsResponse>* writer) {
-  export_request.Update([&](auto& recorded) { recorded = *request; });
-  for (const v1::ExportDecisionsResponse& part : parts) writer->Write(part);
-  return export_status;
+  export_request = *request;
+  for (const v1::ExportDecisionsResponse& part : parts.get()) writer->Write(part);
+  return export_status.get();
 }
 
 FakeDaemonServices::FakeDaemonServices() {

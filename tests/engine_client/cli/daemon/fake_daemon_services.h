@@ -1,13 +1,13 @@
 // A daemon's services for reading and adding evidence, on a port of its own, with scripted answers.
-// The test fills in the answers before it calls; the service's threads only read them, and record
-// the requests.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sweepstake/v1/audit.grpc.pb.h"
@@ -16,19 +16,30 @@
 
 namespace sweepstake::test_support {
 
-// What the service's threads write and the test reads.
+// What the test and the service's threads share: `guarded->member()` holds the lock for the whole
+// expression.
 template <typename T>
-class Recorded {
+class Guarded {
  public:
+  class Handle {
+   public:
+    explicit Handle(Guarded& guarded) : lock_(guarded.mutex_), value_(guarded.value_) {}
+    T* operator->() const { return &value_; }
+
+   private:
+    std::lock_guard<std::mutex> lock_;
+    T& value_;
+  };
+
+  Guarded& operator=(T value) {
+    const std::lock_guard lock(mutex_);
+    value_ = std::move(value);
+    return *this;
+  }
+  Handle operator->() { return Handle(*this); }
   T get() const {
     const std::lock_guard lock(mutex_);
     return value_;
-  }
-  // Calls `change` with the value.
-  template <typename Change>
-  void Update(const Change& change) {
-    const std::lock_guard lock(mutex_);
-    change(value_);
   }
 
  private:
@@ -38,11 +49,11 @@ class Recorded {
 
 class FakePosteriors final : public v1::PosteriorsService::Service {
  public:
-  std::vector<v1::ListPosteriorsResponse> pages;  // the token of page N is "N"
-  std::vector<v1::WatchPosteriorsResponse> events;
-  bool ends_the_watch = true;                   // otherwise it waits for the client to go
-  Recorded<std::vector<std::string>> projects;  // of the requests
-  Recorded<std::string> watched_scene;
+  Guarded<std::vector<v1::ListPosteriorsResponse>> pages;  // the token of page N is "N"
+  Guarded<std::vector<v1::WatchPosteriorsResponse>> events;
+  std::atomic<bool> ends_the_watch = true;     // otherwise it waits for the client to go
+  Guarded<std::vector<std::string>> projects;  // of the requests
+  Guarded<std::string> watched_scene;
 
  private:
   grpc::Status ListPosteriors(grpc::ServerContext*, const v1::ListPosteriorsRequest* request,
@@ -54,11 +65,11 @@ class FakePosteriors final : public v1::PosteriorsService::Service {
 
 class FakePriors final : public v1::PriorsService::Service {
  public:
-  std::vector<v1::ExportPriorsResponse> parts;
-  grpc::Status import_status;
-  Recorded<std::vector<int>> imported_sizes;  // records per message
-  Recorded<std::vector<v1::PriorRecord>> imported;
-  Recorded<v1::ExportPriorsRequest> export_request;
+  Guarded<std::vector<v1::ExportPriorsResponse>> parts;
+  Guarded<grpc::Status> import_status;
+  Guarded<std::vector<int>> imported_sizes;  // records per message
+  Guarded<std::vector<v1::PriorRecord>> imported;
+  Guarded<v1::ExportPriorsRequest> export_request;
 
  private:
   grpc::Status ExportPriors(grpc::ServerContext*, const v1::ExportPriorsRequest* request,
@@ -70,10 +81,10 @@ class FakePriors final : public v1::PriorsService::Service {
 
 class FakeAudit final : public v1::AuditService::Service {
  public:
-  std::vector<v1::ListAuditSegmentsResponse> segments;
-  std::vector<v1::ExportDecisionsResponse> parts;
-  grpc::Status export_status;
-  Recorded<v1::ExportDecisionsRequest> export_request;
+  Guarded<std::vector<v1::ListAuditSegmentsResponse>> segments;
+  Guarded<std::vector<v1::ExportDecisionsResponse>> parts;
+  Guarded<grpc::Status> export_status;
+  Guarded<v1::ExportDecisionsRequest> export_request;
 
  private:
   grpc::Status ListAuditSegments(

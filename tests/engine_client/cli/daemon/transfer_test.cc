@@ -88,7 +88,7 @@ TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
 TEST(WatchCommand, PrintsEventsAsTheyComeAndEndsWithThreeWhenTheDaemonGoes) {
   FakeDaemonServices daemon;
   daemon.posteriors.events = {DecisionOf(7)};
-  daemon.posteriors.events.emplace_back().mutable_posterior()->set_scene("arena");
+  daemon.posteriors.events->emplace_back().mutable_posterior()->set_scene("arena");
   const CommandRun run = RunCommand("watch --daemon " + daemon.address());
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.out, HasSubstr("s: decision 7, SAP"));
@@ -127,14 +127,15 @@ TEST(ImportPriors, SplitsTheRecordsIntoMessagesOfTwoHundred) {
   const auto result = ImportPriors({daemon.address()}, records);
   ASSERT_TRUE(result.ok()) << result.status().message();
   EXPECT_THAT(daemon.priors.imported_sizes.get(), ElementsAre(200, 200, 50));
-  EXPECT_EQ(daemon.priors.imported.get().back().source_sequence(), 450U);
+  EXPECT_EQ(daemon.priors.imported->back().source_sequence(), 450U);
   EXPECT_EQ(result->applied_count, 449U);
   EXPECT_EQ(result->unchanged_count, 1U);
 }
 
 TEST(ImportPriors, ReturnsTheReasonOfARefusal) {
   FakeDaemonServices daemon;
-  daemon.priors.import_status = {grpc::StatusCode::INVALID_ARGUMENT, "record 0 has no arm"};
+  daemon.priors.import_status =
+      grpc::Status(grpc::StatusCode::INVALID_ARGUMENT, "record 0 has no arm");
   const auto result = ImportPriors({daemon.address()}, std::vector{SomeRecord(1)});
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.status().code(), StatusCode::kInvalidArgument);
@@ -145,8 +146,8 @@ TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
   FakeDaemonServices daemon;
   const PriorRecord record = SomeRecord(9);
   ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{record}).ok());
-  daemon.priors.parts.resize(2);
-  *daemon.priors.parts[1].add_records() = daemon.priors.imported.get().at(0);
+  daemon.priors.parts->resize(2);
+  *daemon.priors.parts->at(1).add_records() = daemon.priors.imported->at(0);
   const auto records = ExportPriors({daemon.address()}, "p", "s");
   ASSERT_TRUE(records.ok()) << records.status().message();
   ASSERT_EQ(records->size(), 1U);
@@ -158,18 +159,18 @@ TEST(ExportPriors, KeepsEveryFieldOnTheWayThereAndBack) {
 TEST(PriorsCommand, ExportsAFileThatImportReads) {
   FakeDaemonServices daemon;
   ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{SomeRecord(1), SomeRecord(2)}).ok());
-  daemon.priors.parts.resize(1);
+  daemon.priors.parts->resize(1);
   for (const v1::PriorRecord& record : daemon.priors.imported.get()) {
-    *daemon.priors.parts[0].add_records() = record;
+    *daemon.priors.parts->at(0).add_records() = record;
   }
   const TemporaryDirectory folder;
   const std::string file = (folder.path() / "p.json").string();
   const std::string at = " --daemon " + daemon.address();
   EXPECT_EQ(RunCommand("priors export --out " + file + at).out, file + ": 2 records\n");
-  daemon.priors.imported.Update([](auto& all) { all.clear(); });
+  daemon.priors.imported->clear();
   EXPECT_EQ(RunCommand("priors import --in " + file + at).out,
             file + ": 1 of 2 records were new or newer, 1 were known already\n");
-  EXPECT_EQ(daemon.priors.imported.get().size(), 2U);
+  EXPECT_EQ(daemon.priors.imported->size(), 2U);
 }
 
 TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {
@@ -220,10 +221,10 @@ TEST(AuditCommand, SaysWhenThereIsNoLog) {
 
 TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
   FakeDaemonServices daemon;
-  daemon.audit.parts.resize(2);
-  daemon.audit.parts[0].set_header("a,b");
-  daemon.audit.parts[0].add_rows("1,2");
-  daemon.audit.parts[1].add_rows("3,4");
+  daemon.audit.parts->resize(2);
+  daemon.audit.parts->at(0).set_header("a,b");
+  daemon.audit.parts->at(0).add_rows("1,2");
+  daemon.audit.parts->at(1).add_rows("3,4");
   const TemporaryDirectory folder;
   const auto count =
       ExportAudit({daemon.address()}, {.session_id = "id", .project = "p", .scene = "s"},
@@ -238,9 +239,9 @@ TEST(ExportAudit, WritesTheDaemonsHeaderAndRows) {
 
 TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
   FakeDaemonServices daemon;
-  daemon.audit.parts.resize(1);
-  daemon.audit.parts[0].set_header("a,b");
-  daemon.audit.export_status = {grpc::StatusCode::NOT_FOUND, "no session id"};
+  daemon.audit.parts->resize(1);
+  daemon.audit.parts->at(0).set_header("a,b");
+  daemon.audit.export_status = grpc::Status(grpc::StatusCode::NOT_FOUND, "no session id");
   const TemporaryDirectory folder;
   const auto count = ExportAudit({daemon.address()}, {}, folder.path() / "log.csv");
   EXPECT_EQ(count.status().code(), StatusCode::kNotFound);
