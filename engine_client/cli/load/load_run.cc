@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -100,7 +101,8 @@ class LoadRun final : public LoadEvents {
   uint64_t UpCount();
   // Returns whether every stream has its welcome, or none ever had one and all have failed.
   bool AllUpOrRefused();
-  bool Ended();
+  // Waits until no connection is open, also when the run was told to stop.
+  void AwaitEnd(int64_t end_ns);
 
   const LoadPlan& plan_;
   const std::function<bool()>& stop_;
@@ -129,7 +131,7 @@ LoadRun::~LoadRun() {
     ending_ = true;
   }
   for (const auto& stream : streams_) stream->Cancel();
-  while (!Ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  AwaitEnd(std::numeric_limits<int64_t>::max());
 }
 
 void LoadRun::OnWelcome(int64_t latency_ns) {
@@ -271,9 +273,12 @@ bool LoadRun::AllUpOrRefused() {
          (result_.welcome_count == 0 && lost_.size() == plan_.stream_count);
 }
 
-bool LoadRun::Ended() {
-  const std::lock_guard lock(mutex_);
-  return open_count_ == 0;
+void LoadRun::AwaitEnd(int64_t end_ns) {
+  const auto ended = [this] {
+    const std::lock_guard lock(mutex_);
+    return open_count_ == 0;
+  };
+  while (!ended() && NowNs() < end_ns) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 void LoadRun::ShowProgress(int64_t now_ns) {
@@ -295,14 +300,12 @@ void LoadRun::Measure() {
 }
 
 void LoadRun::SayGoodbye() {
-  timers_.clear();
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
-    lost_.clear();
   }
   for (const auto& stream : streams_) stream->SayGoodbye();
-  RunUntil(NowNs() + kPatienceNs, [this] { return Ended(); });
+  AwaitEnd(NowNs() + kPatienceNs);
 }
 
 Result<LoadResult> LoadRun::Run() {

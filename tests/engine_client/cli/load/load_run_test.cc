@@ -60,12 +60,14 @@ class LoadRunTest : public ::testing::Test {
                  .scene_count = 4,
                  .batches_per_second = 10,
                  .batch_frames = 30,
-                 .duration_ns = 2'000'000'000,
+                 .duration_ns = 120'000'000'000,
                  .bail_out_share = 0.1};
 };
 
 TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
-  const auto result = Run();
+  // Every stream has then had two ticks at least, and acknowledgements of the first.
+  const auto result =
+      Run([&] { return server_->counters().stored_commit_count >= 4 * plan_.stream_count; });
   ASSERT_TRUE(result.ok()) << result.status().message();
   const rpc::Counters& counters = server_->counters();
   EXPECT_EQ(counters.connected_stream_count, 50U);
@@ -81,7 +83,7 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
   // Ten batches a second of each stream, as far as the machine keeps up.
   EXPECT_LE(result->measured_batch_count, result->tick_lateness_ms.size());
   EXPECT_GT(result->measured_batch_count, 0U);
-  EXPECT_LE(result->measured_batch_count, 1050U);
+  EXPECT_LE(static_cast<double>(result->measured_batch_count), 500 * (result->measured_s + 1));
   EXPECT_GT(result->bail_out_count, 0U);
   EXPECT_GT(result->acknowledged_count, 0U);
   EXPECT_FALSE(result->decision_latency_ms.empty());
@@ -91,7 +93,6 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
 TEST_F(LoadRunTest, StreamsComeBackToARestartedDaemon) {
   std::atomic<bool> restarted{false};
   bool stop = false;  // used by the run alone
-  plan_.duration_ns = 120'000'000'000;
   auto result = std::async(std::launch::async, [&] {
     return Run([&] { return stop; },
                [&](const std::string& text) { stop = restarted && text.starts_with("50 of 50"); });
