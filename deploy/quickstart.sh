@@ -44,7 +44,8 @@ stop_daemon() {
 trap 'stop_daemon || true' EXIT
 
 echo "== starting the daemon (data in $data, log in $data/daemon.log) =="
-"$bin/sweepstaked" --listen 127.0.0.1:0 --data "$data" --port-file "$port_file" 2>>"$data/daemon.log" &
+"$bin/sweepstaked" --listen 127.0.0.1:0 --data "$data" --port-file "$port_file" --max-time-scale 8 \
+  2>>"$data/daemon.log" &
 daemon=$!
 until [ -s "$port_file" ]; do
   kill -0 "$daemon" 2>/dev/null || {

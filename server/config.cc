@@ -178,6 +178,11 @@ std::vector<Setting> DaemonSettings() {
           "reflection", [](Config & c) -> auto& { return c.rpc.reflection; },
           "serve gRPC reflection, for grpcurl and the like"),
       Whole(
+          "max_time_scale", 1, static_cast<int64_t>(rpc::kMaxTimeScale), 1,
+          [](Config & c) -> auto& { return c.rpc.max_time_scale; },
+          "largest time scale that a game may ask for, up to 1000; for experiments: such a game "
+          "learns and commits that many times as often"),
+      Whole(
           "max_sessions", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_sessions; },
           "sessions in memory, connected or resumable"),
       Whole(

@@ -318,8 +318,10 @@ void Declare(CLI::App& command, RunOptions& options) {
       ->capture_default_str();
   command.add_option("--policy", options.policy, "Policy (default: the decider's)");
   command
-      .add_option("--time-scale", options.time_scale,
-                  "Divides every interval of the decider but the bail-out limit")
+      .add_option(
+          "--time-scale", options.time_scale,
+          "Divides every interval of the decider but the bail-out limit; a daemon must allow "
+          "it with --max-time-scale")
       ->check(RealFrom(1.0, 1000.0))
       ->capture_default_str();
   command.add_option("--project", options.project, "Project the priors belong to")
@@ -346,7 +348,7 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
   AddCommand<RunOptions>(
       app, "run", "Run a scene on the frame path and let a decider choose the arm",
       "  sweepstake run --scene hurricane --objects 3000 --mode ai --embedded --duration 60s\n"
-      "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --time-scale 4\n"
+      "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
       "Frames are not paced: a frame takes as long as its work. Ctrl-C ends with the report.\n"
       "Exit code 3 when the daemon was never reached; the run goes on without it. Exit code 2 when "

@@ -38,6 +38,7 @@ TEST_F(ConfigTest, TheDefaultsAreValidAndThePapers) {
   const Config config;
   EXPECT_TRUE(Validate(config).ok());
   EXPECT_EQ(config.rpc.decision.cooldown_ns, 40'000'000'000);
+  EXPECT_EQ(config.rpc.max_time_scale, 1);
 }
 
 TEST_F(ConfigTest, AFileSetsWhatItNames) {
@@ -99,6 +100,8 @@ TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {
   EXPECT_THAT(Error("[decision]\nweight_fps = 0.9\n"), HasSubstr("sum to"));
   EXPECT_THAT(Error("[decision]\npolicy = 'dice'\n"), HasSubstr("paper"));
   EXPECT_THAT(Error("[decision]\nexplore = 1\n"), HasSubstr("expected true or false"));
+  EXPECT_THAT(Error("max_time_scale = 0\n"), HasSubstr("expected a whole number from 1 to 1000"));
+  EXPECT_THAT(Error("max_time_scale = 1001\n"), HasSubstr("from 1 to 1000"));
   EXPECT_THAT(Error("log_level = 'loud'\n"), HasSubstr("trace, debug, info"));
   EXPECT_THAT(Error("listen = 'here'\n"), HasSubstr("expected HOST:PORT"));
   EXPECT_THAT(Error("listen = '127.0.0.1:70000'\n"), HasSubstr("expected HOST:PORT"));

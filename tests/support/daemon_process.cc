@@ -64,9 +64,9 @@ DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::strin
     : log_(data / "log") {
   const std::filesystem::path port_file = data / "port";
   std::filesystem::remove(port_file);
-  std::vector<std::string> arguments = {SWEEPSTAKED_PATH,  "--listen",    listen,
-                                        "--data",          data.string(), "--port-file",
-                                        port_file.string()};
+  std::vector<std::string> arguments = {SWEEPSTAKED_PATH,   "--listen",         listen,
+                                        "--data",           data.string(),      "--port-file",
+                                        port_file.string(), "--max-time-scale", "1000"};
   arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
   pid_ = Spawn(std::move(arguments), log_);
   address_ = "127.0.0.1:" + WaitForPort(pid_, port_file, log_);

@@ -11,8 +11,9 @@ namespace sweepstake::test_support {
 
 class DaemonProcess {
  public:
-  // Starts the daemon and returns when it listens. `listen` may name a port to come back on after a
-  // kill. Aborts the test program with the daemon's log when it does not start.
+  // Starts the daemon, which allows any time scale, and returns when it listens. `listen` may name
+  // a port to come back on after a kill. Aborts the test program with the daemon's log when it does
+  // not start.
   explicit DaemonProcess(const std::filesystem::path& data,
                          const std::string& listen = "127.0.0.1:0",
                          const std::vector<std::string>& more_arguments = {});

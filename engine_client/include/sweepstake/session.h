@@ -71,7 +71,7 @@ struct SessionOptions {
   std::string build;          // empty: unknown
   std::string machine_class;  // empty: unknown
   std::string policy;         // empty: the decider's default
-  double time_scale = 1;      // 1–1000
+  double time_scale = 1;      // 1–1000; above 1 a daemon refuses unless it is set to allow it
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses
 

@@ -1,6 +1,7 @@
 #include "server/rpc/common/message_validation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <span>
 #include <string>
@@ -34,6 +35,16 @@ absl::Status CheckArm(uint32_t arm, uint32_t arm_count) {
   if (arm < arm_count) return absl::OkStatus();
   return Invalid(
       absl::StrCat("arm ", arm, " does not exist; Hello announced ", arm_count, " arms"));
+}
+
+absl::Status CheckTimeScale(double scale, double max) {
+  // The comparison is written so that NaN fails.
+  if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
+    return Invalid(absl::StrCat("time_scale must be 1 to ", kMaxTimeScale, ", or absent"));
+  if (scale <= max) return absl::OkStatus();
+  return Invalid(absl::StrCat("this daemon allows a time scale up to ", max, ", not ", scale,
+                              "; ask for less, or start the daemon with --max-time-scale ",
+                              std::ceil(scale)));
 }
 
 bool IsKnownMode(v1::Mode mode) { return mode == v1::MODE_MANUAL || mode == v1::MODE_AI; }
@@ -137,7 +148,7 @@ absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
 
 }  // namespace
 
-absl::Status CheckHello(const v1::Hello& hello) {
+absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
   if (hello.protocol_version() != kProtocolVersion) {
     return absl::FailedPreconditionError(
         absl::StrCat("this daemon speaks protocol version ", kProtocolVersion, ", not ",
@@ -148,10 +159,9 @@ absl::Status CheckHello(const v1::Hello& hello) {
   if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;
   if (!IsKnownMode(hello.mode()))
     return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
-  // The comparisons are written so that NaN fails.
-  const double scale = hello.time_scale();
-  if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
-    return Invalid("time_scale must be 1 to 1000, or absent");
+  if (absl::Status status = CheckTimeScale(hello.time_scale(), options.max_time_scale);
+      !status.ok())
+    return status;
   const decision::PolicyKind& policy = decision::PolicyKindOf(hello.policy());
   if (hello.reward_version() != 0 && hello.reward_version() != policy.reward_version) {
     return absl::FailedPreconditionError(

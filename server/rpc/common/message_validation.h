@@ -9,14 +9,15 @@
 
 #include "absl/status/status.h"
 #include "server/decision/types.h"
+#include "server/rpc/common/options.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake::rpc {
 
-// Checks a Hello. REQUIRES: it names a policy; the caller has filled in the daemon's default if the
-// client named none.
-absl::Status CheckHello(const v1::Hello& hello);
+// Checks a Hello against the daemon's options. REQUIRES: it names a policy; the caller has filled
+// in the daemon's default if the client named none.
+absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options);
 
 // Checks any request after Hello. REQUIRES: arm_count > 0.
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count);

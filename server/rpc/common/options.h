@@ -45,6 +45,9 @@ struct RpcOptions {
   std::string daemon_version;  // of the program, as in Welcome and the audit log
   priors::AuditLimits audit;   // the store's limits; no rows are made if it keeps 0
 
+  // The largest time scale that a Hello may ask for, 1 to kMaxTimeScale; a larger one is
+  // INVALID_ARGUMENT. A session decides, commits and learns that many times as often.
+  double max_time_scale = 1;
   // The maximum number of sessions in memory, connected or resumable. At the bound the session that
   // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
   // new one is RESOURCE_EXHAUSTED.

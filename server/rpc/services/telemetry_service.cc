@@ -125,7 +125,7 @@ absl::Status TelemetryStream::Dispatch() {
 absl::Status TelemetryStream::Open(const v1::Hello& given) {
   hello_ = given;
   if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
-  if (absl::Status status = CheckHello(*hello_); !status.ok()) return status;
+  if (absl::Status status = CheckHello(*hello_, context_.options); !status.ok()) return status;
   if (!HasResumeToken(*hello_, context_.options)) hello_->clear_session_id();
   if (std::shared_ptr<GameSession> session = FindSession()) {
     Enter(std::move(session), /*resumed=*/true);

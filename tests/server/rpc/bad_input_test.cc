@@ -210,9 +210,9 @@ class BadHelloTest : public ::testing::TestWithParam<BadHello> {};
 
 TEST_P(BadHelloTest, IsRefused) {
   v1::Hello hello = HelloMessage();
-  ASSERT_TRUE(CheckHello(hello).ok());
+  ASSERT_TRUE(CheckHello(hello, {}).ok());
   GetParam().spoil(hello);
-  EXPECT_EQ(CheckHello(hello).code(), GetParam().code) << CheckHello(hello);
+  EXPECT_EQ(CheckHello(hello, {}).code(), GetParam().code) << CheckHello(hello, {});
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -255,16 +255,29 @@ INSTANTIATE_TEST_SUITE_P(
         BadHello{"ScaleTooLarge", [](auto& h) { h.set_time_scale(1001); }}),
     [](const auto& instance) { return std::string(instance.param.what); });
 
+TEST(MessageValidationTest, ATimeScaleIsRefusedWithWhatToDoUnlessTheDaemonAllowsIt) {
+  v1::Hello hello = HelloMessage();
+  RpcOptions options;
+  hello.set_time_scale(7.5);
+  EXPECT_EQ(CheckHello(hello, options),
+            absl::InvalidArgumentError("this daemon allows a time scale up to 1, not 7.5; ask for "
+                                       "less, or start the daemon with --max-time-scale 8"));
+  options.max_time_scale = 7;
+  EXPECT_TRUE(absl::IsInvalidArgument(CheckHello(hello, options)));
+  options.max_time_scale = 8;
+  EXPECT_TRUE(CheckHello(hello, options).ok());
+}
+
 TEST(MessageValidationTest, AnUnknownPolicyIsAnsweredWithTheKnownOnes) {
   v1::Hello hello = HelloMessage();
   hello.set_policy("dice");
-  EXPECT_THAT(std::string(CheckHello(hello).message()), HasSubstr("paper"));
+  EXPECT_THAT(std::string(CheckHello(hello, {}).message()), HasSubstr("paper"));
 }
 
 TEST(MessageValidationTest, AnAblationOfTheLaboratoryIsAnUnknownPolicy) {
   v1::Hello hello = HelloMessage();
   hello.set_policy("adaptive-without-shadow");
-  const std::string message(CheckHello(hello).message());
+  const std::string message(CheckHello(hello, {}).message());
   EXPECT_THAT(message, HasSubstr("unknown policy"));
   EXPECT_THAT(message, HasSubstr("paper-one-draw"));
   EXPECT_THAT(message, testing::Not(testing::HasSubstr("adaptive-without-gate")));

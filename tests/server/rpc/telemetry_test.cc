@@ -44,6 +44,9 @@ TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsOwn) {
 }
 
 TEST_F(TelemetryTest, TheTimeScaleDividesTheIntervalsOfTheWelcome) {
+  StopServer();
+  options_.max_time_scale = 100;
+  StartServer();
   TelemetryClient client(channel_);
   v1::Hello hello = HelloMessage();
   hello.set_time_scale(100);
@@ -52,6 +55,16 @@ TEST_F(TelemetryTest, TheTimeScaleDividesTheIntervalsOfTheWelcome) {
   EXPECT_EQ(welcome.cooldown_ms(), 400u);
   EXPECT_EQ(welcome.bail_out_ms(), 5000u);
   EXPECT_EQ(welcome.batch_interval_ms(), 2u);
+}
+
+TEST_F(TelemetryTest, ATimeScaleThatTheDaemonDoesNotAllowEndsTheStream) {
+  TelemetryClient client(channel_);
+  v1::Hello hello = HelloMessage();
+  hello.set_time_scale(2);
+  client.Send(Request(hello));
+  const grpc::Status status = client.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), HasSubstr("--max-time-scale 2"));
 }
 
 TEST_F(TelemetryTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {

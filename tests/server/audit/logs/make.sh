@@ -10,7 +10,8 @@ shift
 (($# > 0)) || set -- paper adaptive
 cd "$(dirname "${BASH_SOURCE[0]}")"
 work=$(mktemp -d)
-"$bin/sweepstaked" --listen 127.0.0.1:0 --port-file "$work/port" --data "$work/data" --log-level error &
+"$bin/sweepstaked" --listen 127.0.0.1:0 --port-file "$work/port" --data "$work/data" --max-time-scale 100 \
+  --log-level error &
 daemon=$!
 trap 'kill "$daemon" 2>/dev/null; wait "$daemon" || true; rm -rf "$work"' EXIT
 until [[ -s $work/port ]]; do sleep 0.1; done
