@@ -182,6 +182,8 @@ struct SessionCounts {
   uint64_t rebuild_detection_time_ns = 0;
   uint64_t charged_bail_out_count = 0;  // bail-outs blamed on an arm
   uint64_t excused_bail_out_count = 0;  // bail-outs recorded without blame
+  // Charged bail-outs beyond the budget (session/safeguards.h), which are no evidence.
+  uint64_t surplus_bail_out_count = 0;
 };
 
 // The run since the exploration ended, in the paper's terms: active time and post-exploration

@@ -47,6 +47,7 @@ DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
       frame_rate_floor_(setup_.options.fps_floor, ArmCount(setup_)),
       exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
       gate_(LastSwitchOf(setup_)),
+      bail_out_budget_(setup_.options.bail_out_ns, setup_.start_ns),
       observation_(setup_.arms.size(), setup_.active_arm),
       mode_(setup_.mode),
       runs_(ArmCount(setup_), ArmRun(setup_.active_arm, setup_.switch_epoch, SettlingOfNewRun())),
@@ -350,7 +351,13 @@ Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
 
 void DecisionSession::Blame(const Frame& frame, Decision& decision) {
   ++counts_.charged_bail_out_count;
-  decision.increment = policy_->LearnBailOut(frame.arm);
+  // The session itself always learns: whatever the report is worth, its game leaves the arm.
+  const Increment increment = policy_->LearnBailOut(frame.arm);
+  if (bail_out_budget_.Spend(decision.record.time_ns)) {
+    decision.increment = increment;
+  } else {
+    ++counts_.surplus_bail_out_count;
+  }
   if (!runs_.IsActive(frame)) return;
   if (exploring()) {
     if (run().arm() == exploration_.slot_arm()) EndSlot(decision.record.time_ns);

@@ -33,7 +33,9 @@
 // - Bail-outs. In the exploration the arm's slot ends and the next arm is commanded. Otherwise the
 //   draw decides; if it falls on the same arm, that arm stays. A bail-out of an earlier epoch is
 //   charged to its arm and commands nothing. Frames over the limit are never in a window, since
-//   they are charged with the penalty, or with nothing if the arm is excused.
+//   they are charged with the penalty, or with nothing if the arm is excused. Those beyond what a
+//   game can have (BailOutBudget in safeguards.h) move the session like others, but have no
+//   increment.
 // - Policies differ in what they learn, how they choose and which cooldown they ask for (policy.h);
 //   all rules above hold for each of them. A policy that does not explore begins with an ordinary
 //   tick; one that starts from priors takes its first decision at start_ns.
@@ -179,6 +181,7 @@ class DecisionSession {
   FrameRateFloor frame_rate_floor_;
   Exploration exploration_;
   SwitchGate gate_;
+  BailOutBudget bail_out_budget_;
   ObservationWindow observation_;
   SessionCounts counts_;
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/decision/math/saturating_sum.h"
+
 namespace sweepstake::decision {
 namespace {
 
@@ -24,6 +26,14 @@ bool BlamesArm(const Frame& frame, int64_t bail_out_ns) {
   if ((frame.flags & (kFramePaused | kFrameLoading)) != 0) return false;
   const uint64_t detection_ns = std::min(frame.detection_time_ns, frame.frame_time_ns);
   return detection_ns >= frame.frame_time_ns - detection_ns;
+}
+
+bool BailOutBudget::Spend(int64_t now_ns) {
+  const int64_t from_ns = std::max(spent_until_ns_, now_ns);
+  const int64_t max_ahead_ns = (kBurst - 1) * bail_out_ns_;
+  if (HasPassed(max_ahead_ns + 1, now_ns, from_ns)) return false;
+  spent_until_ns_ = SaturatingSum(from_ns, bail_out_ns_);
+  return true;
 }
 
 bool SwitchGate::CooldownPassed(int64_t now_ns, int64_t cooldown_ns) const {

@@ -1,5 +1,6 @@
-// The rules that limit switching (paper §4, §6.3): which long frame is blamed on the arm, the
-// cooldown with at most one command at a time, and whether the scene as a whole is too slow.
+// The rules that limit switching (paper §4, §6.3): which long frame is blamed on the arm and which
+// of those are evidence, the cooldown with at most one command at a time, and whether the scene as
+// a whole is too slow.
 //
 // Plain values; not thread-safe.
 #pragma once
@@ -19,6 +20,26 @@ bool IsOverBailOutLimit(const Frame& frame, int64_t bail_out_ns);
 // Returns whether the arm is to blame for such a frame. It is not while paused or loading, nor if
 // detection is under half of the frame.
 bool BlamesArm(const Frame& frame, int64_t bail_out_ns);
+
+// Decides which bail-outs become evidence that others share. A frame over the limit takes longer
+// than the limit, so a game cannot have more of them than one in that time; a client that reports
+// more is wrong or lies. kBurst at once are believed, because a client that reconnects reports what
+// happened meanwhile.
+class BailOutBudget {
+ public:
+  static constexpr int64_t kBurst = 16;
+
+  // REQUIRES: 0 < bail_out_ns <= kMaxIntervalNs.
+  BailOutBudget(int64_t bail_out_ns, int64_t start_ns)
+      : bail_out_ns_(bail_out_ns), spent_until_ns_(start_ns) {}
+
+  // Returns whether a bail-out at this time is evidence, and if so spends a part of the budget.
+  bool Spend(int64_t now_ns);
+
+ private:
+  int64_t bail_out_ns_;
+  int64_t spent_until_ns_;  // at this time the budget is whole again
+};
 
 // Decides whether a switch may be commanded now.
 class SwitchGate {

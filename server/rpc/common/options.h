@@ -96,6 +96,8 @@ struct Counters {
   std::atomic<uint64_t> rejected_frame_count{0};
   std::atomic<uint64_t> accepted_shadow_count{0};
   std::atomic<uint64_t> rejected_shadow_count{0};
+  // Bail-outs beyond what a game can have: they were answered, and are no evidence.
+  std::atomic<uint64_t> surplus_bail_out_count{0};
   std::atomic<uint64_t> dropped_frame_count{0};  // the clients report what their queues dropped
   std::atomic<uint64_t> decision_count{0};
   std::atomic<uint64_t> switch_command_count{0};

@@ -167,7 +167,10 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
   }
   // The evidence of the bail-out goes to disk with the next tick, not now: its sequence number
   // would also acknowledge the frames before it, which are only in memory until then.
+  const uint64_t surplus_count = decisions_.counts().surplus_bail_out_count;
   SendDecision(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+  context_.counters.surplus_bail_out_count +=
+      decisions_.counts().surplus_bail_out_count - surplus_count;
 }
 
 bool GameSession::IsOverLimit(const decision::Frame& frame) const {

@@ -81,6 +81,16 @@ TEST_F(AuditTest, EveryDecisionIsDerivedAgainFromWhatIsExported) {
   EXPECT_GT(segments[0].unix_start_ms(), 1'600'000'000'000);
 }
 
+TEST_F(AuditTest, BailOutsThatAreNoEvidenceAreDerivedAgainAsSuch) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  for (uint64_t sequence = 1; sequence <= 20; ++sequence) client.Send(BailOut(sequence, sequence));
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(server_->counters().surplus_bail_out_count, 4u);
+  EXPECT_EQ(Derived(Export()).decision_count, 20u);
+}
+
 TEST_F(AuditTest, ASessionThatGoesOnAfterARestartBeginsAnotherSegment) {
   v1::Hello hello = HelloMessage();
   {

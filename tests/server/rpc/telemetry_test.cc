@@ -286,6 +286,21 @@ TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
   EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u) << "its frames are ordinary ones";
 }
 
+TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFrom) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  const auto believed = static_cast<uint64_t>(decision::BailOutBudget::kBurst);
+  for (uint64_t sequence = 1; sequence <= 10 * believed; ++sequence) {
+    client.Send(BailOut(sequence, sequence));
+  }
+  ASSERT_TRUE(Applied(10 * believed));
+  EXPECT_EQ(server_->counters().decision_count, 10 * believed);
+  EXPECT_EQ(server_->counters().surplus_bail_out_count, 9 * believed);
+  Tick();
+  client.AwaitAcknowledgement(10 * believed);
+  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, believed);
+}
+
 TEST_F(TelemetryTest, ASwitchCommandThatWasLostIsSentAgain) {
   v1::Hello hello = HelloMessage();
   uint64_t command_id = 0;

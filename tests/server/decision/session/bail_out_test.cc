@@ -1,6 +1,7 @@
 // A frame over five seconds: ten observations of zero reward, and a new draw at once.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 #include "server/decision/session/decision_session.h"
@@ -92,6 +93,37 @@ TEST(BailOut, IsJudgedByTheLimitOrTheClientsFlag) {
   const uint64_t huge = ~uint64_t{0};
   EXPECT_TRUE(BlamesArm({.frame_time_ns = huge, .detection_time_ns = huge}, 100));
   EXPECT_TRUE(BlamesArm({.frame_time_ns = 101, .detection_time_ns = huge}, 100));
+}
+
+TEST(BailOut, BeyondWhatAGameCanHaveIsAnsweredAndIsNoEvidence) {
+  ScriptedClient client(SetupThatWantsArmOne());
+  const int64_t limit_ns = client.session.setup().options.bail_out_ns;
+  for (int64_t i = 0; i < BailOutBudget::kBurst; ++i) {
+    EXPECT_TRUE(client.session.ObserveBailOut(LongFrame(client), client.now_ns).increment);
+  }
+  const BetaPosterior before = client.session.posteriors()[0];
+  const Decision surplus = client.session.ObserveBailOut(LongFrame(client), client.now_ns);
+  EXPECT_FALSE(surplus.increment);
+  EXPECT_EQ(surplus.command->arm, 1u);
+  EXPECT_EQ(client.session.posteriors()[0].beta, before.beta + 10) << "its own game leaves the arm";
+  EXPECT_EQ(client.session.counts().surplus_bail_out_count, 1u);
+  const int64_t later_ns = client.now_ns + limit_ns;
+  EXPECT_FALSE(client.session.ObserveBailOut(LongFrame(client), later_ns - 1).increment);
+  EXPECT_TRUE(client.session.ObserveBailOut(LongFrame(client), later_ns).increment);
+  EXPECT_FALSE(client.session.ObserveBailOut(LongFrame(client), later_ns).increment);
+}
+
+TEST(BailOut, OfAGameThatHasOneAfterTheOtherIsAlwaysEvidence) {
+  BailOutBudget budget(5, -100);
+  for (int64_t now_ns = 0; now_ns < 5'000; now_ns += 5) EXPECT_TRUE(budget.Spend(now_ns));
+}
+
+TEST(BailOut, BudgetHoldsAtTheEndsOfTheClock) {
+  constexpr int64_t kEnd = std::numeric_limits<int64_t>::max();
+  BailOutBudget budget(kMaxIntervalNs, -kEnd);
+  for (const int64_t now_ns : {kEnd, -kEnd}) {
+    EXPECT_EQ(budget.Spend(now_ns), now_ns == kEnd);
+  }
 }
 
 TEST(BailOut, KeepsItsFrameOutOfTheWindow) {
