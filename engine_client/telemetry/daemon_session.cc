@@ -158,6 +158,7 @@ class DaemonSession final : public SessionBase {
   SceneVerdict verdict_;
   uint64_t command_count_ = 0;
   uint64_t prior_source_count_ = 0;
+  bool priors_unavailable_ = false;
 };
 
 Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
@@ -246,6 +247,7 @@ void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   last_error_.clear();
   refusal_.clear();
   prior_source_count_ = welcome.prior_source_count();
+  priors_unavailable_ = welcome.priors_unavailable();
   intake_->SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors());
   adaptive().SetSettling(welcome.settling_ms() * kNsPerMs);
@@ -365,6 +367,7 @@ void DaemonSession::Publish() {
     stats.resent_message_count = counts.resent_message_count;
     stats.command_count = command_count_;
     stats.prior_source_count = prior_source_count_;
+    stats.priors_unavailable = priors_unavailable_;
     stats.beliefs = beliefs_;
     stats.verdict = verdict_;
   });

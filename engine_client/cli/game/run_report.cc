@@ -166,6 +166,7 @@ std::string PriorsText(const RunSetup& setup, const SessionStats& session) {
   if (session.prior_source_count == 0 && !setup.priors_file.empty()) {
     return setup.priors_file + " has no priors of these backends for " + setup.priors_key;
   }
+  if (session.priors_unavailable) return "the daemon cannot read its priors; its log says why";
   if (session.prior_source_count == 0) return "no priors yet";
   return "starts from priors of " + std::to_string(session.prior_source_count) +
          (session.prior_source_count == 1 ? " earlier session" : " earlier sessions");

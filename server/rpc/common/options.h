@@ -62,9 +62,11 @@ struct RpcOptions {
   // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED; an export or
   // import that makes no progress for so long ends with DEADLINE_EXCEEDED.
   int64_t watcher_patience_ns = 20'000'000'000;
-  // A stream that has no welcome after this time, because it sent no Hello or the store is slow,
-  // ends with DEADLINE_EXCEEDED.
-  int64_t welcome_patience_ns = 10'000'000'000;
+  // A stream that has sent no Hello after this time ends with DEADLINE_EXCEEDED.
+  int64_t hello_patience_ns = 10'000'000'000;
+  // If the store has not answered a Hello after this time, the session begins without its evidence.
+  // A client waits ten seconds for the welcome.
+  int64_t load_patience_ns = 5'000'000'000;
   // A client that does not read its last messages for this long is disconnected.
   int64_t close_patience_ns = 2'000'000'000;
   // The maximum number of streams of one connection; the next one waits.
@@ -82,9 +84,11 @@ struct RpcOptions {
 // Counts of events since the daemon's start, and of what is open now. The services' threads write
 // them and any thread may read them. Each counter is exact, but several are not read at one moment.
 struct Counters {
-  std::atomic<uint64_t> open_stream_count{0};        // streams that are open now
-  std::atomic<uint64_t> connected_stream_count{0};   // streams that got a welcome
-  std::atomic<uint64_t> resumed_count{0};            // connected streams that resumed a session
+  std::atomic<uint64_t> open_stream_count{0};       // streams that are open now
+  std::atomic<uint64_t> connected_stream_count{0};  // streams that got a welcome
+  std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
+  // Sessions that began without evidence that the store could not read.
+  std::atomic<uint64_t> degraded_start_count{0};
   std::atomic<uint64_t> goodbye_count{0};            // sessions that the client ended
   std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract

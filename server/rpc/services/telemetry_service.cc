@@ -11,6 +11,11 @@
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
+namespace {
+
+constexpr int64_t kStoreWarningIntervalNs = 60'000'000'000;
+
+}  // namespace
 
 void TelemetryOutbox::Put(v1::StreamTelemetryResponse response) {
   slots_.at(static_cast<size_t>(response.message_case()) - 1) = std::move(response);
@@ -42,17 +47,14 @@ void TelemetryStream::Accept() {
   }
   StartRead(&read_bytes_);
   DecisionLoop& loop = context_.loop;
-  loop.PostAt(loop.clock().NowNs() + context_.options.welcome_patience_ns,
-              [weak = weak_from_this()] {
-                if (const auto self = weak.lock()) self->OnWelcomeOverdue();
-              });
+  loop.PostAt(loop.clock().NowNs() + context_.options.hello_patience_ns, [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->OnHelloOverdue();
+  });
 }
 
-void TelemetryStream::OnWelcomeOverdue() {
-  if (end_ || session_) return;
-  Reject(absl::DeadlineExceededError(
-      hello_ ? "the prior store took too long to load the session; connect again later"
-             : "no Hello came in time; send it first"));
+void TelemetryStream::OnHelloOverdue() {
+  if (end_ || hello_) return;
+  Reject(absl::DeadlineExceededError("no Hello came in time; send it first"));
 }
 
 void TelemetryStream::OnReadDone(bool ok) {
@@ -142,21 +144,29 @@ std::shared_ptr<GameSession> TelemetryStream::FindSession() {
 }
 
 absl::Status TelemetryStream::Load() {
-  const bool submitted = context_.store.Submit([weak = weak_from_this(), &loop = context_.loop,
-                                                wanted = *hello_](priors::PriorStore& store) {
-    if (weak.expired()) return;  // Nobody waits for it any more.
-    loop.Post([weak, start = LoadStart(store, wanted)]() mutable {
-      if (const auto self = weak.lock()) self->OnLoaded(std::move(start));
-    });
+  DecisionLoop& loop = context_.loop;
+  loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->OnLoadOverdue();
   });
+  const bool submitted = context_.store.Submit(
+      [weak = weak_from_this(), &loop, wanted = *hello_](priors::PriorStore& store) {
+        if (weak.expired()) return;  // Nobody waits for it any more.
+        loop.Post([weak, start = LoadStart(store, wanted)] {
+          if (const auto self = weak.lock()) self->OnLoaded(start);
+        });
+      });
   if (submitted) return absl::OkStatus();
   return absl::UnavailableError("the prior store has too much to do; connect again later");
 }
 
-void TelemetryStream::OnLoaded(absl::StatusOr<StoredStart> start) {
-  if (end_) return;
-  if (!start.ok()) return Reject(start.status());
-  if (absl::Status status = Begin(*start); !status.ok()) return Reject(status);
+void TelemetryStream::OnLoadOverdue() {
+  if (end_ || session_) return;
+  OnLoaded({.priors = {}, .source = {}, .status = absl::DeadlineExceededError("no answer")});
+}
+
+void TelemetryStream::OnLoaded(const StoredStart& start) {
+  if (end_ || session_) return;
+  if (absl::Status status = Begin(start); !status.ok()) return Reject(status);
   if (session_) StartRead(&read_bytes_);
 }
 
@@ -170,8 +180,20 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
   auto session = MakeSession(context_, *hello_, start);
   if (!session.ok()) return session.status();
   if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;
+  if (!start.status.ok()) ReportMissingEvidence(start.status);
   Enter(*std::move(session), /*resumed=*/start.source.has_value());
   return absl::OkStatus();
+}
+
+void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
+  const uint64_t count = ++context_.counters.degraded_start_count;
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (now_ns < streams_.next_store_warning_ns) return;
+  streams_.next_store_warning_ns = now_ns + kStoreWarningIntervalNs;
+  context_.log.warn(
+      "the prior store cannot be read ({}): sessions begin without its evidence, {} so far; look "
+      "at the disk, and restore a backup if the database is damaged",
+      std::string(status.message()), count);
 }
 
 void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {

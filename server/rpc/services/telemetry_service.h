@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -38,6 +39,7 @@ class TelemetryStream;
 struct TelemetryStreams {
   std::set<TelemetryStream*> all;
   bool draining = false;
+  int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
 };
 
 // One connection of one session. It parses bytes into messages, passes them to the session, and
@@ -82,7 +84,7 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
 
   // These run on the loop.
   void Accept();
-  void OnWelcomeOverdue();
+  void OnHelloOverdue();
   void OnMessage(bool parsed);
   absl::Status Dispatch();
   absl::Status Open(const v1::Hello& given);
@@ -90,8 +92,12 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   // resume, the Hello forgets its id.
   std::shared_ptr<GameSession> FindSession();
   absl::Status Load();
-  void OnLoaded(absl::StatusOr<StoredStart> start);
+  void OnLoadOverdue();
+  void OnLoaded(const StoredStart& start);
   absl::Status Begin(const StoredStart& start);
+  // Counts a session that begins without all of the store's evidence, and says so in the log, at
+  // most once a minute for all streams.
+  void ReportMissingEvidence(const absl::Status& status);
   void Enter(std::shared_ptr<GameSession> session, bool resumed);
   void OnHalfClose();
   void OnWritten(bool ok);

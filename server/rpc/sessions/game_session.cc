@@ -13,7 +13,7 @@ namespace sweepstake::rpc {
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
                                                  const decision::SessionSetup& setup,
                                                  priors::SourceProgress progress,
-                                                 uint64_t prior_source_count) {
+                                                 std::optional<uint64_t> prior_source_count) {
   std::shared_ptr<GameSession> session(
       new GameSession(context, std::move(identity), setup, progress, prior_source_count));
   session->ledger_ = std::make_shared<SessionLedger>(
@@ -28,7 +28,8 @@ std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, Sessio
 
 GameSession::GameSession(SessionContext& context, SessionIdentity identity,
                          const decision::SessionSetup& setup,
-                         const priors::SourceProgress& progress, uint64_t prior_source_count)
+                         const priors::SourceProgress& progress,
+                         std::optional<uint64_t> prior_source_count)
     : context_(context),
       identity_(std::move(identity)),
       decisions_(setup),

@@ -60,11 +60,12 @@ struct SessionContext {
 
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
  public:
-  // `progress` is the session's progress in the store. `prior_source_count` is for the welcome.
+  // `progress` is the session's progress in the store. `prior_source_count` is for the welcome; it
+  // is absent if the store could not be read.
   static std::shared_ptr<GameSession> Create(SessionContext& context, SessionIdentity identity,
                                              const decision::SessionSetup& setup,
                                              priors::SourceProgress progress,
-                                             uint64_t prior_source_count);
+                                             std::optional<uint64_t> prior_source_count);
 
   // Attaches a link. The previous one, if any, is aborted.
   void Attach(SessionLink& link);
@@ -88,12 +89,12 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
   uint64_t durable_sequence() const { return ledger_->durable_sequence(); }
-  uint64_t prior_source_count() const { return prior_source_count_; }
+  std::optional<uint64_t> prior_source_count() const { return prior_source_count_; }
 
  private:
   GameSession(SessionContext& context, SessionIdentity identity,
               const decision::SessionSetup& setup, const priors::SourceProgress& progress,
-              uint64_t prior_source_count);
+              std::optional<uint64_t> prior_source_count);
 
   void StartAudit();
   void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
@@ -121,7 +122,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   const SessionIdentity identity_;
   decision::DecisionSession decisions_;
   std::shared_ptr<SessionLedger> ledger_;
-  const uint64_t prior_source_count_;
+  const std::optional<uint64_t> prior_source_count_;
 
   SessionLink* link_ = nullptr;
   uint64_t applied_sequence_;

@@ -128,22 +128,24 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
 
 }  // namespace
 
-absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
+StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
   StoredStart start;
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
-    if (!source.ok()) return source.status();
-    if (source->has_value() && BelongsTo(**source, KeysOf(hello))) {
+    if (!source.ok()) {
+      start.status = source.status();
+    } else if (source->has_value() && BelongsTo(**source, KeysOf(hello))) {
       start.source = *std::move(source);
     }
   }
-  if (hello.ignore_priors()) {
-    start.priors = OwnEvidence(hello, start.source);
-    return start;
-  }
+  start.priors = OwnEvidence(hello, start.source);
+  if (hello.ignore_priors()) return start;
   auto priors = store.LoadPriors(KeysOf(hello));
-  if (!priors.ok()) return priors.status();
-  start.priors = *std::move(priors);
+  if (priors.ok()) {
+    start.priors = *std::move(priors);
+  } else {
+    start.status = priors.status();
+  }
   return start;
 }
 
@@ -158,8 +160,10 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   if (start.source) progress = start.source->progress;
   progress.source_id = identity.id;
   progress.seed = identity.seed;
+  std::optional<uint64_t> prior_source_count;
+  if (start.status.ok()) prior_source_count = start.priors.source_count;
   return GameSession::Create(context, std::move(identity), setup, std::move(progress),
-                             start.priors.source_count);
+                             prior_source_count);
 }
 
 bool HasResumeToken(const v1::Hello& hello, const RpcOptions& options) {
@@ -185,7 +189,8 @@ v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions
   welcome.set_resume_token(ResumeTokenOf(session.identity().id, options));
   welcome.set_resumed(resumed);
   welcome.set_acknowledged_sequence(session.durable_sequence());
-  welcome.set_prior_source_count(session.prior_source_count());
+  welcome.set_prior_source_count(session.prior_source_count().value_or(0));
+  welcome.set_priors_unavailable(!session.prior_source_count());
   return welcome;
 }
 

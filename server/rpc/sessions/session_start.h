@@ -6,6 +6,10 @@
 // session's own evidence is used. All evidence is that of the policy's reward version; a checked
 // Hello names the policy.
 //
+// What the store cannot read is missing, and the session starts all the same: from Beta(1,1) plus
+// what could be read. A session whose own progress cannot be read is not resumed, since its
+// messages might be counted twice; a new one begins.
+//
 // A session's id is public, so resuming needs its token too, which only its client has:
 // HMAC-SHA-256 of the id under RpcOptions::resume_secret. The token is stored nowhere.
 //
@@ -25,12 +29,13 @@ namespace sweepstake::rpc {
 
 // The store's knowledge for a Hello.
 struct StoredStart {
-  priors::PriorSums priors;                   // sums have Hello's order of arms
+  priors::PriorSums priors;                   // sums have Hello's order of arms, or are empty
   std::optional<priors::SourceState> source;  // present if a session is resumed
+  absl::Status status;                        // why some of it is missing; OK if nothing is
 };
 
 // Reads the store, on its thread.
-absl::StatusOr<StoredStart> LoadStart(priors::PriorStore& store, const v1::Hello& hello);
+StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello);
 
 // Makes the session of a checked Hello. Error: INVALID_ARGUMENT (the setup is not valid).
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,

@@ -224,6 +224,7 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
   FakeDaemon daemon;
   daemon.SetScript([](FakeDaemon::Script& script) {
     script.welcome.set_prior_source_count(3);
+    script.welcome.set_priors_unavailable(true);
     for (int i = 0; i < 3; ++i) {
       v1::BetaPosterior& prior = *script.welcome.add_priors();
       prior.set_alpha(2);
@@ -233,10 +234,10 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
   StartAgainst(daemon);
   RunUntilState(ConnectionState::kOnline);
   EXPECT_EQ(session_->stats().prior_source_count, 3U);
+  EXPECT_TRUE(session_->stats().priors_unavailable);
   ASSERT_EQ(session_->stats().beliefs.size(), 3U);
   EXPECT_EQ(session_->stats().beliefs[1].arm, "B");
   EXPECT_EQ(session_->stats().beliefs[1].alpha, 2);
-
   v1::StreamTelemetryResponse response;
   for (int i = 0; i < 3; ++i) {
     v1::BetaPosterior& posterior = *response.mutable_posterior_snapshot()->add_arms();

@@ -140,6 +140,9 @@ TEST(PriorsText, SaysWhereTheRunStartsFrom) {
   RunSetup setup;
   SessionStats session;
   EXPECT_EQ(PriorsText(setup, session), "no priors yet");
+  session.priors_unavailable = true;
+  EXPECT_EQ(PriorsText(setup, session), "the daemon cannot read its priors; its log says why");
+  session.priors_unavailable = false;
   session.prior_source_count = 1;
   EXPECT_EQ(PriorsText(setup, session), "starts from priors of 1 earlier session");
   session.prior_source_count = 3;
