@@ -41,9 +41,15 @@ std::string Play(const std::string& address) {
     EXPECT_EQ(response.welcome().resumed(), resumed);
     hello.mutable_hello()->set_session_id(response.welcome().session_id());
     hello.mutable_hello()->set_resume_token(response.welcome().resume_token());
+    // Its message puts the session into the database.
+    v1::StreamTelemetryRequest message;
+    message.set_sequence(1);
+    message.mutable_mode_change()->set_mode(v1::MODE_AI);
     v1::StreamTelemetryRequest goodbye;
     goodbye.mutable_goodbye();
-    if (resumed) stream->Write(goodbye);
+    if (resumed) {
+      EXPECT_TRUE(stream->Write(message) && stream->Write(goodbye));
+    }
     stream->WritesDone();
     while (stream->Read(&response)) continue;
     EXPECT_TRUE(stream->Finish().ok());

@@ -75,8 +75,6 @@ void GameSession::Start(const v1::Hello& hello) {
   if (mode != decisions_.mode())
     decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
   if (unanswered_) link_->SendSwitch(*unanswered_);
-  // This stores the session, so that a restarted daemon can resume it.
-  if (durable_sequence() == 0 && applied_sequence_ == 0) Checkpoint();
   heard_ = true;
   ScheduleTick(decisions_.next_tick_ns());
 }

@@ -50,9 +50,9 @@ bool SessionLedger::HasRoomFor(std::string_view audit_row) const {
 }
 
 void SessionLedger::Checkpoint(const Position& position) {
-  const bool unknown_to_store = progress_.commit_sequence == 0 && !offered_;
+  const bool offered_before = progress_.commit_sequence > 0;
   if (position.message_sequence > progress_.message_sequence || !open_.empty() ||
-      !open_rows_.empty() || unknown_to_store)
+      (offered_before && !open_rows_.empty()))
     checkpointed_ = true;
   progress_.message_sequence = position.message_sequence;
   progress_.explored_arm_count = position.explored_arm_count;

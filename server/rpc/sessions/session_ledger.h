@@ -5,6 +5,8 @@
 // update. Acknowledged messages are therefore never lost, and resent ones are never counted twice.
 // What comes after a checkpoint is kept apart until the next, since a commit in between would write
 // it without the number of its message.
+// A session that has sent nothing yet is not in the store: the first checkpoint with a message puts
+// it there, and the rows of its audit log wait until then.
 // The rows of the session's audit log are in the same update; if the disk is too slow for them
 // (kMaxWaitingAuditBytes), the next ones are lost. At most one update is pending; later checkpoints
 // merge into one behind it, so the memory is bounded by the number of arms. A failed update is

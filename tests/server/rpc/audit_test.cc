@@ -132,7 +132,8 @@ TEST_F(AuditTest, IsListedAndExportedBySessionProjectAndScene) {
   const std::string id = one.Open(HelloMessage()).session_id();
   other.Open(desert);
   Play(one, 1, 1);
-  ASSERT_TRUE(Eventually([&] { return List().size() == 2; }));
+  Play(other, 1, 1);
+  ASSERT_EQ(List().size(), 2u);
   v1::ExportDecisionsRequest request;
   request.set_session_id(id);
   EXPECT_THAT(Export(request), HasSubstr(id));

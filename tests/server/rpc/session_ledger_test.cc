@@ -82,6 +82,20 @@ TEST_F(SessionLedgerTest, WhatComesAfterACheckpointWaitsForTheNextThoughACommitE
   ExpectOffer(2, 3, 4, {{3, "a bail-out of message 3"}});
 }
 
+TEST_F(SessionLedgerTest, AuditRowsAloneBeginNoSessionInTheStoreAndGoThereWithItsFirstMessage) {
+  ledger_->AddAuditRow("setup");
+  Checkpoint(0);
+  EXPECT_TRUE(store_.offered.empty());
+  EXPECT_TRUE(ledger_->settled());
+  Learn(1, "first");
+  Checkpoint(1);
+  ExpectOffer(0, 1, 1, {{1, "setup"}, {2, "first"}});
+  Answer(absl::OkStatus());
+  ledger_->AddAuditRow("a tick without messages");
+  Checkpoint(1);
+  EXPECT_EQ(store_.offered.size(), 2u);
+}
+
 TEST_F(SessionLedgerTest, CheckpointsBehindACommitMergeIntoOneUpdate) {
   Learn(1, "first");
   Checkpoint(1);

@@ -206,16 +206,32 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
-TEST_F(TelemetryTest, ASessionThatSentNothingYetIsKnownAfterARestart) {
+TEST_F(TelemetryTest, ASessionThatSentNothingLeavesNothingInTheStore) {
   v1::Hello hello = HelloMessage();
   {
+    TelemetryClient ends(channel_);
+    ends.Open(hello);
     TelemetryClient client(channel_);
     Resume(hello, client.Open(hello));
-    ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
+    Tick();
+    ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count == 2; }));
+    ends.Send(Goodbye());
+    EXPECT_TRUE(ends.Finish().ok());
+    client.HalfClose();
+    EXPECT_TRUE(client.Finish().ok());
   }
+  {
+    TelemetryClient client(channel_);
+    EXPECT_TRUE(client.Open(hello).resumed()) << "it is in memory";
+  }
+  EXPECT_EQ(server_->counters().stored_commit_count, 0u);
   RestartServer();
   TelemetryClient client(channel_);
-  EXPECT_TRUE(client.Open(hello).resumed());
+  EXPECT_FALSE(client.Open(hello).resumed());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
 }
 
 TEST_F(TelemetryTest, ANewSessionStartsFromWhatOthersLearnt) {
@@ -398,7 +414,6 @@ TEST_F(TelemetryTest, GoodbyeIsAnsweredWhenEverythingIsOnDisk) {
 TEST_F(TelemetryTest, WithAFullDiskDecisionsGoOnAndNothingIsAcknowledgedUntilItIsMended) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
-  ASSERT_TRUE(Eventually([&] { return server_->counters().stored_commit_count == 1; }));
   store_.Fail(true);
   for (uint64_t sequence = 1; sequence <= 3; ++sequence) {
     client.Send(Frames(sequence, 30));
