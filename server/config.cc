@@ -197,6 +197,9 @@ std::vector<Setting> DaemonSettings() {
           [](Config & c) -> auto& { return c.rpc.memory_quota_bytes; },
           "memory of all connections' buffers"),
       Whole(
+          "database_mb", 8, 1 << 24, 1 << 20, [](Config & c) -> auto& { return c.database_bytes; },
+          "size of priors.db; beyond it nothing more is stored or acknowledged"),
+      Whole(
           "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.rpc.audit.bytes; },
           "text of the audit log; beyond it the oldest rows go; 0 keeps none"),
       Whole(
@@ -432,6 +435,10 @@ absl::Status Validate(const Config& config) {
         absl::StrCat("listen: ", config.listen,
                      " can be reached by others, and there is no TLS; name --tls-cert and "
                      "--tls-key, listen on 127.0.0.1, or say --insecure"));
+  }
+  if (config.database_bytes < 2 * config.rpc.audit.bytes) {
+    return absl::InvalidArgumentError(
+        "database_mb: the audit log is a part of it; allow at least twice audit_mb");
   }
   if (config.data.empty()) return absl::InvalidArgumentError("data: name a directory");
   if (const auto problem = decision::Validate(config.rpc.decision)) {

@@ -23,9 +23,10 @@ namespace sweepstake::server {
 struct Config {
   std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 means any free port
   std::filesystem::path data = "sweepstake-data";
-  std::filesystem::path port_file;  // the port is written to it once the daemon listens
-  std::string log_level = "info";   // trace, debug, info, warn, error or off
-  bool insecure = false;            // allows plain text on addresses other than loopback
+  std::filesystem::path port_file;       // the port is written to it once the daemon listens
+  std::string log_level = "info";        // trace, debug, info, warn, error or off
+  bool insecure = false;                 // allows plain text on addresses other than loopback
+  uint64_t database_bytes = 4ull << 30;  // priors.db does not grow beyond it
   rpc::RpcOptions rpc;
 };
 

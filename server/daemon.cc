@@ -118,9 +118,12 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
     log_->warn("others can read the data directory {}; session ids are in it: chmod 0700 it",
                config_.data.string());
   }
-  auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit);
+  auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit,
+                                             config_.database_bytes);
   if (!store.ok()) return store.status();
-  store_ = std::make_unique<storage::StoreThread>(*std::move(store));
+  storage::StoreThreadOptions store_options;
+  store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
+  store_ = std::make_unique<storage::StoreThread>(*std::move(store), std::move(store_options));
   if (absl::Status status = RemovePortFile(); !status.ok()) return status;
   auto key = ReadResumeKey(directory_.resume_key());
   if (!key.ok()) return key.status();
@@ -138,6 +141,16 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
                               : "TLS with client certificates",
              directory_.database().string());
   return absl::OkStatus();
+}
+
+void Daemon::ReportStore(const absl::Status& status) const {
+  if (status.ok()) {
+    log_->info("{} can be written again", directory_.database().string());
+  } else {
+    log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
+                directory_.database().string(), std::string(status.message()),
+                config_.database_bytes >> 20);
+  }
 }
 
 // The file appears whole, so that a process that waits for it never reads a part of it.

@@ -42,6 +42,8 @@ class Daemon {
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
+  // Runs on the store's thread.
+  void ReportStore(const absl::Status& status) const;
   absl::Status WritePortFile() const;
   // Removes the file of an earlier daemon, which a waiting process must not read.
   absl::Status RemovePortFile() const;

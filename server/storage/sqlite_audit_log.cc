@@ -72,6 +72,10 @@ absl::Status SqliteAuditLog::Prepare(SqliteDatabase& database) {
     if (!statement.ok()) return statement.status();
     statements_.*text.statement = *std::move(statement);
   }
+  // The limits may be lower than before, and a file that may not grow needs the room. Where the
+  // disk does not allow it now, the rows go with a later commit.
+  SqliteTransaction transaction(database);
+  if (transaction.begun().ok() && Trim(/*unix_now_s=*/0).ok()) transaction.Commit().IgnoreError();
   return absl::OkStatus();
 }
 
@@ -94,11 +98,12 @@ uint64_t SqliteAuditLog::Append(SqliteDatabase& database,
 absl::Status SqliteAuditLog::AppendAll(std::span<const priors::SourceUpdate* const> updates,
                                        uint64_t& lost) {
   uint64_t unix_now_s = 0;
-  for (const priors::SourceUpdate* update : updates) {
+  for (const priors::SourceUpdate* update : updates)
     unix_now_s = std::max(unix_now_s, update->unix_time_s);
-    if (absl::Status status = AppendOne(*update, lost); !status.ok()) return status;
-  }
-  return Trim(unix_now_s);
+  // A database that may not grow takes rows in the place of those that go first.
+  absl::Status status = Trim(unix_now_s);
+  for (size_t i = 0; i < updates.size() && status.ok(); ++i) status = AppendOne(*updates[i], lost);
+  return status.ok() ? Trim(unix_now_s) : status;
 }
 
 absl::Status SqliteAuditLog::AppendOne(const priors::SourceUpdate& update, uint64_t& lost) {

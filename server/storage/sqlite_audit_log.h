@@ -24,7 +24,7 @@ class SqliteAuditLog {
 
   // Appends the rows of the updates inside the caller's transaction, and returns how many of them
   // could not be written: those that are invalid or, after an error, all; then the transaction is
-  // as before.
+  // as before, or SQLite has ended it.
   uint64_t Append(SqliteDatabase& database, std::span<const priors::SourceUpdate* const> updates);
 
   absl::StatusOr<uint32_t> LastSegment(const std::string& session_id);

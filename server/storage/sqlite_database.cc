@@ -1,5 +1,6 @@
 #include "server/storage/sqlite_database.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -12,7 +13,8 @@ namespace {
 absl::Status ToStatus(int code, const char* message) {
   switch (code & 0xff) {
     case SQLITE_FULL:
-      return absl::UnavailableError(absl::StrCat("the disk is full: ", message));
+      return absl::UnavailableError(
+          absl::StrCat("the disk is full, or the file is as large as it may be: ", message));
     case SQLITE_READONLY:
     case SQLITE_IOERR:
     case SQLITE_BUSY:
@@ -108,6 +110,15 @@ absl::Status SqliteDatabase::CopyTo(const std::string& path) {
     return {status.code(), absl::StrCat(unfinished, ": ", status.message())};
   }
   return PublishFile(unfinished, path);
+}
+
+absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {
+  const auto page_bytes = QueryInteger("PRAGMA page_size");
+  if (!page_bytes.ok()) return page_bytes.status();
+  const uint64_t pages = max_bytes / static_cast<uint64_t>(*page_bytes);
+  // SQLite takes 0 for a question.
+  return QueryInteger(absl::StrCat("PRAGMA max_page_count = ", std::max<uint64_t>(pages, 1)))
+      .status();
 }
 
 absl::Status SqliteDatabase::EnableDefensive() {

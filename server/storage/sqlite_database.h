@@ -98,6 +98,11 @@ class SqliteDatabase {
   // Writes all that is committed to a new file at `path`, in place of one that is there. Others may
   // write meanwhile; the whole database is read once. The file appears whole or not at all.
   absl::Status CopyTo(const std::string& path);
+  // Returns false also if an error has ended the transaction, as a full disk does.
+  bool in_transaction() const { return sqlite3_get_autocommit(database_.get()) == 0; }
+  // Lets the file grow to so many bytes, or not at all if it is as large; then writes that need
+  // more fail as if the disk were full.
+  absl::Status LimitSize(uint64_t max_bytes);
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
 

@@ -81,6 +81,9 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Runs `body` in a transaction, which is rolled back if it fails.
   template <typename Body>
   absl::Status InTransaction(Body body);
+  // Appends the updates that were applied and have audit rows to `audited`.
+  absl::Status ApplyAll(std::span<const priors::SourceUpdate> updates,
+                        std::vector<const priors::SourceUpdate*>& audited);
   // Returns false if the update was applied before or its source is revoked.
   absl::StatusOr<bool> Apply(const priors::SourceUpdate& update);
   absl::Status Add(int64_t source, uint64_t sequence, const priors::KeyedEvidence& increment);
@@ -125,19 +128,35 @@ absl::Status SqlitePriorStore::InTransaction(Body body) {
 absl::Status SqlitePriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
   if (absl::Status status = CheckUpdates(updates); !status.ok()) return status;
   uint64_t lost = 0;
+  bool ended = false;
   absl::Status status = InTransaction([&] {
-    std::vector<const priors::SourceUpdate*> applied;
-    for (const auto& update : updates) {
-      const auto is_new = Apply(update);
-      if (!is_new.ok()) return is_new.status();
-      if (*is_new && !update.audit.rows.empty()) applied.push_back(&update);
-    }
-    // The log must not cost evidence: if its rows cannot be written, the commit goes on without.
-    if (!applied.empty()) lost = audit_->Append(database_, applied);
+    std::vector<const priors::SourceUpdate*> audited;
+    absl::Status applied = ApplyAll(updates, audited);
+    if (!applied.ok() || audited.empty()) return applied;
+    lost = audit_->Append(database_, audited);
+    ended = !database_.in_transaction();
     return absl::OkStatus();
   });
+  // The log must not cost evidence. If the file has no room for its rows, SQLite ends the
+  // transaction, and another one writes the evidence alone.
+  if (ended) {
+    status = InTransaction([&] {
+      std::vector<const priors::SourceUpdate*> audited;
+      return ApplyAll(updates, audited);
+    });
+  }
   if (status.ok()) lost_audit_row_count_ += lost;
   return status;
+}
+
+absl::Status SqlitePriorStore::ApplyAll(std::span<const priors::SourceUpdate> updates,
+                                        std::vector<const priors::SourceUpdate*>& audited) {
+  for (const auto& update : updates) {
+    const auto is_new = Apply(update);
+    if (!is_new.ok()) return is_new.status();
+    if (*is_new && !update.audit.rows.empty()) audited.push_back(&update);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<bool> SqlitePriorStore::Apply(const priors::SourceUpdate& update) {
@@ -381,9 +400,13 @@ absl::Status SqlitePriorStore::RemoveEvidence(const std::string& source_id, KeyI
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
-    const std::filesystem::path& path, const priors::AuditLimits& audit_limits) {
+    const std::filesystem::path& path, const priors::AuditLimits& audit_limits,
+    uint64_t max_bytes) {
   auto database = OpenPriorDatabase(path);
   if (!database.ok()) return database.status();
+  if (max_bytes > 0) {
+    if (absl::Status status = database->LimitSize(max_bytes); !status.ok()) return status;
+  }
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
   if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;
   return store;

@@ -6,6 +6,7 @@
 // Import and Revoke add the sums of the keys they change anew, from one row per source.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 
@@ -13,8 +14,10 @@
 
 namespace sweepstake::storage {
 
-// Opens the store. The errors are those of OpenPriorDatabase.
+// Opens the store, whose file does not grow beyond `max_bytes` (0: any size): then commits that
+// need more are UNAVAILABLE. The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
-    const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {});
+    const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
+    uint64_t max_bytes = 0);
 
 }  // namespace sweepstake::storage

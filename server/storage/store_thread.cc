@@ -111,7 +111,8 @@ void StoreThread::CommitOneByOne(std::vector<PendingCommit>& group) {
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
   // An invalid update says nothing about the disk.
-  if (!absl::IsInvalidArgument(status)) healthy_.store(status.ok(), std::memory_order_relaxed);
+  if (!absl::IsInvalidArgument(status) && healthy_.exchange(status.ok()) != status.ok())
+    options_.on_health(status);
   lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
   commit.done(status);
 }

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -27,6 +28,9 @@ struct StoreThreadOptions {
   std::chrono::milliseconds group_interval{50};
   size_t group_rows = 500;     // a group with this many increments is committed early
   size_t max_queued = 65'536;  // updates and jobs; beyond it they are refused
+  // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
+  // succeed again.
+  std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
 };
 
 class StoreThread final : public priors::AsyncPriorStore {

@@ -43,11 +43,13 @@ TEST_F(ConfigTest, TheDefaultsAreValidAndThePapers) {
 
 TEST_F(ConfigTest, AFileSetsWhatItNames) {
   const auto config = FromFile(
-      "listen = '127.0.0.1:0'\naudit_mb = 2\naudit_days = 3\n[decision]\ncooldown_ms = "
+      "listen = '127.0.0.1:0'\ndatabase_mb = 9\naudit_mb = 2\naudit_days = "
+      "3\n[decision]\ncooldown_ms = "
       "1500\nexplore = false\n"
       "weight_fps = 1\nweight_detection = 0.0\nweight_memory = 0\nweight_checks = 0\n");
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_EQ(config->listen, "127.0.0.1:0");
+  EXPECT_EQ(config->database_bytes, 9u << 20);
   EXPECT_EQ(config->rpc.audit.bytes, 2u << 20);
   EXPECT_EQ(config->rpc.audit.age_s, 3u * 86'400);
   EXPECT_EQ(config->rpc.decision.cooldown_ns, 1'500'000'000);
@@ -142,6 +144,11 @@ TEST_F(ConfigTest, TheCommandLinesVariablesAreNotTakenForOurs) {
   const auto assignments = ReadEnvironment(environment);
   ASSERT_TRUE(assignments.ok()) << assignments.status();
   EXPECT_TRUE(assignments->empty());
+}
+
+TEST_F(ConfigTest, TheDatabaseMustHaveRoomForItsAuditLog) {
+  EXPECT_TRUE(FromFile("database_mb = 20\naudit_mb = 10\n").ok());
+  EXPECT_THAT(Error("database_mb = 20\naudit_mb = 11\n"), HasSubstr("at least twice audit_mb"));
 }
 
 TEST_F(ConfigTest, WhatIsPrintedReadsBackTheSame) {

@@ -6,8 +6,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
+#include <deque>
 #include <fstream>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/rpc/health_client.h"
@@ -87,6 +91,11 @@ v1::Welcome RunSession(int port) {
   context.TryCancel();
   stream->Finish();
   return welcome;
+}
+
+std::shared_ptr<grpc::Channel> ChannelTo(const Daemon& daemon) {
+  return grpc::CreateChannel("127.0.0.1:" + std::to_string(daemon.port()),
+                             grpc::InsecureChannelCredentials());
 }
 
 TEST_F(DaemonTest, ThePortFileHoldsThePort) {
@@ -190,9 +199,39 @@ TEST_F(DaemonTest, ADatabaseOfAnotherDirectoryIsRefused) {
 
 TEST_F(DaemonTest, HealthIsServing) {
   const auto daemon = Start();
-  const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(daemon->port()),
-                                           grpc::InsecureChannelCredentials());
-  EXPECT_EQ(rpc::HealthOf(*channel), rpc::Health::kServing);
+  EXPECT_EQ(rpc::HealthOf(*ChannelTo(*daemon)), rpc::Health::kServing);
+}
+
+TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
+  config_.rpc.audit.bytes = 0;
+  config_.database_bytes = 1;
+  {
+    const auto daemon = Start();
+    const auto channel = ChannelTo(*daemon);
+    const auto stub = v1::TelemetryService::NewStub(channel);
+    std::deque<grpc::ClientContext> contexts(60);
+    std::vector<std::unique_ptr<
+        grpc::ClientReaderWriter<v1::StreamTelemetryRequest, v1::StreamTelemetryResponse>>>
+        streams;
+    for (grpc::ClientContext& context : contexts) {
+      v1::StreamTelemetryRequest hello = Hello();
+      hello.mutable_hello()->set_scene(std::string(100, 's') + std::to_string(streams.size()));
+      streams.push_back(stub->StreamTelemetry(&context));
+      streams.back()->Write(hello);
+      streams.back()->Write(OneFrame(1));
+    }
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    rpc::Health health = rpc::Health::kUnknown;
+    while (health != rpc::Health::kNotServing && std::chrono::steady_clock::now() < deadline)
+      health = rpc::HealthOf(*channel);
+    EXPECT_EQ(health, rpc::Health::kNotServing);
+    for (grpc::ClientContext& context : contexts) context.TryCancel();
+    for (const auto& stream : streams) stream->Finish();
+  }
+  config_.database_bytes = 1 << 20;
+  const auto daemon = Start();
+  EXPECT_FALSE(RunSession(daemon->port()).session_id().empty()) << "acknowledged";
+  EXPECT_EQ(rpc::HealthOf(*ChannelTo(*daemon)), rpc::Health::kServing);
 }
 
 }  // namespace

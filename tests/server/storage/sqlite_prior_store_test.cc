@@ -180,6 +180,76 @@ TEST_F(SqlitePriorStoreTest, TheBoundsOfTheAuditLogHoldAfterReopening) {
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_segment"), 1);
 }
 
+TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesNoNewEvidenceUntilItMay) {
+  uint64_t stored = 0;
+  absl::Status status;
+  const auto nth = [](uint64_t n) {
+    const std::string name = std::to_string(n);
+    return std::vector{Update("session " + name, 1, {Key("Grid", "scene " + name)})};
+  };
+  {
+    auto store = *OpenSqlitePriorStore(path_, {}, /*max_bytes=*/1);
+    while (stored < 1'000 && (status = store->Commit(nth(stored))).ok()) ++stored;
+    EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("the file is as large as it may be"));
+    EXPECT_FALSE(store->Commit(nth(stored)).ok());
+    EXPECT_EQ(store->List({}, std::nullopt, 20'000)->size(), stored);
+  }
+  auto store = *OpenSqlitePriorStore(path_, {}, /*max_bytes=*/1 << 20);
+  status = store->Commit(nth(stored));
+  EXPECT_TRUE(status.ok()) << status;
+  EXPECT_EQ(store->List({}, std::nullopt, 20'000)->size(), stored + 1);
+}
+
+SourceUpdate WithLongRow(uint64_t n) {
+  SourceUpdate update = Audited("a", n, n, 1);
+  update.audit.rows[0].text.assign(1'000, 'x');
+  return update;
+}
+
+TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesEvidenceOfKnownSessionsWithoutItsAuditRows) {
+  auto store = *OpenSqlitePriorStore(path_, {}, /*max_bytes=*/1);
+  uint64_t n = 0;
+  while (n < 1'000 && store->lost_audit_row_count() < 5) {
+    const absl::Status status = store->Commit(std::vector{WithLongRow(++n)});
+    ASSERT_TRUE(status.ok()) << status;
+  }
+  EXPECT_EQ(store->lost_audit_row_count(), 5u);
+  EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, n);
+  EXPECT_EQ(store->ListAudit({}, 0, 9)->at(0).row_count, n - 5);
+}
+
+TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesAuditRowsInThePlaceOfOlderOnes) {
+  {
+    auto store = *OpenSqlitePriorStore(path_, {.bytes = 100'000});
+    for (uint64_t n = 1; n <= 100; ++n)
+      ASSERT_TRUE(store->Commit(std::vector{WithLongRow(n)}).ok());
+  }
+  auto store = *OpenSqlitePriorStore(path_, {.bytes = 50'000}, /*max_bytes=*/1);
+  for (uint64_t n = 101; n <= 150; ++n)
+    ASSERT_TRUE(store->Commit(std::vector{WithLongRow(n)}).ok());
+  EXPECT_EQ(store->lost_audit_row_count(), 0u);
+  EXPECT_GT(store->ListAudit({}, 0, 9)->at(0).first_row, 90u);
+}
+
+TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowHasRoomAgainWhenItsAuditLogGetsLess) {
+  const auto nth = [](uint64_t n) {
+    return std::vector{Update("new " + std::to_string(n), 1, {Key("Grid", std::to_string(n))})};
+  };
+  uint64_t stored = 0;
+  {
+    auto store = *OpenSqlitePriorStore(path_, {.bytes = 100'000});
+    for (uint64_t n = 1; n <= 100; ++n)
+      ASSERT_TRUE(store->Commit(std::vector{WithLongRow(n)}).ok());
+    store = *OpenSqlitePriorStore(path_, {.bytes = 100'000}, /*max_bytes=*/1);
+    while (stored < 1'000 && store->Commit(nth(stored)).ok()) ++stored;
+    ASSERT_LT(stored, 1'000u);
+  }
+  auto store = *OpenSqlitePriorStore(path_, {.bytes = 10'000}, /*max_bytes=*/1);
+  const absl::Status status = store->Commit(nth(stored));
+  EXPECT_TRUE(status.ok()) << status;
+}
+
 TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);

@@ -136,9 +136,12 @@ TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {
   EXPECT_TRUE(thread_->healthy());
 }
 
-TEST_F(StoreThreadTest, AFullDiskIsUnhealthyUntilACommitSucceeds) {
+TEST_F(StoreThreadTest, AFullDiskIsUnhealthyAndToldUntilACommitSucceeds) {
   failing_ = true;
-  Start({.group_interval = milliseconds(0)});
+  std::vector<absl::Status> told;
+  Start({.group_interval = milliseconds(0),
+         .on_health = [&](const absl::Status& status) { told.push_back(status); }});
+  EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
   EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
   EXPECT_FALSE(thread_->healthy());
   std::promise<void> mended;
@@ -148,7 +151,11 @@ TEST_F(StoreThreadTest, AFullDiskIsUnhealthyUntilACommitSucceeds) {
   });
   mended.get_future().wait();
   EXPECT_TRUE(Commit(Update("a", 1, {})).get().ok());
+  EXPECT_TRUE(Commit(Update("a", 2, {})).get().ok());
   EXPECT_TRUE(thread_->healthy());
+  ASSERT_EQ(told.size(), 2u) << "once each";
+  EXPECT_EQ(told[0].message(), "the disk is full");
+  EXPECT_TRUE(told[1].ok());
 }
 
 TEST_F(StoreThreadTest, AFullQueueRefusesAtOnce) {
