@@ -80,7 +80,7 @@ struct SessionOptions {
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces
   // the interval and may lower the other two.
   uint32_t batch_interval_ms = 250;  // 1–10,000
-  uint32_t batch_frames = 30;        // 1–240
+  uint32_t batch_frames = 240;       // 1–240
   uint32_t batch_bytes = 16 * 1024;  // 512–262,144
   // 1–4096. At the bound sending pauses, and the queue drops its oldest samples. A daemon
   // acknowledges every two seconds, so that 1024 full batches of about 1.5 kB allow 15,000

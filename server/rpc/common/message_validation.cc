@@ -47,10 +47,15 @@ absl::Status CheckTimeScale(double scale, double max) {
                               std::ceil(scale)));
 }
 
-bool IsKnownMode(v1::Mode mode) { return mode == v1::MODE_MANUAL || mode == v1::MODE_AI; }
-
-bool IsKnownReason(v1::SwitchReason reason) {
-  return reason >= v1::SWITCH_REASON_POLICY && reason <= v1::SWITCH_REASON_MANUAL;
+// The newest version that both sides speak must be one that both still speak.
+absl::Status CheckVersions(const v1::Hello& hello) {
+  const uint32_t newest = hello.protocol_version();
+  const uint32_t oldest = hello.min_protocol_version() == 0 ? newest : hello.min_protocol_version();
+  if (std::min(newest, kMaxProtocolVersion) >= std::max(oldest, kMinProtocolVersion))
+    return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      "this daemon speaks the protocol versions ", kMinProtocolVersion, " to ", kMaxProtocolVersion,
+      ", the client ", oldest, " to ", newest, "; update the older side"));
 }
 
 absl::Status CheckArms(const v1::Hello& hello) {
@@ -129,14 +134,14 @@ absl::Status CheckFrameBatch(const v1::FrameBatch& batch, uint32_t arm_count) {
 }
 
 absl::Status CheckModeChange(const v1::ModeChange& change, uint32_t arm_count) {
-  if (!IsKnownMode(change.mode()))
-    return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
+  if (change.mode() == v1::MODE_UNSPECIFIED)
+    return Invalid("mode is absent; set MODE_MANUAL or MODE_AI");
   return CheckArm(change.active_arm(), arm_count);
 }
 
 absl::Status CheckSwitchOutcome(const v1::SwitchOutcome& outcome, uint32_t arm_count) {
-  if (!IsKnownReason(outcome.reason()))
-    return Invalid("reason of the switch outcome is absent or unknown");
+  if (outcome.reason() == v1::SWITCH_REASON_UNSPECIFIED)
+    return Invalid("reason of the switch outcome is absent");
   return CheckArm(outcome.arm(), arm_count);
 }
 
@@ -149,15 +154,11 @@ absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
 }  // namespace
 
 absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
-  if (hello.protocol_version() != kProtocolVersion) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("this daemon speaks protocol version ", kProtocolVersion, ", not ",
-                     hello.protocol_version(), "; update the older side"));
-  }
+  if (absl::Status status = CheckVersions(hello); !status.ok()) return status;
   if (absl::Status status = CheckNames(hello); !status.ok()) return status;
   if (absl::Status status = CheckArms(hello); !status.ok()) return status;
   if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;
-  if (!IsKnownMode(hello.mode()))
+  if (hello.mode() == v1::MODE_UNSPECIFIED || !v1::Mode_IsValid(hello.mode()))
     return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
   if (absl::Status status = CheckTimeScale(hello.time_scale(), options.max_time_scale);
       !status.ok())
@@ -174,7 +175,7 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count) {
   if (request.has_hello())
     return absl::FailedPreconditionError("Hello was sent already on this stream");
-  if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET)
+  if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET && !IsUnknown(request))
     return Invalid("the request has no message");
   if (absl::Status status = CheckSequence(request); !status.ok()) return status;
   switch (request.message_case()) {
@@ -188,6 +189,19 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
       return CheckModeChange(request.mode_change(), arm_count);
     default:
       return absl::OkStatus();
+  }
+}
+
+bool IsUnknown(const v1::StreamTelemetryRequest& request) {
+  switch (request.message_case()) {
+    case v1::StreamTelemetryRequest::MESSAGE_NOT_SET:
+      return !request.unknown_fields().empty();
+    case v1::StreamTelemetryRequest::kSwitchOutcome:
+      return !v1::SwitchReason_IsValid(request.switch_outcome().reason());
+    case v1::StreamTelemetryRequest::kModeChange:
+      return !v1::Mode_IsValid(request.mode_change().mode());
+    default:
+      return false;
   }
 }
 

@@ -4,7 +4,8 @@
 // There are two kinds of errors. A message that breaks the contract (lengths, indices, names,
 // absent fields) ends the stream with INVALID_ARGUMENT, or with FAILED_PRECONDITION if the order or
 // the version is wrong. A single frame or shadow visit whose values cannot have been measured is
-// skipped and counted; the rest of its batch is used.
+// skipped and counted; the rest of its batch is used. What only a newer protocol has is no error:
+// it is counted and not applied.
 #pragma once
 
 #include "absl/status/status.h"
@@ -21,6 +22,10 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options);
 
 // Checks any request after Hello. REQUIRES: arm_count > 0.
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count);
+
+// Returns whether the request is a message that only a newer protocol has, or has a mode or reason
+// that only a newer one has.
+bool IsUnknown(const v1::StreamTelemetryRequest& request);
 
 // Returns whether a game can have measured this frame. A frame lasts 1 µs (a million FPS) to an
 // hour. Detection is part of the frame, within 1 % and 1 ms of clock error. Checks are below 2^60,

@@ -11,7 +11,9 @@
 
 namespace sweepstake::rpc {
 
-inline constexpr uint32_t kProtocolVersion = 1;
+// The versions of the protocol that the daemon speaks.
+inline constexpr uint32_t kMinProtocolVersion = 1;
+inline constexpr uint32_t kMaxProtocolVersion = 1;
 // A message beyond one of these three limits is INVALID_ARGUMENT.
 inline constexpr uint32_t kMaxBatchFrames = 240;
 inline constexpr uint32_t kMaxBatchShadows = 64;
@@ -92,6 +94,8 @@ struct Counters {
   std::atomic<uint64_t> goodbye_count{0};            // sessions that the client ended
   std::atomic<uint64_t> malformed_message_count{0};  // messages that could not be parsed
   std::atomic<uint64_t> invalid_message_count{0};    // messages that broke a rule of the contract
+  // Messages of a newer protocol, which were not applied.
+  std::atomic<uint64_t> unknown_message_count{0};
   // Messages whose sequence number was applied before.
   std::atomic<uint64_t> replayed_message_count{0};
   std::atomic<uint64_t> applied_message_count{0};

@@ -17,7 +17,6 @@ constexpr uint32_t kKnownFlags = 15;
 constexpr uint32_t kKnownShadowFlags = 3;
 
 constexpr int64_t kNsPerMs = 1'000'000;
-constexpr uint32_t kMaxBatchIntervalMs = 250;
 
 uint32_t Milliseconds(int64_t interval_ns) {
   return static_cast<uint32_t>(
@@ -133,8 +132,6 @@ void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPost
   message.set_max_batch_frames(kMaxBatchFrames);
   message.set_max_message_bytes(kMaxMessageBytes);
   message.set_decision_interval_ms(std::max(1u, Milliseconds(decision.decision_interval_ns)));
-  message.set_batch_interval_ms(
-      std::clamp(message.decision_interval_ms() / 8, 1u, kMaxBatchIntervalMs));
   message.set_cooldown_ms(Milliseconds(decision.cooldown_ns));
   message.set_settling_ms(Milliseconds(decision.settling_ns));
   message.set_bail_out_ms(Milliseconds(decision.bail_out_ns));

@@ -202,7 +202,8 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
   ++context_.counters.connected_stream_count;
   if (resumed) ++context_.counters.resumed_count;
   v1::StreamTelemetryResponse response;
-  *response.mutable_welcome() = WelcomeOf(*session_, resumed, context_.options);
+  *response.mutable_welcome() =
+      WelcomeOf(*session_, resumed, streams_.all.size(), context_.options);
   Send(std::move(response));
   session_->Start(*hello_);
   context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");

@@ -92,6 +92,10 @@ void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
   }
   applied_sequence_ = request.sequence();
   heard_ = true;
+  if (IsUnknown(request)) {
+    ++context_.counters.unknown_message_count;
+    return;
+  }
   ApplyEvidence(request);
   ++context_.counters.applied_message_count;
 }

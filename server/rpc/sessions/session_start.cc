@@ -183,9 +183,17 @@ bool CanResume(const GameSession& session, const v1::Hello& hello) {
   return same;
 }
 
-v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options) {
+uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count) {
+  const uint32_t alone = std::clamp(decision_interval_ms / 8, 1u, 250u);
+  const uint64_t shared = std::min<uint64_t>(stream_count / 10, decision_interval_ms / 2);
+  return std::max(alone, static_cast<uint32_t>(shared));
+}
+
+v1::Welcome WelcomeOf(const GameSession& session, bool resumed, uint64_t stream_count,
+                      const RpcOptions& options) {
   v1::Welcome welcome;
   ToProto(session.identity(), session.decisions().posteriors(), options, welcome);
+  welcome.set_batch_interval_ms(BatchIntervalMs(welcome.decision_interval_ms(), stream_count));
   welcome.set_resume_token(ResumeTokenOf(session.identity().id, options));
   welcome.set_resumed(resumed);
   welcome.set_acknowledged_sequence(session.durable_sequence());

@@ -48,6 +48,13 @@ bool HasResumeToken(const v1::Hello& hello, const RpcOptions& options);
 // Returns whether Hello, with its token checked, may resume this session, which is in memory.
 bool CanResume(const GameSession& session, const v1::Hello& hello);
 
-v1::Welcome WelcomeOf(const GameSession& session, bool resumed, const RpcOptions& options);
+// `stream_count` is how many streams are open.
+v1::Welcome WelcomeOf(const GameSession& session, bool resumed, uint64_t stream_count,
+                      const RpcOptions& options);
+
+// Returns how long a client is to collect frames: an eighth of the decision interval, 250 ms at
+// most. With more streams it is longer, so that all of them send 10,000 batches a second, but at
+// most half of the decision interval.
+uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
 }  // namespace sweepstake::rpc

@@ -221,6 +221,14 @@ INSTANTIATE_TEST_SUITE_P(
                  absl::StatusCode::kFailedPrecondition},
         BadHello{"NewerVersion", [](auto& h) { h.set_protocol_version(2); },
                  absl::StatusCode::kFailedPrecondition},
+        BadHello{"NewerOldestVersion",
+                 [](auto& h) {
+                   h.set_protocol_version(3);
+                   h.set_min_protocol_version(2);
+                 },
+                 absl::StatusCode::kFailedPrecondition},
+        BadHello{"OldestAboveNewestVersion", [](auto& h) { h.set_min_protocol_version(2); },
+                 absl::StatusCode::kFailedPrecondition},
         BadHello{"OtherReward", [](auto& h) { h.set_reward_version(99); },
                  absl::StatusCode::kFailedPrecondition},
         BadHello{"NoProject", [](auto& h) { h.clear_project(); }},
@@ -265,6 +273,13 @@ TEST(MessageValidationTest, ATimeScaleIsRefusedWithWhatToDoUnlessTheDaemonAllows
   EXPECT_TRUE(absl::IsInvalidArgument(CheckHello(hello, options)));
   options.max_time_scale = 8;
   EXPECT_TRUE(CheckHello(hello, options).ok());
+}
+
+TEST(MessageValidationTest, ANewerClientThatStillSpeaksAnOldVersionIsWelcome) {
+  v1::Hello hello = HelloMessage();
+  hello.set_protocol_version(3);
+  hello.set_min_protocol_version(1);
+  EXPECT_TRUE(CheckHello(hello, {}).ok());
 }
 
 TEST(MessageValidationTest, AnUnknownPolicyIsAnsweredWithTheKnownOnes) {
