@@ -195,7 +195,7 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
 bool IsUnknown(const v1::StreamTelemetryRequest& request) {
   switch (request.message_case()) {
     case v1::StreamTelemetryRequest::MESSAGE_NOT_SET:
-      return !request.unknown_fields().empty();
+      return !request.GetReflection()->GetUnknownFields(request).empty();
     case v1::StreamTelemetryRequest::kSwitchOutcome:
       return !v1::SwitchReason_IsValid(request.switch_outcome().reason());
     case v1::StreamTelemetryRequest::kModeChange:

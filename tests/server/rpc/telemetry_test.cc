@@ -47,7 +47,7 @@ TEST_F(TelemetryTest, WhatOnlyANewerProtocolHasIsCountedAndTheStreamGoesOn) {
   client.Open(HelloMessage());
   v1::StreamTelemetryRequest message;
   message.set_sequence(1);
-  message.mutable_unknown_fields()->AddLengthDelimited(500, "a message of version 2");
+  message.GetReflection()->MutableUnknownFields(&message)->AddLengthDelimited(500, "newer");
   client.Send(message);
   v1::StreamTelemetryRequest mode;
   mode.set_sequence(2);
