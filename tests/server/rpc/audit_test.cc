@@ -222,6 +222,7 @@ class AuditLossTest : public AuditTest {
 
 TEST_F(AuditLossTest, OfRowsThatTheStoreCouldNotWriteIsCountedAndToldOnceAMinute) {
   store_.LoseAuditRows(7);
+  clock_.Advance(kSecondNs);
   EXPECT_TRUE(Told("7 rows of the audit log could not be written, 7 since the start"));
   EXPECT_EQ(server_->counters().lost_audit_row_count, 7u);
   store_.LoseAuditRows(2);
