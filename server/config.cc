@@ -154,11 +154,14 @@ std::vector<Setting> DaemonSettings() {
           "listen", [](Config & c) -> auto& { return c.listen; },
           "HOST:PORT to serve gRPC on; port 0 takes a free one"),
       Text(
+          "http", [](Config & c) -> auto& { return c.http; },
+          "HOST:PORT to serve /metrics, /livez and /readyz on; empty serves none"),
+      Text(
           "data", [](Config & c) -> auto& { return c.data; },
           "directory of the prior store; made if it is missing"),
       Text(
           "port_file", [](Config & c) -> auto& { return c.port_file; },
-          "file that gets the gRPC port once it listens"),
+          "file that gets the gRPC port once it listens, and the HTTP port in its second line"),
       {"log_level", "trace, debug, info, warn, error or off", SetLogLevel,
        [](const Config& c) { return Quoted(c.log_level); }},
       Switch(
@@ -336,13 +339,14 @@ bool IsLoopback(const std::string& listen) {
          (is_number && ntohl(address.s_addr) >> 24 == 127);
 }
 
-absl::Status CheckListen(const std::string& listen) {
+// Checks a listener's address. `key` is its setting.
+absl::Status CheckListen(std::string_view key, const std::string& listen) {
   const size_t colon = listen.rfind(':');
   int port = -1;
   if (colon == std::string::npos || colon == 0 || !ParseNumber(listen.substr(colon + 1), port) ||
       port < 0 || port > 65535) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("listen: expected HOST:PORT with a port from 0 to 65535, not ", listen));
+    return absl::InvalidArgumentError(absl::StrCat(
+        std::string(key), ": expected HOST:PORT with a port from 0 to 65535, not ", listen));
   }
   return absl::OkStatus();
 }
@@ -428,9 +432,12 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 }
 
 absl::Status Validate(const Config& config) {
-  if (absl::Status status = CheckListen(config.listen); !status.ok()) return status;
-  if (absl::Status status = CheckTls(config.rpc.tls); !status.ok()) return status;
-  if (!config.insecure && config.rpc.tls.cert.empty() && !IsLoopback(config.listen)) {
+  const tls::Files& tls = config.rpc.tls;
+  absl::Status status = CheckListen("listen", config.listen);
+  if (status.ok() && !config.http.empty()) status = CheckListen("http", config.http);
+  if (status.ok()) status = CheckTls(tls);
+  if (!status.ok()) return status;
+  if (!config.insecure && tls.cert.empty() && !IsLoopback(config.listen)) {
     return absl::InvalidArgumentError(
         absl::StrCat("listen: ", config.listen,
                      " can be reached by others, and there is no TLS; name --tls-cert and "
@@ -439,6 +446,12 @@ absl::Status Validate(const Config& config) {
   if (config.database_bytes < 2 * config.rpc.audit.bytes) {
     return absl::InvalidArgumentError(
         "database_mb: the audit log is a part of it; allow at least twice audit_mb");
+  }
+  if (!config.insecure && !config.http.empty() && !IsLoopback(config.http)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("http: ", config.http,
+                     " can be reached by others, and HTTP is plain text; listen on 127.0.0.1, or "
+                     "say --insecure"));
   }
   if (config.data.empty()) return absl::InvalidArgumentError("data: name a directory");
   if (const auto problem = decision::Validate(config.rpc.decision)) {

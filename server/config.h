@@ -22,8 +22,9 @@ namespace sweepstake::server {
 
 struct Config {
   std::string listen = "127.0.0.1:7433";  // HOST:PORT; port 0 means any free port
+  std::string http;  // HOST:PORT of /metrics, /livez and /readyz; empty serves none of them
   std::filesystem::path data = "sweepstake-data";
-  std::filesystem::path port_file;       // the port is written to it once the daemon listens
+  std::filesystem::path port_file;       // the ports are written to it once the daemon listens
   std::string log_level = "info";        // trace, debug, info, warn, error or off
   bool insecure = false;                 // allows plain text on addresses other than loopback
   uint64_t database_bytes = 4ull << 30;  // priors.db does not grow beyond it

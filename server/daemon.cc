@@ -18,6 +18,8 @@
 #include "absl/strings/str_cat.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
+#include "server/web/health_page.h"
+#include "server/web/metrics_page.h"
 
 namespace sweepstake::server {
 namespace fs = std::filesystem;
@@ -111,7 +113,10 @@ absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc:
 }
 
 Daemon::Daemon(const Config& config, storage::DataDirectory directory)
-    : config_(config), log_(MakeLog(config.log_level)), directory_(std::move(directory)) {}
+    : config_(config),
+      log_(MakeLog(config.log_level)),
+      directory_(std::move(directory)),
+      metrics_(SWEEPSTAKE_VERSION) {}
 
 absl::Status Daemon::Open(rpc::Clock& clock) {
   if (directory_.open_to_others()) {
@@ -119,10 +124,12 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
                config_.data.string());
   }
   auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit,
-                                             config_.database_bytes);
+                                             config_.database_bytes,
+                                             [this](auto duration) { metrics_.OnSync(duration); });
   if (!store.ok()) return store.status();
   storage::StoreThreadOptions store_options;
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
+  store_options.on_commit = [this](auto duration) { metrics_.OnCommit(duration); };
   store_ = std::make_unique<storage::StoreThread>(*std::move(store), std::move(store_options));
   if (absl::Status status = RemovePortFile(); !status.ok()) return status;
   auto key = ReadResumeKey(directory_.resume_key());
@@ -130,9 +137,11 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   rpc::RpcOptions options = config_.rpc;
   options.resume_secret = *std::move(key);
   options.daemon_version = SWEEPSTAKE_VERSION;
+  options.on_timer = [this](auto lateness) { metrics_.OnTimer(lateness); };
   auto server = rpc::RpcServer::Start(config_.listen, std::move(options), clock, *store_, *log_);
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
+  if (absl::Status status = OpenHttp(); !status.ok()) return status;
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
   log_->info("serving on port {} ({}), priors in {}", rpc_->port(),
@@ -153,12 +162,48 @@ void Daemon::ReportStore(const absl::Status& status) const {
   }
 }
 
+absl::Status Daemon::OpenHttp() {
+  if (config_.http.empty()) return absl::OkStatus();
+  const std::vector<web::HealthCheck> live = {{"decision-loop", [this] { return LoopProblem(); }}};
+  const std::vector<web::HealthCheck> ready = {live.front(),
+                                               {"store", [this] { return StoreProblem(); }},
+                                               {"shutdown", [this] { return ShutdownProblem(); }}};
+  web::PageTable pages;
+  pages["/livez"] = [live](std::string_view query) { return HealthPage("livez", live, query); };
+  pages["/readyz"] = [ready](std::string_view query) { return HealthPage("readyz", ready, query); };
+  pages["/metrics"] = [this](std::string_view /*query*/) {
+    return web::MetricsPage(metrics_.Collect(rpc_->counters(), store_->healthy(),
+                                             directory_.database().string() + "-wal"));
+  };
+  auto server = web::HttpServer::Start(config_.http, std::move(pages));
+  if (!server.ok()) return server.status();
+  web_ = *std::move(server);
+  log_->info("serving /metrics, /livez and /readyz on port {}", web_->port());
+  return absl::OkStatus();
+}
+
+std::optional<std::string> Daemon::LoopProblem() const {
+  if (rpc_->responsive()) return std::nullopt;
+  return "the thread that decides does not answer";
+}
+
+std::optional<std::string> Daemon::StoreProblem() const {
+  if (store_->healthy()) return std::nullopt;
+  return "the prior store cannot write; decisions go on in memory";
+}
+
+std::optional<std::string> Daemon::ShutdownProblem() const {
+  if (!draining_) return std::nullopt;
+  return "the daemon is draining";
+}
+
 // The file appears whole, so that a process that waits for it never reads a part of it.
 absl::Status Daemon::WritePortFile() const {
   if (config_.port_file.empty()) return absl::OkStatus();
   const fs::path unfinished = config_.port_file.string() + ".new";
   std::ofstream file(unfinished);
   file << rpc_->port() << '\n';
+  if (web_ != nullptr) file << web_->port() << '\n';
   file.close();
   std::error_code error;
   if (!file) {
@@ -184,7 +229,7 @@ absl::Status Daemon::RemovePortFile() const {
 }
 
 void Daemon::Drain(std::chrono::milliseconds patience) {
-  if (std::exchange(drained_, true)) return;
+  if (draining_.exchange(true)) return;
   if (rpc_ != nullptr) {
     log_->info("draining: clients are told to come back later");
     rpc_->Drain(patience);
@@ -195,6 +240,7 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
 
 Daemon::~Daemon() {
   Drain(std::chrono::milliseconds(0));
+  web_.reset();
   // The store's last callbacks have run. The gRPC side must end before the store that it refers to.
   rpc_.reset();
 }

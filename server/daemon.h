@@ -1,23 +1,27 @@
-// The daemon: the prior store, the gRPC side and the log wired together. The program runs one;
-// tests start as many as they like in their own process.
+// The daemon: the prior store, the gRPC side, the HTTP side and the log wired together. The program
+// runs one; tests start as many as they like in their own process.
 //
 // Thread-safe, except that Drain and the destructor must be called by one thread. The clock must
 // outlive the daemon.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "absl/status/statusor.h"
 #include "server/config.h"
+#include "server/daemon_metrics.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/store_thread.h"
+#include "server/web/http_server.h"
 
 namespace spdlog {
 class logger;
@@ -33,6 +37,7 @@ class Daemon {
   ~Daemon();
 
   int port() const { return rpc_->port(); }
+  int http_port() const { return web_->port(); }  // REQUIRES: Config::http is not empty
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
   // Sets health to NOT_SERVING, tells clients to reconnect later, and waits for pending writes, all
@@ -44,6 +49,11 @@ class Daemon {
   absl::Status Open(rpc::Clock& clock);
   // Runs on the store's thread.
   void ReportStore(const absl::Status& status) const;
+  absl::Status OpenHttp();
+  // What the checks of /livez and /readyz say; nothing if all is well.
+  std::optional<std::string> LoopProblem() const;
+  std::optional<std::string> StoreProblem() const;
+  std::optional<std::string> ShutdownProblem() const;
   absl::Status WritePortFile() const;
   // Removes the file of an earlier daemon, which a waiting process must not read.
   absl::Status RemovePortFile() const;
@@ -51,9 +61,11 @@ class Daemon {
   const Config config_;
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
+  DaemonMetrics metrics_;
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<rpc::RpcServer> rpc_;
-  bool drained_ = false;
+  std::atomic<bool> draining_ = false;
+  std::unique_ptr<web::HttpServer> web_;  // its pages use the members above; null without --http
 };
 
 // Ends the process if its orderly end takes too long, so that a disk that never answers cannot keep

@@ -33,6 +33,7 @@ constexpr int kSecond = 1'000;
 constexpr int kMinute = 60 * kSecond;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
+constexpr int64_t kMaxSilenceNs = 10 * kHealthIntervalNs;
 constexpr std::chrono::milliseconds kCommitPollInterval{5};
 constexpr unsigned kCertificateIntervalS = 1;  // between two looks at the files of TLS
 
@@ -90,7 +91,7 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
       posteriors_(context_),
       priors_(context_),
       audit_(context_),
-      loop_(clock) {
+      loop_(clock, options_.on_timer) {
   watch_hub_.Add(watchers_);
 }
 
@@ -122,6 +123,7 @@ absl::Status RpcServer::Listen(const std::string& address) {
     return absl::UnavailableError(
         absl::StrCat("cannot listen on ", address, "; is the address right, and its port free?"));
   }
+  last_beat_ns_ = loop_.clock().NowNs();
   loop_.Post([this] { WatchStore(); });
   return absl::OkStatus();
 }
@@ -131,20 +133,29 @@ RpcServer::~RpcServer() {
   server_.reset();
 }
 
+bool RpcServer::responsive() const {
+  return context_.loop.clock().NowNs() - last_beat_ns_ < kMaxSilenceNs;
+}
+
 void RpcServer::WatchStore() {
-  if (draining_) return;
-  if (context_.store.healthy() != serving_) {
-    serving_ = !serving_;
-    server_->GetHealthCheckService()->SetServingStatus(serving_);
-    if (serving_) {
-      context_.log.info("the prior store writes again");
-    } else {
-      context_.log.error(
-          "the prior store cannot write: decisions go on in memory, nothing is acknowledged");
-    }
+  last_beat_ns_ = loop_.clock().NowNs();
+  if (!draining_) {
+    UpdateHealth();
+    ReportLostAuditRows();
   }
-  ReportLostAuditRows();
   loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
+}
+
+void RpcServer::UpdateHealth() {
+  if (context_.store.healthy() == serving_) return;
+  serving_ = !serving_;
+  server_->GetHealthCheckService()->SetServingStatus(serving_);
+  if (serving_) {
+    context_.log.info("the prior store writes again");
+  } else {
+    context_.log.error(
+        "the prior store cannot write: decisions go on in memory, nothing is acknowledged");
+  }
 }
 
 void RpcServer::ReportLostAuditRows() {

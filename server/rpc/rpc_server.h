@@ -9,7 +9,9 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -41,6 +43,8 @@ class RpcServer {
 
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
+  // Returns whether the decision loop has run within ten seconds. Any thread may ask.
+  bool responsive() const;
 
   // Refuses new streams, tells clients to reconnect later, waits for pending writes, and ends.
   // Calls that are not done within `patience` are cancelled. Idempotent.
@@ -49,8 +53,10 @@ class RpcServer {
  private:
   RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
   absl::Status Listen(const std::string& address);
-  // Runs on the loop once per second and updates health: a store that cannot write is not healthy.
+  // Runs on the loop once per second, which shows that the loop runs.
   void WatchStore();
+  // A store that cannot write is not healthy.
+  void UpdateHealth();
   void ReportLostAuditRows();
   // Runs `task` on the loop and waits for it. Must not be called on the loop.
   void RunOnLoop(const std::function<void()>& task);
@@ -68,12 +74,13 @@ class RpcServer {
   PosteriorsService posteriors_;
   PriorsService priors_;
   AuditService audit_;
-  bool serving_ = true;              // the state of health; used on the loop
-  bool draining_ = false;            // used on the loop
-  uint64_t lost_by_store_ = 0;       // audit rows that are counted; used on the loop
-  uint64_t reported_lost_rows_ = 0;  // used on the loop
-  int64_t next_loss_report_ns_ = 0;  // used on the loop
-  bool drained_ = false;             // used by Drain's caller
+  std::atomic<int64_t> last_beat_ns_{0};  // when the loop last looked at the store
+  bool serving_ = true;                   // the state of health; used on the loop
+  bool draining_ = false;                 // used on the loop
+  uint64_t lost_by_store_ = 0;            // audit rows that are counted; used on the loop
+  uint64_t reported_lost_rows_ = 0;       // used on the loop
+  int64_t next_loss_report_ns_ = 0;       // used on the loop
+  bool drained_ = false;                  // used by Drain's caller
   // The loop is declared after everything that its tasks use, since its destructor runs the last
   // ones.
   DecisionLoop loop_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "server/storage/private_file.h"
@@ -51,6 +52,25 @@ void SqliteStatement::Bind(int index, std::string_view text) {
 absl::Status SqliteStatement::Error(int code) const {
   return ToStatus(code, sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
 }
+
+// The functions of an open file, with a clock around the one that syncs.
+struct SqliteDatabase::TimedFile {
+  sqlite3_io_methods methods{};  // first, so that Sync finds the rest
+  const sqlite3_io_methods* untimed = nullptr;
+  OnSync on_sync;
+
+  static int Sync(sqlite3_file* file, int flags) {
+    const auto* timed = reinterpret_cast<const TimedFile*>(file->pMethods);
+    const auto start = std::chrono::steady_clock::now();
+    const int code = timed->untimed->xSync(file, flags);
+    timed->on_sync(std::chrono::steady_clock::now() - start);
+    return code;
+  }
+};
+
+SqliteDatabase::SqliteDatabase(sqlite3* database) : database_(database) {}
+SqliteDatabase::~SqliteDatabase() = default;
+SqliteDatabase::SqliteDatabase(SqliteDatabase&&) noexcept = default;
 
 absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::string& path, OpenMode mode) {
   int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE;
@@ -124,6 +144,20 @@ absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {
 absl::Status SqliteDatabase::EnableDefensive() {
   const int code = sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   return code == SQLITE_OK ? absl::OkStatus() : Error(code);
+}
+
+absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
+  sqlite3_file* log = nullptr;
+  const int code =
+      sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
+  if (code != SQLITE_OK) return Error(code);
+  timed_log_ = std::make_unique<TimedFile>();
+  timed_log_->methods = *log->pMethods;
+  timed_log_->methods.xSync = &TimedFile::Sync;
+  timed_log_->untimed = log->pMethods;
+  timed_log_->on_sync = std::move(on_sync);
+  log->pMethods = &timed_log_->methods;
+  return absl::OkStatus();
 }
 
 SqliteTransaction::~SqliteTransaction() {

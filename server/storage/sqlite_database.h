@@ -8,7 +8,9 @@
 
 #include <sqlite3.h>
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -82,9 +84,16 @@ class SqliteStatement {
   std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
 };
 
+// Told how long an fsync took.
+using OnSync = std::function<void(std::chrono::nanoseconds)>;
+
 class SqliteDatabase {
  public:
   enum class OpenMode { kExisting, kCreate, kReadOnly };
+
+  ~SqliteDatabase();
+  SqliteDatabase(SqliteDatabase&&) noexcept;
+  SqliteDatabase& operator=(SqliteDatabase&&) = delete;
 
   // If the file exists, it is not read before the first statement.
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
@@ -105,14 +114,19 @@ class SqliteDatabase {
   absl::Status LimitSize(uint64_t max_bytes);
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
+  // Tells `on_sync` the duration of each fsync of the write-ahead log from now on. REQUIRES: the
+  // database is in WAL mode and was read before.
+  absl::Status TimeSyncs(OnSync on_sync);
 
  private:
+  struct TimedFile;
   struct Closer {
     void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
   };
-  explicit SqliteDatabase(sqlite3* database) : database_(database) {}
+  explicit SqliteDatabase(sqlite3* database);
   absl::Status Error(int code) const;
 
+  std::unique_ptr<TimedFile> timed_log_;  // used by the connection, which ends before it
   std::unique_ptr<sqlite3, Closer> database_;
 };
 

@@ -400,12 +400,15 @@ absl::Status SqlitePriorStore::RemoveEvidence(const std::string& source_id, KeyI
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
-    const std::filesystem::path& path, const priors::AuditLimits& audit_limits,
-    uint64_t max_bytes) {
+    const std::filesystem::path& path, const priors::AuditLimits& audit_limits, uint64_t max_bytes,
+    OnSync on_sync) {
   auto database = OpenPriorDatabase(path);
   if (!database.ok()) return database.status();
   if (max_bytes > 0) {
     if (absl::Status status = database->LimitSize(max_bytes); !status.ok()) return status;
+  }
+  if (on_sync) {
+    if (absl::Status status = database->TimeSyncs(std::move(on_sync)); !status.ok()) return status;
   }
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
   if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;

@@ -6,8 +6,10 @@
 // Import and Revoke add the sums of the keys they change anew, from one row per source.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "server/priors/prior_store.h"
@@ -15,9 +17,10 @@
 namespace sweepstake::storage {
 
 // Opens the store, whose file does not grow beyond `max_bytes` (0: any size): then commits that
-// need more are UNAVAILABLE. The errors are those of OpenPriorDatabase.
+// need more are UNAVAILABLE. `on_sync`, if there is one, is told on the using thread how long each
+// fsync of the write-ahead log took. The errors are those of OpenPriorDatabase.
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
-    uint64_t max_bytes = 0);
+    uint64_t max_bytes = 0, std::function<void(std::chrono::nanoseconds)> on_sync = {});
 
 }  // namespace sweepstake::storage

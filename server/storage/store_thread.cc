@@ -12,7 +12,7 @@ size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.incremen
 }  // namespace
 
 StoreThread::StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options)
-    : store_(std::move(store)), options_(options), thread_([this] { Loop(); }) {}
+    : store_(std::move(store)), options_(std::move(options)), thread_([this] { Loop(); }) {}
 
 StoreThread::~StoreThread() { Close(); }
 
@@ -100,13 +100,20 @@ void StoreThread::CommitGroup(std::vector<PendingCommit> group, bool closing) {
   std::vector<priors::SourceUpdate> updates;
   updates.reserve(group.size());
   for (const PendingCommit& commit : group) updates.push_back(commit.update);
-  const absl::Status status = store_->Commit(updates);
+  const absl::Status status = CommitNow(updates);
   if (absl::IsInvalidArgument(status) && group.size() > 1) return CommitOneByOne(group);
   for (PendingCommit& commit : group) Finish(commit, status);
 }
 
 void StoreThread::CommitOneByOne(std::vector<PendingCommit>& group) {
-  for (PendingCommit& commit : group) Finish(commit, store_->Commit({&commit.update, 1}));
+  for (PendingCommit& commit : group) Finish(commit, CommitNow({&commit.update, 1}));
+}
+
+absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> updates) {
+  const TimePoint start = std::chrono::steady_clock::now();
+  absl::Status status = store_->Commit(updates);
+  if (options_.on_commit) options_.on_commit(std::chrono::steady_clock::now() - start);
+  return status;
 }
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {

@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <variant>
 #include <vector>
@@ -31,6 +32,8 @@ struct StoreThreadOptions {
   // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
   // succeed again.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
+  // Told on the store's thread how long each commit of the store took. May be empty.
+  std::function<void(std::chrono::nanoseconds)> on_commit = {};
 };
 
 class StoreThread final : public priors::AsyncPriorStore {
@@ -66,6 +69,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   std::vector<PendingCommit> TakeGroup();
   void CommitGroup(std::vector<PendingCommit> group, bool closing);
   void CommitOneByOne(std::vector<PendingCommit>& group);
+  absl::Status CommitNow(std::span<const priors::SourceUpdate> updates);
   void Finish(PendingCommit& commit, const absl::Status& status);
 
   const std::unique_ptr<priors::PriorStore> store_;

@@ -9,6 +9,7 @@
 namespace sweepstake::server {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class ConfigTest : public ::testing::Test {
@@ -107,6 +108,7 @@ TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {
   EXPECT_THAT(Error("log_level = 'loud'\n"), HasSubstr("trace, debug, info"));
   EXPECT_THAT(Error("listen = 'here'\n"), HasSubstr("expected HOST:PORT"));
   EXPECT_THAT(Error("listen = '127.0.0.1:70000'\n"), HasSubstr("expected HOST:PORT"));
+  EXPECT_THAT(Error("http = '7434'\n"), HasSubstr("http: expected HOST:PORT"));
   EXPECT_THAT(Error("listen = [1]\n"), HasSubstr("expected a text"));
   EXPECT_THAT(Error("max_sessions = 99999999999999999999\n"), HasSubstr(":1:"));
 }
@@ -124,6 +126,9 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
   EXPECT_THAT(Error("listen = '127.0.0.1.example.com:7433'\n"), HasSubstr("--insecure"));
   EXPECT_TRUE(FromFile("listen = '0.0.0.0:7433'\ninsecure = true\n").ok());
   EXPECT_TRUE(FromFile("listen = '[::1]:7433'\n").ok());
+  EXPECT_THAT(Error("http = '0.0.0.0:7434'\n"),
+              AllOf(HasSubstr("http: "), HasSubstr("--insecure")));
+  EXPECT_TRUE(FromFile("http = '0.0.0.0:7434'\ninsecure = true\n").ok());
 }
 
 TEST_F(ConfigTest, WithTlsOthersMayReachIt) {

@@ -45,12 +45,9 @@ pid_t Spawn(std::vector<std::string> arguments, const std::filesystem::path& log
 }
 
 // The port file appears, whole, once the daemon listens.
-std::string WaitForPort(pid_t pid, const std::filesystem::path& port_file,
-                        const std::filesystem::path& log) {
-  for (;;) {
-    std::string port;
-    std::ifstream file(port_file);
-    if (std::getline(file, port) && !port.empty()) return port;
+void WaitForPortFile(pid_t pid, const std::filesystem::path& port_file,
+                     const std::filesystem::path& log) {
+  while (!std::filesystem::exists(port_file)) {
     int status = 0;
     if (waitpid(pid, &status, WNOHANG) == pid) Die("The daemon ended at once:\n" + ReadFile(log));
     usleep(5'000);
@@ -69,7 +66,12 @@ DaemonProcess::DaemonProcess(const std::filesystem::path& data, const std::strin
                                         port_file.string(), "--max-time-scale", "1000"};
   arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
   pid_ = Spawn(std::move(arguments), log_);
-  address_ = "127.0.0.1:" + WaitForPort(pid_, port_file, log_);
+  WaitForPortFile(pid_, port_file, log_);
+  std::ifstream ports(port_file);
+  std::string port;
+  ports >> port;
+  address_ = "127.0.0.1:" + port;
+  if (int http_port = -1; ports >> http_port) http_port_ = http_port;
 }
 
 DaemonProcess::~DaemonProcess() {

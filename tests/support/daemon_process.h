@@ -22,6 +22,8 @@ class DaemonProcess {
   DaemonProcess& operator=(const DaemonProcess&) = delete;
 
   const std::string& address() const { return address_; }
+  // The port of --http, or -1 if the daemon was started without.
+  int http_port() const { return http_port_; }
   pid_t pid() const { return pid_; }
   // Stops running without ending: connections stay open, nothing is read or answered any more.
   void Pause();
@@ -34,6 +36,7 @@ class DaemonProcess {
   std::filesystem::path log_;
   pid_t pid_ = -1;
   std::string address_;
+  int http_port_ = -1;
 };
 
 }  // namespace sweepstake::test_support

@@ -31,7 +31,8 @@ void SteadyClock::Wake() {
   woken_.notify_one();
 }
 
-DecisionLoop::DecisionLoop(Clock& clock) : clock_(clock), thread_([this] { Run(); }) {}
+DecisionLoop::DecisionLoop(Clock& clock, OnTimer on_timer)
+    : clock_(clock), on_timer_(std::move(on_timer)), thread_([this] { Run(); }) {}
 
 DecisionLoop::~DecisionLoop() {
   {
@@ -60,24 +61,34 @@ void DecisionLoop::PostAt(int64_t due_ns, Task task) {
   if (std::this_thread::get_id() != thread_.get_id()) clock_.Wake();
 }
 
-bool DecisionLoop::Collect(std::vector<Task>& ready, int64_t& next_due_ns) {
+bool DecisionLoop::Collect(std::vector<Task>& ready, Timers& due, int64_t& next_due_ns) {
   const int64_t now_ns = clock_.NowNs();
   const std::lock_guard lock(mutex_);
   ready.swap(posted_);
   while (!timers_.empty() && timers_.begin()->first <= now_ns) {
-    ready.push_back(std::move(timers_.extract(timers_.begin()).mapped()));
+    due.insert(due.end(), timers_.extract(timers_.begin()));
   }
   next_due_ns = timers_.empty() ? Clock::kNever : timers_.begin()->first;
-  return !ready.empty() || !closing_;
+  return !ready.empty() || !due.empty() || !closing_;
+}
+
+void DecisionLoop::RunTimers(Timers& due) {
+  for (auto& [due_ns, task] : due) {
+    if (on_timer_) on_timer_(std::chrono::nanoseconds(clock_.NowNs() - due_ns));
+    task();
+  }
+  due.clear();
 }
 
 void DecisionLoop::Run() {
   std::vector<Task> ready;
+  Timers due;
   int64_t next_due_ns = Clock::kNever;
-  while (Collect(ready, next_due_ns)) {
-    if (ready.empty()) clock_.WaitUntil(next_due_ns);
+  while (Collect(ready, due, next_due_ns)) {
+    if (ready.empty() && due.empty()) clock_.WaitUntil(next_due_ns);
     for (Task& task : ready) task();
     ready.clear();
+    RunTimers(due);
   }
 }
 

@@ -1,6 +1,7 @@
 // The decision loop, on whose thread all sessions live, and its clock.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -51,8 +52,10 @@ class SteadyClock final : public Clock {
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
+  using OnTimer = std::function<void(std::chrono::nanoseconds lateness)>;
 
-  explicit DecisionLoop(Clock& clock);
+  // `on_timer`, if there is one, is told on the loop's thread how late each task of PostAt runs.
+  explicit DecisionLoop(Clock& clock, OnTimer on_timer = {});
   ~DecisionLoop();
   DecisionLoop(const DecisionLoop&) = delete;
   DecisionLoop& operator=(const DecisionLoop&) = delete;
@@ -64,16 +67,21 @@ class DecisionLoop {
   Clock& clock() { return clock_; }
 
  private:
+  using Timers = std::multimap<int64_t, Task>;
+
   void Run();
-  // Moves the tasks that are due into `ready`. Returns false if the loop closes and none is left.
-  bool Collect(std::vector<Task>& ready, int64_t& next_due_ns);
+  // Moves what is posted into `ready`, and the timers that are due into `due`. Returns false if the
+  // loop closes and nothing is left.
+  bool Collect(std::vector<Task>& ready, Timers& due, int64_t& next_due_ns);
+  void RunTimers(Timers& due);
 
   Clock& clock_;
+  const OnTimer on_timer_;
   std::mutex mutex_;
-  std::vector<Task> posted_;             // guarded by mutex_
-  std::multimap<int64_t, Task> timers_;  // guarded by mutex_
-  bool closing_ = false;                 // guarded by mutex_
-  std::thread thread_;                   // last: it uses the members above
+  std::vector<Task> posted_;  // guarded by mutex_
+  Timers timers_;             // guarded by mutex_
+  bool closing_ = false;      // guarded by mutex_
+  std::thread thread_;        // last: it uses the members above
 };
 
 }  // namespace sweepstake::rpc

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "server/decision/options.h"
@@ -81,12 +83,15 @@ struct RpcOptions {
   // What it serves TLS with. It serves plain text without a certificate, and asks clients for one
   // where there is a `ca`. The files are read again every second.
   tls::Files tls;
+  // Told how late each timer of the decision loop ran, on the loop's thread. May be empty.
+  std::function<void(std::chrono::nanoseconds)> on_timer;
 };
 
 // Counts of events since the daemon's start, and of what is open now. The services' threads write
 // them and any thread may read them. Each counter is exact, but several are not read at one moment.
 struct Counters {
   std::atomic<uint64_t> open_stream_count{0};       // streams that are open now
+  std::atomic<uint64_t> open_watcher_count{0};      // watchers that are connected now
   std::atomic<uint64_t> connected_stream_count{0};  // streams that got a welcome
   std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
   // Sessions that began without evidence that the store could not read.

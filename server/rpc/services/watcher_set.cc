@@ -15,7 +15,13 @@ absl::Status WatcherSet::Add(PosteriorWatcher& watcher) {
         "this daemon has as many watchers as it may; try again later");
   }
   watchers_.insert(&watcher);
+  context_.counters.open_watcher_count = watchers_.size();
   return absl::OkStatus();
+}
+
+void WatcherSet::Remove(PosteriorWatcher& watcher) {
+  watchers_.erase(&watcher);
+  context_.counters.open_watcher_count = watchers_.size();
 }
 
 bool WatcherSet::Watches(const priors::SceneKey& scene) const {

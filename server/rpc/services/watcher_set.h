@@ -23,7 +23,7 @@ class WatcherSet final : public watch::WatchListener {
   // Errors: RESOURCE_EXHAUSTED (there are RpcOptions::max_watchers already), UNAVAILABLE
   // (draining).
   absl::Status Add(PosteriorWatcher& watcher);
-  void Remove(PosteriorWatcher& watcher) { watchers_.erase(&watcher); }
+  void Remove(PosteriorWatcher& watcher);
 
   bool Watches(const priors::SceneKey& scene) const override;
   void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override;

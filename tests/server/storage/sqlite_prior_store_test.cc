@@ -45,6 +45,16 @@ TEST_F(SqlitePriorStoreTest, EvidenceIsThereAfterReopening) {
   EXPECT_EQ(store->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 1u);
 }
 
+TEST_F(SqlitePriorStoreTest, ACommitIsOneFsyncWhichIsTimed) {
+  std::vector<std::chrono::nanoseconds> durations;
+  auto store = *OpenSqlitePriorStore(path_, {}, 0, [&](auto taken) { durations.push_back(taken); });
+  ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  durations.clear();  // A new log also has its head synced.
+  ASSERT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
+  ASSERT_EQ(durations.size(), 1u);
+  EXPECT_GT(durations[0].count(), 0);
+}
+
 TEST_F(SqlitePriorStoreTest, ANewFileIsMarkedAsOurs) {
   ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
   EXPECT_EQ(QueryInteger("PRAGMA application_id"), kSqliteApplicationId);

@@ -110,6 +110,17 @@ TEST_F(StoreThreadTest, UpdatesThatComeTogetherShareACommit) {
   EXPECT_THAT(group_sizes_, ::testing::ElementsAre(2));
 }
 
+TEST_F(StoreThreadTest, EachCommitOfTheStoreIsTimed) {
+  std::vector<std::chrono::nanoseconds> durations;
+  Start({.group_interval = milliseconds(0),
+         .on_commit = [&](auto taken) { durations.push_back(taken); }});
+  EXPECT_TRUE(Commit(Update("a", 1, {Key("Grid")})).get().ok());
+  EXPECT_TRUE(Commit(Update("a", 2, {Key("Grid")})).get().ok());
+  thread_->Close();
+  ASSERT_EQ(durations.size(), 2u);
+  EXPECT_GT(durations[0].count(), 0);
+}
+
 TEST_F(StoreThreadTest, AFullGroupDoesNotWaitForItsInterval) {
   Start({.group_interval = std::chrono::hours(1), .group_rows = 2});
   EXPECT_TRUE(Commit(Update("a", 1, {Key("Grid")})).get().ok());

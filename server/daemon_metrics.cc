@@ -1,0 +1,128 @@
+#include "server/daemon_metrics.h"
+
+#include <prometheus/gauge.h>
+
+#include <atomic>
+#include <cstdint>
+#include <system_error>
+#include <utility>
+
+#include "server/web/metrics_page.h"
+#include "server/web/process_metrics.h"
+
+namespace sweepstake::server {
+namespace {
+
+using rpc::Counters;
+using web::CounterOf;
+using web::GaugeOf;
+
+// In seconds. An fsync takes from some 20 us on a fast disk to seconds on one that is overloaded.
+prometheus::Histogram::BucketBoundaries DurationBuckets() {
+  return {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025,
+          0.05,   0.1,     0.25,   0.5,   1,      2.5,   5,    10};
+}
+
+prometheus::Histogram& AddHistogram(prometheus::Registry& registry, const char* name,
+                                    const char* help) {
+  return prometheus::BuildHistogram().Name(name).Help(help).Register(registry).Add(
+      {}, DurationBuckets());
+}
+
+struct CounterRow {
+  std::atomic<uint64_t> Counters::*value;
+  const char* name;
+  const char* help;
+};
+
+constexpr CounterRow kGauges[] = {
+    {&Counters::open_stream_count, "sweepstake_open_streams", "Streams of games that are open."},
+    {&Counters::open_watcher_count, "sweepstake_open_watchers", "Watchers that are connected."},
+    {&Counters::waiting_audit_bytes, "sweepstake_waiting_audit_bytes",
+     "Bytes of the audit log that wait for the disk."},
+};
+
+constexpr CounterRow kCounters[] = {
+    {&Counters::connected_stream_count, "sweepstake_welcomed_streams_total",
+     "Streams that got a welcome."},
+    {&Counters::resumed_count, "sweepstake_resumed_sessions_total",
+     "Welcomes that resumed a session."},
+    {&Counters::degraded_start_count, "sweepstake_degraded_starts_total",
+     "Sessions that began without evidence that the store could not read."},
+    {&Counters::goodbye_count, "sweepstake_ended_sessions_total", "Sessions that a client ended."},
+    {&Counters::malformed_message_count, "sweepstake_malformed_messages_total",
+     "Messages that could not be parsed."},
+    {&Counters::invalid_message_count, "sweepstake_invalid_messages_total",
+     "Messages that broke a rule of the contract."},
+    {&Counters::replayed_message_count, "sweepstake_replayed_messages_total",
+     "Messages that had been applied before."},
+    {&Counters::applied_message_count, "sweepstake_applied_messages_total",
+     "Messages that were applied."},
+    {&Counters::accepted_frame_count, "sweepstake_accepted_frames_total",
+     "Frames that were learnt from or waited to be."},
+    {&Counters::rejected_frame_count, "sweepstake_rejected_frames_total",
+     "Frames with values that cannot be."},
+    {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
+     "Shadow visits that were learnt from or waited to be."},
+    {&Counters::rejected_shadow_count, "sweepstake_rejected_shadow_samples_total",
+     "Shadow visits with values that cannot be."},
+    {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",
+     "Bail-outs that were answered but are no evidence, because a game cannot have so many."},
+    {&Counters::dropped_frame_count, "sweepstake_dropped_frames_total",
+     "Frames that the clients' queues dropped."},
+    {&Counters::decision_count, "sweepstake_decisions_total", "Decisions that were taken."},
+    {&Counters::switch_command_count, "sweepstake_switch_commands_total",
+     "Switch commands that were given."},
+    {&Counters::refused_switch_count, "sweepstake_refused_switches_total",
+     "Switch commands that a client did not execute."},
+    {&Counters::stored_commit_count, "sweepstake_stored_commits_total",
+     "Commits of sessions that are on disk."},
+    {&Counters::failed_commit_count, "sweepstake_failed_commits_total",
+     "Commits of sessions that failed and are tried again."},
+    {&Counters::lost_audit_row_count, "sweepstake_lost_audit_rows_total",
+     "Rows that are missing in the audit log because the disk was too slow or failed."},
+};
+
+// Returns 0 if there is no such file: a store that is closed in order has no log.
+double FileBytes(const std::filesystem::path& path) {
+  std::error_code missing;
+  const uintmax_t bytes = std::filesystem::file_size(path, missing);
+  return missing ? 0 : static_cast<double>(bytes);
+}
+
+}  // namespace
+
+DaemonMetrics::DaemonMetrics(const std::string& version)
+    : commits_(AddHistogram(registry_, "sweepstake_store_commit_duration_seconds",
+                            "How long the store took to commit a group of updates.")),
+      syncs_(AddHistogram(registry_, "sweepstake_store_fsync_duration_seconds",
+                          "How long the fsyncs of the store's write-ahead log took.")),
+      timer_lateness_(AddHistogram(registry_, "sweepstake_decision_loop_lateness_seconds",
+                                   "How late the decision loop ran its timers, the ticks of the "
+                                   "sessions among them.")) {
+  prometheus::BuildGauge()
+      .Name("sweepstake_build_info")
+      .Help("1, with the version of the daemon.")
+      .Register(registry_)
+      .Add({{"version", version}})
+      .Set(1);
+}
+
+std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
+    const rpc::Counters& counters, bool store_healthy,
+    const std::filesystem::path& write_ahead_log) const {
+  std::vector<prometheus::MetricFamily> families = registry_.Collect();
+  for (const auto& [value, name, help] : kGauges)
+    families.push_back(GaugeOf(name, help, static_cast<double>(counters.*value)));
+  for (const auto& [value, name, help] : kCounters)
+    families.push_back(CounterOf(name, help, static_cast<double>(counters.*value)));
+  families.push_back(GaugeOf("sweepstake_store_healthy",
+                             "1 while the store can write, 0 after a commit failed.",
+                             store_healthy ? 1 : 0));
+  families.push_back(GaugeOf("sweepstake_store_wal_size_bytes",
+                             "Size of the store's write-ahead log.", FileBytes(write_ahead_log)));
+  for (auto& family : web::ProcessFamilies()) families.push_back(std::move(family));
+  return families;
+}
+
+}  // namespace sweepstake::server

@@ -1,0 +1,19 @@
+// The page /metrics in Prometheus' text format 0.0.4, and the families of one value that it is made
+// from.
+#pragma once
+
+#include <prometheus/metric_family.h>
+
+#include <string>
+#include <vector>
+
+#include "server/web/http_server.h"
+
+namespace sweepstake::web {
+
+prometheus::MetricFamily CounterOf(std::string name, std::string help, double value);
+prometheus::MetricFamily GaugeOf(std::string name, std::string help, double value);
+
+Page MetricsPage(const std::vector<prometheus::MetricFamily>& families);
+
+}  // namespace sweepstake::web

@@ -1,0 +1,87 @@
+#include "server/web/process_metrics.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+#include "server/web/metrics_page.h"
+
+namespace sweepstake::web {
+namespace {
+
+// The fields of /proc/self/stat that are needed, in the order of proc(5).
+struct ProcessStat {
+  double user_ticks = 0;
+  double system_ticks = 0;
+  double start_ticks = 0;  // since the machine's start
+  double resident_pages = 0;
+};
+
+ProcessStat ReadStat() {
+  std::ifstream file("/proc/self/stat");
+  const std::string line{std::istreambuf_iterator<char>(file), {}};
+  // The second field, the name, may have blanks and parentheses; the third follows the last one.
+  std::istringstream fields(line.substr(line.rfind(')') + 1));
+  ProcessStat stat;
+  std::string skipped;
+  for (int field = 3; field <= 24 && fields; ++field) {
+    double* wanted = field == 14   ? &stat.user_ticks
+                     : field == 15 ? &stat.system_ticks
+                     : field == 22 ? &stat.start_ticks
+                     : field == 24 ? &stat.resident_pages
+                                   : nullptr;
+    wanted != nullptr ? fields >> *wanted : fields >> skipped;
+  }
+  return stat;
+}
+
+// Returns when the machine started, in seconds since 1970.
+double BootTime() {
+  std::ifstream file("/proc/stat");
+  for (std::string name; file >> name;) {
+    double seconds = 0;
+    if (name == "btime" && file >> seconds) return seconds;
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0;
+}
+
+double OpenDescriptorCount() {
+  std::error_code unreadable;
+  const std::filesystem::directory_iterator open("/proc/self/fd", unreadable);
+  // One of them is that of the listing.
+  return static_cast<double>(std::distance(begin(open), end(open))) - 1;
+}
+
+double MaxDescriptorCount() {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  return static_cast<double>(limit.rlim_cur);
+}
+
+}  // namespace
+
+std::vector<prometheus::MetricFamily> ProcessFamilies() {
+  const ProcessStat stat = ReadStat();
+  const auto ticks_per_s = static_cast<double>(sysconf(_SC_CLK_TCK));
+  const auto page_bytes = static_cast<double>(sysconf(_SC_PAGESIZE));
+  return {
+      CounterOf("process_cpu_seconds_total", "Total user and system CPU time spent in seconds.",
+                (stat.user_ticks + stat.system_ticks) / ticks_per_s),
+      GaugeOf("process_start_time_seconds", "Start time of the process since the Unix epoch.",
+              BootTime() + stat.start_ticks / ticks_per_s),
+      GaugeOf("process_resident_memory_bytes", "Resident memory size in bytes.",
+              stat.resident_pages * page_bytes),
+      GaugeOf("process_open_fds", "Number of open file descriptors.", OpenDescriptorCount()),
+      GaugeOf("process_max_fds", "Maximum number of open file descriptors.", MaxDescriptorCount()),
+  };
+}
+
+}  // namespace sweepstake::web

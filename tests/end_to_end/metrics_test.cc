@@ -1,0 +1,199 @@
+// What an operator sees of a running daemon over HTTP, and what Prometheus makes of it.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sqlite3.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/end_to_end/scripted_game.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/http_exchange.h"
+#include "tests/support/temporary_directory.h"
+
+extern char** environ;
+
+namespace sweepstake::test_support {
+namespace {
+
+using ::testing::Gt;
+using ::testing::HasSubstr;
+using ::testing::Lt;
+
+DaemonProcess StartWithHttp(const TemporaryDirectory& data) {
+  return DaemonProcess(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
+}
+
+// The value of a series in Prometheus' text, or -1.
+double ValueOf(const std::string& text, const std::string& series) {
+  const size_t line = ("\n" + text).find("\n" + series + " ");
+  return line == std::string::npos ? -1 : std::stod(text.substr(line + series.size() + 1));
+}
+
+double Metric(const DaemonProcess& daemon, const std::string& series) {
+  return ValueOf(Get(daemon.http_port(), "/metrics").body, series);
+}
+
+template <typename Condition>
+bool Eventually(Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+TEST(MetricsTest, TheyMoveWhenAGameStreams) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon = StartWithHttp(data);
+  const std::string before = Get(daemon.http_port(), "/metrics").body;
+  EXPECT_EQ(ValueOf(before, "sweepstake_decisions_total"), 0);
+  EXPECT_EQ(ValueOf(before, "sweepstake_open_streams"), 0);
+
+  ScriptedGame game(daemon.address(), FastOptions());
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) {
+    return stats.acknowledged_sequence >= 40;
+  })) << game.stats().last_error;
+  const std::string text = Get(daemon.http_port(), "/metrics").body;
+  EXPECT_EQ(ValueOf(text, "sweepstake_open_streams"), 1);
+  EXPECT_EQ(ValueOf(text, "sweepstake_welcomed_streams_total"), 1);
+  for (const std::string series :
+       {"sweepstake_decisions_total", "sweepstake_applied_messages_total",
+        "sweepstake_accepted_frames_total", "sweepstake_stored_commits_total",
+        "sweepstake_store_commit_duration_seconds_count",
+        "sweepstake_store_fsync_duration_seconds_count", "sweepstake_store_wal_size_bytes",
+        "sweepstake_decision_loop_lateness_seconds_count", "process_cpu_seconds_total"}) {
+    EXPECT_THAT(ValueOf(text, series), Gt(std::max(0.0, ValueOf(before, series)))) << series;
+  }
+  EXPECT_THAT(std::count(text.begin(), text.end(), '\n'), Lt(5'000));
+
+  game.Stop();
+  EXPECT_TRUE(Eventually([&] { return Metric(daemon, "sweepstake_open_streams") == 0; }));
+  EXPECT_EQ(Metric(daemon, "sweepstake_ended_sessions_total"), 1);
+  EXPECT_EQ(daemon.Terminate(), 0);
+}
+
+TEST(MetricsTest, AStoreThatCannotWriteIsNotReadyUntilItCan) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon = StartWithHttp(data);
+  ScriptedGame game(daemon.address(), FastOptions());
+  EXPECT_EQ(Get(daemon.http_port(), "/readyz").status, 200);
+
+  sqlite3* other = nullptr;
+  ASSERT_EQ(sqlite3_open((data.path() / "priors.db").c_str(), &other), SQLITE_OK);
+  sqlite3_busy_timeout(other, 60'000);
+  ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
+  HttpAnswer ready;
+  EXPECT_TRUE(Eventually([&] {
+    game.RunFrames(100);
+    return (ready = Get(daemon.http_port(), "/readyz")).status == 503;
+  }));
+  EXPECT_THAT(ready.body, HasSubstr("[-]store failed"));
+  EXPECT_EQ(Metric(daemon, "sweepstake_store_healthy"), 0);
+  EXPECT_EQ(Get(daemon.http_port(), "/livez").status, 200) << "a restart would not help";
+
+  sqlite3_close(other);
+  EXPECT_TRUE(Eventually([&] {
+    game.RunFrames(100);
+    return Get(daemon.http_port(), "/readyz").status == 200;
+  }));
+}
+
+int RunShell(const std::string& command) {
+  const int status = std::system(command.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+TEST(MetricsTest, PromtoolFindsNothingToSay) {
+  const TemporaryDirectory data;
+  const DaemonProcess daemon = StartWithHttp(data);
+  const std::string page = data.path() / "metrics";
+  const std::string said = data.path() / "said";
+  std::ofstream(page) << Get(daemon.http_port(), "/metrics").body;
+  EXPECT_EQ(RunShell("promtool check metrics <'" + page + "' >'" + said + "' 2>&1"), 0);
+  EXPECT_EQ(ReadFile(said), "");
+}
+
+// A real Prometheus, which ends with the object.
+class Prometheus {
+ public:
+  Prometheus(const std::filesystem::path& folder, int target_port) : folder_(folder) {
+    const std::filesystem::path config = folder / "prometheus.yml";
+    std::ofstream(config) << "scrape_configs:\n- job_name: sweepstake\n  scrape_interval: 1s\n"
+                          << "  static_configs: [{targets: ['127.0.0.1:" << target_port << "']}]\n";
+    std::vector<std::string> arguments = {"prometheus", "--config.file=" + config.string(),
+                                          "--storage.tsdb.path=" + database(),
+                                          "--web.listen-address=127.0.0.1:0"};
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (folder / "said").c_str(),
+                                     O_WRONLY | O_CREAT, 0600);
+    if (posix_spawnp(&pid_, argv[0], &actions, nullptr, argv.data(), environ) != 0) pid_ = -1;
+    posix_spawn_file_actions_destroy(&actions);
+  }
+  ~Prometheus() {
+    if (pid_ < 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  Prometheus(const Prometheus&) = delete;
+  Prometheus& operator=(const Prometheus&) = delete;
+
+  bool started() const { return pid_ > 0; }
+  std::string log() const { return ReadFile(folder_ / "said"); }
+  // Every sample of a series that it has stored, as text.
+  std::string Samples(const std::string& series) const {
+    const std::string samples = folder_ / "samples";
+    RunShell("promtool tsdb dump --match='" + series + "' '" + database() + "' >'" + samples +
+             "' 2>/dev/null");
+    return ReadFile(samples);
+  }
+
+ private:
+  std::string database() const { return folder_ / "tsdb"; }
+
+  std::filesystem::path folder_;
+  pid_t pid_ = -1;
+};
+
+TEST(MetricsTest, ARealPrometheusScrapesThem) {
+  const TemporaryDirectory data;
+  const TemporaryDirectory folder;
+  const DaemonProcess daemon = StartWithHttp(data);
+  const Prometheus prometheus(folder.path(), daemon.http_port());
+  ASSERT_TRUE(prometheus.started()) << "tests/run.sh installs it";
+  std::string samples;
+  EXPECT_TRUE(Eventually([&] {
+    samples = prometheus.Samples("sweepstake_build_info");
+    return !samples.empty();
+  })) << prometheus.log();
+  EXPECT_THAT(samples, HasSubstr("version="));
+  EXPECT_THAT(prometheus.Samples("up"), HasSubstr("} 1 "));
+  EXPECT_THAT(prometheus.Samples("sweepstake_store_healthy"), HasSubstr("} 1 "));
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support

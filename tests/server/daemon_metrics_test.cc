@@ -1,0 +1,96 @@
+// What the daemon tells Prometheus.
+#include "server/daemon_metrics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::server {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::EndsWith;
+using ::testing::StartsWith;
+
+class DaemonMetricsTest : public ::testing::Test {
+ protected:
+  // The first metric of each family, by name.
+  std::map<std::string, prometheus::ClientMetric> Collect(bool store_healthy = true) {
+    std::map<std::string, prometheus::ClientMetric> metrics;
+    for (const auto& family : metrics_.Collect(counters_, store_healthy, wal_)) {
+      EXPECT_TRUE(metrics.emplace(family.name, family.metric.front()).second) << family.name;
+    }
+    return metrics;
+  }
+
+  test_support::TemporaryDirectory directory_;
+  std::filesystem::path wal_ = directory_.path() / "priors.db-wal";
+  rpc::Counters counters_;
+  DaemonMetrics metrics_{"1.2.3"};
+};
+
+TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
+  auto* counters = reinterpret_cast<std::atomic<uint64_t>*>(&counters_);
+  std::multiset<double> expected;
+  for (size_t i = 0; i < sizeof(counters_) / sizeof(*counters); ++i) {
+    counters[i] = (i + 1) * 1'000'003;
+    expected.insert(static_cast<double>((i + 1) * 1'000'003));
+  }
+  std::multiset<double> shown;
+  for (const auto& [name, metric] : Collect()) {
+    for (const double value : {metric.counter.value, metric.gauge.value}) {
+      if (expected.contains(value)) shown.insert(value);
+    }
+  }
+  EXPECT_EQ(shown, expected);
+}
+
+TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
+  for (const auto& family : metrics_.Collect(counters_, true, wal_)) {
+    const bool is_of_process = family.name.starts_with("process_");
+    const bool is_counter = family.type == prometheus::MetricType::Counter;
+    EXPECT_THAT(family.name, StartsWith(is_of_process ? "process_" : "sweepstake_"));
+    EXPECT_THAT(family.name, EndsWith(is_counter ? "_total" : ""));
+    EXPECT_THAT(family.help, EndsWith("."));
+    EXPECT_EQ(family.metric.size(), 1u) << "no label may make series of it";
+  }
+}
+
+TEST_F(DaemonMetricsTest, DurationsAreHistogramsInSeconds) {
+  metrics_.OnCommit(milliseconds(4));
+  metrics_.OnSync(milliseconds(3));
+  metrics_.OnSync(milliseconds(30));
+  metrics_.OnTimer(milliseconds(2));
+  const auto shown = Collect();
+  const auto& syncs = shown.at("sweepstake_store_fsync_duration_seconds").histogram;
+  EXPECT_EQ(syncs.sample_count, 2u);
+  EXPECT_NEAR(syncs.sample_sum, 0.033, 1e-9);
+  EXPECT_EQ(shown.at("sweepstake_store_commit_duration_seconds").histogram.sample_count, 1u);
+  EXPECT_NEAR(shown.at("sweepstake_decision_loop_lateness_seconds").histogram.sample_sum, 0.002,
+              1e-9);
+}
+
+TEST_F(DaemonMetricsTest, TheStoreAndItsLogAreShown) {
+  EXPECT_EQ(Collect().at("sweepstake_store_wal_size_bytes").gauge.value, 0);
+  std::ofstream(wal_) << "12345";
+  EXPECT_EQ(Collect().at("sweepstake_store_wal_size_bytes").gauge.value, 5);
+  EXPECT_EQ(Collect(true).at("sweepstake_store_healthy").gauge.value, 1);
+  EXPECT_EQ(Collect(false).at("sweepstake_store_healthy").gauge.value, 0);
+}
+
+TEST_F(DaemonMetricsTest, TheBuildIsNamed) {
+  const auto shown = Collect();
+  const prometheus::ClientMetric& info = shown.at("sweepstake_build_info");
+  EXPECT_EQ(info.gauge.value, 1);
+  ASSERT_EQ(info.label.size(), 1u);
+  EXPECT_EQ(info.label[0].name, "version");
+  EXPECT_EQ(info.label[0].value, "1.2.3");
+}
+
+}  // namespace
+}  // namespace sweepstake::server

@@ -1,0 +1,43 @@
+// Speaks HTTP over a plain socket on loopback, so that tests can also send what no client would.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sweepstake::test_support {
+
+// A connection that ends with the object. Each call waits up to a minute.
+class HttpSocket {
+ public:
+  explicit HttpSocket(int port);
+  ~HttpSocket();
+  HttpSocket(const HttpSocket&) = delete;
+  HttpSocket& operator=(const HttpSocket&) = delete;
+
+  void Send(std::string_view bytes);
+  // Returns what comes until the server ends the connection.
+  std::string ReadAll();
+  // Returns one answer with a Content-Length.
+  std::string ReadAnswer();
+
+ private:
+  // Returns false at the end of the connection.
+  bool ReadMore();
+
+  int socket_;
+  std::string unread_;
+};
+
+struct HttpAnswer {
+  int status = 0;
+  std::string head;
+  std::string body;
+};
+
+// Sends `request` and reads until the server ends the connection.
+HttpAnswer Exchange(int port, std::string_view request);
+
+// Gets a page.
+HttpAnswer Get(int port, const std::string& target);
+
+}  // namespace sweepstake::test_support
