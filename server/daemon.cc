@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/descriptor_limit.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/web/health_page.h"
@@ -123,6 +124,8 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
     log_->warn("others can read the data directory {}; session ids are in it: chmod 0700 it",
                config_.data.string());
   }
+  if (const auto shortage = DescriptorShortage(RaiseDescriptorLimit(), config_.rpc))
+    log_->warn("{}", *shortage);
   auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit,
                                              config_.database_bytes,
                                              [this](auto duration) { metrics_.OnSync(duration); });

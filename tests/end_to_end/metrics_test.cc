@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -84,6 +85,18 @@ TEST(MetricsTest, TheyMoveWhenAGameStreams) {
   EXPECT_TRUE(Eventually([&] { return Metric(daemon, "sweepstake_open_streams") == 0; }));
   EXPECT_EQ(Metric(daemon, "sweepstake_ended_sessions_total"), 1);
   EXPECT_EQ(daemon.Terminate(), 0);
+}
+
+TEST(MetricsTest, TheDaemonRaisesItsLimitOfOpenFiles) {
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit low{.rlim_cur = 256, .rlim_max = before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &low);
+  const TemporaryDirectory data;
+  const DaemonProcess daemon = StartWithHttp(data);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_THAT(Metric(daemon, "process_max_fds"), Gt(256));
+  EXPECT_THAT(Metric(daemon, "process_open_fds"), Gt(0));
 }
 
 TEST(MetricsTest, AStoreThatCannotWriteIsNotReadyUntilItCan) {

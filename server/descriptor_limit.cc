@@ -1,0 +1,31 @@
+#include "server/descriptor_limit.h"
+
+#include <sys/resource.h>
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::server {
+namespace {
+
+// Of the daemon itself: its files, threads, listeners and HTTP connections.
+constexpr uint64_t kOwnDescriptors = 512;
+
+}  // namespace
+
+uint64_t RaiseDescriptorLimit() {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const rlimit raised{.rlim_cur = limit.rlim_max, .rlim_max = limit.rlim_max};
+  return setrlimit(RLIMIT_NOFILE, &raised) == 0 ? raised.rlim_cur : limit.rlim_cur;
+}
+
+std::optional<std::string> DescriptorShortage(uint64_t limit, const rpc::RpcOptions& options) {
+  const uint64_t needed = uint64_t{options.max_sessions} + rpc::kMaxStreamsWithoutSession +
+                          options.max_watchers + kOwnDescriptors;
+  if (limit >= needed) return std::nullopt;
+  return absl::StrCat("the limit of open files is ", limit, ", and ", options.max_sessions,
+                      " sessions may need ", needed,
+                      "; raise it (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
+}
+
+}  // namespace sweepstake::server
