@@ -77,8 +77,10 @@ struct RpcOptions {
   uint32_t max_streams_per_connection = 100;
   // The maximum memory of all connections' buffers; beyond it reads are slowed down.
   uint64_t memory_quota_bytes = 64ull << 20;
-  // The reconnect delay that a draining daemon asks for; the client adds its jitter.
+  // A draining daemon asks its clients to come back after this delay, spread so that the next
+  // daemon gets no more than `reconnects_per_s` at a time. The clients add their jitter.
   uint32_t reconnect_delay_ms = 500;
+  uint32_t reconnects_per_s = 500;
   bool reflection = false;
   // What it serves TLS with. It serves plain text without a certificate, and asks clients for one
   // where there is a `ca`. The files are read again every second.

@@ -40,7 +40,7 @@ TelemetryStream* TelemetryStream::Start(ServiceContext& context, TelemetryStream
 void TelemetryStream::Accept() {
   streams_.all.insert(this);
   context_.counters.open_stream_count = streams_.all.size();
-  if (streams_.draining) return Drain();
+  if (streams_.draining) return Drain(context_.options.reconnect_delay_ms);
   if (streams_.all.size() > size_t{context_.options.max_sessions} + kMaxStreamsWithoutSession) {
     return Close(absl::ResourceExhaustedError(
         "this daemon has as many streams as it may; try again later, or use another"));
@@ -214,10 +214,10 @@ void TelemetryStream::OnHalfClose() {
   if (!end_) Close(absl::OkStatus());
 }
 
-void TelemetryStream::Drain() {
+void TelemetryStream::Drain(uint32_t delay_ms) {
   if (end_) return;
-  if (const std::shared_ptr<GameSession> session = session_) return session->Drain();
-  SendReconnect(context_.options.reconnect_delay_ms);
+  if (const std::shared_ptr<GameSession> session = session_) return session->Drain(delay_ms);
+  SendReconnect(delay_ms);
   Close(absl::UnavailableError("the daemon is draining; connect again"));
 }
 
@@ -315,10 +315,16 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TelemetryService::S
   return TelemetryStream::Start(context_, streams_, *call);
 }
 
+uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank) {
+  const uint64_t later_ms = rank * 1'000 / options.reconnects_per_s;
+  return options.reconnect_delay_ms + static_cast<uint32_t>(later_ms);
+}
+
 void TelemetryService::Drain() {
   streams_.draining = true;
   const std::set<TelemetryStream*> streams = streams_.all;
-  for (TelemetryStream* stream : streams) stream->Drain();
+  uint64_t rank = 0;
+  for (TelemetryStream* stream : streams) stream->Drain(ReconnectDelayMs(context_.options, rank++));
 }
 
 }  // namespace sweepstake::rpc

@@ -60,9 +60,9 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   static TelemetryStream* Start(ServiceContext& context, TelemetryStreams& streams,
                                 grpc::CallbackServerContext& call);
 
-  // Tells the client that the daemon is going away, and ends the stream once its evidence is on
-  // disk.
-  void Drain();
+  // Tells the client to reconnect after `delay_ms`, since the daemon is going away, and ends the
+  // stream once its evidence is on disk.
+  void Drain(uint32_t delay_ms);
 
   void SendSwitch(const decision::SwitchCommand& command) override;
   void SendAcknowledgement(uint64_t sequence) override;
@@ -127,6 +127,10 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   std::optional<absl::Status> end_;  // the stream ends with it once the outbox is empty
   bool finished_ = false;
 };
+
+// Returns the delay after which a drained client is to come back. Ranks are those of all clients,
+// from 0.
+uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
 
 class TelemetryService final : public v1::TelemetryService::WithRawCallbackMethod_StreamTelemetry<
                                    v1::TelemetryService::Service> {

@@ -247,11 +247,11 @@ void GameSession::End() {
   CloseIfSettled();
 }
 
-void GameSession::Drain() {
+void GameSession::Drain(uint32_t delay_ms) {
   draining_ = true;
   ++timer_generation_;
   if (link_ == nullptr) return;
-  link_->SendReconnect(context_.options.reconnect_delay_ms);
+  link_->SendReconnect(delay_ms);
   // A commit that has failed would otherwise wait for the next tick, and there is none.
   RetryCommit();
   CloseIfSettled();

@@ -79,8 +79,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Called at the client's goodbye: closes the link once everything is on disk.
   void End();
   bool ended() const { return ending_; }
-  // Tells the client to reconnect later, and closes the link once all pending writes are done.
-  void Drain();
+  // Tells the client to reconnect after `delay_ms`, and closes the link once all pending writes are
+  // done.
+  void Drain(uint32_t delay_ms);
   // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }

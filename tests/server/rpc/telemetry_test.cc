@@ -439,16 +439,6 @@ TEST_F(TelemetryTest, GoodbyeWithAFullDiskDoesNotHang) {
   EXPECT_TRUE(client.Finish().ok());
 }
 
-TEST_F(TelemetryTest, DrainingTellsClientsToComeBackAndEnds) {
-  TelemetryClient silent(channel_);
-  TelemetryClient client(channel_);
-  client.Open(HelloMessage());
-  server_->Drain(std::chrono::minutes(10));
-  client.Await(Response::kReconnectElsewhere);
-  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
-  EXPECT_FALSE(silent.Finish().ok());
-}
-
 TEST_F(TelemetryTest, HealthFollowsTheStore) {
   EXPECT_EQ(HealthOf(*channel_), Health::kServing);
   store_.Fail(true);
