@@ -17,6 +17,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/descriptor_limit.h"
+#include "server/rpc/health_probe.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/web/health_page.h"
@@ -229,6 +230,16 @@ absl::Status Daemon::RemovePortFile() const {
         absl::StrCat(config_.port_file.string(), " is no file; name another with --port-file"));
   fs::remove(config_.port_file, ignored);
   return absl::OkStatus();
+}
+
+bool Daemon::Alive(std::chrono::milliseconds patience) const {
+  std::optional<std::string> problem = LoopProblem();
+  const std::string host = config_.listen.substr(0, config_.listen.rfind(':'));
+  const std::string address = absl::StrCat(host, ":", rpc_->port());
+  if (!problem && rpc::ProbeHealth(address, config_.rpc.tls, patience) == rpc::Health::kNoAnswer)
+    problem = "the daemon's own listener does not answer";
+  if (problem && !draining_) log_->error("not alive: {}", *problem);
+  return !problem;
 }
 
 void Daemon::Drain(std::chrono::milliseconds patience) {

@@ -40,6 +40,10 @@ class Daemon {
   int http_port() const { return web_->port(); }  // REQUIRES: Config::http is not empty
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
+  // Returns whether the daemon's own listener answers over a new connection within `patience`, and
+  // decisions are made. A store that cannot write is no reason to be restarted.
+  bool Alive(std::chrono::milliseconds patience) const;
+
   // Sets health to NOT_SERVING, tells clients to reconnect later, and waits for pending writes, all
   // within `patience` plus the time of one commit. Idempotent.
   void Drain(std::chrono::milliseconds patience = std::chrono::seconds(5));

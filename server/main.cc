@@ -1,8 +1,8 @@
 // `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
 //
-// Exit codes: 0 done; 1 the configuration to be checked is not valid, or a copy could not be made,
-// verified or put back; 2 bad usage or configuration; 3 the daemon could not start; 4 it did not
-// end within nine seconds after a signal.
+// Exit codes: 0 done; 1 the configuration to be checked is not valid, the daemon to be probed does
+// not serve, or a copy could not be made, verified or put back; 2 bad usage or configuration; 3 the
+// daemon could not start; 4 it did not end within nine seconds after a signal.
 #include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -10,15 +10,19 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/decision/math/names.h"
 #include "server/rpc/common/decision_loop.h"
+#include "server/rpc/health_probe.h"
+#include "server/service_manager.h"
 #include "server/storage/sqlite_backup.h"
 
 namespace {
@@ -33,6 +37,11 @@ constexpr int kCouldNotStart = 3;
 constexpr int kDidNotEnd = 4;
 
 constexpr std::chrono::seconds kEndPatience{9};
+constexpr std::chrono::seconds kProbePatience{5};
+
+constexpr std::string_view kNoWatchdog =
+    "the daemon cannot ask its own listener for its health, as the watchdog needs; with "
+    "--tls-client-ca, its own certificate must be one that this authority accepts of clients";
 
 struct CommandLine {
   Assignments flags;
@@ -73,6 +82,12 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   restore->add_flag("--verify", line.verify, "only check it and say what it has");
   restore->fallthrough();
   restore->footer("Example: sweepstaked restore priors-monday.db --data /var/lib/sweepstake");
+  CLI::App* probe = app.add_subcommand(
+      "probe", "ask the daemon of this configuration for its health and exit: 0 serving, 1 not");
+  probe->fallthrough();
+  probe->footer(
+      "Asks grpc.health.v1 at `listen`; where that has port 0, at the port in `port_file`. For "
+      "containers without a shell: HEALTHCHECK CMD [\"sweepstaked\", \"probe\"]");
   app.footer("Example: sweepstaked --listen 127.0.0.1:7433 --data /var/lib/sweepstake");
   app.require_subcommand(0, 1);
   app.allow_extras();
@@ -133,10 +148,34 @@ int ReportContents(const std::string& file,
   return kDone;
 }
 
+// Returns the address that the daemon of this configuration listens on.
+absl::StatusOr<std::string> AddressOf(const Config& config) {
+  if (!config.listen.ends_with(":0")) return config.listen;
+  int port = 0;
+  if (std::ifstream(config.port_file) >> port)
+    return config.listen.substr(0, config.listen.size() - 1) + std::to_string(port);
+  return absl::NotFoundError(
+      "the port of the daemon is not known: name it with --listen, or the daemon's --port-file");
+}
+
+int Probe(const Config& config) {
+  const auto address = AddressOf(config);
+  if (!address.ok()) return Fail(kCheckFailed, std::string(address.status().message()));
+  switch (sweepstake::rpc::ProbeHealth(*address, config.rpc.tls, kProbePatience)) {
+    case sweepstake::rpc::Health::kServing:
+      std::cout << *address << ": serving\n";
+      return kDone;
+    case sweepstake::rpc::Health::kNotServing:
+      return Fail(kCheckFailed, *address + ": not serving; its log says why");
+    default:
+      return Fail(kCheckFailed, *address + ": no daemon answered");
+  }
+}
+
 std::string UnknownFlag(const std::string& flag) {
   const auto settings = sweepstake::server::DescribeSettings();
-  std::vector<std::string_view> known = {"--config",     "--print-config", "--help", "--version",
-                                         "check-config", "backup",         "restore"};
+  std::vector<std::string_view> known = {"--config",     "--print-config", "--help",  "--version",
+                                         "check-config", "backup",         "restore", "probe"};
   for (const auto& setting : settings) known.push_back(setting.flag);
   return sweepstake::math::UnknownName("argument", flag, known);
 }
@@ -161,8 +200,14 @@ int Run(const Config& config) {
   sweepstake::rpc::SteadyClock clock;
   auto daemon = sweepstake::server::Daemon::Start(config, clock);
   if (!daemon.ok()) return Fail(kCouldNotStart, std::string(daemon.status().message()));
+  const auto interval = sweepstake::server::WatchdogInterval();
+  if (interval && !(*daemon)->Alive(*interval)) return Fail(kCouldNotStart, kNoWatchdog);
+  const sweepstake::server::Watchdog watchdog(interval,
+                                              [&] { return (*daemon)->Alive(*interval); });
+  sweepstake::server::NotifyReady();
   int signal = 0;
   sigwait(&signals, &signal);
+  sweepstake::server::NotifyStopping();
   guard.emplace(kEndPatience, kDidNotEnd,
                 "sweepstaked: the disk does not answer; ended without it. What clients were not "
                 "told to be on disk, they send again");
@@ -195,6 +240,7 @@ int main(int argc, char** argv) {
     std::cout << PrintConfig(*config);
     return kDone;
   }
+  if (app.got_subcommand("probe")) return Probe(*config);
   if (app.got_subcommand("backup"))
     return ReportContents(line.file, sweepstake::storage::BackUpStore(config->data, line.file));
   if (app.got_subcommand("restore")) {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "server/rpc/health_probe.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
-#include "tests/server/rpc/health_client.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::server {
@@ -197,9 +197,14 @@ TEST_F(DaemonTest, ADatabaseOfAnotherDirectoryIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("is not the database that was here"));
 }
 
-TEST_F(DaemonTest, HealthIsServing) {
+TEST_F(DaemonTest, HealthIsServingUntilItDrains) {
   const auto daemon = Start();
-  EXPECT_EQ(rpc::HealthOf(*ChannelTo(*daemon)), rpc::Health::kServing);
+  const std::string address = "127.0.0.1:" + std::to_string(daemon->port());
+  EXPECT_EQ(rpc::ProbeHealth(address, {}, std::chrono::minutes(1)), rpc::Health::kServing);
+  EXPECT_TRUE(daemon->Alive(std::chrono::minutes(1)));
+  daemon->Drain();
+  EXPECT_EQ(rpc::ProbeHealth(address, {}, std::chrono::minutes(1)), rpc::Health::kNoAnswer);
+  EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
 }
 
 TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
@@ -221,9 +226,9 @@ TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
       streams.back()->Write(OneFrame(1));
     }
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    rpc::Health health = rpc::Health::kUnknown;
+    rpc::Health health = rpc::Health::kNoAnswer;
     while (health != rpc::Health::kNotServing && std::chrono::steady_clock::now() < deadline)
-      health = rpc::HealthOf(*channel);
+      health = rpc::HealthOf(channel, std::chrono::minutes(1));
     EXPECT_EQ(health, rpc::Health::kNotServing);
     for (grpc::ClientContext& context : contexts) context.TryCancel();
     for (const auto& stream : streams) stream->Finish();
@@ -231,7 +236,7 @@ TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
   config_.database_bytes = 1 << 20;
   const auto daemon = Start();
   EXPECT_FALSE(RunSession(daemon->port()).session_id().empty()) << "acknowledged";
-  EXPECT_EQ(rpc::HealthOf(*ChannelTo(*daemon)), rpc::Health::kServing);
+  EXPECT_EQ(rpc::HealthOf(ChannelTo(*daemon), std::chrono::minutes(1)), rpc::Health::kServing);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The stream of telemetry: sessions, evidence, acknowledgements.
-#include "tests/server/rpc/health_client.h"
+#include "server/rpc/health_probe.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -440,13 +440,14 @@ TEST_F(TelemetryTest, GoodbyeWithAFullDiskDoesNotHang) {
 }
 
 TEST_F(TelemetryTest, HealthFollowsTheStore) {
-  EXPECT_EQ(HealthOf(*channel_), Health::kServing);
+  const auto health = [&] { return HealthOf(channel_, std::chrono::minutes(1)); };
+  EXPECT_EQ(health(), Health::kServing);
   store_.Fail(true);
   clock_.Advance(kSecondNs);
-  EXPECT_TRUE(Eventually([&] { return HealthOf(*channel_) == Health::kNotServing; }));
+  EXPECT_TRUE(Eventually([&] { return health() == Health::kNotServing; }));
   store_.Fail(false);
   clock_.Advance(kSecondNs);
-  EXPECT_TRUE(Eventually([&] { return HealthOf(*channel_) == Health::kServing; }));
+  EXPECT_TRUE(Eventually([&] { return health() == Health::kServing; }));
 }
 
 TEST_F(TelemetryTest, ASessionLeavesMemoryWhenItsWindowIsOverAndComesBackFromTheStore) {

@@ -1,0 +1,66 @@
+#include "server/rpc/health_probe.h"
+
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/security/tls_certificate_provider.h>
+#include <grpcpp/security/tls_certificate_verifier.h>
+
+#include <future>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// The bytes of a HealthCheckResponse whose status is SERVING.
+constexpr std::string_view kServingBytes = "\x08\x01";
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ProbeCredentials(
+    const tls::Files& files) {
+  if (files.cert.empty()) return grpc::InsecureChannelCredentials();
+  const auto texts = tls::Read(files);
+  if (!texts.ok()) return texts.status();
+  using grpc::experimental::IdentityKeyCertPair;
+  grpc::experimental::TlsChannelCredentialsOptions options;
+  options.set_verify_server_certs(false);
+  options.set_check_call_host(false);
+  options.set_certificate_verifier(std::make_shared<grpc::experimental::NoOpCertificateVerifier>());
+  options.set_certificate_provider(
+      std::make_shared<grpc::experimental::StaticDataCertificateProvider>(
+          std::vector<IdentityKeyCertPair>{{texts->key, texts->cert}}));
+  options.watch_identity_key_cert_pairs();
+  return grpc::experimental::TlsCredentials(options);
+}
+
+}  // namespace
+
+Health HealthOf(const std::shared_ptr<grpc::Channel>& channel, std::chrono::milliseconds patience) {
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + patience);
+  const grpc::ByteBuffer request(nullptr, 0);  // an empty request asks for the whole server
+  grpc::ByteBuffer response;
+  std::promise<grpc::Status> done;
+  grpc::GenericStub(channel).UnaryCall(
+      &context, "/grpc.health.v1.Health/Check", {}, &request, &response,
+      [&done](grpc::Status status) { done.set_value(std::move(status)); });
+  if (!done.get_future().get().ok()) return Health::kNoAnswer;
+  grpc::Slice bytes;
+  const bool serving =
+      response.DumpToSingleSlice(&bytes).ok() &&
+      std::string_view(reinterpret_cast<const char*>(bytes.begin()), bytes.size()) == kServingBytes;
+  return serving ? Health::kServing : Health::kNotServing;
+}
+
+Health ProbeHealth(const std::string& address, const tls::Files& files,
+                   std::chrono::milliseconds patience) {
+  const auto credentials = ProbeCredentials(files);
+  if (!credentials.ok()) return Health::kNoAnswer;
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return HealthOf(grpc::CreateCustomChannel(address, *credentials, arguments), patience);
+}
+
+}  // namespace sweepstake::rpc

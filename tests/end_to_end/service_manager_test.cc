@@ -1,0 +1,98 @@
+// The daemon under a service manager, and as its own probe.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "tests/server/notify_socket.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/temporary_directory.h"
+#include "tests/support/test_authority.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+TEST(ServiceManagerTest, HearsOfTheDaemonFromItsStartToItsEnd) {
+  const TemporaryDirectory data;
+  const TemporaryDirectory folder;
+  NotifySocket manager(folder.path(), std::chrono::seconds(2));
+  DaemonProcess daemon(data.path());
+  // The watchdog's thread and the main one speak independently.
+  std::string first = manager.Receive();
+  if (first == "WATCHDOG=1") first = manager.Receive();
+  EXPECT_EQ(first, "READY=1");
+  EXPECT_EQ(manager.Receive(), "WATCHDOG=1") << "the daemon has probed its own listener";
+  EXPECT_EQ(manager.Receive(), "WATCHDOG=1");
+  EXPECT_EQ(daemon.Terminate(), 0);
+  std::string last;
+  for (std::string next = manager.ReceiveNow(); !next.empty(); next = manager.ReceiveNow())
+    last = next == "WATCHDOG=1" ? last : next;
+  EXPECT_EQ(last, "STOPPING=1");
+}
+
+int Probe(const std::string& arguments) {
+  const int status = std::system(
+      (std::string(SWEEPSTAKED_PATH) + " probe " + arguments + " >/dev/null 2>&1").c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(ProbeTest, TellsADaemonThatServesFromNone) {
+  const TemporaryDirectory data;
+  DaemonProcess daemon(data.path());
+  EXPECT_EQ(Probe("--listen " + daemon.address()), 0);
+  EXPECT_EQ(Probe("--listen 127.0.0.1:0 --port-file " + (data.path() / "port").string()), 0);
+  EXPECT_EQ(Probe("--listen 127.0.0.1:0"), 1) << "nothing names the port";
+  EXPECT_EQ(Probe("--listen nowhere"), 2);
+  daemon.Kill();
+  EXPECT_EQ(Probe("--listen " + daemon.address()), 1);
+}
+
+class TlsProbeTest : public ::testing::Test {
+ protected:
+  TlsProbeTest() { authority_.Issue("DNS:sweepstake.example", server_); }
+  std::vector<std::string> Flags(const TestAuthority* client_authority) const {
+    std::vector<std::string> flags = {"--tls-cert", server_.cert, "--tls-key", server_.key};
+    if (client_authority != nullptr)
+      flags.insert(flags.end(), {"--tls-client-ca", client_authority->cert()});
+    return flags;
+  }
+
+  TemporaryDirectory folder_;
+  TemporaryDirectory data_;
+  TestAuthority authority_{folder_.path() / "ca.pem"};
+  TestAuthority other_authority_{folder_.path() / "other-ca.pem"};
+  CertificateFiles server_{folder_.path() / "server.pem", folder_.path() / "server-key.pem"};
+};
+
+TEST_F(TlsProbeTest, ADaemonWithTlsProbesItselfWhateverItsCertificateSays) {
+  NotifySocket manager(folder_.path(), std::chrono::seconds(60));
+  for (const TestAuthority* clients : {static_cast<const TestAuthority*>(nullptr),
+                                       static_cast<const TestAuthority*>(&authority_)}) {
+    const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(clients));
+    std::string first = manager.Receive();
+    if (first == "READY=1") first = manager.Receive();
+    EXPECT_EQ(first, "WATCHDOG=1");
+    std::string flags;
+    for (const std::string& flag : Flags(clients)) flags += flag + " ";
+    EXPECT_EQ(Probe(flags + "--listen " + daemon.address()), 0);
+    while (!manager.ReceiveNow().empty()) {
+    }
+  }
+}
+
+TEST_F(TlsProbeTest, ADaemonThatWouldNotLetItselfInDoesNotStartUnderAWatchdog) {
+  NotifySocket manager(folder_.path(), std::chrono::seconds(60));
+  std::string command = std::string(SWEEPSTAKED_PATH) + " --listen 127.0.0.1:0 --data " +
+                        (data_.path() / "data").string();
+  for (const std::string& flag : Flags(&other_authority_)) command += " " + flag;
+  const int status = std::system((command + " 2>/dev/null").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  EXPECT_EQ(manager.ReceiveNow(), "") << "it was never ready";
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support

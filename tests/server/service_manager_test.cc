@@ -1,0 +1,75 @@
+// The watchdog: when the service manager hears that the daemon is alive.
+#include "server/service_manager.h"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <mutex>
+
+#include "tests/server/notify_socket.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+// What the watchdog is told, and how often it has asked.
+class Life {
+ public:
+  bool Ask() {
+    const std::lock_guard lock(mutex_);
+    ++asked_count_;
+    changed_.notify_all();
+    return alive_;
+  }
+  void AwaitQuestions(int count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return asked_count_ >= count; });
+  }
+  void Begin() {
+    const std::lock_guard lock(mutex_);
+    alive_ = true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int asked_count_ = 0;  // guarded by mutex_
+  bool alive_ = false;   // guarded by mutex_
+};
+
+TEST(WatchdogTest, OnlyADaemonThatIsAliveIsToldOf) {
+  const test_support::TemporaryDirectory folder;
+  test_support::NotifySocket manager(folder.path(), milliseconds(4));
+  Life life;
+  EXPECT_EQ(WatchdogInterval(), milliseconds(1)) << "a quarter of the limit";
+  const Watchdog watchdog(WatchdogInterval(), [&] { return life.Ask(); });
+  life.AwaitQuestions(5);
+  EXPECT_EQ(manager.ReceiveNow(), "");
+  life.Begin();
+  EXPECT_EQ(manager.Receive(), "WATCHDOG=1");
+  EXPECT_EQ(manager.Receive(), "WATCHDOG=1");
+}
+
+TEST(WatchdogTest, NobodyIsAskedWhereNoServiceManagerWantsToKnow) {
+  bool asked = false;
+  {
+    const Watchdog watchdog(WatchdogInterval(), [&] { return asked = true; });
+  }
+  EXPECT_FALSE(asked);
+  NotifyReady();
+  NotifyStopping();
+}
+
+TEST(ServiceManagerTest, HearsWhenTheDaemonIsReadyAndWhenItStops) {
+  const test_support::TemporaryDirectory folder;
+  test_support::NotifySocket manager(folder.path(), std::chrono::hours(1));
+  NotifyReady();
+  EXPECT_EQ(manager.Receive(), "READY=1");
+  NotifyStopping();
+  EXPECT_EQ(manager.Receive(), "STOPPING=1");
+}
+
+}  // namespace
+}  // namespace sweepstake::server
