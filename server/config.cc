@@ -460,6 +460,14 @@ absl::Status Validate(const Config& config) {
   return absl::OkStatus();
 }
 
+std::vector<std::string> ChangedSettings(const Config& before, const Config& after) {
+  std::vector<std::string> keys;
+  for (const Setting& setting : Settings()) {
+    if (setting.get(before) != setting.get(after)) keys.push_back(setting.key);
+  }
+  return keys;
+}
+
 std::string PrintConfig(const Config& config) {
   std::string text;
   std::string section;

@@ -60,6 +60,9 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 // --insecure, and the weights sum to 1. The files of TLS are not read.
 absl::Status Validate(const Config& config);
 
+// Returns the keys of the settings that differ.
+std::vector<std::string> ChangedSettings(const Config& before, const Config& after);
+
 // Returns every setting with its value, as a TOML file that ReadConfigFile can read.
 std::string PrintConfig(const Config& config);
 

@@ -54,6 +54,10 @@ class JsonMessage final : public spdlog::custom_flag_formatter {
   }
 };
 
+spdlog::level::level_enum LevelOf(const std::string& level) {
+  return level == "warn" ? spdlog::level::warn : spdlog::level::from_str(level);
+}
+
 // Makes the daemon's log, which writes JSON lines on stderr with time (UTC), level and message.
 // `level` as in Config::log_level. Thread-safe.
 std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
@@ -63,7 +67,7 @@ std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   auto log = std::make_shared<spdlog::logger>("sweepstaked",
                                               std::make_shared<spdlog::sinks::stderr_sink_mt>());
   log->set_formatter(std::move(formatter));
-  log->set_level(level == "warn" ? spdlog::level::warn : spdlog::level::from_str(level));
+  log->set_level(LevelOf(level));
   log->flush_on(spdlog::level::trace);
   return log;
 }
@@ -230,6 +234,18 @@ absl::Status Daemon::RemovePortFile() const {
         absl::StrCat(config_.port_file.string(), " is no file; name another with --port-file"));
   fs::remove(config_.port_file, ignored);
   return absl::OkStatus();
+}
+
+void Daemon::Reload(const absl::StatusOr<Config>& config) {
+  if (!config.ok()) {
+    log_->error("the configuration stays as it is: {}", std::string(config.status().message()));
+    return;
+  }
+  for (const std::string& key : ChangedSettings(config_, *config)) {
+    if (key != "log_level") log_->warn("{} has changed: restart the daemon to take it over", key);
+  }
+  log_->set_level(LevelOf(config->log_level));
+  log_->info("the configuration was read again; the log level is {}", config->log_level);
 }
 
 bool Daemon::Alive(std::chrono::milliseconds patience) const {

@@ -40,6 +40,10 @@ class Daemon {
   int http_port() const { return web_->port(); }  // REQUIRES: Config::http is not empty
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
+  // Takes over the log level of a configuration that was read again. The log names what else has
+  // changed, which only a restart takes over, or says what is wrong with the configuration.
+  void Reload(const absl::StatusOr<Config>& config);
+
   // Returns whether the daemon's own listener answers over a new connection within `patience`, and
   // decisions are made. A store that cannot write is no reason to be restarted.
   bool Alive(std::chrono::milliseconds patience) const;

@@ -1,4 +1,5 @@
 // `sweepstaked`: reads the configuration, runs the daemon until SIGTERM or SIGINT, drains it.
+// SIGHUP makes it read the configuration again.
 //
 // Exit codes: 0 done; 1 the configuration to be checked is not valid, the daemon to be probed does
 // not serve, or a copy could not be made, verified or put back; 2 bad usage or configuration; 3 the
@@ -181,17 +182,25 @@ std::string UnknownFlag(const std::string& flag) {
 }
 
 // Blocks the signals before any thread starts, so that only sigwait receives them.
-sigset_t BlockEndSignals() {
+sigset_t BlockSignals() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
 
-int Run(const Config& config) {
-  const sigset_t signals = BlockEndSignals();
+// Waits for a signal to end. At SIGHUP the configuration is read again.
+void AwaitEnd(const sigset_t& signals, const CommandLine& line,
+              sweepstake::server::Daemon& daemon) {
+  int signal = 0;
+  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) daemon.Reload(Load(line));
+}
+
+int Run(const Config& config, const CommandLine& line) {
+  const sigset_t signals = BlockSignals();
   // A closed log pipe must not end the daemon.
   std::signal(SIGPIPE, SIG_IGN);
   // gRPC's own lines on stderr are not JSON; its failures are reported in the log anyway.
@@ -205,8 +214,7 @@ int Run(const Config& config) {
   const sweepstake::server::Watchdog watchdog(interval,
                                               [&] { return (*daemon)->Alive(*interval); });
   sweepstake::server::NotifyReady();
-  int signal = 0;
-  sigwait(&signals, &signal);
+  AwaitEnd(signals, line, **daemon);
   sweepstake::server::NotifyStopping();
   guard.emplace(kEndPatience, kDidNotEnd,
                 "sweepstaked: the disk does not answer; ended without it. What clients were not "
@@ -248,5 +256,5 @@ int main(int argc, char** argv) {
                           line.verify ? sweepstake::storage::VerifyStore(line.file)
                                       : sweepstake::storage::RestoreStore(line.file, config->data));
   }
-  return Run(*config);
+  return Run(*config, line);
 }

@@ -10,7 +10,9 @@ namespace sweepstake::server {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class ConfigTest : public ::testing::Test {
  protected:
@@ -129,6 +131,15 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
   EXPECT_THAT(Error("http = '0.0.0.0:7434'\n"),
               AllOf(HasSubstr("http: "), HasSubstr("--insecure")));
   EXPECT_TRUE(FromFile("http = '0.0.0.0:7434'\ninsecure = true\n").ok());
+}
+
+TEST_F(ConfigTest, ChangedSettingsAreNamed) {
+  const Config before;
+  Config after;
+  EXPECT_THAT(ChangedSettings(before, after), IsEmpty());
+  after.log_level = "debug";
+  after.rpc.decision.cooldown_ns = 1'000'000;
+  EXPECT_THAT(ChangedSettings(before, after), ElementsAre("log_level", "decision.cooldown_ms"));
 }
 
 TEST_F(ConfigTest, WithTlsOthersMayReachIt) {

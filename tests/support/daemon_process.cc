@@ -78,6 +78,8 @@ DaemonProcess::~DaemonProcess() {
   if (pid_ > 0) Kill();
 }
 
+std::string DaemonProcess::log() const { return ReadFile(log_); }
+
 void DaemonProcess::Pause() { kill(pid_, SIGSTOP); }
 
 void DaemonProcess::Kill() {
@@ -91,7 +93,7 @@ int DaemonProcess::Terminate() {
   int status = 0;
   waitpid(pid_, &status, 0);
   pid_ = -1;
-  if (status != 0) std::fprintf(stderr, "The daemon's log:\n%s\n", ReadFile(log_).c_str());
+  if (status != 0) std::fprintf(stderr, "The daemon's log:\n%s\n", log().c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 

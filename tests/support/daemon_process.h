@@ -25,6 +25,8 @@ class DaemonProcess {
   // The port of --http, or -1 if the daemon was started without.
   int http_port() const { return http_port_; }
   pid_t pid() const { return pid_; }
+  // What the daemon has logged so far.
+  std::string log() const;
   // Stops running without ending: connections stay open, nothing is read or answered any more.
   void Pause();
   // kill -9, and waits for the end.
