@@ -54,6 +54,8 @@ constexpr CounterRow kCounters[] = {
      "Messages that could not be parsed."},
     {&Counters::invalid_message_count, "sweepstake_invalid_messages_total",
      "Messages that broke a rule of the contract."},
+    {&Counters::unknown_message_count, "sweepstake_unknown_messages_total",
+     "Messages of a newer protocol, which were not applied."},
     {&Counters::replayed_message_count, "sweepstake_replayed_messages_total",
      "Messages that had been applied before."},
     {&Counters::applied_message_count, "sweepstake_applied_messages_total",
