@@ -61,7 +61,7 @@ BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) 
   uint64_t interval_ms = options.batch_interval_ms;
   if (welcome.batch_interval_ms() > 0) interval_ms = welcome.batch_interval_ms();
   if (welcome.decision_interval_ms() > 0) {
-    interval_ms = std::min<uint64_t>(interval_ms, welcome.decision_interval_ms() / 4 + 1);
+    interval_ms = std::min<uint64_t>(interval_ms, welcome.decision_interval_ms() / 2 + 1);
   }
   BatchLimits limits = LimitsOf(options);
   limits.interval_ns = interval_ms * kNsPerMs;
@@ -321,8 +321,12 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
   }
   if (IsLasting(status.error_code())) return backoff_.LongMs();
   if (!link.redirect) return backoff_.NextMs();
-  const uint32_t delay_ms = std::min(link.redirect->delay_ms(), options_.backoff_max_ms);
-  return delay_ms + backoff_.JitterMs(std::max(delay_ms, options_.backoff_min_ms));
+  // A daemon that drains spreads its clients by the delay, over more than the longest back-off.
+  const uint64_t max_ms = uint64_t{4} * options_.backoff_max_ms;
+  const auto delay_ms =
+      static_cast<uint32_t>(std::min<uint64_t>(link.redirect->delay_ms(), max_ms));
+  return delay_ms +
+         backoff_.JitterMs(std::clamp(delay_ms, options_.backoff_min_ms, options_.backoff_max_ms));
 }
 
 // Says goodbye once everything is sent. Returns false when that is done or the time is over.

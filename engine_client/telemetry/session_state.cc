@@ -36,11 +36,12 @@ void ResendBuffer::Renumber() {
 
 uint64_t ResendBuffer::DiscardSent() {
   uint64_t frame_count = 0;
-  for (; cursor_ > 0; --cursor_) {
+  while (!entries_.empty() && entries_.front().sent_before) {
     frame_count +=
         static_cast<uint64_t>(entries_.front().request.frame_batch().frame_time_ns_size());
     entries_.pop_front();
   }
+  cursor_ = 0;
   return frame_count;
 }
 
@@ -73,6 +74,10 @@ v1::StreamTelemetryRequest SessionState::Connect(const Position& position) {
 
 void SessionState::OnWelcome(const v1::Welcome& welcome) {
   const bool resumed = welcome.resumed() && welcome.session_id() == session_id_;
+  // The store may have what was sent to a session that it could not read: a new session must not
+  // have it again.
+  if (!resumed && welcome.priors_unavailable() && !session_id_.empty())
+    counts_.discarded_frame_count += buffer_.DiscardSent();
   if (!resumed) BeginSession();
   session_id_ = welcome.session_id();
   resume_token_ = welcome.resume_token();

@@ -54,8 +54,8 @@ class ResendBuffer {
   void Acknowledge(uint64_t sequence);
   // Begins a new session: the remaining messages get numbers from 1 on.
   void Renumber();
-  // Drops the messages sent on this connection, since the daemon refused one of them. Returns the
-  // number of frames they held.
+  // Drops the messages that any connection has sent, since the daemon refused one of them or cannot
+  // tell which it has. Returns the number of frames they held.
   uint64_t DiscardSent();
 
   // Returns the first frame batch; null if there is none.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -24,7 +25,8 @@ struct ProcessStat {
   double resident_pages = 0;
 };
 
-ProcessStat ReadStat() {
+// Returns nothing if the system cannot be asked, as where no descriptor is free.
+std::optional<ProcessStat> ReadStat() {
   std::ifstream file("/proc/self/stat");
   const std::string line{std::istreambuf_iterator<char>(file), {}};
   // The second field, the name, may have blanks and parentheses; the third follows the last one.
@@ -39,25 +41,29 @@ ProcessStat ReadStat() {
                                    : nullptr;
     wanted != nullptr ? fields >> *wanted : fields >> skipped;
   }
-  return stat;
+  return fields ? std::optional(stat) : std::nullopt;
 }
 
 // Returns when the machine started, in seconds since 1970.
-double BootTime() {
+std::optional<double> BootTime() {
   std::ifstream file("/proc/stat");
   for (std::string name; file >> name;) {
     double seconds = 0;
     if (name == "btime" && file >> seconds) return seconds;
     file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
   }
-  return 0;
+  return std::nullopt;
 }
 
-double OpenDescriptorCount() {
-  std::error_code unreadable;
-  const std::filesystem::directory_iterator open("/proc/self/fd", unreadable);
-  // One of them is that of the listing.
-  return static_cast<double>(std::distance(begin(open), end(open))) - 1;
+// Returns nothing if the system cannot be asked, as where no descriptor is free.
+std::optional<double> OpenDescriptorCount() {
+  std::error_code error;
+  double count = -1;  // One of them is that of the listing.
+  for (std::filesystem::directory_iterator next("/proc/self/fd", error), end; !error && next != end;
+       next.increment(error)) {
+    ++count;
+  }
+  return error ? std::nullopt : std::optional(count);
 }
 
 double MaxDescriptorCount() {
@@ -69,19 +75,26 @@ double MaxDescriptorCount() {
 }  // namespace
 
 std::vector<prometheus::MetricFamily> ProcessFamilies() {
-  const ProcessStat stat = ReadStat();
   const auto ticks_per_s = static_cast<double>(sysconf(_SC_CLK_TCK));
   const auto page_bytes = static_cast<double>(sysconf(_SC_PAGESIZE));
-  return {
-      CounterOf("process_cpu_seconds_total", "Total user and system CPU time spent in seconds.",
-                (stat.user_ticks + stat.system_ticks) / ticks_per_s),
-      GaugeOf("process_start_time_seconds", "Start time of the process since the Unix epoch.",
-              BootTime() + stat.start_ticks / ticks_per_s),
-      GaugeOf("process_resident_memory_bytes", "Resident memory size in bytes.",
-              stat.resident_pages * page_bytes),
-      GaugeOf("process_open_fds", "Number of open file descriptors.", OpenDescriptorCount()),
-      GaugeOf("process_max_fds", "Maximum number of open file descriptors.", MaxDescriptorCount()),
-  };
+  std::vector<prometheus::MetricFamily> families = {
+      GaugeOf("process_max_fds", "Maximum number of open file descriptors.", MaxDescriptorCount())};
+  if (const std::optional<double> count = OpenDescriptorCount()) {
+    families.push_back(GaugeOf("process_open_fds", "Number of open file descriptors.", *count));
+  }
+  const std::optional<ProcessStat> stat = ReadStat();
+  if (!stat) return families;
+  families.push_back(CounterOf("process_cpu_seconds_total",
+                               "Total user and system CPU time spent in seconds.",
+                               (stat->user_ticks + stat->system_ticks) / ticks_per_s));
+  families.push_back(GaugeOf("process_resident_memory_bytes", "Resident memory size in bytes.",
+                             stat->resident_pages * page_bytes));
+  if (const std::optional<double> boot_time_s = BootTime()) {
+    families.push_back(GaugeOf("process_start_time_seconds",
+                               "Start time of the process since the Unix epoch.",
+                               *boot_time_s + stat->start_ticks / ticks_per_s));
+  }
+  return families;
 }
 
 }  // namespace sweepstake::web

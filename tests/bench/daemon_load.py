@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PATIENCE_S = 60
@@ -37,12 +38,26 @@ class Daemon:
         port_file.unlink(missing_ok=True)
         self.process = subprocess.Popen(
             [self.programs / "sweepstaked", "--listen", self.address, "--data", self.data / "priors", "--log-level", "error",
-             "--port-file", port_file, "--max-sessions", "20000", "--max-watchers", "200"])
-        self.address = "127.0.0.1:" + await_value("the daemon's port", lambda: port_file.exists() and first_line(port_file))
+             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", "20000", "--max-watchers", "200"])
+        try:
+            ports = await_value("the daemon's ports", lambda: port_file.exists() and port_file.read_text("ascii").split())
+        except Failure:
+            self.stop()
+            raise
+        self.address, self.http_address = (f"127.0.0.1:{port}" for port in ports)
 
     def stop(self):
         self.process.send_signal(signal.SIGTERM)
-        self.process.wait(PATIENCE_S)
+        try:
+            self.process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise Failure("the daemon did not end") from None
+
+    def metric(self, name):
+        with urllib.request.urlopen(f"http://{self.http_address}/metrics", timeout=PATIENCE_S) as page:
+            lines = page.read().decode().splitlines()
+        return next(float(line.split()[1]) for line in lines if line.startswith(name + " "))
 
     def rss_kib(self):
         with open(f"/proc/{self.process.pid}/status", encoding="ascii") as status:
@@ -60,10 +75,6 @@ class Daemon:
         words = [word for name, value in options.items() for word in ("--" + name.replace("_", "-"), value)]
         return self.sweepstake("load", "--streams", streams, "--batches-per-second", rate, "--frames", frames, "--duration",
                                f"{duration_s}s", "--server-pid", self.process.pid, "--json", *words)
-
-
-def first_line(path):
-    return path.read_text(encoding="ascii").partition("\n")[0]
 
 
 def await_value(what, get):
@@ -113,16 +124,25 @@ def measure_restart(daemon, streams, options):
         time.sleep(max(options.seconds, streams / 1000))
         daemon.stop()
         daemon.start()
-        figures = json.loads(load.communicate()[0])
+        output = load.communicate()[0]
+    if load.returncode != 0:
+        raise Failure(f"sweepstake load ended with {load.returncode}")
+    figures = json.loads(output)
     kept = ("streams", "rejected", "finished", "reconnect_s", "hello_latency_ms_p99")
     return {name: figures[name] for name in kept if name in figures}
 
 
 def measure_watchers(daemon, streams, watchers, options):
-    watching = [subprocess.Popen(daemon.sweepstake("watch", "--json", "--project", "load", "--scene", f"scene {i % 10}"),
-                                 stdout=subprocess.DEVNULL) for i in range(watchers)]
+    def all_watch():
+        return daemon.metric("sweepstake_open_watchers") == watchers
+
+    watching = [subprocess.Popen(daemon.sweepstake("watch", "--project", "load", "--scene", f"scene {i % 10}"),
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for i in range(watchers)]
     try:
+        await_value("a watcher", all_watch)
         figures = measure_rate(daemon, streams, 1, 60, options)
+        if not all_watch():
+            raise Failure("a watcher has gone while the load was measured")
     finally:
         for watcher in watching:
             watcher.send_signal(signal.SIGINT)

@@ -53,8 +53,8 @@ v1::Welcome WelcomeOf(const GameSession& session, bool resumed, uint64_t stream_
                       const RpcOptions& options);
 
 // Returns how long a client is to collect frames: an eighth of the decision interval, 250 ms at
-// most. With more streams it is longer, so that all of them send 10,000 batches a second, but at
-// most half of the decision interval.
+// most. With more streams it is longer, as if all were to send 10,000 batches a second, but at most
+// half of the decision interval. Streams that were welcomed earlier keep theirs.
 uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
 }  // namespace sweepstake::rpc

@@ -126,6 +126,21 @@ TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWith) {
   EXPECT_EQ(SendAll(), Sequences{1}) << "no message was refused";
 }
 
+TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOneCannotBeRead) {
+  Begin();
+  state_.Append(Batch(1, 3));
+  state_.Append(Batch(4, 4));
+  SendAll();
+  state_.Disconnect(false, false);
+  state_.Append(Batch(5, 5));
+  state_.Connect(kPosition);
+  v1::Welcome welcome = WelcomeTo("b");
+  welcome.set_priors_unavailable(true);
+  state_.OnWelcome(welcome);
+  EXPECT_EQ(SendAll(), Sequences{1}) << "only what was never sent";
+  EXPECT_EQ(state_.counts().discarded_frame_count, 2U);
+}
+
 TEST_F(SessionStateTest, TreatsAWelcomeThatDoesNotResumeAsANewSession) {
   Begin();
   state_.Append(Batch());
