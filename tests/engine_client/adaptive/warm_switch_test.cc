@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
@@ -222,7 +223,11 @@ TEST_F(WarmSwitchTest, LeavesTheExecutorToTheFrameThread) {
     while (adaptive_->active_arm() != arm) frame(1000);
     // Runs frames until the lane has visited the backend that it got in exchange.
     const uint64_t sweep_count = adaptive_->shadow_stats().sweep_count;
-    while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) frame(16 * kMs);
+    while (adaptive_->shadow_stats().sweep_count < sweep_count + 2) {
+      frame(16 * kMs);
+      // The lane runs where nothing else does, and gets nowhere while all cores are busy.
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
   EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 2U);
   const int calls_before = executor.call_count;  // Brute force has parts in every frame.
