@@ -74,9 +74,12 @@ void AddLoadCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "reached\n"
       "the daemon's disk: where that is less, the daemon does not keep up.\n"
       "hello_latency is the time from a connection begun to its welcome, decision_latency the one\n"
-      "from a bail-out sent to its switch command, tick_lateness how\n"
-      "late this program's own timer was: where that is large, the other figures are not the\n"
-      "daemon's. What the games send is learnt under the project `load`. Ctrl-C ends the run "
+      "from a bail-out sent to its switch command, commit_lag the one from a batch sent to the "
+      "word\n"
+      "that it is on the daemon's disk, tick_lateness how late this program's own timer was: "
+      "where\n"
+      "that is large, the other figures are not the daemon's. What the games send is learnt under "
+      "the project `load`. Ctrl-C ends the run "
       "early.",
       exit_code, Declare,
       [&terminal](const LoadOptions& options) { return Run(options, terminal); });

@@ -2,9 +2,10 @@
 """Measures what a daemon bears: many streams at two rates, a restart, watchers, and a scene that many have taught.
 
 Starts `sweepstaked` from the folder of programs, on a free port of loopback with a data directory of its own, loads it with
-`sweepstake load`, and prints a table, or one JSON document. The generator runs on the same machine and takes a part of its
-processors: where tick_lateness is large, or batches are fewer than streams × rate, the machine is too small for the load,
-whoever of the two needs it. server_cpu is the daemon's alone. Needs Linux and Python 3.9. Exit code: 0 measured, 2 cannot.
+`sweepstake load`, and prints a table with the goals of data/goals.toml, or one JSON document, which `judge.py daemon` reads.
+The generator runs on the same machine and takes a part of its processors: where tick_lateness is large, or batches are fewer
+than streams × rate, the machine is too small for the load, whoever of the two needs it. server_cpu is the daemon's alone,
+generator_cpu the other's. Needs Linux, Python 3.11 and openssl. Exit code: 0 measured, 2 cannot.
 """
 
 import argparse
@@ -18,7 +19,11 @@ import tempfile
 import time
 import urllib.request
 
+from judging import daemon as judging
+from judging.common import read_goals
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+GOALS = ROOT / "tests/bench/data/goals.toml"
 PATIENCE_S = 60
 
 
@@ -29,16 +34,26 @@ class Failure(Exception):
 class Daemon:
     """A daemon in a process of its own; its data outlives a restart."""
 
-    def __init__(self, programs, data):
+    def __init__(self, programs, data, with_tls=False):
         self.programs, self.data, self.address, self.process = programs, pathlib.Path(data), "127.0.0.1:0", None
+        self.server_options, self.client_options = self.make_certificate() if with_tls else ([], [])
         self.start()
+
+    def make_certificate(self):
+        """The options of the daemon and of its clients."""
+        certificate, key = self.data / "cert.pem", self.data / "key.pem"
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days",
+                        "2", "-subj", "/CN=load", "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate],
+                       check=True, capture_output=True)
+        return ["--tls-cert", certificate, "--tls-key", key], ["--tls-ca", certificate]
 
     def start(self):
         port_file = self.data / "port"
         port_file.unlink(missing_ok=True)
         self.process = subprocess.Popen(
             [self.programs / "sweepstaked", "--listen", self.address, "--data", self.data / "priors", "--log-level", "error",
-             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", "20000", "--max-watchers", "200"])
+             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", "20000", "--max-watchers", "200",
+             *self.server_options])
         try:
             ports = await_value("the daemon's ports", lambda: port_file.exists() and port_file.read_text("ascii").split())
         except Failure:
@@ -69,7 +84,7 @@ class Daemon:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def sweepstake(self, *arguments):
-        return [self.programs / "sweepstake", *map(str, arguments), "--daemon", self.address]
+        return [self.programs / "sweepstake", *map(str, arguments), "--daemon", self.address, *self.client_options]
 
     def load(self, streams, rate, frames, duration_s, **options):
         words = [word for name, value in options.items() for word in ("--" + name.replace("_", "-"), value)]
@@ -96,9 +111,10 @@ def run_load(command):
 def add_cost(figures):
     """Adds the daemon's processor time per message that reached its disk."""
     messages = figures["acknowledged_per_s"] * figures["measured_s"]
+    if messages == 0:
+        raise Failure("nothing was acknowledged: measure for more --seconds")
     figures["server_cores"] = figures["server_cpu_s"] / figures["measured_s"]
-    if messages > 0:
-        figures["server_cpu_us_per_message"] = 1e6 * figures["server_cpu_s"] / messages
+    figures["server_cpu_us_per_message"] = 1e6 * figures["server_cpu_s"] / messages
     return figures
 
 
@@ -130,6 +146,15 @@ def measure_restart(daemon, streams, options):
     figures = json.loads(output)
     kept = ("streams", "rejected", "finished", "reconnect_s", "hello_latency_ms_p99")
     return {name: figures[name] for name in kept if name in figures}
+
+
+def measure_watched(daemon, streams, options):
+    """The same load without watchers, then with them; what the daemon takes in less then, as a ratio."""
+    alone = measure_rate(daemon, streams, 1, 60, options)
+    watched = measure_watchers(daemon, streams, 100, options)
+    watched["ingest_loss_ratio"] = 1 - watched["acknowledged_per_s"] / alone["acknowledged_per_s"]
+    watched["server_cpu_gain_ratio"] = watched["server_cpu_us_per_message"] / alone["server_cpu_us_per_message"] - 1
+    return watched
 
 
 def measure_watchers(daemon, streams, watchers, options):
@@ -166,50 +191,50 @@ def measure_hello(daemon, sources, options):
     return {"sources": sources, **{name: figures[name] for name in figures if name.startswith("hello")}}
 
 
-def measure(options):
+def plan(options):
+    """Name, title, measurement and whether it goes over TLS."""
     streams = options.streams
-    plans = {
-        f"{streams} streams × 1 Hz × 60 frames": lambda daemon: measure_rate(daemon, streams, 1, 60, options),
-        f"{streams // 2} streams × 1 Hz × 60 frames": lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options),
-        f"{streams // 5} streams × 4 Hz × 15 frames": lambda daemon: measure_rate(daemon, streams // 5, 4, 15, options),
-        "idle streams": lambda daemon: measure_idle(daemon, streams, options),
-        "restart": lambda daemon: measure_restart(daemon, streams, options),
-        "no watchers": lambda daemon: measure_watchers(daemon, streams // 10, 0, options),
-        "100 watchers": lambda daemon: measure_watchers(daemon, streams // 10, 100, options),
-        f"Hello, {options.sources} sources": lambda daemon: measure_hello(daemon, options.sources, options),
-    }
-    results = {}
-    for number, (name, run) in enumerate(plans.items(), 1):
-        if options.only and not any(word in name for word in options.only):
-            continue
-        print(f"{number} of {len(plans)}: {name}", file=sys.stderr)
+    return [
+        ("full", f"{streams} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams, 1, 60, options), False),
+        ("half", f"{streams // 2} streams × 1 Hz × 60 frames", lambda daemon: measure_rate(daemon, streams // 2, 1, 60, options),
+         False),
+        ("often", f"{streams // 5} streams × 4 Hz × 15 frames", lambda daemon: measure_rate(daemon, streams // 5, 4, 15, options),
+         False),
+        ("idle", f"{streams} idle streams", lambda daemon: measure_idle(daemon, streams, options), False),
+        ("idle-tls", f"{streams} idle streams with TLS", lambda daemon: measure_idle(daemon, streams, options), True),
+        ("restart", f"a restart under {streams} streams", lambda daemon: measure_restart(daemon, streams, options), False),
+        ("watched", f"100 watchers of {streams // 2} streams", lambda daemon: measure_watched(daemon, streams // 2, options), False),
+        ("hello", f"Hellos of a scene with {options.sources} sources", lambda daemon: measure_hello(daemon, options.sources, options),
+         False),
+    ]
+
+
+def measure(options):
+    loads = []
+    wanted = [row for row in plan(options) if not options.only or row[0] in options.only]
+    for number, (name, title, run, with_tls) in enumerate(wanted, 1):
+        print(f"{number} of {len(wanted)}: {title}", file=sys.stderr)
         with tempfile.TemporaryDirectory(prefix="sweepstake-load-") as data:
-            daemon = Daemon(options.programs, data)
+            daemon = Daemon(options.programs, data, with_tls)
             try:
-                results[name] = run(daemon)
+                loads.append({"name": name, "title": title, "figures": run(daemon)})
             finally:
                 daemon.stop()
-    return results
-
-
-def print_table(results):
-    for name, figures in results.items():
-        print(name)
-        for figure, value in figures.items():
-            if figure not in ("command", "daemon"):
-                print(f"  {figure:30}{value:14.2f}" if isinstance(value, float) else f"  {figure:30}{value:>11}")
+    return {"command": "daemon_load", "streams": options.streams, "sources": options.sources, "loads": loads}
 
 
 def parse(words):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="examples:\n  tests/bench/daemon_load.py\n  tests/bench/daemon_load.py --streams 1000 --only restart --json")
+        epilog="examples:\n  tests/bench/daemon_load.py\n  tests/bench/daemon_load.py --streams 1000 --only restart --json\n"
+        "  tests/bench/daemon_load.py --json | tests/bench/judge.py daemon")
     parser.add_argument("--programs", type=pathlib.Path, default=ROOT / "build/release/bin", metavar="FOLDER",
                         help="with sweepstaked and sweepstake (default: build/release/bin)")
     parser.add_argument("--streams", type=int, default=10_000, help="games at a time (default: %(default)s)")
     parser.add_argument("--sources", type=int, default=100_000, help="sessions that taught the scene (default: %(default)s)")
     parser.add_argument("--seconds", type=int, default=20, help="to measure each load for (default: %(default)s)")
-    parser.add_argument("--only", action="append", metavar="WORD", help="only the loads whose names have the word")
+    parser.add_argument("--only", action="append", choices=[row[0] for row in plan(argparse.Namespace(streams=0, sources=0))],
+                        help="only this load; may be given again")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)
 
@@ -222,14 +247,14 @@ def main(words):
                   file=sys.stderr)
             return 2
     try:
-        results = measure(options)
-    except (Failure, subprocess.TimeoutExpired) as failure:
+        document = measure(options)
+    except (Failure, OSError, subprocess.SubprocessError) as failure:
         print(failure, file=sys.stderr)
         return 2
     if options.json:
-        print(json.dumps({"loads": results}, indent=2, ensure_ascii=False))
+        print(json.dumps(document, indent=2, ensure_ascii=False))
     else:
-        print_table(results)
+        print(judging.daemon_text(document, judging.judge(document, read_goals(GOALS)["daemon"])), end="")
     return 0
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds what `sweepstake bench` and `sweepstake replay` measured against the goals.
+"""Holds what `sweepstake bench`, `sweepstake replay` and `daemon_load.py` measured against the goals.
 
 Reads documents that these commands print with --json, the goals of data/goals.toml and the times that were published or
 measured elsewhere, data/published_figures.csv. Needs Python 3.11 and nothing else. Exit code: 0 every goal is met, 1 a
@@ -12,7 +12,7 @@ import pathlib
 import sys
 import tomllib
 
-from judging import backends, decisions
+from judging import backends, daemon, decisions
 from judging.common import InputError, read_goals, read_json
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
@@ -36,6 +36,14 @@ def judge_decisions(options):
     return all(goal["met"] or goal["reached"] is None for goal in goals)
 
 
+def judge_daemon(options):
+    document, goals = read_json(options.document), read_goals(options.goals)["daemon"]
+    rows = daemon.judge(document, goals)
+    daemon.require_all(document, goals)
+    print_result((daemon.daemon_json if options.json else daemon.daemon_text)(document, rows))
+    return all(row["met"] is not False for row in rows)
+
+
 def print_result(result):
     print(result if isinstance(result, str) else json.dumps(result, indent=2, ensure_ascii=False) + "\n", end="")
 
@@ -47,6 +55,7 @@ def parse(words):
         "  sweepstake bench --scene suite-b --objects 1000,10000 --peers --json | tests/bench/judge.py bench\n"
         "  tests/bench/judge.py bench --json build/bench/suite.json\n"
         "  tests/bench/judge.py decisions --cells tests/bench/data/held_out_scenes.txt none.json right.json wrong.json time.json\n"
+        "  tests/bench/daemon_load.py --json | tests/bench/judge.py daemon\n"
         "tests/bench/run.sh and tests/bench/decisions.sh measure and call it.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     bench = commands.add_parser("bench", help="backends against peers: the document of `sweepstake bench --peers --json`")
@@ -61,7 +70,10 @@ def parse(words):
     replays.add_argument("--cells", required=True, metavar="LIST.txt", help="the scenes, one in a line")
     replays.add_argument("--policy", help="the judged one (default: the first of the first document)")
     replays.set_defaults(judge=judge_decisions)
-    for command in (bench, replays):
+    load = commands.add_parser("daemon", help="what a daemon bears: the document of `daemon_load.py --json`")
+    load.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
+    load.set_defaults(judge=judge_daemon)
+    for command in (bench, replays, load):
         command.add_argument("--goals", default=DATA / "goals.toml", metavar="FILE.toml", help="(default: %(default)s)")
         command.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)

@@ -254,6 +254,40 @@ class DecisionGoals(unittest.TestCase):
         self.assertIn("none left", out)
 
 
+class DaemonGoals(unittest.TestCase):
+    def setUp(self):
+        self.goals = common.read_goals(judge.DATA / "goals.toml")["daemon"]
+        loads = {}
+        for goal in self.goals["goal"]:
+            loads.setdefault(goal["load"], {"more": 7.0})[goal["figure"]] = 0.9 * common.limit_of(goal)[1]
+        self.document = {"command": "daemon_load", "streams": self.goals["streams"], "sources": self.goals["sources"],
+                         "loads": [{"name": name, "title": name, "figures": figures} for name, figures in loads.items()]}
+
+    def test_all_are_met(self):
+        code, out, _ = run(["daemon", "--json"], [self.document])
+        self.assertEqual(code, 0)
+        rows = json.loads(out)["figures"]
+        self.assertEqual(sum(row["met"] is True for row in rows), len(self.goals["goal"]))
+        self.assertEqual(sum(row["met"] is None for row in rows), len(self.document["loads"]))
+
+    def test_each_can_be_missed(self):
+        for goal in self.goals["goal"]:
+            document = copy.deepcopy(self.document)
+            figures = next(load["figures"] for load in document["loads"] if load["name"] == goal["load"])
+            figures[goal["figure"]] = 1.1 * common.limit_of(goal)[1]
+            code, out, _ = run(["daemon"], [document])
+            self.assertEqual((code, out.count("NOT MET")), (1, 1), goal)
+
+    def test_what_was_not_measured_is_an_error(self):
+        fewer_streams = self.document | {"streams": 100}
+        no_load = self.document | {"loads": self.document["loads"][1:]}
+        no_figure = copy.deepcopy(self.document)
+        no_figure["loads"][0]["figures"] = {"more": 7.0}
+        for document in (fewer_streams, no_load, no_figure, self.document | {"loads": []}):
+            code, out, err = run(["daemon"], [document])
+            self.assertEqual((code, out), (2, ""), err)
+
+
 class Incomplete(unittest.TestCase):
     """What is missing is an error, never a goal that is met."""
 

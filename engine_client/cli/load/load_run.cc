@@ -76,7 +76,7 @@ class LoadRun final : public LoadEvents {
   Result<LoadResult> Run();
 
   void OnWelcome(int64_t latency_ns) override;
-  void OnAcknowledged(uint64_t message_count) override;
+  void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) override;
   void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
              uint32_t delay_ms) override;
   void OnSwitch(std::optional<int64_t> latency_ns) override;
@@ -143,9 +143,11 @@ void LoadRun::OnWelcome(int64_t latency_ns) {
   result_.reconnect_s = std::max(result_.reconnect_s.value_or(0), seconds);
 }
 
-void LoadRun::OnAcknowledged(uint64_t message_count) {
+void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) {
   const std::lock_guard lock(mutex_);
-  if (measuring_) result_.acknowledged_count += message_count;
+  if (!measuring_) return;
+  result_.acknowledged_count += message_count;
+  if (lag_ns) result_.commit_lag_ms.push_back(static_cast<double>(*lag_ns) * 1e-6);
 }
 
 void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
@@ -290,13 +292,16 @@ void LoadRun::ShowProgress(int64_t now_ns) {
 
 void LoadRun::Measure() {
   const std::optional<double> cpu_before_s = CpuSeconds(plan_.server_pid);
+  const std::optional<double> own_before_s = CpuSeconds(getpid());
   const int64_t start_ns = NowNs();
   measuring_ = true;
   RunUntil(start_ns + static_cast<int64_t>(plan_.duration_ns), [] { return false; });
   measuring_ = false;
   result_.measured_s = static_cast<double>(NowNs() - start_ns) * 1e-9;
   const std::optional<double> cpu_after_s = CpuSeconds(plan_.server_pid);
+  const std::optional<double> own_after_s = CpuSeconds(getpid());
   if (cpu_before_s && cpu_after_s) result_.server_cpu_s = *cpu_after_s - *cpu_before_s;
+  if (own_before_s && own_after_s) result_.generator_cpu_s = *own_after_s - *own_before_s;
 }
 
 void LoadRun::SayGoodbye() {
@@ -321,8 +326,8 @@ Result<LoadResult> LoadRun::Run() {
   Measure();
   SayGoodbye();
   const std::lock_guard lock(mutex_);
-  for (auto* figures :
-       {&result_.hello_latency_ms, &result_.decision_latency_ms, &result_.tick_lateness_ms}) {
+  for (auto* figures : {&result_.hello_latency_ms, &result_.decision_latency_ms,
+                        &result_.commit_lag_ms, &result_.tick_lateness_ms}) {
     std::sort(figures->begin(), figures->end());
   }
   return result_;

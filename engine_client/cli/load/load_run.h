@@ -43,9 +43,11 @@ struct LoadResult {
   double measured_s = 0;
   std::vector<double> hello_latency_ms;     // sorted; from a connection begun to its welcome
   std::vector<double> decision_latency_ms;  // sorted
+  std::vector<double> commit_lag_ms;        // sorted; from a batch sent to its acknowledgement
   std::vector<double> tick_lateness_ms;     // sorted
   std::optional<double> reconnect_s;        // the longest time until all streams were back
   std::optional<double> server_cpu_s;       // while measuring
+  std::optional<double> generator_cpu_s;    // this process's, while measuring
 };
 
 // Errors: kUnavailable (nobody answered), or as the daemon refused every stream.

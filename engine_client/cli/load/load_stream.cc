@@ -46,6 +46,7 @@ class LoadStream::Call final
       delay_ms = std::exchange(stream.reconnect_delay_ms_, 0);
       stream.waiting_.clear();
       stream.bail_out_sent_ns_ = 0;
+      stream.timed_sent_ns_ = 0;
     }
     stream.events_.OnEnd(stream, status, was_up, delay_ms);
   }
@@ -102,6 +103,10 @@ bool LoadStream::SendBatch(const v1::FrameBatch& frames, bool with_bail_out) {
     batch.set_switch_epoch(i, switch_epoch_);
   }
   frame_index_ += static_cast<uint64_t>(batch.arm_size());
+  if (timed_sent_ns_ == 0) {
+    timed_sequence_ = sequence_;
+    timed_sent_ns_ = NowNs();
+  }
   Send(std::move(request));
   if (with_bail_out) SendBailOut();
   return true;
@@ -146,11 +151,7 @@ void LoadStream::WriteNext() {
 
 void LoadStream::OnResponse(const v1::StreamTelemetryResponse& response) {
   if (response.has_welcome()) OnWelcome(response.welcome());
-  if (response.has_acknowledgement()) {
-    const uint64_t before =
-        std::exchange(acknowledged_sequence_, response.acknowledgement().sequence());
-    events_.OnAcknowledged(acknowledged_sequence_ - before);
-  }
+  if (response.has_acknowledgement()) OnAcknowledgement(response.acknowledgement().sequence());
   if (response.has_switch_command()) OnSwitch(response.switch_command());
   if (response.has_reconnect_elsewhere())
     reconnect_delay_ms_ = response.reconnect_elsewhere().delay_ms();
@@ -164,6 +165,14 @@ void LoadStream::OnWelcome(const v1::Welcome& welcome) {
   bail_out_ns_ = uint64_t{1'000'000} * welcome.bail_out_ms();
   up_ = true;
   events_.OnWelcome(NowNs() - begun_ns_);
+}
+
+void LoadStream::OnAcknowledgement(uint64_t sequence) {
+  const uint64_t before = std::exchange(acknowledged_sequence_, sequence);
+  std::optional<int64_t> lag_ns;
+  if (timed_sent_ns_ != 0 && sequence >= timed_sequence_)
+    lag_ns = NowNs() - std::exchange(timed_sent_ns_, 0);
+  events_.OnAcknowledged(sequence - before, lag_ns);
 }
 
 void LoadStream::OnSwitch(const v1::SwitchCommand& command) {

@@ -32,8 +32,9 @@ class LoadEvents {
   virtual ~LoadEvents() = default;
   // `latency_ns` is the time since the connection was begun.
   virtual void OnWelcome(int64_t latency_ns) = 0;
-  // So many more messages are on the daemon's disk.
-  virtual void OnAcknowledged(uint64_t message_count) = 0;
+  // So many more messages are on the daemon's disk. `lag_ns` is the time since one of their batches
+  // was sent: at most one in flight is timed.
+  virtual void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) = 0;
   // `delay_ms` is the min time before the next connection that the daemon asked for. `was_up` says
   // that the stream had its welcome.
   virtual void OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
@@ -69,6 +70,7 @@ class LoadStream {
   void WriteNext();
   void OnResponse(const v1::StreamTelemetryResponse& response);
   void OnWelcome(const v1::Welcome& welcome);
+  void OnAcknowledgement(uint64_t sequence);
   void OnSwitch(const v1::SwitchCommand& command);
   void SendBailOut();
 
@@ -90,6 +92,8 @@ class LoadStream {
   uint32_t reconnect_delay_ms_ = 0;
   int64_t begun_ns_ = 0;          // of the connection
   int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
+  uint64_t timed_sequence_ = 0;   // of the batch whose commit is timed
+  int64_t timed_sent_ns_ = 0;     // 0: none is
   bool up_ = false;               // the welcome has come
   bool leaving_ = false;          // goodbye was said: nothing follows it
 };

@@ -29,9 +29,12 @@ Json LoadJson(const LoadPlan& plan, const LoadResult& result) {
   add_quantile("hello_latency_ms_p99", result.hello_latency_ms, 0.99);
   add_quantile("decision_latency_ms_p50", result.decision_latency_ms, 0.5);
   add_quantile("decision_latency_ms_p99", result.decision_latency_ms, 0.99);
+  add_quantile("commit_lag_ms_p50", result.commit_lag_ms, 0.5);
+  add_quantile("commit_lag_ms_p99", result.commit_lag_ms, 0.99);
   add_quantile("tick_lateness_ms_p99", result.tick_lateness_ms, 0.99);
   if (result.reconnect_s) json["reconnect_s"] = *result.reconnect_s;
   if (result.server_cpu_s) json["server_cpu_s"] = *result.server_cpu_s;
+  if (result.generator_cpu_s) json["generator_cpu_s"] = *result.generator_cpu_s;
   return json;
 }
 

@@ -56,7 +56,7 @@ def meets(goal, value):
 def read_goals(path):
     with open(path, "rb") as file:
         goals = tomllib.load(file)
-    for goal in goals["bench"] + goals["decisions"]:
+    for goal in goals["bench"] + goals["decisions"] + goals["daemon"]["goal"]:
         limit_of(goal)
     return goals
 

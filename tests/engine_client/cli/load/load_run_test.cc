@@ -87,6 +87,8 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
   EXPECT_GT(result->bail_out_count, 0U);
   EXPECT_GT(result->acknowledged_count, 0U);
   EXPECT_FALSE(result->decision_latency_ms.empty());
+  EXPECT_FALSE(result->commit_lag_ms.empty());
+  EXPECT_LE(result->commit_lag_ms.size(), result->measured_batch_count + 50);
   EXPECT_FALSE(result->reconnect_s);
 }
 
