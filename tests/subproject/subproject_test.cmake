@@ -1,5 +1,5 @@
 # As a folder of another project Sweepstake is quiet: no tests, no launcher, no warnings as errors, no settings of the whole
-# build. Variables: SWEEPSTAKE_SOURCE, WORK (emptied first), GENERATOR.
+# build, no daemon. Variables: SWEEPSTAKE_SOURCE, WORK (emptied first), GENERATOR, WITH_TELEMETRY (gRPC is there).
 cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE_RECURSE ${WORK})
@@ -17,11 +17,19 @@ file(READ ${WORK}/compile_commands.json commands)
 if(NOT commands MATCHES "broad_phase/registry\\.cc")
   message(FATAL_ERROR "The broad phases are not part of the build that added Sweepstake")
 endif()
-foreach(unwanted "-Werror" "ccache" "_test\\.cc")
+if(WITH_TELEMETRY AND NOT commands MATCHES "telemetry/daemon_session\\.cc")
+  message(FATAL_ERROR "The session with a daemon is not part of the build that added Sweepstake")
+endif()
+foreach(unwanted "-Werror" "ccache" "_test\\.cc" "server/(daemon|rpc|storage|web)")
   if(commands MATCHES "[^\"\n]*${unwanted}[^\"\n]*")
     message(FATAL_ERROR "As a folder of another project Sweepstake brings '${unwanted}': ${CMAKE_MATCH_0}")
   endif()
 endforeach()
+# The daemon's libraries are not asked for.
+file(STRINGS ${WORK}/CMakeCache.txt asked REGEX "^(SQLite3|CLI11|spdlog|tomlplusplus|Boost|prometheus-cpp|libsystemd)_")
+if(asked)
+  message(FATAL_ERROR "As a folder of another project Sweepstake asks for what only the daemon needs: ${asked}")
+endif()
 file(GLOB_RECURSE test_lists ${WORK}/CTestTestfile.cmake ${WORK}/DartConfiguration.tcl)
 if(test_lists)
   message(FATAL_ERROR "Sweepstake brings tests to the project that added it: ${test_lists}")

@@ -43,8 +43,8 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     PageStream* raw = stream.get();
     raw->self_ = std::move(stream);
     context.loop.Post([raw] {
-      raw->LoadNext();
       raw->context_.stalls.Add(*raw);
+      raw->LoadNext();
     });
     return raw;
   }
@@ -56,10 +56,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   // A pending write fails, and a page that is being read is not written, so both end soon.
   void OnCancel() override {}
   void OnDone() override {
-    context_.loop.Post([this] {
-      context_.stalls.Remove(*this);
-      self_.reset();
-    });
+    context_.loop.Post([this] { self_.reset(); });
   }
   int64_t waiting_since_ns() const override { return last_progress_ns_; }
   void OnStalled() override {
@@ -93,7 +90,10 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     this->StartWrite(&page_.response);
   }
 
-  void End(const absl::Status& status) { this->Finish(ToGrpc(status)); }
+  void End(const absl::Status& status) {
+    context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
+    this->Finish(ToGrpc(status));
+  }
 
   ServiceContext& context_;
   grpc::CallbackServerContext& call_;

@@ -39,8 +39,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
               grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
       : context_(context), collected_count_(collected_count), call_(call), response_(response) {
     context_.loop.Post([this] {
-      ReadNext();
       context_.stalls.Add(*this);
+      ReadNext();
     });
   }
   ~PriorImport() override { collected_count_ -= records_.size(); }
@@ -50,10 +50,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     context_.loop.Post([this, status = Take()] { status.ok() ? ReadNext() : End(status); });
   }
   void OnDone() override {
-    context_.loop.Post([this] {
-      context_.stalls.Remove(*this);
-      delete this;
-    });
+    context_.loop.Post([this] { delete this; });
   }
   int64_t waiting_since_ns() const override { return last_progress_ns_; }
   void OnStalled() override {
@@ -89,7 +86,10 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     End(absl::OkStatus());
   }
 
-  void End(const absl::Status& status) { Finish(ToGrpc(status)); }
+  void End(const absl::Status& status) {
+    context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
+    Finish(ToGrpc(status));
+  }
 
   absl::Status Take() {
     if (!Parse(bytes_, request_)) {

@@ -16,7 +16,8 @@ namespace sweepstake::rpc {
 // pending operation then fails.
 void Cancel(grpc::CallbackServerContext& call, const absl::Status& status);
 
-// A call that may stall.
+// A call that may stall. It leaves the sweep before it is finished, since gRPC may have freed it by
+// the time that the loop hears of the end.
 class StallingCall {
  public:
   virtual ~StallingCall() = default;

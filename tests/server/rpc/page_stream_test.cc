@@ -1,0 +1,65 @@
+// When a stream of pages may be ended from outside.
+#include "server/rpc/services/page_stream.h"
+
+#include <gtest/gtest.h>
+#include <spdlog/logger.h>
+
+#include <future>
+
+#include "server/rpc/services/watcher_set.h"
+#include "server/rpc/sessions/session_table.h"
+#include "tests/server/rpc/manual_clock.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// A store that has too much to do.
+class BusyStore final : public priors::AsyncPriorStore {
+ public:
+  void Commit(priors::SourceUpdate /*update*/, CommitCallback /*done*/) override {}
+  bool Submit(Job /*job*/) override { return false; }
+  bool healthy() const override { return true; }
+  uint64_t lost_audit_row_count() const override { return 0; }
+};
+
+// What a stream needs of its server, without a server: its call is never begun, so that whatever
+// touches it ends the program.
+struct Services {
+  // Returns when the loop has run what is posted and due.
+  void Settle() {
+    for (int i = 0; i < 2; ++i) {
+      std::promise<void> reached;
+      loop.Post([&] { reached.set_value(); });
+      reached.get_future().wait();
+    }
+  }
+
+  ManualClock clock;
+  BusyStore store;
+  RpcOptions options;
+  Counters counters;
+  spdlog::logger log{"test"};
+  watch::WatchHub watch_hub{store, {}};
+  DecisionLoop loop{clock};
+  SessionTable sessions{options, loop};
+  StallSweep stalls{loop, options.watcher_patience_ns};
+  ServiceContext context{
+      {options, loop, store, counters, watch_hub}, sessions, watchers, stalls, log};
+  WatcherSet watchers{context};
+};
+
+TEST(PageStreamTest, AStreamThatIsFinishedIsNotEndedAgainBeforeTheLoopHearsOfItsEnd) {
+  using Stream = PageStream<v1::ExportPriorsResponse, int>;
+  Services services;
+  grpc::CallbackServerContext call;
+  Stream* stream = Stream::Start(services.context, call,
+                                 [](priors::PriorStore&, int) { return Stream::Page{}; });
+  services.Settle();
+  services.clock.Advance(2 * services.options.watcher_patience_ns);
+  services.Settle();
+  stream->OnDone();
+  services.Settle();
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
