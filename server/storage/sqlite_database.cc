@@ -146,11 +146,29 @@ absl::Status SqliteDatabase::EnableDefensive() {
   return code == SQLITE_OK ? absl::OkStatus() : Error(code);
 }
 
-absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
+absl::StatusOr<sqlite3_file*> SqliteDatabase::LogFile() {
   sqlite3_file* log = nullptr;
   const int code =
       sqlite3_file_control(database_.get(), "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
   if (code != SQLITE_OK) return Error(code);
+  return log;
+}
+
+absl::Status SqliteDatabase::SyncLog() {
+  // The database takes over what the log has, and the log is emptied. So commits survive even where
+  // an earlier sync has failed: later ones of the same bytes would succeed and write nothing. That
+  // needs room, and nobody else who reads; the log's own sync, which ends it, needs neither.
+  sqlite3_wal_checkpoint_v2(database_.get(), "main", SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  auto log = LogFile();
+  if (!log.ok()) return log.status();
+  const int code = (*log)->pMethods->xSync(*log, SQLITE_SYNC_FULL);
+  return code == SQLITE_OK ? absl::OkStatus() : ToStatus(code, "cannot sync the write-ahead log");
+}
+
+absl::Status SqliteDatabase::TimeSyncs(OnSync on_sync) {
+  auto opened = LogFile();
+  if (!opened.ok()) return opened.status();
+  sqlite3_file* log = *opened;
   timed_log_ = std::make_unique<TimedFile>();
   timed_log_->methods = *log->pMethods;
   timed_log_->methods.xSync = &TimedFile::Sync;

@@ -114,6 +114,10 @@ class SqliteDatabase {
   absl::Status LimitSize(uint64_t max_bytes);
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
+  // Makes everything durable that a reader can see, whoever wrote it. A process that was killed may
+  // have left commits in the log that never reached the disk. REQUIRES: the database is in WAL mode
+  // and was read before.
+  absl::Status SyncLog();
   // Tells `on_sync` the duration of each fsync of the write-ahead log from now on. REQUIRES: the
   // database is in WAL mode and was read before.
   absl::Status TimeSyncs(OnSync on_sync);
@@ -125,6 +129,8 @@ class SqliteDatabase {
   };
   explicit SqliteDatabase(sqlite3* database);
   absl::Status Error(int code) const;
+  // Returns the open file of the write-ahead log.
+  absl::StatusOr<sqlite3_file*> LogFile();
 
   std::unique_ptr<TimedFile> timed_log_;  // used by the connection, which ends before it
   std::unique_ptr<sqlite3, Closer> database_;

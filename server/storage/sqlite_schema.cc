@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/storage/private_file.h"
 
@@ -288,6 +289,12 @@ absl::Status CheckPages(SqliteDatabase& database, const fs::path& path) {
   auto verdict = database.QueryText("PRAGMA quick_check(1)");
   if (!verdict.ok()) return Explain(path, verdict.status());
   if (*verdict == "ok") return absl::OkStatus();
+  // The check reports a page that it cannot read as if that were the page's fault.
+  if (absl::StrContains(*verdict, "unable to get the page") ||
+      absl::StrContains(*verdict, "failed to get page")) {
+    return absl::UnavailableError(
+        absl::StrCat(path.string(), " cannot be read (", *verdict, "); look at the disk"));
+  }
   return absl::DataLossError(absl::StrCat(path.string(), " is corrupt (", *verdict,
                                           "); restore it from a backup, or move it away"));
 }
@@ -304,6 +311,7 @@ absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
   if (absl::Status status = Configure(database); !status.ok()) return Explain(path, status);
   if (absl::Status status = CheckPages(database, path); !status.ok()) return status;
   absl::Status status = UseWriteAheadLog(database);
+  if (status.ok()) status = database.SyncLog();
   if (status.ok()) status = KeepOlder(database, path, *version);
   if (status.ok()) status = Migrate(database, *version);
   if (status.ok()) status = database.EnableDefensive();
