@@ -2,8 +2,9 @@
 // SIGHUP makes it read the configuration again.
 //
 // Exit codes: 0 done; 1 the configuration to be checked is not valid, the daemon to be probed does
-// not serve, or a copy could not be made, verified or put back; 2 bad usage or configuration; 3 the
-// daemon could not start; 4 it did not end within nine seconds after a signal.
+// not serve, a copy could not be made, verified or put back, or a token not made or revoked; 2 bad
+// usage or configuration; 3 the daemon could not start; 4 it did not end within nine seconds after
+// a signal.
 #include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -25,6 +26,7 @@
 #include "server/rpc/health_probe.h"
 #include "server/service_manager.h"
 #include "server/storage/sqlite_backup.h"
+#include "server/token_command.h"
 
 namespace {
 
@@ -50,6 +52,7 @@ struct CommandLine {
   std::string file;  // of a subcommand
   bool verify = false;
   bool print_config = false;
+  sweepstake::server::TokenCommand token;
 };
 
 void AddOptions(CLI::App& app, CommandLine& line) {
@@ -89,6 +92,7 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   probe->footer(
       "Asks grpc.health.v1 at `listen`; where that has port 0, at the port in `port_file`. For "
       "containers without a shell: HEALTHCHECK CMD [\"sweepstaked\", \"probe\"]");
+  line.token.AddTo(app);
   app.footer("Example: sweepstaked --listen 127.0.0.1:7433 --data /var/lib/sweepstake");
   app.require_subcommand(0, 1);
   app.allow_extras();
@@ -175,8 +179,9 @@ int Probe(const Config& config) {
 
 std::string UnknownFlag(const std::string& flag) {
   const auto settings = sweepstake::server::DescribeSettings();
-  std::vector<std::string_view> known = {"--config",     "--print-config", "--help",  "--version",
-                                         "check-config", "backup",         "restore", "probe"};
+  std::vector<std::string_view> known = {"--config",  "--print-config", "--help",
+                                         "--version", "check-config",   "backup",
+                                         "restore",   "probe",          "token"};
   for (const auto& setting : settings) known.push_back(setting.flag);
   return sweepstake::math::UnknownName("argument", flag, known);
 }
@@ -249,6 +254,10 @@ int main(int argc, char** argv) {
     return kDone;
   }
   if (app.got_subcommand("probe")) return Probe(*config);
+  if (app.got_subcommand("token")) {
+    const absl::Status status = line.token.Run(config->data, std::cout);
+    return status.ok() ? kDone : Fail(kCheckFailed, std::string(status.message()));
+  }
   if (app.got_subcommand("backup"))
     return ReportContents(line.file, sweepstake::storage::BackUpStore(config->data, line.file));
   if (app.got_subcommand("restore")) {

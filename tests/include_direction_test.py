@@ -4,7 +4,7 @@
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     server/decision/math <- everything else, since it is pure
     server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
-    watch <- rpc      server/tls <- telemetry, rpc      web, which knows none of them, <- daemon
+    storage <- server/auth <- daemon      watch <- rpc      server/tls <- telemetry, rpc      web, which knows none of them, <- daemon
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
 
@@ -49,11 +49,12 @@ ALLOWED = {
     "server/priors": DECISION | {"server/audit"},
     "server/storage": DECISION | {"server/audit", "server/priors"},
     "server/tls": set(),
+    "server/auth": {"server/storage"},
     "server/watch": DECISION | {"server/audit", "server/priors"},
     "server/web": set(),
     "server/rpc": DECISION | {"server/audit", "server/priors", "server/tls", "server/watch", "proto"},
     "server": DECISION | {
-        "server/audit", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "proto"},
+        "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "proto"},
 }
 
 # Pure functions that every folder may include.
@@ -90,7 +91,7 @@ ROOM_ORDER = {
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/priors", "server/storage", "server/tls", "server/watch",
+    "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch",
     "server/rpc", "server/web"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
@@ -258,6 +259,7 @@ BAD = {
     "server/audit/ac.cc": "#include <fstream>\n",
     "server/tls/af.cc": '#include "server/rpc/common/options.h"\n',
     "server/watch/ad.cc": '#include "server/rpc/common/decision_loop.h"\n',
+    "server/auth/ag.cc": '#include "server/rpc/common/options.h"\n',
     "server/web/af.cc": '#include "server/rpc/common/options.h"\n',
     "server/watch/ae.cc": '#include "server/storage/store_thread.h"\n',
 }

@@ -62,7 +62,9 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
     const fs::path file = directory.database().string() + suffix;
     if (!MakePrivate(file)) directory.open_to_others_ = true;
   }
-  if (!MakePrivate(lock_path)) directory.open_to_others_ = true;
+  for (const fs::path& file : {lock_path, directory.tokens()}) {
+    if (!MakePrivate(file)) directory.open_to_others_ = true;
+  }
   return directory;
 }
 

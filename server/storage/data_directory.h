@@ -13,6 +13,7 @@ namespace sweepstake::storage {
 class DataDirectory {
  public:
   static constexpr const char* kDatabaseName = "priors.db";
+  static constexpr const char* kTokensName = "tokens.db";
 
   // Creates the directory, but not its parents, if it is missing. Only the owner can read it and
   // its files; a directory that exists keeps its mode, its files do not. Errors: UNAVAILABLE
@@ -26,6 +27,7 @@ class DataDirectory {
   bool open_to_others() const { return open_to_others_; }
   std::filesystem::path database() const { return path_ / kDatabaseName; }
   std::filesystem::path resume_key() const { return path_ / "resume-key"; }
+  std::filesystem::path tokens() const { return path_ / kTokensName; }
 
  private:
   DataDirectory(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}

@@ -1,0 +1,151 @@
+#include "server/auth/token_registry.h"
+
+#include <openssl/crypto.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "server/decision/math/names.h"
+
+namespace sweepstake::auth {
+namespace {
+
+std::string NameFor(const StoredToken& token) { return math::PrintableLine(token.request.name); }
+
+std::string MadeText(const StoredToken& token) {
+  const TokenRequest& request = token.request;
+  return absl::StrCat("token ", NameFor(token), " was made by ",
+                      math::PrintableLine(request.made_by), ": ", std::string(NameOf(request.role)),
+                      " of ", request.projects.empty() ? "all projects" : "some projects");
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<TokenRegistry>> TokenRegistry::Open(
+    const std::filesystem::path& path, TokenRegistryOptions options) {
+  auto store = TokenStore::Open(path);
+  if (!store.ok()) return store.status();
+  std::unique_ptr<TokenRegistry> registry(new TokenRegistry(*std::move(store), std::move(options)));
+  const auto version = registry->store_.Version();
+  if (!version.ok()) return version.status();
+  registry->version_ = *version;
+  if (absl::Status status = registry->Read(); !status.ok()) return status;
+  registry->next_use_store_ = std::chrono::steady_clock::now() + registry->options_.use_interval;
+  registry->thread_ = std::thread([raw = registry.get()] { raw->Run(); });
+  return registry;
+}
+
+TokenRegistry::~TokenRegistry() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  ending_changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+std::shared_ptr<const TokenRegistry::Entries> TokenRegistry::Current() const {
+  const std::lock_guard lock(mutex_);
+  return entries_;
+}
+
+std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
+  const std::string digest = DigestOf(token);
+  const int64_t now_s = options_.unix_now_s();
+  const auto entries = Current();
+  const Entry* found = nullptr;
+  // All are compared, each in the same time, so that the time says nothing about any of them.
+  for (const Entry& entry : *entries) {
+    if (CRYPTO_memcmp(entry.token.digest.data(), digest.data(), digest.size()) == 0) found = &entry;
+  }
+  if (found == nullptr || !found->token.IsValidAt(now_s)) return std::nullopt;
+  *found->last_used_unix_s = now_s;
+  const TokenRequest& request = found->token.request;
+  return Principal{found->token.id, request.name, request.role, request.projects};
+}
+
+bool TokenRegistry::IsValid(int64_t token_id) const {
+  const auto entries = Current();
+  const auto found =
+      std::lower_bound(entries->begin(), entries->end(), token_id,
+                       [](const Entry& entry, int64_t id) { return entry.token.id < id; });
+  return found != entries->end() && found->token.id == token_id &&
+         found->token.IsValidAt(options_.unix_now_s());
+}
+
+absl::Status TokenRegistry::Read() {
+  auto tokens = store_.Load();
+  if (!tokens.ok()) return tokens.status();
+  const auto before = Current();
+  Entries after;
+  for (StoredToken& token : *tokens) {
+    const size_t i = after.size();
+    const bool known = i < before->size() && (*before)[i].token.id == token.id;
+    auto last_used =
+        known ? (*before)[i].last_used_unix_s
+              : std::make_shared<std::atomic<int64_t>>(token.last_used_unix_s.value_or(0));
+    after.push_back({std::move(token), std::move(last_used)});
+  }
+  if (thread_.joinable()) Report(*before, after);
+  const std::lock_guard lock(mutex_);
+  entries_ = std::make_shared<const Entries>(std::move(after));
+  return absl::OkStatus();
+}
+
+// Tokens are only added, and ids grow.
+void TokenRegistry::Report(const Entries& before, const Entries& after) const {
+  for (size_t i = 0; i < after.size(); ++i) {
+    const StoredToken& token = after[i].token;
+    if (i >= before.size()) options_.on_change(MadeText(token));
+    if (token.revoked_unix_s && (i >= before.size() || !before[i].token.revoked_unix_s)) {
+      options_.on_change(absl::StrCat("token ", NameFor(token), " was revoked by ",
+                                      math::PrintableLine(token.revoked_by)));
+    }
+  }
+}
+
+void TokenRegistry::Run() {
+  bool ending = false;
+  while (!ending) {
+    {
+      std::unique_lock lock(mutex_);
+      ending = ending_changed_.wait_for(lock, options_.interval, [this] { return ending_; });
+    }
+    LookAtFile();
+    const auto now = std::chrono::steady_clock::now();
+    if (!ending && now < next_use_store_) continue;
+    next_use_store_ = now + options_.use_interval;
+    StoreUses();
+  }
+}
+
+void TokenRegistry::LookAtFile() {
+  const auto version = store_.Version();
+  absl::Status status = version.status();
+  if (status.ok() && *version != version_) status = Read();
+  if (status.ok()) {
+    version_ = *version;
+  } else if (readable_) {
+    options_.on_problem(status);
+  }
+  readable_ = status.ok();
+}
+
+void TokenRegistry::StoreUses() {
+  const auto entries = Current();
+  std::vector<std::pair<int64_t, int64_t>> uses;
+  for (const Entry& entry : *entries) {
+    const int64_t used_s = *entry.last_used_unix_s;
+    if (used_s != entry.token.last_used_unix_s.value_or(0))
+      uses.emplace_back(entry.token.id, used_s);
+  }
+  if (uses.empty()) return;
+  // What fails now is tried again a minute later.
+  absl::Status status = store_.MarkUsed(uses);
+  if (status.ok()) status = Read();
+  status.IgnoreError();
+}
+
+}  // namespace sweepstake::auth

@@ -1,0 +1,75 @@
+// The tokens of a running daemon: kept in memory, and read again within a second after
+// `sweepstaked token` has changed them.
+//
+// While the file cannot be read, the tokens stay as they were. Thread-safe. It owns one thread,
+// which alone uses the database: it also stores when tokens were last used, at most once a minute.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/auth/principal.h"
+#include "server/auth/token_store.h"
+
+namespace sweepstake::auth {
+
+struct TokenRegistryOptions {
+  std::chrono::milliseconds interval{1'000};  // between two looks at the file
+  std::chrono::milliseconds use_interval{60'000};
+  std::function<int64_t()> unix_now_s;  // the wall clock, from any thread
+  // Told what has been done to a token, and what is wrong with the file; on the registry's thread.
+  std::function<void(const std::string&)> on_change;
+  std::function<void(const absl::Status&)> on_problem;
+};
+
+class TokenRegistry final : public TokenDirectory {
+ public:
+  // Reads the file, and makes it if it is missing. Errors: those of TokenStore::Open.
+  static absl::StatusOr<std::unique_ptr<TokenRegistry>> Open(const std::filesystem::path& path,
+                                                             TokenRegistryOptions options);
+  ~TokenRegistry() override;
+
+  bool empty() const override { return Current()->empty(); }
+  std::optional<Principal> Find(std::string_view token) const override;
+  bool IsValid(int64_t token_id) const override;
+
+ private:
+  struct Entry {
+    StoredToken token;
+    std::shared_ptr<std::atomic<int64_t>> last_used_unix_s;
+  };
+  using Entries = std::vector<Entry>;  // ordered by id
+
+  TokenRegistry(TokenStore store, TokenRegistryOptions options)
+      : options_(std::move(options)), store_(std::move(store)) {}
+
+  std::shared_ptr<const Entries> Current() const;
+  absl::Status Read();
+  void Report(const Entries& before, const Entries& after) const;
+  void Run();
+  void LookAtFile();
+  void StoreUses();
+
+  const TokenRegistryOptions options_;
+  TokenStore store_;  // used by Open, then by the thread
+  int64_t version_ = 0;
+  bool readable_ = true;
+  std::chrono::steady_clock::time_point next_use_store_{};
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::shared_ptr<const Entries> entries_ = std::make_shared<Entries>();
+  std::condition_variable ending_changed_;
+  bool ending_ = false;
+  std::thread thread_;  // last: it uses the members above
+};
+
+}  // namespace sweepstake::auth

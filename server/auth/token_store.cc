@@ -1,0 +1,266 @@
+#include "server/auth/token_store.h"
+
+#include <openssl/rand.h>
+#include <openssl/sha.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "server/decision/math/names.h"
+#include "server/storage/private_file.h"
+
+namespace sweepstake::auth {
+namespace {
+
+namespace fs = std::filesystem;
+using storage::SqliteDatabase;
+using storage::SqliteRow;
+using storage::SqliteTransaction;
+
+constexpr int64_t kApplicationId = 0x53575431;  // "SWT1"
+constexpr int64_t kSchemaVersion = 1;
+constexpr size_t kTokenBytes = 32;
+// Makes a token known as one, for instance to programs that look for secrets in published files.
+constexpr const char* kTokenPrefix = "sweepstake_";
+// Projects are names, which have no line ends. All projects are "*".
+constexpr const char* kAllProjects = "*";
+constexpr size_t kMaxProjects = 100;
+
+// Times of 0 are those that have not come.
+constexpr const char* kSchema = R"sql(
+  CREATE TABLE token (
+    id INTEGER PRIMARY KEY AUTOINCREMENT,
+    name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
+    digest TEXT NOT NULL UNIQUE CHECK (length(digest) = 64),
+    role TEXT NOT NULL CHECK (role IN ('ingest', 'watch', 'operator', 'admin')),
+    projects TEXT NOT NULL CHECK (length(CAST(projects AS BLOB)) BETWEEN 1 AND 65536),
+    created_unix_s INTEGER NOT NULL CHECK (created_unix_s BETWEEN 0 AND 9223372036854775807),
+    created_by TEXT NOT NULL CHECK (length(CAST(created_by AS BLOB)) BETWEEN 1 AND 128),
+    expires_unix_s INTEGER NOT NULL CHECK (expires_unix_s BETWEEN 0 AND 9223372036854775807),
+    last_used_unix_s INTEGER NOT NULL DEFAULT 0
+      CHECK (last_used_unix_s BETWEEN 0 AND 9223372036854775807),
+    revoked_unix_s INTEGER NOT NULL DEFAULT 0
+      CHECK (revoked_unix_s BETWEEN 0 AND 9223372036854775807),
+    revoked_by TEXT NOT NULL DEFAULT '' CHECK (length(CAST(revoked_by AS BLOB)) BETWEEN 0 AND 128)
+  ) STRICT;
+)sql";
+
+absl::Status Explain(const fs::path& path, const absl::Status& status) {
+  return {status.code(), absl::StrCat(path.string(), ": ", status.message())};
+}
+
+absl::Status Configure(SqliteDatabase& database) {
+  return database.Execute(R"sql(
+    PRAGMA busy_timeout = 2000;
+    PRAGMA trusted_schema = OFF;
+    PRAGMA cell_size_check = ON;
+    PRAGMA synchronous = FULL;
+  )sql");
+}
+
+// The file appears complete. One that another process has made meanwhile stays.
+absl::Status CreateFile(const fs::path& path) {
+  const fs::path unfinished = path.string() + ".new";
+  absl::Status status = storage::CreatePrivateFile(unfinished);
+  if (!status.ok()) return status;
+  {
+    auto database = SqliteDatabase::Open(unfinished.string(), SqliteDatabase::OpenMode::kCreate);
+    status = database.status();
+    if (status.ok()) status = Configure(*database);
+    if (status.ok())
+      status =
+          database->Execute(absl::StrCat("PRAGMA application_id = ", kApplicationId,
+                                         "; PRAGMA user_version = ", kSchemaVersion, ";", kSchema));
+    if (!status.ok()) return Explain(unfinished, status);
+  }
+  std::error_code error;
+  fs::create_hard_link(unfinished, path, error);
+  std::error_code ignored;
+  fs::remove(unfinished, ignored);
+  if (!error || error == std::errc::file_exists) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat(path.string(), ": ", error.message()));
+}
+
+absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {
+  const auto damaged = [&](absl::string_view what) {
+    return absl::DataLossError(absl::StrCat(
+        path.string(), " ", what, "; put a copy in its place, or remove it and make new tokens"));
+  };
+  auto id = database.QueryInteger("PRAGMA application_id");
+  if (!id.ok() || *id != kApplicationId) return damaged("is no database of tokens");
+  auto version = database.QueryInteger("PRAGMA user_version");
+  if (!version.ok()) return Explain(path, version.status());
+  if (*version != kSchemaVersion) {
+    return absl::FailedPreconditionError(absl::StrCat(path.string(), " has schema ", *version,
+                                                      ", this program knows ", kSchemaVersion,
+                                                      "; use the program that wrote it"));
+  }
+  if (absl::Status status = Configure(database); !status.ok()) return Explain(path, status);
+  auto verdict = database.QueryText("PRAGMA integrity_check(1)");
+  if (!verdict.ok() || *verdict != "ok") return damaged("is damaged");
+  return database.EnableDefensive();
+}
+
+absl::Status Check(const TokenRequest& request, int64_t unix_s) {
+  if (!math::IsName(request.name)) {
+    return absl::InvalidArgumentError(
+        "a token's name must have 1 to 128 bytes and no control characters");
+  }
+  if (request.projects.size() > kMaxProjects)
+    return absl::InvalidArgumentError(absl::StrCat("a token has at most ", kMaxProjects,
+                                                   " projects; leave them out to allow all"));
+  for (const std::string& project : request.projects) {
+    if (!math::IsName(project) || project == kAllProjects)
+      return absl::InvalidArgumentError(
+          "a project must have 1 to 128 bytes and no control characters; for all of them name "
+          "none");
+  }
+  if (request.expires_unix_s && *request.expires_unix_s <= unix_s)
+    return absl::InvalidArgumentError("a token must not have expired when it is made");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::string> RandomToken() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1)
+    return absl::UnavailableError("the system gives no random numbers; try again");
+  return absl::StrCat(kTokenPrefix,
+                      absl::WebSafeBase64Escape(absl::string_view(
+                          reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+}
+
+std::string TextOf(const std::vector<std::string>& projects) {
+  return projects.empty() ? kAllProjects : absl::StrJoin(projects, "\n");
+}
+
+std::vector<std::string> ProjectsOf(const std::string& text) {
+  if (text == kAllProjects) return {};
+  return absl::StrSplit(text, '\n');
+}
+
+// The column has a CHECK for it.
+Role RoleOf(const std::string& name) {
+  const auto* const found = std::find(kRoleNames.begin(), kRoleNames.end(), name);
+  return static_cast<Role>(found - kRoleNames.begin());
+}
+
+std::optional<int64_t> TimeOf(int64_t unix_s) {
+  if (unix_s == 0) return std::nullopt;
+  return unix_s;
+}
+
+StoredToken TokenOf(const SqliteRow& row) {
+  StoredToken token;
+  token.id = row.Integer(0);
+  token.request = {.name = row.Text(1),
+                   .role = RoleOf(row.Text(3)),
+                   .projects = ProjectsOf(row.Text(4)),
+                   .expires_unix_s = TimeOf(row.Integer(7)),
+                   .made_by = row.Text(6)};
+  token.digest = row.Text(2);
+  token.created_unix_s = row.Integer(5);
+  token.last_used_unix_s = TimeOf(row.Integer(8));
+  token.revoked_unix_s = TimeOf(row.Integer(9));
+  token.revoked_by = row.Text(10);
+  return token;
+}
+
+}  // namespace
+
+std::string DigestOf(std::string_view token) {
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(token.data()), token.size(), digest.data());
+  return absl::BytesToHexString(
+      absl::string_view(reinterpret_cast<const char*>(digest.data()), digest.size()));
+}
+
+absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path) {
+  std::error_code unknown;  // a file that cannot be examined cannot be opened either
+  if (!fs::exists(path, unknown)) {
+    if (absl::Status status = CreateFile(path); !status.ok()) return status;
+  }
+  auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
+  if (!database.ok()) return Explain(path, database.status());
+  if (absl::Status status = CheckFile(*database, path); !status.ok()) return status;
+  return TokenStore(*std::move(database));
+}
+
+absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int64_t unix_s) {
+  absl::Status status = Check(request, unix_s);
+  if (!status.ok()) return status;
+  auto token = RandomToken();
+  if (!token.ok()) return token.status();
+  SqliteTransaction transaction(database_);
+  if (!transaction.begun().ok()) return transaction.begun();
+  const auto count = database_.QueryInteger("SELECT count(*) FROM token");
+  if (!count.ok()) return count.status();
+  if (*count >= static_cast<int64_t>(kMaxTokens))
+    return absl::ResourceExhaustedError(absl::StrCat("there are ", kMaxTokens, " tokens already"));
+  auto insert = database_.Prepare(R"sql(
+    INSERT INTO token (name, digest, role, projects, created_unix_s, created_by, expires_unix_s)
+    VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) ON CONFLICT (name) DO NOTHING RETURNING id)sql");
+  if (!insert.ok()) return insert.status();
+  bool inserted = false;
+  status = insert->ForEachRow([&](const SqliteRow&) { inserted = true; }, request.name,
+                              DigestOf(*token), NameOf(request.role), TextOf(request.projects),
+                              unix_s, request.made_by, request.expires_unix_s.value_or(0));
+  if (!status.ok()) return status;
+  if (!inserted) {
+    return absl::AlreadyExistsError(absl::StrCat("there is, or was, a token of the name ",
+                                                 math::PrintableLine(request.name),
+                                                 "; choose another name"));
+  }
+  if (status = transaction.Commit(); !status.ok()) return status;
+  return token;
+}
+
+absl::Status TokenStore::Revoke(const std::string& name, const std::string& revoked_by,
+                                int64_t unix_s) {
+  const auto tokens = Load();
+  if (!tokens.ok()) return tokens.status();
+  const auto found = std::find_if(tokens->begin(), tokens->end(), [&](const StoredToken& token) {
+    return token.request.name == name;
+  });
+  if (found == tokens->end()) {
+    return absl::NotFoundError(absl::StrCat("there is no token of the name ",
+                                            math::PrintableLine(name),
+                                            "; `sweepstaked token list` shows them"));
+  }
+  if (found->revoked_unix_s) return absl::FailedPreconditionError("it was revoked before");
+  auto update = database_.Prepare(
+      "UPDATE token SET revoked_unix_s = ?2, revoked_by = ?3 WHERE id = ?1 AND revoked_unix_s = 0");
+  if (!update.ok()) return update.status();
+  return update->Run(found->id, unix_s, revoked_by);
+}
+
+absl::StatusOr<std::vector<StoredToken>> TokenStore::Load() {
+  auto select = database_.Prepare(R"sql(
+    SELECT id, name, digest, role, projects, created_unix_s, created_by, expires_unix_s,
+           last_used_unix_s, revoked_unix_s, revoked_by
+    FROM token ORDER BY id)sql");
+  if (!select.ok()) return select.status();
+  std::vector<StoredToken> tokens;
+  absl::Status status =
+      select->ForEachRow([&](const SqliteRow& row) { tokens.push_back(TokenOf(row)); });
+  if (!status.ok()) return status;
+  return tokens;
+}
+
+absl::Status TokenStore::MarkUsed(std::span<const std::pair<int64_t, int64_t>> uses) {
+  SqliteTransaction transaction(database_);
+  if (!transaction.begun().ok()) return transaction.begun();
+  auto update = database_.Prepare("UPDATE token SET last_used_unix_s = ?2 WHERE id = ?1");
+  if (!update.ok()) return update.status();
+  for (const auto& [id, unix_s] : uses) {
+    if (absl::Status status = update->Run(id, unix_s); !status.ok()) return status;
+  }
+  return transaction.Commit();
+}
+
+}  // namespace sweepstake::auth

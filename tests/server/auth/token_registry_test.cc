@@ -1,0 +1,117 @@
+#include "server/auth/token_registry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::auth {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class TokenRegistryTest : public ::testing::Test {
+ protected:
+  TokenRegistryTest() : writer_(TokenStore::Open(path_).value()) {}
+
+  std::string Make(const std::string& name, std::optional<int64_t> expires_unix_s = std::nullopt) {
+    return writer_
+        .Create({.name = name,
+                 .role = Role::kIngest,
+                 .projects = {"arcade"},
+                 .expires_unix_s = expires_unix_s,
+                 .made_by = "ann"},
+                1)
+        .value();
+  }
+  std::unique_ptr<TokenRegistry> Open() {
+    TokenRegistryOptions options;
+    options.interval = std::chrono::milliseconds(1);
+    options.use_interval = use_interval_;
+    options.unix_now_s = [this] { return now_s_.load(); };
+    options.on_change = [this](const std::string& text) {
+      const std::lock_guard lock(mutex_);
+      changes_.push_back(text);
+      changed_.notify_all();
+    };
+    options.on_problem = [](const absl::Status& status) { ADD_FAILURE() << status; };
+    return TokenRegistry::Open(path_, std::move(options)).value();
+  }
+  // Returns what the registry has told, once that is so much.
+  std::vector<std::string> AwaitChanges(size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return changes_.size() >= count; });
+    return changes_;
+  }
+
+  test_support::TemporaryDirectory directory_;
+  const std::filesystem::path path_ = directory_.path() / "tokens.db";
+  TokenStore writer_;
+  std::chrono::milliseconds use_interval_{60'000};
+  std::atomic<int64_t> now_s_ = 1'000;
+  std::mutex mutex_;  // guards the next two
+  std::condition_variable changed_;
+  std::vector<std::string> changes_;
+};
+
+TEST_F(TokenRegistryTest, FindsTheHolderOfATokenAndOfNothingElse) {
+  EXPECT_TRUE(Open()->empty());
+  Make("other");
+  const std::string token = Make("game");
+  const auto registry = Open();
+  EXPECT_FALSE(registry->empty());
+  const auto holder = registry->Find(token);
+  ASSERT_TRUE(holder);
+  EXPECT_EQ(holder->name, "game");
+  EXPECT_EQ(holder->role, Role::kIngest);
+  EXPECT_THAT(holder->projects, ElementsAre("arcade"));
+  EXPECT_TRUE(registry->IsValid(holder->token_id));
+  EXPECT_FALSE(registry->IsValid(holder->token_id + 1));
+  EXPECT_FALSE(registry->Find(""));
+  EXPECT_FALSE(registry->Find(token + "a"));
+  EXPECT_FALSE(registry->Find(token.substr(1)));
+  EXPECT_FALSE(registry->Find(DigestOf(token)));
+}
+
+TEST_F(TokenRegistryTest, ATokenEndsWhenItExpires) {
+  const std::string token = Make("game", 1'500);
+  const auto registry = Open();
+  EXPECT_TRUE(registry->Find(token));
+  now_s_ = 1'500;
+  EXPECT_FALSE(registry->Find(token));
+  EXPECT_FALSE(registry->IsValid(1));
+  EXPECT_FALSE(registry->empty()) << "nobody gets in without one";
+}
+
+TEST_F(TokenRegistryTest, SeesWhatTheCommandDoesAndTellsIt) {
+  const auto registry = Open();
+  const std::string token = Make("game");
+  EXPECT_THAT(AwaitChanges(1), ElementsAre(HasSubstr("game was made by ann: ingest")));
+  // The change is told just before it is in force.
+  while (!registry->Find(token)) std::this_thread::yield();
+  EXPECT_TRUE(writer_.Revoke("game", "bob", 2'000).ok());
+  EXPECT_THAT(AwaitChanges(2)[1], HasSubstr("game was revoked by bob"));
+  while (registry->Find(token)) std::this_thread::yield();
+  EXPECT_FALSE(registry->IsValid(1));
+  EXPECT_FALSE(registry->empty());
+}
+
+TEST_F(TokenRegistryTest, StoresTheLastUseAtItsEndAndTheRestMeanwhile) {
+  const std::string token = Make("game");
+  {
+    const auto registry = Open();
+    EXPECT_TRUE(registry->Find(token));
+  }
+  EXPECT_EQ(writer_.Load().value()[0].last_used_unix_s, 1'000);
+  now_s_ = 2'000;
+  use_interval_ = std::chrono::milliseconds(0);
+  const auto registry = Open();
+  EXPECT_TRUE(registry->Find(token));
+  while (writer_.Load().value()[0].last_used_unix_s != 2'000) std::this_thread::yield();
+}
+
+}  // namespace
+}  // namespace sweepstake::auth
