@@ -52,6 +52,7 @@ struct AuditFilter {
   std::string session_id;
   std::string project;
   std::string scene;
+  std::vector<std::string> projects = {};  // any of these, and `project`
 };
 
 }  // namespace sweepstake::priors

@@ -6,12 +6,14 @@
 // byte by byte.
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -132,6 +134,19 @@ struct SceneEvidence {
 struct SceneFilter {
   std::string project;
   std::string scene;
+  std::vector<std::string> projects = {};  // any of these, and `project`
+
+  bool Matches(std::string_view of_project, std::string_view of_scene) const {
+    return (project.empty() || project == of_project) && (scene.empty() || scene == of_scene) &&
+           (projects.empty() ||
+            std::find(projects.begin(), projects.end(), of_project) != projects.end());
+  }
+};
+
+// How many scenes of a project a store has.
+struct SceneCount {
+  uint64_t names = 0;
+  uint64_t keys = 0;  // a name counts once per machine class and reward version
 };
 
 // The evidence of one source about one key, for exchange between stores.
@@ -185,6 +200,8 @@ class PriorStore {
 
   // Returns nothing if there is no evidence of that scene.
   virtual absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) = 0;
+
+  virtual absl::StatusOr<SceneCount> CountScenes(const std::string& project) = 0;
 
   // Returns up to `limit` records after `after` (exclusive), ordered by key and source. REQUIRES:
   // limit > 0.

@@ -25,11 +25,6 @@ SceneKey SceneOf(const EvidenceKey& key) {
   return {key.project, key.scene, key.machine_class, key.reward_version};
 }
 
-bool Matches(const SceneFilter& filter, const EvidenceKey& key) {
-  return (filter.project.empty() || filter.project == key.project) &&
-         (filter.scene.empty() || filter.scene == key.scene);
-}
-
 }  // namespace
 
 uint64_t MemoryAuditLog::Append(const priors::SourceUpdate& update) {
@@ -95,15 +90,12 @@ uint32_t MemoryAuditLog::LastSegment(const std::string& session_id) const {
 
 std::vector<AuditSegment> MemoryAuditLog::List(const priors::AuditFilter& filter, uint64_t after,
                                                uint32_t limit) const {
-  const auto matches = [](const std::string& wanted, const std::string& is) {
-    return wanted.empty() || wanted == is;
-  };
   std::vector<AuditSegment> list;
   for (auto at = segments_.upper_bound(after); at != segments_.end() && list.size() < limit; ++at) {
     const auto& [head, rows] = at->second;
-    if (!matches(filter.session_id, head.session_id) || !matches(filter.project, head.project) ||
-        !matches(filter.scene, head.scene))
-      continue;
+    const SceneFilter scenes{filter.project, filter.scene, filter.projects};
+    if (!filter.session_id.empty() && filter.session_id != head.session_id) continue;
+    if (!scenes.Matches(head.project, head.scene)) continue;
     AuditSegment& segment = list.emplace_back(head);
     segment.first_row = rows.begin()->first;
     segment.row_count = rows.size();
@@ -202,7 +194,8 @@ absl::StatusOr<std::vector<SceneEvidence>> MemoryPriorStore::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
   std::set<SceneKey> keys;
   for (const auto& [key, entries] : evidence_) {
-    if (Matches(filter, key) && (!after || SceneOf(key) > *after)) keys.insert(SceneOf(key));
+    if (filter.Matches(key.project, key.scene) && (!after || SceneOf(key) > *after))
+      keys.insert(SceneOf(key));
   }
   std::vector<SceneEvidence> scenes;
   for (const SceneKey& key : keys) {
@@ -218,11 +211,22 @@ absl::StatusOr<std::optional<SceneEvidence>> MemoryPriorStore::LoadScene(const S
   return scene;
 }
 
+absl::StatusOr<priors::SceneCount> MemoryPriorStore::CountScenes(const std::string& project) {
+  std::set<std::string> names;
+  std::set<SceneKey> keys;
+  for (const auto& [key, entries] : evidence_) {
+    if (key.project != project) continue;
+    names.insert(key.scene);
+    keys.insert(SceneOf(key));
+  }
+  return priors::SceneCount{names.size(), keys.size()};
+}
+
 absl::StatusOr<std::vector<PriorRecord>> MemoryPriorStore::Export(
     const SceneFilter& filter, const std::optional<PriorRecord>& after, uint32_t limit) {
   std::vector<PriorRecord> records;
   for (const auto& [key, entries] : evidence_) {
-    if (!Matches(filter, key)) continue;
+    if (!filter.Matches(key.project, key.scene)) continue;
     for (const auto& [source_id, entry] : entries) {
       if (after && std::tie(key, source_id) <= std::tie(after->key, after->source_id)) continue;
       if (records.size() == limit) return records;

@@ -63,6 +63,7 @@ class MemoryPriorStore : public priors::PriorStore {
       uint32_t limit) override;
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
       const priors::SceneKey& key) override;
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
   absl::StatusOr<std::vector<priors::PriorRecord>> Export(
       const priors::SceneFilter& filter, const std::optional<priors::PriorRecord>& after,
       uint32_t limit) override;

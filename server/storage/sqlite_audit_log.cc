@@ -52,6 +52,7 @@ const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
         FROM audit_segment s
         WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
           AND (?3 = '' OR scene = ?3)
+          AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
         ORDER BY id LIMIT ?5)sql"},
     {&Statements::load_rows, R"sql(
         SELECT number, text FROM audit_row
@@ -205,7 +206,7 @@ absl::StatusOr<std::vector<AuditSegment>> SqliteAuditLog::List(const priors::Aud
                             .row_count = count,
                             .lost_row_count = row.Unsigned(7) - first + 1 - count});
       },
-      filter.session_id, filter.project, filter.scene, after, limit);
+      filter.session_id, filter.project, filter.scene, after, limit, LineList(filter.projects));
   if (!status.ok()) return status;
   return segments;
 }

@@ -43,6 +43,13 @@ std::string SqliteRow::Text(int column) const {
   return {text, static_cast<size_t>(sqlite3_column_bytes(statement_, column))};
 }
 
+std::string LineList(std::span<const std::string> lines) {
+  std::string list;
+  for (const std::string& line : lines)
+    absl::StrAppend(&list, list.empty() ? "\n" : "", line, "\n");
+  return list;
+}
+
 void SqliteStatement::Bind(int index, std::string_view text) {
   // An empty view may have a null pointer, which SQLite would take for NULL.
   const char* begin = text.empty() ? "" : text.data();

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -34,6 +35,10 @@ class SqliteRow {
  private:
   sqlite3_stmt* statement_;
 };
+
+// Returns the lines with a line end before and after each, for instr() in SQL; empty if there are
+// none. REQUIRES: no line has a line end, as no name does.
+std::string LineList(std::span<const std::string> lines);
 
 // A prepared statement, whose first argument is `?1`.
 class SqliteStatement {

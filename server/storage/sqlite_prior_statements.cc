@@ -88,8 +88,11 @@ constexpr StatementText kStatements[] = {
         SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
         WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
-          AND source_count > 0
+          AND source_count > 0 AND (?8 = '' OR instr(?8, char(10) || project || char(10)))
         ORDER BY project, scene, machine_class, reward_version LIMIT ?7)sql"},
+    {&PriorStatements::count_scenes, R"sql(
+        SELECT count(DISTINCT scene), count(*) FROM scene
+        WHERE project = ?1 AND source_count > 0)sql"},
     {&PriorStatements::find_scene, R"sql(
         SELECT id, source_count FROM scene
         WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
@@ -106,6 +109,7 @@ constexpr StatementText kStatements[] = {
         WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
                name) > (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
+          AND (?12 = '' OR instr(?12, char(10) || project || char(10)))
         ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11)sql"},
     {&PriorStatements::import_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,

@@ -61,6 +61,7 @@ class SqlitePriorStore final : public priors::PriorStore {
                                                   const std::optional<SceneKey>& after,
                                                   uint32_t limit) override;
   absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override;
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
   absl::StatusOr<std::vector<PriorRecord>> Export(const SceneFilter& filter,
                                                   const std::optional<PriorRecord>& after,
                                                   uint32_t limit) override;
@@ -306,7 +307,7 @@ absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
              .source_count = row.Unsigned(1)});
       },
       filter.project, filter.scene, start.project, start.scene, start.machine_class,
-      start.reward_version, limit);
+      start.reward_version, limit, LineList(filter.projects));
   for (size_t i = 0; status.ok() && i < scenes.size(); ++i) status = LoadArms(ids[i], scenes[i]);
   if (!status.ok()) return status;
   return scenes;
@@ -327,6 +328,17 @@ absl::StatusOr<std::optional<SceneEvidence>> SqlitePriorStore::LoadScene(const S
   return scene;
 }
 
+absl::StatusOr<priors::SceneCount> SqlitePriorStore::CountScenes(const std::string& project) {
+  priors::SceneCount count;
+  absl::Status status = statements_.count_scenes.ForEachRow(
+      [&](const SqliteRow& row) {
+        count = {row.Unsigned(0), row.Unsigned(1)};
+      },
+      project);
+  if (!status.ok()) return status;
+  return count;
+}
+
 absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
     const SceneFilter& filter, const std::optional<PriorRecord>& after, uint32_t limit) {
   const PriorRecord start = after.value_or(PriorRecord{});
@@ -337,7 +349,8 @@ absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
         records.push_back({KeyOf(row), row.Text(11), row.Unsigned(12), EvidenceOf(row, 7)});
       },
       filter.project, filter.scene, key.project, key.scene, key.context_bucket, key.arm,
-      key.backend_version, key.machine_class, key.reward_version, start.source_id, limit);
+      key.backend_version, key.machine_class, key.reward_version, start.source_id, limit,
+      LineList(filter.projects));
   if (!status.ok()) return status;
   return records;
 }

@@ -187,6 +187,18 @@ TEST_P(AuditConformance, SegmentsAreListedByFilterAndPage) {
   EXPECT_EQ(rest[0].segment, 2u);
 }
 
+TEST_P(AuditConformance, SegmentsOfSeveralProjectsAreListed) {
+  for (const char* project : {"a", "b", "b c"}) {
+    priors::AuditRows rows = Rows(1, 1, 1);
+    rows.project = project;
+    ASSERT_TRUE(Append(project, rows).ok());
+  }
+  const auto segments = Segments({"", "", "", {"a", "b", "none"}});
+  ASSERT_EQ(segments.size(), 2u);
+  EXPECT_EQ(segments[0].project, "a");
+  EXPECT_EQ(segments[1].project, "b");
+}
+
 TEST_P(AuditConformance, RowsAreReadByPageAndByBytes) {
   ASSERT_TRUE(Append("a", Rows(1, 1, 5)).ok());
   const uint64_t id = Segments()[0].id;

@@ -167,6 +167,33 @@ TEST_P(PriorStoreConformance, ScenesAreListedInPagesAndByFilter) {
   EXPECT_TRUE(store_->List({"other game", ""}, std::nullopt, 3)->empty());
 }
 
+TEST_P(PriorStoreConformance, SeveralProjectsAreListedExportedAndTheirScenesCounted) {
+  std::vector<EvidenceKey> keys;
+  for (const char* project : {"a", "b", "b c", "c"}) {
+    for (const char* scene : {"harbour", "hall"}) {
+      keys.push_back(Key("Grid", scene));
+      keys.back().project = project;
+    }
+  }
+  keys.push_back(keys.back());
+  keys.back().machine_class = "laptop";
+  ASSERT_TRUE(Commit({Update("s", 1, keys)}).ok());
+  const priors::SceneFilter filter{"", "hall", {"b", "c", "none"}};
+  std::vector<std::string> listed, exported;
+  const auto scenes = store_->List(filter, std::nullopt, 10);
+  for (const auto& scene : *scenes)
+    listed.push_back(scene.key.project + "/" + scene.key.machine_class);
+  const auto records = store_->Export(filter, std::nullopt, 10);
+  for (const auto& record : *records)
+    exported.push_back(record.key.project + "/" + record.key.machine_class);
+  EXPECT_THAT(listed, ::testing::ElementsAre("b/desktop", "c/desktop", "c/laptop"));
+  EXPECT_EQ(exported, listed);
+  EXPECT_TRUE(store_->List({"a", "", {"b"}}, std::nullopt, 10)->empty());
+  EXPECT_EQ(store_->CountScenes("c")->names, 2u);
+  EXPECT_EQ(store_->CountScenes("c")->keys, 3u);
+  EXPECT_EQ(store_->CountScenes("none")->names, 0u);
+}
+
 TEST_P(PriorStoreConformance, AnUnknownSceneIsAbsent) {
   EXPECT_EQ(store_->LoadScene({"game", "nowhere", "desktop", 1})->has_value(), false);
 }

@@ -32,6 +32,9 @@ class TemporarySqliteStore final : public PriorStore {
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(const SceneKey& key) override {
     return store_->LoadScene(key);
   }
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
+    return store_->CountScenes(project);
+  }
   absl::StatusOr<std::vector<PriorRecord>> Export(const priors::SceneFilter& filter,
                                                   const std::optional<PriorRecord>& after,
                                                   uint32_t limit) override {

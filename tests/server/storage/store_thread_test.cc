@@ -42,6 +42,9 @@ class CountingStore final : public priors::PriorStore {
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(const SceneKey& key) override {
     return memory_.LoadScene(key);
   }
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
+    return memory_.CountScenes(project);
+  }
   absl::StatusOr<std::vector<PriorRecord>> Export(const priors::SceneFilter& filter,
                                                   const std::optional<PriorRecord>& after,
                                                   uint32_t limit) override {
