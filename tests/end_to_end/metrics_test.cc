@@ -1,13 +1,9 @@
 // What an operator sees of a running daemon over HTTP, and what Prometheus makes of it.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <spawn.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -20,11 +16,10 @@
 #include <vector>
 
 #include "tests/end_to_end/scripted_game.h"
+#include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
-
-extern char** environ;
 
 namespace sweepstake::test_support {
 namespace {
@@ -140,6 +135,8 @@ std::string ReadFile(const std::filesystem::path& path) {
 TEST(MetricsTest, PromtoolFindsNothingToSay) {
   const TemporaryDirectory data;
   const DaemonProcess daemon = StartWithHttp(data);
+  ScriptedGame game(daemon.address(), FastOptions());
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.command_count > 0; }));
   const std::string page = data.path() / "metrics";
   const std::string said = data.path() / "said";
   std::ofstream(page) << Get(daemon.http_port(), "/metrics").body;
@@ -150,33 +147,10 @@ TEST(MetricsTest, PromtoolFindsNothingToSay) {
 // A real Prometheus, which ends with the object.
 class Prometheus {
  public:
-  Prometheus(const std::filesystem::path& folder, int target_port) : folder_(folder) {
-    const std::filesystem::path config = folder / "prometheus.yml";
-    std::ofstream(config) << "scrape_configs:\n- job_name: sweepstake\n  scrape_interval: 1s\n"
-                          << "  static_configs: [{targets: ['127.0.0.1:" << target_port << "']}]\n";
-    std::vector<std::string> arguments = {"prometheus", "--config.file=" + config.string(),
-                                          "--storage.tsdb.path=" + database(),
-                                          "--web.listen-address=127.0.0.1:0"};
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (folder / "said").c_str(),
-                                     O_WRONLY | O_CREAT, 0600);
-    if (posix_spawnp(&pid_, argv[0], &actions, nullptr, argv.data(), environ) != 0) pid_ = -1;
-    posix_spawn_file_actions_destroy(&actions);
-  }
-  ~Prometheus() {
-    if (pid_ < 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  Prometheus(const Prometheus&) = delete;
-  Prometheus& operator=(const Prometheus&) = delete;
+  Prometheus(const std::filesystem::path& folder, int target_port)
+      : folder_(folder), process_(CommandLine(target_port), folder / "said") {}
 
-  bool started() const { return pid_ > 0; }
-  std::string log() const { return ReadFile(folder_ / "said"); }
+  std::string log() const { return process_.log(); }
   // Every sample of a series that it has stored, as text.
   std::string Samples(const std::string& series) const {
     const std::string samples = folder_ / "samples";
@@ -187,9 +161,16 @@ class Prometheus {
 
  private:
   std::string database() const { return folder_ / "tsdb"; }
+  std::vector<std::string> CommandLine(int target_port) const {
+    const std::filesystem::path config = folder_ / "prometheus.yml";
+    std::ofstream(config) << "scrape_configs:\n- job_name: sweepstake\n  scrape_interval: 1s\n"
+                          << "  static_configs: [{targets: ['127.0.0.1:" << target_port << "']}]\n";
+    return {"prometheus", "--config.file=" + config.string(), "--storage.tsdb.path=" + database(),
+            "--web.listen-address=127.0.0.1:0"};
+  }
 
   std::filesystem::path folder_;
-  pid_t pid_ = -1;
+  ChildProcess process_;
 };
 
 TEST(MetricsTest, ARealPrometheusScrapesThem) {
@@ -197,7 +178,6 @@ TEST(MetricsTest, ARealPrometheusScrapesThem) {
   const TemporaryDirectory folder;
   const DaemonProcess daemon = StartWithHttp(data);
   const Prometheus prometheus(folder.path(), daemon.http_port());
-  ASSERT_TRUE(prometheus.started()) << "tests/run.sh installs it";
   std::string samples;
   EXPECT_TRUE(Eventually([&] {
     samples = prometheus.Samples("sweepstake_build_info");
