@@ -17,6 +17,7 @@ struct WatchOptions {
   std::string scene;
   bool once = false;
   bool json = false;
+  bool follow = false;
 };
 
 int ShowOnce(const WatchOptions& options, Terminal& terminal) {
@@ -29,12 +30,22 @@ int ShowOnce(const WatchOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+nlohmann::ordered_json EventJson(const v1::WatchPosteriorsResponse& event) {
+  if (event.has_posterior()) return {{"posterior", PosteriorJson(event.posterior())}};
+  if (event.has_decision()) return {{"decision", DecisionJson(event.decision())}};
+  return nlohmann::ordered_json::object();  // of a newer daemon
+}
+
 int WatchLive(const WatchOptions& options, Terminal& terminal) {
   InstallStopSignal();
   WatchScreen screen(terminal.out, terminal.out_is_tty);
   const Status status =
       WatchPosteriors(options.daemon, options.project, options.scene, StopRequested,
-                      [&](const v1::WatchPosteriorsResponse& event) { screen.Show(event); });
+                      [&](const v1::WatchPosteriorsResponse& event) {
+                        if (!options.json) return screen.Show(event);
+                        PrintJson(EventJson(event), terminal.out, -1);
+                        terminal.out.flush();
+                      });
   return status.ok() ? kDone : Fail(terminal, status);
 }
 
@@ -46,6 +57,7 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake watch --daemon 127.0.0.1:7433\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --scene hurricane-3000\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for machines\n"
+      "  sweepstake watch --daemon 127.0.0.1:7433 --json --follow\n"
       "  sweepstake watch --daemon daemon.example:7433 --tls-ca ca.pem\n"
       "95_low to 95_high is the central 95 % of an arm's posterior, best its probability to be "
       "the\n"
@@ -59,11 +71,16 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--project", options.project, "Only this project");
         command.add_option("--scene", options.scene, "Only this scene");
         command.add_flag("--once", options.once, "Show what there is now, and end");
-        command.add_flag("--json", options.json, "One JSON document on stdout; implies --once");
+        CLI::Option* json =
+            command.add_flag("--json", options.json, "One JSON document on stdout; implies --once");
+        command
+            .add_flag("--follow", options.follow,
+                      "With --json: one document per line for every change and decision, live")
+            ->needs(json);
       },
       [&terminal](const WatchOptions& options) {
-        return options.once || options.json ? ShowOnce(options, terminal)
-                                            : WatchLive(options, terminal);
+        const bool once = options.once || (options.json && !options.follow);
+        return once ? ShowOnce(options, terminal) : WatchLive(options, terminal);
       });
 }
 

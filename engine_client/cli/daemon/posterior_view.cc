@@ -1,6 +1,8 @@
 #include "engine_client/cli/daemon/posterior_view.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -19,6 +21,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kBarWidth = 40;
+constexpr double kMsPerNs = 1e-6;
+constexpr std::array kShares = {0.5, 0.95, 0.99};
 
 double Mean(const v1::ArmPosterior& arm) {
   const double evidence = arm.posterior().alpha() + arm.posterior().beta();
@@ -85,6 +89,25 @@ std::string VerdictText(const SceneView& view) {
          Fixed(diagnosis.best_probability[diagnosis.leader], 3) + ", choosing it loses " +
          Percent(diagnosis.expected_loss_ratio, 2) + ", knowing all would gain " +
          Percent(diagnosis.value_remaining_ratio, 2);
+}
+
+// Returns, for example, "16.6/17.2/31.1 ms".
+std::string PercentilesText(const v1::LogHistogram& ns, int decimals) {
+  std::string text;
+  for (const double share : kShares) {
+    const auto value = Quantile(ns, share);
+    text += (text.empty() ? "" : "/") + (value ? Fixed(*value * kMsPerNs, decimals) : "-");
+  }
+  return text + " ms";
+}
+
+Json PercentilesJson(const v1::LogHistogram& histogram, double unit) {
+  Json document = Json::object();
+  for (const double share : kShares) {
+    const auto value = Quantile(histogram, share);
+    if (value) document["p" + Fixed(100 * share, 0)] = *value * unit;
+  }
+  return document;
 }
 
 }  // namespace
@@ -169,6 +192,21 @@ Json PosteriorsJson(std::span<const v1::ScenePosterior> scenes) {
   return list;
 }
 
+std::optional<double> Quantile(const v1::LogHistogram& histogram, double share) {
+  if (histogram.counts_size() != histogram.bucket_steps_size()) return std::nullopt;
+  uint64_t total = 0;
+  for (const uint32_t count : histogram.counts()) total += count;
+  if (total == 0) return std::nullopt;
+  const double rank = std::max(1.0, std::ceil(share * static_cast<double>(total)));
+  uint64_t bucket = 0;
+  uint64_t below = 0;
+  for (int i = 0; i < histogram.counts_size() && static_cast<double>(below) < rank; ++i) {
+    bucket += histogram.bucket_steps(i);
+    below += histogram.counts(i);
+  }
+  return bucket == 0 ? 0 : std::exp2((static_cast<double>(bucket) - 0.5) / 8);
+}
+
 std::string DecisionText(const v1::DecisionEvent& event) {
   std::string text = event.scene() + ": decision " + std::to_string(event.decision_id()) + ", " +
                      event.active_arm();
@@ -181,7 +219,31 @@ std::string DecisionText(const v1::DecisionEvent& event) {
   if (event.verdict() != v1::VERDICT_UNSPECIFIED) {
     text += ", " + Words(decision::kVerdictNames, event.verdict());
   }
+  if (event.has_measurements()) {
+    text += "; p50/p95/p99 of the frame " +
+            PercentilesText(event.measurements().frame_time_ns(), 1) + ", detection " +
+            PercentilesText(event.measurements().detection_time_ns(), 2);
+  }
   return text;
+}
+
+Json DecisionJson(const v1::DecisionEvent& event) {
+  Json document = {{"session_id", event.session_id()},
+                   {"project", event.project()},
+                   {"scene", event.scene()},
+                   {"decision_id", event.decision_id()},
+                   {"active_arm", event.active_arm()},
+                   {"candidate_arm", event.candidate_arm()},
+                   {"outcome", decision::NameOf(decision::kOutcomeNames, event.outcome())}};
+  if (event.reason() != v1::SWITCH_REASON_UNSPECIFIED)
+    document["reason"] = decision::NameOf(decision::kSwitchReasonNames, event.reason());
+  if (event.has_reward()) document["reward"] = event.reward();
+  document["verdict"] = decision::NameOf(decision::kVerdictNames, event.verdict());
+  if (!event.has_measurements()) return document;
+  document["frame_ms"] = PercentilesJson(event.measurements().frame_time_ns(), kMsPerNs);
+  document["detection_ms"] = PercentilesJson(event.measurements().detection_time_ns(), kMsPerNs);
+  document["native_bytes"] = PercentilesJson(event.measurements().native_bytes(), 1);
+  return document;
 }
 
 }  // namespace sweepstake::cli

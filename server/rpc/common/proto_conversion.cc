@@ -28,6 +28,15 @@ std::string PolicyNameOf(const SessionIdentity& identity) {
   return std::string(decision::PolicyKindOf(identity.decision.policy).name);
 }
 
+void ToProto(const watch::LogHistogram& histogram, v1::LogHistogram& message) {
+  uint32_t before = 0;
+  for (const auto& [number, count] : histogram.buckets()) {
+    message.add_bucket_steps(number - before);
+    message.add_counts(count);
+    before = number;
+  }
+}
+
 }  // namespace
 
 grpc::Status ToGrpc(const absl::Status& status) {
@@ -123,6 +132,12 @@ void ToProto(const decision::DecisionRecord& record, const SessionIdentity& iden
   message.set_expected_loss_ratio(diagnosis.expected_loss_ratio);
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
   message.set_context_bucket(record.context);
+}
+
+void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& message) {
+  ToProto(frames.frame_time_ns, *message.mutable_frame_time_ns());
+  ToProto(frames.detection_time_ns, *message.mutable_detection_time_ns());
+  ToProto(frames.native_bytes, *message.mutable_native_bytes());
 }
 
 void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPosterior> posteriors,

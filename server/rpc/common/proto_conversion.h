@@ -14,6 +14,7 @@
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"
+#include "server/watch/log_histogram.h"
 #include "sweepstake/v1/audit.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
@@ -43,6 +44,7 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,
              v1::DecisionEvent& message);
+void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& message);
 // The caller sets resumed, acknowledged_sequence and prior_source_count.
 void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPosterior> posteriors,
              const RpcOptions& options, v1::Welcome& message);

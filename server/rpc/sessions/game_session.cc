@@ -129,9 +129,17 @@ void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
   context_.counters.rejected_frame_count += received - frames_.size();
   context_.counters.dropped_frame_count += batch.dropped_frame_count();
   decisions_.ObserveFrames(frames_);
+  if (measured_) Measure();
   ApplyShadows(batch);
   if (batch.has_scene_descriptor()) {
     decisions_.ObserveDescriptor(FromProto(batch.scene_descriptor()));
+  }
+}
+
+void GameSession::Measure() {
+  for (const decision::Frame& frame : frames_) {
+    if ((frame.flags & (decision::kFramePaused | decision::kFrameLoading)) != 0) continue;
+    measured_->Add(frame.frame_time_ns, frame.detection_time_ns, frame.native_bytes);
   }
 }
 
@@ -271,7 +279,7 @@ void GameSession::SendDecision(const decision::Decision& decision) {
     unanswered_ = decision.command;
     if (link_ != nullptr) link_->SendSwitch(*decision.command);
   }
-  if (context_.watch_hub.Watches(identity_.scene)) Publish(decision.record);
+  TellWatchers(decision.record);
 }
 
 // Sends the client changed posteriors or a changed verdict.
@@ -282,10 +290,20 @@ void GameSession::SendPosteriors(const decision::Decision& decision) {
   sent_verdict_ = diagnosis.verdict;
 }
 
-void GameSession::Publish(const decision::DecisionRecord& record) {
+void GameSession::TellWatchers(const decision::DecisionRecord& record) {
+  if (!context_.watch_hub.Watches(identity_.scene)) return measured_.reset();
   v1::DecisionEvent event;
   ToProto(record, identity_, event);
+  TellMeasurements(record.time_ns, event);
   context_.watch_hub.OnDecision(identity_.scene, event);
+}
+
+void GameSession::TellMeasurements(int64_t now_ns, v1::DecisionEvent& event) {
+  if (!measured_) measured_.emplace();
+  if (measured_->empty() || now_ns < next_measurements_ns_) return;
+  ToProto(*measured_, *event.mutable_measurements());
+  measured_->Clear();
+  next_measurements_ns_ = now_ns + watch::WatchHub::kIntervalNs;
 }
 
 priors::EvidenceKey GameSession::KeyOf(uint32_t arm) const {

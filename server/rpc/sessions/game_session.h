@@ -24,6 +24,7 @@
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"
 #include "server/rpc/sessions/session_ledger.h"
+#include "server/watch/log_histogram.h"
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
@@ -106,6 +107,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void ApplySwitchOutcome(const v1::SwitchOutcome& outcome);
   void ApplyBailOut(const v1::BailOut& bail_out);
   bool IsOverLimit(const decision::Frame& frame) const;
+  void Measure();
   void ApplyModeChange(const v1::ModeChange& change);
 
   void ScheduleTick(int64_t due_ns);
@@ -116,7 +118,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void CloseLink();
   void SendDecision(const decision::Decision& decision);
   void SendPosteriors(const decision::Decision& decision);
-  void Publish(const decision::DecisionRecord& record);
+  void TellWatchers(const decision::DecisionRecord& record);
+  void TellMeasurements(int64_t now_ns, v1::DecisionEvent& event);
   priors::EvidenceKey KeyOf(uint32_t arm) const;
 
   SessionContext& context_;
@@ -138,6 +141,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   bool heard_ = false;             // the client has sent something since the last tick
   bool ending_ = false;
   bool draining_ = false;
+  // What frames have cost since the watchers were told; absent while nobody watches the scene.
+  std::optional<watch::FrameHistograms> measured_;
+  int64_t next_measurements_ns_ = 0;             // the watchers are told again from then on
   std::vector<decision::Frame> frames_;          // reused
   std::vector<decision::ShadowSample> shadows_;  // reused
 };

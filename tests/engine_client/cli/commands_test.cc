@@ -94,6 +94,7 @@ TEST(Commands, AnUnknownOptionOrAMissingOneIsNamed) {
       {"record --scene suite-b --frames 1", "--out is required"},
       {"record --scene suite-b --out x.aabbs", "--frames is required"},
       {"watch", "--daemon is required"},
+      {"watch --daemon localhost:1 --follow", "--json"},
       {"priors list", "--daemon is required"},
       {"priors import --daemon localhost:1", "--in is required"},
       {"priors export --daemon localhost:1", "--out is required"},

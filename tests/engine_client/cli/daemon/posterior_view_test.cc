@@ -107,5 +107,55 @@ TEST(DecisionText, SaysWhatBecameOfTheCandidate) {
   EXPECT_EQ(DecisionText(held), "arena: decision 8, SAP: no frames");
 }
 
+// As many values of each size as it says, in ascending order.
+v1::LogHistogram HistogramOf(
+    std::initializer_list<std::pair<uint32_t, uint32_t>> bucket_and_count) {
+  v1::LogHistogram histogram;
+  uint32_t before = 0;
+  for (const auto& [bucket, count] : bucket_and_count) {
+    histogram.add_bucket_steps(bucket - std::exchange(before, bucket));
+    histogram.add_counts(count);
+  }
+  return histogram;
+}
+
+TEST(Quantile, IsTheMiddleOfTheBucketWithTheValueOfThatRank) {
+  const v1::LogHistogram histogram = HistogramOf({{0, 10}, {161, 80}, {177, 9}, {185, 1}});
+  EXPECT_EQ(Quantile(histogram, 0.1), 0.0);
+  EXPECT_NEAR(*Quantile(histogram, 0.11), 1'048'576, 0.045 * 1'048'576);
+  EXPECT_EQ(Quantile(histogram, 0.9), Quantile(histogram, 0.5));
+  EXPECT_DOUBLE_EQ(*Quantile(histogram, 0.95), 4 * *Quantile(histogram, 0.5));
+  EXPECT_DOUBLE_EQ(*Quantile(histogram, 1), 8 * *Quantile(histogram, 0.5));
+}
+
+TEST(Quantile, IsAbsentWithoutValuesAndOfABrokenMessage) {
+  EXPECT_EQ(Quantile({}, 0.5), std::nullopt);
+  v1::LogHistogram broken = HistogramOf({{161, 80}});
+  broken.add_counts(1);
+  EXPECT_EQ(Quantile(broken, 0.5), std::nullopt);
+}
+
+TEST(DecisionJson, HasThePercentilesThatTheTextHas) {
+  v1::DecisionEvent event;
+  event.set_scene("arena");
+  event.set_decision_id(9);
+  event.set_active_arm("SAP");
+  event.set_outcome(v1::DECISION_OUTCOME_KEPT);
+  EXPECT_FALSE(DecisionJson(event).contains("frame_ms"));
+  v1::FrameMeasurements& measurements = *event.mutable_measurements();
+  *measurements.mutable_frame_time_ns() = HistogramOf({{192, 94}, {200, 4}, {208, 2}});
+  *measurements.mutable_detection_time_ns() = HistogramOf({{168, 100}});
+  *measurements.mutable_native_bytes() = HistogramOf({{161, 100}});
+  EXPECT_EQ(DecisionText(event),
+            "arena: decision 9, SAP: kept; p50/p95/p99 of the frame 16.1/32.1/64.3 ms, detection "
+            "2.01/2.01/2.01 ms");
+  const auto json = DecisionJson(event);
+  EXPECT_EQ(json["outcome"], "kept");
+  EXPECT_NEAR(json["frame_ms"]["p50"], 16.1, 0.1);
+  EXPECT_NEAR(json["frame_ms"]["p99"], 64.3, 0.1);
+  EXPECT_NEAR(json["detection_ms"]["p95"], 2.01, 0.01);
+  EXPECT_NEAR(json["native_bytes"]["p50"], 1'048'576, 0.045 * 1'048'576);
+}
+
 }  // namespace
 }  // namespace sweepstake::cli

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "engine_client/cli/daemon/audit_transfer.h"
@@ -94,6 +95,20 @@ TEST(WatchCommand, PrintsEventsAsTheyComeAndEndsWithThreeWhenTheDaemonGoes) {
   EXPECT_THAT(run.out, HasSubstr("s: decision 7, SAP"));
   EXPECT_THAT(run.out, HasSubstr(" / arena"));
   EXPECT_THAT(run.err, HasSubstr("ended the watch"));
+}
+
+TEST(WatchCommand, FollowsInJsonWithADocumentPerLine) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.events = {DecisionOf(7)};
+  daemon.posteriors.events->emplace_back().mutable_posterior()->set_scene("arena");
+  const CommandRun run = RunCommand("watch --json --follow --daemon " + daemon.address());
+  std::istringstream lines(run.out);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(nlohmann::json::parse(line)["decision"]["decision_id"], 7);
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(nlohmann::json::parse(line)["posterior"]["scene"], "arena");
+  EXPECT_FALSE(std::getline(lines, line));
 }
 
 TEST(WatchCommand, SaysOnceThatThereIsNothingYet) {

@@ -1,0 +1,58 @@
+// Counts of values by their size, in eight buckets per octave: a percentile derived from it differs
+// from the exact one by at most 4.5 %. Histograms are merged by adding the counts of equal buckets.
+//
+// Exact in integers, so that a value has the same bucket everywhere. Not thread-safe. The memory is
+// bounded by kMaxBuckets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sweepstake::watch {
+
+class LogHistogram {
+ public:
+  // Eight octaves, far more than the frames of a game differ by. Beyond it the smallest values are
+  // counted in the lowest bucket, so that the high percentiles stay what they are.
+  static constexpr size_t kMaxBuckets = 64;
+
+  struct Bucket {
+    uint32_t number = 0;
+    uint32_t count = 0;
+  };
+
+  // Bucket 0 holds the zeros, bucket n the whole numbers from 2^((n−1)/8) to below 2^(n/8).
+  static uint32_t BucketOf(uint64_t value);
+
+  void Add(uint64_t value);
+  void Clear() { buckets_.clear(); }
+  bool empty() const { return buckets_.empty(); }
+  // The buckets that hold values, in ascending order.
+  std::span<const Bucket> buckets() const { return buckets_; }
+
+ private:
+  std::vector<Bucket> buckets_;
+};
+
+// What frames cost.
+struct FrameHistograms {
+  LogHistogram frame_time_ns;
+  LogHistogram detection_time_ns;
+  LogHistogram native_bytes;
+
+  void Add(uint64_t frame_ns, uint64_t detection_ns, uint64_t bytes) {
+    frame_time_ns.Add(frame_ns);
+    detection_time_ns.Add(detection_ns);
+    native_bytes.Add(bytes);
+  }
+  bool empty() const { return frame_time_ns.empty(); }
+  void Clear() {
+    frame_time_ns.Clear();
+    detection_time_ns.Clear();
+    native_bytes.Clear();
+  }
+};
+
+}  // namespace sweepstake::watch
