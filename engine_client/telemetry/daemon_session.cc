@@ -310,7 +310,11 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
   const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT;
   refusal_ = refused ? status.error_message() : "";
-  if (!asked_for) {
+  if (asked_for) return;
+  if (link.goodbye_sent) {
+    last_error_ = "the daemon at " + link.address +
+                  " did not confirm the session's end: " + status.error_message();
+  } else {
     last_error_ = Describe(status, link.address, options_.tls.has_value()) + TryingAgain(delay_ms);
   }
 }

@@ -126,7 +126,7 @@ std::optional<grpc::Status> FakeDaemon::Receive(const v1::StreamTelemetryRequest
   if (request.has_goodbye()) {
     goodbyes.push_back(request.goodbye());
     changed_.notify_all();
-    return grpc::Status();
+    return script_.farewell;
   }
   evidence.push_back(request);
   if (script_.acknowledges) {

@@ -27,6 +27,8 @@ class FakeDaemon final : public v1::TelemetryService::Service {
     std::optional<grpc::Status> refusal;
     // Ends the stream with it after the first message with evidence.
     std::optional<grpc::Status> refusal_of_evidence;
+    // Answers a goodbye.
+    grpc::Status farewell;
     bool never_reads = false;   // welcomes, then reads nothing more
     bool acknowledges = true;   // each message with evidence at once
     bool answers_hello = true;  // whether a Hello gets a Welcome

@@ -102,8 +102,8 @@ class Session {
   // Tells the decider about a mode change that was made with AdaptiveBroadPhase::SetMode. Called on
   // the frame thread; it does not wait.
   virtual void OnModeChange() = 0;
-  // Sends the content of the queue and a goodbye within `deadline_ms`, and ends the thread.
-  // Idempotent.
+  // Sends the content of the queue and a goodbye within `deadline_ms`, and ends the thread. If the
+  // daemon could not put the last evidence on disk, stats().last_error says so. Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
   virtual ~Session() = default;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/decision/session/arm_runs.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -232,19 +233,22 @@ void GameSession::OnCommitted(const absl::Status& status,
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
   // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
-  if (!status.ok() && (ending_ || draining_)) return CloseLink();
+  if (!status.ok() && (ending_ || draining_)) return CloseLink(status);
   CloseIfSettled();
 }
 
 void GameSession::CloseIfSettled() {
-  if ((ending_ || draining_) && ledger_->settled()) CloseLink();
+  if ((ending_ || draining_) && ledger_->settled()) CloseLink(absl::OkStatus());
 }
 
-void GameSession::CloseLink() {
+void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
   SessionLink* link = std::exchange(link_, nullptr);
-  link->Close(ending_ ? absl::OkStatus()
-                      : absl::UnavailableError("the daemon is draining; connect again"));
+  if (!ending_) return link->Close(absl::UnavailableError("the daemon is draining; connect again"));
+  if (commit.ok()) return link->Close(absl::OkStatus());
+  link->Close(absl::UnavailableError(
+      absl::StrCat("the last evidence of the session is not on disk (", commit.message(),
+                   "); while the daemon runs it keeps it and tries again")));
 }
 
 void GameSession::End() {

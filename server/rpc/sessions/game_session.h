@@ -115,7 +115,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void Checkpoint();
   void OnCommitted(const absl::Status& status, std::span<const priors::KeyedEvidence> increments);
   void CloseIfSettled();
-  void CloseLink();
+  // `commit` is the status of the session's last commit.
+  void CloseLink(const absl::Status& commit);
   void SendDecision(const decision::Decision& decision);
   void SendPosteriors(const decision::Decision& decision);
   void TellWatchers(const decision::DecisionRecord& record);

@@ -62,6 +62,10 @@ class DaemonSessionTest : public ::testing::Test {
     Make(daemon.address());
     ASSERT_TRUE(session_->Start(*adaptive_).ok());
   }
+  void GoOnline(FakeDaemon& daemon) {
+    StartAgainst(daemon);
+    RunUntilState(ConnectionState::kOnline);
+  }
 
   // Runs one frame and counts the calls that could have made it wait.
   void Frame(uint64_t frame_time_ns = 10 * kMs) {
@@ -151,8 +155,7 @@ TEST_F(DaemonSessionTest, IntroducesItself) {
 
 TEST_F(DaemonSessionTest, SendsEveryFrameOnceInOrderAndSaysGoodbye) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   for (int i = 0; i < 500; ++i) Frame();
   session_->Stop(60'000);
   daemon.Kill();
@@ -168,10 +171,17 @@ TEST_F(DaemonSessionTest, SendsEveryFrameOnceInOrderAndSaysGoodbye) {
   EXPECT_EQ(wait_count_, 0U);
 }
 
+TEST_F(DaemonSessionTest, SaysThatItsLastEvidenceIsNotOnDisk) {
+  FakeDaemon daemon;
+  daemon.SetScript([](auto& script) { script.farewell = {grpc::StatusCode::UNAVAILABLE, "full"}; });
+  GoOnline(daemon);
+  session_->Stop(60'000);
+  EXPECT_THAT(session_->stats().last_error, HasSubstr("did not confirm the session's end: full"));
+}
+
 TEST_F(DaemonSessionTest, BringsACommandToTheFrameThreadAndItsOutcomeBack) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   ASSERT_TRUE(daemon.Send(CommandFor(2, 5)));
   RunUntil([&] { return adaptive_->active_arm() == 2; });
   daemon.WaitUntil([&](const FakeDaemon& d) {
@@ -185,8 +195,7 @@ TEST_F(DaemonSessionTest, BringsACommandToTheFrameThreadAndItsOutcomeBack) {
 
 TEST_F(DaemonSessionTest, RefusesACommandForAnArmItDoesNotHave) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   ASSERT_TRUE(daemon.Send(CommandFor(3, 5)));
   daemon.WaitUntil([&](const FakeDaemon& d) {
     return std::any_of(d.evidence.begin(), d.evidence.end(), [](const auto& request) {
@@ -200,8 +209,7 @@ TEST_F(DaemonSessionTest, RefusesACommandForAnArmItDoesNotHave) {
 TEST_F(DaemonSessionTest, ReportsABailOutWithoutWaitingForTheBatch) {
   options_.batch_interval_ms = 10'000;
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   Frame(6'000 * kMs);
   daemon.WaitUntil(
       [](const FakeDaemon& d) { return !d.evidence.empty() && d.evidence.back().has_bail_out(); });
@@ -209,8 +217,7 @@ TEST_F(DaemonSessionTest, ReportsABailOutWithoutWaitingForTheBatch) {
 
 TEST_F(DaemonSessionTest, TellsAModeChangeInItsPlace) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   adaptive_->SetMode(Mode::kManual);
   session_->OnModeChange();
   daemon.WaitUntil([](const FakeDaemon& d) {
@@ -231,8 +238,7 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
       prior.set_beta(1);
     }
   });
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   EXPECT_EQ(session_->stats().prior_source_count, 3U);
   EXPECT_TRUE(session_->stats().priors_unavailable);
   ASSERT_EQ(session_->stats().beliefs.size(), 3U);
@@ -260,8 +266,7 @@ TEST_F(DaemonSessionTest, TakesBeliefsSettlingAndPriorsFromTheDaemon) {
 
 TEST_F(DaemonSessionTest, TellsTheDaemonsVerdict) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   EXPECT_EQ(session_->stats().verdict.verdict, Verdict::kUnknown);
 
   v1::StreamTelemetryResponse response;
@@ -313,8 +318,7 @@ TEST_F(DaemonSessionTest, FindsADaemonThatComesLater) {
 
 TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledAndCountsNothingTwice) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   for (int round = 0; round < 3; ++round) {
     const size_t hello_count = static_cast<size_t>(round) + 1;
     RunUntil([&, frames = frame_count_] { return frame_count_ == frames + 50; });
@@ -341,8 +345,7 @@ TEST_F(DaemonSessionTest, ResumesAfterTheDaemonWasKilledAndCountsNothingTwice) {
 TEST_F(DaemonSessionTest, TheDaemonsBailOutLimitIsTheFramePathsToo) {
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) { script.welcome.set_bail_out_ms(100); });
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   Frame(100 * kMs);
   EXPECT_EQ(adaptive_->last_sample().flags & kFrameBailOut, 0U);
   Frame(101 * kMs);
@@ -351,8 +354,7 @@ TEST_F(DaemonSessionTest, TheDaemonsBailOutLimitIsTheFramePathsToo) {
 
 TEST_F(DaemonSessionTest, BeginsANewSessionWhenTheDaemonForgotTheOldOne) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   RunUntil([&] { return session_->stats().acknowledged_sequence >= 3; });
   const int port = daemon.port();
   daemon.Kill();
@@ -370,8 +372,7 @@ TEST_F(DaemonSessionTest, PausesForADaemonThatNeverReadsAndDropsTheOldestFrames)
   options_.batch_frames = 5;
   FakeDaemon daemon;
   daemon.SetScript([](auto& script) { script.never_reads = true; });
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   RunUntil([&] { return session_->stats().dropped_frame_count > 200; });
   EXPECT_LE(session_->stats().sent_sequence, 6U);
   EXPECT_EQ(wait_count_, 0U);
@@ -441,8 +442,7 @@ TEST_F(DaemonSessionTest, MovesToAnotherDaemonWhenToldAndBackHomeWhenThatOneIsGo
   FakeDaemon home;
   FakeDaemon other;
   other.Start();
-  StartAgainst(home);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(home);
   v1::StreamTelemetryResponse response;
   response.mutable_reconnect_elsewhere()->set_address(other.address());
   response.mutable_reconnect_elsewhere()->set_delay_ms(1);
@@ -456,8 +456,7 @@ TEST_F(DaemonSessionTest, MovesToAnotherDaemonWhenToldAndBackHomeWhenThatOneIsGo
 
 TEST_F(DaemonSessionTest, FollowsAnOrderToComeBackToTheSameAddress) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   v1::StreamTelemetryResponse response;
   response.mutable_reconnect_elsewhere()->set_delay_ms(1);
   ASSERT_TRUE(daemon.Send(response));
@@ -466,8 +465,7 @@ TEST_F(DaemonSessionTest, FollowsAnOrderToComeBackToTheSameAddress) {
 
 TEST_F(DaemonSessionTest, LetsTheGuardActOnlyWhileThereIsNoDaemon) {
   FakeDaemon daemon;
-  StartAgainst(daemon);
-  RunUntilState(ConnectionState::kOnline);
+  GoOnline(daemon);
   for (ScriptedBroadPhase* arm : arms_) arm->script().find_ns = 5'500 * kMs;
   Frame(6'000 * kMs);
   Frame();
