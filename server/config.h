@@ -1,10 +1,11 @@
 // The daemon's configuration: defaults, then a TOML file, then the environment, then flags; a later
 // source overrides an earlier one.
 //
-// One table (config.cc) names every setting once. Its names in the file (`decision.cooldown_ms`),
-// in the environment (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag (`--decision-cooldown-ms`)
-// follow from it. An unknown name is an error that lists the valid ones, the nearest first. Values
-// are checked one by one, then together. All functions except ReadConfigFile are pure.
+// One table (config_settings.cc) names every setting once. Its names in the file
+// (`decision.cooldown_ms`), in the environment (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag
+// (`--decision-cooldown-ms`) follow from it. An unknown name is an error that lists the valid ones,
+// the nearest first. Values are checked one by one, then together. All functions except
+// ReadConfigFile are pure.
 #pragma once
 
 #include <filesystem>
