@@ -17,14 +17,6 @@ using ::testing::Ge;
 using ::testing::Gt;
 using ::testing::HasSubstr;
 
-// α + β counts one per window and ten per bail-out: an increment applied twice would show.
-void ExpectConsistent(const priors::SourceState& source) {
-  const priors::Evidence total = TotalEvidence(source);
-  EXPECT_NEAR(total.alpha + total.beta,
-              static_cast<double>(total.window_count + 10 * total.bail_out_count), 1e-6);
-  EXPECT_LE(total.window_count, source.progress.decision_count);
-}
-
 TEST(RestartTest, AKilledDaemonLosesNothingAcknowledgedAndCountsNothingTwice) {
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());

@@ -87,18 +87,19 @@ void ScriptedGame::RunFrames(uint64_t count) {
 
 void ScriptedGame::BailOut() { RunFrame(true); }
 
+bool ScriptedGame::RunSomeFrames() {
+  const SessionStats now = stats();
+  if (now.sent_frame_count + now.dropped_frame_count + kFramesAhead < frame_count_) return false;
+  RunFrames(kFramesPerLook);
+  return true;
+}
+
 bool ScriptedGame::RunUntil(const std::function<bool(const SessionStats&)>& done,
                             uint64_t frame_limit) {
   const uint64_t first = frame_count_;
   while (frame_count_ - first < frame_limit) {
-    SessionStats now = stats();
-    if (done(now)) return true;
-    while (now.sent_frame_count + now.dropped_frame_count + kFramesAhead < frame_count_) {
-      std::this_thread::yield();
-      now = stats();
-      if (done(now)) return true;
-    }
-    RunFrames(kFramesPerLook);
+    if (done(stats())) return true;
+    if (!RunSomeFrames()) std::this_thread::yield();
   }
   return false;
 }

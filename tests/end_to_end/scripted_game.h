@@ -37,6 +37,8 @@ class ScriptedGame {
   // the daemon runs.
   bool RunUntil(const std::function<bool(const SessionStats&)>& done,
                 uint64_t frame_limit = 5'000'000);
+  // Runs a few frames, unless the sender is far behind; returns whether it did.
+  bool RunSomeFrames();
   // Runs `count` frames without looking at the session at all.
   void RunFrames(uint64_t count);
   // Runs one frame of 8 s, which its arm is to blame for.

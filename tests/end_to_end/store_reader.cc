@@ -1,5 +1,7 @@
 #include "tests/end_to_end/store_reader.h"
 
+#include <gtest/gtest.h>
+
 #include <cstdio>
 #include <cstdlib>
 
@@ -14,25 +16,34 @@ namespace {
   std::abort();
 }
 
+std::unique_ptr<priors::PriorStore> OpenStore(const std::filesystem::path& data) {
+  auto store = storage::OpenSqlitePriorStore(data / "priors.db");
+  if (!store.ok()) Die(store.status().ToString());
+  return *std::move(store);
+}
+
 }  // namespace
 
 priors::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id) {
-  auto store = storage::OpenSqlitePriorStore(data / "priors.db");
-  if (!store.ok()) Die(store.status().ToString());
-  auto source = (*store)->LoadSource(source_id);
+  auto source = OpenStore(data)->LoadSource(source_id);
   if (!source.ok()) Die(source.status().ToString());
   if (!source->has_value()) Die("The store does not know session " + source_id);
   return **source;
 }
 
+std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data) {
+  auto scenes = OpenStore(data)->List({}, {}, 1000);
+  if (!scenes.ok()) Die(scenes.status().ToString());
+  return *std::move(scenes);
+}
+
 std::string ReadAuditLog(const std::filesystem::path& data) {
-  auto store = storage::OpenSqlitePriorStore(data / "priors.db");
-  if (!store.ok()) Die(store.status().ToString());
+  const auto store = OpenStore(data);
   std::string csv = decision::AuditHeader() + "\n";
-  const auto segments = (*store)->ListAudit({}, 0, 1000);
+  const auto segments = store->ListAudit({}, 0, 1000);
   if (!segments.ok()) Die(segments.status().ToString());
   for (const priors::AuditSegment& segment : *segments) {
-    const auto rows = (*store)->LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
+    const auto rows = store->LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
     if (!rows.ok()) Die(rows.status().ToString());
     for (const priors::AuditRow& row : *rows) csv += row.text + "\n";
   }
@@ -43,6 +54,13 @@ priors::Evidence TotalEvidence(const priors::SourceState& source) {
   priors::Evidence total;
   for (const priors::KeyedEvidence& entry : source.evidence) total += entry.evidence;
   return total;
+}
+
+void ExpectConsistent(const priors::SourceState& source) {
+  const priors::Evidence total = TotalEvidence(source);
+  EXPECT_NEAR(total.alpha + total.beta,
+              static_cast<double>(total.window_count + 10 * total.bail_out_count), 1e-6);
+  EXPECT_LE(total.window_count, source.progress.decision_count);
 }
 
 }  // namespace sweepstake::test_support

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "server/priors/prior_store.h"
 
@@ -12,10 +13,17 @@ namespace sweepstake::test_support {
 // be read or is not there.
 priors::SourceState ReadSource(const std::filesystem::path& data, const std::string& source_id);
 
+// All scenes of the store; fails the test when they cannot be read.
+std::vector<priors::SceneEvidence> ReadScenes(const std::filesystem::path& data);
+
 // The audit log of all sessions in the store, as CSV.
 std::string ReadAuditLog(const std::filesystem::path& data);
 
 // Evidence of a source, summed over arms.
 priors::Evidence TotalEvidence(const priors::SourceState& source);
+
+// Expects of a session of the policy "paper" that no increment was lost or applied twice: α + β
+// counts one per window and ten per bail-out.
+void ExpectConsistent(const priors::SourceState& source);
 
 }  // namespace sweepstake::test_support
