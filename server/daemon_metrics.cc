@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "server/rpc/common/error_reasons.h"
 #include "server/web/metrics_page.h"
 #include "server/web/process_metrics.h"
 
@@ -85,6 +86,22 @@ constexpr CounterRow kCounters[] = {
      "Rows that are missing in the audit log because the disk was too slow or failed."},
 };
 
+// The labels are the reasons of errors.proto, so that there are few of them.
+prometheus::MetricFamily ErrorsOf(const Counters& counters) {
+  prometheus::MetricFamily family;
+  family.name = "sweepstake_errors_total";
+  family.help = "Calls and streams that the daemon ended with an error, by its reason.";
+  family.type = prometheus::MetricType::Counter;
+  for (int number = 0; number < v1::ErrorReason_ARRAYSIZE; ++number) {
+    if (!v1::ErrorReason_IsValid(number)) continue;
+    prometheus::ClientMetric& metric = family.metric.emplace_back();
+    const auto reason = static_cast<v1::ErrorReason>(number);
+    metric.label.push_back({"reason", std::string(rpc::NameOf(reason))});
+    metric.counter.value = static_cast<double>(counters.error_counts.at(reason));
+  }
+  return family;
+}
+
 // Returns 0 if there is no such file: a store that is closed in order has no log.
 double FileBytes(const std::filesystem::path& path) {
   std::error_code missing;
@@ -118,6 +135,7 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
     families.push_back(GaugeOf(name, help, static_cast<double>(counters.*value)));
   for (const auto& [value, name, help] : kCounters)
     families.push_back(CounterOf(name, help, static_cast<double>(counters.*value)));
+  families.push_back(ErrorsOf(counters));
   families.push_back(GaugeOf("sweepstake_store_healthy",
                              "1 while the store can write, 0 after a commit failed.",
                              store_healthy ? 1 : 0));

@@ -5,6 +5,7 @@
     A source file has at most 500 lines.
     A header/source pair under 90 lines has two users or a test of its own, or is a backend.
     In the command line only io/ and main.cc know the standard streams; a *_command.cc parses and wires.
+    A status that the daemon sends has a reason of errors.proto: the services make theirs with Refused.
     A path that a document names, in backticks or as a link, exists.
 
 Which folder may include which is for include_direction_test.py.
@@ -33,6 +34,8 @@ SOURCE_SUFFIXES = (".h", ".cc", ".c", ".cs", ".ts", ".tsx", ".js", ".mjs", ".css
 # What a command hands to io/ instead: snprintf and the like write to memory, not to a stream.
 PRINTING = re.compile(r"\bstd::(?:cout|cerr|clog)\b|(?<![\w.])(?:std::)?(?:f?printf|f?puts|f?putc|putchar|perror|fwrite)\s*\(")
 PRINTING_COMMAND = re.compile(r"\bterminal\.(?:out|err)\s*<<")
+# A client that has gone is told nothing.
+BARE_STATUS = re.compile(r"\babsl::(?!Cancelled)\w+Error\(|\bgrpc::StatusCode::")
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
@@ -90,6 +93,14 @@ def printing_errors(path, text):
         for match in pattern.finditer(code):
             line = code.count("\n", 0, match.start()) + 1
             yield f"{path}:{line}: '{match.group()}' prints; that is for engine_client/cli/io"
+
+
+def status_errors(path, text):
+    if not path.startswith(("server/rpc/services/", "server/rpc/sessions/", "server/rpc/common/message_validation")):
+        return
+    for match in BARE_STATUS.finditer(text):
+        line = text.count("\n", 0, match.start()) + 1
+        yield f"{path}:{line}: '{match.group()}' has no reason; say Refused (server/rpc/common/error_reasons.h)"
 
 
 class Tree:
@@ -152,6 +163,7 @@ def check(root, files):
             text = texts.get(path) or (root / path).read_text(encoding="utf-8")
             errors += length_errors(path, text)
             errors += printing_errors(path, text)
+            errors += status_errors(path, text)
             errors += document_errors(path, text, tree)
     return errors
 
@@ -188,6 +200,7 @@ BAD = [
     ("engine_client/cli/bench/a.cc", "engine_client/cli/bench/a.cc", "void F() { std::cout << 1; }\n"),
     ("engine_client/cli/run_command.cc", "engine_client/cli/run_command.cc", "void F() { std::printf(\"\"); }\n"),
     ("engine_client/cli/run_command.cc", "engine_client/cli/run_command.cc", "void F() { terminal.out << 1; }\n"),
+    ("server/rpc/services/a.cc", "server/rpc/services/a.cc", "void F() { End(absl::NotFoundError(\"\")); }\n"),
     ("server/README.md", "server/README.md", "`server/gone/file.cc`\n"),
     ("server/README.md", "server/README.md", "`rpc/gone.cc`\n"),
     ("server/README.md", "server/README.md", "`gone.cc`\n"),

@@ -14,6 +14,7 @@
 #include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "engine_client/telemetry/embedded/decider_loop.h"
+#include "engine_client/telemetry/error_reason.h"
 #include "engine_client/telemetry/evidence_intake.h"
 #include "engine_client/telemetry/proto_conversion.h"
 
@@ -88,9 +89,11 @@ std::string TryingAgain(uint32_t delay_ms) {
 
 std::string Describe(const grpc::Status& status, const std::string& address, bool with_tls) {
   std::string what = "the daemon at " + address + " ended the connection";
-  if (status.error_code() == grpc::StatusCode::UNAVAILABLE) what = "no connection to " + address;
+  // With a reason it is the daemon that says so.
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty())
+    what = "no connection to " + address;
   if (IsLasting(status.error_code())) what = "the daemon at " + address + " refuses the session";
-  if (!status.error_message().empty()) what += ": " + status.error_message();
+  if (!status.error_message().empty()) what += ": " + MessageWithReason(status);
   const std::string advice = ConnectionAdvice(status.error_message(), with_tls);
   return advice.empty() ? what : what + "; " + advice;
 }
@@ -309,11 +312,11 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   }
   const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
   const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT;
-  refusal_ = refused ? status.error_message() : "";
+  refusal_ = refused ? MessageWithReason(status) : "";
   if (asked_for) return;
   if (link.goodbye_sent) {
     last_error_ = "the daemon at " + link.address +
-                  " did not confirm the session's end: " + status.error_message();
+                  " did not confirm the session's end: " + MessageWithReason(status);
   } else {
     last_error_ = Describe(status, link.address, options_.tls.has_value()) + TryingAgain(delay_ms);
   }

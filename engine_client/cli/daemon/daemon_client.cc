@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "engine_client/telemetry/daemon_channel.h"
+#include "engine_client/telemetry/error_reason.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -41,7 +42,9 @@ void SetDeadline(grpc::ClientContext& context) {
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
   if (status.ok()) return {};
   const StatusCode code = ToCode(status.error_code());
-  if (code != StatusCode::kUnavailable) return {code, status.error_message()};
+  // With a reason it is the daemon that says so.
+  if (code != StatusCode::kUnavailable || !status.error_details().empty())
+    return {code, MessageWithReason(status)};
   const std::string advice = ConnectionAdvice(status.error_message(), daemon.tls.has_value());
   if (!advice.empty()) {
     return {code,

@@ -10,6 +10,7 @@
 #include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/decision/session/session_setup.h"
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/options.h"
 
 namespace sweepstake::rpc {
@@ -25,7 +26,9 @@ constexpr uint64_t kMaxSequence = (1ull << 63) - 1;
 // Two years at 1,000 frames/s; the counter holds the sum of 2^28 such reports.
 constexpr uint64_t kMaxDroppedFrames = 1ull << 36;
 
-absl::Status Invalid(absl::string_view message) { return absl::InvalidArgumentError(message); }
+absl::Status Invalid(absl::string_view message) {
+  return Refused(v1::ERROR_REASON_INVALID_MESSAGE, message);
+}
 
 absl::Status InvalidName(absl::string_view field) {
   return Invalid(absl::StrCat(field, " must have 1 to 128 bytes and no control characters"));
@@ -42,9 +45,10 @@ absl::Status CheckTimeScale(double scale, double max) {
   if (!(scale == 0 || (scale >= 1 && scale <= kMaxTimeScale)))
     return Invalid(absl::StrCat("time_scale must be 1 to ", kMaxTimeScale, ", or absent"));
   if (scale <= max) return absl::OkStatus();
-  return Invalid(absl::StrCat("this daemon allows a time scale up to ", max, ", not ", scale,
-                              "; ask for less, or start the daemon with --max-time-scale ",
-                              std::ceil(scale)));
+  return Refused(
+      v1::ERROR_REASON_TIME_SCALE,
+      absl::StrCat("this daemon allows a time scale up to ", max, ", not ", scale,
+                   "; ask for less, or start the daemon with --max-time-scale ", std::ceil(scale)));
 }
 
 // The newest version that both sides speak must be one that both still speak.
@@ -53,9 +57,10 @@ absl::Status CheckVersions(const v1::Hello& hello) {
   const uint32_t oldest = hello.min_protocol_version() == 0 ? newest : hello.min_protocol_version();
   if (std::min(newest, kMaxProtocolVersion) >= std::max(oldest, kMinProtocolVersion))
     return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(
-      "this daemon speaks the protocol versions ", kMinProtocolVersion, " to ", kMaxProtocolVersion,
-      ", the client ", oldest, " to ", newest, "; update the older side"));
+  return Refused(v1::ERROR_REASON_PROTOCOL_VERSION,
+                 absl::StrCat("this daemon speaks the protocol versions ", kMinProtocolVersion,
+                              " to ", kMaxProtocolVersion, ", the client ", oldest, " to ", newest,
+                              "; update the older side"));
 }
 
 absl::Status CheckArms(const v1::Hello& hello) {
@@ -87,7 +92,7 @@ absl::Status CheckNames(const v1::Hello& hello) {
 absl::Status CheckPolicy(const std::string& policy) {
   const auto valid = decision::PolicyNames();
   if (std::find(valid.begin(), valid.end(), policy) != valid.end()) return absl::OkStatus();
-  return Invalid(math::UnknownName("policy", policy, valid));
+  return Refused(v1::ERROR_REASON_UNKNOWN_POLICY, math::UnknownName("policy", policy, valid));
 }
 
 absl::Status CheckColumns(const v1::FrameBatch& batch) {
@@ -165,7 +170,8 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
     return status;
   const decision::PolicyKind& policy = decision::PolicyKindOf(hello.policy());
   if (hello.reward_version() != 0 && hello.reward_version() != policy.reward_version) {
-    return absl::FailedPreconditionError(
+    return Refused(
+        v1::ERROR_REASON_REWARD_VERSION,
         absl::StrCat("policy ", std::string(policy.name), " learns by reward version ",
                      policy.reward_version, ", not ", hello.reward_version(), "; leave it absent"));
   }
@@ -174,7 +180,7 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
 
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count) {
   if (request.has_hello())
-    return absl::FailedPreconditionError("Hello was sent already on this stream");
+    return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "Hello was sent already on this stream");
   if (request.message_case() == v1::StreamTelemetryRequest::MESSAGE_NOT_SET && !IsUnknown(request))
     return Invalid("the request has no message");
   if (absl::Status status = CheckSequence(request); !status.ok()) return status;

@@ -1,6 +1,7 @@
 // The bounds, intervals and counters of the services. Each field says what happens at its bound.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include "server/decision/options.h"
 #include "server/priors/audit_rows.h"
 #include "server/tls/tls_files.h"
+#include "sweepstake/v1/errors.pb.h"
 
 namespace sweepstake::rpc {
 
@@ -122,6 +124,9 @@ struct Counters {
   std::atomic<uint64_t> waiting_audit_bytes{0};  // of audit rows that wait for the disk now
   // Audit rows that are not in the log, because too many waited or the store could not write them.
   std::atomic<uint64_t> lost_audit_row_count{0};
+  // Calls and streams that ended with an error, by v1::ErrorReason. A client that went away is
+  // none.
+  std::array<std::atomic<uint64_t>, v1::ErrorReason_ARRAYSIZE> error_counts{};
 };
 
 }  // namespace sweepstake::rpc

@@ -39,10 +39,6 @@ void ToProto(const watch::LogHistogram& histogram, v1::LogHistogram& message) {
 
 }  // namespace
 
-grpc::Status ToGrpc(const absl::Status& status) {
-  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
-}
-
 bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message) {
   bool parsed = false;
   {

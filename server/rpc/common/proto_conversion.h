@@ -3,12 +3,10 @@
 #pragma once
 
 #include <grpcpp/support/byte_buffer.h>
-#include <grpcpp/support/status.h>
 
 #include <span>
 #include <string>
 
-#include "absl/status/status.h"
 #include "server/decision/types.h"
 #include "server/priors/audit_rows.h"
 #include "server/priors/prior_store.h"
@@ -21,9 +19,6 @@
 #include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake::rpc {
-
-// Converts a status; the codes have the same values.
-grpc::Status ToGrpc(const absl::Status& status);
 
 // Returns false if the bytes are not a message of this type. Reuses the memory of `message` and
 // consumes the buffer.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/audit/audit_log.h"
+#include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
 
 namespace sweepstake::rpc {

@@ -14,7 +14,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/priors/prior_store.h"
-#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/services/stall_sweep.h"
 
@@ -61,7 +61,9 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   int64_t waiting_since_ns() const override { return last_progress_ns_; }
   void OnStalled() override {
     context_.stalls.Remove(*this);
-    Cancel(call_, absl::DeadlineExceededError("the answer was not read; ask again"));
+    Cancel(call_,
+           ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED, "the answer was not read; ask again"),
+                  context_.counters));
   }
 
  private:
@@ -79,12 +81,13 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
           });
         });
     if (!submitted) {
-      End(absl::UnavailableError("the prior store has too much to do; ask again later"));
+      End(Refused(v1::ERROR_REASON_STORE_BUSY,
+                  "the prior store has too much to do; ask again later"));
     }
   }
 
   void OnPage(absl::StatusOr<Page> page) {
-    if (!page.ok()) return End(page.status());
+    if (!page.ok()) return End(StoreFailed(page.status()));
     page_ = *std::move(page);
     if (page_.empty) return End(absl::OkStatus());
     this->StartWrite(&page_.response);
@@ -92,7 +95,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
 
   void End(const absl::Status& status) {
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
-    this->Finish(ToGrpc(status));
+    this->Finish(ToGrpc(status, context_.counters));
   }
 
   ServiceContext& context_;

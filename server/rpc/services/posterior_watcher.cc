@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/watcher_set.h"
 #include "server/rpc/sessions/session_table.h"
@@ -22,7 +23,7 @@ PosteriorWatcher* PosteriorWatcher::Start(ServiceContext& context,
 void PosteriorWatcher::Begin(grpc::ByteBuffer request) {
   v1::WatchPosteriorsRequest wanted;
   if (!Parse(request, wanted))
-    return Close(absl::InvalidArgumentError("the request does not parse"));
+    return Close(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
   filter_ = {wanted.project(), wanted.scene()};
   if (const absl::Status added = context_.watchers.Add(*this); !added.ok()) return Close(added);
   context_.stalls.Add(*this);
@@ -66,13 +67,14 @@ void PosteriorWatcher::LoadPage() {
         });
       });
   if (!loading_)
-    Close(absl::UnavailableError("the prior store has too much to do; watch again later"));
+    Close(Refused(v1::ERROR_REASON_STORE_BUSY,
+                  "the prior store has too much to do; watch again later"));
 }
 
 void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<priors::SceneEvidence>>& page) {
   loading_ = false;
   if (end_) return;
-  if (!page.ok()) return Close(page.status());
+  if (!page.ok()) return Close(StoreFailed(page.status()));
   for (const priors::SceneEvidence& scene : *page) {
     scenes_.push_back(context_.watchers.Encode(scene));
     posteriors_.erase(scene.key);  // it is older than the page
@@ -110,7 +112,7 @@ void PosteriorWatcher::WriteNext() {
   if (writing_ || finished_) return;
   if (end_) {
     finished_ = true;
-    return Finish(ToGrpc(*end_));
+    return Finish(ToGrpc(*end_, context_.counters));
   }
   if (std::optional<grpc::ByteBuffer> next = TakeNext()) {
     write_bytes_ = *std::move(next);
@@ -126,7 +128,7 @@ void PosteriorWatcher::WriteNext() {
 }
 
 void PosteriorWatcher::OnStalled() {
-  Close(absl::ResourceExhaustedError("the watcher did not read; watch again"));
+  Close(Refused(v1::ERROR_REASON_WATCHER_STALLED, "the watcher did not read; watch again"));
 }
 
 void PosteriorWatcher::OnWritten(bool ok) {
@@ -144,7 +146,8 @@ void PosteriorWatcher::Close(const absl::Status& status) {
   context_.watchers.Remove(*this);
   context_.stalls.Remove(*this);
   if (writing_) {
-    Cancel(call_, status);  // OnWritten continues from there
+    Cancel(call_, ToGrpc(status, context_.counters));  // OnWritten continues from there
+    end_ = absl::CancelledError("the call was cut off");
   }
   WriteNext();
 }

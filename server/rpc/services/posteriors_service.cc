@@ -7,6 +7,7 @@
 
 #include "server/decision/math/names.h"
 #include "server/decision/session/policy_registry.h"
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/sessions/session_table.h"
@@ -54,23 +55,23 @@ uint32_t DefaultRewardVersion(const RpcOptions& options) {
   return decision::PolicyKindOf(options.decision.policy).reward_version;
 }
 
-grpc::Status TooMuch() {
-  return {grpc::StatusCode::UNAVAILABLE, "the prior store has too much to do; try again later"};
-}
-
 // Runs `read` on the store's thread and then `answer(result)` on the loop, whose status ends the
 // call.
 template <typename Read, typename Answer>
 void ReadAndAnswer(ServiceContext& context, grpc::ServerUnaryReactor* reactor, Read read,
                    Answer answer) {
-  const bool submitted =
-      context.store.Submit([&loop = context.loop, reactor, read = std::move(read),
-                            answer = std::move(answer)](priors::PriorStore& store) {
-        loop.Post([reactor, answer, result = read(store)] {
-          reactor->Finish(ToGrpc(result.ok() ? answer(*result) : result.status()));
+  const bool submitted = context.store.Submit(
+      [&loop = context.loop, &counters = context.counters, reactor, read = std::move(read),
+       answer = std::move(answer)](priors::PriorStore& store) {
+        loop.Post([reactor, answer, &counters, result = read(store)] {
+          reactor->Finish(
+              ToGrpc(result.ok() ? answer(*result) : StoreFailed(result.status()), counters));
         });
       });
-  if (!submitted) reactor->Finish(TooMuch());
+  if (submitted) return;
+  reactor->Finish(ToGrpc(
+      Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try again later"),
+      context.counters));
 }
 
 }  // namespace
@@ -83,8 +84,9 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
   if (!request->page_token().empty()) {
     after = KeyOf(request->page_token());
     if (!after) {
-      reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
-                       "page_token is none of a next_page_token of this daemon"});
+      reactor->Finish(ToGrpc(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                                     "page_token is none of a next_page_token of this daemon"),
+                             context_.counters));
       return reactor;
     }
   }
@@ -115,16 +117,18 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
                                                     : DefaultRewardVersion(context_.options)};
   if (!math::IsName(key.project) || !math::IsName(key.scene) ||
       !math::IsOptionalName(key.machine_class)) {
-    reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
-                     "project and scene must have 1 to 128 bytes and no control characters"});
+    reactor->Finish(
+        ToGrpc(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                       "project and scene must have 1 to 128 bytes and no control characters"),
+               context_.counters));
     return reactor;
   }
   ReadAndAnswer(
       context_, reactor, [key](priors::PriorStore& store) { return store.LoadScene(key); },
       [this, response, key](const std::optional<SceneEvidence>& scene) {
         if (!scene)
-          return absl::NotFoundError(
-              "nothing has been learnt about this scene on this class of machines");
+          return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
+                         "nothing has been learnt about this scene on this class of machines");
         ToProto(*scene, *response->mutable_scene());
         response->mutable_scene()->set_active_session_count(context_.sessions.ActiveCount(key));
         return absl::OkStatus();

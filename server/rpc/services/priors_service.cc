@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
@@ -55,7 +56,9 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   int64_t waiting_since_ns() const override { return last_progress_ns_; }
   void OnStalled() override {
     context_.stalls.Remove(*this);
-    Cancel(call_, absl::DeadlineExceededError("no records came; nothing was imported"));
+    Cancel(call_,
+           ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED, "no records came; nothing was imported"),
+                  context_.counters));
   }
 
  private:
@@ -73,11 +76,12 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       context_.loop.Post([this, result = store.Import(records_)] { OnImported(result); });
     });
     if (!submitted)
-      End(absl::UnavailableError("the prior store has too much to do; import again later"));
+      End(Refused(v1::ERROR_REASON_STORE_BUSY,
+                  "the prior store has too much to do; import again later"));
   }
 
   void OnImported(const absl::StatusOr<priors::ImportResult>& result) {
-    if (!result.ok()) return End(result.status());
+    if (!result.ok()) return End(StoreFailed(result.status()));
     v1::ImportPriorsResponse answer;
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
@@ -88,30 +92,32 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
   void End(const absl::Status& status) {
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
-    Finish(ToGrpc(status));
+    Finish(ToGrpc(status, context_.counters));
   }
 
   absl::Status Take() {
     if (!Parse(bytes_, request_)) {
       ++context_.counters.malformed_message_count;
-      return absl::InvalidArgumentError(
-          "a message does not parse as sweepstake.v1.ImportPriorsRequest");
+      return Refused(v1::ERROR_REASON_MALFORMED_MESSAGE,
+                     "a message does not parse as sweepstake.v1.ImportPriorsRequest");
     }
     if (request_.records_size() > static_cast<int>(kRecordsPerMessage)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("a message may hold ", kRecordsPerMessage, " records"));
+      return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                     absl::StrCat("a message may hold ", kRecordsPerMessage, " records"));
     }
     for (const v1::PriorRecord& record : request_.records()) {
       if (records_.size() == kMaxImportRecords) {
-        return absl::ResourceExhaustedError(
+        return Refused(
+            v1::ERROR_REASON_IMPORT_TOO_LARGE,
             absl::StrCat("an import may hold ", kMaxImportRecords, " records; split it"));
       }
       if (collected_count_ >= 2 * size_t{kMaxImportRecords}) {
-        return absl::ResourceExhaustedError("other imports are under way; import again later");
+        return Refused(v1::ERROR_REASON_TOO_MANY_IMPORTS,
+                       "other imports are under way; import again later");
       }
       if (const absl::Status status = CheckPriorRecord(record); !status.ok()) {
-        return absl::InvalidArgumentError(
-            absl::StrCat("record ", records_.size(), ": ", status.message()));
+        return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                       absl::StrCat("record ", records_.size(), ": ", status.message()));
       }
       records_.push_back(FromProto(record));
       ++collected_count_;

@@ -2,14 +2,13 @@
 
 #include <grpc/grpc.h>
 
-#include <string>
 #include <utility>
 
 namespace sweepstake::rpc {
 
-void Cancel(grpc::CallbackServerContext& call, const absl::Status& status) {
-  grpc_call_cancel_with_status(call.c_call(), static_cast<grpc_status_code>(status.code()),
-                               std::string(status.message()).c_str(), nullptr);
+void Cancel(grpc::CallbackServerContext& call, const grpc::Status& status) {
+  grpc_call_cancel_with_status(call.c_call(), static_cast<grpc_status_code>(status.error_code()),
+                               status.error_message().c_str(), nullptr);
 }
 
 void StallSweep::Add(StallingCall& call) {

@@ -7,14 +7,13 @@
 #include <cstdint>
 #include <set>
 
-#include "absl/status/status.h"
 #include "server/rpc/common/decision_loop.h"
 
 namespace sweepstake::rpc {
 
 // Ends a call at once, also one whose pending write waits for a client that does not read: its
-// pending operation then fails.
-void Cancel(grpc::CallbackServerContext& call, const absl::Status& status);
+// pending operation then fails. The client gets the code and the message, but no details.
+void Cancel(grpc::CallbackServerContext& call, const grpc::Status& status);
 
 // A call that may stall. It leaves the sweep before it is finished, since gRPC may have freed it by
 // the time that the loop hears of the end.

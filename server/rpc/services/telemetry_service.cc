@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/stall_sweep.h"
@@ -42,8 +43,9 @@ void TelemetryStream::Accept() {
   context_.counters.open_stream_count = streams_.all.size();
   if (streams_.draining) return Drain(context_.options.reconnect_delay_ms);
   if (streams_.all.size() > size_t{context_.options.max_sessions} + kMaxStreamsWithoutSession) {
-    return Close(absl::ResourceExhaustedError(
-        "this daemon has as many streams as it may; try again later, or use another"));
+    return Close(
+        Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
+                "this daemon has as many streams as it may; try again later, or use another"));
   }
   StartRead(&read_bytes_);
   DecisionLoop& loop = context_.loop;
@@ -54,7 +56,7 @@ void TelemetryStream::Accept() {
 
 void TelemetryStream::OnHelloOverdue() {
   if (end_ || hello_) return;
-  Reject(absl::DeadlineExceededError("no Hello came in time; send it first"));
+  Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no Hello came in time; send it first"));
 }
 
 void TelemetryStream::OnReadDone(bool ok) {
@@ -92,8 +94,8 @@ void TelemetryStream::OnMessage(bool parsed) {
   if (end_) return;
   if (!parsed) {
     ++context_.counters.malformed_message_count;
-    return Reject(absl::InvalidArgumentError(
-        "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
+    return Reject(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE,
+                          "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
   }
   const absl::Status status = Dispatch();
   if (!status.ok()) {
@@ -108,7 +110,7 @@ void TelemetryStream::OnMessage(bool parsed) {
 absl::Status TelemetryStream::Dispatch() {
   if (!session_) {
     if (!request_.has_hello())
-      return absl::FailedPreconditionError("the first request of a stream must be Hello");
+      return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "the first request of a stream must be Hello");
     return Open(request_.hello());
   }
   const absl::Status status =
@@ -156,12 +158,14 @@ absl::Status TelemetryStream::Load() {
         });
       });
   if (submitted) return absl::OkStatus();
-  return absl::UnavailableError("the prior store has too much to do; connect again later");
+  return Refused(v1::ERROR_REASON_STORE_BUSY,
+                 "the prior store has too much to do; connect again later");
 }
 
 void TelemetryStream::OnLoadOverdue() {
   if (end_ || session_) return;
-  OnLoaded({.priors = {}, .source = {}, .status = absl::DeadlineExceededError("no answer")});
+  OnLoaded(
+      {.priors = {}, .source = {}, .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
 }
 
 void TelemetryStream::OnLoaded(const StoredStart& start) {
@@ -218,7 +222,7 @@ void TelemetryStream::Drain(uint32_t delay_ms) {
   if (end_) return;
   if (const std::shared_ptr<GameSession> session = session_) return session->Drain(delay_ms);
   SendReconnect(delay_ms);
-  Close(absl::UnavailableError("the daemon is draining; connect again"));
+  Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
 }
 
 void TelemetryStream::SendSwitch(const decision::SwitchCommand& command) {
@@ -294,7 +298,8 @@ void TelemetryStream::Abort(const absl::Status& status) {
   LeaveSession();
   if (writing_) {
     // The pending write waits for a client that does not read. OnWritten continues from there.
-    Cancel(call_, status);
+    Cancel(call_, ToGrpc(status, context_.counters));
+    end_ = absl::CancelledError("the call was cut off");
   }
   WriteNext();
 }
@@ -307,7 +312,7 @@ void TelemetryStream::LeaveSession() {
 
 void TelemetryStream::FinishOnce() {
   finished_ = true;
-  Finish(ToGrpc(*end_));
+  Finish(ToGrpc(*end_, context_.counters));
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TelemetryService::StreamTelemetry(

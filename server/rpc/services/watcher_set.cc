@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
 #include "server/rpc/sessions/session_table.h"
@@ -9,10 +10,11 @@
 namespace sweepstake::rpc {
 
 absl::Status WatcherSet::Add(PosteriorWatcher& watcher) {
-  if (draining_) return absl::UnavailableError("the daemon is draining; watch again later");
+  if (draining_)
+    return Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later");
   if (watchers_.size() >= context_.options.max_watchers) {
-    return absl::ResourceExhaustedError(
-        "this daemon has as many watchers as it may; try again later");
+    return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
+                   "this daemon has as many watchers as it may; try again later");
   }
   watchers_.insert(&watcher);
   context_.counters.open_watcher_count = watchers_.size();
@@ -52,7 +54,7 @@ void WatcherSet::OnReset() {
 void WatcherSet::Drain() {
   draining_ = true;
   ForEach([](PosteriorWatcher& watcher) {
-    watcher.Close(absl::UnavailableError("the daemon is draining; watch again later"));
+    watcher.Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later"));
   });
 }
 

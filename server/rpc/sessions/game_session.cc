@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/decision/session/arm_runs.h"
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 
@@ -63,7 +64,8 @@ void GameSession::StartAudit() {
 
 void GameSession::Attach(SessionLink& link) {
   if (link_ != nullptr) {
-    link_->Abort(absl::AbortedError("another connection took this session over"));
+    link_->Abort(
+        Refused(v1::ERROR_REASON_SESSION_TAKEN_OVER, "another connection took this session over"));
   }
   link_ = &link;
   // The welcome message acknowledges this number.
@@ -244,11 +246,13 @@ void GameSession::CloseIfSettled() {
 void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
   SessionLink* link = std::exchange(link_, nullptr);
-  if (!ending_) return link->Close(absl::UnavailableError("the daemon is draining; connect again"));
+  if (!ending_)
+    return link->Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
   if (commit.ok()) return link->Close(absl::OkStatus());
-  link->Close(absl::UnavailableError(
-      absl::StrCat("the last evidence of the session is not on disk (", commit.message(),
-                   "); while the daemon runs it keeps it and tries again")));
+  link->Close(
+      Refused(v1::ERROR_REASON_STORE_FAILED,
+              absl::StrCat("the last evidence of the session is not on disk (", commit.message(),
+                           "); while the daemon runs it keeps it and tries again")));
 }
 
 void GameSession::End() {

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {
@@ -155,7 +156,8 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   SessionIdentity identity = IdentityOf(hello, start, context.options);
   const decision::SessionSetup setup =
       SetupOf(hello, identity, start, context.loop.clock().NowNs());
-  if (const auto problem = decision::Validate(setup)) return absl::InvalidArgumentError(*problem);
+  if (const auto problem = decision::Validate(setup))
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE, *problem);
   priors::SourceProgress progress;
   if (start.source) progress = start.source->progress;
   progress.source_id = identity.id;

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/rpc/common/error_reasons.h"
+
 namespace sweepstake::rpc {
 namespace {
 
@@ -18,8 +20,8 @@ std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
 
 absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   if (entries_.size() >= options_.max_sessions && !MakeRoom()) {
-    return absl::ResourceExhaustedError(
-        "this daemon has as many sessions as it may; try again later, or use another");
+    return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
+                   "this daemon has as many sessions as it may; try again later, or use another");
   }
   std::string id = session->identity().id;
   entries_[std::move(id)].session = std::move(session);

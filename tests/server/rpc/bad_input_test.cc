@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 
@@ -65,7 +66,7 @@ TEST_F(BadInputTest, ShadowSamplesMustNameAnArmAndATimeAndBeNoMoreThanABatchMayH
     return request;
   };
   EXPECT_TRUE(CheckRequest(with_samples(64), 3).ok());
-  EXPECT_EQ(EndAfter(with_samples(65)).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(ReasonOf(EndAfter(with_samples(65))), v1::ERROR_REASON_INVALID_MESSAGE);
   v1::StreamTelemetryRequest request = with_samples(2);
   request.mutable_frame_batch()->mutable_shadow_samples(1)->set_arm(3);
   EXPECT_EQ(EndAfter(request).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
@@ -132,7 +133,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   raw.Send(Request(hello).SerializeAsString());
   raw.Send("\xff\xff\xff not a message");
   const grpc::Status status = raw.Finish();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_MALFORMED_MESSAGE);
   EXPECT_THAT(status.error_message(), HasSubstr("does not parse"));
   EXPECT_EQ(server_->counters().malformed_message_count, 1u);
   EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
@@ -172,7 +173,7 @@ TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
   const std::string whole = Request(HelloMessage()).SerializeAsString();
   RawClient raw(channel_);
   raw.Send(whole.substr(0, whole.size() - 3));
-  EXPECT_EQ(raw.Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(ReasonOf(raw.Finish()), v1::ERROR_REASON_MALFORMED_MESSAGE);
 }
 
 TEST_F(BadInputTest, AMessageOverTheLimitExhaustsResources) {
@@ -185,12 +186,12 @@ TEST_F(BadInputTest, TheFirstRequestMustBeHello) {
   TelemetryClient client(channel_);
   client.Send(Frames(1, 30));
   const grpc::Status status = client.Finish();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_MESSAGE_ORDER);
   EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
 }
 
 TEST_F(BadInputTest, ASecondHelloIsOutOfOrder) {
-  EXPECT_EQ(EndAfter(Request(HelloMessage())).error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(ReasonOf(EndAfter(Request(HelloMessage()))), v1::ERROR_REASON_MESSAGE_ORDER);
 }
 
 TEST_F(BadInputTest, AnOverlongBatchIsInvalid) {
@@ -267,8 +268,9 @@ TEST(MessageValidationTest, ATimeScaleIsRefusedWithWhatToDoUnlessTheDaemonAllows
   RpcOptions options;
   hello.set_time_scale(7.5);
   EXPECT_EQ(CheckHello(hello, options),
-            absl::InvalidArgumentError("this daemon allows a time scale up to 1, not 7.5; ask for "
-                                       "less, or start the daemon with --max-time-scale 8"));
+            Refused(v1::ERROR_REASON_TIME_SCALE,
+                    "this daemon allows a time scale up to 1, not 7.5; ask for "
+                    "less, or start the daemon with --max-time-scale 8"));
   options.max_time_scale = 7;
   EXPECT_TRUE(absl::IsInvalidArgument(CheckHello(hello, options)));
   options.max_time_scale = 8;

@@ -25,7 +25,7 @@ TEST_F(DrainTest, DrainingTellsClientsToComeBackAndEnds) {
   client.Open(HelloMessage());
   server_->Drain(std::chrono::minutes(10));
   client.Await(Response::kReconnectElsewhere);
-  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_DRAINING);
   EXPECT_FALSE(silent.Finish().ok());
 }
 

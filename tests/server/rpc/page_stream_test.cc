@@ -1,5 +1,6 @@
 // When a stream of pages may be ended from outside.
 #include "server/rpc/services/page_stream.h"
+#include "sweepstake/v1/priors.pb.h"
 
 #include <gtest/gtest.h>
 #include <spdlog/logger.h>

@@ -143,8 +143,8 @@ TEST_F(PosteriorsTest, AForeignPageTokenIsInvalid) {
     request.set_page_token(token);
     v1::ListPosteriorsResponse response;
     grpc::ClientContext context;
-    EXPECT_EQ(posteriors_->ListPosteriors(&context, request, &response).error_code(),
-              grpc::StatusCode::INVALID_ARGUMENT)
+    EXPECT_EQ(ReasonOf(posteriors_->ListPosteriors(&context, request, &response)),
+              v1::ERROR_REASON_INVALID_MESSAGE)
         << token;
   }
 }
@@ -172,13 +172,13 @@ TEST_F(PosteriorsTest, AnUnknownSceneIsNotFoundAndAnEmptyNameInvalid) {
   v1::GetPosteriorRequest request;
   v1::GetPosteriorResponse response;
   grpc::ClientContext nameless;
-  EXPECT_EQ(posteriors_->GetPosterior(&nameless, request, &response).error_code(),
-            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(ReasonOf(posteriors_->GetPosterior(&nameless, request, &response)),
+            v1::ERROR_REASON_INVALID_MESSAGE);
   request.set_project("game");
   request.set_scene("nowhere");
   grpc::ClientContext unknown;
-  EXPECT_EQ(posteriors_->GetPosterior(&unknown, request, &response).error_code(),
-            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(ReasonOf(posteriors_->GetPosterior(&unknown, request, &response)),
+            v1::ERROR_REASON_UNKNOWN_SCENE);
 }
 
 TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
@@ -406,7 +406,7 @@ TEST_F(PosteriorsTest, AnImportWithOneWrongRecordImportsNothingAndNamesIt) {
   records[1].set_beta_increment(-1);
   v1::ImportPriorsResponse response;
   const grpc::Status status = Import(records, response);
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_INVALID_MESSAGE);
   EXPECT_THAT(status.error_message(), HasSubstr("record 1"));
   EXPECT_EQ(Stored().source_count, 1u);
 }

@@ -151,7 +151,7 @@ TEST_F(RewardVersionTest, AnExpectationIsCheckedAgainstThePolicys) {
   hello.set_reward_version(1);
   TelemetryClient client(channel_);
   client.Send(Request(hello));
-  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_REWARD_VERSION);
   hello.set_reward_version(2);
   EXPECT_EQ(TelemetryClient(channel_).Open(hello).reward_version(), 2u);
 }

@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine_client/telemetry/error_reason.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/memory_prior_store.h"
 #include "server/storage/store_thread.h"
@@ -184,9 +185,13 @@ class RpcTest : public ::testing::Test {
     channel_ = grpc::CreateChannel("127.0.0.1:" + std::to_string(server_->port()),
                                    grpc::InsecureChannelCredentials());
   }
-  // Stops the server; what is not in the store is lost, as after a crash.
+  // Stops the server; what is not in the store is lost, as after a crash. Whatever errors a test
+  // met, each had a reason.
   void StopServer() {
     channel_.reset();
+    if (server_ != nullptr) {
+      EXPECT_EQ(server_->counters().error_counts.at(v1::ERROR_REASON_UNSPECIFIED), 0u);
+    }
     if (server_ != nullptr) server_->Drain(std::chrono::milliseconds(0));
     // Callbacks of the store refer to the server's loop, and tasks of the loop begin new calls of
     // the store, the loop's last ones included. So the store is closed first, as the daemon does.

@@ -51,7 +51,7 @@ TEST_F(StreamBoundsTest, OneWithoutAHelloIsClosedInTime) {
   ASSERT_TRUE(StreamsOpen(2));
   clock_.Advance(options_.hello_patience_ns);
   const grpc::Status status = silent.Finish();
-  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_HELLO_OVERDUE);
   EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
   ASSERT_TRUE(StreamsOpen(1)) << "that with a session stays";
 }
@@ -77,7 +77,7 @@ TEST_F(StreamBoundsTest, ThoseWithoutASessionAreCountedToo) {
   const uint64_t max_count = options_.max_sessions + kMaxStreamsWithoutSession;
   while (clients.size() < max_count) clients.push_back(std::make_unique<TelemetryClient>(channel_));
   ASSERT_TRUE(StreamsOpen(max_count));
-  EXPECT_EQ(TelemetryClient(channel_).Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ReasonOf(TelemetryClient(channel_).Finish()), v1::ERROR_REASON_TOO_MANY_STREAMS);
   clients.pop_back();
   ASSERT_TRUE(StreamsOpen(max_count - 1));
   TelemetryClient(channel_).Open(HelloMessage());
