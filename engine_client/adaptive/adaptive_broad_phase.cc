@@ -13,6 +13,7 @@
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/bail_out_guard.h"
 #include "engine_client/adaptive/descriptor_estimator.h"
+#include "engine_client/adaptive/order_mailbox.h"
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
@@ -28,23 +29,6 @@ constexpr uint64_t kMaxPreparationNs = 500'000'000;
 
 // Packs the active arm and its epoch into one word, so that other threads read both together.
 constexpr uint64_t PackActive(uint32_t arm, uint32_t epoch) { return uint64_t{arm} << 32 | epoch; }
-
-constexpr uint64_t kCommandIdMask = (uint64_t{1} << 48) - 1;
-// A larger arm becomes 255, which no client has (there are at most 32 arms), so that it is refused
-// and not mistaken for another one.
-constexpr uint32_t kMaxCommandArm = 255;
-
-uint64_t Pack(const SwitchCommand& command) {
-  const uint64_t arm = std::min(command.arm, kMaxCommandArm);
-  const uint64_t reason = static_cast<uint32_t>(command.reason) & 0xFF;
-  return ((command.command_id & kCommandIdMask) << 16) | (arm << 8) | reason;
-}
-
-SwitchCommand Unpack(uint64_t packed) {
-  return {.command_id = packed >> 16,
-          .arm = static_cast<uint32_t>((packed >> 8) & 0xFF),
-          .reason = static_cast<SwitchReason>(packed & 0xFF)};
-}
 
 class ChronoSteadyClock final : public Clock {
  public:
@@ -121,17 +105,6 @@ Clock& SteadyClock() {
   return clock;
 }
 
-void SwitchMailbox::Post(const SwitchCommand& command) noexcept {
-  slot_.store(Pack(command), std::memory_order_release);
-}
-
-std::optional<SwitchCommand> SwitchMailbox::Take() noexcept {
-  // A plain load comes first, since nearly every frame finds nothing and an exchange would cost a
-  // locked bus cycle.
-  if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
-  return Unpack(slot_.exchange(0, std::memory_order_acquire));
-}
-
 class AdaptiveBroadPhase::Impl {
  public:
   Impl(const AdaptiveOptions& options, std::vector<std::string> arms,
@@ -143,6 +116,7 @@ class AdaptiveBroadPhase::Impl {
   void EndFrame(const FrameEnd& frame);
 
   Status SelectArm(std::string_view name);
+  void SetMode(Mode chosen);
 
   uint32_t arm() const {
     return static_cast<uint32_t>(active_.load(std::memory_order_relaxed) >> 32);
@@ -153,6 +127,7 @@ class AdaptiveBroadPhase::Impl {
   const std::vector<std::string> arms;
   std::vector<uint32_t> versions;
   SwitchMailbox mailbox;
+  OrderMailbox orders;
   std::atomic<Mode> mode;
   BailOutGuard guard;
   VerdictSlot verdict;
@@ -168,6 +143,8 @@ class AdaptiveBroadPhase::Impl {
   };
 
   void TakeCommand(const SwitchCommand& command);
+  void TakeOrder(const OperatorOrder& order);
+  void EndOrder();
   void ExecutePending();
   bool IsAllowed(const SwitchCommand& command) const;
   bool WaitsForLane();
@@ -180,6 +157,7 @@ class AdaptiveBroadPhase::Impl {
   void Emit();
   void GuardLocally();
   void Report(const std::optional<SwitchOutcome>& outcome);
+  void ReportMode(uint64_t order_id);
 
   std::vector<ArmBackend> backends_;
   FrameSink* const sink_;
@@ -187,6 +165,7 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<uint64_t> active_;
   std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
   std::optional<PendingSwitch> pending_;
+  bool manual_by_order_ = false;  // an operator has ordered kManual, and it holds
   bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   DescriptorEstimator descriptors_;
@@ -229,6 +208,8 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
 // the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
+  const std::optional<OperatorOrder> order = orders.Take();
+  if (order) TakeOrder(*order);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
     Execute(*local);
     if (pending_) Refuse(pending_->command);
@@ -236,8 +217,28 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   } else if (pending_) {
     ExecutePending();
   }
+  if (order) ReportMode(order->order_id);
   sample_.arm = arm();
   sample_.switch_epoch = epoch();
+}
+
+// A kManual that the game itself has chosen stays its own.
+void AdaptiveBroadPhase::Impl::TakeOrder(const OperatorOrder& order) {
+  const bool is_own_manual =
+      mode.load(std::memory_order_relaxed) == Mode::kManual && !manual_by_order_;
+  SetMode(order.mode);
+  manual_by_order_ = order.mode == Mode::kManual && !is_own_manual;
+  if (!order.arm) return;
+  local_command_.reset();
+  if (*order.arm != arm()) {
+    local_command_ = SwitchCommand{.arm = *order.arm, .reason = SwitchReason::kManual};
+  }
+}
+
+// The mode changes before the frame is reported, so that the decider answers it as in that mode.
+void AdaptiveBroadPhase::Impl::EndOrder() {
+  SetMode(Mode::kAi);
+  ReportMode(/*order_id=*/0);
 }
 
 // Takes a command, which replaces an earlier one. If both name the same arm, the preparation goes
@@ -346,6 +347,7 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   if (guard.Exceeds(frame.frame_time_ns)) sample_.flags |= kFrameBailOut;
   last_sample = sample_;
   if (pending_) pending_->waited_ns += frame.frame_time_ns;
+  if (manual_by_order_ && guard.BlamesArm(last_sample)) EndOrder();
   Emit();
   GuardLocally();
   const uint64_t next_index = sample_.frame_index + 1;
@@ -371,6 +373,16 @@ void AdaptiveBroadPhase::Impl::GuardLocally() {
 
 void AdaptiveBroadPhase::Impl::Report(const std::optional<SwitchOutcome>& outcome) {
   if (outcome && sink_ != nullptr) sink_->OnSwitch(*outcome);
+}
+
+void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
+  if (sink_ == nullptr) return;
+  sink_->OnModeChange({.mode = mode, .active_arm = arm(), .order_id = order_id});
+}
+
+void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
+  mode.store(chosen, std::memory_order_relaxed);
+  manual_by_order_ = false;
 }
 
 Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
@@ -446,7 +458,8 @@ std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb>
 void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) { impl_->EndFrame(frame); }
 
 Status AdaptiveBroadPhase::SelectArm(std::string_view arm) { return impl_->SelectArm(arm); }
-void AdaptiveBroadPhase::SetMode(Mode mode) { impl_->mode.store(mode, std::memory_order_relaxed); }
+void AdaptiveBroadPhase::SetMode(Mode mode) { impl_->SetMode(mode); }
+void AdaptiveBroadPhase::Obey(const OperatorOrder& order) { impl_->orders.Post(order); }
 void AdaptiveBroadPhase::SetDeciderPresent(bool present) {
   impl_->guard.SetDeciderPresent(present);
 }

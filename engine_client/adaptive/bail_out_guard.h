@@ -33,8 +33,11 @@ class BailOutGuard {
     return frame_time_ns > limit_ns_.load(std::memory_order_relaxed);
   }
 
-  // Returns the arm to switch to after this frame. It is absent if the frame is within the limit or
-  // was long for another reason (detection took less than half of it, paused, loading), if a
+  // Returns whether the frame is over the limit because of its arm. It is not if detection took
+  // less than half of it, or if the game was paused or loading.
+  bool BlamesArm(const FrameSample& sample) const;
+
+  // Returns the arm to switch to after this frame. It is absent if its arm is not to blame, if a
   // decider is present, or if there is no other arm.
   std::optional<uint32_t> LocalChoice(const FrameSample& sample) const;
 

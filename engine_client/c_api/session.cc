@@ -177,7 +177,7 @@ swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
   return Guard([&] {
     const auto chosen = static_cast<Mode>(mode);
     session->adaptive->SetMode(chosen);
-    session->queue.OnModeChange({chosen, session->adaptive->active_arm()});
+    session->queue.OnModeChange({.mode = chosen, .active_arm = session->adaptive->active_arm()});
     return static_cast<swp_result>(SWP_OK);
   });
 }

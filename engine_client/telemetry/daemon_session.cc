@@ -136,6 +136,7 @@ class DaemonSession final : public SessionBase {
   void OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns);
   void OnWelcome(const v1::Welcome& welcome, uint64_t now_ns);
   void OnCommand(const v1::SwitchCommand& message);
+  void OnOrder(const v1::OperatorOrder& message);
   void TakeBeliefs(const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors);
   void TakeVerdict(const v1::PosteriorSnapshot& snapshot);
   void FollowRedirect(uint64_t now_ns);
@@ -238,6 +239,8 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
     case v1::StreamTelemetryResponse::kReconnectElsewhere:
       link_->redirect = response.reconnect_elsewhere();
       return;
+    case v1::StreamTelemetryResponse::kOperatorOrder:
+      return OnOrder(response.operator_order());
     case v1::StreamTelemetryResponse::MESSAGE_NOT_SET:
       return;
   }
@@ -268,6 +271,15 @@ void DaemonSession::OnCommand(const v1::SwitchCommand& message) {
         RefusalToProto(message, adaptive().active_arm(), adaptive().switch_epoch()));
   }
   adaptive().mailbox().Post(*command);
+}
+
+void DaemonSession::OnOrder(const v1::OperatorOrder& message) {
+  if (!options_.allow_operator_orders) {
+    return state_->Append(RefusalToProto(message, v1::ORDER_REFUSAL_REASON_NOT_ALLOWED));
+  }
+  const std::optional<OperatorOrder> order = FromProto(message, adaptive().arms().size());
+  if (!order) return state_->Append(RefusalToProto(message, v1::ORDER_REFUSAL_REASON_UNKNOWN));
+  adaptive().Obey(*order);
 }
 
 void DaemonSession::TakeBeliefs(

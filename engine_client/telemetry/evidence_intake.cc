@@ -109,7 +109,7 @@ void EvidenceIntake::Take(const QueuedItem& item, uint64_t now_ns) {
   }
   Flush();
   if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) state_.Append(ToProto(*outcome));
-  if (const auto* change = std::get_if<ModeNote>(&item)) state_.Append(ToProto(*change));
+  if (const auto* change = std::get_if<ModeChange>(&item)) state_.Append(ToProto(*change));
 }
 
 void EvidenceIntake::TakeFrame(const FrameSample& sample, uint64_t now_ns) {

@@ -70,11 +70,12 @@ v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome) {
   return request;
 }
 
-v1::StreamTelemetryRequest ToProto(const ModeNote& change) {
+v1::StreamTelemetryRequest ToProto(const ModeChange& change) {
   v1::StreamTelemetryRequest request;
   v1::ModeChange& message = *request.mutable_mode_change();
   message.set_mode(ToProto(change.mode));
   message.set_active_arm(change.active_arm);
+  message.set_order_id(change.order_id);
   return request;
 }
 
@@ -103,6 +104,14 @@ v1::StreamTelemetryRequest RefusalToProto(const v1::SwitchCommand& command, uint
   return request;
 }
 
+v1::StreamTelemetryRequest RefusalToProto(const v1::OperatorOrder& order,
+                                          v1::OrderRefusalReason reason) {
+  v1::StreamTelemetryRequest request;
+  request.mutable_order_refusal()->set_order_id(order.order_id());
+  request.mutable_order_refusal()->set_reason(reason);
+  return request;
+}
+
 std::optional<SwitchCommand> FromProto(const v1::SwitchCommand& message) {
   if (message.reason() < v1::SWITCH_REASON_POLICY || message.reason() > v1::SWITCH_REASON_MANUAL) {
     return std::nullopt;
@@ -110,6 +119,14 @@ std::optional<SwitchCommand> FromProto(const v1::SwitchCommand& message) {
   return SwitchCommand{.command_id = message.command_id(),
                        .arm = message.arm(),
                        .reason = static_cast<SwitchReason>(message.reason())};
+}
+
+std::optional<OperatorOrder> FromProto(const v1::OperatorOrder& message, size_t arm_count) {
+  if (message.mode() != v1::MODE_MANUAL && message.mode() != v1::MODE_AI) return std::nullopt;
+  if (message.has_arm() && message.arm() >= arm_count) return std::nullopt;
+  return OperatorOrder{.order_id = message.order_id(),
+                       .mode = static_cast<Mode>(message.mode()),
+                       .arm = message.has_arm() ? std::optional(message.arm()) : std::nullopt};
 }
 
 std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size_t arm_count) {

@@ -24,16 +24,21 @@ void ToProto(const FrameSample& sample, v1::FrameBatch& batch);
 
 // A refused outcome gets an error text.
 v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome);
-v1::StreamTelemetryRequest ToProto(const ModeNote& change);
+v1::StreamTelemetryRequest ToProto(const ModeChange& change);
 // Makes the report of a frame over the bail-out limit.
 v1::StreamTelemetryRequest BailOutToProto(const FrameSample& sample);
 // Makes the answer to a command for an arm that this session does not have.
 v1::StreamTelemetryRequest RefusalToProto(const v1::SwitchCommand& command, uint32_t active_arm,
                                           uint32_t switch_epoch);
 
+v1::StreamTelemetryRequest RefusalToProto(const v1::OperatorOrder& order,
+                                          v1::OrderRefusalReason reason);
+
 // The result is absent if the reason is unknown, which a daemon of this protocol version never
 // sends.
 std::optional<SwitchCommand> FromProto(const v1::SwitchCommand& message);
+// The result is absent if the mode or the arm is unknown.
+std::optional<OperatorOrder> FromProto(const v1::OperatorOrder& message, size_t arm_count);
 // The result is absent if the verdict is of a later protocol, or if a value is outside of its
 // range.
 std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size_t arm_count);

@@ -14,11 +14,13 @@ class RecordingSink final : public FrameSink {
     descriptors.push_back(descriptor);
   }
   void OnSwitch(const SwitchOutcome& outcome) noexcept override { switches.push_back(outcome); }
+  void OnModeChange(const ModeChange& change) noexcept override { mode_changes.push_back(change); }
   void OnShadow(const ShadowSample& sample) noexcept override { shadows.push_back(sample); }
 
   std::vector<FrameSample> frames;
   std::vector<SceneDescriptor> descriptors;
   std::vector<SwitchOutcome> switches;
+  std::vector<ModeChange> mode_changes;
   std::vector<ShadowSample> shadows;  // written on the lane's thread; read them when it has ended
 };
 

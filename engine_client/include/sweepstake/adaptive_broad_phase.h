@@ -42,6 +42,9 @@ class FrameSink {
   virtual void OnFrame(const FrameSample& sample) noexcept = 0;
   virtual void OnDescriptor(const SceneDescriptor& descriptor) noexcept = 0;
   virtual void OnSwitch(const SwitchOutcome& outcome) noexcept = 0;
+  // Called where the game has obeyed an order, and where a bail-out has ended what was ordered. Not
+  // called for SetMode.
+  virtual void OnModeChange(const ModeChange& /*change*/) noexcept {}
   // Called on the shadow lane's thread, one call at a time.
   virtual void OnShadow(const ShadowSample& /*sample*/) noexcept {}
 };
@@ -118,6 +121,11 @@ class AdaptiveBroadPhase {
   // Sets the mode. In kManual, commands from the mailbox with any other reason than kManual are
   // refused, and the guard does not switch.
   void SetMode(Mode mode);
+  // Obeys an operator at the next BeginFrame, like SetMode and SelectArm; a later order replaces
+  // one that was not obeyed yet. A kManual that was ordered holds until the next order, SetMode, or
+  // a frame over the bail-out limit that the arm is to blame for: then the mode is kAi again, and
+  // the bail-out is answered as in that mode. Any thread. REQUIRES: the arm is one of arms().
+  void Obey(const OperatorOrder& order);
 
   // Says whether a decider is present to answer a bail-out. Without one the guard switches: to the
   // arm with the highest posterior mean of the latest snapshot, or to the next arm in order if

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 
 namespace sweepstake {
@@ -74,6 +75,20 @@ struct SwitchCommand {
   uint64_t command_id = 0;  // 0: local
   uint32_t arm = 0;
   SwitchReason reason = SwitchReason::kPolicy;
+};
+
+// What an operator wants of the game, through the daemon.
+struct OperatorOrder {
+  uint64_t order_id = 0;
+  Mode mode = Mode::kManual;
+  std::optional<uint32_t> arm;  // to use in kManual; absent: the active one
+};
+
+// A change of the mode that the decider is told about.
+struct ModeChange {
+  Mode mode = Mode::kAi;
+  uint32_t active_arm = 0;
+  uint64_t order_id = 0;  // the order that the game obeys with it; 0: its own change
 };
 
 // The decider's conclusion about the scene; the same values as sweepstake.v1.Verdict.

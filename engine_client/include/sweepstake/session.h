@@ -75,6 +75,9 @@ struct SessionOptions {
   double time_scale = 1;      // 1–1000; above 1 a daemon refuses unless it is set to allow it
   bool ignore_priors = false;
   uint64_t seed = 0;  // 0: the decider chooses
+  // Whether operators of the daemon may choose the mode and the arm; of no use to an embedded
+  // decider. Leave it off in a game that players get.
+  bool allow_operator_orders = false;
 
   uint32_t queue_frames = 4096;  // power of two, 2 to 1,048,576; 80 bytes each
   // A batch is sent when the first of these three limits is reached. The daemon's welcome replaces

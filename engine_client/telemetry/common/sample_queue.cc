@@ -21,7 +21,7 @@ void SampleQueue::OnSwitch(const SwitchOutcome& outcome) noexcept {
   PushNote(NoteKind::kSwitch, outcome);
 }
 
-void SampleQueue::OnModeChange(const ModeNote& change) noexcept {
+void SampleQueue::OnModeChange(const ModeChange& change) noexcept {
   PushNote(NoteKind::kMode, change);
 }
 
@@ -52,7 +52,7 @@ QueuedItem SampleQueue::TakeNote() {
     case NoteKind::kMode:
       break;
   }
-  return unpack(ModeNote{});
+  return unpack(ModeChange{});
 }
 
 }  // namespace sweepstake

@@ -5,8 +5,8 @@
 // number of frames pushed before them, so that Pop returns everything in the order it happened. The
 // shadow lane's samples have a third queue, in no order with the others.
 //
-// Thread safety: OnShadow belongs to the lane's thread, the sink's other calls and OnModeChange to
-// the frame thread, Pop and PopShadow to the sender thread; any thread may read the counts. Memory:
+// Thread safety: OnShadow belongs to the lane's thread, the sink's other calls to the frame thread,
+// Pop and PopShadow to the sender thread; any thread may read the counts. Memory:
 // 80 bytes per frame of capacity, allocated once. Pushing a frame neither allocates nor makes a
 // system call.
 #pragma once
@@ -20,13 +20,7 @@
 
 namespace sweepstake {
 
-// A change of mode that the session was told about.
-struct ModeNote {
-  Mode mode = Mode::kAi;
-  uint32_t active_arm = 0;
-};
-
-using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, ModeNote>;
+using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, ModeChange>;
 
 class SampleQueue final : public FrameSink {
  public:
@@ -46,7 +40,7 @@ class SampleQueue final : public FrameSink {
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
   void OnShadow(const ShadowSample& sample) noexcept override { shadows_.Push(sample); }
-  void OnModeChange(const ModeNote& change) noexcept;
+  void OnModeChange(const ModeChange& change) noexcept override;
 
   // Takes the next item in the order in which they happened; the result is absent if the queue is
   // empty.

@@ -37,7 +37,7 @@ void DeciderLoop::Take(const QueuedItem& item, uint64_t now_ns) {
   FlushFrames(now_ns);
   if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) decider_->Observe(*outcome, now_ns);
   if (const auto* descriptor = std::get_if<SceneDescriptor>(&item)) decider_->Observe(*descriptor);
-  if (const auto* change = std::get_if<ModeNote>(&item)) {
+  if (const auto* change = std::get_if<ModeChange>(&item)) {
     decider_->SetMode(change->mode, change->active_arm, now_ns);
   }
 }

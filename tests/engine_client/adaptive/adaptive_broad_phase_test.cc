@@ -203,6 +203,61 @@ TEST_F(AdaptiveBroadPhaseTest, PrefersWhatAPersonSelectedAndRefusesTheCommandOfT
   EXPECT_EQ(sink_.switches[0].executed, 0U);
 }
 
+TEST_F(AdaptiveBroadPhaseTest, KeepsToAnOrderedArmAndTellsSoInTheFrameThatRunsIt) {
+  adaptive_->Obey({.order_id = 9, .mode = Mode::kManual, .arm = 2});
+  adaptive_->mailbox().Post({.command_id = 4, .arm = 1});
+  EXPECT_EQ(Frame().arm, 2U);
+  ASSERT_EQ(sink_.mode_changes.size(), 1U);
+  EXPECT_EQ(sink_.mode_changes[0].order_id, 9U);
+  EXPECT_EQ(sink_.mode_changes[0].mode, Mode::kManual);
+  EXPECT_EQ(sink_.mode_changes[0].active_arm, 2U);
+  EXPECT_EQ(sink_.switches.at(0).executed, 0U) << "the policy's command";
+  adaptive_->mailbox().Post({.command_id = 5, .arm = 1});
+  EXPECT_EQ(Frame().arm, 2U);
+  adaptive_->Obey({.order_id = 10, .mode = Mode::kAi, .arm = {}});
+  adaptive_->mailbox().Post({.command_id = 6, .arm = 1});
+  EXPECT_EQ(Frame().arm, 1U);
+  EXPECT_EQ(sink_.mode_changes.at(1).order_id, 10U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, TellsThatItObeysAnOrderThatChangesNothing) {
+  adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 0});
+  Frame();
+  adaptive_->Obey({.order_id = 2, .mode = Mode::kManual, .arm = {}});
+  Frame();
+  EXPECT_EQ(sink_.mode_changes.size(), 2U);
+  EXPECT_EQ(adaptive_->switch_epoch(), 0U);
+  EXPECT_EQ(adaptive_->mode(), Mode::kManual);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ABailOutEndsWhatAnOperatorOrderedAndFlees) {
+  adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 1});
+  Frame();
+  Frame(7 * kSecond);
+  EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the arm is not to blame";
+  BailOut();
+  EXPECT_EQ(adaptive_->mode(), Mode::kAi);
+  ASSERT_EQ(sink_.mode_changes.size(), 2U);
+  EXPECT_EQ(sink_.mode_changes[1].mode, Mode::kAi);
+  EXPECT_EQ(sink_.mode_changes[1].order_id, 0U);
+  EXPECT_EQ(Frame().arm, 2U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ABailOutLeavesTheManualModeThatTheGameChose) {
+  adaptive_->SetMode(Mode::kManual);
+  adaptive_->Obey({.order_id = 1, .mode = Mode::kManual, .arm = 1});
+  Frame();
+  BailOut();
+  EXPECT_EQ(Frame().arm, 1U);
+  adaptive_->Obey({.order_id = 2, .mode = Mode::kAi, .arm = {}});
+  Frame();
+  adaptive_->Obey({.order_id = 3, .mode = Mode::kManual, .arm = {}});
+  Frame();
+  adaptive_->SetMode(Mode::kManual);
+  BailOut();
+  EXPECT_EQ(adaptive_->mode(), Mode::kManual) << "the game's own since then";
+}
+
 TEST_F(AdaptiveBroadPhaseTest, FlagsAFrameOverTheLimitAndFleesInTheNext) {
   BailOut();
   EXPECT_NE(sink_.frames.back().flags & kFrameBailOut, 0U);

@@ -63,7 +63,7 @@ TEST(SampleQueue, KeepsNotesBetweenTheFramesTheyCameBetween) {
   queue.OnDescriptor(descriptor);
   queue.OnSwitch({.command_id = 7, .arm = 1, .executed = 1});
   queue.OnFrame(FrameOf(1));
-  EXPECT_EQ(std::get<ModeNote>(*queue.Pop()).active_arm, 3U);
+  EXPECT_EQ(std::get<ModeChange>(*queue.Pop()).active_arm, 3U);
   EXPECT_EQ(std::get<FrameSample>(*queue.Pop()).frame_index, 0U);
   EXPECT_EQ(std::get<SceneDescriptor>(*queue.Pop()).object_count, 42);
   EXPECT_EQ(std::get<SwitchOutcome>(*queue.Pop()).command_id, 7U);

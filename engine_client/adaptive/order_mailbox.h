@@ -1,0 +1,39 @@
+// Passes one order to the frame thread; a newer order overwrites one that is not yet taken. Any
+// thread posts, the frame thread takes; lock-free.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake {
+
+class OrderMailbox {
+ public:
+  // Keeps the lowest 48 bits of the order's id. REQUIRES: arm < 255.
+  void Post(const OperatorOrder& order) noexcept {
+    slot_.store(order.order_id << 16 | uint64_t{order.arm.value_or(kNoArm)} << 8 |
+                    static_cast<uint64_t>(order.mode),
+                std::memory_order_release);
+  }
+
+  std::optional<OperatorOrder> Take() noexcept {
+    // As with SwitchMailbox: nearly every frame finds nothing.
+    if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
+    const uint64_t slot = slot_.exchange(0, std::memory_order_acquire);
+    const auto arm = static_cast<uint32_t>(slot >> 8 & 0xff);
+    return OperatorOrder{.order_id = slot >> 16,
+                         .mode = static_cast<Mode>(slot & 0xff),
+                         .arm = arm == kNoArm ? std::nullopt : std::optional(arm)};
+  }
+
+ private:
+  static constexpr uint32_t kNoArm = 0xff;
+
+  // order id (48 bits) | arm (8) | mode (8); 0 is empty, since no mode is 0.
+  std::atomic<uint64_t> slot_{0};
+};
+
+}  // namespace sweepstake

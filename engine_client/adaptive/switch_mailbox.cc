@@ -1,0 +1,38 @@
+#include <algorithm>
+
+#include "sweepstake/adaptive_broad_phase.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr uint64_t kCommandIdMask = (uint64_t{1} << 48) - 1;
+// A larger arm becomes 255, which no client has (there are at most 32 arms), so that it is refused
+// and not mistaken for another one.
+constexpr uint32_t kMaxCommandArm = 255;
+
+uint64_t Pack(const SwitchCommand& command) {
+  const uint64_t arm = std::min(command.arm, kMaxCommandArm);
+  const uint64_t reason = static_cast<uint32_t>(command.reason) & 0xFF;
+  return ((command.command_id & kCommandIdMask) << 16) | (arm << 8) | reason;
+}
+
+SwitchCommand Unpack(uint64_t packed) {
+  return {.command_id = packed >> 16,
+          .arm = static_cast<uint32_t>((packed >> 8) & 0xFF),
+          .reason = static_cast<SwitchReason>(packed & 0xFF)};
+}
+
+}  // namespace
+
+void SwitchMailbox::Post(const SwitchCommand& command) noexcept {
+  slot_.store(Pack(command), std::memory_order_release);
+}
+
+std::optional<SwitchCommand> SwitchMailbox::Take() noexcept {
+  // A plain load comes first, since nearly every frame finds nothing and an exchange would cost a
+  // locked bus cycle.
+  if (slot_.load(std::memory_order_relaxed) == 0) return std::nullopt;
+  return Unpack(slot_.exchange(0, std::memory_order_acquire));
+}
+
+}  // namespace sweepstake
