@@ -161,6 +161,7 @@ class DaemonSession final : public SessionBase {
   std::vector<ArmBelief> beliefs_;
   SceneVerdict verdict_;
   uint64_t command_count_ = 0;
+  uint64_t unknown_message_count_ = 0;
   uint64_t prior_source_count_ = 0;
   bool priors_unavailable_ = false;
 };
@@ -242,6 +243,7 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
     case v1::StreamTelemetryResponse::kOperatorOrder:
       return OnOrder(response.operator_order());
     case v1::StreamTelemetryResponse::MESSAGE_NOT_SET:
+      ++unknown_message_count_;
       return;
   }
 }
@@ -263,8 +265,11 @@ void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
 
 void DaemonSession::OnCommand(const v1::SwitchCommand& message) {
   const std::optional<SwitchCommand> command = FromProto(message);
-  // An unknown reason breaks the protocol and could not be answered within it.
-  if (!command) return;
+  // An unknown reason is one of a newer protocol, and could not be answered within this one.
+  if (!command) {
+    ++unknown_message_count_;
+    return;
+  }
   ++command_count_;
   if (command->arm >= adaptive().arms().size()) {
     return state_->Append(
@@ -291,6 +296,7 @@ void DaemonSession::TakeBeliefs(
 }
 
 void DaemonSession::TakeVerdict(const v1::PosteriorSnapshot& snapshot) {
+  if (!v1::Verdict_IsValid(snapshot.verdict())) ++unknown_message_count_;
   const std::optional<SceneVerdict> verdict = FromProto(snapshot, adaptive().arms().size());
   if (!verdict) return;
   verdict_ = *verdict;
@@ -390,6 +396,7 @@ void DaemonSession::Publish() {
     stats.resumed_count = counts.resumed_count;
     stats.resent_message_count = counts.resent_message_count;
     stats.command_count = command_count_;
+    stats.unknown_message_count = unknown_message_count_;
     stats.prior_source_count = prior_source_count_;
     stats.priors_unavailable = priors_unavailable_;
     stats.beliefs = beliefs_;

@@ -44,9 +44,10 @@ struct SessionStats {
   uint64_t connection_count = 0;  // welcomes received
   uint64_t resumed_count = 0;     // of those, resumed
   uint64_t resent_message_count = 0;
-  uint64_t command_count = 0;       // switch commands received
-  uint64_t prior_source_count = 0;  // sources in the priors the session started from
-  bool priors_unavailable = false;  // the daemon could not read all of its priors
+  uint64_t command_count = 0;          // switch commands received
+  uint64_t unknown_message_count = 0;  // of a newer protocol, not acted on
+  uint64_t prior_source_count = 0;     // sources in the priors the session started from
+  bool priors_unavailable = false;     // the daemon could not read all of its priors
   // The sender thread's time with an embedded decider; 0 with a daemon, which decides elsewhere.
   uint64_t intake_time_ns = 0;    // to empty the queue and hand it to the decider
   uint64_t decision_time_ns = 0;  // to decide, summed over all decisions

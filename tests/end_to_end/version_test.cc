@@ -1,0 +1,272 @@
+// Games and daemons of different versions of the protocol, over the real stream.
+#include <gmock/gmock.h>
+#include <google/protobuf/unknown_field_set.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "absl/strings/escaping.h"
+#include "sweepstake/v1/telemetry.grpc.pb.h"
+#include "tests/end_to_end/scripted_game.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/fake_daemon.h"
+#include "tests/support/http_exchange.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+using Request = v1::StreamTelemetryRequest;
+using Response = v1::StreamTelemetryResponse;
+
+// Returns a message of version 1 as it was recorded. What today's protocol has in other fields
+// would be unknown to it, and other bytes come back when it is sent.
+template <typename Message>
+Message Recorded(const std::string& name) {
+  std::ifstream file(VERSION_1_MESSAGES);
+  std::string line;
+  while (std::getline(file, line)) {
+    Message message;
+    if (line.rfind(name + " ", 0) != 0) continue;
+    EXPECT_TRUE(message.ParseFromString(absl::HexStringToBytes(line.substr(name.size() + 1))));
+    return message;
+  }
+  ADD_FAILURE() << "no message '" << name << "' in " << VERSION_1_MESSAGES;
+  return {};
+}
+
+template <typename Message>
+void AddNewerField(Message& message) {
+  message.GetReflection()->MutableUnknownFields(&message)->AddLengthDelimited(500, "newer");
+}
+
+// A message's fields by their numbers, which are all that an old program knows.
+class Fields {
+ public:
+  explicit Fields(const std::string& message = "") {
+    EXPECT_TRUE(fields_->ParseFromString(message));
+  }
+
+  bool Has(int number) const { return Find(number) != nullptr; }
+  uint64_t Number(int number) const { return Has(number) ? Find(number)->varint() : 0; }
+  std::string Bytes(int number) const {
+    return Has(number) ? Find(number)->length_delimited() : "";
+  }
+
+ private:
+  const google::protobuf::UnknownField* Find(int number) const {
+    for (int i = 0; i < fields_->field_count(); ++i) {
+      if (fields_->field(i).number() == number) return &fields_->field(i);
+    }
+    return nullptr;
+  }
+
+  // Shared, because it cannot be copied.
+  std::shared_ptr<google::protobuf::UnknownFieldSet> fields_ =
+      std::make_shared<google::protobuf::UnknownFieldSet>();
+};
+
+// The numbers of version 1.
+enum ResponseField { kWelcome = 1, kSwitchCommand = 2, kAcknowledgement = 3 };
+
+// A stream of a game that says what the test wants, and reads by numbers.
+class ScriptedStream {
+ public:
+  explicit ScriptedStream(const DaemonProcess& daemon)
+      : stub_(v1::TelemetryService::NewStub(
+            grpc::CreateChannel(daemon.address(), grpc::InsecureChannelCredentials()))),
+        stream_(stub_->StreamTelemetry(&context_)) {}
+  ~ScriptedStream() { context_.TryCancel(); }
+
+  void Send(const Request& request) { EXPECT_TRUE(stream_->Write(request)); }
+  // Reads until the condition holds; fails the test if the stream ends before.
+  void ReadUntil(const std::function<bool()>& condition) {
+    while (!condition()) {
+      if (!Read()) return Fail();
+    }
+  }
+  void AwaitAcknowledgement(uint64_t sequence) {
+    ReadUntil([&] { return latest(kAcknowledgement).Number(1) >= sequence; });
+  }
+  Fields Open(const Request& hello) {
+    Send(hello);
+    ReadUntil([&] { return !latest(kWelcome).Bytes(1).empty(); });
+    return latest(kWelcome);
+  }
+  grpc::Status Finish() {
+    while (Read()) {
+    }
+    return stream_->Finish();
+  }
+  // The latest response of a kind.
+  const Fields& latest(ResponseField kind) { return latest_[kind]; }
+
+ private:
+  bool Read() {
+    Response response;
+    if (!stream_->Read(&response)) return false;
+    const Fields fields(response.SerializeAsString());
+    for (const ResponseField kind : {kWelcome, kSwitchCommand, kAcknowledgement}) {
+      if (fields.Has(kind)) latest_[kind] = Fields(fields.Bytes(kind));
+    }
+    return true;
+  }
+  void Fail() { FAIL() << "the stream ended: " << stream_->Finish().error_message(); }
+
+  grpc::ClientContext context_;
+  std::unique_ptr<v1::TelemetryService::Stub> stub_;
+  std::unique_ptr<grpc::ClientReaderWriter<Request, Response>> stream_;
+  std::map<ResponseField, Fields> latest_;
+};
+
+TEST(VersionTest, AGameOfVersion1PlaysWithThisDaemon) {
+  const TemporaryDirectory data;
+  const DaemonProcess daemon(data.path());
+  Request hello = Recorded<Request>("hello");
+  {
+    ScriptedStream stream(daemon);
+    const Fields welcome = stream.Open(hello);
+    EXPECT_FALSE(welcome.Has(2)) << "resumed";
+    EXPECT_EQ(welcome.Number(7), 10u) << "decision_interval_ms";
+    EXPECT_EQ(welcome.Bytes(14), "paper");
+    EXPECT_THAT(welcome.Bytes(18), SizeIs(32)) << "resume_token";
+    stream.Send(Recorded<Request>("frames"));
+    stream.Send(Recorded<Request>("bail_out"));
+    stream.AwaitAcknowledgement(2);
+    stream.ReadUntil([&] { return stream.latest(kSwitchCommand).Number(1) > 0; });
+    Request outcome = Recorded<Request>("switch_outcome");
+    const Fields& command = stream.latest(kSwitchCommand);
+    outcome.mutable_switch_outcome()->set_command_id(command.Number(1));
+    outcome.mutable_switch_outcome()->set_arm(static_cast<uint32_t>(command.Number(2)));
+    stream.Send(outcome);
+    stream.AwaitAcknowledgement(3);
+    hello.mutable_hello()->set_session_id(welcome.Bytes(1));
+    hello.mutable_hello()->set_resume_token(welcome.Bytes(18));
+  }
+  ScriptedStream stream(daemon);
+  const Fields welcome = stream.Open(hello);
+  EXPECT_TRUE(welcome.Has(2)) << "resumed";
+  EXPECT_EQ(welcome.Number(3), 3u) << "acknowledged_sequence";
+  stream.Send(Recorded<Request>("mode_change"));
+  stream.Send(Recorded<Request>("goodbye"));
+  const grpc::Status status = stream.Finish();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(stream.latest(kAcknowledgement).Number(1), 4u);
+}
+
+TEST(VersionTest, ANewerGameThatSpeaksAnOldVersionPlaysWithThisDaemon) {
+  const TemporaryDirectory data;
+  const DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
+  Request hello = Recorded<Request>("hello");
+  hello.mutable_hello()->set_protocol_version(1'000);
+  hello.mutable_hello()->set_min_protocol_version(1);
+  AddNewerField(hello);
+  AddNewerField(*hello.mutable_hello());
+  ScriptedStream stream(daemon);
+  stream.Open(hello);
+  Request frames = Recorded<Request>("frames");
+  AddNewerField(*frames.mutable_frame_batch());
+  stream.Send(frames);
+  Request newer;
+  newer.set_sequence(2);
+  AddNewerField(newer);
+  stream.Send(newer);
+  Request outcome = Recorded<Request>("switch_outcome");
+  outcome.mutable_switch_outcome()->set_reason(static_cast<v1::SwitchReason>(99));
+  stream.Send(outcome);
+  Request mode = Recorded<Request>("mode_change");
+  mode.mutable_mode_change()->set_mode(static_cast<v1::Mode>(99));
+  stream.Send(mode);
+  stream.Send(Recorded<Request>("goodbye"));
+  const grpc::Status status = stream.Finish();
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(stream.latest(kAcknowledgement).Number(1), 4u);
+  const std::string metrics = Get(daemon.http_port(), "/metrics").body;
+  EXPECT_THAT(metrics, HasSubstr("\nsweepstake_unknown_messages_total 3\n"));
+  EXPECT_THAT(metrics, HasSubstr("\nsweepstake_accepted_frames_total 30\n"));
+}
+
+class GameTest : public ::testing::Test {
+ protected:
+  GameTest() {
+    daemon_.SetScript([](FakeDaemon::Script& script) {
+      script.welcome = Recorded<Response>("welcome").welcome();
+      AddNewerField(script.welcome);
+    });
+    daemon_.Start();
+  }
+  // Whether the game has told how a command went.
+  bool HasOutcomeOf(uint64_t command_id) {
+    const std::vector<Request> evidence = daemon_.Evidence();
+    return std::any_of(evidence.begin(), evidence.end(), [&](const Request& request) {
+      return request.switch_outcome().command_id() == command_id &&
+             request.switch_outcome().executed();
+    });
+  }
+  void ExpectObeys(ScriptedGame& game) {
+    const v1::SwitchCommand command = Recorded<Response>("switch_command").switch_command();
+    ASSERT_TRUE(daemon_.Send(Recorded<Response>("switch_command")));
+    EXPECT_TRUE(
+        game.RunUntil([&](const SessionStats&) { return HasOutcomeOf(command.command_id()); }));
+    EXPECT_EQ(game.adaptive().active_arm(), command.arm());
+  }
+
+  FakeDaemon daemon_;
+};
+
+TEST_F(GameTest, PlaysWithADaemonOfVersion1) {
+  ScriptedGame game(daemon_.address(), FastOptions());
+  ASSERT_TRUE(
+      game.RunUntil([](const SessionStats& stats) { return stats.acknowledged_sequence > 0; }));
+  EXPECT_EQ(game.stats().prior_source_count, 3u);
+  ASSERT_THAT(game.stats().beliefs, SizeIs(7));
+  EXPECT_EQ(game.stats().beliefs[6].alpha, 2);
+  ExpectObeys(game);
+  ASSERT_TRUE(daemon_.Send(Recorded<Response>("posterior_snapshot")));
+  EXPECT_TRUE(game.RunUntil(
+      [](const SessionStats& stats) { return stats.verdict.verdict == Verdict::kTie; }));
+  EXPECT_EQ(game.stats().beliefs[6].alpha, 4);
+  ASSERT_TRUE(daemon_.Send(Recorded<Response>("reconnect_elsewhere")));
+  EXPECT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.resumed_count == 1; }));
+  game.Stop();
+  EXPECT_EQ(game.stats().last_error, "");
+  EXPECT_EQ(game.stats().unknown_message_count, 0u);
+  daemon_.Kill();
+  EXPECT_THAT(daemon_.goodbyes, SizeIs(1));
+  const v1::Hello& hello = daemon_.hellos.front();
+  EXPECT_EQ(
+      hello.min_protocol_version() == 0 ? hello.protocol_version() : hello.min_protocol_version(),
+      1u);
+}
+
+TEST_F(GameTest, CountsAndSkipsWhatOnlyANewerDaemonSays) {
+  ScriptedGame game(daemon_.address(), FastOptions());
+  ASSERT_TRUE(
+      game.RunUntil([](const SessionStats& stats) { return stats.acknowledged_sequence > 0; }));
+  Response newer;
+  AddNewerField(newer);
+  ASSERT_TRUE(daemon_.Send(newer));
+  Response command = Recorded<Response>("switch_command");
+  command.mutable_switch_command()->set_reason(static_cast<v1::SwitchReason>(99));
+  ASSERT_TRUE(daemon_.Send(command));
+  Response snapshot = Recorded<Response>("posterior_snapshot");
+  snapshot.mutable_posterior_snapshot()->set_verdict(static_cast<v1::Verdict>(99));
+  ASSERT_TRUE(daemon_.Send(snapshot));
+  ExpectObeys(game);
+  EXPECT_EQ(game.stats().unknown_message_count, 3u);
+  EXPECT_EQ(game.stats().beliefs[6].alpha, 4) << "of the snapshot only the verdict is unknown";
+  EXPECT_EQ(game.stats().verdict.verdict, Verdict::kUnknown);
+  EXPECT_EQ(game.stats().command_count, 1u);
+  EXPECT_EQ(game.stats().connection_count, 1u);
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support
