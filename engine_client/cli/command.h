@@ -48,7 +48,7 @@ std::string CommandLine(std::span<char* const> words);
 template <typename Options>
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
                      const std::string& examples, int& exit_code,
-                     const std::function<void(CLI::App&, Options&)>& declare,
+                     void (*declare)(CLI::App&, Options&),
                      const std::function<int(const Options&)>& run) {
   CLI::App* command = app.add_subcommand(name, description);
   command->footer("Examples:\n" + examples);

@@ -42,7 +42,7 @@ class ObservedScene : public Scene {
   size_t max_objects_;
 };
 
-int RunRecord(const RecordOptions& options, Terminal& terminal) {
+int Run(const RecordOptions& options, Terminal& terminal) {
   auto scene = OpenScene(options.scene);
   if (!scene.ok()) return Fail(terminal, scene.status());
   size_t max_objects = 0;
@@ -87,7 +87,7 @@ void AddRecordCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--out", options.out, "File to write")->required();
         AddJsonFlag(command, options.json);
       },
-      [&terminal](const RecordOptions& options) { return RunRecord(options, terminal); });
+      [&terminal](const RecordOptions& options) { return Run(options, terminal); });
 }
 
 }  // namespace sweepstake::cli

@@ -15,7 +15,7 @@
 namespace sweepstake::cli {
 namespace {
 
-std::string Seconds(double seconds) { return Fixed(seconds, 6); }
+std::string Number(double value) { return Fixed(value, 6); }
 std::string Exact(double value) { return Fixed(value, 9); }
 
 std::string ReasonText(uint32_t reason) {
@@ -40,14 +40,14 @@ Status WriteOne(std::span<const RunRecord> records, const std::filesystem::path&
 
 void ActivationRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   for (const ArmPeriod& each : ArmPeriods(record)) {
-    csv.Row({run, record.arms[each.arm], Seconds(each.from_s), Seconds(each.to_s),
+    csv.Row({run, record.arms[each.arm], Number(each.from_s), Number(each.to_s),
              ReasonText(each.reason), Observed(record, each.from_s)});
   }
 }
 
 void SwitchRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   for (const RecordedSwitch& each : record.switches) {
-    csv.Row({run, Seconds(each.time_s), std::to_string(each.frame), record.arms[each.from],
+    csv.Row({run, Number(each.time_s), std::to_string(each.frame), record.arms[each.from],
              record.arms[each.to], ReasonText(each.reason), Observed(record, each.time_s),
              std::to_string(each.rebuild_ns), std::to_string(each.settling_ns)});
   }
@@ -56,7 +56,7 @@ void SwitchRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
 void DecisionRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   for (const RecordedDecision& each : record.decisions) {
     const bool known = !each.best_probability.empty();
-    csv.Row({run, Seconds(each.time_s), record.arms[each.active_arm],
+    csv.Row({run, Number(each.time_s), record.arms[each.active_arm],
              each.candidate < 0 ? "" : record.arms[static_cast<size_t>(each.candidate)],
              decision::NameOf(decision::kOutcomeNames, each.outcome), ReasonText(each.reason),
              each.reward < 0 ? "" : Exact(each.reward), known ? record.arms[each.leader] : "",
@@ -69,7 +69,7 @@ void DecisionRows(const RunRecord& record, const std::string& run, CsvFile& csv)
 void PosteriorRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   for (const RecordedDecision& each : record.decisions) {
     for (size_t arm = 0; arm < record.arms.size(); ++arm) {
-      csv.Row({run, Seconds(each.time_s), record.arms[arm], Exact(each.alpha[arm]),
+      csv.Row({run, Number(each.time_s), record.arms[arm], Exact(each.alpha[arm]),
                Exact(each.beta[arm]),
                each.best_probability.empty() ? "" : Exact(each.best_probability[arm])});
     }
@@ -93,7 +93,7 @@ void FinalRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
 
 void MetricRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   for (const MetricWindow& each : record.windows) {
-    csv.Row({run, Seconds(each.time_s), record.arms[each.arm], std::to_string(each.frame_count),
+    csv.Row({run, Number(each.time_s), record.arms[each.arm], std::to_string(each.frame_count),
              Fixed(each.frame_us_mean, 3), Fixed(each.frame_us_max, 3),
              Fixed(each.detection_us_mean, 3), Fixed(each.check_count_mean, 1),
              Fixed(each.pair_count_mean, 1), std::to_string(each.native_bytes_max),
@@ -103,7 +103,7 @@ void MetricRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
 
 void TimeRows(const RunRecord& record, const std::string& run, CsvFile& csv) {
   const TimeShares& time = record.time;
-  csv.Row({run, record.start_utc, Seconds(record.exploration_s), Seconds(record.end_s),
+  csv.Row({run, record.start_utc, Number(record.exploration_s), Number(record.end_s),
            std::to_string(time.scene_step_ns), std::to_string(time.detection_ns),
            std::to_string(time.rebuild_ns), std::to_string(time.copying_ns),
            std::to_string(time.around_ns), std::to_string(time.frame_end_ns),
@@ -168,8 +168,6 @@ Status WriteTable3(std::span<const CellSummary> cells, const std::filesystem::pa
   }
   return (*csv)->Commit();
 }
-
-std::string Number(double value) { return Fixed(value, 6); }
 
 // Begins Table 4 with the names of Table4Row's columns.
 Result<std::unique_ptr<CsvFile>> CreateTable4(const std::filesystem::path& path) {

@@ -24,8 +24,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifestName = "manifest.json";
-constexpr const char* kFormat = "sweepstake-experiment";
-constexpr int kVersion = 1;
+constexpr const char* kFolderFormat = "sweepstake-experiment";
+constexpr int kFolderVersion = 1;
 
 bool IsOfRun(const RunRecord& record, const PlannedRun& run) {
   return record.cell == run.cell && record.policy == run.policy && record.run == run.run &&
@@ -108,7 +108,7 @@ Result<ExperimentManifest> ExperimentFolder::ReadManifest() const {
   }
   try {
     const nlohmann::json document = nlohmann::json::parse(file);
-    if (document.at("format") != kFormat || document.at("version") != kVersion) {
+    if (document.at("format") != kFolderFormat || document.at("version") != kFolderVersion) {
       return Status(StatusCode::kDataLoss,
                     file_path.string() + " is the manifest of another program");
     }
@@ -138,8 +138,8 @@ std::vector<RunRecord> ExperimentFolder::ReadRecords(const ExperimentPlan& plan)
 std::string ManifestJson(const ExperimentPlan& plan, const std::vector<ExperimentSession>& sessions,
                          size_t finished_count) {
   const Json manifest = {
-      {"format", kFormat},
-      {"version", kVersion},
+      {"format", kFolderFormat},
+      {"version", kFolderVersion},
       {"state", finished_count == plan.runs.size() ? "complete" : "partial"},
       {"finished_runs", finished_count},
       {"planned_runs", plan.runs.size()},

@@ -30,8 +30,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunRecord, cell, policy, run, seed, initial_a
 
 namespace {
 
-constexpr const char* kFormat = "sweepstake-experiment-run";
-constexpr int kVersion = 1;
+constexpr const char* kRunFormat = "sweepstake-experiment-run";
+constexpr int kRunVersion = 1;
 
 // Returns whether all lists and arm indices match the number of arms, since later code indexes by
 // arm without checks.
@@ -67,7 +67,8 @@ std::string RunLabel(const RunRecord& record) {
 Status WriteRecord(const RunRecord& record, const std::filesystem::path& path) {
   auto file = WholeFile::Create(path);
   if (!file.ok()) return file.status();
-  const nlohmann::json document = {{"format", kFormat}, {"version", kVersion}, {"run", record}};
+  const nlohmann::json document = {
+      {"format", kRunFormat}, {"version", kRunVersion}, {"run", record}};
   (*file)->Write(document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   return (*file)->Commit();
 }
@@ -80,7 +81,7 @@ Result<RunRecord> ReadRecord(const std::filesystem::path& path) {
   };
   try {
     const nlohmann::json document = nlohmann::json::parse(file);
-    if (document.at("format") != kFormat || document.at("version") != kVersion) {
+    if (document.at("format") != kRunFormat || document.at("version") != kRunVersion) {
       return broken("its format is another one");
     }
     RunRecord record = document.at("run").get<RunRecord>();

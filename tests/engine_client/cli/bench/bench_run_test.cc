@@ -18,7 +18,7 @@ using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-Result<BenchReport> Bench(const BenchOptions& options) {
+Result<BenchReport> Measured(const BenchOptions& options) {
   double before = 0;
   auto report = RunBench(options, [&](double share, const std::string& text) {
     EXPECT_GT(share, before) << text;
@@ -43,7 +43,7 @@ BenchOptions SmallOptions() {
 TEST(RunBench, HasARowForEachCellArmAndCountOfThreads) {
   BenchOptions options = SmallOptions();
   options.thread_counts = {1, 2};
-  const auto report = Bench(options);
+  const auto report = Measured(options);
   ASSERT_TRUE(report.ok()) << report.status().message();
   std::vector<std::string> cells;
   for (const BenchCell& cell : report->cells) {
@@ -63,7 +63,7 @@ TEST(RunBench, HasARowForEachCellArmAndCountOfThreads) {
 }
 
 TEST(RunBench, CountsOnlyTheFramesAfterTheWarmUp) {
-  const auto report = Bench(SmallOptions());
+  const auto report = Measured(SmallOptions());
   ASSERT_TRUE(report.ok());
   for (const BenchRow& row : report->rows) {
     EXPECT_EQ(row.frame_count, 3U);
@@ -80,7 +80,7 @@ TEST(RunBench, AllArmsFindTheSamePairs) {
   BenchOptions options = SmallOptions();
   options.arms = {"all"};
   options.object_counts = {200};
-  const auto report = Bench(options);
+  const auto report = Measured(options);
   ASSERT_TRUE(report.ok());
   ASSERT_EQ(report->rows.size(), 2 * BroadPhaseNames().size());
   for (const BenchRow& row : report->rows) {
@@ -94,7 +94,7 @@ TEST(RunBench, AllArmsFindTheSamePairs) {
 }
 
 TEST(RunBench, TheDocumentHasTheRowsOfTheReport) {
-  const auto report = Bench(SmallOptions());
+  const auto report = Measured(SmallOptions());
   ASSERT_TRUE(report.ok());
   std::ostringstream out;
   PrintBenchJson(*report, out);
@@ -115,10 +115,10 @@ TEST(RunBench, TheDocumentHasTheRowsOfTheReport) {
 TEST(RunBench, NamesWhatThereIsNot) {
   BenchOptions options = SmallOptions();
   options.arms = {"Octree"};
-  EXPECT_EQ(Bench(options).status().code(), StatusCode::kNotFound);
+  EXPECT_EQ(Measured(options).status().code(), StatusCode::kNotFound);
   options = SmallOptions();
   options.scenes = {"brownian", "nowhere"};
-  EXPECT_THAT(Bench(options).status().message(), HasSubstr("nowhere"));
+  EXPECT_THAT(Measured(options).status().message(), HasSubstr("nowhere"));
 }
 
 TEST(AnyDiffers, IsTrueWhereOneRowHasADifference) {

@@ -20,7 +20,7 @@ v1::WatchPosteriorsResponse PosteriorOf(const std::string& scene, uint64_t sourc
   return event;
 }
 
-v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
+v1::WatchPosteriorsResponse ShownDecision(uint64_t id) {
   v1::WatchPosteriorsResponse event;
   event.mutable_decision()->set_scene("arena");
   event.mutable_decision()->set_decision_id(id);
@@ -32,7 +32,7 @@ TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
   std::ostringstream out;
   WatchScreen screen(out, false);
   screen.Show(PosteriorOf("arena", 1));
-  screen.Show(DecisionOf(5));
+  screen.Show(ShownDecision(5));
   EXPECT_THAT(out.str(), StartsWith("p / arena"));
   EXPECT_THAT(out.str(), HasSubstr("arena: decision 5, SAP"));
   EXPECT_THAT(out.str(), Not(HasSubstr("\x1b")));
@@ -54,7 +54,7 @@ TEST(WatchScreen, OnATerminalDrawsAtMostFiveTimesASecond) {
   WatchScreen screen(out, true);
   screen.Show(PosteriorOf("arena", 1));
   const std::string drawn = out.str();
-  screen.Show(DecisionOf(1));
+  screen.Show(ShownDecision(1));
   EXPECT_EQ(out.str(), drawn);
 }
 

@@ -17,21 +17,18 @@
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/engine_client/cli/experiment/experiment_records.h"
 #include "tests/engine_client/cli/trace/synthetic_trace.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
+using test_support::FileText;
 using test_support::MakeRecord;
 using test_support::TemporaryDirectory;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-std::string FileText(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 void WriteFile(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;

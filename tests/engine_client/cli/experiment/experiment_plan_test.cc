@@ -13,21 +13,17 @@
 #include "server/decision/study/ablations.h"
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/cli/command_run.h"
+#include "tests/engine_client/cli/experiment/experiment_records.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
+using test_support::PlanOf;
 using test_support::TemporaryDirectory;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-ExperimentPlan PlanOf(const ExperimentOptions& options) {
-  auto plan = MakePlan(options);
-  EXPECT_TRUE(plan.ok()) << plan.status().message();
-  return std::move(*plan);
-}
 
 template <typename Labelled>
 std::vector<std::string> Labels(const std::vector<Labelled>& items) {

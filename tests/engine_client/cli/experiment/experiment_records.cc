@@ -1,5 +1,9 @@
 #include "tests/engine_client/cli/experiment/experiment_records.h"
 
+#include <gtest/gtest.h>
+
+#include <utility>
+
 namespace sweepstake::test_support {
 
 using cli::ExperimentCell;
@@ -66,6 +70,12 @@ RunRecord MakeRecord(const ExperimentCell& cell, const std::string& policy, uint
                  .longest_decision_ns = 60'000,
                  .lane_ns = 9'000'000};
   return record;
+}
+
+cli::ExperimentPlan PlanOf(const cli::ExperimentOptions& options) {
+  auto plan = cli::MakePlan(options);
+  EXPECT_TRUE(plan.ok()) << plan.status().message();
+  return std::move(*plan);
 }
 
 }  // namespace sweepstake::test_support

@@ -10,29 +10,20 @@
 #include "engine_client/cli/experiment/experiment_output.h"
 #include "engine_client/cli/experiment/experiment_run.h"
 #include "tests/engine_client/cli/experiment/experiment_records.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
+using test_support::FileText;
 using test_support::MakeRecord;
+using test_support::PlanOf;
 using test_support::TemporaryDirectory;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
 const ExperimentCell kCell{"brownian", 1000, 1};
-
-ExperimentPlan PlanOf(const ExperimentOptions& options) {
-  auto plan = MakePlan(options);
-  EXPECT_TRUE(plan.ok()) << plan.status().message();
-  return std::move(*plan);
-}
-
-std::string FileText(const std::filesystem::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 TEST(RunRecordFile, ComesBackAsItWas) {
   const TemporaryDirectory folder;

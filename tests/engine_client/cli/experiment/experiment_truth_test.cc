@@ -51,7 +51,7 @@ CostTrace Trace() {
   return trace;
 }
 
-ExperimentPlan Plan() {
+ExperimentPlan TruthPlan() {
   ExperimentOptions options;
   options.scenes = {"brownian"};
   options.object_counts = {1000, 3000};
@@ -65,9 +65,9 @@ ExperimentPlan Plan() {
 }
 
 // The larger cell has one run and no trace.
-ExperimentReport Report() {
+ExperimentReport TruthReport() {
   ExperimentReport report;
-  report.plan = Plan();
+  report.plan = TruthPlan();
   report.sessions = {{"sweepstake experiment '<x>'", "2026-01-31T12:00:00Z", ""}};
   report.machine.cpu = "Some <CPU> & Co";
   const auto& cells = report.plan.cells;
@@ -81,7 +81,7 @@ ExperimentReport Report() {
 }
 
 ExperimentReport Assess() {
-  ExperimentReport report = Report();
+  ExperimentReport report = TruthReport();
   std::vector<const CellSummary*> cells;
   for (const CellSummary& cell : report.cells) {
     if (cell.cell == report.plan.cells[0]) cells.push_back(&cell);
@@ -102,7 +102,7 @@ const ExperimentReport& AssessedReport() {
   return report;
 }
 
-Json Document(const ExperimentReport& report) {
+Json TruthDocument(const ExperimentReport& report) {
   std::ostringstream out;
   PrintExperimentJson(report, "out", out);
   return Json::parse(out.str());
@@ -110,7 +110,7 @@ Json Document(const ExperimentReport& report) {
 
 TEST(ExperimentJson, HoldsEveryRowAndRun) {
   const ExperimentReport& report = AssessedReport();
-  const Json document = Document(report);
+  const Json document = TruthDocument(report);
   EXPECT_EQ(document["command"], "experiment");
   EXPECT_EQ(document["folder"], "out");
   EXPECT_EQ(document["complete"], false);
@@ -126,7 +126,7 @@ TEST(ExperimentJson, HoldsEveryRowAndRun) {
 }
 
 TEST(ExperimentJson, HoldsWhatTheChartsOfARunAreDrawnFrom) {
-  const Json document = Document(AssessedReport());
+  const Json document = TruthDocument(AssessedReport());
   const Json& run = document["runs"][0];
   EXPECT_EQ(run["dominant"], "KDTree");
   ASSERT_EQ(run["periods"].size(), 5U);
@@ -143,7 +143,7 @@ TEST(ExperimentJson, HoldsWhatTheChartsOfARunAreDrawnFrom) {
 }
 
 TEST(ExperimentJson, ThinsLongPosteriorsAndKeepsTheirEnd) {
-  ExperimentReport report = Report();
+  ExperimentReport report = TruthReport();
   RunRecord& record = report.records[0];
   const RecordedDecision last = record.decisions.back();
   for (int i = 1; i <= 997; ++i) {
@@ -151,13 +151,13 @@ TEST(ExperimentJson, ThinsLongPosteriorsAndKeepsTheirEnd) {
     record.decisions.back().time_s += i;
   }
   report.cells = SummarizeCells(report.plan, report.records);
-  const Json points = Document(report)["runs"][0]["posteriors"];
+  const Json points = TruthDocument(report)["runs"][0]["posteriors"];
   EXPECT_LE(points.size(), 51U);
   EXPECT_EQ(points.back()["time_s"], last.time_s + 997);
 }
 
 TEST(ExperimentJson, HoldsTheTruthWhereThereIsOne) {
-  const Json document = Document(AssessedReport());
+  const Json document = TruthDocument(AssessedReport());
   ASSERT_EQ(document["truths"].size(), 1U);
   const Json& truth = document["truths"][0];
   EXPECT_EQ(truth["cell"], "brownian-1000");
@@ -165,7 +165,7 @@ TEST(ExperimentJson, HoldsTheTruthWhereThereIsOne) {
   EXPECT_EQ(truth["agreements"].size(), 2U);
   EXPECT_EQ(truth["comparisons"].size(), document["over_cells"].size());
   EXPECT_FALSE(document["over_live"].empty());
-  EXPECT_TRUE(Document(Report())["truths"].empty());
+  EXPECT_TRUE(TruthDocument(TruthReport())["truths"].empty());
 }
 
 TEST(CellTruth, RanksTheArmsAndComparesATwin) {

@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
+using test_support::FileText;
 using test_support::TemporaryDirectory;
 using testing::HasSubstr;
 using testing::Not;
@@ -37,12 +39,6 @@ RunSummary SomeSummary() {
   summary.verdict = {"stable", "SAP", 0.875};
   summary.verdict_changes = {{20, 2.5, {"tie", "Grid", 0.5}}};
   return summary;
-}
-
-std::string FileText(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 TEST(RunSummary, AddsUpItsArms) {

@@ -11,22 +11,18 @@
 #include <sstream>
 
 #include "tests/engine_client/cli/program/program.h"
+#include "tests/support/file_text.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
+using test_support::FileText;
 using testing::HasSubstr;
 
 constexpr char kTiny[] =
     "experiment --scenes brownian --objects 60 --policies paper --time-scale 1000 --window 3m "
     "--trace-frames 64 --replay-seeds 2 ";
-
-std::string FileText(const std::filesystem::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class ExperimentProgram : public testing::Test {
  protected:

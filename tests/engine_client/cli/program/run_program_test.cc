@@ -10,20 +10,16 @@
 #include <sstream>
 
 #include "tests/engine_client/cli/program/program.h"
+#include "tests/support/file_text.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
+using test_support::FileText;
 using testing::HasSubstr;
 
 constexpr char kSmallRun[] = "run --scene suite-b --objects 100 --embedded --duration 300ms ";
-
-std::string FileText(const std::filesystem::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 size_t Lines(const std::string& text) {
   return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));

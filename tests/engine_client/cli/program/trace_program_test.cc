@@ -10,19 +10,15 @@
 
 #include "sweepstake/broad_phase.h"
 #include "tests/engine_client/cli/program/program.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
+using test_support::FileText;
 using testing::HasSubstr;
-
-std::string FileText(const std::filesystem::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class TraceProgram : public testing::Test {
  protected:

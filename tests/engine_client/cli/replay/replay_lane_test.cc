@@ -13,7 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 
-constexpr int64_t kMs = 1'000'000;
+constexpr int64_t kMsNs = 1'000'000;
 
 // AxisSweep's frames take 10 ms, KDTree's 20 ms.
 class ReplayLaneTest : public testing::Test {
@@ -70,7 +70,7 @@ TEST_F(ReplayLaneTest, SpacesItsSweepsByTheBudget) {
 }
 
 TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
-  ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMs});
+  ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMsNs});
   capped.Advance({});
   const auto sample = capped.Advance({capped.next_event_ns(), 0, 0, 0});
   ASSERT_TRUE(sample);
@@ -83,9 +83,9 @@ TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
   Visits(1);
   const int64_t visit_end_ns = lane_.next_event_ns();
   // 40 ms to build, three frames of the game that take 10 ms or as long as the arm's.
-  const int64_t ready_ns = lane_.WarmUp(0, {5 * kMs, 1, 1, 1});
+  const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 1, 1, 1});
   EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
-  EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMs);
+  EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMsNs);
 }
 
 TEST(ReplayLane, WarmUpsGoOverTheEndOfTheTraceToItsBeginning) {

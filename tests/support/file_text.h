@@ -1,0 +1,16 @@
+// What a file holds, for tests. A pure read; a file that is not there is an empty text.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace sweepstake::test_support {
+
+inline std::string FileText(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace sweepstake::test_support
