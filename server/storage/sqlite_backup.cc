@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 // The version from which on keys have sums and scenes have counts.
 constexpr int64_t kFirstVersionWithSums = 3;
 
-// Sums are added in another order than here.
+// Sums are added in another order than here, and counts go up to their max only.
 constexpr const char* kWrongSums = R"sql(
   SELECT count(*) FROM evidence_key LEFT JOIN
     (SELECT key_id, total(alpha) AS a, total(beta) AS b, total(window_count) AS w,
@@ -26,8 +26,8 @@ constexpr const char* kWrongSums = R"sql(
   WHERE source_count <> ifnull(n, 0)
     OR abs(alpha_sum - ifnull(a, 0)) > 1e-8 * (1 + alpha_sum)
     OR abs(beta_sum - ifnull(b, 0)) > 1e-8 * (1 + beta_sum)
-    OR abs(window_sum - ifnull(w, 0)) > 1e-8 * window_sum
-    OR abs(bail_out_sum - ifnull(o, 0)) > 1e-8 * bail_out_sum)sql";
+    OR abs(window_sum - min(ifnull(w, 0), 9223372036854775807)) > 1e-8 * window_sum
+    OR abs(bail_out_sum - min(ifnull(o, 0), 9223372036854775807)) > 1e-8 * bail_out_sum)sql";
 
 constexpr const char* kWrongCounts = R"sql(
   SELECT count(*) FROM scene LEFT JOIN
@@ -54,6 +54,12 @@ absl::Status CheckRows(SqliteDatabase& database, const fs::path& file, int64_t v
   absl::Status status = CheckNone(database, "SELECT count(*) FROM pragma_foreign_key_check", file,
                                   "rows that refer to none");
   if (!status.ok() || version < kFirstVersionWithSums) return status;
+  if (version >= kFirstVersionWithHashes) {
+    const auto damaged = CountDamagedRows(database);
+    if (!damaged.ok()) return Corrupt(file, damaged.status().message());
+    if (*damaged > 0)
+      return Corrupt(file, absl::StrCat(*damaged, " rows are not what was written"));
+  }
   status = CheckNone(database, kWrongSums, file, "sums that are not those of their rows");
   if (!status.ok()) return status;
   return CheckNone(database, kWrongCounts, file, "scenes with a wrong number of sources");

@@ -18,8 +18,8 @@ struct StoreContents {
 };
 
 // Reads all of a database and changes nothing. Errors: UNAVAILABLE (cannot open it), DATA_LOSS (not
-// a whole database of ours, or its sums are not those of its rows), FAILED_PRECONDITION (written by
-// a newer version).
+// a whole database of ours, its rows are not what was written, or its sums are not those of its
+// rows), FAILED_PRECONDITION (written by a newer version).
 absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file);
 
 // Writes the database of a data directory, in use or not, to a new file, and verifies that. Errors:

@@ -1,11 +1,13 @@
 #include "server/storage/sqlite_database.h"
 
 #include <algorithm>
+#include <bit>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/decision/math/hash.h"
 #include "server/storage/private_file.h"
 
 namespace sweepstake::storage {
@@ -33,6 +35,44 @@ absl::Status ToStatus(int code, const char* message) {
     default:
       return absl::InternalError(message);
   }
+}
+
+uint64_t HashOf(uint64_t hash, uint64_t bits) {
+  hash = math::Fnv1aOfWord(hash, static_cast<uint32_t>(bits));
+  return math::Fnv1aOfWord(hash, static_cast<uint32_t>(bits >> 32));
+}
+
+uint64_t HashOf(uint64_t hash, sqlite3_value* value) {
+  const int type = sqlite3_value_type(value);
+  hash = math::Fnv1a(hash, static_cast<uint8_t>(type));
+  if (type == SQLITE_INTEGER)
+    return HashOf(hash, static_cast<uint64_t>(sqlite3_value_int64(value)));
+  // A file keeps -0 as 0.
+  if (type == SQLITE_FLOAT)
+    return HashOf(hash, std::bit_cast<uint64_t>(sqlite3_value_double(value) + 0.0));
+  const auto* text = static_cast<const char*>(sqlite3_value_blob(value));
+  const auto size = static_cast<size_t>(sqlite3_value_bytes(value));
+  return math::Fnv1a(HashOf(hash, size), std::string_view(text, size));
+}
+
+void RowHash(sqlite3_context* context, int count, sqlite3_value** values) {
+  uint64_t hash = math::kFnv1aStart;
+  for (int i = 0; i < count; ++i) hash = HashOf(hash, values[i]);
+  sqlite3_result_int64(context, static_cast<int64_t>(hash));
+}
+
+void NextHash(sqlite3_context* context, int /*count*/, sqlite3_value** values) {
+  sqlite3_result_int64(context, sqlite3_value_int64(values[0]) ^ sqlite3_value_int64(values[1]) ^
+                                    sqlite3_value_int64(values[2]));
+}
+
+int AddFunctions(sqlite3* database) {
+  constexpr int kFlags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
+  const int code = sqlite3_create_function_v2(database, "row_hash", /*nArg=*/-1, kFlags, nullptr,
+                                              &RowHash, nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) return code;
+  return sqlite3_create_function_v2(database, "next_hash", /*nArg=*/3, kFlags, nullptr, &NextHash,
+                                    nullptr, nullptr, nullptr);
 }
 
 }  // namespace
@@ -84,8 +124,9 @@ absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::string& path, Ope
   flags |= mode == OpenMode::kReadOnly ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE;
   if (mode == OpenMode::kCreate) flags |= SQLITE_OPEN_CREATE;
   sqlite3* handle = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
+  int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
   SqliteDatabase database(handle);
+  if (code == SQLITE_OK) code = AddFunctions(handle);
   if (code != SQLITE_OK) return absl::Status(ToStatus(code, sqlite3_errmsg(handle)));
   return database;
 }
@@ -126,17 +167,30 @@ absl::StatusOr<std::string> SqliteDatabase::QueryText(std::string_view sql) {
   return value;
 }
 
+absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
+  sqlite3_backup* backup =
+      sqlite3_backup_init(copy.database_.get(), "main", database_.get(), "main");
+  if (backup == nullptr) return copy.Error(sqlite3_errcode(copy.database_.get()));
+  // In one step, since the copy would begin anew after each commit between two.
+  sqlite3_backup_step(backup, /*nPage=*/-1);
+  const int code = sqlite3_backup_finish(backup);
+  if (code != SQLITE_OK) return copy.Error(code);
+  // A file in WAL mode could not be read where nothing can be written beside it.
+  return copy.QueryText("PRAGMA journal_mode = DELETE").status();
+}
+
 absl::Status SqliteDatabase::CopyTo(const std::string& path) {
   const std::string unfinished = path + ".new";
-  if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
-  auto copy = Prepare("VACUUM INTO ?1");
-  if (!copy.ok()) return copy.status();
-  if (absl::Status status = copy->Run(unfinished); !status.ok()) {
-    std::error_code ignored;
-    std::filesystem::remove(unfinished, ignored);
-    return {status.code(), absl::StrCat(unfinished, ": ", status.message())};
+  absl::Status status = CreatePrivateFile(unfinished);
+  if (!status.ok()) return status;
+  {
+    auto copy = Open(unfinished, OpenMode::kExisting);
+    status = copy.ok() ? CopyPagesTo(*copy) : copy.status();
   }
-  return PublishFile(unfinished, path);
+  if (status.ok()) return PublishFile(unfinished, path);
+  std::error_code ignored;
+  std::filesystem::remove(unfinished, ignored);
+  return {status.code(), absl::StrCat(unfinished, ": ", status.message())};
 }
 
 absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {

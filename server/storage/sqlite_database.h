@@ -4,6 +4,10 @@
 // Statements are prepared once; their owner must destroy them before the connection. Errors map to
 // UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a database), INVALID_ARGUMENT
 // (a CHECK failed) and INTERNAL (our SQL is wrong); the message is SQLite's.
+//
+// Every connection has two functions of its own. row_hash(values...) is a 64-bit hash of numbers
+// and texts. next_hash(hash, before, after) is `after` for a row whose hash was right, that is,
+// equal to `before`; otherwise it is wrong again, so that a change does not hide a damage.
 #pragma once
 
 #include <sqlite3.h>
@@ -134,6 +138,8 @@ class SqliteDatabase {
   };
   explicit SqliteDatabase(sqlite3* database);
   absl::Status Error(int code) const;
+  // Overwrites the copy's file with the pages of this one.
+  absl::Status CopyPagesTo(SqliteDatabase& copy);
   // Returns the open file of the write-ahead log.
   absl::StatusOr<sqlite3_file*> LogFile();
 

@@ -16,70 +16,97 @@ struct StatementText {
 // evidence_key has the sums of its rows of evidence, and scene the number of its sources, so that
 // readers need not visit the sources. Counts are added by total() or up to their max, because an
 // overflow would make a scene unreadable after two imported records.
+//
+// Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
+// is new, and where it is changed next_hash, which leaves a wrong hash wrong.
 constexpr StatementText kStatements[] = {
     {&PriorStatements::advance_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
                             explored_arm_count, decision_count, frame_count, seed,
-                            created_unix_s, last_seen_unix_s)
-        VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8)
+                            created_unix_s, last_seen_unix_s, hash)
+        VALUES (?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8,
+                row_hash(?1, 1, 0, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8))
         ON CONFLICT (name) DO UPDATE
           SET is_session = 1, commit_sequence = ?2, message_sequence = ?3, explored_arm_count = ?4,
               decision_count = ?5, frame_count = ?6, seed = ?7,
-              created_unix_s = iif(is_session, created_unix_s, ?8), last_seen_unix_s = ?8
+              created_unix_s = iif(is_session, created_unix_s, ?8), last_seen_unix_s = ?8,
+              hash = next_hash(hash, content_hash,
+                               row_hash(name, 1, revoked, ?2, ?3, ?4, ?5, ?6, ?7,
+                                        iif(is_session, created_unix_s, ?8), ?8))
           WHERE revoked = 0 AND ?2 > commit_sequence
         RETURNING id)sql"},
     {&PriorStatements::find_key, R"sql(
         SELECT k.id, k.scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, k.source_count,
-               s.source_count
+               s.source_count, k.hash = k.content_hash AND s.hash = s.content_hash
         FROM evidence_key k JOIN scene s ON s.id = k.scene_id
         WHERE k.project = ?1 AND k.scene = ?2 AND k.context_bucket = ?3 AND k.arm = ?4
           AND k.backend_version = ?5 AND k.machine_class = ?6 AND k.reward_version = ?7)sql"},
     {&PriorStatements::add_scene, R"sql(
-        INSERT INTO scene (project, scene, machine_class, reward_version, source_count)
-        VALUES (?1, ?2, ?3, ?4, 0)
+        INSERT INTO scene (project, scene, machine_class, reward_version, source_count, hash)
+        VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))
         ON CONFLICT DO UPDATE SET project = ?1
         RETURNING id)sql"},
     {&PriorStatements::add_key, R"sql(
         INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,
-                                  machine_class, reward_version, scene_id)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
+                                  machine_class, reward_version, scene_id, hash)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,
+                row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, 0.0, 0.0, 0, 0, 0))
         RETURNING id)sql"},
     {&PriorStatements::advance_evidence, R"sql(
         UPDATE evidence
         SET sequence = ?3, alpha = alpha + ?4, beta = beta + ?5,
-            window_count = window_count + ?6, bail_out_count = bail_out_count + ?7
+            window_count = window_count + ?6, bail_out_count = bail_out_count + ?7,
+            hash = next_hash(hash, content_hash,
+                             row_hash(key_id, source_id, ?3, alpha + ?4, beta + ?5,
+                                      window_count + ?6, bail_out_count + ?7))
         WHERE key_id = ?1 AND source_id = ?2
         RETURNING 1)sql"},
     {&PriorStatements::add_evidence, R"sql(
         INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
-                              bail_out_count)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7))sql"},
+                              bail_out_count, hash)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7)))sql"},
     {&PriorStatements::add_to_sums, R"sql(
         UPDATE evidence_key
         SET alpha_sum = alpha_sum + ?2, beta_sum = beta_sum + ?3,
             window_sum = min(window_sum, 9223372036854775807 - ?4) + ?4,
             bail_out_sum = min(bail_out_sum, 9223372036854775807 - ?5) + ?5,
-            source_count = source_count + ?6
+            source_count = source_count + ?6,
+            hash = next_hash(hash, content_hash,
+                             row_hash(project, scene, context_bucket, arm, backend_version,
+                                      machine_class, reward_version, scene_id, alpha_sum + ?2,
+                                      beta_sum + ?3,
+                                      min(window_sum, 9223372036854775807 - ?4) + ?4,
+                                      min(bail_out_sum, 9223372036854775807 - ?5) + ?5,
+                                      source_count + ?6))
         WHERE id = ?1)sql"},
     {&PriorStatements::recount_sums, R"sql(
         UPDATE evidence_key
-        SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count) =
-            (SELECT total(alpha), total(beta), CAST(total(window_count) AS INTEGER),
-                    CAST(total(bail_out_count) AS INTEGER), count(*)
-             FROM evidence WHERE key_id = ?1)
+        SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count, hash) = (a, b, w, o, n,
+            next_hash(hash, content_hash,
+                      row_hash(project, scene, context_bucket, arm, backend_version, machine_class,
+                               reward_version, scene_id, a, b, w, o, n)))
+        FROM (SELECT total(alpha) AS a, total(beta) AS b, CAST(total(window_count) AS INTEGER) AS w,
+                     CAST(total(bail_out_count) AS INTEGER) AS o, count(*) AS n
+              FROM evidence WHERE key_id = ?1 AND hash = content_hash)
         WHERE id = ?1)sql"},
     {&PriorStatements::join_scene, R"sql(
         INSERT INTO scene_source (source_id, scene_id) VALUES (?1, ?2)
         ON CONFLICT DO NOTHING RETURNING 1)sql"},
     {&PriorStatements::count_source, R"sql(
-        UPDATE scene SET source_count = source_count + 1 WHERE id = ?1)sql"},
+        UPDATE scene
+        SET source_count = source_count + 1,
+            hash = next_hash(hash, content_hash,
+                             row_hash(project, scene, machine_class, reward_version,
+                                      source_count + 1))
+        WHERE id = ?1)sql"},
     {&PriorStatements::load_source, R"sql(
         SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
-               frame_count, seed, created_unix_s, last_seen_unix_s
+               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash
         FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
     {&PriorStatements::source_evidence, R"sql(
         SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               alpha, beta, window_count, bail_out_count
+               alpha, beta, window_count, bail_out_count,
+               k.hash = k.content_hash AND evidence.hash = evidence.content_hash
         FROM evidence JOIN evidence_key k ON k.id = key_id
         WHERE source_id = ?1
         ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
@@ -88,13 +115,20 @@ constexpr StatementText kStatements[] = {
         SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
         WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
-          AND source_count > 0 AND (?8 = '' OR instr(?8, char(10) || project || char(10)))
+          AND source_count > 0 AND hash = content_hash
+          AND NOT EXISTS (SELECT 1 FROM evidence_key k
+                          WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)
+          AND (?8 = '' OR instr(?8, char(10) || project || char(10)))
         ORDER BY project, scene, machine_class, reward_version LIMIT ?7)sql"},
     {&PriorStatements::count_scenes, R"sql(
         SELECT count(DISTINCT scene), count(*) FROM scene
         WHERE project = ?1 AND source_count > 0)sql"},
     {&PriorStatements::find_scene, R"sql(
-        SELECT id, source_count FROM scene
+        SELECT id, source_count,
+               hash = content_hash
+                 AND NOT EXISTS (SELECT 1 FROM evidence_key k
+                                 WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)
+        FROM scene
         WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
           AND source_count > 0)sql"},
     {&PriorStatements::scene_arms, R"sql(
@@ -104,7 +138,9 @@ constexpr StatementText kStatements[] = {
         GROUP BY arm, backend_version ORDER BY arm, backend_version)sql"},
     {&PriorStatements::export_records, R"sql(
         SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               alpha, beta, window_count, bail_out_count, name, sequence
+               alpha, beta, window_count, bail_out_count, name, sequence,
+               k.hash = k.content_hash AND evidence.hash = evidence.content_hash
+                 AND s.hash = s.content_hash
         FROM evidence_key k JOIN evidence ON k.id = key_id JOIN source s ON s.id = source_id
         WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
@@ -113,26 +149,36 @@ constexpr StatementText kStatements[] = {
         ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11)sql"},
     {&PriorStatements::import_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed)
-        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0)
+                            explored_arm_count, decision_count, frame_count, seed, hash)
+        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0))
         ON CONFLICT (name) DO UPDATE SET name = name WHERE revoked = 0 AND is_session = 0
         RETURNING id)sql"},
     {&PriorStatements::import_evidence, R"sql(
         INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
-                              bail_out_count)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)
+                              bail_out_count, hash)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7))
         ON CONFLICT DO UPDATE
-          SET sequence = ?3, alpha = ?4, beta = ?5, window_count = ?6, bail_out_count = ?7
+          SET sequence = ?3, alpha = ?4, beta = ?5, window_count = ?6, bail_out_count = ?7,
+              hash = next_hash(hash, content_hash, row_hash(key_id, source_id, ?3, ?4, ?5, ?6, ?7))
           WHERE ?3 > sequence
         RETURNING 1)sql"},
     {&PriorStatements::revoke_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
-                            explored_arm_count, decision_count, frame_count, seed)
-        VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0)
-        ON CONFLICT (name) DO UPDATE SET revoked = 1
+                            explored_arm_count, decision_count, frame_count, seed, hash)
+        VALUES (?1, 0, 1, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0))
+        ON CONFLICT (name) DO UPDATE
+          SET revoked = 1,
+              hash = next_hash(hash, content_hash,
+                               row_hash(name, is_session, 1, commit_sequence, message_sequence,
+                                        explored_arm_count, decision_count, frame_count, seed,
+                                        created_unix_s, last_seen_unix_s))
         RETURNING id)sql"},
     {&PriorStatements::leave_scenes, R"sql(
-        UPDATE scene SET source_count = source_count - 1
+        UPDATE scene
+        SET source_count = source_count - 1,
+            hash = next_hash(hash, content_hash,
+                             row_hash(project, scene, machine_class, reward_version,
+                                      source_count - 1))
         WHERE id IN (SELECT scene_id FROM scene_source WHERE source_id = ?1))sql"},
     {&PriorStatements::forget_scenes, "DELETE FROM scene_source WHERE source_id = ?1"},
     {&PriorStatements::delete_evidence,

@@ -3,6 +3,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"
@@ -44,7 +45,17 @@ struct StoredKey {
   int64_t scene_id = 0;
   priors::PriorSum sum;
   uint64_t scene_source_count = 0;
+  bool damaged = false;  // the values cannot be trusted
 };
+
+absl::Status Damaged(absl::string_view what) {
+  return absl::DataLossError(
+      absl::StrCat("a row of ", what, " is not what was written: it was changed on the disk"));
+}
+
+absl::Status DamagedScene(absl::string_view project, absl::string_view scene) {
+  return Damaged(absl::StrCat("scene ", scene, " of project ", project));
+}
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:
@@ -215,7 +226,8 @@ absl::StatusOr<StoredKey> SqlitePriorStore::FindKey(const EvidenceKey& key) {
         stored = {.id = row.Integer(0),
                   .scene_id = row.Integer(1),
                   .sum = {.evidence = EvidenceOf(row, 2), .source_count = row.Unsigned(6)},
-                  .scene_source_count = row.Unsigned(7)};
+                  .scene_source_count = row.Unsigned(7),
+                  .damaged = row.Integer(8) == 0};
       },
       key.project, key.scene, key.context_bucket, key.arm, key.backend_version, key.machine_class,
       key.reward_version);
@@ -244,6 +256,7 @@ absl::StatusOr<priors::PriorSums> SqlitePriorStore::LoadPriors(std::span<const E
   for (const EvidenceKey& key : keys) {
     auto stored = FindKey(key);
     if (!stored.ok()) return stored.status();
+    if (stored->damaged) return DamagedScene(key.project, key.scene);
     result.sums.push_back(stored->sum);
     if (stored->sum.source_count > 0 && scenes.insert(stored->scene_id).second)
       result.source_count += stored->scene_source_count;
@@ -255,6 +268,7 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
     const std::string& source_id) {
   priors::SourceState state;
   int64_t id = 0;
+  bool whole = true;
   absl::Status status = statements_.load_source.ForEachRow(
       [&](const SqliteRow& row) {
         id = row.Integer(0);
@@ -267,6 +281,7 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
                           .seed = row.Unsigned(6)};
         state.created_unix_s = row.Unsigned(7);
         state.last_seen_unix_s = row.Unsigned(8);
+        whole = row.Integer(9) != 0;
       },
       source_id);
   if (!status.ok()) return status;
@@ -274,9 +289,11 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
   status = statements_.source_evidence.ForEachRow(
       [&](const SqliteRow& row) {
         state.evidence.push_back({KeyOf(row), EvidenceOf(row, 7)});
+        whole = whole && row.Integer(11) != 0;
       },
       id);
   if (!status.ok()) return status;
+  if (!whole) return Damaged(absl::StrCat("source ", source_id));
   const auto segment = audit_->LastSegment(source_id);
   if (!segment.ok()) return segment.status();
   state.audit_segment = *segment;
@@ -316,13 +333,16 @@ absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
 absl::StatusOr<std::optional<SceneEvidence>> SqlitePriorStore::LoadScene(const SceneKey& key) {
   SceneEvidence scene{.key = key, .arms = {}, .source_count = 0};
   int64_t id = 0;
+  bool whole = true;
   absl::Status status = statements_.find_scene.ForEachRow(
       [&](const SqliteRow& row) {
         id = row.Integer(0);
         scene.source_count = row.Unsigned(1);
+        whole = row.Integer(2) != 0;
       },
       key.project, key.scene, key.machine_class, key.reward_version);
   if (status.ok() && id == 0) return std::nullopt;
+  if (!whole) return DamagedScene(key.project, key.scene);
   if (status.ok()) status = LoadArms(id, scene);
   if (!status.ok()) return status;
   return scene;
@@ -344,13 +364,16 @@ absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
   const PriorRecord start = after.value_or(PriorRecord{});
   const EvidenceKey& key = start.key;
   std::vector<PriorRecord> records;
+  absl::Status damage;
   absl::Status status = statements_.export_records.ForEachRow(
       [&](const SqliteRow& row) {
+        if (row.Integer(13) == 0) damage = DamagedScene(row.Text(0), row.Text(1));
         records.push_back({KeyOf(row), row.Text(11), row.Unsigned(12), EvidenceOf(row, 7)});
       },
       filter.project, filter.scene, key.project, key.scene, key.context_bucket, key.arm,
       key.backend_version, key.machine_class, key.reward_version, start.source_id, limit,
       LineList(filter.projects));
+  if (status.ok()) status = damage;
   if (!status.ok()) return status;
   return records;
 }

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 6> kMigrations = {R"sql(
+constexpr std::array<const char*, 7> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -155,6 +155,29 @@ constexpr std::array<const char*, 6> kMigrations = {R"sql(
     SELECT min(r.id), max(0, max(s.unix_start_ms) / 1000), sum(length(CAST(text AS BLOB)))
     FROM audit_row r JOIN audit_segment s ON s.id = segment_id
     GROUP BY r.id / 5000;  -- some 5 MB each, to be removed one by one
+)sql",
+                                                    R"sql(
+  ALTER TABLE source ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
+  ALTER TABLE source ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
+    row_hash(name, is_session, revoked, commit_sequence, message_sequence, explored_arm_count,
+             decision_count, frame_count, seed, created_unix_s, last_seen_unix_s)) VIRTUAL;
+  UPDATE source SET hash = content_hash;
+
+  ALTER TABLE scene ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
+  ALTER TABLE scene ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
+    row_hash(project, scene, machine_class, reward_version, source_count)) VIRTUAL;
+  UPDATE scene SET hash = content_hash;
+
+  ALTER TABLE evidence_key ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
+  ALTER TABLE evidence_key ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
+    row_hash(project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+             scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, source_count)) VIRTUAL;
+  UPDATE evidence_key SET hash = content_hash;
+
+  ALTER TABLE evidence ADD COLUMN hash INTEGER NOT NULL DEFAULT 0;
+  ALTER TABLE evidence ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
+    row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL;
+  UPDATE evidence SET hash = content_hash;
 )sql"};
 
 absl::Status Explain(const fs::path& path, const absl::Status& status) {
@@ -321,6 +344,17 @@ absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
 }  // namespace
 
 int64_t SqliteSchemaVersion() { return static_cast<int64_t>(kMigrations.size()); }
+
+absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database) {
+  int64_t count = 0;
+  for (const char* table : {"source", "scene", "evidence_key", "evidence"}) {
+    auto damaged = database.QueryInteger(
+        absl::StrCat("SELECT count(*) FROM ", table, " WHERE hash <> content_hash"));
+    if (!damaged.ok()) return damaged.status();
+    count += *damaged;
+  }
+  return count;
+}
 
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   std::error_code error;

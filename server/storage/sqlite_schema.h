@@ -4,6 +4,10 @@
 // The file store-id beside it says which database was there at the last start: if that one is
 // missing, or another is in its place, both are left alone and the error says what to do.
 //
+// Each row of the evidence has a hash of its values (row_hash of sqlite_database.h), because
+// SQLite's own checks miss a value that was changed on the disk. `content_hash` is derived from the
+// values at each use; a row whose `hash` differs is damaged.
+//
 // Before a migration the file is copied to NAME.schema-N, for its version N.
 //
 // A file that exists is never created again or taken over. An empty file (a lost copy, a full
@@ -28,6 +32,12 @@ int64_t SqliteSchemaVersion();
 // no schema), FAILED_PRECONDITION (written by a newer version).
 absl::StatusOr<int64_t> CheckPriorDatabase(SqliteDatabase& database,
                                            const std::filesystem::path& path);
+
+// The version from which on rows have hashes.
+inline constexpr int64_t kFirstVersionWithHashes = 7;
+
+// Reads the rows that have a hash, and returns how many are damaged.
+absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 
 // Returns a connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write),
 // DATA_LOSS (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). It reads

@@ -100,13 +100,18 @@ void StoreThread::CommitGroup(std::vector<PendingCommit> group, bool closing) {
   std::vector<priors::SourceUpdate> updates;
   updates.reserve(group.size());
   for (const PendingCommit& commit : group) updates.push_back(commit.update);
-  const absl::Status status = CommitNow(updates);
-  if (absl::IsInvalidArgument(status) && group.size() > 1) return CommitOneByOne(group);
-  for (PendingCommit& commit : group) Finish(commit, status);
+  CommitOrHalve(group, updates);
 }
 
-void StoreThread::CommitOneByOne(std::vector<PendingCommit>& group) {
-  for (PendingCommit& commit : group) Finish(commit, CommitNow({&commit.update, 1}));
+void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
+                                std::span<const priors::SourceUpdate> updates) {
+  const absl::Status status = CommitNow(updates);
+  if (absl::IsInvalidArgument(status) && group.size() > 1) {
+    const size_t half = group.size() / 2;
+    CommitOrHalve(group.first(half), updates.first(half));
+    return CommitOrHalve(group.subspan(half), updates.subspan(half));
+  }
+  for (PendingCommit& commit : group) Finish(commit, status);
 }
 
 absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> updates) {

@@ -3,9 +3,9 @@
 //
 // Thread-safe. It owns the store; the destructor runs what is queued, then ends the thread. A
 // commit waits at most `group_interval` for others, and is started at once by a job or by Close. If
-// a group fails because of one invalid update, its updates are committed one by one, so that one
-// cannot block the others. While closing, a disk that fails is not tried again: what is still
-// queued fails at once, so that closing takes no longer than one commit.
+// a group fails because of an invalid update, its halves are committed by themselves, and theirs,
+// so that only that one is refused. While closing, a disk that fails is not tried again: what is
+// still queued fails at once, so that closing takes no longer than one commit.
 #pragma once
 
 #include <atomic>
@@ -68,7 +68,8 @@ class StoreThread final : public priors::AsyncPriorStore {
   // Takes commits off the queue's front, as many as a group may have.
   std::vector<PendingCommit> TakeGroup();
   void CommitGroup(std::vector<PendingCommit> group, bool closing);
-  void CommitOneByOne(std::vector<PendingCommit>& group);
+  // `updates` are those of the group.
+  void CommitOrHalve(std::span<PendingCommit> group, std::span<const priors::SourceUpdate> updates);
   absl::Status CommitNow(std::span<const priors::SourceUpdate> updates);
   void Finish(PendingCommit& commit, const absl::Status& status);
 

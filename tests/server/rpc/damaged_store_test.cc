@@ -76,6 +76,19 @@ TEST_F(DamagedStoreTest, ANewSessionBeginsWithoutThePriorsAndIsDecidedFor) {
   ExpectDecisions(client);
 }
 
+TEST_F(DamagedStoreTest, SoItDoesWhereOnlyAValueIsNotWhatWasWritten) {
+  Learnt();
+  ASSERT_TRUE(storage::SqliteDatabase::Open(path_, storage::SqliteDatabase::OpenMode::kExisting)
+                  ->Execute("UPDATE evidence_key SET alpha_sum = 1e6 WHERE arm = 'Grid'")
+                  .ok());
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = client.Open(HelloMessage());
+  EXPECT_TRUE(welcome.priors_unavailable());
+  EXPECT_EQ(welcome.priors(0).alpha() + welcome.priors(0).beta(), 2);
+  EXPECT_EQ(server_->counters().degraded_start_count, 1u);
+  ExpectDecisions(client);
+}
+
 TEST_F(DamagedStoreTest, ASessionWhoseProgressCannotBeReadIsNotResumed) {
   const v1::Hello hello = Learnt();
   Damage("source");

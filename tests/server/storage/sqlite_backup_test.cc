@@ -101,12 +101,14 @@ TEST_F(SqliteBackupTest, ADamagedBackupIsToldAndNotRestored) {
 TEST_F(SqliteBackupTest, SumsThatAreNotThoseOfTheRowsAreTold) {
   BackUp();
   Execute("UPDATE evidence SET alpha = alpha + 1 WHERE key_id = 1");
+  Execute("UPDATE evidence SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("1 sums that are not"));
 }
 
 TEST_F(SqliteBackupTest, AWrongNumberOfSourcesIsTold) {
   BackUp();
   Execute("UPDATE scene SET source_count = source_count + 1");
+  Execute("UPDATE scene SET hash = content_hash");
   EXPECT_THAT(std::string(VerifyStore(file_).status().message()), HasSubstr("2 scenes with a"));
 }
 

@@ -121,14 +121,14 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
   auto database = *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting);
   ASSERT_TRUE(
       database
-          .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0);"
+          .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0);"
                    "INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,"
                    "  machine_class, reward_version)"
                    "VALUES ('p', 's', '', 'Grid', 1, '', 1);")
           .ok());
   for (const char* wrong : {"-1", "9e999", "1e15", "NULL", "'text'"}) {
     const std::string sql =
-        std::string("INSERT INTO evidence VALUES (1, 1, 1, ") + wrong + ", 1, 1, 0)";
+        std::string("INSERT INTO evidence VALUES (1, 1, 1, ") + wrong + ", 1, 1, 0, 0)";
     EXPECT_TRUE(absl::IsInvalidArgument(database.Execute(sql))) << wrong;
   }
   EXPECT_TRUE(absl::IsInvalidArgument(database.Execute("UPDATE source SET frame_count = -1")));

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "server/storage/sqlite_backup.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/support/temporary_directory.h"
@@ -48,6 +49,15 @@ TEST_P(OlderSchemaTest, HasItsSumsAfterTheMigration) {
   EXPECT_EQ(scenes[0].arms[0].evidence, (priors::Evidence{100.875, 7.75, (1ull << 63) - 1, 2}));
   EXPECT_EQ(scenes[0].source_count, 2u);
   EXPECT_EQ(scenes[1].source_count, 3u);
+}
+
+TEST_P(OlderSchemaTest, IsWholeAfterTheMigrationAndBefore) {
+  EXPECT_TRUE(VerifyStore(path_).ok()) << VerifyStore(path_).status();
+  ASSERT_TRUE(OpenSqlitePriorStore(path_).ok());
+  const auto contents = VerifyStore(path_);
+  ASSERT_TRUE(contents.ok()) << contents.status();
+  EXPECT_EQ(contents->schema_version, SqliteSchemaVersion());
+  EXPECT_EQ(contents->record_count, 6);
 }
 
 TEST_P(OlderSchemaTest, GoesOnAfterTheMigration) {
@@ -97,7 +107,7 @@ TEST_P(OlderSchemaTest, IsNotChangedWhereItCannotBeKept) {
   EXPECT_EQ(*database.QueryInteger("PRAGMA user_version"), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 6));
+INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 7));
 
 }  // namespace
 }  // namespace sweepstake::storage

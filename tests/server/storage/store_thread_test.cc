@@ -150,6 +150,20 @@ TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {
   EXPECT_TRUE(thread_->healthy());
 }
 
+TEST_F(StoreThreadTest, AGroupWithAWrongUpdateIsHalvedUntilThatOneIsAlone) {
+  Start({.group_interval = milliseconds(0)});
+  const auto release = Occupy();
+  std::vector<std::future<absl::Status>> commits;
+  for (int i = 0; i < 32; ++i) {
+    const uint64_t sequence = i == 21 ? 0 : 1;  // 0 is no sequence of a commit
+    commits.push_back(Commit(Update("source " + std::to_string(i), sequence, {Key("Grid")})));
+  }
+  release->set_value();
+  for (size_t i = 0; i < commits.size(); ++i) EXPECT_EQ(commits[i].get().ok(), i != 21) << i;
+  thread_->Close();
+  EXPECT_THAT(group_sizes_, ::testing::ElementsAre(32, 16, 16, 8, 4, 4, 2, 1, 1, 2, 8));
+}
+
 TEST_F(StoreThreadTest, AFullDiskIsUnhealthyAndToldUntilACommitSucceeds) {
   failing_ = true;
   std::vector<absl::Status> told;
