@@ -7,6 +7,8 @@
 
 namespace sweepstake::test_support {
 
+inline constexpr uint64_t kMs = 1'000'000;  // in nanoseconds
+
 class ScriptedClock final : public Clock {
  public:
   uint64_t NowNs() noexcept override { return now_ns_ += reading_ns_; }

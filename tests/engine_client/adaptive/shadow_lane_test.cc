@@ -15,7 +15,7 @@ using test_support::RecordingSink;
 using test_support::ScriptedClock;
 using Preparation = ShadowLane::Preparation;
 
-constexpr uint64_t kMs = 1'000'000;
+using test_support::kMs;
 
 struct Script {
   uint64_t build_ns = 5 * kMs;

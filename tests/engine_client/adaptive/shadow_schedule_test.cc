@@ -5,12 +5,14 @@
 
 #include <map>
 
+#include "tests/support/scripted_clock.h"
+
 namespace sweepstake {
 namespace {
 
 using ::testing::ElementsAre;
 
-constexpr uint64_t kMs = 1'000'000;
+using test_support::kMs;
 
 // Plays sweeps whose visits have the costs in `cost_ns` and eight frames each.
 class ShadowScheduleTest : public ::testing::Test {

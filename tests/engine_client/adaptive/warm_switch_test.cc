@@ -10,6 +10,7 @@
 #include "engine_client/scene/box_scenes.h"
 #include "tests/support/pair_oracle.h"
 #include "tests/support/recording_sink.h"
+#include "tests/support/scripted_clock.h"
 
 namespace sweepstake {
 namespace {
@@ -18,7 +19,7 @@ using test_support::PairDifference;
 using test_support::RecordingSink;
 using test_support::ScalarPairs;
 
-constexpr uint64_t kMs = 1'000'000;
+using test_support::kMs;
 
 // Runs parts one after another, and fails if a thread other than its creator's calls it.
 class LoneExecutor final : public Executor {

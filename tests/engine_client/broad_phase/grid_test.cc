@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/grid/grid_measure.h"
 #include "engine_client/broad_phase/grid/grid_plan.h"
 #include "engine_client/broad_phase/grid/grid_sort.h"
@@ -22,7 +23,6 @@ using test_support::FindPairsError;
 using test_support::MakeOrThrow;
 
 constexpr float kLargest = std::numeric_limits<float>::max();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<Aabb> OrdinaryBoxes(size_t count) {

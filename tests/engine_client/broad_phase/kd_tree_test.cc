@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/kd/kd_order.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "engine_client/scene/box_scenes.h"
@@ -199,7 +200,6 @@ TEST(KdOrder, IsTheSameFromLeavesFromBoxesAndFromAList) {
 
 // Returns the bounds of the valid boxes among these; those of a sentinel if there are none.
 Aabb BoundsOf(std::span<const Aabb> boxes) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Aabb bounds{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const Aabb& box : boxes) {
     if (!IsValid(box)) continue;

@@ -6,12 +6,12 @@
 #include <limits>
 #include <vector>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/scene/random.h"
 
 namespace sweepstake {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kMax = std::numeric_limits<float>::max();
 constexpr float kDenormal = std::numeric_limits<float>::denorm_min();
 

@@ -5,12 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/scene/box_scenes.h"
 
 namespace sweepstake {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 Aabb At(const BoxLanes& lanes, size_t slot) {
   return {{lanes.min[0][slot], lanes.min[1][slot], lanes.min[2][slot]},

@@ -10,6 +10,12 @@ SessionSetup PlainSetup(uint32_t arm_count) {
   return setup;
 }
 
+SessionSetup SetupThatWantsArmOne() {
+  SessionSetup setup = PlainSetup(2);
+  setup.priors = {{1, 1e6}, {1e6, 1}};
+  return setup;
+}
+
 ScriptedClient::ScriptedClient(const SessionSetup& setup)
     : session(setup), now_ns(setup.start_ns), arm(setup.active_arm), epoch(setup.switch_epoch) {}
 

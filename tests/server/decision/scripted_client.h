@@ -15,6 +15,8 @@ inline constexpr int64_t kMillisecond = 1'000'000;
 
 // Names "arm0", "arm1" …, policy `paper`, no exploration.
 SessionSetup PlainSetup(uint32_t arm_count);
+// The same for two arms, of which the second is known to be the better one.
+SessionSetup SetupThatWantsArmOne();
 
 class ScriptedClient {
  public:

@@ -15,12 +15,6 @@ namespace sweepstake::decision {
 namespace {
 
 // Arm 1 is as good as certain to have the highest draw.
-SessionSetup SetupThatWantsArmOne() {
-  SessionSetup setup = PlainSetup(2);
-  setup.priors = {{1, 1e6}, {1e6, 1}};
-  return setup;
-}
-
 TEST(Arms, AreTheNamesTheClientAnnounced) {
   SessionSetup setup = PlainSetup(3);
   setup.arms = {"KDTree", "a game's own arm", "SAP"};

@@ -9,12 +9,6 @@
 namespace sweepstake::decision {
 namespace {
 
-SessionSetup SetupThatWantsArmOne() {
-  SessionSetup setup = PlainSetup(2);
-  setup.priors = {{1, 1e6}, {1e6, 1}};
-  return setup;
-}
-
 // Runs on the new arm in the next epoch without a report, as clients do until the arm has settled.
 void ExecuteSilently(ScriptedClient& client, uint32_t arm) {
   client.arm = arm;
