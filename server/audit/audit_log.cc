@@ -34,6 +34,7 @@ class AuditRecorder final : public DecisionObserver {
   void OnSwitch(const SwitchReport& report, const ArmRuns& runs) override;
   void OnRefusal(uint64_t command_id) override;
   void OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) override;
+  void OnOrder(const OrderReport& order) override;
   void OnTick(const TickInput& input, const ArmRuns& runs) override;
   void OnBailOut(const Frame& frame, int64_t now_ns, const ArmRuns& runs) override;
   void OnDecision(const Decision& decision) override;
@@ -108,6 +109,15 @@ void AuditRecorder::OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const
   PutRuns(runs);
   PutArm(AuditColumn::kArm, active_arm);
   AppendName(Cell(AuditColumn::kMode), kModeNames, mode);
+  End();
+}
+
+void AuditRecorder::OnOrder(const OrderReport& order) {
+  Begin(AuditKind::kOrder, order.now_ns);
+  text_.assign(kOperatorKey).append(order.operator_name);
+  PutText(AuditColumn::kSetup, text_);
+  if (order.arm) PutArm(AuditColumn::kArm, *order.arm);
+  AppendName(Cell(AuditColumn::kMode), kModeNames, order.mode);
   End();
 }
 

@@ -34,20 +34,20 @@ enum class AuditColumn : size_t {
   kSession,
   kSegment,
   kRow,
-  kKind,            // setup, tick, bail-out, switch, refusal, mode or missing
+  kKind,            // setup, tick, bail-out, switch, refusal, mode, order or missing
   kTimeNs,          // time of the decider's steady clock
-  kSetup,           // setup: key=value;… (cells.h)
+  kSetup,           // setup: key=value;… (cells.h); order: operator=NAME
   kRuns,            // the arms' runs at the event (cells.h)
   kFrame,           // bail-out: the members of Frame
   kShadow,          // tick: list of ShadowSample's members
   kDescriptor,      // tick: SceneDescriptor's members
   kCommandId,       // refusal: refused; decision: commanded
-  kArm,             // switch, mode: active from now on; decision: commanded
+  kArm,             // switch, mode: active from now on; order: to be; decision: commanded
   kReason,          // reason of the switch or of the command
   kSwitchEpoch,     // switch
   kRebuildTimeNs,   // switch
   kSettlingCostNs,  // switch
-  kMode,            // mode: manual or ai
+  kMode,            // mode, order: manual or ai
   kDecisionId,
   kPolicy,
   kVersionOfReward,

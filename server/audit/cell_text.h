@@ -85,11 +85,20 @@ bool ParseText(std::string_view text, const std::tuple<Ts&...>& values) {
                     values);
 }
 
-enum class AuditKind : uint32_t { kSetup, kTick, kBailOut, kSwitch, kRefusal, kMode, kMissing };
+enum class AuditKind : uint32_t {
+  kSetup,
+  kTick,
+  kBailOut,
+  kSwitch,
+  kRefusal,
+  kMode,
+  kMissing,
+  kOrder
+};
 
 // As the names in server/decision/types.h: by value.
-inline constexpr std::array<std::string_view, 7> kAuditKindNames = {
-    "setup", "tick", "bail-out", "switch", "refusal", "mode", "missing"};
+inline constexpr std::array<std::string_view, 8> kAuditKindNames = {
+    "setup", "tick", "bail-out", "switch", "refusal", "mode", "missing", "order"};
 
 template <typename Enum>
 void AppendName(std::string& out, std::span<const std::string_view> names, Enum value) {

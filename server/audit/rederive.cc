@@ -80,6 +80,7 @@ class Segment final : public AuditSink {
   Result ApplySwitch(const Cells& cells);
   Result ApplyRefusal(const Cells& cells);
   Result ApplyMode(const Cells& cells);
+  Result ApplyOrder(const Cells& cells);
   // Restores the runs, in place of the frames since the previous row.
   Result RestoreRuns(const Cells& cells);
   Result ReadTime(const Cells& cells);
@@ -133,6 +134,8 @@ std::optional<Problem> Segment::Apply(const Cells& cells) {
       return ApplyRefusal(cells);
     case AuditKind::kMode:
       return ApplyMode(cells);
+    case AuditKind::kOrder:
+      return ApplyOrder(cells);
     case AuditKind::kMissing:
       break;  // the segment ended before
   }
@@ -211,6 +214,21 @@ std::optional<Problem> Segment::ApplyMode(const Cells& cells) {
   if (!ParseName(CellOf(cells, AuditColumn::kMode), kModeNames, mode))
     return Unreadable(cells, AuditColumn::kMode);
   session_->SetMode(mode, arm, now_ns_);
+  return std::nullopt;
+}
+
+std::optional<Problem> Segment::ApplyOrder(const Cells& cells) {
+  OrderReport order;
+  order.operator_name = CellOf(cells, AuditColumn::kSetup);
+  order.now_ns = now_ns_;
+  if (!order.operator_name.starts_with(kOperatorKey)) return Unreadable(cells, AuditColumn::kSetup);
+  order.operator_name.remove_prefix(kOperatorKey.size());
+  if (!CellOf(cells, AuditColumn::kArm).empty()) {
+    if (Result problem = ReadArm(cells, order.arm.emplace())) return problem;
+  }
+  if (!ParseName(CellOf(cells, AuditColumn::kMode), kModeNames, order.mode))
+    return Unreadable(cells, AuditColumn::kMode);
+  session_->ObserveOrder(order);
   return std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "server/decision/session/arm_runs.h"
 #include "server/decision/types.h"
@@ -18,6 +19,15 @@ struct SwitchReport {
   SwitchReason reason = SwitchReason::kPolicy;
   int64_t now_ns = 0;
   SwitchCost cost;
+};
+
+// An order that an operator gives to the game. No decision depends on it: what the game does with
+// it is reported as a mode.
+struct OrderReport {
+  std::string_view operator_name;
+  Mode mode = Mode::kManual;
+  std::optional<uint32_t> arm;  // with kManual; absent: the active one
+  int64_t now_ns = 0;
 };
 
 // What a tick learns from besides the active arm's run. Both are empty in manual mode.
@@ -36,6 +46,7 @@ class DecisionObserver {
   virtual void OnSwitch(const SwitchReport& report, const ArmRuns& runs) = 0;
   virtual void OnRefusal(uint64_t command_id) = 0;
   virtual void OnMode(Mode mode, uint32_t active_arm, int64_t now_ns, const ArmRuns& runs) = 0;
+  virtual void OnOrder(const OrderReport& order) = 0;
 
   // Each of these two is followed by OnDecision with the result.
   virtual void OnTick(const TickInput& input, const ArmRuns& runs) = 0;

@@ -110,6 +110,11 @@ class DecisionSession {
   // Begins a new window; the exploration goes on where it was. REQUIRES: arm < arms.
   void SetMode(Mode mode, uint32_t active_arm, int64_t now_ns);
 
+  // Reports the order to the observer, and changes nothing. REQUIRES: order.arm < arms, if any.
+  void ObserveOrder(const OrderReport& order) {
+    if (observer_) observer_->OnOrder(order);
+  }
+
   // The next tick is due one decision interval after the last one was due or, if that has passed
   // too, after the last one.
   int64_t next_tick_ns() const { return next_tick_ns_; }

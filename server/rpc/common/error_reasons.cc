@@ -20,9 +20,11 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_MESSAGE_ORDER:
     case v1::ERROR_REASON_PROTOCOL_VERSION:
     case v1::ERROR_REASON_REWARD_VERSION:
+    case v1::ERROR_REASON_ORDER_REFUSED:
       return absl::StatusCode::kFailedPrecondition;
     case v1::ERROR_REASON_HELLO_OVERDUE:
     case v1::ERROR_REASON_CALL_STALLED:
+    case v1::ERROR_REASON_ORDER_UNANSWERED:
       return absl::StatusCode::kDeadlineExceeded;
     case v1::ERROR_REASON_TOO_MANY_STREAMS:
     case v1::ERROR_REASON_TOO_MANY_SESSIONS:
@@ -32,10 +34,12 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_WATCHER_STALLED:
       return absl::StatusCode::kResourceExhausted;
     case v1::ERROR_REASON_SESSION_TAKEN_OVER:
+    case v1::ERROR_REASON_ORDER_REPLACED:
       return absl::StatusCode::kAborted;
     case v1::ERROR_REASON_DRAINING:
     case v1::ERROR_REASON_STORE_BUSY:
     case v1::ERROR_REASON_STORE_FAILED:
+    case v1::ERROR_REASON_GAME_AWAY:
       return absl::StatusCode::kUnavailable;
     case v1::ERROR_REASON_UNKNOWN_SCENE:
       return absl::StatusCode::kNotFound;

@@ -75,6 +75,11 @@ void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message)
   message.set_reason(static_cast<v1::SwitchReason>(command.reason));
 }
 
+void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message) {
+  message.set_mode(static_cast<v1::Mode>(order.mode));
+  if (order.arm) message.set_arm(*order.arm);
+}
+
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message) {
   message.set_alpha(posterior.alpha);
   message.set_beta(posterior.beta);

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "server/decision/session/decision_observer.h"
 #include "server/decision/types.h"
 #include "server/priors/audit_rows.h"
 #include "server/priors/prior_store.h"
@@ -30,6 +31,8 @@ priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::stri
                                   uint32_t backend_version);
 
 void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message);
+// The caller sets order_id.
+void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message);
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
 void ToProto(std::span<const decision::BetaPosterior> posteriors,
              const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message);

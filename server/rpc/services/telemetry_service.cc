@@ -250,6 +250,13 @@ void TelemetryStream::SendReconnect(uint32_t delay_ms) {
   Send(std::move(response));
 }
 
+void TelemetryStream::SendOrder(uint64_t order_id, const decision::OrderReport& order) {
+  v1::StreamTelemetryResponse response;
+  ToProto(order, *response.mutable_operator_order());
+  response.mutable_operator_order()->set_order_id(order_id);
+  Send(std::move(response));
+}
+
 void TelemetryStream::Send(v1::StreamTelemetryResponse response) {
   if (end_) return;
   outbox_.Put(std::move(response));

@@ -17,19 +17,19 @@
 namespace sweepstake::rpc {
 
 // The messages that a stream has yet to write. Only the latest of each kind is kept, so that a
-// client that reads slowly gets the newest state and costs at most five messages. Not thread-safe.
+// client that reads slowly gets the newest state and costs at most six messages. Not thread-safe.
 class TelemetryOutbox {
  public:
   // Replaces an unsent message of the same kind. REQUIRES: the response has a message.
   void Put(v1::StreamTelemetryResponse response);
   // Removes and returns the most urgent message, in this order: welcome, switch command,
-  // acknowledgement, snapshot, reconnect.
+  // acknowledgement, snapshot, reconnect, order.
   std::optional<v1::StreamTelemetryResponse> Take();
   void Clear() { slots_ = {}; }
 
  private:
   // The kinds of StreamTelemetryResponse.message, numbered from 1 in order of urgency.
-  static constexpr size_t kKinds = 5;
+  static constexpr size_t kKinds = 6;
   std::array<std::optional<v1::StreamTelemetryResponse>, kKinds> slots_;
 };
 
@@ -69,6 +69,7 @@ class TelemetryStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
                     const decision::Diagnosis& diagnosis) override;
   void SendReconnect(uint32_t delay_ms) override;
+  void SendOrder(uint64_t order_id, const decision::OrderReport& order) override;
   void Close(const absl::Status& status) override;
   void Abort(const absl::Status& status) override;
 

@@ -11,6 +11,13 @@
 #include "server/rpc/common/proto_conversion.h"
 
 namespace sweepstake::rpc {
+namespace {
+
+constexpr int64_t kOrderPatienceNs = 10'000'000'000;
+// A game keeps 48 bits of an order's id.
+constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
+
+}  // namespace
 
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
                                                  const decision::SessionSetup& setup,
@@ -67,6 +74,7 @@ void GameSession::Attach(SessionLink& link) {
     link_->Abort(
         Refused(v1::ERROR_REASON_SESSION_TAKEN_OVER, "another connection took this session over"));
   }
+  LoseOrder();
   link_ = &link;
   // The welcome message acknowledges this number.
   acknowledged_sequence_ = durable_sequence();
@@ -86,6 +94,7 @@ void GameSession::Detach(SessionLink& link) {
   if (link_ != &link) return;
   link_ = nullptr;
   ++timer_generation_;
+  LoseOrder();
 }
 
 void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
@@ -113,6 +122,8 @@ void GameSession::ApplyEvidence(const v1::StreamTelemetryRequest& request) {
       return ApplyBailOut(request.bail_out());
     case v1::StreamTelemetryRequest::kModeChange:
       return ApplyModeChange(request.mode_change());
+    case v1::StreamTelemetryRequest::kOrderRefusal:
+      return ApplyOrderRefusal(request.order_refusal());
     default:
       return;
   }
@@ -194,6 +205,44 @@ bool GameSession::IsOverLimit(const decision::Frame& frame) const {
 void GameSession::ApplyModeChange(const v1::ModeChange& change) {
   decisions_.SetMode(FromProto(change.mode()), change.active_arm(), context_.loop.clock().NowNs());
   unanswered_.reset();
+  AnswerOrder(change.order_id(), absl::OkStatus());
+}
+
+void GameSession::ApplyOrderRefusal(const v1::OrderRefusal& refusal) {
+  AnswerOrder(refusal.order_id(),
+              Refused(v1::ERROR_REASON_ORDER_REFUSED,
+                      refusal.reason() == v1::ORDER_REFUSAL_REASON_NOT_ALLOWED
+                          ? "this game takes no orders; build it with allow_operator_orders"
+                          : "the game does not know such an order; update it"));
+}
+
+void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) {
+  if (link_ == nullptr || ending_ || draining_) {
+    return answer(Refused(v1::ERROR_REASON_GAME_AWAY,
+                          "the game is not connected; try again when it has come back"));
+  }
+  AnswerOrder(order_id_, Refused(v1::ERROR_REASON_ORDER_REPLACED, "a later order took its place"));
+  // An answer may come from before a restart of the daemon, which knows no number of then.
+  order_id_ = std::max(order_id_ + 1, static_cast<uint64_t>(order.now_ns) / 1'000 & kOrderIdMask);
+  order_answer_ = std::move(answer);
+  decisions_.ObserveOrder(order);
+  link_->SendOrder(order_id_, order);
+  context_.loop.PostAt(order.now_ns + kOrderPatienceNs, [weak = weak_from_this(), id = order_id_] {
+    const auto self = weak.lock();
+    if (!self) return;
+    self->AnswerOrder(id, Refused(v1::ERROR_REASON_ORDER_UNANSWERED,
+                                  "the game has not answered; it may obey yet, or be too old"));
+  });
+}
+
+void GameSession::AnswerOrder(uint64_t order_id, const absl::Status& status) {
+  if (order_id != order_id_ || !order_answer_) return;
+  std::exchange(order_answer_, nullptr)(status);
+}
+
+void GameSession::LoseOrder() {
+  AnswerOrder(order_id_, Refused(v1::ERROR_REASON_GAME_AWAY,
+                                 "the game was lost before it answered; it may have obeyed"));
 }
 
 void GameSession::ScheduleTick(int64_t due_ns) {
@@ -245,6 +294,7 @@ void GameSession::CloseIfSettled() {
 
 void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
+  LoseOrder();
   SessionLink* link = std::exchange(link_, nullptr);
   if (!ending_)
     return link->Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));

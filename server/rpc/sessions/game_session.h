@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,6 +45,7 @@ class SessionLink {
   virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
                             const decision::Diagnosis& diagnosis) = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
+  virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
   // Ends the stream after all messages are written. The session has released the link before.
   virtual void Close(const absl::Status& status) = 0;
   // Ends the stream at once.
@@ -83,6 +85,11 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Tells the client to reconnect after `delay_ms`, and closes the link once all pending writes are
   // done.
   void Drain(uint32_t delay_ms);
+  // Passes an operator's order on to the game, in place of one that it has not answered. `answer`
+  // is called exactly once: with OK when the game has obeyed, and then with what it said or with
+  // why it cannot be known. REQUIRES: order.arm is one of the session's arms, if any.
+  using OrderAnswer = std::function<void(const absl::Status&)>;
+  void Order(const decision::OrderReport& order, OrderAnswer answer);
   // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
   bool settled() const { return ledger_->settled(); }
   void RetryCommit() { ledger_->Retry(); }
@@ -109,6 +116,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   bool IsOverLimit(const decision::Frame& frame) const;
   void Measure();
   void ApplyModeChange(const v1::ModeChange& change);
+  void ApplyOrderRefusal(const v1::OrderRefusal& refusal);
+  // Ends the order that waits for an answer, if it is this one.
+  void AnswerOrder(uint64_t order_id, const absl::Status& status);
+  void LoseOrder();
 
   void ScheduleTick(int64_t due_ns);
   void OnTimer(uint64_t generation);
@@ -138,6 +149,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
   decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
+  uint64_t order_id_ = 0;                                         // of the latest order
+  OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool heard_ = false;             // the client has sent something since the last tick
   bool ending_ = false;

@@ -70,7 +70,7 @@ TEST(AuditLog, HoldsEveryKindOfRow) {
   std::set<std::string> kinds;
   for (auto& row : RowsOf(LogOf(1, "paper", 2'000).text))
     kinds.insert(CellOf(row, AuditColumn::kKind));
-  for (const char* kind : {"setup", "tick", "bail-out", "switch", "refusal", "mode"})
+  for (const char* kind : {"setup", "tick", "bail-out", "switch", "refusal", "mode", "order"})
     EXPECT_TRUE(kinds.contains(kind)) << kind;
 }
 

@@ -65,6 +65,10 @@ void AuditedGame::Step() {
   }
   if (OneIn(100)) {
     if (OneIn(2)) arm_ = AnyArm();
+    session_.ObserveOrder({.operator_name = "José; \"the\", op=erator",
+                           .mode = arm_ % 2 == 0 ? Mode::kManual : Mode::kAi,
+                           .arm = arm_ == 0 ? std::nullopt : std::optional(arm_),
+                           .now_ns = now_ns_});
     session_.SetMode(session_.mode() == Mode::kAi && OneIn(4) ? Mode::kManual : Mode::kAi, arm_,
                      now_ns_);
   }
