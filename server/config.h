@@ -29,6 +29,8 @@ struct Config {
   std::string log_level = "info";        // trace, debug, info, warn, error or off
   bool insecure = false;                 // allows plain text on addresses other than loopback
   uint64_t database_bytes = 4ull << 30;  // priors.db does not grow beyond it
+  size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
+  uint32_t backup_hours = 24;            // from one to the next
   rpc::RpcOptions rpc;
 };
 

@@ -165,6 +165,12 @@ std::vector<Setting> DaemonSettings() {
           "database_mb", 8, 1 << 24, 1 << 20, [](Config & c) -> auto& { return c.database_bytes; },
           "size of priors.db; beyond it nothing more is stored or acknowledged"),
       Whole(
+          "backup_count", 0, 1'000, 1, [](Config & c) -> auto& { return c.backup_count; },
+          "backups that are kept beside priors.db; 0 makes none"),
+      Whole(
+          "backup_hours", 1, 8'760, 1, [](Config & c) -> auto& { return c.backup_hours; },
+          "time from one backup to the next"),
+      Whole(
           "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.rpc.audit.bytes; },
           "text of the audit log; beyond it the oldest rows go; 0 keeps none"),
       Whole(

@@ -19,7 +19,6 @@
 #include "server/descriptor_limit.h"
 #include "server/rpc/health_probe.h"
 #include "server/storage/private_file.h"
-#include "server/storage/sqlite_prior_store.h"
 #include "server/web/health_page.h"
 #include "server/web/metrics_page.h"
 
@@ -131,14 +130,19 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   }
   if (const auto shortage = DescriptorShortage(RaiseDescriptorLimit(), config_.rpc))
     log_->warn("{}", *shortage);
-  auto store = storage::OpenSqlitePriorStore(directory_.database(), config_.rpc.audit,
-                                             config_.database_bytes,
-                                             [this](auto duration) { metrics_.OnSync(duration); });
-  if (!store.ok()) return store.status();
+  auto opened =
+      storage::OpenStoreOrBackup(directory_.database(), config_.rpc.audit, config_.database_bytes,
+                                 [this](auto duration) { metrics_.OnSync(duration); });
+  if (!opened.ok()) return opened.status();
+  damage_ = std::move(opened->damage);
+  if (!damage_.empty()) log_->error("{}", damage_);
+  metrics_.SetDamaged(!damage_.empty());
+  metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
   store_options.on_commit = [this](auto duration) { metrics_.OnCommit(duration); };
-  store_ = std::make_unique<storage::StoreThread>(*std::move(store), std::move(store_options));
+  store_ =
+      std::make_unique<storage::StoreThread>(std::move(opened->store), std::move(store_options));
   if (absl::Status status = RemovePortFile(); !status.ok()) return status;
   auto key = ReadResumeKey(directory_.resume_key());
   if (!key.ok()) return key.status();
@@ -150,6 +154,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
+  StartBackups();
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
   log_->info("serving on port {} ({}), priors in {}", rpc_->port(),
@@ -160,7 +165,25 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   return absl::OkStatus();
 }
 
-void Daemon::ReportStore(const absl::Status& status) const {
+void Daemon::StartBackups() {
+  storage::BackupPlan plan;
+  plan.interval = std::chrono::hours(config_.backup_hours);
+  plan.count = config_.backup_count;
+  backups_ = std::make_unique<storage::AutomaticBackups>(
+      directory_.database(), plan, [this](const absl::StatusOr<fs::path>& made) {
+        if (made.ok()) {
+          log_->info("backed up to {}", made->string());
+        } else {
+          log_->error("no backup was made: {}", std::string(made.status().message()));
+        }
+      });
+}
+
+void Daemon::ReportStore(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    store_problem_ = std::string(status.message());
+  }
   if (status.ok()) {
     log_->info("{} can be written again", directory_.database().string());
   } else {
@@ -173,15 +196,16 @@ void Daemon::ReportStore(const absl::Status& status) const {
 absl::Status Daemon::OpenHttp() {
   if (config_.http.empty()) return absl::OkStatus();
   const std::vector<web::HealthCheck> live = {{"decision-loop", [this] { return LoopProblem(); }}};
-  const std::vector<web::HealthCheck> ready = {live.front(),
-                                               {"store", [this] { return StoreProblem(); }},
-                                               {"shutdown", [this] { return ShutdownProblem(); }}};
+  const std::vector<web::HealthCheck> ready = {
+      live.front(),
+      {"store", [this] { return StoreProblem(); }, damage_},
+      {"shutdown", [this] { return ShutdownProblem(); }}};
   web::PageTable pages;
   pages["/livez"] = [live](std::string_view query) { return HealthPage("livez", live, query); };
   pages["/readyz"] = [ready](std::string_view query) { return HealthPage("readyz", ready, query); };
   pages["/metrics"] = [this](std::string_view /*query*/) {
-    return web::MetricsPage(metrics_.Collect(rpc_->counters(), store_->healthy(),
-                                             directory_.database().string() + "-wal"));
+    return web::MetricsPage(
+        metrics_.Collect(rpc_->counters(), store_->healthy(), directory_.database()));
   };
   auto server = web::HttpServer::Start(config_.http, std::move(pages));
   if (!server.ok()) return server.status();
@@ -197,7 +221,8 @@ std::optional<std::string> Daemon::LoopProblem() const {
 
 std::optional<std::string> Daemon::StoreProblem() const {
   if (store_->healthy()) return std::nullopt;
-  return "the prior store cannot write; decisions go on in memory";
+  const std::lock_guard lock(mutex_);
+  return "the prior store cannot write; decisions go on in memory: " + store_problem_;
 }
 
 std::optional<std::string> Daemon::ShutdownProblem() const {
@@ -260,6 +285,7 @@ bool Daemon::Alive(std::chrono::milliseconds patience) const {
 
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
+  backups_.reset();
   if (rpc_ != nullptr) {
     log_->info("draining: clients are told to come back later");
     rpc_->Drain(patience);

@@ -19,6 +19,7 @@
 #include "server/daemon_metrics.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/rpc_server.h"
+#include "server/storage/automatic_backup.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/store_thread.h"
 #include "server/web/http_server.h"
@@ -55,8 +56,9 @@ class Daemon {
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
+  void StartBackups();
   // Runs on the store's thread.
-  void ReportStore(const absl::Status& status) const;
+  void ReportStore(const absl::Status& status);
   absl::Status OpenHttp();
   // What the checks of /livez and /readyz say; nothing if all is well.
   std::optional<std::string> LoopProblem() const;
@@ -70,7 +72,11 @@ class Daemon {
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;
+  std::string damage_;  // what of the store was lost at the start
+  mutable std::mutex mutex_;
+  std::string store_problem_;  // guarded by mutex_; why the store cannot write
   std::unique_ptr<storage::StoreThread> store_;
+  std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<rpc::RpcServer> rpc_;
   std::atomic<bool> draining_ = false;
   std::unique_ptr<web::HttpServer> web_;  // its pages use the members above; null without --http

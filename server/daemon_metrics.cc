@@ -1,13 +1,12 @@
 #include "server/daemon_metrics.h"
 
-#include <prometheus/gauge.h>
-
 #include <atomic>
 #include <cstdint>
 #include <system_error>
 #include <utility>
 
 #include "server/rpc/common/error_reasons.h"
+#include "server/storage/automatic_backup.h"
 #include "server/web/metrics_page.h"
 #include "server/web/process_metrics.h"
 
@@ -28,6 +27,10 @@ prometheus::Histogram& AddHistogram(prometheus::Registry& registry, const char* 
                                     const char* help) {
   return prometheus::BuildHistogram().Name(name).Help(help).Register(registry).Add(
       {}, DurationBuckets());
+}
+
+prometheus::Gauge& AddGauge(prometheus::Registry& registry, const char* name, const char* help) {
+  return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
 
 struct CounterRow {
@@ -109,6 +112,13 @@ double FileBytes(const std::filesystem::path& path) {
   return missing ? 0 : static_cast<double>(bytes);
 }
 
+double LastBackupUnixS(const std::filesystem::path& database) {
+  const auto time = storage::LastBackupTime(database);
+  if (!time) return 0;
+  const auto unix_time = std::chrono::file_clock::to_sys(*time).time_since_epoch();
+  return std::chrono::duration<double>(unix_time).count();
+}
+
 }  // namespace
 
 DaemonMetrics::DaemonMetrics(const std::string& version)
@@ -118,7 +128,11 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
                           "How long the fsyncs of the store's write-ahead log took.")),
       timer_lateness_(AddHistogram(registry_, "sweepstake_decision_loop_lateness_seconds",
                                    "How late the decision loop ran its timers, the ticks of the "
-                                   "sessions among them.")) {
+                                   "sessions among them.")),
+      damaged_(AddGauge(registry_, "sweepstake_store_damaged",
+                        "1 if the store lost evidence or has wrong rows since its start, else 0.")),
+      max_store_bytes_(AddGauge(registry_, "sweepstake_store_max_size_bytes",
+                                "Size that the store's file may have.")) {
   prometheus::BuildGauge()
       .Name("sweepstake_build_info")
       .Help("1, with the version of the daemon.")
@@ -129,7 +143,7 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
 
 std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
     const rpc::Counters& counters, bool store_healthy,
-    const std::filesystem::path& write_ahead_log) const {
+    const std::filesystem::path& database) const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();
   for (const auto& [value, name, help] : kGauges)
     families.push_back(GaugeOf(name, help, static_cast<double>(counters.*value)));
@@ -140,7 +154,13 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
                              "1 while the store can write, 0 after a commit failed.",
                              store_healthy ? 1 : 0));
   families.push_back(GaugeOf("sweepstake_store_wal_size_bytes",
-                             "Size of the store's write-ahead log.", FileBytes(write_ahead_log)));
+                             "Size of the store's write-ahead log.",
+                             FileBytes(database.string() + "-wal")));
+  families.push_back(
+      GaugeOf("sweepstake_store_size_bytes", "Size of the store's file.", FileBytes(database)));
+  families.push_back(GaugeOf("sweepstake_store_last_backup_timestamp_seconds",
+                             "Unix time of the last backup beside the store, or 0.",
+                             LastBackupUnixS(database)));
   for (auto& family : web::ProcessFamilies()) families.push_back(std::move(family));
   return families;
 }

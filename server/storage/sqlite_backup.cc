@@ -101,16 +101,18 @@ absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
 
 }  // namespace
 
-absl::StatusOr<StoreContents> VerifyStore(const fs::path& file) {
+absl::StatusOr<StoreContents> VerifyStore(const fs::path& file, const std::atomic<bool>* stop) {
   auto database = OpenToRead(file);
   if (!database.ok()) return database.status();
+  if (stop != nullptr) database->StopWhen(*stop);
   auto version = CheckPriorDatabase(*database, file);
   if (!version.ok()) return version.status();
   if (absl::Status status = CheckRows(*database, file, *version); !status.ok()) return status;
   return Count(*database, *version);
 }
 
-absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::path& file) {
+absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::path& file,
+                                          const std::atomic<bool>* stop) {
   absl::Status status = CheckAbsent(file, "name a file that does not");
   if (!status.ok()) return status;
   const fs::path path = directory / DataDirectory::kDatabaseName;
@@ -123,8 +125,9 @@ absl::StatusOr<StoreContents> BackUpStore(const fs::path& directory, const fs::p
   if (!database.ok()) return database.status();
   auto version = CheckPriorDatabase(*database, path);
   if (!version.ok()) return version.status();
+  if (stop != nullptr) database->StopWhen(*stop);
   if (status = database->CopyTo(file.string()); !status.ok()) return status;
-  return VerifyStore(file);
+  return VerifyStore(file, stop);
 }
 
 absl::StatusOr<StoreContents> RestoreStore(const fs::path& file, const fs::path& directory) {

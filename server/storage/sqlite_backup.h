@@ -1,6 +1,7 @@
 // Copies of the prior store: made while a daemon runs, checked, and put back.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 
@@ -20,12 +21,15 @@ struct StoreContents {
 // Reads all of a database and changes nothing. Errors: UNAVAILABLE (cannot open it), DATA_LOSS (not
 // a whole database of ours, its rows are not what was written, or its sums are not those of its
 // rows), FAILED_PRECONDITION (written by a newer version).
-absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file);
+absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file,
+                                          const std::atomic<bool>* stop = nullptr);
 
-// Writes the database of a data directory, in use or not, to a new file, and verifies that. Errors:
-// those of VerifyStore, ALREADY_EXISTS, NOT_FOUND (the directory has no database).
+// Writes the database of a data directory, in use or not, to a new file, and verifies that. If
+// there is a flag `stop` it may be set meanwhile. Errors: those of VerifyStore, ALREADY_EXISTS,
+// CANCELLED (by `stop`), NOT_FOUND (the directory has no database).
 absl::StatusOr<StoreContents> BackUpStore(const std::filesystem::path& directory,
-                                          const std::filesystem::path& file);
+                                          const std::filesystem::path& file,
+                                          const std::atomic<bool>* stop = nullptr);
 
 // Verifies the file and copies it into a data directory that has no database and that no daemon
 // uses; makes the directory if it is missing. Errors: those of VerifyStore and of

@@ -29,6 +29,8 @@ absl::Status ToStatus(int code, const char* message) {
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return absl::DataLossError(message);
+    case SQLITE_INTERRUPT:
+      return absl::CancelledError(message);
     case SQLITE_CONSTRAINT:
     case SQLITE_TOOBIG:
       return absl::InvalidArgumentError(message);
@@ -36,6 +38,9 @@ absl::Status ToStatus(int code, const char* message) {
       return absl::InternalError(message);
   }
 }
+
+constexpr int kPagesPerStep = 4096;
+constexpr int kInstructionsPerLook = 100'000;
 
 uint64_t HashOf(uint64_t hash, uint64_t bits) {
   hash = math::Fnv1aOfWord(hash, static_cast<uint32_t>(bits));
@@ -171,10 +176,17 @@ absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
   sqlite3_backup* backup =
       sqlite3_backup_init(copy.database_.get(), "main", database_.get(), "main");
   if (backup == nullptr) return copy.Error(sqlite3_errcode(copy.database_.get()));
-  // In one step, since the copy would begin anew after each commit between two.
-  sqlite3_backup_step(backup, /*nPage=*/-1);
-  const int code = sqlite3_backup_finish(backup);
-  if (code != SQLITE_OK) return copy.Error(code);
+  // The steps read one state of the database; without that a commit between two of them would let
+  // the copy begin anew.
+  absl::Status status = Execute("BEGIN; SELECT count(*) FROM sqlite_schema");
+  int code = status.ok() ? SQLITE_OK : SQLITE_ABORT;
+  while (code == SQLITE_OK && !(stop_ != nullptr && *stop_))
+    code = sqlite3_backup_step(backup, kPagesPerStep);
+  const int error = sqlite3_backup_finish(backup);
+  if (in_transaction()) Execute("COMMIT").IgnoreError();
+  if (!status.ok()) return status;
+  if (error != SQLITE_OK) return copy.Error(error);
+  if (code != SQLITE_DONE) return absl::CancelledError("the copy was told to end");
   // A file in WAL mode could not be read where nothing can be written beside it.
   return copy.QueryText("PRAGMA journal_mode = DELETE").status();
 }
@@ -191,6 +203,15 @@ absl::Status SqliteDatabase::CopyTo(const std::string& path) {
   std::error_code ignored;
   std::filesystem::remove(unfinished, ignored);
   return {status.code(), absl::StrCat(unfinished, ": ", status.message())};
+}
+
+void SqliteDatabase::StopWhen(const std::atomic<bool>& flag) {
+  stop_ = &flag;
+  const auto is_set = [](void* of) {
+    return static_cast<const std::atomic<bool>*>(of)->load() ? 1 : 0;
+  };
+  sqlite3_progress_handler(database_.get(), kInstructionsPerLook, is_set,
+                           const_cast<std::atomic<bool>*>(&flag));
 }
 
 absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {

@@ -3,7 +3,8 @@
 //
 // Statements are prepared once; their owner must destroy them before the connection. Errors map to
 // UNAVAILABLE (full, read-only, locked, I/O), DATA_LOSS (corrupt, not a database), INVALID_ARGUMENT
-// (a CHECK failed) and INTERNAL (our SQL is wrong); the message is SQLite's.
+// (a CHECK failed), CANCELLED (see StopWhen) and INTERNAL (our SQL is wrong); the message is
+// SQLite's.
 //
 // Every connection has two functions of its own. row_hash(values...) is a 64-bit hash of numbers
 // and texts. next_hash(hash, before, after) is `after` for a row whose hash was right, that is,
@@ -12,6 +13,7 @@
 
 #include <sqlite3.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -116,6 +118,9 @@ class SqliteDatabase {
   // Writes all that is committed to a new file at `path`, in place of one that is there. Others may
   // write meanwhile; the whole database is read once. The file appears whole or not at all.
   absl::Status CopyTo(const std::string& path);
+  // Lets statements and copies end with CANCELLED soon after the flag is set, which must outlive
+  // the connection.
+  void StopWhen(const std::atomic<bool>& flag);
   // Returns false also if an error has ended the transaction, as a full disk does.
   bool in_transaction() const { return sqlite3_get_autocommit(database_.get()) == 0; }
   // Lets the file grow to so many bytes, or not at all if it is as large; then writes that need
@@ -143,6 +148,7 @@ class SqliteDatabase {
   // Returns the open file of the write-ahead log.
   absl::StatusOr<sqlite3_file*> LogFile();
 
+  const std::atomic<bool>* stop_ = nullptr;
   std::unique_ptr<TimedFile> timed_log_;  // used by the connection, which ends before it
   std::unique_ptr<sqlite3, Closer> database_;
 };

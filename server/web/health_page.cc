@@ -12,7 +12,8 @@ Page HealthPage(std::string_view name, const std::vector<HealthCheck>& checks,
     const std::optional<std::string> problem = check.problem();
     passed = passed && !problem;
     absl::StrAppend(&list, problem ? "[-]" : "[+]", check.name,
-                    problem ? " failed: " + *problem : " ok", "\n");
+                    problem ? " failed: " + *problem : " ok",
+                    problem || check.note.empty() ? "" : ", but " + check.note, "\n");
   }
   if (!passed)
     return {.status = 503, .body = absl::StrCat(list, std::string(name), " check failed\n")};

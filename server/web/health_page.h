@@ -15,6 +15,7 @@ namespace sweepstake::web {
 struct HealthCheck {
   std::string name;
   std::function<std::optional<std::string>()> problem;  // nothing if all is well
+  std::string note = {};  // what is worth knowing though it is no problem
 };
 
 // Returns the page called `name`: 200 if no check has a problem, else 503. It lists the checks if

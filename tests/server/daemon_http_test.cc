@@ -10,6 +10,7 @@
 #include <string>
 
 #include "server/daemon.h"
+#include "server/storage/sqlite_backup.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 
@@ -130,6 +131,20 @@ TEST_F(DaemonHttpTest, ADaemonThatDoesNotDecideIsNeitherLiveNorReady) {
   clock.Release();
 }
 
+TEST_F(DaemonHttpTest, ADaemonWhoseDatabaseWasDamagedServesFromABackupAndSaysSo) {
+  Start();
+  const auto database = config_.data / "priors.db";
+  ASSERT_TRUE(
+      storage::BackUpStore(config_.data, database.string() + ".backup-20260101T000000Z").ok());
+  std::filesystem::resize_file(database, 0);
+  const auto daemon = Start();
+  const auto ready = Get(daemon->http_port(), "/readyz?verbose");
+  EXPECT_EQ(ready.status, 200);
+  EXPECT_THAT(ready.body, HasSubstr("[+]store ok, but " + database.string()));
+  EXPECT_THAT(ready.body, HasSubstr("priors.db.backup-20260101T000000Z is in its place"));
+  EXPECT_THAT(Get(daemon->http_port(), "/metrics").body, HasSubstr("sweepstake_store_damaged 1\n"));
+}
+
 TEST_F(DaemonHttpTest, MetricsAreThoseOfTheDaemon) {
   const auto daemon = Start();
   const auto answer = Get(daemon->http_port(), "/metrics");
@@ -138,7 +153,9 @@ TEST_F(DaemonHttpTest, MetricsAreThoseOfTheDaemon) {
   EXPECT_THAT(
       answer.body,
       AllOf(HasSubstr("sweepstake_build_info{version=\"" SWEEPSTAKE_VERSION "\"} 1\n"),
-            HasSubstr("sweepstake_store_healthy 1\n"), HasSubstr("sweepstake_open_streams 0\n")));
+            HasSubstr("sweepstake_store_healthy 1\n"), HasSubstr("sweepstake_store_damaged 0\n"),
+            HasSubstr("sweepstake_store_last_backup_timestamp_seconds 0\n"),
+            HasSubstr("sweepstake_open_streams 0\n")));
 }
 
 }  // namespace

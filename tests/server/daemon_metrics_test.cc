@@ -22,14 +22,14 @@ class DaemonMetricsTest : public ::testing::Test {
   // The first metric of each family, by name.
   std::map<std::string, prometheus::ClientMetric> Collect(bool store_healthy = true) {
     std::map<std::string, prometheus::ClientMetric> metrics;
-    for (const auto& family : metrics_.Collect(counters_, store_healthy, wal_)) {
+    for (const auto& family : metrics_.Collect(counters_, store_healthy, database_)) {
       EXPECT_TRUE(metrics.emplace(family.name, family.metric.front()).second) << family.name;
     }
     return metrics;
   }
 
   test_support::TemporaryDirectory directory_;
-  std::filesystem::path wal_ = directory_.path() / "priors.db-wal";
+  std::filesystem::path database_ = directory_.path() / "priors.db";
   rpc::Counters counters_;
   DaemonMetrics metrics_{"1.2.3"};
 };
@@ -42,7 +42,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
   }
   std::multiset<double> shown;
-  for (const auto& family : metrics_.Collect(counters_, true, wal_)) {
+  for (const auto& family : metrics_.Collect(counters_, true, database_)) {
     for (const prometheus::ClientMetric& metric : family.metric) {
       for (const double value : {metric.counter.value, metric.gauge.value}) {
         if (expected.contains(value)) shown.insert(value);
@@ -53,7 +53,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
 }
 
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
-  for (const auto& family : metrics_.Collect(counters_, true, wal_)) {
+  for (const auto& family : metrics_.Collect(counters_, true, database_)) {
     const bool is_of_process = family.name.starts_with("process_");
     const bool is_counter = family.type == prometheus::MetricType::Counter;
     EXPECT_THAT(family.name, StartsWith(is_of_process ? "process_" : "sweepstake_"));
@@ -81,7 +81,7 @@ TEST_F(DaemonMetricsTest, DurationsAreHistogramsInSeconds) {
 
 TEST_F(DaemonMetricsTest, TheStoreAndItsLogAreShown) {
   EXPECT_EQ(Collect().at("sweepstake_store_wal_size_bytes").gauge.value, 0);
-  std::ofstream(wal_) << "12345";
+  std::ofstream(database_.string() + "-wal") << "12345";
   EXPECT_EQ(Collect().at("sweepstake_store_wal_size_bytes").gauge.value, 5);
   EXPECT_EQ(Collect(true).at("sweepstake_store_healthy").gauge.value, 1);
   EXPECT_EQ(Collect(false).at("sweepstake_store_healthy").gauge.value, 0);

@@ -1,0 +1,196 @@
+#include "server/storage/automatic_backup.h"
+
+#include <algorithm>
+#include <ctime>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "server/storage/private_file.h"
+#include "server/storage/sqlite_backup.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "server/storage/sqlite_schema.h"
+
+namespace sweepstake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr absl::string_view kBackup = ".backup-";
+constexpr absl::string_view kQuarantine = ".quarantine-";
+constexpr size_t kMaxQuarantined = 2;
+
+// Returns the time (UTC) in a form whose order is that of time.
+std::string TimeText() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::string text(16, '\0');
+  std::strftime(text.data(), text.size() + 1, "%Y%m%dT%H%M%SZ", &utc);
+  return text;
+}
+
+// Returns the copies of a kind that lie beside the database, the newest first.
+std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind) {
+  const std::string begin = absl::StrCat(path.filename().string(), kind);
+  std::vector<fs::path> copies;
+  std::error_code unreadable;
+  for (const auto& entry : fs::directory_iterator(path.parent_path(), unreadable)) {
+    const std::string name = entry.path().filename().string();
+    if (absl::StartsWith(name, begin) && absl::EndsWith(name, "Z")) copies.push_back(entry.path());
+  }
+  std::sort(copies.rbegin(), copies.rend());
+  return copies;
+}
+
+void RemoveOldest(const fs::path& path, absl::string_view kind, size_t max) {
+  const std::vector<fs::path> copies = ListCopies(path, kind);
+  std::error_code ignored;
+  for (size_t i = max; i < copies.size(); ++i) {
+    for (const char* suffix : {"", "-wal"}) fs::remove(copies[i].string() + suffix, ignored);
+  }
+}
+
+// Returns whether the file is no whole database, whoever made it.
+bool IsDamaged(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return false;
+  if (fs::file_size(path, error) == 0) return true;
+  auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
+  if (!database.ok()) return absl::IsDataLoss(database.status());
+  const auto verdict = database->QueryText("PRAGMA quick_check(1)");
+  return verdict.ok() ? *verdict != "ok" : absl::IsDataLoss(verdict.status());
+}
+
+std::optional<fs::path> LastWholeBackup(const fs::path& path) {
+  for (const fs::path& backup : ListCopies(path, kBackup)) {
+    if (VerifyStore(backup).ok()) return backup;
+  }
+  return std::nullopt;
+}
+
+// Puts a copy of the backup in the place of the database, which is kept. After a crash in between
+// the damaged file is still there, and the next start begins anew.
+absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::path& kept) {
+  const std::string unfinished = path.string() + ".restored";
+  auto source = SqliteDatabase::Open(backup.string(), SqliteDatabase::OpenMode::kReadOnly);
+  if (!source.ok()) return source.status();
+  if (absl::Status status = source->CopyTo(unfinished); !status.ok()) return status;
+  std::error_code error;
+  fs::create_hard_link(path, kept, error);
+  if (error)
+    return absl::UnavailableError(
+        absl::StrCat("cannot keep ", kept.string(), ": ", error.message()));
+  std::error_code not_there;
+  fs::rename(path.string() + "-wal", kept.string() + "-wal", not_there);
+  fs::remove(path.string() + "-shm", not_there);
+  return PublishFile(unfinished, path);
+}
+
+// Returns an empty text if all rows of the evidence are what was written.
+std::string DescribeDamagedRows(const fs::path& path) {
+  auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
+  if (!database.ok()) return {};
+  const auto count = CountDamagedRows(*database);
+  if (!count.ok() || *count == 0) return {};
+  return absl::StrCat(
+      *count, " rows of ", path.string(),
+      " are not what was written: their scenes have no priors, and their sessions are "
+      "not resumed; look at the disk, and restore a backup");
+}
+
+}  // namespace
+
+absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
+                                              const priors::AuditLimits& audit_limits,
+                                              uint64_t max_bytes, OnSync on_sync) {
+  auto store = OpenSqlitePriorStore(path, audit_limits, max_bytes, on_sync);
+  if (store.ok()) return OpenedStore{*std::move(store), DescribeDamagedRows(path)};
+  const absl::Status problem = store.status();
+  if (!absl::IsDataLoss(problem) || !IsDamaged(path)) return problem;
+  const std::optional<fs::path> backup = LastWholeBackup(path);
+  if (!backup) {
+    return absl::DataLossError(absl::StrCat(problem.message(), "; no whole ",
+                                            path.filename().string(), kBackup,
+                                            "TIME is beside it, which would have been used"));
+  }
+  const fs::path kept = absl::StrCat(path.string(), kQuarantine, TimeText());
+  if (absl::Status status = Replace(path, *backup, kept); !status.ok()) return status;
+  RemoveOldest(path, kQuarantine, kMaxQuarantined);
+  store = OpenSqlitePriorStore(path, audit_limits, max_bytes, std::move(on_sync));
+  if (!store.ok()) return store.status();
+  return OpenedStore{
+      *std::move(store),
+      absl::StrCat(problem.message(), ". It is kept as ", kept.string(), ", and ",
+                   backup->filename().string(),
+                   " is in its place: what was learnt since then is lost. Look at the disk")};
+}
+
+std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
+  const std::vector<fs::path> backups = ListCopies(path, kBackup);
+  if (backups.empty()) return std::nullopt;
+  std::error_code gone;
+  const auto time = fs::last_write_time(backups.front(), gone);
+  if (gone) return std::nullopt;
+  return time;
+}
+
+AutomaticBackups::AutomaticBackups(fs::path path, const BackupPlan& plan, OnDone on_done)
+    : path_(std::move(path)),
+      plan_(plan),
+      on_done_(std::move(on_done)),
+      thread_([this] { Loop(); }) {}
+
+AutomaticBackups::~AutomaticBackups() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void AutomaticBackups::Loop() {
+  if (plan_.count == 0) return;
+  std::chrono::milliseconds delay = FirstDelay();
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, delay, [this] { return stopping_.load(); })) {
+    lock.unlock();
+    const auto made = MakeOne();
+    if (made.ok()) RemoveOldest(path_, kBackup, plan_.count);
+    if (!stopping_) on_done_(made);
+    delay = made.ok() ? plan_.interval : std::min(plan_.patience, plan_.interval);
+    lock.lock();
+  }
+}
+
+std::chrono::milliseconds AutomaticBackups::FirstDelay() const {
+  const auto last = LastBackupTime(path_);
+  if (!last) return std::min(plan_.patience, plan_.interval);
+  const auto age = std::chrono::duration_cast<std::chrono::milliseconds>(
+      fs::file_time_type::clock::now() - *last);
+  return std::clamp(plan_.interval - age, std::chrono::milliseconds(0), plan_.interval);
+}
+
+absl::StatusOr<fs::path> AutomaticBackups::MakeOne() {
+  // A backup that fills the disk would cost the evidence its place.
+  std::error_code unknown;
+  std::error_code missing;
+  const fs::space_info space = fs::space(path_.parent_path(), unknown);
+  const uintmax_t bytes = fs::file_size(path_, missing);
+  if (!missing && !unknown && space.available / 2 < bytes) {
+    return absl::UnavailableError(
+        absl::StrCat("the disk has no room for a backup of ", bytes >> 20,
+                     " MiB and as much besides; make some, or set backup_count to 0"));
+  }
+  const fs::path file = absl::StrCat(path_.string(), kBackup, TimeText());
+  const auto contents = BackUpStore(path_.parent_path(), file, &stopping_);
+  if (contents.ok()) return file;
+  if (!absl::IsAlreadyExists(contents.status())) fs::remove(file, unknown);
+  return contents.status();
+}
+
+}  // namespace sweepstake::storage

@@ -1,0 +1,173 @@
+// Backups that the daemon makes by itself, and the start with one of them.
+#include "server/storage/automatic_backup.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <future>
+
+#include "server/storage/sqlite_backup.h"
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "tests/server/storage/evidence_samples.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::HasSubstr;
+
+class AutomaticBackupTest : public ::testing::Test {
+ protected:
+  void Commit(uint64_t n) {
+    ASSERT_TRUE(
+        (*OpenSqlitePriorStore(path_))->Commit(std::vector{Update("a", n, {Key("Grid")})}).ok());
+  }
+  void BackUp(const std::string& time) {
+    const auto made = BackUpStore(directory_.path(), path_.string() + ".backup-" + time);
+    ASSERT_TRUE(made.ok()) << made.status();
+  }
+  // Overwrites a page of the file.
+  static void Damage(const std::filesystem::path& path) {
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(4096);
+    file << std::string(4096, '\x5a');
+  }
+  size_t CountFiles(const std::string& part) {
+    size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(directory_.path()))
+      count += entry.path().filename().string().find(part) != std::string::npos;
+    return count;
+  }
+  size_t RemoveFiles(const std::string& part) {
+    std::vector<std::filesystem::path> found;
+    for (const auto& entry : std::filesystem::directory_iterator(directory_.path()))
+      if (entry.path().filename().string().find(part) != std::string::npos)
+        found.push_back(entry.path());
+    for (const auto& path : found) std::filesystem::remove(path);
+    return found.size();
+  }
+  static uint64_t CommitOf(PriorStore& store) {
+    const auto source = *store.LoadSource("a");
+    return source ? source->progress.commit_sequence : 0;
+  }
+
+  test_support::TemporaryDirectory directory_;
+  std::filesystem::path path_ = directory_.path() / "priors.db";
+};
+
+TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndTheLastWholeBackupIsOpenedInItsPlace) {
+  Commit(1);
+  BackUp("20260101T000000Z");
+  Commit(2);
+  BackUp("20260102T000000Z");
+  Commit(3);
+  BackUp("20260103T000000Z");
+  Damage(path_.string() + ".backup-20260103T000000Z");
+  Damage(path_);
+  const auto opened = OpenStoreOrBackup(path_);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  EXPECT_EQ(CommitOf(*opened->store), 2u);
+  EXPECT_THAT(opened->damage, HasSubstr("priors.db.backup-20260102T000000Z is in its place"));
+  EXPECT_THAT(opened->damage, HasSubstr("It is kept as " + path_.string() + ".quarantine-"));
+  EXPECT_THAT(opened->damage, HasSubstr("Look at the disk"));
+  EXPECT_EQ(CountFiles(".quarantine-"), 1u);
+  EXPECT_EQ(CountFiles(".backup-"), 3u);
+  EXPECT_TRUE(opened->store->Commit(std::vector{Update("a", 3, {Key("Grid")})}).ok());
+}
+
+TEST_F(AutomaticBackupTest, AnEmptyFileAndOneThatIsNoDatabaseAreReplacedToo) {
+  Commit(1);
+  BackUp("20260101T000000Z");
+  for (const size_t size : {0, 9'999}) {
+    std::ofstream(path_, std::ios::trunc) << std::string(size, 'x');
+    const auto opened = OpenStoreOrBackup(path_);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    EXPECT_EQ(CommitOf(*opened->store), 1u);
+    EXPECT_GE(RemoveFiles(".quarantine-"), 1u) << size;
+  }
+}
+
+TEST_F(AutomaticBackupTest, WithoutAWholeBackupNothingIsChanged) {
+  Commit(1);
+  BackUp("20260101T000000Z");
+  Damage(path_.string() + ".backup-20260101T000000Z");
+  Damage(path_);
+  const absl::Status status = OpenStoreOrBackup(path_).status();
+  EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("no whole priors.db.backup-TIME"));
+  EXPECT_EQ(CountFiles("quarantine"), 0u);
+  EXPECT_EQ(CountFiles("restored"), 0u);
+}
+
+TEST_F(AutomaticBackupTest, AFileThatIsMissingOrAnothersIsLeftAlone) {
+  Commit(1);
+  BackUp("20260101T000000Z");
+  std::filesystem::remove(path_);
+  EXPECT_THAT(std::string(OpenStoreOrBackup(path_).status().message()),
+              HasSubstr("is missing but was here"));
+  ASSERT_TRUE(SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kCreate)
+                  ->Execute("CREATE TABLE other (x)")
+                  .ok());
+  EXPECT_THAT(std::string(OpenStoreOrBackup(path_).status().message()),
+              HasSubstr("not a Sweepstake database"));
+  EXPECT_EQ(CountFiles("quarantine"), 0u);
+}
+
+TEST_F(AutomaticBackupTest, RowsThatAreNotWhatWasWrittenAreTold) {
+  Commit(1);
+  EXPECT_EQ(OpenStoreOrBackup(path_)->damage, "");
+  ASSERT_TRUE(SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kExisting)
+                  ->Execute("UPDATE evidence SET alpha = 9; UPDATE scene SET source_count = 8")
+                  .ok());
+  const auto opened = OpenStoreOrBackup(path_);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  EXPECT_THAT(opened->damage, HasSubstr("2 rows of"));
+  EXPECT_THAT(opened->damage, HasSubstr("restore a backup"));
+}
+
+TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
+  const auto store = *OpenSqlitePriorStore(path_);
+  ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  for (const char* time : {"20260101T000000Z", "20260102T000000Z", "20260103T000000Z"})
+    BackUp(time);
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(48);
+  std::filesystem::last_write_time(path_.string() + ".backup-20260103T000000Z", long_ago);
+  std::promise<absl::StatusOr<std::filesystem::path>> made;
+  {
+    AutomaticBackups backups(path_, {.interval = std::chrono::hours(24), .count = 2},
+                             [&](const auto& file) { made.set_value(file); });
+    const auto file = made.get_future().get();
+    ASSERT_TRUE(file.ok()) << file.status();
+    EXPECT_EQ(VerifyStore(*file)->record_count, 1);
+  }
+  EXPECT_EQ(CountFiles(".backup-"), 2u);
+  EXPECT_TRUE(std::filesystem::exists(path_.string() + ".backup-20260103T000000Z"));
+  EXPECT_GT(*LastBackupTime(path_), long_ago);
+}
+
+TEST_F(AutomaticBackupTest, ABackupThatCannotBeMadeIsToldAndLeavesNothing) {
+  std::promise<absl::StatusOr<std::filesystem::path>> made;
+  {
+    std::atomic<bool> told = false;
+    AutomaticBackups backups(path_, {.patience = milliseconds(0)}, [&](const auto& file) {
+      if (!told.exchange(true)) made.set_value(file);
+    });
+    EXPECT_TRUE(absl::IsNotFound(made.get_future().get().status()));
+  }
+  EXPECT_EQ(CountFiles("backup"), 0u);
+}
+
+TEST_F(AutomaticBackupTest, ACopyEndsWhenItIsTold) {
+  Commit(1);
+  const std::atomic<bool> stop = true;
+  const auto file = directory_.path() / "copy.db";
+  EXPECT_TRUE(absl::IsCancelled(BackUpStore(directory_.path(), file, &stop).status()));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(CountFiles(".new"), 0u);
+}
+
+}  // namespace
+}  // namespace sweepstake::storage
