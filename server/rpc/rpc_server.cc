@@ -80,11 +80,7 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
     : options_(std::move(options)),
       context_{{options_, loop_, store, counters_, watch_hub_}, sessions_, watchers_, stalls_, log},
       sessions_(options_, loop_),
-      watch_hub_(store, {.post = [this](DecisionLoop::Task task) { loop_.Post(std::move(task)); },
-                         .post_after =
-                             [this](int64_t delay_ns, DecisionLoop::Task task) {
-                               loop_.PostAt(loop_.clock().NowNs() + delay_ns, std::move(task));
-                             }}),
+      watch_hub_(store, HubLoop(loop_)),
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),

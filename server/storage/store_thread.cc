@@ -12,7 +12,9 @@ size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.incremen
 }  // namespace
 
 StoreThread::StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options)
-    : store_(std::move(store)), options_(std::move(options)), thread_([this] { Loop(); }) {}
+    : store_(std::move(store)), options_(std::move(options)) {
+  if (options_.own_thread) thread_ = std::thread([this] { Loop(); });
+}
 
 StoreThread::~StoreThread() { Close(); }
 
@@ -23,6 +25,9 @@ void StoreThread::Close() {
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
+  if (!options_.own_thread) {
+    while (RunNext()) continue;
+  }
 }
 
 bool StoreThread::Enqueue(Item item, size_t rows) {
@@ -74,20 +79,36 @@ void StoreThread::Loop() {
   while (true) {
     changed_.wait(lock, [&] { return closing_ || !queue_.empty(); });
     if (queue_.empty()) return;
-    if (std::holds_alternative<Job>(queue_.front())) {
-      Job job = std::get<Job>(std::move(queue_.front()));
-      queue_.pop_front();
-      --queued_jobs_;
-      lock.unlock();
-      job(*store_);
-    } else {
-      WaitForGroup(lock);
-      std::vector<PendingCommit> group = TakeGroup();
-      const bool closing = closing_;
-      lock.unlock();
-      CommitGroup(std::move(group), closing);
-    }
+    if (std::holds_alternative<PendingCommit>(queue_.front())) WaitForGroup(lock);
+    RunFront(lock);
     lock.lock();
+  }
+}
+
+bool StoreThread::RunNext() {
+  std::unique_lock lock(mutex_);
+  if (queue_.empty()) return false;
+  RunFront(lock);
+  return true;
+}
+
+size_t StoreThread::queued_count() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.size();
+}
+
+void StoreThread::RunFront(std::unique_lock<std::mutex>& lock) {
+  if (std::holds_alternative<Job>(queue_.front())) {
+    Job job = std::get<Job>(std::move(queue_.front()));
+    queue_.pop_front();
+    --queued_jobs_;
+    lock.unlock();
+    job(*store_);
+  } else {
+    std::vector<PendingCommit> group = TakeGroup();
+    const bool closing = closing_;
+    lock.unlock();
+    CommitGroup(std::move(group), closing);
   }
 }
 

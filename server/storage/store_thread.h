@@ -27,7 +27,9 @@ namespace sweepstake::storage {
 struct StoreThreadOptions {
   // The maximum delay of an acknowledgement, and the time whose updates a crash may lose.
   std::chrono::milliseconds group_interval{50};
-  size_t group_rows = 500;     // a group with this many increments is committed early
+  size_t group_rows = 500;  // a group with this many increments is committed early
+  // If false there is no thread: the owner calls RunNext.
+  bool own_thread = true;
   size_t max_queued = 65'536;  // updates and jobs; beyond it they are refused
   // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
   // succeed again.
@@ -49,6 +51,11 @@ class StoreThread final : public priors::AsyncPriorStore {
   void Commit(priors::SourceUpdate update, CommitCallback done) override;
   bool Submit(Job job) override;
   bool healthy() const override { return healthy_.load(std::memory_order_relaxed); }
+  // Runs the next group of commits, or the next job. Returns false if nothing is queued. REQUIRES:
+  // there is no own thread.
+  bool RunNext();
+  // Returns how many updates and jobs wait.
+  size_t queued_count() const;
   uint64_t lost_audit_row_count() const override {
     return lost_audit_row_count_.load(std::memory_order_relaxed);
   }
@@ -64,6 +71,9 @@ class StoreThread final : public priors::AsyncPriorStore {
   // Returns false if the queue is full or closing.
   bool Enqueue(Item item, size_t rows);
   void Loop();
+  // Takes the next group or job off the queue, and runs it without the lock. REQUIRES: the queue is
+  // not empty.
+  void RunFront(std::unique_lock<std::mutex>& lock);
   void WaitForGroup(std::unique_lock<std::mutex>& lock);
   // Takes commits off the queue's front, as many as a group may have.
   std::vector<PendingCommit> TakeGroup();
@@ -78,7 +88,7 @@ class StoreThread final : public priors::AsyncPriorStore {
   std::atomic<bool> healthy_{true};
   std::atomic<uint64_t> lost_audit_row_count_{0};  // the store's, after the latest commit
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Item> queue_;  // guarded by mutex_
   size_t queued_rows_ = 0;  // guarded by mutex_; of the commits in the queue

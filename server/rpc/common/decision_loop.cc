@@ -31,10 +31,13 @@ void SteadyClock::Wake() {
   woken_.notify_one();
 }
 
-DecisionLoop::DecisionLoop(Clock& clock, OnTimer on_timer)
-    : clock_(clock), on_timer_(std::move(on_timer)), thread_([this] { Run(); }) {}
+DecisionLoop::DecisionLoop(Clock& clock, OnTimer on_timer, Runner runner)
+    : clock_(clock), on_timer_(std::move(on_timer)) {
+  if (runner == Runner::kOwnThread) thread_ = std::thread([this] { Run(); });
+}
 
 DecisionLoop::~DecisionLoop() {
+  if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
@@ -72,7 +75,9 @@ bool DecisionLoop::Collect(std::vector<Task>& ready, Timers& due, int64_t& next_
   return !ready.empty() || !due.empty() || !closing_;
 }
 
-void DecisionLoop::RunTimers(Timers& due) {
+void DecisionLoop::RunTasks(std::vector<Task>& ready, Timers& due) {
+  for (Task& task : ready) task();
+  ready.clear();
   for (auto& [due_ns, task] : due) {
     if (on_timer_) on_timer_(std::chrono::nanoseconds(clock_.NowNs() - due_ns));
     task();
@@ -86,10 +91,16 @@ void DecisionLoop::Run() {
   int64_t next_due_ns = Clock::kNever;
   while (Collect(ready, due, next_due_ns)) {
     if (ready.empty() && due.empty()) clock_.WaitUntil(next_due_ns);
-    for (Task& task : ready) task();
-    ready.clear();
-    RunTimers(due);
+    RunTasks(ready, due);
   }
+}
+
+int64_t DecisionLoop::RunReady() {
+  std::vector<Task> ready;
+  Timers due;
+  int64_t next_due_ns = Clock::kNever;
+  while (Collect(ready, due, next_due_ns) && !(ready.empty() && due.empty())) RunTasks(ready, due);
+  return next_due_ns;
 }
 
 }  // namespace sweepstake::rpc

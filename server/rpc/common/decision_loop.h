@@ -54,8 +54,13 @@ class DecisionLoop {
   using Task = std::function<void()>;
   using OnTimer = std::function<void(std::chrono::nanoseconds lateness)>;
 
+  enum class Runner {
+    kOwnThread,
+    kCaller,  // RunReady runs the tasks, and the destructor drops those that it has not run
+  };
+
   // `on_timer`, if there is one, is told on the loop's thread how late each task of PostAt runs.
-  explicit DecisionLoop(Clock& clock, OnTimer on_timer = {});
+  explicit DecisionLoop(Clock& clock, OnTimer on_timer = {}, Runner runner = Runner::kOwnThread);
   ~DecisionLoop();
   DecisionLoop(const DecisionLoop&) = delete;
   DecisionLoop& operator=(const DecisionLoop&) = delete;
@@ -63,6 +68,9 @@ class DecisionLoop {
   void Post(Task task);
   // Runs `task` once the clock has reached `due_ns`.
   void PostAt(int64_t due_ns, Task task);
+  // Runs all that is posted and due, and what comes of it. Returns when the next task is due, or
+  // Clock::kNever. REQUIRES: the caller is the runner.
+  int64_t RunReady();
 
   Clock& clock() { return clock_; }
 
@@ -73,7 +81,7 @@ class DecisionLoop {
   // Moves what is posted into `ready`, and the timers that are due into `due`. Returns false if the
   // loop closes and nothing is left.
   bool Collect(std::vector<Task>& ready, Timers& due, int64_t& next_due_ns);
-  void RunTimers(Timers& due);
+  void RunTasks(std::vector<Task>& ready, Timers& due);
 
   Clock& clock_;
   const OnTimer on_timer_;
@@ -81,7 +89,7 @@ class DecisionLoop {
   std::vector<Task> posted_;  // guarded by mutex_
   Timers timers_;             // guarded by mutex_
   bool closing_ = false;      // guarded by mutex_
-  std::thread thread_;        // last: it uses the members above
+  std::thread thread_;        // last: it uses the members above; none if the caller is the runner
 };
 
 }  // namespace sweepstake::rpc

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <random>
 #include <string>
 
 #include "server/decision/options.h"
@@ -61,6 +62,11 @@ struct RpcOptions {
   // The secret from which the resume token of every session is made, 32 random bytes. If it
   // changes, no earlier session can be resumed.
   std::string resume_secret;
+  // Where the ids and seeds of new sessions come from. Called on the decision loop.
+  std::function<uint64_t()> random_bits = [] {
+    std::random_device device;
+    return (uint64_t{device()} << 32) | device();
+  };
   // A lost session leaves memory after this time; from then on it is resumed from the store.
   int64_t resume_window_ns = 600'000'000'000;
   // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED.

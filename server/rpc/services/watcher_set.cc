@@ -1,6 +1,7 @@
 #include "server/rpc/services/watcher_set.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -8,6 +9,14 @@
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
+
+watch::WatchHub::Loop HubLoop(DecisionLoop& loop) {
+  return {.post = [&loop](DecisionLoop::Task task) { loop.Post(std::move(task)); },
+          .post_after =
+              [&loop](int64_t delay_ns, DecisionLoop::Task task) {
+                loop.PostAt(loop.clock().NowNs() + delay_ns, std::move(task));
+              }};
+}
 
 absl::Status WatcherSet::Add(PosteriorWatcher& watcher) {
   if (draining_)

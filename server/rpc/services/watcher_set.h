@@ -16,6 +16,9 @@ namespace sweepstake::rpc {
 
 class PosteriorWatcher;
 
+// How a hub runs its tasks on the decision loop.
+watch::WatchHub::Loop HubLoop(DecisionLoop& loop);
+
 class WatcherSet final : public watch::WatchListener {
  public:
   explicit WatcherSet(ServiceContext& context) : context_(context) {}

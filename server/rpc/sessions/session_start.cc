@@ -4,7 +4,6 @@
 #include <openssl/hmac.h>
 
 #include <algorithm>
-#include <random>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,12 +17,10 @@ namespace {
 using decision::BetaPosterior;
 using priors::EvidenceKey;
 
-uint64_t RandomBits() {
-  std::random_device device;
-  return (static_cast<uint64_t>(device()) << 32) | device();
+std::string NewSessionId(const RpcOptions& options) {
+  const uint64_t first = options.random_bits();
+  return absl::StrFormat("%016x%016x", first, options.random_bits());
 }
-
-std::string NewSessionId() { return absl::StrFormat("%016x%016x", RandomBits(), RandomBits()); }
 
 std::string ResumeTokenOf(const std::string& session_id, const RpcOptions& options) {
   std::string token(EVP_MAX_MD_SIZE, '\0');
@@ -71,14 +68,14 @@ decision::DecisionOptions OptionsOf(const v1::Hello& hello, const RpcOptions& op
 SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
                            const RpcOptions& options) {
   SessionIdentity identity;
-  identity.id = start.source ? start.source->progress.source_id : NewSessionId();
+  identity.id = start.source ? start.source->progress.source_id : NewSessionId(options);
   identity.scene = FromProto(hello);
   for (const v1::Arm& arm : hello.arms()) {
     identity.arms.push_back(arm.name());
     identity.backend_versions.push_back(arm.backend_version());
   }
   // The seed determines the order of exploration, so a resumed session keeps its seed.
-  identity.seed = hello.seed() != 0 ? hello.seed() : RandomBits();
+  identity.seed = hello.seed() != 0 ? hello.seed() : options.random_bits();
   if (start.source) {
     identity.seed = start.source->progress.seed;
     identity.audit_segment = start.source->audit_segment + 1;

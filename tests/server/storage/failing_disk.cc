@@ -119,6 +119,11 @@ void FailingDisk::KillAfter(uint64_t changes) {
   life_ = changes;
 }
 
+bool FailingDisk::killed() const {
+  const std::lock_guard lock(mutex_);
+  return life_ == 0;
+}
+
 uint64_t FailingDisk::change_count() const {
   const std::lock_guard lock(mutex_);
   return change_count_;

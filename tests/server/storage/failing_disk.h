@@ -44,6 +44,7 @@ class FailingDisk {
   // every call fails and changes nothing.
   void KillAfter(uint64_t changes);
   void Kill() { KillAfter(0); }
+  bool killed() const;
   // What the next process finds: all that was written, or what a power cut leaves of it. The limits
   // of KillAfter and the faults end. REQUIRES: all connections are closed.
   void Restart();

@@ -1,0 +1,304 @@
+#include "server/rpc/services/telemetry_stream.h"
+
+#include <spdlog/logger.h>
+
+#include <utility>
+
+#include "server/rpc/common/error_reasons.h"
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/sessions/session_table.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr int64_t kStoreWarningIntervalNs = 60'000'000'000;
+
+}  // namespace
+
+void TelemetryOutbox::Put(v1::StreamTelemetryResponse response) {
+  slots_.at(static_cast<size_t>(response.message_case()) - 1) = std::move(response);
+}
+
+std::optional<v1::StreamTelemetryResponse> TelemetryOutbox::Take() {
+  for (auto& slot : slots_) {
+    if (slot) return std::exchange(slot, std::nullopt);
+  }
+  return std::nullopt;
+}
+
+void TelemetryStream::Accept() {
+  number_ = ++streams_.last_number;
+  streams_.all.emplace(number_, this);
+  context_.counters.open_stream_count = streams_.all.size();
+  if (streams_.draining) return Drain(context_.options.reconnect_delay_ms);
+  if (streams_.all.size() > size_t{context_.options.max_sessions} + kMaxStreamsWithoutSession) {
+    return Close(
+        Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
+                "this daemon has as many streams as it may; try again later, or use another"));
+  }
+  transport_.Read();
+  DecisionLoop& loop = context_.loop;
+  loop.PostAt(loop.clock().NowNs() + context_.options.hello_patience_ns, [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->OnHelloOverdue();
+  });
+}
+
+void TelemetryStream::OnHelloOverdue() {
+  if (end_ || hello_) return;
+  Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no Hello came in time; send it first"));
+}
+
+void TelemetryStream::OnCancelled() {
+  outbox_.Clear();
+  if (!end_) end_ = absl::CancelledError("the connection was lost");
+  LeaveSession();
+  WriteNext();
+}
+
+void TelemetryStream::OnDone() {
+  LeaveSession();
+  streams_.all.erase(number_);
+  context_.counters.open_stream_count = streams_.all.size();
+}
+
+void TelemetryStream::OnMessage(const v1::StreamTelemetryRequest* request) {
+  if (end_) return;
+  if (request == nullptr) {
+    ++context_.counters.malformed_message_count;
+    return Reject(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE,
+                          "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
+  }
+  const absl::Status status = Dispatch(*request);
+  if (!status.ok()) {
+    ++context_.counters.invalid_message_count;
+    return Reject(status);
+  }
+  // Nothing is read while a session is being loaded, nor after a goodbye: the session then ends the
+  // stream itself once everything is on disk.
+  if (session_ && !session_->ended() && !end_) transport_.Read();
+}
+
+absl::Status TelemetryStream::Dispatch(const v1::StreamTelemetryRequest& request) {
+  if (!session_) {
+    if (!request.has_hello())
+      return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "the first request of a stream must be Hello");
+    return Open(request.hello());
+  }
+  const absl::Status status =
+      CheckRequest(request, static_cast<uint32_t>(session_->identity().arms.size()));
+  if (!status.ok()) return status;
+  // This copy keeps the session alive, because ending it clears session_.
+  const std::shared_ptr<GameSession> session = session_;
+  if (request.has_goodbye()) {
+    session->End();
+  } else {
+    session->Apply(request);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status TelemetryStream::Open(const v1::Hello& given) {
+  hello_ = given;
+  if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
+  if (absl::Status status = CheckHello(*hello_, context_.options); !status.ok()) return status;
+  if (!HasResumeToken(*hello_, context_.options)) hello_->clear_session_id();
+  if (std::shared_ptr<GameSession> session = FindSession()) {
+    Enter(std::move(session), /*resumed=*/true);
+    return absl::OkStatus();
+  }
+  return Load();
+}
+
+std::shared_ptr<GameSession> TelemetryStream::FindSession() {
+  std::shared_ptr<GameSession> session = context_.sessions.Find(hello_->session_id());
+  if (!session || CanResume(*session, *hello_)) return session;
+  hello_->clear_session_id();
+  return nullptr;
+}
+
+absl::Status TelemetryStream::Load() {
+  DecisionLoop& loop = context_.loop;
+  loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->OnLoadOverdue();
+  });
+  const bool submitted = context_.store.Submit(
+      [weak = weak_from_this(), &loop, wanted = *hello_](priors::PriorStore& store) {
+        if (weak.expired()) return;  // Nobody waits for it any more.
+        loop.Post([weak, start = LoadStart(store, wanted)] {
+          if (const auto self = weak.lock()) self->OnLoaded(start);
+        });
+      });
+  if (submitted) return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_STORE_BUSY,
+                 "the prior store has too much to do; connect again later");
+}
+
+void TelemetryStream::OnLoadOverdue() {
+  if (end_ || session_) return;
+  OnLoaded(
+      {.priors = {}, .source = {}, .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
+}
+
+void TelemetryStream::OnLoaded(const StoredStart& start) {
+  if (end_ || session_) return;
+  if (absl::Status status = Begin(start); !status.ok()) return Reject(status);
+  if (session_) transport_.Read();
+}
+
+absl::Status TelemetryStream::Begin(const StoredStart& start) {
+  // Another connection may have resumed the same session in the meantime, possibly with other arms.
+  if (std::shared_ptr<GameSession> session = FindSession()) {
+    Enter(std::move(session), /*resumed=*/true);
+    return absl::OkStatus();
+  }
+  if (start.source && hello_->session_id().empty()) return Load();
+  auto session = MakeSession(context_, *hello_, start);
+  if (!session.ok()) return session.status();
+  if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;
+  if (!start.status.ok()) ReportMissingEvidence(start.status);
+  Enter(*std::move(session), /*resumed=*/start.source.has_value());
+  return absl::OkStatus();
+}
+
+void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
+  const uint64_t count = ++context_.counters.degraded_start_count;
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (now_ns < streams_.next_store_warning_ns) return;
+  streams_.next_store_warning_ns = now_ns + kStoreWarningIntervalNs;
+  context_.log.warn(
+      "the prior store cannot be read ({}): sessions begin without its evidence, {} so far; look "
+      "at the disk, and restore a backup if the database is damaged",
+      std::string(status.message()), count);
+}
+
+void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {
+  session_ = std::move(session);
+  context_.sessions.Attach(*session_, *this);
+  ++context_.counters.connected_stream_count;
+  if (resumed) ++context_.counters.resumed_count;
+  v1::StreamTelemetryResponse response;
+  *response.mutable_welcome() =
+      WelcomeOf(*session_, resumed, streams_.all.size(), context_.options);
+  Send(std::move(response));
+  session_->Start(*hello_);
+  context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
+}
+
+void TelemetryStream::OnHalfClose() {
+  LeaveSession();
+  if (!end_) Close(absl::OkStatus());
+}
+
+void TelemetryStream::Drain(uint32_t delay_ms) {
+  if (end_) return;
+  if (const std::shared_ptr<GameSession> session = session_) return session->Drain(delay_ms);
+  SendReconnect(delay_ms);
+  Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
+}
+
+void TelemetryStream::SendSwitch(const decision::SwitchCommand& command) {
+  v1::StreamTelemetryResponse response;
+  ToProto(command, *response.mutable_switch_command());
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendAcknowledgement(uint64_t sequence) {
+  v1::StreamTelemetryResponse response;
+  response.mutable_acknowledgement()->set_sequence(sequence);
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                                   const decision::Diagnosis& diagnosis) {
+  v1::StreamTelemetryResponse response;
+  ToProto(posteriors, diagnosis, *response.mutable_posterior_snapshot());
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendReconnect(uint32_t delay_ms) {
+  v1::StreamTelemetryResponse response;
+  response.mutable_reconnect_elsewhere()->set_delay_ms(delay_ms);
+  Send(std::move(response));
+}
+
+void TelemetryStream::SendOrder(uint64_t order_id, const decision::OrderReport& order) {
+  v1::StreamTelemetryResponse response;
+  ToProto(order, *response.mutable_operator_order());
+  response.mutable_operator_order()->set_order_id(order_id);
+  Send(std::move(response));
+}
+
+void TelemetryStream::Send(v1::StreamTelemetryResponse response) {
+  if (end_) return;
+  outbox_.Put(std::move(response));
+  WriteNext();
+}
+
+void TelemetryStream::WriteNext() {
+  if (writing_ || finished_) return;
+  if (std::optional<v1::StreamTelemetryResponse> next = outbox_.Take()) {
+    writing_ = true;
+    transport_.Write(*next);
+  } else if (end_) {
+    finished_ = true;
+    transport_.Finish(*end_);
+  }
+}
+
+void TelemetryStream::OnWritten(bool ok) {
+  writing_ = false;
+  if (!ok) outbox_.Clear();
+  WriteNext();
+}
+
+void TelemetryStream::Reject(const absl::Status& status) {
+  context_.log.debug("stream of {} ended: {}", transport_.peer(), std::string(status.message()));
+  outbox_.Clear();
+  Close(status);
+}
+
+void TelemetryStream::Close(const absl::Status& status) {
+  if (end_) return;
+  end_ = status;
+  LeaveSession();
+  WriteNext();
+  if (finished_) return;
+  const int64_t deadline_ns = context_.loop.clock().NowNs() + context_.options.close_patience_ns;
+  context_.loop.PostAt(deadline_ns, [weak = weak_from_this(), status] {
+    if (const auto self = weak.lock()) self->Abort(status);
+  });
+}
+
+void TelemetryStream::Abort(const absl::Status& status) {
+  if (finished_) return;
+  end_ = status;
+  outbox_.Clear();
+  LeaveSession();
+  if (writing_) {
+    // The pending write waits for a client that does not read. OnWritten continues from there.
+    transport_.Cancel(status);
+    end_ = absl::CancelledError("the call was cut off");
+  }
+  WriteNext();
+}
+
+void TelemetryStream::LeaveSession() {
+  if (const std::shared_ptr<GameSession> session = std::exchange(session_, nullptr)) {
+    context_.sessions.Detach(*session, *this);
+  }
+}
+
+uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank) {
+  const uint64_t later_ms = rank * 1'000 / options.reconnects_per_s;
+  return options.reconnect_delay_ms + static_cast<uint32_t>(later_ms);
+}
+
+void TelemetryStreams::Drain(const RpcOptions& options) {
+  draining = true;
+  const std::map<uint64_t, TelemetryStream*> told = all;
+  uint64_t rank = 0;
+  for (const auto& [number, stream] : told) stream->Drain(ReconnectDelayMs(options, rank++));
+}
+
+}  // namespace sweepstake::rpc

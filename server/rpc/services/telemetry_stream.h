@@ -1,0 +1,145 @@
+// The rules of a telemetry stream, whatever it is carried by: what may come when, which session it
+// has, what it sends, and how it ends. Used on the decision loop only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/rpc/services/service_context.h"
+#include "server/rpc/sessions/game_session.h"
+#include "server/rpc/sessions/session_start.h"
+#include "sweepstake/v1/telemetry.pb.h"
+
+namespace sweepstake::rpc {
+
+// The messages that a stream has yet to write. Only the latest of each kind is kept, so that a
+// client that reads slowly gets the newest state and costs at most six messages. Not thread-safe.
+class TelemetryOutbox {
+ public:
+  // Replaces an unsent message of the same kind. REQUIRES: the response has a message.
+  void Put(v1::StreamTelemetryResponse response);
+  // Removes and returns the most urgent message, in this order: welcome, switch command,
+  // acknowledgement, snapshot, reconnect, order.
+  std::optional<v1::StreamTelemetryResponse> Take();
+  void Clear() { slots_ = {}; }
+
+ private:
+  // The kinds of StreamTelemetryResponse.message, numbered from 1 in order of urgency.
+  static constexpr size_t kKinds = 6;
+  std::array<std::optional<v1::StreamTelemetryResponse>, kKinds> slots_;
+};
+
+class TelemetryStream;
+
+// All streams.
+struct TelemetryStreams {
+  std::map<uint64_t, TelemetryStream*> all;  // in the order of their coming
+  uint64_t last_number = 0;
+  bool draining = false;
+  int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
+
+  // Refuses new streams and tells the others to reconnect later.
+  void Drain(const RpcOptions& options);
+};
+
+// Returns the delay after which a drained client is to come back. Ranks are those of all clients,
+// from 0.
+uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank);
+
+// What carries a stream. It owns the stream and tells it what happens; its functions are called on
+// the decision loop, do not wait and do not call the stream back.
+class TelemetryTransport {
+ public:
+  virtual ~TelemetryTransport() = default;
+
+  // Leads to one OnMessage or OnHalfClose. At most one read is pending.
+  virtual void Read() = 0;
+  // Leads to one OnWritten. At most one write is pending.
+  virtual void Write(const v1::StreamTelemetryResponse& response) = 0;
+  // Ends the stream. Called exactly once, while no write is pending.
+  virtual void Finish(const absl::Status& status) = 0;
+  // Makes a pending write fail that waits for a client that does not read.
+  virtual void Cancel(const absl::Status& status) = 0;
+  // The client's address, for the log.
+  virtual std::string peer() const = 0;
+};
+
+// One connection of one session: it passes messages to the session, and sends the session's.
+//
+// Only one message at a time is between the transport and the session: the next read starts after
+// the session has applied the last message, so that a flood waits in the client's own buffers. At
+// most one write is pending, and the outbox behind it is bounded. Finish is called exactly once,
+// whatever ends the stream.
+class TelemetryStream final : public SessionLink,
+                              public std::enable_shared_from_this<TelemetryStream> {
+ public:
+  TelemetryStream(ServiceContext& context, TelemetryStreams& streams, TelemetryTransport& transport)
+      : context_(context), streams_(streams), transport_(transport) {}
+
+  // Called first.
+  void Accept();
+  // Takes the message that was read, or null if it does not parse. It may change until the next
+  // read.
+  void OnMessage(const v1::StreamTelemetryRequest* request);
+  // The client sends no more.
+  void OnHalfClose();
+  // A write has ended.
+  void OnWritten(bool ok);
+  // The connection is lost: pending reads and writes fail.
+  void OnCancelled();
+  // Called last: nothing is pending any more.
+  void OnDone();
+
+  // Tells the client to reconnect after `delay_ms`, since the daemon is going away, and ends the
+  // stream once its evidence is on disk.
+  void Drain(uint32_t delay_ms);
+
+  void SendSwitch(const decision::SwitchCommand& command) override;
+  void SendAcknowledgement(uint64_t sequence) override;
+  void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                    const decision::Diagnosis& diagnosis) override;
+  void SendReconnect(uint32_t delay_ms) override;
+  void SendOrder(uint64_t order_id, const decision::OrderReport& order) override;
+  void Close(const absl::Status& status) override;
+  void Abort(const absl::Status& status) override;
+
+ private:
+  void OnHelloOverdue();
+  absl::Status Dispatch(const v1::StreamTelemetryRequest& request);
+  absl::Status Open(const v1::Hello& given);
+  // Returns the session in memory that the Hello resumes, or null. If there is one that it may not
+  // resume, the Hello forgets its id.
+  std::shared_ptr<GameSession> FindSession();
+  absl::Status Load();
+  void OnLoadOverdue();
+  void OnLoaded(const StoredStart& start);
+  absl::Status Begin(const StoredStart& start);
+  // Counts a session that begins without all of the store's evidence, and says so in the log, at
+  // most once a minute for all streams.
+  void ReportMissingEvidence(const absl::Status& status);
+  void Enter(std::shared_ptr<GameSession> session, bool resumed);
+  void Reject(const absl::Status& status);
+  void Send(v1::StreamTelemetryResponse response);
+  void WriteNext();
+  void LeaveSession();
+
+  ServiceContext& context_;
+  TelemetryStreams& streams_;
+  TelemetryTransport& transport_;
+  uint64_t number_ = 0;  // in streams_
+  std::shared_ptr<GameSession> session_;
+  // The Hello as received, with the policy filled in and without the id of a session that it may
+  // not resume. If session_ is null, the session is being loaded.
+  std::optional<v1::Hello> hello_;
+  TelemetryOutbox outbox_;
+  bool writing_ = false;
+  std::optional<absl::Status> end_;  // the stream ends with it once the outbox is empty
+  bool finished_ = false;
+};
+
+}  // namespace sweepstake::rpc

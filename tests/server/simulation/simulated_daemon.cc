@@ -1,0 +1,60 @@
+#include "tests/server/simulation/simulated_daemon.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sweepstake::simulation {
+
+SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
+                                 std::unique_ptr<priors::PriorStore> store)
+    : world_(world),
+      options_(options),
+      log_("simulation"),
+      loop_(world, {}, rpc::DecisionLoop::Runner::kCaller),
+      store_(std::move(store), {.own_thread = false}),
+      context_{
+          {options_, loop_, store_, counters_, watch_hub_}, sessions_, watchers_, stalls_, log_},
+      sessions_(options_, loop_),
+      watch_hub_(store_, rpc::HubLoop(loop_)),
+      watchers_(context_),
+      stalls_(loop_, options_.watcher_patience_ns) {
+  watch_hub_.Add(watchers_);
+}
+
+SimulatedDaemon::~SimulatedDaemon() {
+  for (const auto& connection : connections_) connection->Die();
+}
+
+void SimulatedDaemon::Accept(const std::shared_ptr<Connection>& connection) {
+  std::erase_if(connections_, [](const auto& old) { return !old->open(); });
+  connections_.push_back(connection);
+  connection->Open(context_, streams_);
+}
+
+void SimulatedDaemon::Run() {
+  const int64_t due_ns = loop_.RunReady();
+  if (due_ns < wake_ns_ || wake_ns_ <= world_.NowNs()) {
+    wake_ns_ = due_ns;
+    if (due_ns != rpc::Clock::kNever) world_.After(due_ns - world_.NowNs(), [] {});
+  }
+  if (store_busy_ || store_.queued_count() == 0) return;
+  store_busy_ = true;
+  world_.After(world_.Draw(0, max_store_delay_ns_), [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->RunStore();
+  });
+}
+
+void SimulatedDaemon::RunStore() {
+  store_busy_ = false;
+  store_.RunNext();
+}
+
+void SimulatedDaemon::Drain() {
+  loop_.Post([this] {
+    streams_.Drain(options_);
+    watch_hub_.Drain();
+    sessions_.RetryCommits();
+  });
+}
+
+}  // namespace sweepstake::simulation

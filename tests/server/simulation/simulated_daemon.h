@@ -1,0 +1,66 @@
+// The daemon's decisions, sessions, streams and store as RpcServer has them, without gRPC and
+// threads: its owner runs it after each event of the world. Its destruction is its death by
+// `kill -9`: what was under way stays undone.
+#pragma once
+
+#include <spdlog/logger.h>
+
+#include <memory>
+#include <vector>
+
+#include "server/priors/prior_store.h"
+#include "server/rpc/common/decision_loop.h"
+#include "server/rpc/services/service_context.h"
+#include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/telemetry_stream.h"
+#include "server/rpc/services/watcher_set.h"
+#include "server/rpc/sessions/session_table.h"
+#include "server/storage/store_thread.h"
+#include "server/watch/watch_hub.h"
+#include "tests/server/simulation/connection.h"
+#include "tests/server/simulation/world.h"
+
+namespace sweepstake::simulation {
+
+class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemon> {
+ public:
+  SimulatedDaemon(World& world, const rpc::RpcOptions& options,
+                  std::unique_ptr<priors::PriorStore> store);
+  // The disk must be dead, or the daemon closed.
+  ~SimulatedDaemon();
+
+  void Accept(const std::shared_ptr<Connection>& connection);
+  // Runs what is ready, and asks the world for the time of what comes later.
+  void Run();
+  // Tells the games to come back later, as at SIGTERM.
+  void Drain();
+  bool drained() const { return streams_.all.empty() && !sessions_.committing(); }
+  // Writes what is on its way to disk.
+  void Close() { store_.Close(); }
+
+  // How long the store takes at most before it begins with a commit or a job.
+  void set_store_delay_ns(int64_t max) { max_store_delay_ns_ = max; }
+  const rpc::Counters& counters() const { return counters_; }
+
+ private:
+  void RunStore();
+
+  World& world_;
+  const rpc::RpcOptions options_;
+  rpc::Counters counters_;
+  spdlog::logger log_;
+  rpc::DecisionLoop loop_;
+  storage::StoreThread store_;
+  rpc::ServiceContext context_;  // refers to the members below
+  rpc::SessionTable sessions_;
+  watch::WatchHub watch_hub_;
+  rpc::WatcherSet watchers_;
+  rpc::StallSweep stalls_;
+  rpc::TelemetryStreams streams_;
+  std::vector<std::shared_ptr<Connection>> connections_;
+  int64_t max_store_delay_ns_ = 60 * kMsNs;
+  bool store_busy_ = false;
+  int64_t wake_ns_ = rpc::Clock::kNever;  // when the world runs the daemon again at the latest
+};
+
+}  // namespace sweepstake::simulation

@@ -1,0 +1,193 @@
+#include "tests/server/simulation/simulated_game.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace sweepstake::simulation {
+namespace {
+
+constexpr size_t kMaxUnacknowledged = 256;
+constexpr int64_t kWelcomePatienceNs = 10 * kSecondNs;
+constexpr std::array<int64_t, 4> kArmCostNs = {8 * kMsNs, 3 * kMsNs, 5 * kMsNs, 12 * kMsNs};
+
+SentMessage Describe(const v1::StreamTelemetryRequest& request) {
+  if (request.has_bail_out())
+    return {.first_frame = request.bail_out().frame_index(), .bail_out_count = 1};
+  const v1::FrameBatch& batch = request.frame_batch();
+  return {.first_frame = batch.first_frame_index(),
+          .frame_count = static_cast<uint64_t>(batch.arm_size())};
+}
+
+}  // namespace
+
+SimulatedGame::SimulatedGame(World& world, v1::Hello hello, Network network,
+                             std::function<void(const std::string&)> complain)
+    : world_(world),
+      hello_(std::move(hello)),
+      network_(std::move(network)),
+      complain_(std::move(complain)),
+      state_(hello_, kMaxUnacknowledged),
+      interval_ns_(static_cast<int64_t>(static_cast<double>(kSecondNs) / hello_.time_scale())) {
+  world_.After(world_.Draw(0, kSecondNs), [this] { Step(); });
+}
+
+SimulatedGame::~SimulatedGame() {
+  if (connection_) connection_->Leave();
+}
+
+void SimulatedGame::Step() {
+  if (gone_) return;
+  if (!finishing_ && !state_.full()) {
+    PlayFrames();
+    if (world_.Happens(0.02)) BailOut();
+  }
+  if (connection_ && !state_.online() && world_.NowNs() >= welcome_due_ns_) {
+    BreakConnection();
+  } else if (!connection_ && world_.NowNs() >= next_attempt_ns_) {
+    Connect();
+  }
+  SendAll();
+  world_.After(interval_ns_ + world_.Draw(0, interval_ns_ / 4), [this] { Step(); });
+}
+
+void SimulatedGame::Connect() {
+  goodbye_sent_ = half_closed_ = false;
+  welcome_due_ns_ = world_.NowNs() + kWelcomePatienceNs;
+  connection_ = network_(*this);
+  connection_->Send(
+      state_.Connect({.active_arm = arm_, .switch_epoch = switch_epoch_, .mode = v1::MODE_AI}));
+}
+
+void SimulatedGame::BreakConnection() {
+  if (connection_) connection_->Break();
+}
+
+void SimulatedGame::PlayFrames() {
+  v1::StreamTelemetryRequest request;
+  v1::FrameBatch& batch = *request.mutable_frame_batch();
+  const auto count = world_.Draw(4, 8);
+  batch.set_first_frame_index(next_frame_);
+  for (int64_t i = 0; i < count; ++i) {
+    const int64_t detection_ns = kArmCostNs.at(arm_) * world_.Draw(80, 120) / 100;
+    batch.add_frame_time_ns(
+        static_cast<uint64_t>(std::max(interval_ns_ / count, 2 * detection_ns)));
+    batch.add_detection_time_ns(static_cast<uint64_t>(detection_ns));
+    batch.add_aabb_check_count(1'000 * (arm_ + 1));
+    batch.add_pair_count(10);
+    batch.add_native_bytes(1 << 16);
+    batch.add_object_count(100);
+    batch.add_arm(arm_);
+    batch.add_switch_epoch(switch_epoch_);
+    batch.add_flags(0);
+  }
+  next_frame_ += static_cast<uint64_t>(count);
+  state_.Append(std::move(request));
+  if (command_) AnswerCommand();
+}
+
+void SimulatedGame::AnswerCommand() {
+  const v1::SwitchCommand command = *std::exchange(command_, std::nullopt);
+  v1::StreamTelemetryRequest request;
+  v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
+  outcome.set_command_id(command.command_id());
+  outcome.set_reason(command.reason());
+  if (world_.Happens(0.1)) {
+    outcome.set_error("the game would not");
+  } else {
+    arm_ = command.arm();
+    ++switch_epoch_;
+    outcome.set_executed(true);
+  }
+  outcome.set_arm(arm_);
+  outcome.set_switch_epoch(switch_epoch_);
+  state_.Append(std::move(request));
+}
+
+void SimulatedGame::BailOut() {
+  v1::StreamTelemetryRequest request;
+  v1::BailOut& bail_out = *request.mutable_bail_out();
+  bail_out.set_frame_index(next_frame_++);
+  bail_out.set_arm(arm_);
+  bail_out.set_switch_epoch(switch_epoch_);
+  bail_out.set_frame_time_ns(6 * kSecondNs);
+  bail_out.set_detection_time_ns(5 * kSecondNs);
+  bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
+  state_.Append(std::move(request));
+}
+
+void SimulatedGame::SendAll() {
+  if (!connection_ || !state_.online() || goodbye_sent_ || half_closed_) return;
+  SentSession& session = sessions_[state_.session_id()];
+  while (const v1::StreamTelemetryRequest* next = state_.Next()) {
+    if (next->sequence() > session.messages.size()) session.messages.push_back(Describe(*next));
+    connection_->Send(*next);
+    state_.MarkSent();
+  }
+  if (!finishing_) return;
+  v1::StreamTelemetryRequest goodbye;
+  goodbye.mutable_goodbye();
+  connection_->Send(goodbye);
+  goodbye_sent_ = true;
+}
+
+void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
+  if (response.has_welcome()) return OnWelcome(response.welcome());
+  if (response.has_switch_command() && response.switch_command().command_id() > last_command_id_) {
+    command_ = response.switch_command();
+    last_command_id_ = command_->command_id();
+  }
+  if (response.has_acknowledgement()) {
+    const uint64_t sequence = response.acknowledgement().sequence();
+    state_.OnAcknowledgement(sequence);
+    uint64_t& promised = sessions_[state_.session_id()].promised_sequence;
+    promised = std::max(promised, sequence);
+  }
+  if (response.has_posterior_snapshot()) Check(response.posterior_snapshot().arms());
+  if (response.has_reconnect_elsewhere()) {
+    redirect_delay_ns_ = response.reconnect_elsewhere().delay_ms() * kMsNs;
+    half_closed_ = true;
+    connection_->HalfClose();
+  }
+}
+
+void SimulatedGame::OnWelcome(const v1::Welcome& welcome) {
+  const bool resumed = welcome.resumed();
+  state_.OnWelcome(welcome);
+  Check(welcome.priors());
+  if (!resumed) {
+    last_command_id_ = 0;
+    command_.reset();
+    if (sessions_.contains(welcome.session_id())) complain_("a new session has the id of another");
+  }
+  SentSession& session = sessions_[welcome.session_id()];
+  session.promised_sequence = std::max(session.promised_sequence, welcome.acknowledged_sequence());
+}
+
+template <typename Posteriors>
+void SimulatedGame::Check(const Posteriors& posteriors) {
+  const bool sane = std::all_of(posteriors.begin(), posteriors.end(), [](const auto& posterior) {
+    return std::isfinite(posterior.alpha()) && std::isfinite(posterior.beta()) &&
+           posterior.alpha() > 0 && posterior.beta() > 0;
+  });
+  if (!sane || posteriors.size() != hello_.arms_size()) complain_("a posterior is not one");
+}
+
+void SimulatedGame::OnClosed(const absl::Status& status) {
+  connection_.reset();
+  if (absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ||
+      absl::IsInternal(status))
+    complain_("a stream was refused: " + status.ToString());
+  if (goodbye_sent_) {
+    gone_ = true;
+    SentSession& session = sessions_[state_.session_id()];
+    if (status.ok()) session.promised_sequence = session.messages.size();
+    return;
+  }
+  state_.Disconnect(absl::IsNotFound(status), absl::IsInvalidArgument(status));
+  next_attempt_ns_ =
+      world_.NowNs() + world_.Draw(20 * kMsNs, kSecondNs) + std::exchange(redirect_delay_ns_, 0);
+}
+
+}  // namespace sweepstake::simulation

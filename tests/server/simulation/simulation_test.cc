@@ -1,0 +1,33 @@
+// TEST_SEEDS and TEST_SEED say how many runs and from which seed on: TEST_SEED=7 TEST_SEEDS=1
+// repeats the run of seed 7.
+#include <gtest/gtest.h>
+
+#include "tests/server/simulation/simulation.h"
+#include "tests/support/size_of_run.h"
+
+namespace sweepstake::simulation {
+namespace {
+
+// The seeds are shared out, so that they run beside one another.
+constexpr uint64_t kParts = 4;
+
+class SimulationTest : public testing::TestWithParam<uint64_t> {};
+
+TEST_P(SimulationTest, WhateverHappensNothingPromisedIsLostAndNothingCountsTwice) {
+  const uint64_t first = test_support::FromEnvironment("TEST_SEED", 1);
+  const uint64_t count = test_support::FromEnvironment("TEST_SEEDS", 1000);
+  Tally tally;
+  for (uint64_t seed = first + GetParam(); seed < first + count; seed += kParts) {
+    Simulation simulation(seed);
+    for (const std::string& problem : simulation.Run())
+      ADD_FAILURE() << "TEST_SEED=" << seed << ": " << problem;
+    tally += simulation.tally();
+    if (HasFailure()) break;
+  }
+  tally.Print();
+}
+
+INSTANTIATE_TEST_SUITE_P(Part, SimulationTest, testing::Range(uint64_t{0}, kParts));
+
+}  // namespace
+}  // namespace sweepstake::simulation

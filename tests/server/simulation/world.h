@@ -1,0 +1,51 @@
+// Virtual time: what happens next, when it is then, and the dice. A run has one thread, and is the
+// same for the same seed.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <random>
+#include <utility>
+
+#include "server/rpc/common/decision_loop.h"
+
+namespace sweepstake::simulation {
+
+inline constexpr int64_t kMsNs = 1'000'000;
+inline constexpr int64_t kSecondNs = 1'000 * kMsNs;
+
+class World final : public rpc::Clock {
+ public:
+  explicit World(uint64_t seed) : random_(seed) {}
+
+  int64_t NowNs() const override { return now_ns_; }
+  // The daemon's loop is run by its owner and waits for nothing.
+  void WaitUntil(int64_t /*deadline_ns*/) override {}
+  void Wake() override {}
+
+  void After(int64_t delay_ns, std::function<void()> event) {
+    events_.emplace(now_ns_ + delay_ns, std::move(event));
+  }
+  // Goes to the next event, the earliest and of those the first in the queue, and runs it.
+  // REQUIRES: there is one.
+  void RunNext() {
+    auto next = events_.extract(events_.begin());
+    now_ns_ = next.key();
+    next.mapped()();
+  }
+
+  // These draw evenly.
+  int64_t Draw(int64_t min, int64_t max) {
+    return min + static_cast<int64_t>(random_() % static_cast<uint64_t>(max - min + 1));
+  }
+  bool Happens(double ratio) { return static_cast<double>(random_() >> 11) * 0x1p-53 < ratio; }
+  uint64_t Bits() { return random_(); }
+
+ private:
+  int64_t now_ns_ = kSecondNs;
+  std::multimap<int64_t, std::function<void()>> events_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace sweepstake::simulation
