@@ -20,6 +20,7 @@
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/file_text.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/test_authority.h"
@@ -29,11 +30,6 @@ namespace {
 
 using namespace std::string_literals;
 using namespace std::string_view_literals;
-std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  return std::string(std::istreambuf_iterator<char>(file), {});
-}
-
 sockaddr_in Loopback(const char* address, int port) {
   sockaddr_in endpoint{};
   endpoint.sin_family = AF_INET;
@@ -205,7 +201,7 @@ class HaproxyTest : public ::testing::Test {
   void IssueCertificate(const TestAuthority& authority) const {
     const CertificateFiles parts{Path("cert.pem"), Path("key.pem")};
     authority.Issue("IP:127.0.0.1", parts);
-    std::ofstream(Path("haproxy.pem")) << ReadFile(parts.cert) << ReadFile(parts.key);
+    std::ofstream(Path("haproxy.pem")) << FileText(parts.cert) << FileText(parts.key);
   }
   static SessionOptions Trusting(const TestAuthority& authority) {
     SessionOptions options = FastOptions();
@@ -225,8 +221,6 @@ class HaproxyTest : public ::testing::Test {
   DaemonProcess daemon_{data_.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"}};
   std::unique_ptr<Haproxy> haproxy_;
 };
-
-bool IsConnected(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
 
 TEST_F(HaproxyTest, AGameLearnsThroughIt) {
   Start();
@@ -260,7 +254,7 @@ TEST_F(HaproxyTest, AReloadedCertificateIsServedAndNoRunningStreamIsLost) {
 TEST_F(HaproxyTest, OnlyTelemetryIsLetThroughAndOnlySoManyRequestsOfAnAddress) {
   Start({"REQUESTS_PER_ADDRESS=2"});
   grpc::SslCredentialsOptions trust;
-  trust.pem_root_certs = ReadFile(authority_.cert());
+  trust.pem_root_certs = FileText(authority_.cert());
   const auto stub = v1::PosteriorsService::NewStub(
       grpc::CreateChannel(haproxy_->address(), grpc::SslCredentials(trust)));
   for (const grpc::StatusCode answer :

@@ -18,6 +18,7 @@
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/file_text.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 
@@ -125,13 +126,6 @@ int RunShell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 TEST(MetricsTest, PromtoolFindsNothingToSay) {
   const TemporaryDirectory data;
   const DaemonProcess daemon = StartWithHttp(data);
@@ -141,7 +135,7 @@ TEST(MetricsTest, PromtoolFindsNothingToSay) {
   const std::string said = data.path() / "said";
   std::ofstream(page) << Get(daemon.http_port(), "/metrics").body;
   EXPECT_EQ(RunShell("promtool check metrics <'" + page + "' >'" + said + "' 2>&1"), 0);
-  EXPECT_EQ(ReadFile(said), "");
+  EXPECT_EQ(FileText(said), "");
 }
 
 // A real Prometheus, which ends with the object.
@@ -156,7 +150,7 @@ class Prometheus {
     const std::string samples = folder_ / "samples";
     RunShell("promtool tsdb dump --match='" + series + "' '" + database() + "' >'" + samples +
              "' 2>/dev/null");
-    return ReadFile(samples);
+    return FileText(samples);
   }
 
  private:

@@ -67,4 +67,7 @@ class ScriptedGame {
 // Evidence in the latest snapshot, priors from the store included: the sum of α + β − 2 over arms.
 double LearntEvidence(const SessionStats& stats);
 
+// Whether the daemon has acknowledged something of the game: a condition for RunUntil.
+inline bool IsConnected(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
+
 }  // namespace sweepstake::test_support

@@ -50,8 +50,6 @@ SessionOptions With(const std::optional<TlsOptions>& tls) {
   return options;
 }
 
-bool IsConnected(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
-
 // Plays until something of the game is on the daemon's disk. Returns why it never connected, or
 // nothing.
 std::string Play(const std::string& address, const std::optional<TlsOptions>& tls) {

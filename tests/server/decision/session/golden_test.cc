@@ -23,6 +23,7 @@
 #include "server/decision/math/random.h"
 #include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
+#include "tests/support/file_text.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -191,11 +192,6 @@ class ScriptedGame {
   std::optional<SwitchCommand> command_;
 };
 
-std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 // The first line in which they differ, for people.
 std::string FirstDifference(const std::string& expected, const std::string& actual) {
   std::istringstream a(expected);
@@ -217,7 +213,7 @@ void ExpectGolden(const std::string& file, const std::string& actual) {
       update && std::string_view(update) == "1") {
     std::ofstream(path, std::ios::binary) << actual;
   }
-  const std::string expected = ReadFile(path);
+  const std::string expected = test_support::FileText(path);
   EXPECT_TRUE(expected == actual) << FirstDifference(expected, actual);
 }
 
