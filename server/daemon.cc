@@ -140,6 +140,10 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
+  store_options.on_refusal = [this](const priors::SourceUpdate& update, const absl::Status& why) {
+    log_->error("{} pieces of evidence of session {} can never be stored: {}",
+                update.increments.size(), update.progress.source_id, std::string(why.message()));
+  };
   store_options.on_commit = [this](auto duration) { metrics_.OnCommit(duration); };
   store_ =
       std::make_unique<storage::StoreThread>(std::move(opened->store), std::move(store_options));

@@ -60,9 +60,7 @@ bool IsDamaged(const fs::path& path) {
   if (!fs::exists(path, error)) return false;
   if (fs::file_size(path, error) == 0) return true;
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
-  if (!database.ok()) return absl::IsDataLoss(database.status());
-  const auto verdict = database->QueryText("PRAGMA quick_check(1)");
-  return verdict.ok() ? *verdict != "ok" : absl::IsDataLoss(verdict.status());
+  return absl::IsDataLoss(database.ok() ? CheckPages(*database, path) : database.status());
 }
 
 std::optional<fs::path> LastWholeBackup(const fs::path& path) {

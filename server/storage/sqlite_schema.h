@@ -33,6 +33,9 @@ int64_t SqliteSchemaVersion();
 absl::StatusOr<int64_t> CheckPriorDatabase(SqliteDatabase& database,
                                            const std::filesystem::path& path);
 
+// Reads the whole file. Errors: UNAVAILABLE (the disk cannot read it), DATA_LOSS (damaged).
+absl::Status CheckPages(SqliteDatabase& database, const std::filesystem::path& path);
+
 // The version from which on rows have hashes.
 inline constexpr int64_t kFirstVersionWithHashes = 7;
 
@@ -41,7 +44,7 @@ absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 
 // Returns a connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write),
 // DATA_LOSS (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). It reads
-// the whole file once (quick_check).
+// the whole file once (CheckPages).
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

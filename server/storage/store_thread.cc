@@ -144,8 +144,11 @@ absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> update
 
 void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
   // An invalid update says nothing about the disk.
-  if (!absl::IsInvalidArgument(status) && healthy_.exchange(status.ok()) != status.ok())
+  if (absl::IsInvalidArgument(status)) {
+    if (options_.on_refusal) options_.on_refusal(commit.update, status);
+  } else if (healthy_.exchange(status.ok()) != status.ok()) {
     options_.on_health(status);
+  }
   lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
   commit.done(status);
 }

@@ -34,6 +34,8 @@ struct StoreThreadOptions {
   // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
   // succeed again.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
+  // Told on the store's thread of each update that can never be stored, and why.
+  std::function<void(const priors::SourceUpdate&, const absl::Status&)> on_refusal = {};
   // Told on the store's thread how long each commit of the store took. May be empty.
   std::function<void(std::chrono::nanoseconds)> on_commit = {};
 };

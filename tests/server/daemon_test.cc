@@ -15,6 +15,8 @@
 
 #include "server/rpc/health_probe.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
+#include "tests/server/storage/failing_disk.h"
+#include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::server {
@@ -205,6 +207,42 @@ TEST_F(DaemonTest, HealthIsServingUntilItDrains) {
   daemon->Drain();
   EXPECT_EQ(rpc::ProbeHealth(address, {}, std::chrono::minutes(1)), rpc::Health::kNoAnswer);
   EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
+}
+
+TEST_F(DaemonTest, DecidesOnAndAcknowledgesNothingWhileTheDiskFails) {
+  config_.http = "127.0.0.1:0";
+  const storage::FailingDisk::Faults faults[] = {
+      {.write_error = 1}, {.sync_error = 1}, {.full = true}, {.read_only = true}};
+  for (const auto& fault : faults) {
+    storage::FailingDisk disk;
+    const auto daemon = Start();
+    const auto channel = ChannelTo(*daemon);
+    const auto stub = v1::TelemetryService::NewStub(channel);
+    grpc::ClientContext context;
+    const auto stream = stub->StreamTelemetry(&context);
+    v1::StreamTelemetryResponse response;
+    const auto read_until = [&](auto is_it) {
+      while (stream->Read(&response) && !is_it())
+        EXPECT_NE(response.acknowledgement().sequence(), 2u) << "before its time";
+    };
+    stream->Write(Hello());
+    stream->Write(OneFrame(1));
+    read_until([&] { return response.acknowledgement().sequence() == 1; });
+    disk.Set(fault);
+    stream->Write(OneFrame(2));
+    read_until([&] { return response.has_posterior_snapshot(); });
+    while (rpc::HealthOf(channel, std::chrono::minutes(1)) != rpc::Health::kNotServing) {
+    }
+    EXPECT_THAT(
+        test_support::Get(daemon->http_port(), "/readyz").body,
+        HasSubstr("[-]store failed: the prior store cannot write; decisions go on in memory: "));
+    disk.Set({});
+    read_until([&] { return response.acknowledgement().sequence() == 2; });
+    while (rpc::HealthOf(channel, std::chrono::minutes(1)) != rpc::Health::kServing) {
+    }
+    context.TryCancel();
+    stream->Finish();
+  }
 }
 
 TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {

@@ -119,6 +119,17 @@ TEST_F(DamagedRowsTest, SumsThatAreAddedAnewLeaveWrongEvidenceOut) {
   EXPECT_EQ(sums->sums[0].source_count, 2u);
 }
 
+TEST_F(DamagedRowsTest, AnIndexThatDoesNotHaveItsRowsIsFoundAtTheStart) {
+  store_.reset();
+  ASSERT_TRUE(Raw()
+                  .Execute("PRAGMA writable_schema = ON;"
+                           "UPDATE sqlite_schema SET sql = replace(sql, 'UNIQUE (project, scene, "
+                           "machine_class', 'UNIQUE (scene, project, machine_class')")
+                  .ok());
+  const absl::Status status = OpenSqlitePriorStore(path_).status();
+  EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+}
+
 TEST_F(DamagedRowsTest, ABitThatSqliteDoesNotMissIsFoundInTheFile) {
   constexpr double kAlpha = 123.456'789;
   ASSERT_TRUE(store_->Import(std::vector{Record("i", 1, Key("Grid", "canyon"), kAlpha)}).ok());

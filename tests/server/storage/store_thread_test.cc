@@ -151,7 +151,12 @@ TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {
 }
 
 TEST_F(StoreThreadTest, AGroupWithAWrongUpdateIsHalvedUntilThatOneIsAlone) {
-  Start({.group_interval = milliseconds(0)});
+  std::vector<std::string> refused;
+  Start({.group_interval = milliseconds(0),
+         .on_refusal = [&](const SourceUpdate& update, const absl::Status& status) {
+           EXPECT_TRUE(absl::IsInvalidArgument(status));
+           refused.push_back(update.progress.source_id);
+         }});
   const auto release = Occupy();
   std::vector<std::future<absl::Status>> commits;
   for (int i = 0; i < 32; ++i) {
@@ -161,6 +166,7 @@ TEST_F(StoreThreadTest, AGroupWithAWrongUpdateIsHalvedUntilThatOneIsAlone) {
   release->set_value();
   for (size_t i = 0; i < commits.size(); ++i) EXPECT_EQ(commits[i].get().ok(), i != 21) << i;
   thread_->Close();
+  EXPECT_THAT(refused, ::testing::ElementsAre("source 21"));
   EXPECT_THAT(group_sizes_, ::testing::ElementsAre(32, 16, 16, 8, 4, 4, 2, 1, 1, 2, 8));
 }
 
