@@ -36,8 +36,11 @@ class DaemonMetricsTest : public ::testing::Test {
 
 TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
   auto* counters = reinterpret_cast<std::atomic<uint64_t>*>(&counters_);
+  const auto reasons = static_cast<size_t>(counters_.error_counts.data() - counters);
   std::multiset<double> expected;
   for (size_t i = 0; i < sizeof(counters_) / sizeof(*counters); ++i) {
+    // Some numbers are no reason.
+    if (i >= reasons && !v1::ErrorReason_IsValid(static_cast<int>(i - reasons))) continue;
     counters[i] = (i + 1) * 1'000'003;
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
   }
