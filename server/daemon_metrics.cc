@@ -47,6 +47,8 @@ constexpr CounterRow kGauges[] = {
 };
 
 constexpr CounterRow kCounters[] = {
+    {&Counters::flooding_connection_count, "sweepstake_flooding_connections_total",
+     "Connections that were ended because they began too many calls."},
     {&Counters::connected_stream_count, "sweepstake_welcomed_streams_total",
      "Streams that got a welcome."},
     {&Counters::resumed_count, "sweepstake_resumed_sessions_total",

@@ -4,7 +4,8 @@
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     server/decision/math <- everything else, since it is pure
     server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
-    storage <- server/auth <- daemon      watch <- rpc      server/tls <- telemetry, rpc      web, which knows none of them, <- daemon
+    storage <- server/auth <- daemon      watch <- rpc      server/tls <- telemetry, rpc
+    net <- rpc, web, which knows none of the others, <- daemon
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
 
@@ -51,8 +52,9 @@ ALLOWED = {
     "server/tls": set(),
     "server/auth": {"server/storage"},
     "server/watch": DECISION | {"server/audit", "server/priors"},
-    "server/web": set(),
-    "server/rpc": DECISION | {"server/audit", "server/priors", "server/tls", "server/watch", "proto"},
+    "server/net": set(),
+    "server/web": {"server/net"},
+    "server/rpc": DECISION | {"server/audit", "server/net", "server/priors", "server/tls", "server/watch", "proto"},
     "server": DECISION | {
         "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "proto"},
 }
@@ -91,8 +93,8 @@ ROOM_ORDER = {
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch",
-    "server/rpc", "server/web"}
+    "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/net", "server/priors", "server/storage",
+    "server/tls", "server/watch", "server/rpc", "server/web"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")

@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "server/rpc/connection_listener.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -31,6 +31,9 @@ class WithoutReflection : public grpc::ServerBuilderOption {
 
 constexpr int kSecond = 1'000;
 constexpr int kMinute = 60 * kSecond;
+// A connection may have so many calls for each stream that it may have open: those that the client
+// has ended take a while to be done.
+constexpr uint32_t kCallsPerStream = 3;
 constexpr int64_t kHealthIntervalNs = 1'000'000'000;
 constexpr int64_t kLossReportIntervalNs = 60'000'000'000;
 constexpr int64_t kMaxSilenceNs = 10 * kHealthIntervalNs;
@@ -45,7 +48,8 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   builder.SetMaxReceiveMessageSize(static_cast<int>(kMaxMessageBytes));
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              static_cast<int>(options.max_streams_per_connection));
-  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 10 * kSecond);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
+                             static_cast<int>(options.handshake_patience.count()));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kMinute);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20 * kSecond);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
@@ -53,8 +57,6 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   // gRPC itself varies the age by ±10 %.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30 * kMinute);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, kMinute);
-  // A second daemon on the same port must fail instead of sharing it.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 
 // TLS is 1.2 or newer. gRPC reads the files again at each interval, for the connections that begin
@@ -100,6 +102,20 @@ absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& l
   return server;
 }
 
+void RpcServer::BindListener(grpc::ServerBuilder& builder,
+                             const std::shared_ptr<grpc::ServerCredentials>& credentials) {
+  const auto calls = std::make_shared<ConnectionCalls>(
+      kCallsPerStream * options_.max_streams_per_connection, counters_.flooding_connection_count);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(CountCalls(calls));
+  auto connections = builder.experimental();
+  connections.SetInterceptorCreators(std::move(interceptors));
+  listener_ = std::make_unique<ConnectionListener>(
+      connections.AddExternalConnectionAcceptor(
+          grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials),
+      calls);
+}
+
 absl::Status RpcServer::Listen(const std::string& address) {
   const auto credentials = MakeCredentials(options_.tls);
   if (!credentials.ok()) return credentials.status();
@@ -109,16 +125,15 @@ absl::Status RpcServer::Listen(const std::string& address) {
   grpc::ServerBuilder builder;
   SetLimits(builder, options_);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
-  builder.AddListeningPort(address, *credentials, &port_);
+  BindListener(builder, *credentials);
   builder.RegisterService(&telemetry_);
   builder.RegisterService(&posteriors_);
   builder.RegisterService(&priors_);
   builder.RegisterService(&audit_);
   server_ = builder.BuildAndStart();
-  if (server_ == nullptr || port_ <= 0) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", address, "; is the address right, and its port free?"));
-  }
+  if (server_ == nullptr) return absl::UnavailableError("gRPC could not start its server");
+  if (absl::Status status = listener_->Listen(address); !status.ok()) return status;
+  port_ = listener_->port();
   last_beat_ns_ = loop_.clock().NowNs();
   loop_.Post([this] { WatchStore(); });
   return absl::OkStatus();
@@ -180,6 +195,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     watchers_.Drain();
     sessions_.RetryCommits();
   });
+  listener_.reset();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
   server_->Wait();
   AwaitCommits(deadline);

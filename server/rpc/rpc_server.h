@@ -30,6 +30,8 @@
 
 namespace sweepstake::rpc {
 
+class ConnectionListener;
+
 class RpcServer {
  public:
   // `listen` is HOST:PORT; port 0 means any free port. It serves plain text unless the options name
@@ -53,6 +55,9 @@ class RpcServer {
  private:
   RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);
   absl::Status Listen(const std::string& address);
+  // Makes the listener, whose connections the server of this builder will serve.
+  void BindListener(grpc::ServerBuilder& builder,
+                    const std::shared_ptr<grpc::ServerCredentials>& credentials);
   // Runs on the loop once per second, which shows that the loop runs.
   void WatchStore();
   // A store that cannot write is not healthy.
@@ -85,6 +90,7 @@ class RpcServer {
   // ones.
   DecisionLoop loop_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<ConnectionListener> listener_;
   int port_ = 0;
 };
 

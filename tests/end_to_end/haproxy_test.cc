@@ -18,6 +18,7 @@
 
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/end_to_end/scripted_game.h"
+#include "tests/server/rpc/http2_frames.h"
 #include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/file_text.h"
@@ -28,8 +29,6 @@
 namespace sweepstake::test_support {
 namespace {
 
-using namespace std::string_literals;
-using namespace std::string_view_literals;
 sockaddr_in Loopback(const char* address, int port) {
   sockaddr_in endpoint{};
   endpoint.sin_family = AF_INET;
@@ -167,26 +166,9 @@ class RawClient {
   SSL* ssl_ = nullptr;
 };
 
-// HTTP/2 (RFC 9113) of a client that begins: its preface with empty settings.
-constexpr std::string_view kPreface = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0"sv;
-
-std::string Frame(char type, char flags, uint32_t stream, std::string_view payload) {
-  std::string frame = {'\0', static_cast<char>(payload.size() >> 8),
-                       static_cast<char>(payload.size()), type, flags};
-  for (int shift = 24; shift >= 0; shift -= 8) frame += static_cast<char>(stream >> shift);
-  return frame.append(payload);
-}
-
 // A request for telemetry, and its end before it is answered.
 std::string RequestAndReset(uint32_t stream) {
-  constexpr std::string_view kPath = "/sweepstake.v1.TelemetryService/StreamTelemetry";
-  constexpr std::string_view kType = "application/grpc";
-  std::string headers = "\x83\x87\x41\x01g\x04"s;  // POST, https, authority g, a path
-  headers += static_cast<char>(kPath.size());
-  headers.append(kPath).append("\x0f\x10"s);  // the content's type
-  headers += static_cast<char>(kType.size());
-  headers.append(kType).append("\0\x02te\x08trailers"sv);
-  return Frame(1, 4, stream, headers) + Frame(3, 0, stream, "\0\0\0\x08"sv);
+  return Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry") + Http2Reset(stream);
 }
 
 class HaproxyTest : public ::testing::Test {
@@ -273,9 +255,9 @@ TEST_F(HaproxyTest, WhoIsSilentIsSentAwayWhereverItStops) {
   RawClient after_tls(haproxy_->port());
   ASSERT_TRUE(after_tls.Handshake());
   RawClient after_preface(haproxy_->port());
-  ASSERT_TRUE(after_preface.Handshake() && after_preface.Send(kPreface));
+  ASSERT_TRUE(after_preface.Handshake() && after_preface.Send(Http2Preface()));
   RawClient inside_headers(haproxy_->port());
-  ASSERT_TRUE(inside_headers.Handshake() && inside_headers.Send(kPreface));
+  ASSERT_TRUE(inside_headers.Handshake() && inside_headers.Send(Http2Preface()));
   ASSERT_TRUE(inside_headers.Send(RequestAndReset(1).substr(0, 20)));
   for (RawClient* client : {&before_tls, &after_tls, &after_preface, &inside_headers})
     EXPECT_TRUE(client->AwaitEnd());
@@ -298,13 +280,13 @@ TEST_F(HaproxyTest, WhoResetsRapidlyIsSentAwayAndTheGamesPlayOn) {
   ScriptedGame game(haproxy_->address(), Trusting(authority_));
   ASSERT_TRUE(game.RunUntil(IsConnected)) << game.stats().last_error;
   RawClient attacker(haproxy_->port(), "127.0.0.2");
-  ASSERT_TRUE(attacker.Handshake() && attacker.Send(kPreface));
+  ASSERT_TRUE(attacker.Handshake() && attacker.Send(Http2Preface()));
   for (uint32_t stream = 1; stream < 1'000; stream += 2)
     ASSERT_TRUE(attacker.Send(RequestAndReset(stream)));
   // The answer to a ping comes when HAProxy has read all before it.
   const std::string_view payload = "12345678";
-  ASSERT_TRUE(attacker.Send(Frame(6, 0, 0, payload)));
-  ASSERT_TRUE(attacker.AwaitBytes(Frame(6, 1, 0, payload)));
+  ASSERT_TRUE(attacker.Send(Http2Frame(Http2Type::kPing, 0, 0, payload)));
+  ASSERT_TRUE(attacker.AwaitBytes(Http2Frame(Http2Type::kPing, 1, 0, payload)));
   EXPECT_FALSE(RawClient(haproxy_->port(), "127.0.0.2").Handshake());
   const uint64_t acknowledged = game.stats().acknowledged_sequence;
   ASSERT_TRUE(game.RunUntil(

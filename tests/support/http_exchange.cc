@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
@@ -45,6 +46,7 @@ void HttpSocket::Send(std::string_view bytes) {
 bool HttpSocket::ReadMore() {
   std::array<char, 4096> bytes;
   const ssize_t count = recv(socket_, bytes.data(), bytes.size(), 0);
+  if (count < 0 && errno == EAGAIN) Die("the server says nothing");
   if (count > 0) unread_.append(bytes.data(), static_cast<size_t>(count));
   return count > 0;
 }

@@ -6,7 +6,8 @@
 
 namespace sweepstake::test_support {
 
-// A connection that ends with the object. Each call waits up to a minute.
+// A connection that ends with the object. A server that says nothing for a minute ends the test
+// program.
 class HttpSocket {
  public:
   explicit HttpSocket(int port);

@@ -74,6 +74,9 @@ struct RpcOptions {
   // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED; an export or
   // import that makes no progress for so long ends with DEADLINE_EXCEEDED.
   int64_t watcher_patience_ns = 20'000'000'000;
+  // A connection that has not become one of HTTP/2 after this time, with TLS where there is a
+  // certificate, is closed.
+  std::chrono::milliseconds handshake_patience{10'000};
   // A stream that has sent no Hello after this time ends with DEADLINE_EXCEEDED.
   int64_t hello_patience_ns = 10'000'000'000;
   // If the store has not answered a Hello after this time, the session begins without its evidence.
@@ -100,8 +103,10 @@ struct RpcOptions {
 // Counts of events since the daemon's start, and of what is open now. The services' threads write
 // them and any thread may read them. Each counter is exact, but several are not read at one moment.
 struct Counters {
-  std::atomic<uint64_t> open_stream_count{0};       // streams that are open now
-  std::atomic<uint64_t> open_watcher_count{0};      // watchers that are connected now
+  std::atomic<uint64_t> open_stream_count{0};   // streams that are open now
+  std::atomic<uint64_t> open_watcher_count{0};  // watchers that are connected now
+  // Connections that were ended because they had begun far more calls than streams they may have.
+  std::atomic<uint64_t> flooding_connection_count{0};
   std::atomic<uint64_t> connected_stream_count{0};  // streams that got a welcome
   std::atomic<uint64_t> resumed_count{0};           // connected streams that resumed a session
   // Sessions that began without evidence that the store could not read.

@@ -203,7 +203,7 @@ TEST(HttpServerTest, AnAddressThatCannotBeHadIsAnError) {
   const std::string taken = "127.0.0.1:" + std::to_string(server->port());
   const absl::Status status = HttpServer::Start(taken, {}).status();
   EXPECT_TRUE(absl::IsUnavailable(status));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("cannot listen on " + taken + " for HTTP"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("for HTTP: cannot listen on " + taken));
   EXPECT_TRUE(absl::IsUnavailable(HttpServer::Start("203.0.113.1:0", {}).status()));
 }
 

@@ -1,0 +1,58 @@
+// Accepts TCP connections, for any protocol. It outlives a time without free descriptors: it tries
+// again until there are some, while whoever connects waits in the system's queue.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+
+namespace sweepstake::net {
+
+// One thread at a time runs the context and uses this object.
+class TcpAcceptor {
+ public:
+  using OnConnection = std::function<void(boost::asio::ip::tcp::socket)>;
+
+  // `on_connection` runs on the context. `retry` is the time between two attempts to accept while
+  // there are no free descriptors.
+  TcpAcceptor(boost::asio::io_context& io, std::chrono::milliseconds retry,
+              OnConnection on_connection)
+      : io_(io), retry_(retry), on_connection_(std::move(on_connection)) {}
+
+  // Listens on each address of `listen`, which is HOST:PORT, the host of an IPv6 address in
+  // brackets; port 0 means any free port. Error: UNAVAILABLE (cannot listen there).
+  absl::Status Listen(const std::string& listen);
+  int port() const { return sockets_.front().acceptor.local_endpoint().port(); }
+
+  // Between these two no further connection is accepted.
+  void Pause() { paused_ = true; }
+  void Resume();
+
+ private:
+  struct Socket {
+    boost::asio::ip::tcp::acceptor acceptor;
+    boost::asio::steady_timer retry;
+    bool waits_for_resume = false;
+  };
+
+  // Throws boost::system::system_error.
+  void Open(const std::string& listen);
+  void Accept(Socket& socket);
+  void OnAccepted(Socket& socket, boost::system::error_code error,
+                  boost::asio::ip::tcp::socket connection);
+
+  boost::asio::io_context& io_;
+  const std::chrono::milliseconds retry_;
+  const OnConnection on_connection_;
+  std::deque<Socket> sockets_;  // which stay in their places
+  bool paused_ = false;
+};
+
+}  // namespace sweepstake::net

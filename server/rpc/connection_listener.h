@@ -1,0 +1,45 @@
+// Accepts the connections of the gRPC server, on a thread of its own.
+//
+// The listener of gRPC 1.51 dies for good when it cannot accept once, for instance because
+// descriptors have run out. This one tries again until there are some.
+#pragma once
+
+#include <grpcpp/server_builder.h>
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "server/net/tcp_acceptor.h"
+#include "server/rpc/connection_calls.h"
+
+namespace sweepstake::rpc {
+
+class ConnectionListener {
+ public:
+  // `grpc` takes the connections from Listen on; its server has been started by then.
+  // `calls` is told of each connection.
+  ConnectionListener(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc,
+                     std::shared_ptr<ConnectionCalls> calls);
+  ~ConnectionListener();
+  ConnectionListener(const ConnectionListener&) = delete;
+  ConnectionListener& operator=(const ConnectionListener&) = delete;
+
+  // `address` is HOST:PORT; port 0 means any free port. Error: UNAVAILABLE (cannot listen there).
+  absl::Status Listen(const std::string& address);
+  int port() const { return acceptor_.port(); }
+
+ private:
+  void HandOver(boost::asio::ip::tcp::socket connection);
+
+  const std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc_;
+  const std::shared_ptr<ConnectionCalls> calls_;
+  boost::asio::io_context io_{1};
+  net::TcpAcceptor acceptor_;
+  std::thread thread_;  // last: it uses the members above
+};
+
+}  // namespace sweepstake::rpc

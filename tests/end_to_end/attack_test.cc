@@ -1,0 +1,101 @@
+// What strangers do to a real daemon's listeners, and that games do not notice it.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/end_to_end/scripted_game.h"
+#include "tests/server/rpc/http2_frames.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/http_exchange.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+class AttackTest : public ::testing::Test {
+ protected:
+  size_t DescriptorCount() const {
+    const std::filesystem::directory_iterator files("/proc/" + std::to_string(daemon_.pid()) +
+                                                    "/fd");
+    return static_cast<size_t>(std::distance(begin(files), end(files)));
+  }
+  size_t ResidentKib() const {
+    std::ifstream status("/proc/" + std::to_string(daemon_.pid()) + "/status");
+    std::string word;
+    while (status >> word && word != "VmRSS:") {
+    }
+    size_t kib = 0;
+    status >> kib;
+    return kib;
+  }
+  int port() const { return std::stoi(daemon_.address().substr(daemon_.address().rfind(':') + 1)); }
+  // Connects `count` times, and says nothing.
+  std::vector<std::unique_ptr<HttpSocket>> Connect(int port, size_t count) {
+    std::vector<std::unique_ptr<HttpSocket>> sockets;
+    while (sockets.size() < count) sockets.push_back(std::make_unique<HttpSocket>(port));
+    return sockets;
+  }
+
+  TemporaryDirectory data_;
+  DaemonProcess daemon_{data_.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"}};
+};
+
+bool Learns(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
+
+TEST_F(AttackTest, TwoThousandHalfOpenConnectionsBlockNoGame) {
+  constexpr size_t kCount = 2'000;
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  if (limit.rlim_max < kCount + 500) GTEST_SKIP() << "too few descriptors: " << limit.rlim_max;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+  const auto strangers = Connect(port(), kCount);
+  ScriptedGame game(daemon_.address(), FastOptions());
+  EXPECT_TRUE(game.RunUntil(Learns));
+  EXPECT_EQ(game.stats().connection_count, 1u);
+}
+
+TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
+  constexpr size_t kLeft = 20;
+  const size_t before = DescriptorCount();
+  rlimit limit{};
+  prlimit(daemon_.pid(), RLIMIT_NOFILE, nullptr, &limit);
+  limit.rlim_cur = before + kLeft;
+  ASSERT_EQ(prlimit(daemon_.pid(), RLIMIT_NOFILE, &limit, nullptr), 0);
+  auto strangers = Connect(port(), 2 * kLeft);
+  while (DescriptorCount() < limit.rlim_cur) {
+  }
+  // It waits in the system's queue until the strangers are gone.
+  ScriptedGame game(daemon_.address(), FastOptions());
+  strangers.clear();
+  EXPECT_TRUE(game.RunUntil(Learns, UINT64_MAX));
+  EXPECT_EQ(Get(daemon_.http_port(), "/livez").status, 200);
+}
+
+// Without the daemon's bound each of these calls takes some 20 KiB.
+TEST_F(AttackTest, StreamsThatAreResetAtOnceStayWithinTheMemoryQuota) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer keeps what is freed";
+#endif
+  constexpr uint32_t kCalls = 20'000;
+  constexpr size_t kQuotaKib = 64 * 1024;
+  std::string calls = Http2Preface();
+  for (uint32_t stream = 1; stream < 2 * kCalls; stream += 2)
+    calls +=
+        Http2Call(stream, "/sweepstake.v1.TelemetryService/StreamTelemetry") + Http2Reset(stream);
+  const size_t before_kib = ResidentKib();
+  HttpSocket stranger(port());
+  stranger.Send(calls);
+  ScriptedGame game(daemon_.address(), FastOptions());
+  EXPECT_TRUE(game.RunUntil(Learns));
+  EXPECT_LT(ResidentKib(), before_kib + kQuotaKib);
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support
