@@ -281,8 +281,12 @@ bool Daemon::Alive(std::chrono::milliseconds patience) const {
   std::optional<std::string> problem = LoopProblem();
   const std::string host = config_.listen.substr(0, config_.listen.rfind(':'));
   const std::string address = absl::StrCat(host, ":", rpc_->port());
-  if (!problem && rpc::ProbeHealth(address, config_.rpc.tls, patience) == rpc::Health::kNoAnswer)
-    problem = "the daemon's own listener does not answer";
+  if (!problem) {
+    const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
+    if (!health.ok())
+      problem =
+          absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
+  }
   if (problem && !draining_) log_->error("not alive: {}", *problem);
   return !problem;
 }

@@ -166,15 +166,14 @@ absl::StatusOr<std::string> AddressOf(const Config& config) {
 int Probe(const Config& config) {
   const auto address = AddressOf(config);
   if (!address.ok()) return Fail(kCheckFailed, std::string(address.status().message()));
-  switch (sweepstake::rpc::ProbeHealth(*address, config.rpc.tls, kProbePatience)) {
-    case sweepstake::rpc::Health::kServing:
-      std::cout << *address << ": serving\n";
-      return kDone;
-    case sweepstake::rpc::Health::kNotServing:
-      return Fail(kCheckFailed, *address + ": not serving; its log says why");
-    default:
-      return Fail(kCheckFailed, *address + ": no daemon answered");
-  }
+  const auto health = sweepstake::rpc::ProbeHealth(*address, config.rpc.tls, kProbePatience);
+  if (!health.ok())
+    return Fail(kCheckFailed,
+                *address + ": no daemon answered: " + std::string(health.status().message()));
+  if (*health == sweepstake::rpc::Health::kNotServing)
+    return Fail(kCheckFailed, *address + ": not serving; its log says why");
+  std::cout << *address << ": serving\n";
+  return kDone;
 }
 
 std::string UnknownFlag(const std::string& flag) {

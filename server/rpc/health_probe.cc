@@ -5,6 +5,7 @@
 #include <grpcpp/security/tls_certificate_verifier.h>
 
 #include <future>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -34,9 +35,22 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> ProbeCredentials(
   return grpc::experimental::TlsCredentials(options);
 }
 
+// The words are those of gRPC 1.51 and of OpenSSL 3; with others there is no advice.
+std::string Advice(const std::string& reason, const tls::Files& files) {
+  const auto has = [&](const char* words) { return reason.find(words) != std::string::npos; };
+  if (has("Connection refused")) return "; is the daemon running there?";
+  if (has("wrong version number"))
+    return "; the daemon speaks plain text, and --tls-cert says that it does not";
+  if (!has("Socket closed") && !has("Connection reset by peer") && !has("Broken pipe")) return "";
+  if (files.cert.empty()) return "; the daemon may speak TLS: say its --tls-cert and --tls-key";
+  return "; with --tls-client-ca, the daemon's own certificate must be one that this authority "
+         "accepts of clients, and must not have expired";
+}
+
 }  // namespace
 
-Health HealthOf(const std::shared_ptr<grpc::Channel>& channel, std::chrono::milliseconds patience) {
+absl::StatusOr<Health> HealthOf(const std::shared_ptr<grpc::Channel>& channel,
+                                std::chrono::milliseconds patience) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + patience);
   const grpc::ByteBuffer request(nullptr, 0);  // an empty request asks for the whole server
@@ -45,7 +59,8 @@ Health HealthOf(const std::shared_ptr<grpc::Channel>& channel, std::chrono::mill
   grpc::GenericStub(channel).UnaryCall(
       &context, "/grpc.health.v1.Health/Check", {}, &request, &response,
       [&done](grpc::Status status) { done.set_value(std::move(status)); });
-  if (!done.get_future().get().ok()) return Health::kNoAnswer;
+  if (const grpc::Status status = done.get_future().get(); !status.ok())
+    return absl::UnavailableError(status.error_message());
   grpc::Slice bytes;
   const bool serving =
       response.DumpToSingleSlice(&bytes).ok() &&
@@ -53,14 +68,17 @@ Health HealthOf(const std::shared_ptr<grpc::Channel>& channel, std::chrono::mill
   return serving ? Health::kServing : Health::kNotServing;
 }
 
-Health ProbeHealth(const std::string& address, const tls::Files& files,
-                   std::chrono::milliseconds patience) {
+absl::StatusOr<Health> ProbeHealth(const std::string& address, const tls::Files& files,
+                                   std::chrono::milliseconds patience) {
   const auto credentials = ProbeCredentials(files);
-  if (!credentials.ok()) return Health::kNoAnswer;
+  if (!credentials.ok()) return credentials.status();
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return HealthOf(grpc::CreateCustomChannel(address, *credentials, arguments), patience);
+  auto health = HealthOf(grpc::CreateCustomChannel(address, *credentials, arguments), patience);
+  if (health.ok()) return health;
+  const std::string reason(health.status().message());
+  return absl::UnavailableError(reason + Advice(reason, files));
 }
 
 }  // namespace sweepstake::rpc

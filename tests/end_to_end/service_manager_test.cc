@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@
 
 namespace sweepstake::test_support {
 namespace {
+
+using ::testing::HasSubstr;
 
 TEST(ServiceManagerTest, HearsOfTheDaemonFromItsStartToItsEnd) {
   const TemporaryDirectory data;
@@ -40,6 +43,17 @@ int Probe(const std::string& arguments) {
   const int status = std::system(
       (std::string(SWEEPSTAKED_PATH) + " probe " + arguments + " >/dev/null 2>&1").c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// What the probe says of a daemon that gives it no answer.
+std::string Complaint(const std::string& arguments) {
+  FILE* probe =
+      popen((std::string(SWEEPSTAKED_PATH) + " probe " + arguments + " 2>&1").c_str(), "r");
+  std::string said;
+  for (int letter = std::fgetc(probe); letter != EOF; letter = std::fgetc(probe))
+    said += static_cast<char>(letter);
+  EXPECT_EQ(WEXITSTATUS(pclose(probe)), 1);
+  return said;
 }
 
 TEST(ProbeTest, TellsADaemonThatServesFromNone) {
@@ -84,6 +98,24 @@ TEST_F(TlsProbeTest, ADaemonWithTlsProbesItselfWhateverItsCertificateSays) {
     while (!manager.ReceiveNow().empty()) {
     }
   }
+}
+
+TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
+  std::string tls;
+  for (const std::string& flag : Flags(nullptr)) tls += flag + " ";
+  std::string address;
+  {
+    const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(&other_authority_));
+    address = "--listen " + daemon.address();
+    EXPECT_THAT(Complaint(tls + address), HasSubstr("one that this authority accepts of clients"));
+    EXPECT_THAT(Complaint(address), HasSubstr("the daemon may speak TLS"));
+    EXPECT_THAT(Complaint("--tls-cert nowhere.pem --tls-key nowhere.pem " + address),
+                HasSubstr("cannot read nowhere.pem"));
+  }
+  EXPECT_THAT(Complaint(address), HasSubstr("is the daemon running there?"));
+  const DaemonProcess plain(data_.path());
+  EXPECT_THAT(Complaint(tls + "--listen " + plain.address()),
+              HasSubstr("the daemon speaks plain text"));
 }
 
 TEST_F(TlsProbeTest, ADaemonThatWouldNotLetItselfInDoesNotStartUnderAWatchdog) {

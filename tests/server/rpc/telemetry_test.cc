@@ -442,7 +442,7 @@ TEST_F(TelemetryTest, GoodbyeWithAFullDiskDoesNotHang) {
 }
 
 TEST_F(TelemetryTest, HealthFollowsTheStore) {
-  const auto health = [&] { return HealthOf(channel_, std::chrono::minutes(1)); };
+  const auto health = [&] { return *HealthOf(channel_, std::chrono::minutes(1)); };
   EXPECT_EQ(health(), Health::kServing);
   store_.Fail(true);
   clock_.Advance(kSecondNs);
