@@ -34,8 +34,9 @@ class Failure(Exception):
 class Daemon:
     """A daemon in a process of its own; its data outlives a restart."""
 
-    def __init__(self, programs, data, with_tls=False):
+    def __init__(self, programs, data, with_tls=False, max_sessions=20_000):
         self.programs, self.data, self.address, self.process = programs, pathlib.Path(data), "127.0.0.1:0", None
+        self.max_sessions = max_sessions
         self.server_options, self.client_options = self.make_certificate() if with_tls else ([], [])
         self.start()
 
@@ -52,7 +53,7 @@ class Daemon:
         port_file.unlink(missing_ok=True)
         self.process = subprocess.Popen(
             [self.programs / "sweepstaked", "--listen", self.address, "--data", self.data / "priors", "--log-level", "error",
-             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", "20000", "--max-watchers", "200",
+             "--port-file", port_file, "--http", "127.0.0.1:0", "--max-sessions", str(self.max_sessions), "--max-watchers", "200",
              *self.server_options])
         try:
             ports = await_value("the daemon's ports", lambda: port_file.exists() and port_file.read_text("ascii").split())
