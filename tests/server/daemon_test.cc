@@ -231,14 +231,14 @@ TEST_F(DaemonTest, DecidesOnAndAcknowledgesNothingWhileTheDiskFails) {
     disk.Set(fault);
     stream->Write(OneFrame(2));
     read_until([&] { return response.has_posterior_snapshot(); });
-    while (rpc::HealthOf(channel, std::chrono::minutes(1)) != rpc::Health::kNotServing) {
+    while (*rpc::HealthOf(channel, std::chrono::minutes(1)) != rpc::Health::kNotServing) {
     }
     EXPECT_THAT(
         test_support::Get(daemon->http_port(), "/readyz").body,
         HasSubstr("[-]store failed: the prior store cannot write; decisions go on in memory: "));
     disk.Set({});
     read_until([&] { return response.acknowledgement().sequence() == 2; });
-    while (rpc::HealthOf(channel, std::chrono::minutes(1)) != rpc::Health::kServing) {
+    while (*rpc::HealthOf(channel, std::chrono::minutes(1)) != rpc::Health::kServing) {
     }
     context.TryCancel();
     stream->Finish();
