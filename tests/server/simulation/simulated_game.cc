@@ -9,6 +9,8 @@ namespace sweepstake::simulation {
 namespace {
 
 constexpr size_t kMaxUnacknowledged = 256;
+// A daemon believes so many at once, whenever it hears of them (BailOutBudget).
+constexpr uint64_t kMaxBailOuts = 16;
 constexpr int64_t kWelcomePatienceNs = 10 * kSecondNs;
 constexpr std::array<int64_t, 4> kArmCostNs = {8 * kMsNs, 3 * kMsNs, 5 * kMsNs, 12 * kMsNs};
 
@@ -41,7 +43,7 @@ void SimulatedGame::Step() {
   if (gone_) return;
   if (!finishing_ && !state_.full()) {
     PlayFrames();
-    if (world_.Happens(0.02)) BailOut();
+    if (bail_out_count_ < kMaxBailOuts && world_.Happens(0.05)) BailOut();
   }
   if (connection_ && !state_.online() && world_.NowNs() >= welcome_due_ns_) {
     BreakConnection();
@@ -106,6 +108,7 @@ void SimulatedGame::AnswerCommand() {
 }
 
 void SimulatedGame::BailOut() {
+  ++bail_out_count_;
   v1::StreamTelemetryRequest request;
   v1::BailOut& bail_out = *request.mutable_bail_out();
   bail_out.set_frame_index(next_frame_++);

@@ -82,6 +82,7 @@ class SimulatedGame final : public ConnectionUser {
 
   int64_t interval_ns_;  // between two batches
   uint64_t next_frame_ = 1;
+  uint64_t bail_out_count_ = 0;
   uint32_t arm_ = 0;
   uint32_t switch_epoch_ = 0;
   uint64_t last_command_id_ = 0;

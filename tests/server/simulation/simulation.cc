@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
@@ -18,7 +17,7 @@ constexpr int64_t kTroubledNs = 15 * kSecondNs;
 // By then every game has said goodbye: back-off, welcome and retries included.
 constexpr int64_t kCalmNs = 120 * kSecondNs;
 
-v1::Hello MakeHello(World& world, int64_t game) {
+v1::Hello MakeHello(World& world, size_t game) {
   v1::Hello hello;
   hello.set_protocol_version(1);
   hello.set_project("simulation");
@@ -31,7 +30,7 @@ v1::Hello MakeHello(World& world, int64_t game) {
   }
   hello.set_mode(v1::MODE_AI);
   hello.set_policy(world.Happens(0.7) ? "paper" : "adaptive");
-  hello.set_seed(static_cast<uint64_t>(game) + 1);
+  hello.set_seed(game + 1);
   hello.set_time_scale(world.Happens(0.8) ? 10 : 1);
   return hello;
 }
@@ -62,13 +61,13 @@ Tally& Tally::operator+=(const Tally& other) {
   return *this;
 }
 
-void Tally::Print() const {
-  std::printf(
-      "%llu kills, %llu of them power cuts; %llu failed starts, %llu drains; %llu commits, %llu "
-      "failed; %llu sessions resumed, %llu begun without their evidence; %llu messages sent again, "
-      "%llu of them known; %llu decisions, %llu derived again\n",
-      kills, power_cuts, failed_starts, drains, commits, failed_commits, resumed, degraded_starts,
-      resent, replayed, decisions, derived_decisions);
+std::string Tally::Text() const {
+  return absl::StrCat(kills, " kills, ", power_cuts, " of them power cuts; ", failed_starts,
+                      " failed starts, ", drains, " drains; ", commits, " commits, ",
+                      failed_commits, " failed; ", resumed, " sessions resumed, ", degraded_starts,
+                      " begun without their evidence; ", resent, " messages sent again, ", replayed,
+                      " of them known; ", decisions, " decisions, ", derived_decisions,
+                      " derived again");
 }
 
 Simulation::Simulation(uint64_t seed) : world_(seed), disk_(seed) {
@@ -84,21 +83,21 @@ Simulation::Simulation(uint64_t seed) : world_(seed), disk_(seed) {
 
 std::vector<std::string> Simulation::Run() {
   StartDaemon();
-  AddGames();
+  for (int64_t i = world_.Draw(1, 4); i > 0; --i) AddGame();
   ScheduleTrouble();
   RunFor(kTroubledNs, [] { return false; });
   Calm();
   const auto gone = [this] {
     return std::all_of(games_.begin(), games_.end(), [](const auto& game) { return game->gone(); });
   };
-  if (!RunFor(kCalmNs, gone)) Complain("a game is stuck");
+  if (!RunFor(kCalmNs, gone) && problems_.empty()) Complain("a game is stuck");
   for (const auto& game : games_) {
     tally_.resumed += game->resumed_count();
     tally_.resent += game->resent_count();
   }
   Kill();
   StartDaemon();
-  EndDaemon();
+  if (daemon_) EndDaemon();
   return problems_;
 }
 
@@ -124,13 +123,10 @@ void Simulation::AfterEvent() {
   world_.After(world_.Draw(0, kSecondNs), [this] { StartDaemon(); });
 }
 
-void Simulation::AddGames() {
-  const int64_t count = world_.Draw(1, 4);
-  for (int64_t i = 0; i < count; ++i) {
-    games_.push_back(std::make_unique<SimulatedGame>(
-        world_, MakeHello(world_, i), [this](ConnectionUser& user) { return Dial(user); },
-        [this](const std::string& what) { Complain(what); }));
-  }
+void Simulation::AddGame() {
+  games_.push_back(std::make_unique<SimulatedGame>(
+      world_, MakeHello(world_, games_.size()), [this](ConnectionUser& user) { return Dial(user); },
+      [this](const std::string& what) { Complain(what); }));
 }
 
 std::shared_ptr<Connection> Simulation::Dial(ConnectionUser& user) {
@@ -193,7 +189,9 @@ void Simulation::ScheduleTrouble() {
 }
 
 void Simulation::MakeTrouble() {
-  switch (world_.Draw(0, 5)) {
+  SimulatedGame& game =
+      *games_[static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(games_.size()) - 1))];
+  switch (world_.Draw(0, 6)) {
     case 0:
       return disk_.Kill();
     case 1:  // in the midst of a commit
@@ -205,9 +203,11 @@ void Simulation::MakeTrouble() {
     case 4:
       draining_ = true;
       return daemon_->Drain();
+    case 5:
+      game.Finish();
+      return AddGame();
     default:
-      games_[static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(games_.size()) - 1))]
-          ->BreakConnection();
+      game.BreakConnection();
   }
 }
 

@@ -22,21 +22,21 @@ namespace sweepstake::simulation {
 
 // How often something happened, so that a test can tell that it does.
 struct Tally {
-  unsigned long long kills = 0;
-  unsigned long long power_cuts = 0;
-  unsigned long long failed_starts = 0;
-  unsigned long long drains = 0;
-  unsigned long long commits = 0;
-  unsigned long long failed_commits = 0;
-  unsigned long long decisions = 0;
-  unsigned long long resumed = 0;
-  unsigned long long resent = 0;
-  unsigned long long replayed = 0;
-  unsigned long long degraded_starts = 0;
-  unsigned long long derived_decisions = 0;
+  uint64_t kills = 0;
+  uint64_t power_cuts = 0;
+  uint64_t failed_starts = 0;
+  uint64_t drains = 0;
+  uint64_t commits = 0;
+  uint64_t failed_commits = 0;
+  uint64_t decisions = 0;
+  uint64_t resumed = 0;
+  uint64_t resent = 0;
+  uint64_t replayed = 0;
+  uint64_t degraded_starts = 0;
+  uint64_t derived_decisions = 0;
 
   Tally& operator+=(const Tally& other);
-  void Print() const;
+  std::string Text() const;
 };
 
 class Simulation {
@@ -56,7 +56,7 @@ class Simulation {
   void StartDaemon();
   void EndDaemon();
   void Kill();
-  void AddGames();
+  void AddGame();
   std::shared_ptr<Connection> Dial(ConnectionUser& user);
 
   void ScheduleTrouble();

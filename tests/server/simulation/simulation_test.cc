@@ -2,6 +2,8 @@
 // repeats the run of seed 7.
 #include <gtest/gtest.h>
 
+#include <iostream>
+
 #include "tests/server/simulation/simulation.h"
 #include "tests/support/size_of_run.h"
 
@@ -11,9 +13,9 @@ namespace {
 // The seeds are shared out, so that they run beside one another.
 constexpr uint64_t kParts = 4;
 
-class SimulationTest : public testing::TestWithParam<uint64_t> {};
+class SeededSimulationTest : public testing::TestWithParam<uint64_t> {};
 
-TEST_P(SimulationTest, WhateverHappensNothingPromisedIsLostAndNothingCountsTwice) {
+TEST_P(SeededSimulationTest, WhateverHappensNothingPromisedIsLostAndNothingCountsTwice) {
   const uint64_t first = test_support::FromEnvironment("TEST_SEED", 1);
   const uint64_t count = test_support::FromEnvironment("TEST_SEEDS", 1000);
   Tally tally;
@@ -24,10 +26,19 @@ TEST_P(SimulationTest, WhateverHappensNothingPromisedIsLostAndNothingCountsTwice
     tally += simulation.tally();
     if (HasFailure()) break;
   }
-  tally.Print();
+  std::cout << tally.Text() << "\n";
 }
 
-INSTANTIATE_TEST_SUITE_P(Part, SimulationTest, testing::Range(uint64_t{0}, kParts));
+TEST(SimulationTest, ASeedRepeatsItsRun) {
+  const auto run = [] {
+    Simulation simulation(7);
+    simulation.Run();
+    return simulation.tally().Text();
+  };
+  EXPECT_EQ(run(), run());
+}
+
+INSTANTIATE_TEST_SUITE_P(Part, SeededSimulationTest, testing::Range(uint64_t{0}, kParts));
 
 }  // namespace
 }  // namespace sweepstake::simulation
