@@ -19,6 +19,7 @@
 #include "server/descriptor_limit.h"
 #include "server/rpc/health_probe.h"
 #include "server/storage/private_file.h"
+#include "server/storage/sqlite_prior_store.h"
 #include "server/web/health_page.h"
 #include "server/web/metrics_page.h"
 
@@ -121,7 +122,8 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
     : config_(config),
       log_(MakeLog(config.log_level)),
       directory_(std::move(directory)),
-      metrics_(SWEEPSTAKE_VERSION) {}
+      metrics_(SWEEPSTAKE_VERSION),
+      database_bytes_(config.database_bytes) {}
 
 absl::Status Daemon::Open(rpc::Clock& clock) {
   if (directory_.open_to_others()) {
@@ -193,7 +195,7 @@ void Daemon::ReportStore(const absl::Status& status) {
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
                 directory_.database().string(), std::string(status.message()),
-                config_.database_bytes >> 20);
+                database_bytes_ >> 20);
   }
 }
 
@@ -271,7 +273,16 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     return;
   }
   for (const std::string& key : ChangedSettings(config_, *config)) {
-    if (key != "log_level") log_->warn("{} has changed: restart the daemon to take it over", key);
+    if (key != "log_level" && key != "database_mb")
+      log_->warn("{} has changed: restart the daemon to take it over", key);
+  }
+  const uint64_t bytes = config->database_bytes;
+  const auto limit = [bytes](priors::PriorStore& store) {
+    storage::LimitStoreSize(store, bytes).IgnoreError();  // what a commit meets then is told
+  };
+  if (bytes != database_bytes_ && store_->Submit(limit)) {
+    database_bytes_ = bytes;
+    metrics_.SetMaxStoreBytes(bytes);
   }
   log_->set_level(LevelOf(config->log_level));
   log_->info("the configuration was read again; the log level is {}", config->log_level);

@@ -41,8 +41,9 @@ class Daemon {
   int http_port() const { return web_->port(); }  // REQUIRES: Config::http is not empty
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
-  // Takes over the log level of a configuration that was read again. The log names what else has
-  // changed, which only a restart takes over, or says what is wrong with the configuration.
+  // Takes over the log level and the database's size of a configuration that was read again. The
+  // log names what else has changed, which only a restart takes over, or says what is wrong with
+  // the configuration.
   void Reload(const absl::StatusOr<Config>& config);
 
   // Returns whether the daemon's own listener answers over a new connection within `patience`, and
@@ -75,6 +76,7 @@ class Daemon {
   std::string damage_;  // what of the store was lost at the start
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
+  std::atomic<uint64_t> database_bytes_;
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<rpc::RpcServer> rpc_;

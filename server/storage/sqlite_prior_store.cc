@@ -62,6 +62,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
   absl::Status Prepare(const priors::AuditLimits& audit_limits);
+  absl::Status LimitSize(uint64_t max_bytes) { return database_.LimitSize(max_bytes); }
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
@@ -449,6 +450,10 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
   if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;
   return store;
+}
+
+absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes) {
+  return static_cast<SqlitePriorStore&>(store).LimitSize(max_bytes);
 }
 
 }  // namespace sweepstake::storage

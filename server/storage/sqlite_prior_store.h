@@ -23,4 +23,8 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
     uint64_t max_bytes = 0, std::function<void(std::chrono::nanoseconds)> on_sync = {});
 
+// Changes how large the file may grow, at least to its present size. REQUIRES: `store` is of
+// OpenSqlitePriorStore.
+absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes);
+
 }  // namespace sweepstake::storage

@@ -146,8 +146,9 @@ void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
   // An invalid update says nothing about the disk.
   if (absl::IsInvalidArgument(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
-  } else if (healthy_.exchange(status.ok()) != status.ok()) {
-    options_.on_health(status);
+  } else if (healthy_ != status.ok()) {
+    options_.on_health(status);  // first, so that whoever sees that it is not healthy finds out why
+    healthy_ = status.ok();
   }
   lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
   commit.done(status);
