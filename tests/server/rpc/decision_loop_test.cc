@@ -1,4 +1,4 @@
-// The decision loop: how late its timers run.
+// The decision loop: how late its timers run, and who runs it.
 #include "server/rpc/common/decision_loop.h"
 
 #include <gmock/gmock.h>
@@ -26,6 +26,23 @@ TEST(DecisionLoopTest, ATimersLatenessIncludesTheTimersBeforeIt) {
   clock.Advance(130);
   done.get_future().wait();
   EXPECT_THAT(lateness, ElementsAre(nanoseconds(30), nanoseconds(40)));
+}
+
+TEST(DecisionLoopTest, ItsCallerRunsWhatIsPostedAndDueAndWhatComesOfIt) {
+  ManualClock clock;
+  const int64_t start_ns = clock.NowNs();
+  std::vector<int> order;
+  DecisionLoop loop(clock, {}, DecisionLoop::Runner::kCaller);
+  loop.PostAt(start_ns + 100, [&] { order.push_back(3); });
+  loop.Post([&] {
+    order.push_back(1);
+    loop.Post([&] { order.push_back(2); });
+  });
+  EXPECT_EQ(loop.RunReady(), start_ns + 100);
+  EXPECT_THAT(order, ElementsAre(1, 2));
+  clock.Advance(100);
+  EXPECT_EQ(loop.RunReady(), Clock::kNever);
+  EXPECT_THAT(order, ElementsAre(1, 2, 3));
 }
 
 }  // namespace

@@ -242,11 +242,11 @@ void Simulation::Calm() {
 }
 
 void Simulation::CheckStore(priors::PriorStore& store) {
-  std::map<priors::SceneKey, priors::Evidence> sums;
+  priors::Evidence of_sessions;
   for (const auto& game : games_) {
     std::set<uint64_t> counted;
     for (const auto& [id, sent] : game->sessions())
-      sums[{}] += CheckSession(id, sent, *game, store, counted);
+      of_sessions += CheckSession(id, sent, *game, store, counted);
   }
   const auto scenes = store.List({}, {}, 1000);
   if (!scenes.ok()) return Complain("the scenes cannot be read: " + scenes.status().ToString());
@@ -254,7 +254,6 @@ void Simulation::CheckStore(priors::PriorStore& store) {
   for (const priors::SceneEvidence& scene : *scenes) {
     for (const auto& arm : scene.arms) of_scenes += arm.evidence;
   }
-  const priors::Evidence& of_sessions = sums[{}];
   if (of_scenes.window_count != of_sessions.window_count ||
       of_scenes.bail_out_count != of_sessions.bail_out_count)
     Complain("the scenes have not what the sessions have");

@@ -113,6 +113,25 @@ TEST_F(StoreThreadTest, UpdatesThatComeTogetherShareACommit) {
   EXPECT_THAT(group_sizes_, ::testing::ElementsAre(2));
 }
 
+TEST_F(StoreThreadTest, WithoutAThreadItsOwnerRunsGroupsAndJobs) {
+  Start({.own_thread = false});
+  auto a = Commit(Update("a", 1, {Key("Grid")}));
+  auto b = Commit(Update("b", 1, {Key("Grid")}));
+  bool ran = false;
+  thread_->Submit([&](PriorStore&) { ran = true; });
+  EXPECT_EQ(thread_->queued_count(), 3U);
+  EXPECT_TRUE(thread_->RunNext());
+  EXPECT_TRUE(a.get().ok());
+  EXPECT_TRUE(b.get().ok());
+  EXPECT_FALSE(ran);
+  EXPECT_TRUE(thread_->RunNext());
+  EXPECT_TRUE(ran);
+  EXPECT_FALSE(thread_->RunNext());
+  auto last = Commit(Update("a", 2, {Key("Grid")}));
+  thread_->Close();
+  EXPECT_TRUE(last.get().ok());
+}
+
 TEST_F(StoreThreadTest, EachCommitOfTheStoreIsTimed) {
   std::vector<std::chrono::nanoseconds> durations;
   Start({.group_interval = milliseconds(0),
