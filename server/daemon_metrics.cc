@@ -41,6 +41,8 @@ struct CounterRow {
 
 constexpr CounterRow kGauges[] = {
     {&Counters::open_stream_count, "sweepstake_open_streams", "Streams of games that are open."},
+    {&Counters::session_count, "sweepstake_sessions",
+     "Sessions in memory, those that lost their connection among them."},
     {&Counters::open_watcher_count, "sweepstake_open_watchers", "Watchers that are connected."},
     {&Counters::waiting_audit_bytes, "sweepstake_waiting_audit_bytes",
      "Bytes of the audit log that wait for the disk."},

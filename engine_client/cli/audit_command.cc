@@ -1,10 +1,10 @@
 // `sweepstake audit list|export`: a daemon's log of decisions, to read and to derive again
 // (`sweepstake replay --log`).
-#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/audit_transfer.h"
+#include "engine_client/cli/io/duration.h"
 #include "engine_client/cli/io/json_output.h"
 #include "engine_client/cli/io/text_table.h"
 
@@ -20,15 +20,6 @@ struct AuditOptions {
   bool json = false;
 };
 
-// "2026-11-20 11:30:00", UTC.
-std::string TimeText(int64_t unix_ms) {
-  const std::time_t seconds = unix_ms / 1000;
-  std::tm parts{};
-  char text[32];
-  if (gmtime_r(&seconds, &parts) == nullptr) return "";
-  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
-}
-
 // A number above 1 tells that the rows before it were removed. An older daemon does not say.
 std::string FirstRowText(const v1::AuditSegment& segment) {
   return segment.first_row() == 0 ? "" : std::to_string(segment.first_row());
@@ -39,7 +30,7 @@ std::string SegmentsText(const std::vector<v1::AuditSegment>& segments) {
   TextTable table(
       {"session", "segment", "began (UTC)", "project", "scene", "rows", "first row", "lost rows"});
   for (const v1::AuditSegment& row : segments) {
-    table.AddRow({row.session_id(), std::to_string(row.segment()), TimeText(row.unix_start_ms()),
+    table.AddRow({row.session_id(), std::to_string(row.segment()), UtcText(row.unix_start_ms()),
                   row.project(), row.scene(), std::to_string(row.row_count()), FirstRowText(row),
                   std::to_string(row.lost_row_count())});
   }

@@ -54,6 +54,7 @@ void AddCommands(CLI::App& app, Terminal& terminal, const std::string& command_l
   AddAuditCommand(app, terminal, exit_code);
   AddWatchCommand(app, terminal, exit_code);
   AddPriorsCommand(app, terminal, exit_code);
+  AddSessionsCommand(app, terminal, exit_code);
 }
 
 }  // namespace

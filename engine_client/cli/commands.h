@@ -31,6 +31,7 @@ void AddReplayCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddReportCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddTraceCommand(CLI::App& app, Terminal& terminal, int& exit_code);
+void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code);
 
 }  // namespace sweepstake::cli

@@ -29,6 +29,7 @@ constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
 // After a connection that lasted this long, the next back-off starts from its minimum.
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
 constexpr uint32_t kMaxBatchFrames = 240;
+constexpr uint64_t kNever = UINT64_MAX;
 
 v1::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
   v1::Hello hello;
@@ -320,7 +321,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND,
                      status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
-  next_attempt_ns_ = now_ns + delay_ms * kNsPerMs;
+  const bool kicked = ReasonOf(status) == v1::ERROR_REASON_SESSION_KICKED;
+  next_attempt_ns_ = kicked ? kNever : now_ns + delay_ms * kNsPerMs;
   // The session stays with a daemon that it was redirected to as long as that one answers, and then
   // returns to its home address.
   const bool answered = link.online_since_ns || status.error_code() == grpc::StatusCode::NOT_FOUND;
@@ -336,7 +338,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
     last_error_ = "the daemon at " + link.address +
                   " did not confirm the session's end: " + MessageWithReason(status);
   } else {
-    last_error_ = Describe(status, link.address, options_.tls.has_value()) + TryingAgain(delay_ms);
+    last_error_ = Describe(status, link.address, options_.tls.has_value());
+    if (!kicked) last_error_ += TryingAgain(delay_ms);
   }
 }
 

@@ -89,8 +89,10 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
       posteriors_(context_),
       priors_(context_),
       audit_(context_),
+      sessions_service_(context_),
       loop_(clock, options_.on_timer) {
   watch_hub_.Add(watchers_);
+  watch_hub_.Add(sessions_service_);
 }
 
 absl::StatusOr<std::unique_ptr<RpcServer>> RpcServer::Start(const std::string& listen,
@@ -130,6 +132,7 @@ absl::Status RpcServer::Listen(const std::string& address) {
   builder.RegisterService(&posteriors_);
   builder.RegisterService(&priors_);
   builder.RegisterService(&audit_);
+  builder.RegisterService(&sessions_service_);
   server_ = builder.BuildAndStart();
   if (server_ == nullptr) return absl::UnavailableError("gRPC could not start its server");
   if (absl::Status status = listener_->Listen(address); !status.ok()) return status;
@@ -193,6 +196,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     telemetry_.Drain();
     watch_hub_.Drain();
     watchers_.Drain();
+    sessions_service_.Drain();
     sessions_.RetryCommits();
   });
   listener_.reset();

@@ -22,6 +22,7 @@
 #include "server/rpc/services/posteriors_service.h"
 #include "server/rpc/services/priors_service.h"
 #include "server/rpc/services/service_context.h"
+#include "server/rpc/services/sessions_service.h"
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_service.h"
 #include "server/rpc/services/watcher_set.h"
@@ -79,6 +80,7 @@ class RpcServer {
   PosteriorsService posteriors_;
   PriorsService priors_;
   AuditService audit_;
+  SessionsService sessions_service_;
   std::atomic<int64_t> last_beat_ns_{0};  // when the loop last looked at the store
   bool serving_ = true;                   // the state of health; used on the loop
   bool draining_ = false;                 // used on the loop

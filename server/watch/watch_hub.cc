@@ -1,6 +1,8 @@
 #include "server/watch/watch_hub.h"
 
 #include <algorithm>
+#include <chrono>
+#include <random>
 #include <tuple>
 #include <utility>
 
@@ -27,6 +29,26 @@ void Advance(SceneEvidence& scene, std::span<const KeyedEvidence> increments, bo
 }
 
 }  // namespace
+
+WatchHub::WatchHub(priors::AsyncPriorStore& store, Loop loop)
+    : store_(store),
+      loop_(std::move(loop)),
+      boot_(uint64_t{std::random_device()()} << 32 | std::random_device()()) {}
+
+EventStamp WatchHub::NextStamp() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return {.boot = boot_,
+          .sequence = ++last_sequence_,
+          .unix_ms = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch).count()};
+}
+
+void WatchHub::OnSession(const std::string& session_id, const SessionChange& change) {
+  if (draining_ || std::none_of(session_listeners_.begin(), session_listeners_.end(),
+                                [](const auto* listener) { return listener->WatchesSessions(); }))
+    return;
+  sessions_.insert_or_assign(session_id, change);
+  ScheduleTick();
+}
 
 bool WatchHub::Watches(const SceneKey& scene) const {
   return std::any_of(listeners_.begin(), listeners_.end(),
@@ -85,6 +107,7 @@ void WatchHub::ScheduleTick() {
 
 void WatchHub::Tick() {
   tick_scheduled_ = false;
+  TellSessions();
   for (auto& [key, scene] : scenes_) {
     if (!scene.sums || !std::exchange(scene.changed, false)) continue;
     for (WatchListener* listener : listeners_) {
@@ -95,6 +118,12 @@ void WatchHub::Tick() {
   std::erase_if(scenes_, [](const auto& entry) { return !entry.second.changed; });
 }
 
+void WatchHub::TellSessions() {
+  const SessionChanges changes = std::exchange(sessions_, {});
+  if (changes.empty()) return;
+  for (SessionListener* listener : session_listeners_) listener->OnSessions(changes);
+}
+
 void WatchHub::Reset() {
   scenes_.clear();
   for (WatchListener* listener : listeners_) listener->OnReset();
@@ -103,6 +132,7 @@ void WatchHub::Reset() {
 void WatchHub::Drain() {
   draining_ = true;
   scenes_.clear();
+  sessions_.clear();
 }
 
 }  // namespace sweepstake::watch

@@ -3,7 +3,8 @@
 // A posterior is Beta(1,1) plus all committed evidence. The hub reads a watched scene from the
 // store once, at its first change, and then adds the increments of each commit, so that watchers
 // cost the store nothing while games learn. Changes are told at 4 Hz: one timer runs while
-// something has changed, and none otherwise. Decisions are told at once.
+// something has changed, and none otherwise. Decisions are told at once. Sessions that have changed
+// are told with the posteriors.
 //
 // It is used on the decision loop only. It has no thread, clock or connection of its own, so that
 // every service that shows posteriors can listen to the same hub. The memory is bounded by
@@ -16,6 +17,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "server/priors/prior_store.h"
@@ -25,6 +27,33 @@ class DecisionEvent;
 }
 
 namespace sweepstake::watch {
+
+// Which event of which daemon it is, and when it was made.
+struct EventStamp {
+  uint64_t boot = 0;      // a random number of the daemon's run
+  uint64_t sequence = 0;  // of the events of the run, from 1 on
+  int64_t unix_ms = 0;
+};
+
+// Why a session is not there any more.
+enum class SessionEnd : uint8_t { kNone, kGoodbye, kKicked, kForgotten };
+
+// A change of a session. Whoever shows it asks for the rest.
+struct SessionChange {
+  priors::SceneKey scene;
+  SessionEnd end = SessionEnd::kNone;
+};
+using SessionChanges = std::map<std::string, SessionChange>;  // by session
+
+// Is told which sessions have begun, ended or changed. It must not call the hub back.
+class SessionListener {
+ public:
+  virtual ~SessionListener() = default;
+
+  // Returns whether anybody watches sessions.
+  virtual bool WatchesSessions() const = 0;
+  virtual void OnSessions(const SessionChanges& changes) = 0;
+};
 
 // Passes on what the hub tells, as the watchers of one service. It must not call the hub back.
 class WatchListener {
@@ -52,9 +81,15 @@ class WatchHub {
   };
 
   // The store must be closed, and the loop done, before the hub is destroyed.
-  WatchHub(priors::AsyncPriorStore& store, Loop loop) : store_(store), loop_(std::move(loop)) {}
+  WatchHub(priors::AsyncPriorStore& store, Loop loop);
 
   void Add(WatchListener& listener) { listeners_.push_back(&listener); }
+  void Add(SessionListener& listener) { session_listeners_.push_back(&listener); }
+
+  // Returns the stamp of the next event.
+  EventStamp NextStamp();
+  // Called when a session has begun, ended or changed.
+  void OnSession(const std::string& session_id, const SessionChange& change);
 
   // Returns whether anybody watches this scene; if not, no decisions need to be told.
   bool Watches(const priors::SceneKey& scene) const;
@@ -79,11 +114,16 @@ class WatchHub {
                 const absl::StatusOr<std::optional<priors::SceneEvidence>>& loaded);
   void ScheduleTick();
   void Tick();
+  void TellSessions();
 
   priors::AsyncPriorStore& store_;
   const Loop loop_;
+  const uint64_t boot_;
+  uint64_t last_sequence_ = 0;
   std::vector<WatchListener*> listeners_;
+  std::vector<SessionListener*> session_listeners_;
   std::map<priors::SceneKey, Scene> scenes_;
+  SessionChanges sessions_;  // since the last tick
   bool tick_scheduled_ = false;
   bool draining_ = false;
 };

@@ -54,4 +54,17 @@ Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
                     "); start one with sweepstaked --listen HOST:PORT"};
 }
 
+Canceller::Canceller(grpc::ClientContext& context, const std::function<bool()>& is_stopped)
+    : thread_([this, &context, &is_stopped] {
+        while (!ended_) {
+          if (is_stopped()) return context.TryCancel();
+          std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }
+      }) {}
+
+Canceller::~Canceller() {
+  ended_ = true;
+  thread_.join();
+}
+
 }  // namespace sweepstake::cli

@@ -4,8 +4,11 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "engine_client/cli/daemon/daemon_options.h"
 #include "sweepstake/status.h"
@@ -23,5 +26,38 @@ void SetDeadline(grpc::ClientContext& context);
 
 // Returns the daemon's status, or kUnavailable with a hint if the daemon could not be reached.
 Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon);
+
+// Cancels a call as soon as `is_stopped` returns true. It asks on a thread of its own, because
+// reading from the stream blocks. A call that has ended is not cancelled, because its status would
+// become CANCELLED.
+class Canceller {
+ public:
+  Canceller(grpc::ClientContext& context, const std::function<bool()>& is_stopped);
+  ~Canceller();
+  Canceller(const Canceller&) = delete;
+  Canceller& operator=(const Canceller&) = delete;
+
+ private:
+  std::atomic<bool> ended_ = false;
+  std::thread thread_;
+};
+
+// Calls `on_event` with each event of the stream until `is_stopped` returns true, which another
+// thread calls every 50 ms. Returns kUnavailable if the daemon cannot be reached or ends the
+// stream.
+template <typename Event>
+Status ReadEvents(grpc::ClientContext& context, grpc::ClientReader<Event>& reader,
+                  const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
+                  const std::function<void(const Event&)>& on_event) {
+  {
+    const Canceller canceller(context, is_stopped);
+    Event event;
+    while (reader.Read(&event)) on_event(event);
+  }
+  const grpc::Status status = reader.Finish();
+  if (is_stopped()) return {};
+  if (!status.ok()) return ToStatus(status, daemon);
+  return {StatusCode::kUnavailable, "the daemon at " + daemon.address + " ended the watch"};
+}
 
 }  // namespace sweepstake::cli

@@ -1,6 +1,7 @@
 #include "engine_client/cli/daemon/watch_screen.h"
 
 #include "engine_client/cli/daemon/posterior_view.h"
+#include "engine_client/cli/io/duration.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -16,7 +17,7 @@ constexpr char kLegend[] =
 
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   if (event.has_posterior()) ShowPosterior(event.posterior());
-  if (event.has_decision()) ShowDecision(event.decision());
+  if (event.has_decision()) ShowDecision(event);
   const auto now = std::chrono::steady_clock::now();
   if (!redraws_ || now - drawn_at_ < kRedrawInterval) return;
   drawn_at_ = now;
@@ -28,8 +29,8 @@ void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
   if (!redraws_) out_ << PosteriorText(scene) << std::flush;
 }
 
-void WatchScreen::ShowDecision(const v1::DecisionEvent& decision) {
-  decisions_.push_back(DecisionText(decision));
+void WatchScreen::ShowDecision(const v1::WatchPosteriorsResponse& event) {
+  decisions_.push_back(UtcText(event.stamp().unix_ms()) + " " + DecisionText(event.decision()));
   if (decisions_.size() > kMaxDecisions) decisions_.pop_front();
   if (!redraws_) out_ << decisions_.back() << std::endl;
 }

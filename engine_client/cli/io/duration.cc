@@ -1,7 +1,7 @@
 #include "engine_client/cli/io/duration.h"
 
 #include <charconv>
-#include <string>
+#include <ctime>
 
 namespace sweepstake::cli {
 namespace {
@@ -31,6 +31,14 @@ Result<uint64_t> ParseDuration(std::string_view text) {
                       "' is no duration: give a number and ms, s, m or h, as 500ms, 60s or 15m");
   }
   return static_cast<uint64_t>(total_ns);
+}
+
+std::string UtcText(int64_t unix_ms) {
+  const std::time_t seconds = unix_ms / 1000;
+  std::tm parts{};
+  char text[32];
+  if (gmtime_r(&seconds, &parts) == nullptr) return "";
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts)};
 }
 
 }  // namespace sweepstake::cli

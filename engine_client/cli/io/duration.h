@@ -1,7 +1,9 @@
-// Durations: read as people write them (500ms, 60s, 15m, 1.5h), and in seconds. Pure functions.
+// Durations: read as people write them (500ms, 60s, 15m, 1.5h), and in seconds; times as text. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "sweepstake/status.h"
@@ -13,5 +15,8 @@ namespace sweepstake::cli {
 Result<uint64_t> ParseDuration(std::string_view text);
 
 inline double Seconds(uint64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+// Returns a time since 1970 as "2026-11-20 11:30:00", in UTC; empty if no calendar has it.
+std::string UtcText(int64_t unix_ms);
 
 }  // namespace sweepstake::cli

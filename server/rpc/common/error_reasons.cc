@@ -38,11 +38,15 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
       return absl::StatusCode::kAborted;
     case v1::ERROR_REASON_DRAINING:
     case v1::ERROR_REASON_STORE_BUSY:
+    case v1::ERROR_REASON_CONNECTION_KICKED:
     case v1::ERROR_REASON_STORE_FAILED:
     case v1::ERROR_REASON_GAME_AWAY:
       return absl::StatusCode::kUnavailable;
     case v1::ERROR_REASON_UNKNOWN_SCENE:
+    case v1::ERROR_REASON_UNKNOWN_SESSION:
       return absl::StatusCode::kNotFound;
+    case v1::ERROR_REASON_SESSION_KICKED:
+      return absl::StatusCode::kPermissionDenied;
     default:
       return absl::StatusCode::kInternal;
   }

@@ -42,7 +42,8 @@ inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 // Streams that have no session, beside those of max_sessions. The next stream is
 // RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
-inline constexpr uint32_t kScenesPerPage = 100;  // a listing gives no more scenes
+inline constexpr uint32_t kScenesPerPage = 100;    // a listing gives no more scenes
+inline constexpr uint32_t kSessionsPerPage = 100;  // a listing gives no more sessions
 // Decisions that wait for a watcher beyond this are dropped; of posteriors the latest always waits.
 inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 
@@ -105,6 +106,7 @@ struct RpcOptions {
 struct Counters {
   std::atomic<uint64_t> open_stream_count{0};   // streams that are open now
   std::atomic<uint64_t> open_watcher_count{0};  // watchers that are connected now
+  std::atomic<uint64_t> session_count{0};       // sessions in memory, connected or lost
   // Connections that were ended because they had begun far more calls than streams they may have.
   std::atomic<uint64_t> flooding_connection_count{0};
   std::atomic<uint64_t> connected_stream_count{0};  // streams that got a welcome

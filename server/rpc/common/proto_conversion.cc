@@ -159,6 +159,12 @@ void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPost
   for (const auto& posterior : posteriors) ToProto(posterior, *message.add_priors());
 }
 
+void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message) {
+  message.set_boot(stamp.boot);
+  message.set_sequence(stamp.sequence);
+  message.set_unix_ms(stamp.unix_ms);
+}
+
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_project(record.key.project);
   message.set_scene(record.key.scene);

@@ -14,7 +14,9 @@
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"
 #include "server/watch/log_histogram.h"
+#include "server/watch/watch_hub.h"
 #include "sweepstake/v1/audit.pb.h"
+#include "sweepstake/v1/events.pb.h"
 #include "sweepstake/v1/posteriors.pb.h"
 #include "sweepstake/v1/priors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
@@ -46,6 +48,7 @@ void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& messag
 // The caller sets resumed, acknowledged_sequence and prior_source_count.
 void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPosterior> posteriors,
              const RpcOptions& options, v1::Welcome& message);
+void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message);
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 

@@ -174,7 +174,8 @@ void TelemetryStream::ReportMissingEvidence(const absl::Status& status) {
 
 void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) {
   session_ = std::move(session);
-  context_.sessions.Attach(*session_, *this);
+  context_.sessions.Attach(*session_, *this,
+                           {.address = transport_.peer(), .build = hello_->build()});
   ++context_.counters.connected_stream_count;
   if (resumed) ++context_.counters.resumed_count;
   v1::StreamTelemetryResponse response;

@@ -21,18 +21,17 @@ watch::WatchHub::Loop HubLoop(DecisionLoop& loop) {
 absl::Status WatcherSet::Add(PosteriorWatcher& watcher) {
   if (draining_)
     return Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later");
-  if (watchers_.size() >= context_.options.max_watchers) {
+  if (context_.counters.open_watcher_count >= context_.options.max_watchers) {
     return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
                    "this daemon has as many watchers as it may; try again later");
   }
   watchers_.insert(&watcher);
-  context_.counters.open_watcher_count = watchers_.size();
+  ++context_.counters.open_watcher_count;
   return absl::OkStatus();
 }
 
 void WatcherSet::Remove(PosteriorWatcher& watcher) {
-  watchers_.erase(&watcher);
-  context_.counters.open_watcher_count = watchers_.size();
+  context_.counters.open_watcher_count -= watchers_.erase(&watcher);
 }
 
 bool WatcherSet::Watches(const priors::SceneKey& scene) const {
@@ -43,6 +42,7 @@ bool WatcherSet::Watches(const priors::SceneKey& scene) const {
 void WatcherSet::OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) {
   v1::WatchPosteriorsResponse response;
   *response.mutable_decision() = event;
+  ToProto(context_.watch_hub.NextStamp(), *response.mutable_stamp());
   const grpc::ByteBuffer encoded = Serialize(response);
   ForEach([&](PosteriorWatcher& watcher) {
     if (watcher.Watches(scene)) watcher.OnDecision(encoded);
@@ -71,6 +71,7 @@ grpc::ByteBuffer WatcherSet::Encode(const priors::SceneEvidence& scene) const {
   v1::WatchPosteriorsResponse response;
   ToProto(scene, *response.mutable_posterior());
   response.mutable_posterior()->set_active_session_count(context_.sessions.ActiveCount(scene.key));
+  ToProto(context_.watch_hub.NextStamp(), *response.mutable_stamp());
   return Serialize(response);
 }
 

@@ -47,7 +47,9 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
       frame_count_(progress.frame_count),
       acknowledged_sequence_(progress.message_sequence),
       switch_epoch_(setup.switch_epoch),
-      in_store_(progress.commit_sequence > 0) {}
+      in_store_(progress.commit_sequence > 0) {
+  ++context_.counters.session_count;
+}
 
 void GameSession::StartAudit() {
   const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
@@ -85,6 +87,7 @@ void GameSession::Start(const v1::Hello& hello) {
   const auto mode = FromProto(hello.mode());
   if (mode != decisions_.mode())
     decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
+  TellChange();
   if (unanswered_) link_->SendSwitch(*unanswered_);
   heard_ = true;
   ScheduleTick(decisions_.next_tick_ns());
@@ -98,6 +101,7 @@ void GameSession::Detach(SessionLink& link) {
 }
 
 void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
+  last_message_ns_ = context_.loop.clock().NowNs();
   if (request.sequence() <= applied_sequence_) {
     ++context_.counters.replayed_message_count;
     return;
@@ -142,6 +146,7 @@ void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
   context_.counters.accepted_frame_count += frames_.size();
   context_.counters.rejected_frame_count += received - frames_.size();
   context_.counters.dropped_frame_count += batch.dropped_frame_count();
+  dropped_frame_count_ += batch.dropped_frame_count();
   decisions_.ObserveFrames(frames_);
   if (measured_) Measure();
   ApplyShadows(batch);
@@ -180,6 +185,7 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
   switch_epoch_ = outcome.switch_epoch();
   decisions_.ObserveSwitch(outcome.arm(), outcome.switch_epoch(), FromProto(outcome.reason()),
                            context_.loop.clock().NowNs(), FromProto(outcome));
+  TellChange();
 }
 
 void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
@@ -206,6 +212,7 @@ void GameSession::ApplyModeChange(const v1::ModeChange& change) {
   decisions_.SetMode(FromProto(change.mode()), change.active_arm(), context_.loop.clock().NowNs());
   unanswered_.reset();
   AnswerOrder(change.order_id(), absl::OkStatus());
+  TellChange();
 }
 
 void GameSession::ApplyOrderRefusal(const v1::OrderRefusal& refusal) {
@@ -217,7 +224,7 @@ void GameSession::ApplyOrderRefusal(const v1::OrderRefusal& refusal) {
 }
 
 void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) {
-  if (link_ == nullptr || ending_ || draining_) {
+  if (link_ == nullptr || ended() || draining_) {
     return answer(Refused(v1::ERROR_REASON_GAME_AWAY,
                           "the game is not connected; try again when it has come back"));
   }
@@ -284,19 +291,19 @@ void GameSession::OnCommitted(const absl::Status& status,
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
   // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
-  if (!status.ok() && (ending_ || draining_)) return CloseLink(status);
+  if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();
 }
 
 void GameSession::CloseIfSettled() {
-  if ((ending_ || draining_) && ledger_->settled()) CloseLink(absl::OkStatus());
+  if ((ended() || draining_) && ledger_->settled()) CloseLink(absl::OkStatus());
 }
 
 void GameSession::CloseLink(const absl::Status& commit) {
   if (link_ == nullptr) return;
   LoseOrder();
   SessionLink* link = std::exchange(link_, nullptr);
-  if (!ending_)
+  if (!ended())
     return link->Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
   if (commit.ok()) return link->Close(absl::OkStatus());
   link->Close(
@@ -305,8 +312,27 @@ void GameSession::CloseLink(const absl::Status& commit) {
                            "); while the daemon runs it keeps it and tries again")));
 }
 
+void GameSession::Kick(bool may_return) {
+  if (!may_return) {
+    end_ = watch::SessionEnd::kKicked;
+    ++timer_generation_;
+    Checkpoint();
+  }
+  if (link_ == nullptr) return;
+  LoseOrder();
+  SessionLink* link = std::exchange(link_, nullptr);
+  link->Close(may_return ? Refused(v1::ERROR_REASON_CONNECTION_KICKED,
+                                   "an operator ended the connection; connect again")
+                         : Refused(v1::ERROR_REASON_SESSION_KICKED,
+                                   "an operator ended the session; do not come back"));
+}
+
+void GameSession::TellChange(watch::SessionEnd end) const {
+  context_.watch_hub.OnSession(identity_.id, {.scene = identity_.scene, .end = end});
+}
+
 void GameSession::End() {
-  ending_ = true;
+  end_ = watch::SessionEnd::kGoodbye;
   ++context_.counters.goodbye_count;
   ++timer_generation_;
   Checkpoint();

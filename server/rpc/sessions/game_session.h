@@ -70,6 +70,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
                                              priors::SourceProgress progress,
                                              std::optional<uint64_t> prior_source_count);
 
+  ~GameSession() override { --context_.counters.session_count; }
+
   // Attaches a link. The previous one, if any, is aborted.
   void Attach(SessionLink& link);
   // Called after the welcome: sends what the client may have missed, and begins to tick.
@@ -81,7 +83,14 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void Apply(const v1::StreamTelemetryRequest& request);
   // Called at the client's goodbye: closes the link once everything is on disk.
   void End();
-  bool ended() const { return ending_; }
+  // Called when somebody who runs the daemon wants its client gone: ends the stream, and the
+  // session too unless the client may return. What was sent still goes to disk.
+  void Kick(bool may_return);
+  bool ended() const { return end_ != watch::SessionEnd::kNone; }
+  // Tells those who watch sessions that this one has changed; `end` is why it is not there any
+  // more.
+  void TellChange(watch::SessionEnd end = watch::SessionEnd::kNone) const;
+  watch::SessionEnd end() const { return end_; }
   // Tells the client to reconnect after `delay_ms`, and closes the link once all pending writes are
   // done.
   void Drain(uint32_t delay_ms);
@@ -98,6 +107,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   const SessionIdentity& identity() const { return identity_; }
   const decision::DecisionSession& decisions() const { return decisions_; }
   uint64_t durable_sequence() const { return ledger_->durable_sequence(); }
+  // By the clock of the loop; absent if no message came yet.
+  std::optional<int64_t> last_message_ns() const { return last_message_ns_; }
+  uint64_t dropped_frame_count() const { return dropped_frame_count_; }
   std::optional<uint64_t> prior_source_count() const { return prior_source_count_; }
 
  private:
@@ -153,7 +165,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool heard_ = false;             // the client has sent something since the last tick
-  bool ending_ = false;
+  watch::SessionEnd end_ =
+      watch::SessionEnd::kNone;  // why the session ends; its last evidence may wait
+  std::optional<int64_t> last_message_ns_;
+  uint64_t dropped_frame_count_ = 0;  // that the client reported
   bool draining_ = false;
   // What frames have cost since the watchers were told; absent while nobody watches the scene.
   std::optional<watch::FrameHistograms> measured_;

@@ -1,6 +1,7 @@
 #include "server/rpc/sessions/session_table.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -43,11 +44,12 @@ bool SessionTable::MakeRoom() {
   return true;
 }
 
-void SessionTable::Attach(GameSession& session, SessionLink& link) {
+void SessionTable::Attach(GameSession& session, SessionLink& link, SessionClient client) {
   Entry& entry = entries_.at(session.identity().id);
   if (entry.link == nullptr) ++active_counts_[session.identity().scene];
   if (entry.lost) lost_.erase(*std::exchange(entry.lost, std::nullopt));
   entry.link = &link;
+  entry.client = std::move(client);
   session.Attach(link);
 }
 
@@ -65,9 +67,65 @@ void SessionTable::Detach(GameSession& session, SessionLink& link) {
   }
 }
 
+void SessionTable::Kick(GameSession& session, bool may_return) {
+  // Ending the stream may remove the session from the table.
+  const std::shared_ptr<GameSession> kept = session.shared_from_this();
+  session.Kick(may_return);
+  const auto found = entries_.find(session.identity().id);
+  // That of a lost one would otherwise stay until nobody may resume it any more.
+  if (!may_return && found != entries_.end() && found->second.lost) LookAt(kept->identity().id);
+}
+
+std::optional<v1::SessionInfo> SessionTable::Describe(const std::string& id) const {
+  const auto found = entries_.find(id);
+  if (found == entries_.end()) return std::nullopt;
+  return InfoOf(found->second);
+}
+
+std::vector<v1::SessionInfo> SessionTable::List(const priors::SceneFilter& filter,
+                                                const std::string& after, size_t limit) const {
+  std::vector<v1::SessionInfo> sessions;
+  for (auto next = entries_.upper_bound(after); next != entries_.end() && sessions.size() < limit;
+       ++next) {
+    const priors::SceneKey& scene = next->second.session->identity().scene;
+    if (filter.Matches(scene.project, scene.scene)) sessions.push_back(InfoOf(next->second));
+  }
+  return sessions;
+}
+
+void SessionTable::ForEach(const std::function<void(const GameSession&)>& tell) const {
+  for (const auto& [id, entry] : entries_) tell(*entry.session);
+}
+
+v1::SessionInfo SessionTable::InfoOf(const Entry& entry) const {
+  const GameSession& session = *entry.session;
+  const decision::DecisionSession& decisions = session.decisions();
+  const auto unix_ms = [&](int64_t time_ns) {
+    const int64_t age_ns = loop_.clock().NowNs() - time_ns;
+    const auto time = std::chrono::system_clock::now() - std::chrono::nanoseconds(age_ns);
+    return std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
+  };
+  v1::SessionInfo info;
+  info.set_session_id(session.identity().id);
+  info.set_project(session.identity().scene.project);
+  info.set_scene(session.identity().scene.scene);
+  info.set_build(entry.client.build);
+  info.set_client_address(entry.client.address);
+  info.set_state(session.ended()         ? v1::SESSION_STATE_ENDING
+                 : entry.link != nullptr ? v1::SESSION_STATE_CONNECTED
+                                         : v1::SESSION_STATE_LOST);
+  info.set_active_arm(session.identity().arms[decisions.active_arm()]);
+  info.set_mode(static_cast<v1::Mode>(decisions.mode()));
+  info.set_unix_start_ms(unix_ms(decisions.setup().start_ns));
+  if (session.last_message_ns()) info.set_unix_last_message_ms(unix_ms(*session.last_message_ns()));
+  info.set_dropped_frame_count(session.dropped_frame_count());
+  return info;
+}
+
 void SessionTable::Lose(Entry& entry) {
   const int64_t now_ns = loop_.clock().NowNs();
   entry.resumable_until_ns = now_ns + options_.resume_window_ns;
+  entry.session->TellChange();
   LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
               entry);
   ScheduleSweep();
@@ -112,6 +170,8 @@ void SessionTable::LookAt(const std::string& id) {
 void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
   if (found->second.lost) lost_.erase(*found->second.lost);
+  const GameSession& session = *found->second.session;
+  session.TellChange(session.ended() ? session.end() : watch::SessionEnd::kForgotten);
   entries_.erase(found);
 }
 

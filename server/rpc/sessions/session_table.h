@@ -8,17 +8,25 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "server/rpc/sessions/game_session.h"
+#include "sweepstake/v1/sessions.pb.h"
 
 namespace sweepstake::rpc {
+
+// What a session's latest connection says about its client.
+struct SessionClient {
+  std::string address;
+  std::string build;
+};
 
 class SessionTable {
  public:
@@ -31,10 +39,22 @@ class SessionTable {
   // id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
-  void Attach(GameSession& session, SessionLink& link);
+  void Attach(GameSession& session, SessionLink& link, SessionClient client);
   // Detaches the link; does nothing if the session has another one. An ended session leaves the
   // table once its evidence is on disk.
   void Detach(GameSession& session, SessionLink& link);
+
+  // Returns the session; absent if it is not in memory.
+  std::optional<v1::SessionInfo> Describe(const std::string& id) const;
+  // Returns up to `limit` matching sessions in the order of their ids, from the first one after
+  // `after` on.
+  std::vector<v1::SessionInfo> List(const priors::SceneFilter& filter, const std::string& after,
+                                    size_t limit) const;
+  // Calls `tell` with each session.
+  void ForEach(const std::function<void(const GameSession&)>& tell) const;
+  // Ends the session's stream, and the session too unless its client may return. REQUIRES: it is in
+  // memory.
+  void Kick(GameSession& session, bool may_return);
 
   // Offers the store again what it has failed to write.
   void RetryCommits();
@@ -50,10 +70,12 @@ class SessionTable {
   struct Entry {
     std::shared_ptr<GameSession> session;
     SessionLink* link = nullptr;
+    SessionClient client;            // the latest one
     std::optional<LostKey> lost;     // absent if connected or never connected
     int64_t resumable_until_ns = 0;  // end of the resume window of a lost session
   };
 
+  v1::SessionInfo InfoOf(const Entry& entry) const;
   bool MakeRoom();
   void Lose(Entry& entry);
   void LookAgainAt(int64_t due_ns, Entry& entry);
@@ -64,7 +86,7 @@ class SessionTable {
 
   const RpcOptions& options_;
   DecisionLoop& loop_;
-  std::unordered_map<std::string, Entry> entries_;
+  std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
   std::map<priors::SceneKey, uint32_t> active_counts_;
   uint64_t last_lost_number_ = 0;

@@ -41,10 +41,14 @@ void ExpectBadUsage(const std::vector<BadUsage>& cases) {
 }
 
 TEST(Commands, HelpOfEveryCommandShowsExamplesOnStdout) {
-  for (const std::string command :
-       {"run", "check", "bench", "load", "pairs", "record", "replay", "trace", "watch",
-        "experiment", "report", "audit", "audit list", "audit export", "priors", "priors list",
-        "priors export", "priors import"}) {
+  for (const std::string command : {"run",          "check",         "bench",
+                                    "load",         "pairs",         "record",
+                                    "replay",       "trace",         "watch",
+                                    "experiment",   "report",        "audit",
+                                    "audit list",   "audit export",  "priors",
+                                    "priors list",  "priors export", "priors import",
+                                    "sessions",     "sessions list", "sessions watch",
+                                    "sessions kick"}) {
     const CommandRun run = RunCommand(command + " --help");
     EXPECT_EQ(run.exit_code, kDone) << command;
     const size_t examples = run.out.find("Examples:\n");
@@ -77,6 +81,7 @@ TEST(Commands, AMissingCommandListsAll) {
   ExpectBadUsage({
       {"priors", "the commands of priors are list, export, import"},
       {"audit", "the commands of audit are list, export"},
+      {"sessions", "the commands of sessions are list, watch, kick"},
   });
   std::ostringstream out;
   std::ostringstream err;
@@ -99,6 +104,7 @@ TEST(Commands, AnUnknownOptionOrAMissingOneIsNamed) {
       {"priors import --daemon localhost:1", "--in is required"},
       {"priors export --daemon localhost:1", "--out is required"},
       {"audit export --daemon localhost:1", "--out is required"},
+      {"sessions kick --daemon localhost:1", "SESSION is required"},
   });
 }
 
@@ -146,7 +152,7 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
 TEST(Commands, ADaemonsAddressIsCheckedBeforeItIsCalled) {
   for (const std::string command :
        {"watch", "watch --json", "priors list", "priors export --out never.json", "audit list",
-        "audit export --out never.csv"}) {
+        "audit export --out never.csv", "sessions list", "sessions watch", "sessions kick ID"}) {
     ExpectBadUsage({{command + " --daemon nowhere", "nowhere"},
                     {command + " --daemon localhost:99999", "99999"}});
   }
@@ -155,7 +161,8 @@ TEST(Commands, ADaemonsAddressIsCheckedBeforeItIsCalled) {
 TEST(Commands, NobodyAtTheAddressEndsWithThreeAndSaysHowToStartADaemon) {
   for (const std::string command :
        {"watch", "watch --json", "priors list --json", "priors export --out never.json",
-        "audit list", "audit export --out never.csv"}) {
+        "audit list", "audit export --out never.csv", "sessions list", "sessions watch --json",
+        "sessions kick ID"}) {
     const CommandRun run = RunCommand(command + " --daemon 127.0.0.1:1");
     EXPECT_EQ(run.exit_code, kUnreachable) << command;
     EXPECT_EQ(run.out, "") << command;

@@ -61,12 +61,34 @@ grpc::Status FakeAudit::ExportDecisions(grpc::ServerContext*,
   return export_status.get();
 }
 
+grpc::Status FakeSessions::ListSessions(grpc::ServerContext*,
+                                        const v1::ListSessionsRequest* request,
+                                        v1::ListSessionsResponse* response) {
+  const size_t page = request->page_token().empty() ? 0 : std::stoul(request->page_token());
+  *response = pages->at(page);
+  if (page + 1 < pages->size()) response->set_next_page_token(std::to_string(page + 1));
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeSessions::WatchSessions(grpc::ServerContext*, const v1::WatchSessionsRequest*,
+                                         grpc::ServerWriter<v1::WatchSessionsResponse>* writer) {
+  for (const v1::WatchSessionsResponse& event : events.get()) writer->Write(event);
+  return grpc::Status::OK;
+}
+
+grpc::Status FakeSessions::KickSession(grpc::ServerContext*, const v1::KickSessionRequest* request,
+                                       v1::KickSessionResponse*) {
+  kick_request = *request;
+  return kick_status.get();
+}
+
 FakeDaemonServices::FakeDaemonServices() {
   grpc::ServerBuilder builder;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
   builder.RegisterService(&posteriors);
   builder.RegisterService(&priors);
   builder.RegisterService(&audit);
+  builder.RegisterService(&sessions);
   server_ = builder.BuildAndStart();
 }
 

@@ -13,6 +13,7 @@
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
 
 namespace sweepstake::test_support {
 
@@ -94,6 +95,23 @@ class FakeAudit final : public v1::AuditService::Service {
                                grpc::ServerWriter<v1::ExportDecisionsResponse>* writer) override;
 };
 
+class FakeSessions final : public v1::SessionsService::Service {
+ public:
+  Guarded<std::vector<v1::ListSessionsResponse>> pages;  // the token of page N is "N"
+  Guarded<std::vector<v1::WatchSessionsResponse>> events;
+  Guarded<v1::KickSessionRequest> kick_request;
+  Guarded<grpc::Status> kick_status;
+
+ private:
+  grpc::Status ListSessions(grpc::ServerContext*, const v1::ListSessionsRequest* request,
+                            v1::ListSessionsResponse* response) override;
+  // Ends once all is written.
+  grpc::Status WatchSessions(grpc::ServerContext*, const v1::WatchSessionsRequest* request,
+                             grpc::ServerWriter<v1::WatchSessionsResponse>* writer) override;
+  grpc::Status KickSession(grpc::ServerContext*, const v1::KickSessionRequest* request,
+                           v1::KickSessionResponse* response) override;
+};
+
 class FakeDaemonServices {
  public:
   FakeDaemonServices();
@@ -104,6 +122,7 @@ class FakeDaemonServices {
   FakePosteriors posteriors;
   FakePriors priors;
   FakeAudit audit;
+  FakeSessions sessions;
 
  private:
   int port_ = 0;

@@ -11,6 +11,7 @@
 #include "engine_client/cli/daemon/audit_transfer.h"
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
+#include "engine_client/cli/daemon/sessions_transfer.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/engine_client/cli/daemon/fake_daemon_services.h"
 #include "tests/support/temporary_directory.h"
@@ -226,6 +227,77 @@ TEST(AuditCommand, ListsTheSegmentsOfAllParts) {
   EXPECT_THAT(run.out, HasSubstr("31"));
   EXPECT_THAT(run.out, HasSubstr("lost rows"));
   EXPECT_THAT(run.out, HasSubstr("17"));
+}
+
+v1::SessionInfo Session(const std::string& id) {
+  v1::SessionInfo session;
+  session.set_session_id(id);
+  session.set_project("p");
+  session.set_scene("s");
+  session.set_build("1.2.3");
+  session.set_client_address("ipv4:10.0.0.1:5000");
+  session.set_state(v1::SESSION_STATE_CONNECTED);
+  session.set_active_arm("Grid");
+  session.set_mode(v1::MODE_AI);
+  session.set_unix_start_ms(1'700'000'000'000);
+  session.set_dropped_frame_count(17);
+  return session;
+}
+
+TEST(SessionsCommand, ListsTheSessionsOfAllPages) {
+  FakeDaemonServices daemon;
+  daemon.sessions.pages->resize(2);
+  *daemon.sessions.pages->at(0).add_sessions() = Session("one");
+  *daemon.sessions.pages->at(1).add_sessions() = Session("two");
+  const CommandRun text = RunCommand("sessions list --daemon " + daemon.address());
+  EXPECT_EQ(text.exit_code, 0);
+  for (const char* part : {"one", "two", "1.2.3", "ipv4:10.0.0.1:5000", "connected", "Grid", "ai",
+                           "2023-11-14 22:13:20", "17"}) {
+    EXPECT_THAT(text.out, HasSubstr(part));
+  }
+  const auto json =
+      nlohmann::json::parse(RunCommand("sessions list --json --daemon " + daemon.address()).out);
+  ASSERT_EQ(json["sessions"].size(), 2U);
+  EXPECT_EQ(json["sessions"][1]["session_id"], "two");
+  EXPECT_EQ(json["sessions"][1]["state"], "connected");
+  EXPECT_TRUE(json["sessions"][1]["unix_last_message_ms"].is_null());
+}
+
+TEST(SessionsCommand, WatchesUntilTheDaemonEndsIt) {
+  FakeDaemonServices daemon;
+  daemon.sessions.events->resize(2);
+  *daemon.sessions.events->at(0).mutable_session() = Session("one");
+  daemon.sessions.events->at(0).mutable_stamp()->set_boot(~0ull);
+  daemon.sessions.events->at(0).mutable_stamp()->set_sequence(5);
+  v1::SessionEnded& ended = *daemon.sessions.events->at(1).mutable_ended();
+  ended.set_session_id("one");
+  ended.set_end(v1::SESSION_END_KICKED);
+  const CommandRun text = RunCommand("sessions watch --daemon " + daemon.address());
+  EXPECT_EQ(text.exit_code, 3) << "the daemon ended it";
+  EXPECT_THAT(text.out, HasSubstr("one of p/s: connected, Grid, ai\n"));
+  EXPECT_THAT(text.out, HasSubstr("one ended: kicked\n"));
+  std::istringstream lines(RunCommand("sessions watch --json --daemon " + daemon.address()).out);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(nlohmann::json::parse(line)["event"], "18446744073709551615:5");
+  EXPECT_EQ(nlohmann::json::parse(line)["session"]["session_id"], "one");
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(nlohmann::json::parse(line)["ended"]["end"], "kicked");
+}
+
+TEST(SessionsCommand, KicksAndSaysWhyNot) {
+  FakeDaemonServices daemon;
+  CommandRun run = RunCommand("sessions kick one --may-return --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.out, "one is disconnected and may return\n");
+  EXPECT_EQ(daemon.sessions.kick_request.get().session_id(), "one");
+  EXPECT_TRUE(daemon.sessions.kick_request.get().may_return());
+  daemon.sessions.kick_status =
+      grpc::Status(grpc::StatusCode::NOT_FOUND, "there is no such session");
+  EXPECT_EQ(KickSession({daemon.address()}, "two", false).code(), StatusCode::kNotFound);
+  run = RunCommand("sessions kick two --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("there is no such session"));
 }
 
 TEST(AuditCommand, SaysWhenThereIsNoLog) {

@@ -25,6 +25,7 @@ v1::WatchPosteriorsResponse ShownDecision(uint64_t id) {
   event.mutable_decision()->set_scene("arena");
   event.mutable_decision()->set_decision_id(id);
   event.mutable_decision()->set_active_arm("SAP");
+  event.mutable_stamp()->set_unix_ms(1'700'000'000'000);
   return event;
 }
 
@@ -34,7 +35,7 @@ TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
   screen.Show(PosteriorOf("arena", 1));
   screen.Show(ShownDecision(5));
   EXPECT_THAT(out.str(), StartsWith("p / arena"));
-  EXPECT_THAT(out.str(), HasSubstr("arena: decision 5, SAP"));
+  EXPECT_THAT(out.str(), HasSubstr("2023-11-14 22:13:20 arena: decision 5, SAP"));
   EXPECT_THAT(out.str(), Not(HasSubstr("\x1b")));
   out.str("");
   screen.Show(PosteriorOf("desert", 1));

@@ -1,0 +1,58 @@
+#include "engine_client/cli/daemon/sessions_transfer.h"
+
+#include <utility>
+
+#include "engine_client/cli/daemon/daemon_client.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
+
+namespace sweepstake::cli {
+
+Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
+                                                  const std::string& project,
+                                                  const std::string& scene) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  const auto stub = v1::SessionsService::NewStub(*channel);
+  std::vector<v1::SessionInfo> sessions;
+  v1::ListSessionsRequest request;
+  request.set_project(project);
+  request.set_scene(scene);
+  do {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    v1::ListSessionsResponse page;
+    const Status status = ToStatus(stub->ListSessions(&context, request, &page), daemon);
+    if (!status.ok()) return status;
+    for (v1::SessionInfo& each : *page.mutable_sessions()) sessions.push_back(std::move(each));
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  return sessions;
+}
+
+Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
+                     const std::string& scene, const std::function<bool()>& is_stopped,
+                     const std::function<void(const v1::WatchSessionsResponse&)>& on_event) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  const auto stub = v1::SessionsService::NewStub(*channel);
+  v1::WatchSessionsRequest request;
+  request.set_project(project);
+  request.set_scene(scene);
+  grpc::ClientContext context;
+  return ReadEvents(context, *stub->WatchSessions(&context, request), daemon, is_stopped, on_event);
+}
+
+Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  v1::KickSessionRequest request;
+  request.set_session_id(session_id);
+  request.set_may_return(may_return);
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::KickSessionResponse response;
+  const auto stub = v1::SessionsService::NewStub(*channel);
+  return ToStatus(stub->KickSession(&context, request, &response), daemon);
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,28 @@
+// Reads and ends the sessions of a daemon through the SessionsService.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine_client/cli/daemon/daemon_options.h"
+#include "sweepstake/status.h"
+#include "sweepstake/v1/sessions.pb.h"
+
+namespace sweepstake::cli {
+
+// Returns the sessions in a daemon's memory, ordered by id. An empty `project` or `scene` selects
+// all. Error: kUnavailable (no daemon answered).
+Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
+                                                  const std::string& project,
+                                                  const std::string& scene);
+
+// As WatchPosteriors does, for the sessions.
+Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
+                     const std::string& scene, const std::function<bool()>& is_stopped,
+                     const std::function<void(const v1::WatchSessionsResponse&)>& on_event);
+
+// Ends a session's stream, and the session too unless its client may return. Error: kNotFound.
+Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return);
+
+}  // namespace sweepstake::cli

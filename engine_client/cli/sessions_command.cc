@@ -1,0 +1,196 @@
+// `sweepstake sessions list|watch|kick`: which games a daemon serves, and how to end one.
+#include <nlohmann/json.hpp>
+
+#include "engine_client/cli/commands.h"
+#include "engine_client/cli/daemon/sessions_transfer.h"
+#include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/stop_signal.h"
+#include "engine_client/cli/io/text_table.h"
+
+namespace sweepstake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SessionsOptions {
+  DaemonOptions daemon;
+  std::string project;
+  std::string scene;
+  std::string session_id;
+  bool may_return = false;
+  bool json = false;
+};
+
+std::string StateText(v1::SessionState state) {
+  switch (state) {
+    case v1::SESSION_STATE_CONNECTED:
+      return "connected";
+    case v1::SESSION_STATE_LOST:
+      return "lost";
+    case v1::SESSION_STATE_ENDING:
+      return "ending";
+    default:
+      return "unknown";
+  }
+}
+
+std::string EndText(v1::SessionEnd end) {
+  switch (end) {
+    case v1::SESSION_END_GOODBYE:
+      return "goodbye";
+    case v1::SESSION_END_KICKED:
+      return "kicked";
+    case v1::SESSION_END_FORGOTTEN:
+      return "forgotten";
+    default:
+      return "unknown";
+  }
+}
+
+std::string ModeText(v1::Mode mode) { return mode == v1::MODE_AI ? "ai" : "manual"; }
+
+Json SessionJson(const v1::SessionInfo& session) {
+  const bool heard = session.unix_last_message_ms() > 0;
+  return {{"session_id", session.session_id()},
+          {"project", session.project()},
+          {"scene", session.scene()},
+          {"build", session.build()},
+          {"client_address", session.client_address()},
+          {"state", StateText(session.state())},
+          {"active_arm", session.active_arm()},
+          {"mode", ModeText(session.mode())},
+          {"unix_start_ms", session.unix_start_ms()},
+          {"unix_last_message_ms", heard ? Json(session.unix_last_message_ms()) : Json()},
+          {"dropped_frames", session.dropped_frame_count()}};
+}
+
+std::string SessionsText(const std::vector<v1::SessionInfo>& sessions) {
+  if (sessions.empty()) return "The daemon has no sessions of this\n";
+  TextTable table({"session", "project", "scene", "build", "client", "state", "arm", "mode",
+                   "began (UTC)", "last message (UTC)", "dropped frames"});
+  for (const v1::SessionInfo& session : sessions) {
+    const int64_t last_ms = session.unix_last_message_ms();
+    table.AddRow({session.session_id(), session.project(), session.scene(), session.build(),
+                  session.client_address(), StateText(session.state()), session.active_arm(),
+                  ModeText(session.mode()), UtcText(session.unix_start_ms()),
+                  last_ms > 0 ? UtcText(last_ms) : "",
+                  std::to_string(session.dropped_frame_count())});
+  }
+  return table.Text();
+}
+
+Json EventJson(const v1::WatchSessionsResponse& event) {
+  // BOOT:SEQUENCE names the event; a number of JSON could not hold all of a boot's digits.
+  Json json = {{"event", std::to_string(event.stamp().boot()) + ":" +
+                             std::to_string(event.stamp().sequence())},
+               {"unix_ms", event.stamp().unix_ms()}};
+  if (event.has_ended()) {
+    json["ended"] = {{"session_id", event.ended().session_id()},
+                     {"end", EndText(event.ended().end())}};
+  } else {
+    json["session"] = SessionJson(event.session());
+  }
+  return json;
+}
+
+std::string EventText(const v1::WatchSessionsResponse& event) {
+  const std::string time = UtcText(event.stamp().unix_ms()) + " ";
+  if (event.has_ended())
+    return time + event.ended().session_id() + " ended: " + EndText(event.ended().end()) + "\n";
+  const v1::SessionInfo& session = event.session();
+  return time + session.session_id() + " of " + session.project() + "/" + session.scene() + ": " +
+         StateText(session.state()) + ", " + session.active_arm() + ", " +
+         ModeText(session.mode()) + "\n";
+}
+
+int RunList(const SessionsOptions& options, Terminal& terminal) {
+  const auto sessions = ListSessions(options.daemon, options.project, options.scene);
+  if (!sessions.ok()) return Fail(terminal, sessions.status());
+  Json list = Json::array();
+  for (const v1::SessionInfo& session : *sessions) list.push_back(SessionJson(session));
+  PrintResult(terminal, options.json,
+              {{"command", "sessions list"},
+               {"daemon", options.daemon.address},
+               {"sessions", std::move(list)}},
+              SessionsText(*sessions));
+  return kDone;
+}
+
+int RunWatch(const SessionsOptions& options, Terminal& terminal) {
+  InstallStopSignal();
+  const Status status = WatchSessions(options.daemon, options.project, options.scene, StopRequested,
+                                      [&](const v1::WatchSessionsResponse& event) {
+                                        PrintResult(terminal, options.json, EventJson(event),
+                                                    EventText(event), /*indent=*/-1);
+                                        terminal.out.flush();
+                                      });
+  return status.ok() ? kDone : Fail(terminal, status);
+}
+
+int RunKick(const SessionsOptions& options, Terminal& terminal) {
+  const Status status = KickSession(options.daemon, options.session_id, options.may_return);
+  if (!status.ok()) return Fail(terminal, status);
+  PrintResult(terminal, options.json,
+              {{"command", "sessions kick"},
+               {"session_id", options.session_id},
+               {"may_return", options.may_return}},
+              options.session_id +
+                  (options.may_return ? " is disconnected and may return\n" : " has ended\n"));
+  return kDone;
+}
+
+void DeclareSelection(CLI::App& command, SessionsOptions& options) {
+  AddDaemonOptions(command, options.daemon);
+  command.add_option("--project", options.project, "Only this project");
+  command.add_option("--scene", options.scene, "Only this scene");
+}
+
+void DeclareKick(CLI::App& command, SessionsOptions& options) {
+  AddDaemonOptions(command, options.daemon);
+  command.add_option("SESSION", options.session_id, "The session's id, as `list` shows it")
+      ->required();
+  command.add_flag("--may-return", options.may_return,
+                   "End only the connection: the client comes back and the session goes on");
+  AddJsonFlag(command, options.json);
+}
+
+}  // namespace
+
+void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
+  CLI::App* sessions = app.add_subcommand("sessions", "List, watch and end a daemon's sessions");
+  sessions->require_subcommand(1);
+  sessions->footer(
+      "Examples:\n"
+      "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
+      "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n"
+      "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID");
+  AddCommand<SessionsOptions>(
+      *sessions, "list", "Show which games the daemon serves, and those that may come back",
+      "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
+      "  sweepstake sessions list --daemon 127.0.0.1:7433 --scene hurricane-3000 --json\n",
+      exit_code,
+      [](CLI::App& command, SessionsOptions& options) {
+        DeclareSelection(command, options);
+        AddJsonFlag(command, options.json);
+      },
+      [&terminal](const SessionsOptions& options) { return RunList(options, terminal); });
+  AddCommand<SessionsOptions>(
+      *sessions, "watch", "Show the sessions, and what becomes of them, until Ctrl-C",
+      "  sweepstake sessions watch --daemon 127.0.0.1:7433\n"
+      "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n",
+      exit_code,
+      [](CLI::App& command, SessionsOptions& options) {
+        DeclareSelection(command, options);
+        command.add_flag("--json", options.json, "A JSON document per line and event");
+      },
+      [&terminal](const SessionsOptions& options) { return RunWatch(options, terminal); });
+  AddCommand<SessionsOptions>(
+      *sessions, "kick", "End a session; what it sent stays",
+      "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
+      "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID --may-return\n",
+      exit_code, DeclareKick,
+      [&terminal](const SessionsOptions& options) { return RunKick(options, terminal); });
+}
+
+}  // namespace sweepstake::cli

@@ -1,0 +1,89 @@
+#include "server/rpc/services/sessions_service.h"
+
+#include <spdlog/logger.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "server/rpc/common/error_reasons.h"
+#include "server/rpc/services/session_watcher.h"
+#include "server/rpc/sessions/session_table.h"
+
+namespace sweepstake::rpc {
+
+grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerContext* call,
+                                                        const v1::ListSessionsRequest* request,
+                                                        v1::ListSessionsResponse* response) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  const uint32_t limit = request->page_size() == 0
+                             ? kSessionsPerPage
+                             : std::min(request->page_size(), kSessionsPerPage);
+  context_.loop.Post([this, reactor, response, limit, after = request->page_token(),
+                      filter = priors::SceneFilter{request->project(), request->scene()}] {
+    for (v1::SessionInfo& session : context_.sessions.List(filter, after, limit)) {
+      *response->add_sessions() = std::move(session);
+    }
+    if (response->sessions_size() == static_cast<int>(limit))
+      response->set_next_page_token(response->sessions().rbegin()->session_id());
+    reactor->Finish(grpc::Status::OK);
+  });
+  return reactor;
+}
+
+grpc::ServerWriteReactor<v1::WatchSessionsResponse>* SessionsService::WatchSessions(
+    grpc::CallbackServerContext* call, const v1::WatchSessionsRequest* request) {
+  return SessionWatcher::Start(context_, *this, *call, {request->project(), request->scene()});
+}
+
+grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerContext* call,
+                                                       const v1::KickSessionRequest* request,
+                                                       v1::KickSessionResponse* /*response*/) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  context_.loop.Post([this, reactor, who = call->peer(), id = request->session_id(),
+                      may_return = request->may_return()] {
+    const std::shared_ptr<GameSession> session = context_.sessions.Find(id);
+    absl::Status status;
+    if (session == nullptr || session->ended()) {
+      status = Refused(v1::ERROR_REASON_UNKNOWN_SESSION,
+                       "there is no such session in memory; list those that there are");
+    } else {
+      context_.sessions.Kick(*session, may_return);
+      context_.log.warn("{} kicked session {} of {}/{}, which {}", who, id,
+                        session->identity().scene.project, session->identity().scene.scene,
+                        may_return ? "may return" : "has ended");
+    }
+    reactor->Finish(ToGrpc(status, context_.counters));
+  });
+  return reactor;
+}
+
+void SessionsService::OnSessions(const watch::SessionChanges& changes) {
+  for (auto next = watchers_.begin(); next != watchers_.end();) (*next++)->OnSessions(changes);
+}
+
+absl::Status SessionsService::Add(SessionWatcher& watcher) {
+  if (draining_)
+    return Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later");
+  if (context_.counters.open_watcher_count >= context_.options.max_watchers) {
+    return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
+                   "this daemon has as many watchers as it may; try again later");
+  }
+  watchers_.insert(&watcher);
+  ++context_.counters.open_watcher_count;
+  return absl::OkStatus();
+}
+
+void SessionsService::Remove(SessionWatcher& watcher) {
+  context_.counters.open_watcher_count -= watchers_.erase(&watcher);
+}
+
+void SessionsService::Drain() {
+  draining_ = true;
+  for (auto next = watchers_.begin(); next != watchers_.end();) {
+    (*next++)->Close(
+        Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later"));
+  }
+}
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,251 @@
+// SessionsService: who is connected, what becomes of the sessions, and how one is ended.
+#include <spdlog/sinks/ostream_sink.h>
+
+#include <sstream>
+
+#include "sweepstake/v1/sessions.grpc.pb.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SessionsTest : public RpcTest {
+ protected:
+  void SetUp() override {
+    RpcTest::SetUp();
+    sessions_ = v1::SessionsService::NewStub(channel_);
+  }
+
+  v1::ListSessionsResponse List(const v1::ListSessionsRequest& request = {}) {
+    grpc::ClientContext context;
+    v1::ListSessionsResponse response;
+    EXPECT_TRUE(sessions_->ListSessions(&context, request, &response).ok());
+    return response;
+  }
+  grpc::Status Kick(const std::string& session_id, bool may_return) {
+    v1::KickSessionRequest request;
+    request.set_session_id(session_id);
+    request.set_may_return(may_return);
+    grpc::ClientContext context;
+    v1::KickSessionResponse response;
+    return sessions_->KickSession(&context, request, &response);
+  }
+
+  // Waits until what a kicked session sent is on disk, and lets the time pass after which it then
+  // leaves memory.
+  [[nodiscard]] bool Leaves(uint64_t count) {
+    if (!Eventually([&] { return server_->counters().stored_commit_count >= 1; })) return false;
+    clock_.Advance(2 * kSecondNs);
+    return Eventually([&] { return server_->counters().session_count == count; });
+  }
+  // Makes the tick at which watchers are told. What has happened before is told then.
+  void TellWatchers() {
+    List();
+    clock_.Advance(watch::WatchHub::kIntervalNs);
+  }
+
+  std::unique_ptr<v1::SessionsService::Stub> sessions_;
+};
+
+// One who watches sessions.
+class SessionsWatch {
+ public:
+  SessionsWatch(v1::SessionsService::Stub& stub, const v1::WatchSessionsRequest& request = {})
+      : reader_(stub.WatchSessions(&context_, request)) {}
+  ~SessionsWatch() { context_.TryCancel(); }
+
+  v1::WatchSessionsResponse Next() {
+    v1::WatchSessionsResponse event;
+    EXPECT_TRUE(reader_->Read(&event));
+    return event;
+  }
+  grpc::Status Finish() {
+    v1::WatchSessionsResponse event;
+    while (reader_->Read(&event)) {
+    }
+    return reader_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<v1::WatchSessionsResponse>> reader_;
+};
+
+TEST_F(SessionsTest, ListsWhatIsKnownOfEach) {
+  v1::Hello hello = HelloMessage();
+  hello.set_build("1.2.3");
+  hello.set_active_arm(1);
+  TelemetryClient client(channel_);
+  const v1::Welcome welcome = client.Open(hello);
+  v1::StreamTelemetryRequest frames = Frames(1, 30);
+  frames.mutable_frame_batch()->set_dropped_frame_count(7);
+  EXPECT_EQ(List().sessions(0).unix_last_message_ms(), 0);
+  client.Send(frames);
+  ASSERT_TRUE(Applied(1));
+  const v1::ListSessionsResponse response = List();
+  ASSERT_EQ(response.sessions_size(), 1);
+  const v1::SessionInfo& session = response.sessions(0);
+  EXPECT_EQ(session.session_id(), welcome.session_id());
+  EXPECT_EQ(session.project(), "game");
+  EXPECT_EQ(session.scene(), "harbour");
+  EXPECT_EQ(session.build(), "1.2.3");
+  EXPECT_THAT(session.client_address(), HasSubstr("127.0.0.1"));
+  EXPECT_EQ(session.state(), v1::SESSION_STATE_CONNECTED);
+  EXPECT_EQ(session.active_arm(), "SAP");
+  EXPECT_EQ(session.mode(), v1::MODE_AI);
+  EXPECT_GT(session.unix_start_ms(), 0);
+  EXPECT_GE(session.unix_last_message_ms(), session.unix_start_ms());
+  EXPECT_EQ(session.dropped_frame_count(), 7u);
+  EXPECT_EQ(server_->counters().session_count, 1u);
+  EXPECT_EQ(response.DebugString().find(welcome.resume_token()), std::string::npos);
+}
+
+TEST_F(SessionsTest, PagesAreInOrderAndMayBeOfOneScene) {
+  std::vector<std::unique_ptr<TelemetryClient>> clients;
+  std::set<std::string> ids;
+  for (int i = 0; i < 5; ++i) {
+    clients.push_back(std::make_unique<TelemetryClient>(channel_));
+    v1::Hello hello = HelloMessage();
+    if (i == 4) hello.set_scene("elsewhere");
+    const std::string id = clients.back()->Open(hello).session_id();
+    if (i < 4) ids.insert(id);
+  }
+  v1::ListSessionsRequest request;
+  request.set_scene("harbour");
+  request.set_page_size(3);
+  std::vector<std::string> listed;
+  do {
+    const v1::ListSessionsResponse page = List(request);
+    for (const v1::SessionInfo& session : page.sessions()) listed.push_back(session.session_id());
+    request.set_page_token(page.next_page_token());
+  } while (!request.page_token().empty());
+  EXPECT_EQ(listed, std::vector<std::string>(ids.begin(), ids.end()));
+}
+
+TEST_F(SessionsTest, AKickedOneHasEndedAndWhatItSentIsOnDisk) {
+  v1::Hello hello = HelloMessage();
+  TelemetryClient client(channel_);
+  Resume(hello, client.Open(hello));
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  EXPECT_TRUE(Kick(hello.session_id(), /*may_return=*/false).ok());
+  const grpc::Status status = client.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_SESSION_KICKED);
+  ASSERT_TRUE(Leaves(0));
+  EXPECT_EQ(List().sessions_size(), 0);
+  EXPECT_GE(server_->counters().stored_commit_count, 1u);
+  EXPECT_EQ(ReasonOf(Kick(hello.session_id(), false)), v1::ERROR_REASON_UNKNOWN_SESSION);
+}
+
+TEST_F(SessionsTest, OneThatMayReturnGoesOn) {
+  v1::Hello hello = HelloMessage();
+  TelemetryClient client(channel_);
+  Resume(hello, client.Open(hello));
+  EXPECT_TRUE(Kick(hello.session_id(), /*may_return=*/true).ok());
+  const grpc::Status status = client.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNAVAILABLE);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_CONNECTION_KICKED);
+  EXPECT_EQ(List().sessions(0).state(), v1::SESSION_STATE_LOST);
+  TelemetryClient second(channel_);
+  EXPECT_TRUE(second.Open(hello).resumed());
+  EXPECT_EQ(List().sessions(0).state(), v1::SESSION_STATE_CONNECTED);
+}
+
+TEST_F(SessionsTest, ALostOneThatIsKickedCannotBeResumed) {
+  v1::Hello hello = HelloMessage();
+  {
+    TelemetryClient client(channel_);
+    Resume(hello, client.Open(hello));
+  }
+  ASSERT_TRUE(Eventually([&] { return List().sessions(0).state() == v1::SESSION_STATE_LOST; }));
+  EXPECT_TRUE(Kick(hello.session_id(), /*may_return=*/false).ok());
+  EXPECT_EQ(List().sessions_size(), 0);
+  TelemetryClient second(channel_);
+  EXPECT_FALSE(second.Open(hello).resumed());
+}
+
+TEST_F(SessionsTest, AKickIsToldInTheLogWithWhoDidIt) {
+  const auto text = std::make_shared<std::ostringstream>();
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(*text));
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(HelloMessage()).session_id();
+  EXPECT_TRUE(Kick(id, false).ok());
+  EXPECT_THAT(text->str(), HasSubstr("127.0.0.1"));
+  EXPECT_THAT(text->str(), HasSubstr("kicked session " + id + " of game/harbour"));
+  log_.sinks().clear();
+}
+
+TEST_F(SessionsTest, AWatcherSeesWhatThereIsAndThenWhatChanges) {
+  TelemetryClient before(channel_);
+  const std::string first = before.Open(HelloMessage()).session_id();
+  SessionsWatch watch(*sessions_);
+  const v1::WatchSessionsResponse now = watch.Next();
+  EXPECT_EQ(now.session().session_id(), first);
+  TelemetryClient client(channel_);
+  const std::string second = client.Open(HelloMessage()).session_id();
+  TellWatchers();
+  const v1::WatchSessionsResponse began = watch.Next();
+  EXPECT_EQ(began.session().session_id(), second);
+  EXPECT_EQ(began.session().state(), v1::SESSION_STATE_CONNECTED);
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  ASSERT_TRUE(Eventually([&] { return server_->counters().session_count == 1; }));
+  TellWatchers();
+  const v1::WatchSessionsResponse ended = watch.Next();
+  EXPECT_EQ(ended.ended().session_id(), second);
+  EXPECT_EQ(ended.ended().end(), v1::SESSION_END_GOODBYE);
+  EXPECT_EQ(now.stamp().boot(), ended.stamp().boot());
+  EXPECT_LT(now.stamp().sequence(), began.stamp().sequence());
+  EXPECT_LT(began.stamp().sequence(), ended.stamp().sequence());
+  EXPECT_GT(ended.stamp().unix_ms(), 0);
+}
+
+TEST_F(SessionsTest, AWatcherIsToldOnceAndOnlyOfItsScene) {
+  v1::WatchSessionsRequest request;
+  request.set_scene("harbour");
+  SessionsWatch watch(*sessions_, request);
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
+  v1::Hello elsewhere = HelloMessage();
+  elsewhere.set_scene("elsewhere");
+  TelemetryClient other(channel_);
+  other.Open(elsewhere);
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(HelloMessage()).session_id();
+  v1::StreamTelemetryRequest manual;
+  manual.set_sequence(1);
+  manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
+  client.Send(manual);
+  ASSERT_TRUE(Applied(1));
+  TellWatchers();
+  const v1::SessionInfo session = watch.Next().session();
+  EXPECT_EQ(session.session_id(), id);
+  EXPECT_EQ(session.mode(), v1::MODE_MANUAL);
+  EXPECT_TRUE(Kick(id, false).ok());
+  ASSERT_TRUE(Leaves(1));
+  TellWatchers();
+  EXPECT_EQ(watch.Next().session().state(), v1::SESSION_STATE_ENDING);
+  const v1::SessionEnded ended = watch.Next().ended();
+  EXPECT_EQ(ended.session_id(), id);
+  EXPECT_EQ(ended.end(), v1::SESSION_END_KICKED);
+}
+
+class FewWatchersTest : public SessionsTest {
+ protected:
+  FewWatchersTest() { options_.max_watchers = 1; }
+};
+
+TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
+  SessionsWatch watch(*sessions_);
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
+  SessionsWatch second(*sessions_);
+  EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_TOO_MANY_WATCHERS);
+  server_->Drain(std::chrono::seconds(10));
+  EXPECT_EQ(ReasonOf(watch.Finish()), v1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(server_->counters().open_watcher_count, 0u);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
