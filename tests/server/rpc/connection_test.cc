@@ -83,8 +83,13 @@ TEST_F(ConnectionTest, BeyondItsStreamsTheNextWaitsUntilOneEnds) {
   }
   auto welcome = std::async(std::launch::async,
                             [this] { return TelemetryClient(channel_).Open(HelloMessage()); });
-  clients[0]->Send(Frames(1, 30));
-  EXPECT_TRUE(Applied(1));
+  // Long enough for a welcome, on most machines, if it did not wait.
+  for (uint64_t sequence = 1; sequence <= 100; ++sequence) {
+    clients[0]->Send(Frames(sequence, 30));
+    ASSERT_TRUE(Applied(sequence));
+    Tick();
+    clients[0]->AwaitAcknowledgement(sequence);
+  }
   EXPECT_EQ(server_->counters().connected_stream_count, 3u);
   clients.pop_back();
   EXPECT_FALSE(welcome.get().session_id().empty());
