@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake::server {
 namespace {
@@ -21,14 +21,8 @@ absl::Status Expected(absl::string_view what) {
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += {'\\', c};
-    } else if (byte < 0x20 || byte == 0x7f) {
-      quoted += absl::StrFormat("\\u%04X", byte);
-    } else {
-      quoted += c;
-    }
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
   }
   return quoted + "\"";
 }
@@ -37,6 +31,7 @@ template <typename Field>
 Setting Text(std::string key, Field field, std::string help) {
   return {std::move(key), std::move(help),
           [field](Config& config, const std::string& value) {
+            if (!math::IsLine(value)) return Expected("UTF-8 without control characters");
             field(config) = value;
             return absl::OkStatus();
           },

@@ -42,7 +42,7 @@ for preset in "${presets[@]}"; do forget_passed "$preset"; done
 
 # With the libraries that `sweepstake bench --peers` compares with, the browser that the reports are tested in, the
 # Prometheus that reads the daemon's metrics, and the HAProxy that stands before it.
-deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy
+deploy/install_packages.sh libbullet-dev libfcl-dev libode-dev libembree-dev libcgal-dev chromium prometheus haproxy clang libclang-rt-dev llvm
 for folder in tests/proto server/dashboard; do
   (cd "$folder" && npm ci --no-audit --no-fund --silent) || {
     echo "npm could not install what $folder/package-lock.json lists." >&2

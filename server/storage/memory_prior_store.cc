@@ -25,6 +25,13 @@ SceneKey SceneOf(const EvidenceKey& key) {
   return {key.project, key.scene, key.machine_class, key.reward_version};
 }
 
+// Counts do not grow beyond what a store may have.
+void Add(Evidence& sum, const Evidence& part) {
+  sum += part;
+  sum.window_count = std::min(sum.window_count, kMaxCount);
+  sum.bail_out_count = std::min(sum.bail_out_count, kMaxCount);
+}
+
 }  // namespace
 
 uint64_t MemoryAuditLog::Append(const priors::SourceUpdate& update) {
@@ -148,7 +155,7 @@ absl::StatusOr<priors::PriorSums> MemoryPriorStore::LoadPriors(std::span<const E
     priors::PriorSum& sum = result.sums.emplace_back();
     const auto found = evidence_.find(key);
     if (found == evidence_.end()) continue;
-    for (const auto& [source_id, entry] : found->second) sum.evidence += entry.evidence;
+    for (const auto& [source_id, entry] : found->second) Add(sum.evidence, entry.evidence);
     sum.source_count = found->second.size();
     scenes.insert(SceneOf(key));
   }
@@ -181,7 +188,7 @@ SceneEvidence MemoryPriorStore::Sum(const SceneKey& key) const {
     if (SceneOf(evidence_key) != key) continue;
     Evidence& sum = arms[{evidence_key.arm, evidence_key.backend_version}];
     for (const auto& [source_id, entry] : entries) {
-      sum += entry.evidence;
+      Add(sum, entry.evidence);
       sources.insert(source_id);
     }
   }

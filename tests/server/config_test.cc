@@ -97,6 +97,12 @@ TEST_F(ConfigTest, VariablesThatKubernetesMakesAreNotTakenForOurs) {
               HasSubstr("SWEEPSTAKE_PORT_FILE"));
 }
 
+TEST_F(ConfigTest, TextThatNoFileCouldHaveIsAnError) {
+  Config config;
+  const absl::Status status = Assign({{"data", "\xff"}}, "environment", config);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("expected UTF-8"));
+}
+
 TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {
   EXPECT_THAT(Error("[decision]\ncooldown_ms = -1\n"), HasSubstr("expected a whole number from 0"));
   EXPECT_THAT(Error("[decision]\ncooldown_ms = 1.5\n"),
@@ -105,6 +111,7 @@ TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {
   EXPECT_THAT(Error("[decision]\nweight_fps = 0.9\n"), HasSubstr("sum to"));
   EXPECT_THAT(Error("[decision]\npolicy = 'dice'\n"), HasSubstr("paper"));
   EXPECT_THAT(Error("[decision]\nexplore = 1\n"), HasSubstr("expected true or false"));
+  EXPECT_THAT(Error("data = \"a\\u0007b\"\n"), HasSubstr("expected UTF-8 without control"));
   EXPECT_THAT(Error("max_time_scale = 0\n"), HasSubstr("expected a whole number from 1 to 1000"));
   EXPECT_THAT(Error("max_time_scale = 1001\n"), HasSubstr("from 1 to 1000"));
   EXPECT_THAT(Error("log_level = 'loud'\n"), HasSubstr("trace, debug, info"));

@@ -63,8 +63,9 @@ bool TakeCharacter(std::string_view& text) {
 
 bool IsName(std::string_view text) { return !text.empty() && IsOptionalName(text); }
 
-bool IsOptionalName(std::string_view text) {
-  if (text.size() > kMaxNameBytes) return false;
+bool IsOptionalName(std::string_view text) { return text.size() <= kMaxNameBytes && IsLine(text); }
+
+bool IsLine(std::string_view text) {
   while (!text.empty()) {
     if (!TakeCharacter(text)) return false;
   }

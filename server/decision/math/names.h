@@ -18,6 +18,9 @@ bool IsName(std::string_view text);
 // Returns whether the text is empty or a name.
 bool IsOptionalName(std::string_view text);
 
+// Returns whether the text is UTF-8 without control characters, of any length.
+bool IsLine(std::string_view text);
+
 // Returns `text` for use in a one-line message: each byte that is not printable ASCII becomes '?',
 // and only the first 200 bytes are kept.
 std::string PrintableLine(std::string_view text);

@@ -1,0 +1,138 @@
+// A database of any bytes: opened, read and written, or refused. The bytes are the file itself, or
+// changes to a valid one, since few others come past SQLite's own checks.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/storage/record_limits.h"
+#include "server/storage/sqlite_backup.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "tests/fuzz/input.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using fuzz::Input;
+using fuzz::Require;
+using priors::PriorRecord;
+using priors::PriorStore;
+using priors::SourceUpdate;
+
+constexpr uint32_t kPage = 100;
+
+SourceUpdate Update(const std::string& source, uint64_t sequence) {
+  SourceUpdate update;
+  update.progress.source_id = source;
+  update.progress.commit_sequence = sequence;
+  update.progress.message_sequence = sequence;
+  update.unix_time_s = 1'700'000'000;
+  for (const char* arm : {"Grid", "KDTree", "SAP"}) {
+    priors::KeyedEvidence increment{{"game", "harbour", "", arm, 1, "desktop", 1}, {}};
+    increment.evidence = {1.5, 2.5, 3, 1};
+    update.increments.push_back(increment);
+  }
+  update.audit.project = "game";
+  update.audit.scene = "harbour";
+  update.audit.rows = {{sequence, "a row"}};
+  return update;
+}
+
+fs::path Folder() {
+  static const test_support::TemporaryDirectory kFolder;
+  return kFolder.path();
+}
+
+void RemoveDatabase() {
+  for (const auto& entry : fs::directory_iterator(Folder())) fs::remove(entry.path());
+}
+
+// The bytes of a database with something in every table.
+std::string ValidDatabase() {
+  const fs::path path = Folder() / "priors.db";
+  {
+    auto store = OpenSqlitePriorStore(path);
+    Require(store.ok(), "a store can be made");
+    Require((*store)->Commit(std::vector{Update("a", 1), Update("b", 1)}).ok(), "committed");
+    const PriorRecord imported{Update("", 1).increments[0].key, "c", 1, {1, 1, 1, 0}};
+    Require((*store)->Import({&imported, 1}).ok(), "imported");
+    Require((*store)->Revoke("b").ok(), "revoked");
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(file), {});
+  file.close();
+  RemoveDatabase();
+  return bytes;
+}
+
+// Writes pieces over the bytes, cuts them off, or appends to them.
+std::string Changed(std::string bytes, Input input) {
+  while (!input.empty()) {
+    const uint8_t change = input.Byte();
+    const size_t offset = (input.TwoBytes() << 4 | change % 16) % (bytes.size() + 1);
+    const std::string_view piece = input.Piece();
+    if (change >= 0xf0) {
+      bytes.resize(offset);
+      bytes.append(piece);
+    } else {
+      bytes.replace(offset, std::min(piece.size(), bytes.size() - offset), piece);
+    }
+  }
+  return bytes;
+}
+
+// Reads all that a store has. What it gives is valid, or it says that it cannot.
+void Read(PriorStore& store) {
+  if (const auto records = store.Export({}, std::nullopt, kPage); records.ok())
+    Require(CheckRecords(*records).ok(), "what is read is valid");
+  if (const auto scenes = store.List({}, std::nullopt, kPage); scenes.ok()) {
+    for (const auto& scene : *scenes) (void)store.LoadScene(scene.key);
+  }
+  (void)store.LoadSource("a");
+  (void)store.LoadSource("c");
+  (void)store.CountScenes("game");
+  const std::vector<priors::EvidenceKey> keys = {Update("", 1).increments[0].key};
+  (void)store.LoadPriors(keys);
+  if (const auto segments = store.ListAudit({}, 0, kPage); segments.ok()) {
+    for (const auto& segment : *segments) (void)store.LoadAudit(segment.id, 1, kPage, 1 << 16);
+  }
+}
+
+void Write(PriorStore& store) {
+  const SourceUpdate update = Update("a", 2);
+  (void)store.Commit({&update, 1});
+  const PriorRecord record{update.increments[0].key, "d", 1, {1, 1, 1, 0}};
+  (void)store.Import({&record, 1});
+  (void)store.Revoke("c");
+}
+
+void Run(Input input) {
+  static const std::string kValid = ValidDatabase();
+  const bool is_file = input.Byte() == 'f';
+  const fs::path path = Folder() / "priors.db";
+  {
+    const std::string bytes = is_file ? std::string(input.Rest()) : Changed(kValid, input);
+    std::ofstream(path, std::ios::binary) << bytes;
+  }
+  (void)VerifyStore(path);
+  if (auto store = OpenSqlitePriorStore(path); store.ok()) {
+    Read(**store);
+    Write(**store);
+    Read(**store);
+  } else {
+    Require(!store.status().message().empty(), "a refusal says why");
+  }
+  RemoveDatabase();
+}
+
+}  // namespace
+}  // namespace sweepstake::storage
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  sweepstake::storage::Run({data, size});
+  return 0;
+}

@@ -1,0 +1,148 @@
+// Imports, commits and revocations: the messages of a client, their checks, and both stores, which
+// must agree.
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/proto_conversion.h"
+#include "server/storage/memory_prior_store.h"
+#include "server/storage/record_limits.h"
+#include "server/storage/sqlite_prior_store.h"
+#include "sweepstake/v1/priors.pb.h"
+#include "tests/fuzz/input.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using fuzz::Input;
+using fuzz::Require;
+using priors::PriorRecord;
+using priors::PriorStore;
+
+constexpr uint32_t kAll = 1'000'000;
+
+std::unique_ptr<PriorStore> Open(const fs::path& path) {
+  auto store = OpenSqlitePriorStore(path);
+  Require(store.ok(), "a store can be opened");
+  return *std::move(store);
+}
+
+// A new, empty store; the file of the one before is gone. Making one anew takes longer than to copy
+// it.
+std::unique_ptr<PriorStore> OpenEmpty() {
+  static const test_support::TemporaryDirectory kFolder;
+  const fs::path empty = kFolder.path() / "empty.db";
+  const fs::path path = kFolder.path() / "priors.db";
+  if (!fs::exists(empty)) {
+    Open(path).reset();
+    fs::rename(path, empty);
+  }
+  for (const fs::path& file :
+       {path, fs::path(path.string() + "-wal"), fs::path(path.string() + "-shm")})
+    fs::remove(file);
+  fs::copy_file(empty, path);
+  return Open(path);
+}
+
+// Both stores, which are told the same.
+class Stores {
+ public:
+  void Import(const std::vector<PriorRecord>& records) {
+    const auto by_file = sqlite_->Import(records);
+    const auto by_memory = memory_.Import(records);
+    Require(by_file.status().code() == by_memory.status().code(), "imports end alike");
+    if (!by_file.ok()) return;
+    Require(by_file->applied_count == by_memory->applied_count, "imports apply alike");
+    Require(by_file->unchanged_count == by_memory->unchanged_count, "imports ignore alike");
+  }
+  void Commit(const PriorRecord& record) {
+    priors::SourceUpdate update;
+    update.progress.source_id = record.source_id;
+    update.progress.commit_sequence = record.source_sequence;
+    update.increments.push_back({record.key, record.evidence});
+    const absl::Status by_file = sqlite_->Commit({&update, 1});
+    Require(by_file.code() == memory_.Commit({&update, 1}).code(), "commits end alike");
+  }
+  void Revoke(const std::string& source_id) {
+    const auto by_file = sqlite_->Revoke(source_id);
+    const auto by_memory = memory_.Revoke(source_id);
+    Require(by_file.status().code() == by_memory.status().code(), "revocations end alike");
+    Require(!by_file.ok() || *by_file == *by_memory, "revocations remove alike");
+  }
+  void Compare() {
+    const auto by_file = sqlite_->Export({}, std::nullopt, kAll);
+    const auto by_memory = memory_.Export({}, std::nullopt, kAll);
+    Require(by_file.ok() && by_memory.ok() && *by_file == *by_memory, "records are the same");
+    Require(CheckRecords(*by_file).ok(), "what is stored is valid");
+    CompareSums(*sqlite_->List({}, std::nullopt, kAll), *memory_.List({}, std::nullopt, kAll));
+  }
+
+ private:
+  // SQLite adds in another order, and counts beyond 2^53 as floating-point numbers.
+  static bool IsNear(double a, double b) {
+    return std::isfinite(a) && a >= 0 && std::abs(a - b) <= 1e-9 * (1 + std::abs(b));
+  }
+  static bool IsNear(uint64_t a, uint64_t b) {
+    return IsNear(static_cast<double>(a), static_cast<double>(b));
+  }
+  static void CompareSums(const std::vector<priors::SceneEvidence>& by_file,
+                          const std::vector<priors::SceneEvidence>& by_memory) {
+    Require(by_file.size() == by_memory.size(), "scenes are the same");
+    for (size_t scene = 0; scene < by_file.size(); ++scene) {
+      Require(by_file[scene].key == by_memory[scene].key, "keys are the same");
+      Require(by_file[scene].source_count == by_memory[scene].source_count, "sources are counted");
+      Require(by_file[scene].arms.size() == by_memory[scene].arms.size(), "arms are the same");
+      for (size_t arm = 0; arm < by_file[scene].arms.size(); ++arm) {
+        const priors::Evidence& a = by_file[scene].arms[arm].evidence;
+        const priors::Evidence& b = by_memory[scene].arms[arm].evidence;
+        Require(IsNear(a.alpha, b.alpha) && IsNear(a.beta, b.beta), "sums are the same");
+        Require(
+            IsNear(a.window_count, b.window_count) && IsNear(a.bail_out_count, b.bail_out_count),
+            "counts are the same");
+      }
+    }
+  }
+
+  std::unique_ptr<PriorStore> sqlite_ = OpenEmpty();
+  MemoryPriorStore memory_;
+};
+
+// The records of one import, or nothing if the daemon refuses it.
+std::optional<std::vector<PriorRecord>> Read(std::string_view bytes) {
+  v1::ImportPriorsRequest request;
+  if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return std::nullopt;
+  std::vector<PriorRecord> records;
+  for (const v1::PriorRecord& record : request.records()) {
+    if (!rpc::CheckPriorRecord(record).ok()) return std::nullopt;
+    records.push_back(rpc::FromProto(record));
+  }
+  return records;
+}
+
+void Run(Input input) {
+  Stores stores;
+  while (!input.empty()) {
+    const uint8_t step = input.Byte();
+    const auto records = Read(input.Piece());
+    if (!records) continue;
+    if (step % 4 != 1 && step % 4 != 2) stores.Import(*records);
+    for (const PriorRecord& record : *records) {
+      if (step % 4 == 1) stores.Commit(record);
+      if (step % 4 == 2) stores.Revoke(record.source_id);
+    }
+  }
+  stores.Compare();
+}
+
+}  // namespace
+}  // namespace sweepstake::storage
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  sweepstake::storage::Run({data, size});
+  return 0;
+}

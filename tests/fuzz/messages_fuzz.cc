@@ -1,0 +1,194 @@
+// What a game sends, from its bytes to its session, decisions, evidence and audit log, by the
+// daemon's own stream. Every decision can be derived again from its log, and what is stored is
+// valid.
+#include <spdlog/logger.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "server/audit/audit_log.h"
+#include "server/audit/rederive.h"
+#include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/telemetry_stream.h"
+#include "server/rpc/services/watcher_set.h"
+#include "server/rpc/sessions/session_table.h"
+#include "server/storage/memory_prior_store.h"
+#include "server/storage/record_limits.h"
+#include "sweepstake/v1/telemetry.pb.h"
+#include "tests/fuzz/input.h"
+#include "tests/server/rpc/manual_clock.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using fuzz::Input;
+using fuzz::Require;
+
+constexpr uint32_t kAll = 1'000'000;
+constexpr int64_t kTenthOfSecondNs = 100'000'000;
+
+// Answers at once, on the caller's thread.
+class PromptStore final : public priors::AsyncPriorStore {
+ public:
+  void Commit(priors::SourceUpdate update, CommitCallback done) override {
+    done(store.Commit({&update, 1}));
+  }
+  bool Submit(Job job) override {
+    job(store);
+    return true;
+  }
+  bool healthy() const override { return true; }
+  uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
+
+  storage::MemoryPriorStore store;
+};
+
+class WatcherOfAll final : public watch::WatchListener {
+ public:
+  bool Watches(const priors::SceneKey&) const override { return true; }
+  void OnDecision(const priors::SceneKey&, const v1::DecisionEvent&) override {}
+  void OnPosterior(const priors::SceneEvidence&) override {}
+  void OnReset() override {}
+};
+
+RpcOptions Options() {
+  RpcOptions options;
+  options.max_time_scale = kMaxTimeScale;
+  options.daemon_version = "fuzz";
+  options.resume_secret = std::string(32, 's');
+  return options;
+}
+
+// A daemon and the connection of its one client, on the thread of the fuzzer.
+class Daemon final : public TelemetryTransport {
+ public:
+  Daemon() { hub_.Add(watcher_); }
+  ~Daemon() override { LoseConnection(); }
+
+  void Take(std::string_view bytes) {
+    if (stream_ == nullptr) Connect();
+    if (!std::exchange(reading_, false)) return;
+    const bool parsed = request_.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
+    if (parsed && request_.has_hello()) Complete(*request_.mutable_hello());
+    stream_->OnMessage(parsed ? &request_ : nullptr);
+    loop_.RunReady();
+  }
+  void Advance(int64_t by_ns) {
+    clock_.Advance(by_ns);
+    loop_.RunReady();
+  }
+  void LoseConnection() {
+    if (stream_ == nullptr) return;
+    Cancel(absl::OkStatus());
+    loop_.RunReady();
+    Require(stream_ == nullptr, "a lost connection ends its stream");
+  }
+
+  void Check() {
+    Require(storage::CheckRecords(*store_.store.Export({}, std::nullopt, kAll)).ok(),
+            "what is stored is valid");
+    std::string log = decision::AuditHeader() + '\n';
+    const auto segments = store_.store.ListAudit({}, 0, kAll);
+    for (const priors::AuditSegment& segment : *segments) {
+      const auto rows = store_.store.LoadAudit(segment.id, 1, kAll, SIZE_MAX);
+      for (const priors::AuditRow& row : *rows) log += row.text + '\n';
+    }
+    const decision::AuditReport report = decision::Rederive(log);
+    if (report.difference) Require(false, report.difference->Text());
+  }
+
+ private:
+  void Connect() {
+    reading_ = false;
+    acknowledged_ = 0;
+    stream_ = std::make_shared<TelemetryStream>(context_, streams_, *this);
+    stream_->Accept();
+  }
+  // Adds what no input can know: the session's id and token. An input always does the same.
+  void Complete(v1::Hello& hello) const {
+    if (hello.seed() == 0) hello.set_seed(1);
+    if (hello.session_id().empty()) return;
+    hello.set_session_id(welcome_.session_id());
+    hello.set_resume_token(welcome_.resume_token());
+  }
+  template <typename Event>
+  void Post(Event event) {
+    loop_.Post([this, event] {
+      if (stream_ != nullptr) event();
+    });
+  }
+
+  void Read() override { reading_ = true; }
+  void Write(const v1::StreamTelemetryResponse& response) override {
+    if (response.has_welcome()) {
+      welcome_ = response.welcome();
+      acknowledged_ = welcome_.acknowledged_sequence();
+    }
+    if (response.has_acknowledgement()) {
+      Require(response.acknowledgement().sequence() > acknowledged_, "acknowledgements grow");
+      acknowledged_ = response.acknowledgement().sequence();
+    }
+    for (const v1::BetaPosterior& posterior : response.posterior_snapshot().arms()) {
+      Require(posterior.alpha() > 0 && posterior.alpha() < storage::kMaxEvidence, "alpha is valid");
+      Require(posterior.beta() > 0 && posterior.beta() < storage::kMaxEvidence, "beta is valid");
+    }
+    Post([this] { stream_->OnWritten(true); });
+  }
+  void Finish(const absl::Status&) override {
+    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    Post([this] {
+      stream_->OnDone();
+      stream_.reset();
+    });
+  }
+  void Cancel(const absl::Status&) override {
+    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    Post([this] { stream_->OnCancelled(); });
+  }
+  std::string peer() const override { return "fuzzer"; }
+
+  const RpcOptions options_ = Options();
+  ManualClock clock_;
+  PromptStore store_;
+  Counters counters_;
+  WatcherOfAll watcher_;
+  spdlog::logger log_{"fuzz"};
+  DecisionLoop loop_{clock_, {}, DecisionLoop::Runner::kCaller};
+  SessionTable sessions_{options_, loop_};
+  watch::WatchHub hub_{store_, HubLoop(loop_)};
+  StallSweep stalls_{loop_, options_.watcher_patience_ns};
+  ServiceContext context_{
+      {options_, loop_, store_, counters_, hub_}, sessions_, watchers_, stalls_, log_};
+  WatcherSet watchers_{context_};
+  TelemetryStreams streams_;
+  std::shared_ptr<TelemetryStream> stream_;
+  bool reading_ = false;
+  v1::StreamTelemetryRequest request_;
+  v1::Welcome welcome_;
+  uint64_t acknowledged_ = 0;
+};
+
+void Run(Input input) {
+  Daemon daemon;
+  while (!input.empty()) {
+    const uint8_t step = input.Byte();
+    if (step == 0xff) {
+      daemon.LoseConnection();
+    } else if (step >= 0x80) {
+      daemon.Advance((step - 0x80) * kTenthOfSecondNs);
+    } else {
+      daemon.Take(input.Piece());
+    }
+  }
+  daemon.LoseConnection();
+  daemon.Check();
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  sweepstake::rpc::Run({data, size});
+  return 0;
+}
