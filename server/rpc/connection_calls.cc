@@ -77,7 +77,8 @@ class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInt
 }  // namespace
 
 void ConnectionCalls::Add(int descriptor) {
-  const auto connection = std::make_shared<Connection>(descriptor, PeerOf(descriptor));
+  const auto connection = std::make_shared<Connection>(
+      Connection{.descriptor = descriptor, .peer = PeerOf(descriptor)});
   const std::lock_guard lock(mutex_);
   std::shared_ptr<Connection>& slot = by_descriptor_[descriptor];
   if (slot) {
