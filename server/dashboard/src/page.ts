@@ -53,10 +53,11 @@ export function drawPage({ title, lead, sections }: Page, prefix: string, aside:
     h('header', {}, h('div', { class: 'title' }, h('h1', {}, title), aside), ...lead,
       h('nav', { 'aria-label': 'Sections' }, h('ol', {}, ...links))));
   for (const { id, heading, body } of filled) {
-    const section = h('section', { id: prefix + id }, h('h2', {}, heading));
+    const section = h('section', { id }, h('h2', {}, heading));
     append(section, body);
     article.append(section);
   }
+  for (const element of article.querySelectorAll('[id]')) element.id = prefix + element.id;
   return article;
 }
 

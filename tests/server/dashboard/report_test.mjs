@@ -43,9 +43,9 @@ const DOCUMENTS = /(?<=id="documents">).*?(?=<\/script>)/s;
 const documentsOf = (html) => JSON.parse(DOCUMENTS.exec(html)[0]);
 const documentOf = (name) => documentsOf(readFileSync(file(`${name}.html`), 'utf8'))[0];
 
-// Writes the report of a document that no program made.
-function writeReport(name, document) {
-  const content = `[${JSON.stringify(document)}]`.replaceAll('<', '\\u003c');
+// Writes the report of documents that no program made.
+function writeReport(name, ...documents) {
+  const content = JSON.stringify(documents).replaceAll('<', '\\u003c');
   writeFileSync(file(`${name}.html`), readFileSync(file('bench.html'), 'utf8').replace(DOCUMENTS, () => content));
 }
 
@@ -58,7 +58,6 @@ async function inBrowser(context, name, check) {
   page.on('request', (request) => request.url().startsWith('file:') || troubles.push(`asked for ${request.url()}`));
   await page.goto(`file://${file(`${name}.html`)}`);
   const documents = documentsOf(readFileSync(file(`${name}.html`), 'utf8'));
-  assert.equal(documents.length, 1);
   await check(page, documents[0]);
   await checkTheme(page);
   assert.deepEqual(troubles, [], name);
@@ -196,6 +195,15 @@ async function checkDrawn(page) {
   }
 }
 
+// The elements of several documents have ids of their own, and each document's links lead to its own sections.
+async function checkApart(page) {
+  const ids = await page.locator('[id]').evaluateAll((elements) => elements.map(({ id }) => id));
+  assert.deepEqual(ids.filter((id, i) => ids.indexOf(id) !== i), [], 'ids that occur twice');
+  const articles = await page.locator('article').evaluateAll((all) => all.map((article) =>
+    [...article.querySelectorAll('nav a')].every((link) => article.querySelector(link.getAttribute('href')) !== null)));
+  assert.deepEqual(articles, [true, true]);
+}
+
 async function handmadeInBrowser(context) {
   const show = async (name, document, check) => {
     writeReport(name, document);
@@ -208,6 +216,8 @@ async function handmadeInBrowser(context) {
   await show('undisturbed experiment', { ...experiment, truths: experiment.truths.map((truth) => ({ ...truth, control_ratio: 1 })) },
     async (page) => assert.ok(!(await textOf(page, '#summary')).includes('disturbed.')));
   await show('judged replay', judgedReplay(replay), (page) => checkTexts(page, '#goals', '✗ missed', 'nothing to judge', '0 of 1, worst storms'));
+  writeReport('two benches', fullBench, fullBench);
+  await inBrowser(context, 'two benches', checkApart);
   const degenerate = { bench: degenerateBenches, experiment: degenerateExperiments(experiment), replay: degenerateReplays(replay) };
   for (const [command, documents] of Object.entries(degenerate)) {
     for (const [name, document] of Object.entries(documents)) await show(`${command}, ${name}`, document, checkDrawn);
