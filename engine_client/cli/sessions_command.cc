@@ -1,4 +1,5 @@
-// `sweepstake sessions list|watch|kick`: which games a daemon serves, and how to end one.
+// `sweepstake sessions list|watch|kick|pin|release|mode`: which games a daemon serves, and how to
+// end or steer one.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
@@ -19,6 +20,8 @@ struct SessionsOptions {
   std::string scene;
   std::string session_id;
   bool may_return = false;
+  std::string arm;
+  std::string mode;
   bool json = false;
 };
 
@@ -140,31 +143,86 @@ int RunKick(const SessionsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+int RunOrder(const SessionsOptions& options, v1::Mode mode, Terminal& terminal) {
+  const auto held = OrderSession(options.daemon, options.session_id, mode, options.arm);
+  if (!held.ok()) return Fail(terminal, held.status());
+  PrintResult(terminal, options.json,
+              {{"session_id", options.session_id},
+               {"mode", ModeText(held->mode())},
+               {"active_arm", held->active_arm()}},
+              options.session_id + " obeys: " + ModeText(held->mode()) + ", " + held->active_arm() +
+                  " is active\n");
+  return kDone;
+}
+
 void DeclareSelection(CLI::App& command, SessionsOptions& options) {
   AddDaemonOptions(command, options.daemon);
   command.add_option("--project", options.project, "Only this project");
   command.add_option("--scene", options.scene, "Only this scene");
 }
 
-void DeclareKick(CLI::App& command, SessionsOptions& options) {
+void DeclareSession(CLI::App& command, SessionsOptions& options) {
   AddDaemonOptions(command, options.daemon);
   command.add_option("SESSION", options.session_id, "The session's id, as `list` shows it")
       ->required();
+}
+
+void DeclareKick(CLI::App& command, SessionsOptions& options) {
+  DeclareSession(command, options);
   command.add_flag("--may-return", options.may_return,
                    "End only the connection: the client comes back and the session goes on");
   AddJsonFlag(command, options.json);
 }
 
+void AddOrderCommands(CLI::App& sessions, Terminal& terminal, int& exit_code) {
+  AddCommand<SessionsOptions>(
+      sessions, "pin", "Let a game use one arm and learn nothing, until its release or a bail-out",
+      "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree\n", exit_code,
+      [](CLI::App& command, SessionsOptions& options) {
+        DeclareSession(command, options);
+        command.add_option("ARM", options.arm, "The arm's name")->required();
+        AddJsonFlag(command, options.json);
+      },
+      [&terminal](const SessionsOptions& options) {
+        return RunOrder(options, v1::MODE_MANUAL, terminal);
+      });
+  AddCommand<SessionsOptions>(
+      sessions, "release", "Let AI Decide again in a game; the same as `mode ID ai`",
+      "  sweepstake sessions release --daemon 127.0.0.1:7433 ID\n", exit_code,
+      [](CLI::App& command, SessionsOptions& options) {
+        DeclareSession(command, options);
+        AddJsonFlag(command, options.json);
+      },
+      [&terminal](const SessionsOptions& options) {
+        return RunOrder(options, v1::MODE_AI, terminal);
+      });
+  AddCommand<SessionsOptions>(
+      sessions, "mode", "Set a game's mode; manual keeps the arm that is active",
+      "  sweepstake sessions mode --daemon 127.0.0.1:7433 ID manual\n", exit_code,
+      [](CLI::App& command, SessionsOptions& options) {
+        DeclareSession(command, options);
+        command.add_option("MODE", options.mode, "ai or manual")
+            ->required()
+            ->check(CLI::IsMember({"ai", "manual"}));
+        AddJsonFlag(command, options.json);
+      },
+      [&terminal](const SessionsOptions& options) {
+        return RunOrder(options, options.mode == "ai" ? v1::MODE_AI : v1::MODE_MANUAL, terminal);
+      });
+}
+
 }  // namespace
 
 void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
-  CLI::App* sessions = app.add_subcommand("sessions", "List, watch and end a daemon's sessions");
+  CLI::App* sessions =
+      app.add_subcommand("sessions", "List, watch, end and steer a daemon's sessions");
   sessions->require_subcommand(1);
   sessions->footer(
       "Examples:\n"
       "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
       "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n"
-      "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID");
+      "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID\n"
+      "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree");
   AddCommand<SessionsOptions>(
       *sessions, "list", "Show which games the daemon serves, and those that may come back",
       "  sweepstake sessions list --daemon 127.0.0.1:7433\n"
@@ -191,6 +249,7 @@ void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake sessions kick --daemon 127.0.0.1:7433 ID --may-return\n",
       exit_code, DeclareKick,
       [&terminal](const SessionsOptions& options) { return RunKick(options, terminal); });
+  AddOrderCommands(*sessions, terminal, exit_code);
 }
 
 }  // namespace sweepstake::cli

@@ -55,4 +55,22 @@ Status KickSession(const DaemonOptions& daemon, const std::string& session_id, b
   return ToStatus(stub->KickSession(&context, request, &response), daemon);
 }
 
+Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
+                                              const std::string& session_id, v1::Mode mode,
+                                              const std::string& arm) {
+  const auto channel = OpenChannel(daemon);
+  if (!channel.ok()) return channel.status();
+  v1::OrderSessionRequest request;
+  request.set_session_id(session_id);
+  request.set_mode(mode);
+  request.set_arm(arm);
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::OrderSessionResponse response;
+  const auto stub = v1::SessionsService::NewStub(*channel);
+  const Status status = ToStatus(stub->OrderSession(&context, request, &response), daemon);
+  if (!status.ok()) return status;
+  return response;
+}
+
 }  // namespace sweepstake::cli

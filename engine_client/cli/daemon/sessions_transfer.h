@@ -25,4 +25,11 @@ Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
 // Ends a session's stream, and the session too unless its client may return. Error: kNotFound.
 Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return);
 
+// Tells a session's game who is to decide and, if `arm` is not empty, which arm to use. Returns
+// what holds when the game has obeyed. Errors: kNotFound, kFailedPrecondition (the game takes no
+// orders).
+Result<v1::OrderSessionResponse> OrderSession(const DaemonOptions& daemon,
+                                              const std::string& session_id, v1::Mode mode,
+                                              const std::string& arm);
+
 }  // namespace sweepstake::cli

@@ -4,13 +4,50 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "absl/status/statusor.h"
+#include "server/decision/math/names.h"
 #include "server/rpc/common/error_reasons.h"
+#include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/session_watcher.h"
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
+namespace {
+
+absl::Status UnknownSession() {
+  return Refused(v1::ERROR_REASON_UNKNOWN_SESSION,
+                 "there is no such session in memory; list those that there are");
+}
+
+// The caller sets the operator and the time.
+absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& request,
+                                              const std::vector<std::string>& arms) {
+  if (request.mode() != v1::MODE_MANUAL && request.mode() != v1::MODE_AI) {
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   "mode is absent or unknown; set MODE_MANUAL or MODE_AI");
+  }
+  decision::OrderReport order;
+  order.mode = FromProto(request.mode());
+  if (request.arm().empty()) return order;
+  if (order.mode != decision::Mode::kManual) {
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   "with MODE_AI the daemon chooses the arm; leave it absent");
+  }
+  const auto arm = std::find(arms.begin(), arms.end(), request.arm());
+  if (arm == arms.end()) {
+    const std::vector<std::string_view> valid(arms.begin(), arms.end());
+    return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                   math::UnknownName("arm", request.arm(), valid));
+  }
+  order.arm = static_cast<uint32_t>(arm - arms.begin());
+  return order;
+}
+
+}  // namespace
 
 grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerContext* call,
                                                         const v1::ListSessionsRequest* request,
@@ -45,8 +82,7 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
     const std::shared_ptr<GameSession> session = context_.sessions.Find(id);
     absl::Status status;
     if (session == nullptr || session->ended()) {
-      status = Refused(v1::ERROR_REASON_UNKNOWN_SESSION,
-                       "there is no such session in memory; list those that there are");
+      status = UnknownSession();
     } else {
       context_.sessions.Kick(*session, may_return);
       context_.log.warn("{} kicked session {} of {}/{}, which {}", who, id,
@@ -54,6 +90,32 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
                         may_return ? "may return" : "has ended");
     }
     reactor->Finish(ToGrpc(status, context_.counters));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerContext* call,
+                                                        const v1::OrderSessionRequest* request,
+                                                        v1::OrderSessionResponse* response) {
+  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  context_.loop.Post([this, reactor, request, response, who = call->peer()] {
+    const std::shared_ptr<GameSession> session = context_.sessions.Find(request->session_id());
+    if (session == nullptr || session->ended())
+      return reactor->Finish(ToGrpc(UnknownSession(), context_.counters));
+    auto order = OrderOf(*request, session->identity().arms);
+    if (!order.ok()) return reactor->Finish(ToGrpc(order.status(), context_.counters));
+    order->operator_name = who;
+    order->now_ns = context_.loop.clock().NowNs();
+    context_.log.info("{} orders session {}: {} {}", who, session->identity().id,
+                      v1::Mode_Name(request->mode()), request->arm());
+    session->Order(*order, [this, reactor, response,
+                            &decisions = session->decisions()](const absl::Status& status) {
+      if (status.ok()) {
+        response->set_mode(static_cast<v1::Mode>(decisions.mode()));
+        response->set_active_arm(decisions.arms()[decisions.active_arm()]);
+      }
+      reactor->Finish(ToGrpc(status, context_.counters));
+    });
   });
   return reactor;
 }

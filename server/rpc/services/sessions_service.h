@@ -11,11 +11,12 @@ namespace sweepstake::rpc {
 
 class SessionWatcher;
 
-class SessionsService final
-    : public v1::SessionsService::WithCallbackMethod_ListSessions<
-          v1::SessionsService::WithCallbackMethod_WatchSessions<
-              v1::SessionsService::WithCallbackMethod_KickSession<v1::SessionsService::Service>>>,
-      public watch::SessionListener {
+class SessionsService final : public v1::SessionsService::WithCallbackMethod_ListSessions<
+                                  v1::SessionsService::WithCallbackMethod_WatchSessions<
+                                      v1::SessionsService::WithCallbackMethod_KickSession<
+                                          v1::SessionsService::WithCallbackMethod_OrderSession<
+                                              v1::SessionsService::Service>>>>,
+                              public watch::SessionListener {
  public:
   explicit SessionsService(ServiceContext& context) : context_(context) {}
 
@@ -27,6 +28,9 @@ class SessionsService final
   grpc::ServerUnaryReactor* KickSession(grpc::CallbackServerContext* call,
                                         const v1::KickSessionRequest* request,
                                         v1::KickSessionResponse* response) override;
+  grpc::ServerUnaryReactor* OrderSession(grpc::CallbackServerContext* call,
+                                         const v1::OrderSessionRequest* request,
+                                         v1::OrderSessionResponse* response) override;
 
   // The rest is called on the loop.
   bool WatchesSessions() const override { return !watchers_.empty(); }

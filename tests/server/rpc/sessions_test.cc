@@ -247,5 +247,28 @@ TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
   EXPECT_EQ(server_->counters().open_watcher_count, 0u);
 }
 
+TEST_F(SessionsTest, AnOrderNeedsASessionAModeAndAnArmThatThereAre) {
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(HelloMessage()).session_id();
+  const auto order = [this](const std::string& session_id, v1::Mode mode, const std::string& arm) {
+    v1::OrderSessionRequest request;
+    request.set_session_id(session_id);
+    request.set_mode(mode);
+    request.set_arm(arm);
+    grpc::ClientContext context;
+    v1::OrderSessionResponse response;
+    return sessions_->OrderSession(&context, request, &response);
+  };
+  using grpc::StatusCode;
+  EXPECT_EQ(order("nobody", v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(order(id, v1::MODE_UNSPECIFIED, "").error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(order(id, v1::MODE_AI, "SAP").error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(order(id, v1::MODE_MANUAL, "SAB").error_message(),
+              HasSubstr("unknown arm 'SAB', must be one of SAP, Grid, KDTree"));
+  client.Send(Goodbye());
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(order(id, v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
+}
+
 }  // namespace
 }  // namespace sweepstake::rpc

@@ -76,6 +76,15 @@ grpc::Status FakeSessions::WatchSessions(grpc::ServerContext*, const v1::WatchSe
   return grpc::Status::OK;
 }
 
+grpc::Status FakeSessions::OrderSession(grpc::ServerContext*,
+                                        const v1::OrderSessionRequest* request,
+                                        v1::OrderSessionResponse* response) {
+  order_request = *request;
+  response->set_mode(request->mode());
+  response->set_active_arm(request->arm().empty() ? "SAP" : request->arm());
+  return grpc::Status::OK;
+}
+
 grpc::Status FakeSessions::KickSession(grpc::ServerContext*, const v1::KickSessionRequest* request,
                                        v1::KickSessionResponse*) {
   kick_request = *request;

@@ -101,6 +101,8 @@ class FakeSessions final : public v1::SessionsService::Service {
   Guarded<std::vector<v1::WatchSessionsResponse>> events;
   Guarded<v1::KickSessionRequest> kick_request;
   Guarded<grpc::Status> kick_status;
+  Guarded<v1::OrderSessionRequest>
+      order_request;  // which the game obeys, on arm "SAP" if it names none
 
  private:
   grpc::Status ListSessions(grpc::ServerContext*, const v1::ListSessionsRequest* request,
@@ -110,6 +112,8 @@ class FakeSessions final : public v1::SessionsService::Service {
                              grpc::ServerWriter<v1::WatchSessionsResponse>* writer) override;
   grpc::Status KickSession(grpc::ServerContext*, const v1::KickSessionRequest* request,
                            v1::KickSessionResponse* response) override;
+  grpc::Status OrderSession(grpc::ServerContext*, const v1::OrderSessionRequest* request,
+                            v1::OrderSessionResponse* response) override;
 };
 
 class FakeDaemonServices {

@@ -335,5 +335,21 @@ TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST(SessionsCommand, SteersAGame) {
+  FakeDaemonServices daemon;
+  const auto run = [&](const std::string& words) {
+    const CommandRun done = RunCommand("sessions " + words + " --daemon " + daemon.address());
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return done.out;
+  };
+  EXPECT_EQ(run("pin one KDTree"), "one obeys: manual, KDTree is active\n");
+  EXPECT_EQ(daemon.sessions.order_request->session_id(), "one");
+  EXPECT_EQ(daemon.sessions.order_request->mode(), v1::MODE_MANUAL);
+  EXPECT_EQ(run("release one"), "one obeys: ai, SAP is active\n");
+  EXPECT_EQ(run("mode one manual"), "one obeys: manual, SAP is active\n");
+  EXPECT_EQ(daemon.sessions.order_request->arm(), "");
+  EXPECT_EQ(nlohmann::json::parse(run("mode one ai --json"))["mode"], "ai");
+}
+
 }  // namespace
 }  // namespace sweepstake::cli
