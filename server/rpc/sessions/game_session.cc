@@ -13,7 +13,7 @@
 namespace sweepstake::rpc {
 namespace {
 
-constexpr int64_t kOrderPatienceNs = 10'000'000'000;
+constexpr int64_t kOrderPatienceNs = 5'000'000'000;
 // A game keeps 48 bits of an order's id.
 constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
 
