@@ -194,6 +194,7 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.posterior().scene(), "harbour");
   EXPECT_EQ(event.posterior().active_session_count(), 1u);
+  const v1::EventStamp first = event.stamp();
   client.Send(Frames(1, 30));
   ASSERT_TRUE(Applied(1));
   Tick();
@@ -208,6 +209,9 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
                   event.decision().best_probability(2),
               1, 1e-9);
   EXPECT_GT(event.decision().expected_loss_ratio(), 0);
+  EXPECT_EQ(event.stamp().boot(), first.boot());
+  EXPECT_GT(event.stamp().sequence(), first.sequence());
+  EXPECT_GT(event.stamp().unix_ms(), 0);
   client.AwaitAcknowledgement(1);
   TellWatchers();
   while (event.posterior().arms_size() < 2) ASSERT_TRUE(watcher->Read(&event));
