@@ -1,6 +1,7 @@
 #include "server/storage/sqlite_database.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <filesystem>
 #include <system_error>
@@ -78,6 +79,21 @@ int AddFunctions(sqlite3* database) {
   if (code != SQLITE_OK) return code;
   return sqlite3_create_function_v2(database, "next_hash", /*nArg=*/3, kFlags, nullptr, &NextHash,
                                     nullptr, nullptr, nullptr);
+}
+
+// Writes the file's bytes once more where they are. What a failed sync has left behind is found by
+// readers, and a later sync takes it for written; after this it is not.
+int WriteAgain(sqlite3_file& file) {
+  sqlite3_int64 size = 0;
+  int code = file.pMethods->xFileSize(&file, &size);
+  std::array<char, 64 * 1024> bytes;
+  for (sqlite3_int64 offset = 0; code == SQLITE_OK && offset < size;) {
+    const auto count = static_cast<int>(std::min<sqlite3_int64>(bytes.size(), size - offset));
+    code = file.pMethods->xRead(&file, bytes.data(), count, offset);
+    if (code == SQLITE_OK) code = file.pMethods->xWrite(&file, bytes.data(), count, offset);
+    offset += count;
+  }
+  return code;
 }
 
 }  // namespace
@@ -237,13 +253,12 @@ absl::StatusOr<sqlite3_file*> SqliteDatabase::LogFile() {
 }
 
 absl::Status SqliteDatabase::SyncLog() {
-  // The database takes over what the log has, and the log is emptied. So commits survive even where
-  // an earlier sync has failed: later ones of the same bytes would succeed and write nothing. That
-  // needs room, and nobody else who reads; the log's own sync, which ends it, needs neither.
-  sqlite3_wal_checkpoint_v2(database_.get(), "main", SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  const SqliteTransaction others_wait(*this);
+  if (!others_wait.begun().ok()) return others_wait.begun();
   auto log = LogFile();
   if (!log.ok()) return log.status();
-  const int code = (*log)->pMethods->xSync(*log, SQLITE_SYNC_FULL);
+  int code = WriteAgain(**log);
+  if (code == SQLITE_OK) code = (*log)->pMethods->xSync(*log, SQLITE_SYNC_FULL);
   return code == SQLITE_OK ? absl::OkStatus() : ToStatus(code, "cannot sync the write-ahead log");
 }
 

@@ -129,8 +129,8 @@ class SqliteDatabase {
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
   // Makes everything durable that a reader can see, whoever wrote it. A process that was killed may
-  // have left commits in the log that never reached the disk. REQUIRES: the database is in WAL mode
-  // and was read before.
+  // have left commits in the log that never reached the disk, also where its sync failed. Needs no
+  // room. REQUIRES: the database is in WAL mode and was read before.
   absl::Status SyncLog();
   // Tells `on_sync` the duration of each fsync of the write-ahead log from now on. REQUIRES: the
   // database is in WAL mode and was read before.

@@ -106,6 +106,25 @@ TEST_F(FailingDiskTest, WithoutRoomForItsCheckpointTheLogIsMadeDurableAllTheSame
   EXPECT_FALSE(disk_->has_unsynced());
 }
 
+TEST_F(FailingDiskTest, WhatAFailedSyncLeftIsMadeDurableThoughThereIsNoRoomForACheckpoint) {
+  std::vector<priors::EvidenceKey> many;
+  for (int i = 0; i < 200; ++i) many.push_back(Key("arm " + std::to_string(i)));
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    BeginOnDisk(seed);
+    CommitUpTo(2);
+    disk_->Set({.sync_error = 1});
+    EXPECT_FALSE(store_->Commit(std::vector{Update("a", 3, many)}).ok()) << seed;
+    disk_->Kill();
+    store_.reset();
+    disk_->Restart();
+    disk_->Set({.full = true});
+    ASSERT_TRUE(Open().ok());
+    const uint64_t stored = Stored();
+    Restart(/*power_cut=*/true);
+    EXPECT_EQ(Stored(), stored) << seed;
+  }
+}
+
 TEST_F(FailingDiskTest, NothingAcknowledgedIsLostAndNothingCountsTwiceWhereverThePowerIsCut) {
   for (uint64_t seed = 1; seed <= 50; ++seed) {
     BeginOnDisk(seed);
