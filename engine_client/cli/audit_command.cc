@@ -61,9 +61,15 @@ int RunList(const AuditOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+void PrintNothingFound(std::ostream& out) {
+  out << "sweepstake: the daemon has no such decisions; `sweepstake audit list` shows which it "
+         "has\n";
+}
+
 int RunExport(const AuditOptions& options, Terminal& terminal) {
   const auto row_count = ExportAudit(options.daemon, options.selection, options.file);
   if (!row_count.ok()) return Fail(terminal, row_count.status());
+  if (*row_count == 0) PrintNothingFound(terminal.err);
   PrintResult(terminal, options.json,
               {{"command", "audit export"}, {"file", options.file}, {"rows", *row_count}},
               options.file + ": " + std::to_string(*row_count) + " rows\n");

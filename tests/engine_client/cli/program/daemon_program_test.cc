@@ -199,6 +199,11 @@ TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
       RunProgram("audit export --project p --out " + file + " --daemon " + daemon.address());
   ASSERT_EQ(exported.exit_code, 0) << exported.err;
   EXPECT_EQ(exported.out, file + ": " + segments[0]["rows"].dump() + " rows\n");
+  EXPECT_EQ(exported.err, "");
+  const ProgramRun nothing =
+      RunProgram("audit export --project q --out " + file + "-none --daemon " + daemon.address());
+  EXPECT_EQ(nothing.exit_code, 0);
+  EXPECT_THAT(nothing.err, HasSubstr("the daemon has no such decisions"));
   const ProgramRun replayed = RunProgram("replay --log " + file);
   EXPECT_EQ(replayed.exit_code, 0);
   EXPECT_THAT(replayed.out, HasSubstr("in 1 segment re-derived, all equal"));
