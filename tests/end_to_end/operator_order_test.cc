@@ -83,7 +83,8 @@ TEST_F(OperatorOrderTest, APinnedGameRunsThatArmOverARestartOfTheDaemonUntilItsR
   ASSERT_TRUE(PlayOn(game));
   EXPECT_EQ(game.adaptive().active_arm(), kPinned);
   EXPECT_EQ(game.stats().command_count, command_count);
-  EXPECT_LE(LearntEvidence(game.stats()), evidence) << "nothing is learnt";
+  // A window would add one; the sums of the store are rounded otherwise than those of a session.
+  EXPECT_LT(LearntEvidence(game.stats()), evidence + 0.5) << "nothing is learnt";
   const grpc::Status released = Order(*daemon, game, v1::MODE_AI);
   ASSERT_TRUE(released.ok()) << released.error_message();
   EXPECT_TRUE(Settles(game));
