@@ -205,6 +205,10 @@ absl::Status Validate(const Config& config) {
   return absl::OkStatus();
 }
 
+bool NeedsToken(const Config& config) {
+  return !config.insecure && config.rpc.tls.ca.empty() && !IsLoopback(config.listen);
+}
+
 std::vector<std::string> ChangedSettings(const Config& before, const Config& after) {
   std::vector<std::string> keys;
   for (const Setting& setting : Settings()) {

@@ -63,6 +63,10 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 // --insecure, and the weights sum to 1. The files of TLS are not read.
 absl::Status Validate(const Config& config);
 
+// Returns whether the daemon must not start without a token: others can reach it, neither clients'
+// certificates nor --insecure say who may. REQUIRES: the configuration is valid.
+bool NeedsToken(const Config& config);
+
 // Returns the keys of the settings that differ.
 std::vector<std::string> ChangedSettings(const Config& before, const Config& after);
 

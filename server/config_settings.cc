@@ -146,6 +146,17 @@ std::vector<Setting> DaemonSettings() {
           "max_sessions", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_sessions; },
           "sessions in memory, connected or resumable"),
       Whole(
+          "max_sessions_per_token", 1, 1'000'000, 1,
+          [](Config & c) -> auto& { return c.rpc.max_sessions_per_token; },
+          "of these, those that began with one token"),
+      Whole(
+          "max_streams_per_address", 1, 1'000'000, 1,
+          [](Config & c) -> auto& { return c.rpc.max_streams_per_address; },
+          "games' streams from one address that is not the daemon's own machine"),
+      Whole(
+          "max_scenes", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_scenes; },
+          "scenes of a project, by name"),
+      Whole(
           "max_watchers", 1, 100'000, 1, [](Config & c) -> auto& { return c.rpc.max_watchers; },
           "watchers at a time"),
       Whole(

@@ -152,7 +152,9 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (absl::Status status = RemovePortFile(); !status.ok()) return status;
   auto key = ReadResumeKey(directory_.resume_key());
   if (!key.ok()) return key.status();
+  if (absl::Status status = OpenTokens(); !status.ok()) return status;
   rpc::RpcOptions options = config_.rpc;
+  options.tokens = tokens_.get();
   options.resume_secret = *std::move(key);
   options.daemon_version = SWEEPSTAKE_VERSION;
   options.on_timer = [this](auto lateness) { metrics_.OnTimer(lateness); };
@@ -163,11 +165,11 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   StartBackups();
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
-  log_->info("serving on port {} ({}), priors in {}", rpc_->port(),
+  log_->info("serving on port {} ({}, {}), priors in {}", rpc_->port(),
              tls.cert.empty() ? "plain text"
              : tls.ca.empty() ? "TLS"
                               : "TLS with client certificates",
-             directory_.database().string());
+             tokens_->empty() ? "without tokens" : "with tokens", directory_.database().string());
   return absl::OkStatus();
 }
 
@@ -183,6 +185,29 @@ void Daemon::StartBackups() {
           log_->error("no backup was made: {}", std::string(made.status().message()));
         }
       });
+}
+
+absl::Status Daemon::OpenTokens() {
+  auth::TokenRegistryOptions options;
+  options.unix_now_s = [] {
+    return std::chrono::duration_cast<std::chrono::seconds>(
+               std::chrono::system_clock::now().time_since_epoch())
+        .count();
+  };
+  options.on_change = [this](const std::string& text) { log_->info("{}", text); };
+  options.on_problem = [this](const absl::Status& status) {
+    log_->error("{} cannot be read, and the tokens stay as they were: {}",
+                directory_.tokens().string(), std::string(status.message()));
+  };
+  auto tokens = auth::TokenRegistry::Open(directory_.tokens(), std::move(options));
+  if (!tokens.ok()) return tokens.status();
+  tokens_ = *std::move(tokens);
+  if (!tokens_->empty() || !NeedsToken(config_)) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("listen: ", config_.listen,
+                   " can be reached by others, and there is no token that keeps them out; make one "
+                   "with `sweepstaked token create`, name --tls-client-ca, listen on 127.0.0.1, or "
+                   "say --insecure"));
 }
 
 void Daemon::ReportStore(const absl::Status& status) {

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "absl/status/statusor.h"
+#include "server/auth/token_registry.h"
 #include "server/config.h"
 #include "server/daemon_metrics.h"
 #include "server/rpc/common/decision_loop.h"
@@ -60,6 +61,7 @@ class Daemon {
   void StartBackups();
   // Runs on the store's thread.
   void ReportStore(const absl::Status& status);
+  absl::Status OpenTokens();
   absl::Status OpenHttp();
   // What the checks of /livez and /readyz say; nothing if all is well.
   std::optional<std::string> LoopProblem() const;
@@ -77,6 +79,7 @@ class Daemon {
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
   std::atomic<uint64_t> database_bytes_;
+  std::unique_ptr<auth::TokenRegistry> tokens_;
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<rpc::RpcServer> rpc_;

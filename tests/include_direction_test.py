@@ -4,7 +4,7 @@
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
     server/decision/math <- everything else, since it is pure
     server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
-    storage <- server/auth <- daemon      watch <- rpc      server/tls <- telemetry, rpc
+    storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
     net <- rpc, web, which knows none of the others, <- daemon
 
 Within the decision core: math <- decision <- policy <- baselines <- session <- study, which cli alone may include.
@@ -54,7 +54,7 @@ ALLOWED = {
     "server/watch": DECISION | {"server/audit", "server/priors"},
     "server/net": set(),
     "server/web": {"server/net"},
-    "server/rpc": DECISION | {"server/audit", "server/net", "server/priors", "server/tls", "server/watch", "proto"},
+    "server/rpc": DECISION | {"server/audit", "server/auth", "server/net", "server/priors", "server/tls", "server/watch", "proto"},
     "server": DECISION | {
         "server/audit", "server/auth", "server/priors", "server/storage", "server/tls", "server/watch", "server/rpc", "server/web", "proto"},
 }

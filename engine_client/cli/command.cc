@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <string_view>
 
 #include "server/decision/math/names.h"
@@ -90,6 +91,16 @@ CLI::Option* AddDaemonOptions(CLI::App& command, DaemonOptions& daemon) {
                "PEM file of your certificate's private key");
   AddTlsOption(command, "--tls-server-name", &TlsOptions::server_name, daemon,
                "Host in the daemon's certificate, where it is not that of --daemon");
+  // The variable with the token itself has no option: arguments can be read by others.
+  if (const char* token = std::getenv("SWEEPSTAKE_CLIENT_TOKEN")) daemon.token.text = token;
+  command
+      .add_option_function<std::string>(
+          "--token-file",
+          [&daemon](const std::string& file) {
+            daemon.token = {file, ""};
+          },
+          "File with the token that the daemon asks for; or the token in SWEEPSTAKE_CLIENT_TOKEN")
+      ->envname("SWEEPSTAKE_CLIENT_TOKEN_FILE");
   return address->required();
 }
 

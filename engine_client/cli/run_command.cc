@@ -64,6 +64,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.ignore_priors = options.ignore_priors;
   session.seed = options.scene.seed;
   session.tls = options.daemon.tls;
+  session.token = options.daemon.token;
   if (!options.embedded) return MakeDaemonSession(options.daemon.address, session);
   EmbeddedOptions embedded;
   if (!options.policy.empty()) embedded.policy = options.policy;

@@ -1,5 +1,13 @@
 #include "engine_client/telemetry/daemon_channel.h"
 
+#include <grpcpp/support/client_interceptor.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <utility>
+#include <vector>
+
 #include "engine_client/telemetry/common/validation.h"
 #include "server/tls/tls_files.h"
 
@@ -7,6 +15,89 @@ namespace sweepstake {
 namespace {
 
 bool Has(const std::string& text, const char* part) { return text.find(part) != text.npos; }
+
+constexpr size_t kMaxTokenBytes = 4096;
+
+// Returns whether the daemon of this address is on the same machine. Names are not resolved, since
+// they may mean another machine at the next call.
+bool IsLoopback(const std::string& address) {
+  const std::string host = address.substr(0, address.rfind(':'));
+  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
+}
+
+Result<std::string> ReadTokenFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMaxTokenBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(file.gcount()));
+  if (text.empty() || text.size() > kMaxTokenBytes) {
+    return Status(StatusCode::kInvalidArgument,
+                  "cannot read a token from " + path +
+                      "; name the file that `sweepstaked token create --out` wrote");
+  }
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
+    text.pop_back();
+  return text;
+}
+
+// Returns the token, or an empty text if there is none.
+Result<std::string> TokenText(const ClientToken& token) {
+  if (!token.file.empty() && !token.text.empty())
+    return Status(StatusCode::kInvalidArgument, "give a token or the file of one, not both");
+  std::string text = token.text;
+  if (!token.file.empty()) {
+    auto read = ReadTokenFile(token.file);
+    if (!read.ok()) return read.status();
+    text = *std::move(read);
+    if (text.empty()) return Status(StatusCode::kInvalidArgument, token.file + " holds no token");
+  }
+  const bool printable =
+      std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+  if (printable && text.size() <= kMaxTokenBytes) return text;
+  return Status(StatusCode::kInvalidArgument,
+                (token.file.empty() ? std::string("the token given") : token.file) +
+                    " is no token: it has spaces or characters that none has");
+}
+
+// Adds the token to each call. Call credentials would do the same with TLS only.
+class TokenSender final : public grpc::experimental::Interceptor {
+ public:
+  explicit TokenSender(std::string authorization) : authorization_(std::move(authorization)) {}
+
+  void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
+    if (methods->QueryInterceptionHookPoint(
+            grpc::experimental::InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      methods->GetSendInitialMetadata()->emplace("authorization", authorization_);
+    }
+    methods->Proceed();
+  }
+
+ private:
+  const std::string authorization_;
+};
+
+class TokenSenderFactory final : public grpc::experimental::ClientInterceptorFactoryInterface {
+ public:
+  explicit TokenSenderFactory(const std::string& token) : authorization_("Bearer " + token) {}
+
+  grpc::experimental::Interceptor* CreateClientInterceptor(
+      grpc::experimental::ClientRpcInfo* /*call*/) override {
+    return new TokenSender(authorization_);
+  }
+
+ private:
+  const std::string authorization_;
+};
+
+std::shared_ptr<grpc::Channel> MakeChannel(
+    const std::string& address, const std::shared_ptr<grpc::ChannelCredentials>& credentials,
+    const grpc::ChannelArguments& arguments, const std::string& token) {
+  if (token.empty()) return grpc::CreateCustomChannel(address, credentials, arguments);
+  std::vector<std::unique_ptr<grpc::experimental::ClientInterceptorFactoryInterface>> senders;
+  senders.push_back(std::make_unique<TokenSenderFactory>(token));
+  return grpc::experimental::CreateCustomChannelWithInterceptors(address, credentials, arguments,
+                                                                 std::move(senders));
+}
 
 // Whoever is not let in is hung up on. Which words that gets depends on who writes first.
 bool IsHungUp(const std::string& reason) {
@@ -18,23 +109,29 @@ bool IsHungUp(const std::string& reason) {
 
 Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& address,
                                                          const std::optional<TlsOptions>& tls,
+                                                         const ClientToken& token,
                                                          grpc::ChannelArguments arguments) {
   if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  if (!tls) {
-    return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+  const Result<std::string> text = TokenText(token);
+  if (!text.ok()) return text.status();
+  if (!tls && !text->empty() && !IsLoopback(address)) {
+    return Status(StatusCode::kInvalidArgument,
+                  "the token would cross the network to " + address +
+                      " in plain text; connect with TLS (--tls, ca_file)");
   }
+  if (!tls) return MakeChannel(address, grpc::InsecureChannelCredentials(), arguments, *text);
   if (Status status = ValidateTlsOptions(*tls); !status.ok()) return status;
   const auto texts = tls::Read({.cert = tls->cert_file, .key = tls->key_file, .ca = tls->ca_file});
   if (!texts.ok()) {
     return Status(StatusCode::kInvalidArgument, std::string(texts.status().message()));
   }
   if (!tls->server_name.empty()) arguments.SetSslTargetNameOverride(tls->server_name);
-  return grpc::CreateCustomChannel(address,
-                                   grpc::SslCredentials({.pem_root_certs = texts->ca,
-                                                         .pem_private_key = texts->key,
-                                                         .pem_cert_chain = texts->cert}),
-                                   arguments);
+  return MakeChannel(address,
+                     grpc::SslCredentials({.pem_root_certs = texts->ca,
+                                           .pem_private_key = texts->key,
+                                           .pem_cert_chain = texts->cert}),
+                     arguments, *text);
 }
 
 // The words are those of gRPC 1.51 and of OpenSSL 3; with others there is no advice.

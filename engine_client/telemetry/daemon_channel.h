@@ -13,11 +13,13 @@
 
 namespace sweepstake {
 
-// Returns a channel to HOST:PORT, which connects at its first call; the files of `tls` are read
-// now. `arguments` are added to those that all channels have. Error: kInvalidArgument (the address,
-// the options or the files of `tls`).
+// Returns a channel to HOST:PORT, which connects at its first call; the files of `tls` and `token`
+// are read now, and every call brings the token. `arguments` are added to those that all channels
+// have. Error: kInvalidArgument (the address, the options or the files of `tls`, or a token that
+// cannot be used or would cross a network in plain text); no message shows the token.
 Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& address,
                                                          const std::optional<TlsOptions>& tls,
+                                                         const ClientToken& token,
                                                          grpc::ChannelArguments arguments);
 
 // Returns what to do about a connection that could not be made, for a message to people. `reason`

@@ -36,7 +36,8 @@ class DaemonConnection final
 
   // Returns a channel for one connection. Errors: those of MakeDaemonChannel.
   static Result<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
-                                                            const std::optional<TlsOptions>& tls);
+                                                            const std::optional<TlsOptions>& tls,
+                                                            const ClientToken& token);
 
   // Begins to connect over a channel of MakeChannel that nobody else has. `wake` is called from
   // gRPC's threads whenever there is something to look at, until the destructor returns; it must

@@ -30,6 +30,8 @@ constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
 constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
 constexpr uint32_t kMaxBatchFrames = 240;
 constexpr uint64_t kNever = UINT64_MAX;
+// A refused token is tried again after the longest back-off times this.
+constexpr uint32_t kTokenDelayFactor = 6;
 
 v1::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
   v1::Hello hello;
@@ -82,6 +84,13 @@ bool IsLasting(grpc::StatusCode code) {
          code == grpc::StatusCode::FAILED_PRECONDITION ||
          code == grpc::StatusCode::UNAUTHENTICATED || code == grpc::StatusCode::PERMISSION_DENIED ||
          code == grpc::StatusCode::UNIMPLEMENTED;
+}
+
+// Returns whether the daemon refuses the token. Another one needs a person, so that it is tried
+// rarely.
+bool IsTokenRefused(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::UNAUTHENTICATED ||
+         ReasonOf(status) == v1::ERROR_REASON_TOO_MANY_FAILURES;
 }
 
 std::string TryingAgain(uint32_t delay_ms) {
@@ -189,7 +198,7 @@ bool DaemonSession::Step(bool stopping) {
 }
 
 void DaemonSession::Connect(uint64_t now_ns) {
-  auto channel = DaemonConnection::MakeChannel(next_address_, options_.tls);
+  auto channel = DaemonConnection::MakeChannel(next_address_, options_.tls, options_.token);
   if (!channel.ok()) return OnUnusableFiles(channel.status(), now_ns);
   link_.emplace();
   link_->address = next_address_;
@@ -318,7 +327,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   const Link link = std::move(*link_);
   link_.reset();
   adaptive().SetDeciderPresent(false);
-  state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND,
+  const bool foreign = ReasonOf(status) == v1::ERROR_REASON_FOREIGN_SESSION;
+  state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND || foreign,
                      status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
   const bool kicked = ReasonOf(status) == v1::ERROR_REASON_SESSION_KICKED;
@@ -331,7 +341,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
     next_address_ = link.redirect->address();
   }
   const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
-  const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT;
+  const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
+                       IsTokenRefused(status) || ReasonOf(status) == v1::ERROR_REASON_NOT_ALLOWED;
   refusal_ = refused ? MessageWithReason(status) : "";
   if (asked_for) return;
   if (link.goodbye_sent) {
@@ -347,6 +358,8 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
   if (link.online_since_ns && now_ns - *link.online_since_ns >= kGoodConnectionNs) {
     backoff_.Reset();
   }
+  if (IsTokenRefused(status)) return kTokenDelayFactor * backoff_.LongMs();
+  if (ReasonOf(status) == v1::ERROR_REASON_FOREIGN_SESSION) return backoff_.NextMs();
   if (IsLasting(status.error_code())) return backoff_.LongMs();
   if (!link.redirect) return backoff_.NextMs();
   // A daemon that drains spreads its clients by the delay, over more than the longest back-off.
@@ -412,7 +425,7 @@ void DaemonSession::Publish() {
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
                                                    const SessionOptions& options) {
   if (Status status = ValidateSessionOptions(options); !status.ok()) return status;
-  const auto channel = DaemonConnection::MakeChannel(address, options.tls);
+  const auto channel = DaemonConnection::MakeChannel(address, options.tls, options.token);
   if (!channel.ok()) return channel.status();
   return std::unique_ptr<Session>(std::make_unique<DaemonSession>(std::move(address), options));
 }

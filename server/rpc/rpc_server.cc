@@ -80,7 +80,13 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const t
 RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
-      context_{{options_, loop_, store, counters_, watch_hub_}, sessions_, watchers_, stalls_, log},
+      access_(options_.tokens, clock, log),
+      context_{{options_, loop_, store, counters_, watch_hub_},
+               sessions_,
+               watchers_,
+               stalls_,
+               access_,
+               log},
       sessions_(options_, loop_),
       watch_hub_(store, HubLoop(loop_)),
       watchers_(context_),
@@ -156,8 +162,16 @@ void RpcServer::WatchStore() {
   if (!draining_) {
     UpdateHealth();
     ReportLostAuditRows();
+    EndRefused();
   }
   loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
+}
+
+void RpcServer::EndRefused() {
+  if (!access_.asks_for_tokens()) return;
+  telemetry_.EndRefused();
+  watchers_.EndRefused();
+  sessions_service_.EndRefused();
 }
 
 void RpcServer::UpdateHealth() {

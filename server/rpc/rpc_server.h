@@ -17,6 +17,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "server/rpc/common/access_control.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/services/audit_service.h"
 #include "server/rpc/services/posteriors_service.h"
@@ -61,6 +62,8 @@ class RpcServer {
                     const std::shared_ptr<grpc::ServerCredentials>& credentials);
   // Runs on the loop once per second, which shows that the loop runs.
   void WatchStore();
+  // Ends the long streams of callers whose tokens were revoked or have expired.
+  void EndRefused();
   // A store that cannot write is not healthy.
   void UpdateHealth();
   void ReportLostAuditRows();
@@ -71,6 +74,7 @@ class RpcServer {
 
   const RpcOptions options_;
   Counters counters_;
+  AccessControl access_;
   ServiceContext context_;  // refers to the members below
   SessionTable sessions_;
   watch::WatchHub watch_hub_;

@@ -102,7 +102,7 @@ class Daemon final : public TelemetryTransport {
   void Connect() {
     reading_ = false;
     acknowledged_ = 0;
-    stream_ = std::make_shared<TelemetryStream>(context_, streams_, *this);
+    stream_ = std::make_shared<TelemetryStream>(context_, streams_, *this, auth::Principal{});
     stream_->Accept();
   }
   // Adds what no input can know: the session's id and token. An input always does the same.
@@ -158,8 +158,9 @@ class Daemon final : public TelemetryTransport {
   SessionTable sessions_{options_, loop_};
   watch::WatchHub hub_{store_, HubLoop(loop_)};
   StallSweep stalls_{loop_, options_.watcher_patience_ns};
+  AccessControl access_{nullptr, clock_, log_};
   ServiceContext context_{
-      {options_, loop_, store_, counters_, hub_}, sessions_, watchers_, stalls_, log_};
+      {options_, loop_, store_, counters_, hub_}, sessions_, watchers_, stalls_, access_, log_};
   WatcherSet watchers_{context_};
   TelemetryStreams streams_;
   std::shared_ptr<TelemetryStream> stream_;

@@ -13,7 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "server/auth/token_store.h"
 #include "server/rpc/health_probe.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/storage/failing_disk.h"
 #include "tests/support/http_exchange.h"
@@ -278,6 +280,72 @@ TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
   const auto daemon = Start();
   EXPECT_FALSE(RunSession(daemon->port()).session_id().empty()) << "acknowledged";
   EXPECT_EQ(*rpc::HealthOf(ChannelTo(*daemon), std::chrono::minutes(1)), rpc::Health::kServing);
+}
+
+class DaemonTokenTest : public DaemonTest {
+ protected:
+  DaemonTokenTest() { std::filesystem::create_directory(config_.data); }
+
+  auth::TokenStore Tokens() const {
+    return auth::TokenStore::Open(config_.data / "tokens.db").value();
+  }
+  std::string MakeToken(const std::string& name) const {
+    return Tokens()
+        .Create({.name = name,
+                 .role = auth::Role::kWatch,
+                 .projects = {},
+                 .expires_unix_s = std::nullopt,
+                 .made_by = "the test"},
+                1)
+        .value();
+  }
+  static grpc::StatusCode List(const Daemon& daemon, const std::string& token) {
+    const auto stub = v1::PosteriorsService::NewStub(ChannelTo(daemon));
+    grpc::ClientContext context;
+    if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
+    v1::ListPosteriorsResponse response;
+    return stub->ListPosteriors(&context, {}, &response).error_code();
+  }
+};
+
+TEST_F(DaemonTokenTest, OffLoopbackItStartsWithATokenOrClientCertificatesOrInsecure) {
+  config_.listen = "0.0.0.0:0";
+  config_.rpc.tls.cert = config_.rpc.tls.key = "is-looked-at-later.pem";
+  const absl::Status refused = Daemon::Start(config_, clock_).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("sweepstaked token create"));
+  const auto is_later = [&] {
+    return absl::IsInvalidArgument(Daemon::Start(config_, clock_).status());
+  };
+  config_.rpc.tls.ca = "ca.pem";
+  EXPECT_TRUE(is_later());
+  config_.rpc.tls.ca.clear();
+  config_.insecure = true;
+  EXPECT_TRUE(is_later());
+  config_.insecure = false;
+  MakeToken("first");
+  EXPECT_TRUE(is_later());
+}
+
+TEST_F(DaemonTokenTest, ARunningDaemonLetsInANewTokenAndARevokedOneNoMore) {
+  const auto daemon = Start();
+  EXPECT_EQ(List(*daemon, ""), grpc::StatusCode::OK) << "there is no token yet";
+  const std::string token = MakeToken("first");
+  const auto await = [&](const std::string& with, grpc::StatusCode code) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (List(*daemon, with) != code && std::chrono::steady_clock::now() < deadline) continue;
+    EXPECT_EQ(List(*daemon, with), code);
+  };
+  await("", grpc::StatusCode::UNAUTHENTICATED);
+  EXPECT_EQ(List(*daemon, token), grpc::StatusCode::OK);
+  EXPECT_TRUE(daemon->Alive(std::chrono::minutes(1))) << "health needs no token";
+  EXPECT_TRUE(Tokens().Revoke("first", "the test", 2).ok());
+  await(token, grpc::StatusCode::UNAUTHENTICATED);
+}
+
+TEST_F(DaemonTokenTest, ADamagedFileOfTokensStopsTheStart) {
+  std::ofstream(config_.data / "tokens.db").close();
+  EXPECT_TRUE(absl::IsDataLoss(Daemon::Start(config_, clock_).status()));
 }
 
 }  // namespace

@@ -17,6 +17,8 @@ StatusCode ToCode(grpc::StatusCode code) {
       return StatusCode::kNotFound;
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
       return StatusCode::kResourceExhausted;
+    case grpc::StatusCode::UNAUTHENTICATED:
+    case grpc::StatusCode::PERMISSION_DENIED:
     case grpc::StatusCode::FAILED_PRECONDITION:
       return StatusCode::kFailedPrecondition;
     case grpc::StatusCode::INVALID_ARGUMENT:
@@ -32,7 +34,7 @@ Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, own_connection ? 1 : 0);
-  return MakeDaemonChannel(daemon.address, daemon.tls, std::move(arguments));
+  return MakeDaemonChannel(daemon.address, daemon.tls, daemon.token, std::move(arguments));
 }
 
 void SetDeadline(grpc::ClientContext& context) {

@@ -33,8 +33,9 @@ enum class ConnectionState : uint32_t {
 struct SessionStats {
   ConnectionState state = ConnectionState::kOffline;
   std::string last_error;  // what went wrong most recently and what to do; empty: nothing
-  // The daemon's reason when it refused the latest attempt, for example an unknown policy. Trying
-  // again does not help. Empty: the daemon did not refuse.
+  // The daemon's reason when it refused the latest attempt, for example an unknown policy or a
+  // token that was revoked. Trying again does not help; it is tried once in a while all the same.
+  // Empty: the daemon did not refuse.
   std::string refusal;
   std::string session_id;  // empty before the first welcome
   uint64_t sent_frame_count = 0;
@@ -67,6 +68,13 @@ struct TlsOptions {
   std::string server_name;  // the host in the daemon's certificate; empty: that of the address
 };
 
+// The token that a daemon may ask for. It is sent with TLS, or to a daemon on this machine, and
+// shown nowhere. At most one of the two is given.
+struct ClientToken {
+  std::string file;  // of at most 4096 bytes, with the token alone; read for every connection
+  std::string text;  // the token itself
+};
+
 struct SessionOptions {
   std::string project = "default";
   std::string scene = "default";
@@ -94,6 +102,7 @@ struct SessionOptions {
   uint32_t backoff_max_ms = 10'000;
 
   std::optional<TlsOptions> tls;  // absent: plain text; of no use to an embedded decider
+  ClientToken token;              // empty: none; of no use to an embedded decider
 };
 
 class Session {

@@ -32,7 +32,16 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_TOO_MANY_IMPORTS:
     case v1::ERROR_REASON_IMPORT_TOO_LARGE:
     case v1::ERROR_REASON_WATCHER_STALLED:
+    case v1::ERROR_REASON_TOO_MANY_FAILURES:
+    case v1::ERROR_REASON_TOO_MANY_SCENES:
+    case v1::ERROR_REASON_TOO_MANY_ARMS:
       return absl::StatusCode::kResourceExhausted;
+    case v1::ERROR_REASON_TOKEN_MISSING:
+    case v1::ERROR_REASON_TOKEN_REFUSED:
+      return absl::StatusCode::kUnauthenticated;
+    case v1::ERROR_REASON_NOT_ALLOWED:
+    case v1::ERROR_REASON_FOREIGN_SESSION:
+      return absl::StatusCode::kPermissionDenied;
     case v1::ERROR_REASON_SESSION_TAKEN_OVER:
     case v1::ERROR_REASON_ORDER_REPLACED:
       return absl::StatusCode::kAborted;

@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "server/auth/principal.h"
 #include "server/decision/options.h"
 #include "server/priors/audit_rows.h"
 #include "server/tls/tls_files.h"
@@ -60,6 +61,16 @@ struct RpcOptions {
   // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
   // new one is RESOURCE_EXHAUSTED.
   uint32_t max_sessions = 20'000;
+  // The same of the sessions of one token, and of the streams from one address that is not the
+  // daemon's own machine; beyond them a new one is RESOURCE_EXHAUSTED.
+  uint32_t max_sessions_per_token = 20'000;
+  uint32_t max_streams_per_address = 2'000;
+  // The maximum number of scenes of a project, by name; one more, in a Hello or an import, is
+  // RESOURCE_EXHAUSTED.
+  uint32_t max_scenes = 1'000;
+  // The tokens that calls must bring; without, or while there are none, everybody may do
+  // everything. They outlive the server.
+  const auth::TokenDirectory* tokens = nullptr;
   // The secret from which the resume token of every session is made, 32 random bytes. If it
   // changes, no earlier session can be resumed.
   std::string resume_secret;

@@ -89,28 +89,44 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorStore& store, const AuditF
   return page;
 }
 
+// Returns what of the request the caller may see.
 template <typename Request>
-AuditFilter FilterOf(const Request& request) {
-  return {request.session_id(), request.project(), request.scene()};
+absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& caller,
+                                     const Request& request) {
+  if (!caller.ok()) return caller.status();
+  AuditFilter filter{request.session_id(), request.project(), request.scene()};
+  if (absl::Status status = Narrow(*caller, filter); !status.ok()) return status;
+  return filter;
 }
 
 }  // namespace
 
 grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
     grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
-  return SegmentStream::Start(
-      context_, *call, [filter = FilterOf(*request)](priors::PriorStore& store, uint64_t after) {
-        return LoadSegments(store, filter, after);
-      });
+  const auto filter =
+      FilterOf(context_.access.Authorize(*call, RpcOf("AuditService/ListAuditSegments")), *request);
+  if (!filter.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>>(
+        ToGrpc(filter.status(), context_.counters));
+  }
+  return SegmentStream::Start(context_, *call,
+                              [filter = *filter](priors::PriorStore& store, uint64_t after) {
+                                return LoadSegments(store, filter, after);
+                              });
 }
 
 grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
     grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
-  return RowStream::Start(
-      context_, *call,
-      [filter = FilterOf(*request)](priors::PriorStore& store, const RowPlace& place) {
-        return LoadRows(store, filter, place);
-      });
+  const auto filter =
+      FilterOf(context_.access.Authorize(*call, RpcOf("AuditService/ExportDecisions")), *request);
+  if (!filter.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
+        ToGrpc(filter.status(), context_.counters));
+  }
+  return RowStream::Start(context_, *call,
+                          [filter = *filter](priors::PriorStore& store, const RowPlace& place) {
+                            return LoadRows(store, filter, place);
+                          });
 }
 
 }  // namespace sweepstake::rpc

@@ -12,8 +12,8 @@ namespace sweepstake::rpc {
 
 PosteriorWatcher* PosteriorWatcher::Start(ServiceContext& context,
                                           grpc::CallbackServerContext& call,
-                                          grpc::ByteBuffer request) {
-  std::shared_ptr<PosteriorWatcher> watcher(new PosteriorWatcher(context, call));
+                                          grpc::ByteBuffer request, auth::Principal caller) {
+  std::shared_ptr<PosteriorWatcher> watcher(new PosteriorWatcher(context, call, std::move(caller)));
   PosteriorWatcher* raw = watcher.get();
   raw->self_ = std::move(watcher);
   context.loop.Post([raw, bytes = std::move(request)] { raw->Begin(bytes); });
@@ -25,14 +25,14 @@ void PosteriorWatcher::Begin(grpc::ByteBuffer request) {
   if (!Parse(request, wanted))
     return Close(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE, "the request does not parse"));
   filter_ = {wanted.project(), wanted.scene()};
+  if (const absl::Status allowed = Narrow(caller_, filter_); !allowed.ok()) return Close(allowed);
   if (const absl::Status added = context_.watchers.Add(*this); !added.ok()) return Close(added);
   context_.stalls.Add(*this);
   LoadPage();
 }
 
 bool PosteriorWatcher::Watches(const priors::SceneKey& scene) const {
-  return (filter_.project.empty() || filter_.project == scene.project) &&
-         (filter_.scene.empty() || filter_.scene == scene.scene);
+  return filter_.Matches(scene.project, scene.scene);
 }
 
 void PosteriorWatcher::OnDecision(const grpc::ByteBuffer& event) {
@@ -129,6 +129,10 @@ void PosteriorWatcher::WriteNext() {
 
 void PosteriorWatcher::OnStalled() {
   Close(Refused(v1::ERROR_REASON_WATCHER_STALLED, "the watcher did not read; watch again"));
+}
+
+void PosteriorWatcher::EndIfRefused() {
+  if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok()) Close(still);
 }
 
 void PosteriorWatcher::OnWritten(bool ok) {

@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "server/priors/prior_store.h"
 #include "server/rpc/services/service_context.h"
@@ -26,13 +27,15 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
                                public std::enable_shared_from_this<PosteriorWatcher> {
  public:
   static PosteriorWatcher* Start(ServiceContext& context, grpc::CallbackServerContext& call,
-                                 grpc::ByteBuffer request);
+                                 grpc::ByteBuffer request, auth::Principal caller);
 
   bool Watches(const priors::SceneKey& scene) const;
   void OnDecision(const grpc::ByteBuffer& event);
   void OnPosterior(const priors::SceneKey& scene, const grpc::ByteBuffer& event);
   // Sends all scenes again, since what was sent is out of date.
   void Resend();
+  // Closes the stream if the caller's token is not valid any more.
+  void EndIfRefused();
   void Close(const absl::Status& status);
   int64_t waiting_since_ns() const override { return writing_ ? write_start_ns_ : Clock::kNever; }
   void OnStalled() override;
@@ -48,8 +51,9 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
     priors::SceneKey scene;
   };
 
-  PosteriorWatcher(ServiceContext& context, grpc::CallbackServerContext& call)
-      : context_(context), call_(call) {}
+  PosteriorWatcher(ServiceContext& context, grpc::CallbackServerContext& call,
+                   auth::Principal caller)
+      : context_(context), call_(call), caller_(std::move(caller)) {}
 
   void Begin(grpc::ByteBuffer request);
   void LoadPage();
@@ -61,6 +65,7 @@ class PosteriorWatcher final : public grpc::ServerWriteReactor<grpc::ByteBuffer>
 
   ServiceContext& context_;
   grpc::CallbackServerContext& call_;
+  const auth::Principal caller_;
   std::shared_ptr<PosteriorWatcher> self_;  // keeps this object alive until OnDone
 
   priors::SceneFilter filter_;

@@ -80,6 +80,14 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
     grpc::CallbackServerContext* call, const v1::ListPosteriorsRequest* request,
     v1::ListPosteriorsResponse* response) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  priors::SceneFilter filter{request->project(), {}};
+  const auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/ListPosteriors"));
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) allowed = Narrow(*caller, filter);
+  if (!allowed.ok()) {
+    reactor->Finish(ToGrpc(allowed, context_.counters));
+    return reactor;
+  }
   std::optional<SceneKey> after;
   if (!request->page_token().empty()) {
     after = KeyOf(request->page_token());
@@ -94,8 +102,9 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
       request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
   ReadAndAnswer(
       context_, reactor,
-      [filter = priors::SceneFilter{request->project(), {}}, after,
-       limit](priors::PriorStore& store) { return store.List(filter, after, limit); },
+      [filter, after, limit](priors::PriorStore& store) {
+        return store.List(filter, after, limit);
+      },
       [this, response, limit](const std::vector<SceneEvidence>& scenes) {
         for (const SceneEvidence& scene : scenes) {
           ToProto(scene, *response->add_scenes());
@@ -112,6 +121,13 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
                                                           const v1::GetPosteriorRequest* request,
                                                           v1::GetPosteriorResponse* response) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  const auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/GetPosterior"));
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) allowed = CheckProject(*caller, request->project());
+  if (!allowed.ok()) {
+    reactor->Finish(ToGrpc(allowed, context_.counters));
+    return reactor;
+  }
   const SceneKey key{request->project(), request->scene(), request->machine_class(),
                      request->reward_version() != 0 ? request->reward_version()
                                                     : DefaultRewardVersion(context_.options)};
@@ -138,7 +154,10 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(
     grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
-  return PosteriorWatcher::Start(context_, *call, *request);
+  auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/WatchPosteriors"));
+  if (caller.ok()) return PosteriorWatcher::Start(context_, *call, *request, *std::move(caller));
+  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
+      ToGrpc(caller.status(), context_.counters));
 }
 
 }  // namespace sweepstake::rpc

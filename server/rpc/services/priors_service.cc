@@ -1,5 +1,7 @@
 #include "server/rpc/services/priors_service.h"
 
+#include <spdlog/logger.h>
+
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
+#include "server/rpc/sessions/scene_quota.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -37,8 +40,12 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
  public:
   // `collected_count` is shared by all imports.
   PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
-              grpc::CallbackServerContext& call, grpc::ByteBuffer& response)
-      : context_(context), collected_count_(collected_count), call_(call), response_(response) {
+              grpc::CallbackServerContext& call, grpc::ByteBuffer& response, auth::Principal caller)
+      : context_(context),
+        collected_count_(collected_count),
+        call_(call),
+        response_(response),
+        caller_(std::move(caller)) {
     context_.loop.Post([this] {
       context_.stalls.Add(*this);
       ReadNext();
@@ -73,11 +80,23 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       return End(absl::CancelledError("the stream broke off; nothing was imported"));
     last_progress_ns_ = Clock::kNever;
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
+      if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
+        return context_.loop.Post([this, allowed] { End(allowed); });
       context_.loop.Post([this, result = store.Import(records_)] { OnImported(result); });
     });
     if (!submitted)
       End(Refused(v1::ERROR_REASON_STORE_BUSY,
                   "the prior store has too much to do; import again later"));
+  }
+
+  absl::Status CheckQuota(priors::PriorStore& store) const {
+    SceneQuota quota(store, context_.options);
+    for (const auto& [key, source_id, sequence, evidence] : records_) {
+      const priors::SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
+      absl::Status status = quota.Add(scene, {key.arm, key.backend_version});
+      if (!status.ok()) return status;
+    }
+    return absl::OkStatus();
   }
 
   void OnImported(const absl::StatusOr<priors::ImportResult>& result) {
@@ -86,6 +105,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
     response_ = Serialize(answer);
+    context_.log.info("{} imported {} records, {} of them new or newer", NameForLog(caller_),
+                      records_.size(), result->applied_count);
     context_.watch_hub.Reset();
     End(absl::OkStatus());
   }
@@ -119,6 +140,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
         return Refused(v1::ERROR_REASON_INVALID_MESSAGE,
                        absl::StrCat("record ", records_.size(), ": ", status.message()));
       }
+      if (absl::Status allowed = CheckProject(caller_, record.project()); !allowed.ok())
+        return allowed;
       records_.push_back(FromProto(record));
       ++collected_count_;
     }
@@ -129,6 +152,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
+  const auth::Principal caller_;
   int64_t last_progress_ns_ = 0;  // used on the loop
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
@@ -139,17 +163,29 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
 grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
     grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) {
+  priors::SceneFilter filter{request->project(), request->scene()};
+  const auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ExportPriors"));
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) allowed = Narrow(*caller, filter);
+  if (!allowed.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<v1::ExportPriorsResponse>>(
+        ToGrpc(allowed, context_.counters));
+  }
   return ExportStream::Start(
       context_, *call,
-      [filter = priors::SceneFilter{request->project(), request->scene()}](
-          priors::PriorStore& store, const std::optional<PriorRecord>& after) {
+      [filter](priors::PriorStore& store, const std::optional<PriorRecord>& after) {
         return LoadRecords(store, filter, after);
       });
 }
 
 grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
     grpc::CallbackServerContext* call, grpc::ByteBuffer* response) {
-  return new PriorImport(context_, collected_count_, *call, *response);
+  auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ImportPriors"));
+  if (caller.ok()) {
+    return new PriorImport(context_, collected_count_, *call, *response, *std::move(caller));
+  }
+  return new RefusedCall<grpc::ServerReadReactor<grpc::ByteBuffer>>(
+      ToGrpc(caller.status(), context_.counters));
 }
 
 }  // namespace sweepstake::rpc

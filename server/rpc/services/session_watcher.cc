@@ -10,16 +10,25 @@
 namespace sweepstake::rpc {
 
 SessionWatcher* SessionWatcher::Start(ServiceContext& context, SessionsService& service,
-                                      grpc::CallbackServerContext& call,
-                                      priors::SceneFilter filter) {
-  auto* watcher = new SessionWatcher(context, service, call, std::move(filter));
+                                      grpc::CallbackServerContext& call, priors::SceneFilter filter,
+                                      auth::Principal caller) {
+  auto* watcher = new SessionWatcher(context, service, call, std::move(filter), std::move(caller));
   context.loop.Post([watcher] { watcher->Begin(); });
   return watcher;
 }
 
 SessionWatcher::SessionWatcher(ServiceContext& context, SessionsService& service,
-                               grpc::CallbackServerContext& call, priors::SceneFilter filter)
-    : context_(context), service_(service), call_(call), filter_(std::move(filter)) {}
+                               grpc::CallbackServerContext& call, priors::SceneFilter filter,
+                               auth::Principal caller)
+    : context_(context),
+      service_(service),
+      call_(call),
+      filter_(std::move(filter)),
+      caller_(std::move(caller)) {}
+
+void SessionWatcher::EndIfRefused() {
+  if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok()) Close(still);
+}
 
 void SessionWatcher::Begin() {
   if (const absl::Status added = service_.Add(*this); !added.ok()) return Close(added);

@@ -27,9 +27,12 @@ class SessionWatcher final : public grpc::ServerWriteReactor<v1::WatchSessionsRe
                              public StallingCall {
  public:
   static SessionWatcher* Start(ServiceContext& context, SessionsService& service,
-                               grpc::CallbackServerContext& call, priors::SceneFilter filter);
+                               grpc::CallbackServerContext& call, priors::SceneFilter filter,
+                               auth::Principal caller);
 
   void OnSessions(const watch::SessionChanges& changes);
+  // Closes the stream if the caller's token is not valid any more.
+  void EndIfRefused();
   void Close(const absl::Status& status);
   int64_t waiting_since_ns() const override { return writing_ ? write_start_ns_ : Clock::kNever; }
   void OnStalled() override;
@@ -40,7 +43,8 @@ class SessionWatcher final : public grpc::ServerWriteReactor<v1::WatchSessionsRe
 
  private:
   SessionWatcher(ServiceContext& context, SessionsService& service,
-                 grpc::CallbackServerContext& call, priors::SceneFilter filter);
+                 grpc::CallbackServerContext& call, priors::SceneFilter filter,
+                 auth::Principal caller);
 
   void Begin();
   void WriteNext();
@@ -52,6 +56,7 @@ class SessionWatcher final : public grpc::ServerWriteReactor<v1::WatchSessionsRe
   SessionsService& service_;
   grpc::CallbackServerContext& call_;
   const priors::SceneFilter filter_;
+  const auth::Principal caller_;
   watch::SessionChanges changes_;  // that wait
   v1::WatchSessionsResponse response_;
   bool writing_ = false;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
 #include "server/decision/math/names.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -53,40 +54,63 @@ grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerCont
                                                         const v1::ListSessionsRequest* request,
                                                         v1::ListSessionsResponse* response) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+  priors::SceneFilter wanted{request->project(), request->scene()};
+  const auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/ListSessions"));
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) allowed = Narrow(*caller, wanted);
+  if (!allowed.ok()) {
+    reactor->Finish(ToGrpc(allowed, context_.counters));
+    return reactor;
+  }
   const uint32_t limit = request->page_size() == 0
                              ? kSessionsPerPage
                              : std::min(request->page_size(), kSessionsPerPage);
-  context_.loop.Post([this, reactor, response, limit, after = request->page_token(),
-                      filter = priors::SceneFilter{request->project(), request->scene()}] {
-    for (v1::SessionInfo& session : context_.sessions.List(filter, after, limit)) {
-      *response->add_sessions() = std::move(session);
-    }
-    if (response->sessions_size() == static_cast<int>(limit))
-      response->set_next_page_token(response->sessions().rbegin()->session_id());
-    reactor->Finish(grpc::Status::OK);
-  });
+  context_.loop.Post(
+      [this, reactor, response, limit, after = request->page_token(), filter = std::move(wanted)] {
+        for (v1::SessionInfo& session : context_.sessions.List(filter, after, limit)) {
+          *response->add_sessions() = std::move(session);
+        }
+        if (response->sessions_size() == static_cast<int>(limit))
+          response->set_next_page_token(response->sessions().rbegin()->session_id());
+        reactor->Finish(grpc::Status::OK);
+      });
   return reactor;
 }
 
 grpc::ServerWriteReactor<v1::WatchSessionsResponse>* SessionsService::WatchSessions(
     grpc::CallbackServerContext* call, const v1::WatchSessionsRequest* request) {
-  return SessionWatcher::Start(context_, *this, *call, {request->project(), request->scene()});
+  priors::SceneFilter wanted{request->project(), request->scene()};
+  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/WatchSessions"));
+  absl::Status allowed = caller.status();
+  if (allowed.ok()) allowed = Narrow(*caller, wanted);
+  if (!allowed.ok()) {
+    return new RefusedCall<grpc::ServerWriteReactor<v1::WatchSessionsResponse>>(
+        ToGrpc(allowed, context_.counters));
+  }
+  return SessionWatcher::Start(context_, *this, *call, std::move(wanted), *std::move(caller));
 }
 
 grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerContext* call,
                                                        const v1::KickSessionRequest* request,
                                                        v1::KickSessionResponse* /*response*/) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context_.loop.Post([this, reactor, who = call->peer(), id = request->session_id(),
-                      may_return = request->may_return()] {
+  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/KickSession"));
+  if (!caller.ok()) {
+    reactor->Finish(ToGrpc(caller.status(), context_.counters));
+    return reactor;
+  }
+  context_.loop.Post([this, reactor, caller = *std::move(caller), id = request->session_id(),
+                      from = call->peer(), may_return = request->may_return()] {
     const std::shared_ptr<GameSession> session = context_.sessions.Find(id);
     absl::Status status;
-    if (session == nullptr || session->ended()) {
+    // Of another project's session the answer tells nothing.
+    if (session == nullptr || session->ended() ||
+        !caller.MayUse(session->identity().scene.project)) {
       status = UnknownSession();
     } else {
       context_.sessions.Kick(*session, may_return);
-      context_.log.warn("{} kicked session {} of {}/{}, which {}", who, id,
-                        session->identity().scene.project, session->identity().scene.scene,
+      context_.log.warn("{} at {} kicked session {} of {}/{}, which {}", NameForLog(caller), from,
+                        id, session->identity().scene.project, session->identity().scene.scene,
                         may_return ? "may return" : "has ended");
     }
     reactor->Finish(ToGrpc(status, context_.counters));
@@ -98,9 +122,18 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
                                                         const v1::OrderSessionRequest* request,
                                                         v1::OrderSessionResponse* response) {
   grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  context_.loop.Post([this, reactor, request, response, who = call->peer()] {
+  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/OrderSession"));
+  if (!caller.ok()) {
+    reactor->Finish(ToGrpc(caller.status(), context_.counters));
+    return reactor;
+  }
+  // The audit log has who it was.
+  std::string who = caller->token_id == 0 ? call->peer()
+                                          : absl::StrCat(NameForLog(*caller), " at ", call->peer());
+  context_.loop.Post([this, reactor, request, response, caller = *std::move(caller),
+                      who = std::move(who)] {
     const std::shared_ptr<GameSession> session = context_.sessions.Find(request->session_id());
-    if (session == nullptr || session->ended())
+    if (session == nullptr || session->ended() || !caller.MayUse(session->identity().scene.project))
       return reactor->Finish(ToGrpc(UnknownSession(), context_.counters));
     auto order = OrderOf(*request, session->identity().arms);
     if (!order.ok()) return reactor->Finish(ToGrpc(order.status(), context_.counters));
@@ -138,6 +171,10 @@ absl::Status SessionsService::Add(SessionWatcher& watcher) {
 
 void SessionsService::Remove(SessionWatcher& watcher) {
   context_.counters.open_watcher_count -= watchers_.erase(&watcher);
+}
+
+void SessionsService::EndRefused() {
+  for (auto next = watchers_.begin(); next != watchers_.end();) (*next++)->EndIfRefused();
 }
 
 void SessionsService::Drain() {

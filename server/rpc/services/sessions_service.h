@@ -39,6 +39,8 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
   absl::Status Add(SessionWatcher& watcher);
   void Remove(SessionWatcher& watcher);
   void Drain();
+  // Ends the streams of callers whose tokens are not valid any more.
+  void EndRefused();
 
  private:
   ServiceContext& context_;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -19,11 +20,11 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
                             public TelemetryTransport {
  public:
   TelemetryCall(ServiceContext& context, TelemetryStreams& streams,
-                grpc::CallbackServerContext& call)
+                grpc::CallbackServerContext& call, auth::Principal caller)
       : loop_(context.loop),
         counters_(context.counters),
         call_(call),
-        stream_(std::make_shared<TelemetryStream>(context, streams, *this)) {
+        stream_(std::make_shared<TelemetryStream>(context, streams, *this, std::move(caller))) {
     loop_.Post([this] { stream_->Accept(); });
   }
 
@@ -77,7 +78,10 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* TelemetryService::StreamTelemetry(
     grpc::CallbackServerContext* call) {
-  return new TelemetryCall(context_, streams_, *call);
+  auto caller = context_.access.Authorize(*call, RpcOf("TelemetryService/StreamTelemetry"));
+  if (caller.ok()) return new TelemetryCall(context_, streams_, *call, *std::move(caller));
+  return new RefusedCall<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>>(
+      ToGrpc(caller.status(), context_.counters));
 }
 
 }  // namespace sweepstake::rpc

@@ -19,6 +19,8 @@ class TelemetryService final : public v1::TelemetryService::WithRawCallbackMetho
 
   // Refuses new streams and tells the others to reconnect later. Called on the loop.
   void Drain() { streams_.Drain(context_.options); }
+  // Ends the streams of callers whose tokens are not valid any more. Called on the loop.
+  void EndRefused() { streams_.EndRefused(); }
 
  private:
   ServiceContext& context_;

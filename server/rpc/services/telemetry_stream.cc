@@ -4,8 +4,10 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
+#include "server/rpc/common/peer_address.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/sessions/session_table.h"
 
@@ -37,11 +39,27 @@ void TelemetryStream::Accept() {
         Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
                 "this daemon has as many streams as it may; try again later, or use another"));
   }
+  if (absl::Status status = CountAddress(); !status.ok()) return Close(status);
   transport_.Read();
   DecisionLoop& loop = context_.loop;
   loop.PostAt(loop.clock().NowNs() + context_.options.hello_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnHelloOverdue();
   });
+}
+
+absl::Status TelemetryStream::CountAddress() {
+  const std::string address = AddressOf(transport_.peer());
+  if (address.empty() || IsLoopbackAddress(address)) return absl::OkStatus();
+  uint32_t& count = streams_.address_counts[address];
+  if (count >= context_.options.max_streams_per_address) {
+    return Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
+                   absl::StrCat("this address has ", count,
+                                " streams, as many as it may (max_streams_per_address); end some, "
+                                "or raise it on the daemon"));
+  }
+  ++count;
+  address_ = address;
+  return absl::OkStatus();
 }
 
 void TelemetryStream::OnHelloOverdue() {
@@ -58,6 +76,10 @@ void TelemetryStream::OnCancelled() {
 
 void TelemetryStream::OnDone() {
   LeaveSession();
+  if (const auto count = streams_.address_counts.find(address_);
+      count != streams_.address_counts.end() && --count->second == 0) {
+    streams_.address_counts.erase(count);
+  }
   streams_.all.erase(number_);
   context_.counters.open_stream_count = streams_.all.size();
 }
@@ -102,12 +124,21 @@ absl::Status TelemetryStream::Open(const v1::Hello& given) {
   hello_ = given;
   if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
   if (absl::Status status = CheckHello(*hello_, context_.options); !status.ok()) return status;
-  if (!HasResumeToken(*hello_, context_.options)) hello_->clear_session_id();
+  if (absl::Status status = CheckProject(caller_, hello_->project()); !status.ok()) return status;
+  if (absl::Status status = CheckResumption(); !status.ok()) return status;
   if (std::shared_ptr<GameSession> session = FindSession()) {
     Enter(std::move(session), /*resumed=*/true);
     return absl::OkStatus();
   }
   return Load();
+}
+
+absl::Status TelemetryStream::CheckResumption() {
+  const auto token_id = TokenOfSession(*hello_, context_.options);
+  if (!token_id) hello_->clear_session_id();
+  if (!token_id || *token_id == caller_.token_id) return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_FOREIGN_SESSION,
+                 "this session began with another token; begin a new one");
 }
 
 std::shared_ptr<GameSession> TelemetryStream::FindSession() {
@@ -122,10 +153,11 @@ absl::Status TelemetryStream::Load() {
   loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnLoadOverdue();
   });
-  const bool submitted = context_.store.Submit(
-      [weak = weak_from_this(), &loop, wanted = *hello_](priors::PriorStore& store) {
+  const bool submitted =
+      context_.store.Submit([weak = weak_from_this(), &loop, &options = context_.options,
+                             wanted = *hello_](priors::PriorStore& store) {
         if (weak.expired()) return;  // Nobody waits for it any more.
-        loop.Post([weak, start = LoadStart(store, wanted)] {
+        loop.Post([weak, start = LoadStart(store, wanted, options)] {
           if (const auto self = weak.lock()) self->OnLoaded(start);
         });
       });
@@ -136,8 +168,10 @@ absl::Status TelemetryStream::Load() {
 
 void TelemetryStream::OnLoadOverdue() {
   if (end_ || session_) return;
-  OnLoaded(
-      {.priors = {}, .source = {}, .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
+  OnLoaded({.priors = {},
+            .source = {},
+            .refusal = {},
+            .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
 }
 
 void TelemetryStream::OnLoaded(const StoredStart& start) {
@@ -153,7 +187,8 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
     return absl::OkStatus();
   }
   if (start.source && hello_->session_id().empty()) return Load();
-  auto session = MakeSession(context_, *hello_, start);
+  if (!start.refusal.ok()) return start.refusal;
+  auto session = MakeSession(context_, *hello_, start, caller_.token_id);
   if (!session.ok()) return session.status();
   if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;
   if (!start.status.ok()) ReportMissingEvidence(start.status);
@@ -189,6 +224,11 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
 void TelemetryStream::OnHalfClose() {
   LeaveSession();
   if (!end_) Close(absl::OkStatus());
+}
+
+void TelemetryStream::EndIfRefused() {
+  if (end_) return;
+  if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok()) Reject(still);
 }
 
 void TelemetryStream::Drain(uint32_t delay_ms) {
@@ -293,6 +333,11 @@ void TelemetryStream::LeaveSession() {
 uint32_t ReconnectDelayMs(const RpcOptions& options, uint64_t rank) {
   const uint64_t later_ms = rank * 1'000 / options.reconnects_per_s;
   return options.reconnect_delay_ms + static_cast<uint32_t>(later_ms);
+}
+
+void TelemetryStreams::EndRefused() {
+  // A stream that ends leaves the map later, in a task of its own.
+  for (const auto& [number, stream] : all) stream->EndIfRefused();
 }
 
 void TelemetryStreams::Drain(const RpcOptions& options) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/sessions/game_session.h"
@@ -38,13 +39,16 @@ class TelemetryStream;
 
 // All streams.
 struct TelemetryStreams {
-  std::map<uint64_t, TelemetryStream*> all;  // in the order of their coming
+  std::map<uint64_t, TelemetryStream*> all;        // in the order of their coming
+  std::map<std::string, uint32_t> address_counts;  // of the streams from other machines
   uint64_t last_number = 0;
   bool draining = false;
   int64_t next_store_warning_ns = std::numeric_limits<int64_t>::min();
 
   // Refuses new streams and tells the others to reconnect later.
   void Drain(const RpcOptions& options);
+  // Ends those of callers whose tokens are not valid any more.
+  void EndRefused();
 };
 
 // Returns the delay after which a drained client is to come back. Ranks are those of all clients,
@@ -78,8 +82,9 @@ class TelemetryTransport {
 class TelemetryStream final : public SessionLink,
                               public std::enable_shared_from_this<TelemetryStream> {
  public:
-  TelemetryStream(ServiceContext& context, TelemetryStreams& streams, TelemetryTransport& transport)
-      : context_(context), streams_(streams), transport_(transport) {}
+  TelemetryStream(ServiceContext& context, TelemetryStreams& streams, TelemetryTransport& transport,
+                  auth::Principal caller)
+      : context_(context), streams_(streams), transport_(transport), caller_(std::move(caller)) {}
 
   // Called first.
   void Accept();
@@ -95,6 +100,8 @@ class TelemetryStream final : public SessionLink,
   // Called last: nothing is pending any more.
   void OnDone();
 
+  // Ends the stream if the caller's token is not valid any more.
+  void EndIfRefused();
   // Tells the client to reconnect after `delay_ms`, since the daemon is going away, and ends the
   // stream once its evidence is on disk.
   void Drain(uint32_t delay_ms);
@@ -109,9 +116,14 @@ class TelemetryStream final : public SessionLink,
   void Abort(const absl::Status& status) override;
 
  private:
+  // Counts the stream among those of its address. Error: RESOURCE_EXHAUSTED.
+  absl::Status CountAddress();
   void OnHelloOverdue();
   absl::Status Dispatch(const v1::StreamTelemetryRequest& request);
   absl::Status Open(const v1::Hello& given);
+  // Checks that the session of the Hello is the caller's. A Hello without its resume token forgets
+  // its id.
+  absl::Status CheckResumption();
   // Returns the session in memory that the Hello resumes, or null. If there is one that it may not
   // resume, the Hello forgets its id.
   std::shared_ptr<GameSession> FindSession();
@@ -131,7 +143,9 @@ class TelemetryStream final : public SessionLink,
   ServiceContext& context_;
   TelemetryStreams& streams_;
   TelemetryTransport& transport_;
+  const auth::Principal caller_;
   uint64_t number_ = 0;  // in streams_
+  std::string address_;  // under which streams_ counts it; empty if not
   std::shared_ptr<GameSession> session_;
   // The Hello as received, with the policy filled in and without the id of a session that it may
   // not resume. If session_ is null, the session is being loaded.

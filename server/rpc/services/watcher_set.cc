@@ -67,6 +67,10 @@ void WatcherSet::Drain() {
   });
 }
 
+void WatcherSet::EndRefused() {
+  ForEach([](PosteriorWatcher& watcher) { watcher.EndIfRefused(); });
+}
+
 grpc::ByteBuffer WatcherSet::Encode(const priors::SceneEvidence& scene) const {
   v1::WatchPosteriorsResponse response;
   ToProto(scene, *response.mutable_posterior());

@@ -34,6 +34,8 @@ class WatcherSet final : public watch::WatchListener {
   // All watchers read all their scenes again.
   void OnReset() override;
   void Drain();
+  // Ends the streams of callers whose tokens are not valid any more.
+  void EndRefused();
 
   // Returns the message with the scene's posterior.
   grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;

@@ -2,14 +2,17 @@
 
 #include <openssl/crypto.h>
 #include <openssl/hmac.h>
+#include <openssl/sha.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
+#include "server/rpc/sessions/scene_quota.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -22,14 +25,18 @@ std::string NewSessionId(const RpcOptions& options) {
   return absl::StrFormat("%016x%016x", first, options.random_bits());
 }
 
-std::string ResumeTokenOf(const std::string& session_id, const RpcOptions& options) {
+// The id of the token is in the clear behind the HMAC; 0 leaves it out.
+std::string ResumeTokenOf(const std::string& session_id, int64_t token_id,
+                          const RpcOptions& options) {
+  const std::string suffix = token_id == 0 ? "" : absl::StrCat("/", token_id);
+  const std::string ids = session_id + suffix;
   std::string token(EVP_MAX_MD_SIZE, '\0');
   unsigned int size = 0;
   HMAC(EVP_sha256(), options.resume_secret.data(), static_cast<int>(options.resume_secret.size()),
-       reinterpret_cast<const unsigned char*>(session_id.data()), session_id.size(),
+       reinterpret_cast<const unsigned char*>(ids.data()), ids.size(),
        reinterpret_cast<unsigned char*>(token.data()), &size);
   token.resize(size);
-  return token;
+  return token + suffix;
 }
 
 std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
@@ -65,9 +72,10 @@ decision::DecisionOptions OptionsOf(const v1::Hello& hello, const RpcOptions& op
   return hello.time_scale() > 1 ? scaled.Scaled(hello.time_scale()) : scaled;
 }
 
-SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start,
+SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int64_t token_id,
                            const RpcOptions& options) {
   SessionIdentity identity;
+  identity.token_id = token_id;
   identity.id = start.source ? start.source->progress.source_id : NewSessionId(options);
   identity.scene = FromProto(hello);
   for (const v1::Arm& arm : hello.arms()) {
@@ -126,8 +134,14 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
 
 }  // namespace
 
-StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
+StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello,
+                      const RpcOptions& options) {
   StoredStart start;
+  SceneQuota quota(store, options);
+  for (const v1::Arm& arm : hello.arms()) {
+    start.refusal = quota.Add(FromProto(hello), {arm.name(), arm.backend_version()});
+    if (!start.refusal.ok()) return start;
+  }
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
     if (!source.ok()) {
@@ -149,8 +163,9 @@ StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello) {
 
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
                                                          const v1::Hello& hello,
-                                                         const StoredStart& start) {
-  SessionIdentity identity = IdentityOf(hello, start, context.options);
+                                                         const StoredStart& start,
+                                                         int64_t token_id) {
+  SessionIdentity identity = IdentityOf(hello, start, token_id, context.options);
   const decision::SessionSetup setup =
       SetupOf(hello, identity, start, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup))
@@ -165,10 +180,19 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
                              prior_source_count);
 }
 
-bool HasResumeToken(const v1::Hello& hello, const RpcOptions& options) {
-  const std::string token = ResumeTokenOf(hello.session_id(), options);
-  return hello.resume_token().size() == token.size() &&
-         CRYPTO_memcmp(hello.resume_token().data(), token.data(), token.size()) == 0;
+std::optional<int64_t> TokenOfSession(const v1::Hello& hello, const RpcOptions& options) {
+  const std::string& given = hello.resume_token();
+  int64_t token_id = 0;
+  if (given.size() > SHA256_DIGEST_LENGTH &&
+      !absl::SimpleAtoi(given.substr(SHA256_DIGEST_LENGTH + 1), &token_id)) {
+    return std::nullopt;
+  }
+  const std::string token = ResumeTokenOf(hello.session_id(), token_id, options);
+  if (given.size() != token.size() ||
+      CRYPTO_memcmp(given.data(), token.data(), token.size()) != 0) {
+    return std::nullopt;
+  }
+  return token_id;
 }
 
 bool CanResume(const GameSession& session, const v1::Hello& hello) {
@@ -193,7 +217,8 @@ v1::Welcome WelcomeOf(const GameSession& session, bool resumed, uint64_t stream_
   v1::Welcome welcome;
   ToProto(session.identity(), session.decisions().posteriors(), options, welcome);
   welcome.set_batch_interval_ms(BatchIntervalMs(welcome.decision_interval_ms(), stream_count));
-  welcome.set_resume_token(ResumeTokenOf(session.identity().id, options));
+  welcome.set_resume_token(
+      ResumeTokenOf(session.identity().id, session.identity().token_id, options));
   welcome.set_resumed(resumed);
   welcome.set_acknowledged_sequence(session.durable_sequence());
   welcome.set_prior_source_count(session.prior_source_count().value_or(0));

@@ -10,12 +10,14 @@
 // what could be read. A session whose own progress cannot be read is not resumed, since its
 // messages might be counted twice; a new one begins.
 //
-// A session's id is public, so resuming needs its token too, which only its client has:
-// HMAC-SHA-256 of the id under RpcOptions::resume_secret. The token is stored nowhere.
+// A session's id is public, so resuming needs its resume token too, which only its client has:
+// HMAC-SHA-256 of both ids under RpcOptions::resume_secret, and the id of the token that the client
+// authenticated itself with. It is stored nowhere. The right resume token with another token than
+// the session began with is PERMISSION_DENIED.
 //
-// If the token is wrong, or the session to resume is unknown, has ended or is not of Hello's scene,
-// machine class, reward version and arms, a new one begins. The answer is the same in all these
-// cases, so that it tells nothing about other sessions.
+// If the resume token is wrong, or the session to resume is unknown, has ended or is not of Hello's
+// scene, machine class, reward version and arms, a new one begins. The answer is the same in all
+// these cases, so that it tells nothing about other sessions.
 #pragma once
 
 #include <memory>
@@ -31,19 +33,23 @@ namespace sweepstake::rpc {
 struct StoredStart {
   priors::PriorSums priors;                   // sums have Hello's order of arms, or are empty
   std::optional<priors::SourceState> source;  // present if a session is resumed
+  absl::Status refusal;                       // a quota that the session would exceed
   absl::Status status;                        // why some of it is missing; OK if nothing is
 };
 
 // Reads the store, on its thread.
-StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello);
+StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello, const RpcOptions& options);
 
-// Makes the session of a checked Hello. Error: INVALID_ARGUMENT (the setup is not valid).
+// Makes the session of a checked Hello for the caller's token. Error: INVALID_ARGUMENT (the setup
+// is not valid).
 absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context,
                                                          const v1::Hello& hello,
-                                                         const StoredStart& start);
+                                                         const StoredStart& start,
+                                                         int64_t token_id);
 
-// Returns whether Hello has the token of its session id. It takes the same time for every token.
-bool HasResumeToken(const v1::Hello& hello, const RpcOptions& options);
+// Returns the id of the token that Hello's session began with, or nothing if Hello has not the
+// session's resume token. It takes the same time for every one.
+std::optional<int64_t> TokenOfSession(const v1::Hello& hello, const RpcOptions& options);
 
 // Returns whether Hello, with its token checked, may resume this session, which is in memory.
 bool CanResume(const GameSession& session, const v1::Hello& hello);

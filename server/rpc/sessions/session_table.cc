@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "server/rpc/common/error_reasons.h"
 
 namespace sweepstake::rpc {
@@ -20,19 +21,30 @@ std::shared_ptr<GameSession> SessionTable::Find(const std::string& id) const {
 }
 
 absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
-  if (entries_.size() >= options_.max_sessions && !MakeRoom()) {
+  const int64_t token_id = session->identity().token_id;
+  const auto held = token_counts_.find(token_id);
+  if (token_id != 0 && held != token_counts_.end() &&
+      held->second >= options_.max_sessions_per_token && !MakeRoom(token_id)) {
+    return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
+                   absl::StrCat("this token has ", options_.max_sessions_per_token,
+                                " sessions, as many as it may (max_sessions_per_token); end some, "
+                                "or use another token"));
+  }
+  if (entries_.size() >= options_.max_sessions && !MakeRoom(std::nullopt)) {
     return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
                    "this daemon has as many sessions as it may; try again later, or use another");
   }
+  ++token_counts_[token_id];
   std::string id = session->identity().id;
   entries_[std::move(id)].session = std::move(session);
   return absl::OkStatus();
 }
 
-bool SessionTable::MakeRoom() {
+bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
   const std::string* unsettled = nullptr;
   for (const auto& [key, id] : lost_) {
     const GameSession& session = *entries_.at(id).session;
+    if (token_id && session.identity().token_id != *token_id) continue;
     if (session.settled()) {
       Remove(std::string(id));
       return true;
@@ -170,6 +182,8 @@ void SessionTable::LookAt(const std::string& id) {
 void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
   if (found->second.lost) lost_.erase(*found->second.lost);
+  const auto count = token_counts_.find(found->second.session->identity().token_id);
+  if (--count->second == 0) token_counts_.erase(count);
   const GameSession& session = *found->second.session;
   session.TellChange(session.ended() ? session.end() : watch::SessionEnd::kForgotten);
   entries_.erase(found);

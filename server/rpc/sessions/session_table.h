@@ -35,7 +35,8 @@ class SessionTable {
 
   // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
-  // Error: RESOURCE_EXHAUSTED (it is full of sessions that cannot leave). REQUIRES: the session's
+  // Error: RESOURCE_EXHAUSTED (it, or the share of the session's token, is full of sessions that
+  // cannot leave). REQUIRES: the session's
   // id is not in the table.
   absl::Status Add(std::shared_ptr<GameSession> session);
 
@@ -76,7 +77,9 @@ class SessionTable {
   };
 
   v1::SessionInfo InfoOf(const Entry& entry) const;
-  bool MakeRoom();
+  // Removes the session that was lost first, of the token if one is given. Returns whether there
+  // was one that could leave.
+  bool MakeRoom(std::optional<int64_t> token_id);
   void Lose(Entry& entry);
   void LookAgainAt(int64_t due_ns, Entry& entry);
   void ScheduleSweep();
@@ -89,6 +92,7 @@ class SessionTable {
   std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
   std::map<priors::SceneKey, uint32_t> active_counts_;
+  std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
   uint64_t last_lost_number_ = 0;
   bool sweep_scheduled_ = false;  // one timer, however many sessions come and go
 };

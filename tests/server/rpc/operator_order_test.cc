@@ -34,7 +34,7 @@ class OperatorOrderTest : public ::testing::Test {
  protected:
   void SetUp() override {
     OnLoop([&] {
-      session_ = *MakeSession(context_, HelloMessage(), {});
+      session_ = *MakeSession(context_, HelloMessage(), {}, 0);
       session_->Attach(link_);
       session_->Start(HelloMessage());
     });

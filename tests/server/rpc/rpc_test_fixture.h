@@ -116,8 +116,12 @@ class TelemetryClient {
  public:
   using Response = v1::StreamTelemetryResponse;
 
-  explicit TelemetryClient(const std::shared_ptr<grpc::Channel>& channel)
-      : stub_(v1::TelemetryService::NewStub(channel)), stream_(stub_->StreamTelemetry(&context_)) {}
+  explicit TelemetryClient(const std::shared_ptr<grpc::Channel>& channel,
+                           const std::string& token = "")
+      : stub_(v1::TelemetryService::NewStub(channel)) {
+    if (!token.empty()) context_.AddMetadata("authorization", "Bearer " + token);
+    stream_ = stub_->StreamTelemetry(&context_);
+  }
   ~TelemetryClient() { context_.TryCancel(); }
 
   bool Send(const v1::StreamTelemetryRequest& request) { return stream_->Write(request); }

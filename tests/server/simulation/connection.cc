@@ -71,7 +71,7 @@ void Connection::Close(const absl::Status& status) {
 
 void Connection::Open(rpc::ServiceContext& context, rpc::TelemetryStreams& streams) {
   loop_ = &context.loop;
-  stream_ = std::make_shared<rpc::TelemetryStream>(context, streams, *this);
+  stream_ = std::make_shared<rpc::TelemetryStream>(context, streams, *this, auth::Principal{});
   Post([](Connection& self) { self.stream_->Accept(); });
 }
 

@@ -51,6 +51,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   spdlog::logger log_;
   rpc::DecisionLoop loop_;
   storage::StoreThread store_;
+  rpc::AccessControl access_;
   rpc::ServiceContext context_;  // refers to the members below
   rpc::SessionTable sessions_;
   watch::WatchHub watch_hub_;

@@ -1,0 +1,59 @@
+// How much of the store a project may fill: scenes, and arms of each scene. A client names both, so
+// that without bounds one client could make any number of them.
+//
+// Used on the store's thread, for one Hello or one import.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "server/priors/prior_store.h"
+#include "server/rpc/common/options.h"
+
+namespace sweepstake::rpc {
+
+// An arm's name; its versions are counted apart.
+struct ArmKey {
+  std::string name;
+  uint32_t backend_version = 1;
+
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const ArmKey&, const ArmKey&) = default;
+};
+
+class SceneQuota {
+ public:
+  // A scene counts once by its name, and may have so many machine classes and reward versions on
+  // average; an arm may have so many versions.
+  static constexpr uint32_t kKeysPerScene = 32;
+  static constexpr uint32_t kVersionsPerArm = 32;
+
+  SceneQuota(priors::PriorStore& store, const RpcOptions& options)
+      : store_(store), options_(options) {}
+
+  // Checks that the scene and its arm may be stored, beside what is there and what was added here
+  // before. Error: RESOURCE_EXHAUSTED names the limit. A store that cannot be read allows it: what
+  // it cannot read it does not write either.
+  absl::Status Add(const priors::SceneKey& scene, const ArmKey& arm);
+
+ private:
+  struct Scene {
+    std::set<std::string> arms;
+    std::set<ArmKey> versions;
+  };
+
+  absl::Status AddScene(const priors::SceneKey& scene);
+
+  priors::PriorStore& store_;
+  const RpcOptions& options_;
+  std::map<std::string, priors::SceneCount> projects_;       // stored, and added here
+  std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene
+  std::map<priors::SceneKey, Scene> scenes_;
+};
+
+}  // namespace sweepstake::rpc

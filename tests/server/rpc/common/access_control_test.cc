@@ -1,0 +1,295 @@
+// Tokens: who is let in, what a token's projects show and hide, whose session is whose.
+#include <spdlog/sinks/ostream_sink.h>
+
+#include <sstream>
+
+#include "engine_client/telemetry/error_reason.h"
+#include "sweepstake/v1/audit.grpc.pb.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "tests/server/rpc/common/scripted_tokens.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class AccessTest : public RpcTest {
+ protected:
+  AccessTest() {
+    options_.tokens = &tokens_;
+    tokens_.Add("game", auth::Role::kIngest, {"game"});
+    tokens_.Add("other", auth::Role::kIngest, {"game"});
+    tokens_.Add("all", auth::Role::kAdmin);
+    tokens_.Add("mine", auth::Role::kOperator, {"game", "mine"});
+  }
+
+  // Learns something about the scene of each project.
+  void Learn(const std::vector<std::string>& projects) {
+    for (const std::string& project : projects) {
+      v1::Hello hello = OneArmHello();
+      hello.set_project(project);
+      TelemetryClient client(channel_, "all-token");
+      client.Open(hello);
+      client.Send(Frames(1, 30));
+      ASSERT_TRUE(Applied(++learnt_));
+      Tick();
+      client.AwaitAcknowledgement(1);
+    }
+  }
+  static std::unique_ptr<grpc::ClientContext> With(const std::string& authorization) {
+    auto context = std::make_unique<grpc::ClientContext>();
+    context->AddMetadata("authorization", authorization);
+    return context;
+  }
+  static std::unique_ptr<grpc::ClientContext> Mine() { return With("Bearer mine-token"); }
+  grpc::Status List(const std::string& token, const std::string& project = "") {
+    v1::ListPosteriorsRequest request;
+    request.set_project(project);
+    listed_.Clear();
+    const auto context = With("Bearer " + token);
+    return posteriors()->ListPosteriors(context.get(), request, &listed_);
+  }
+  grpc::Status Import(const std::vector<std::string>& projects) {
+    const auto stub = v1::PriorsService::NewStub(channel_);
+    const auto context = Mine();
+    v1::ImportPriorsResponse response;
+    const auto writer = stub->ImportPriors(context.get(), &response);
+    v1::ImportPriorsRequest request;
+    for (const std::string& project : projects) {
+      v1::PriorRecord& record = *request.add_records();
+      record.set_project(project);
+      record.set_scene("imported");
+      record.set_arm("Grid");
+      record.set_backend_version(1);
+      record.set_reward_version(1);
+      record.set_source_id("elsewhere");
+      record.set_source_sequence(1);
+      record.set_alpha_increment(1);
+    }
+    writer->Write(request);
+    writer->WritesDone();
+    return writer->Finish();
+  }
+  std::unique_ptr<v1::PosteriorsService::Stub> posteriors() {
+    return v1::PosteriorsService::NewStub(channel_);
+  }
+  // Returns the end of a stream that says Hello.
+  grpc::Status Refusal(const v1::Hello& hello, const std::string& token) {
+    TelemetryClient client(channel_, token);
+    client.Send(Request(hello));
+    return client.Finish();
+  }
+
+  ScriptedTokens tokens_;
+  uint64_t learnt_ = 0;
+  v1::ListPosteriorsResponse listed_;
+};
+
+template <typename Rows>
+std::vector<std::string> Projects(const Rows& rows) {
+  std::vector<std::string> projects;
+  for (const auto& row : rows) projects.push_back(row.project());
+  return projects;
+}
+
+TEST_F(AccessTest, AListingAnExportAndTheAuditLogShowTheTokensProjectsOnly) {
+  Learn({"game", "mine", "theirs"});
+  EXPECT_TRUE(List("all-token").ok());
+  EXPECT_THAT(Projects(listed_.scenes()), ElementsAre("game", "mine", "theirs"));
+  EXPECT_TRUE(List("mine-token").ok());
+  EXPECT_THAT(Projects(listed_.scenes()), ElementsAre("game", "mine"));
+  EXPECT_TRUE(List("mine-token", "mine").ok());
+  EXPECT_THAT(Projects(listed_.scenes()), ElementsAre("mine"));
+
+  auto context = Mine();
+  const auto priors = v1::PriorsService::NewStub(channel_);
+  const auto records = priors->ExportPriors(context.get(), {});
+  v1::ExportPriorsResponse exported;
+  ASSERT_TRUE(records->Read(&exported));
+  EXPECT_THAT(Projects(exported.records()), ElementsAre("game", "mine"));
+
+  context = Mine();
+  const auto audit = v1::AuditService::NewStub(channel_);
+  const auto segments = audit->ListAuditSegments(context.get(), {});
+  v1::ListAuditSegmentsResponse page;
+  ASSERT_TRUE(segments->Read(&page));
+  EXPECT_THAT(Projects(page.segments()), ElementsAre("game", "mine"));
+
+  const auto row_context = Mine();
+  const auto rows = audit->ExportDecisions(row_context.get(), {});
+  std::string text;
+  for (v1::ExportDecisionsResponse part; rows->Read(&part);) {
+    for (const std::string& row : part.rows()) text += row;
+  }
+  EXPECT_THAT(text, HasSubstr("mine"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("theirs")));
+}
+
+TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
+  Learn({"theirs"});
+  std::set<std::string> answers;
+  for (const char* project : {"theirs", "nobodys"}) {
+    answers.insert(List("mine-token", project).error_message());
+    v1::GetPosteriorRequest request;
+    request.set_project(project);
+    request.set_scene("harbour");
+    v1::GetPosteriorResponse response;
+    const auto context = Mine();
+    const grpc::Status status = posteriors()->GetPosterior(context.get(), request, &response);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_NOT_ALLOWED);
+    answers.insert(status.error_message());
+    v1::Hello hello = OneArmHello();
+    hello.set_project(project);
+    const grpc::Status refusal = Refusal(hello, "game-token");
+    EXPECT_EQ(refusal.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+    answers.insert(refusal.error_message());
+    v1::WatchPosteriorsRequest watch;
+    watch.set_project(project);
+    const auto watch_context = Mine();
+    answers.insert(
+        posteriors()->WatchPosteriors(watch_context.get(), watch)->Finish().error_message());
+  }
+  EXPECT_EQ(answers.size(), 1u) << ::testing::PrintToString(answers);
+}
+
+TEST_F(AccessTest, AWatcherIsToldOfTheTokensProjectsOnly) {
+  Learn({"theirs", "mine"});
+  const auto context = Mine();
+  const auto stub = posteriors();
+  const auto watch = stub->WatchPosteriors(context.get(), {});
+  v1::WatchPosteriorsResponse event;
+  ASSERT_TRUE(watch->Read(&event));
+  EXPECT_EQ(event.posterior().project(), "mine");
+  Learn({"theirs", "mine"});
+  while (watch->Read(&event) && !event.has_decision()) continue;
+  EXPECT_EQ(event.decision().project(), "mine");
+  context->TryCancel();
+}
+
+TEST_F(AccessTest, AnImportForAnotherProjectImportsNothing) {
+  EXPECT_EQ(Import({"mine", "theirs"}).error_code(), grpc::StatusCode::PERMISSION_DENIED);
+  EXPECT_TRUE(List("all-token").ok());
+  EXPECT_THAT(Projects(listed_.scenes()), IsEmpty());
+}
+
+TEST_F(AccessTest, TheLogSaysWhoImported) {
+  std::ostringstream text;
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
+  EXPECT_TRUE(Import({"mine", "game"}).ok());
+  EXPECT_THAT(text.str(), HasSubstr("token mine imported 2 records, 2 of them new or newer"));
+}
+
+TEST_F(AccessTest, ASessionIsResumedByTheTokenItBeganWithAlone) {
+  v1::Hello hello = OneArmHello();
+  v1::Welcome first;
+  {
+    TelemetryClient client(channel_, "game-token");
+    first = LearnOneWindow(client, hello);
+  }
+  Resume(hello, first);
+  for (int round = 0; round < 2; ++round) {
+    const grpc::Status stolen = Refusal(hello, "other-token");
+    EXPECT_EQ(stolen.error_code(), grpc::StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(ReasonOf(stolen), v1::ERROR_REASON_FOREIGN_SESSION);
+    {
+      TelemetryClient client(channel_, "game-token");
+      const v1::Welcome again = client.Open(hello);
+      EXPECT_TRUE(again.resumed());
+      EXPECT_EQ(again.session_id(), first.session_id());
+    }
+    RestartServer();  // where the session comes from the store
+  }
+}
+
+TEST_F(AccessTest, AnIdWithoutItsResumeTokenTellsNothingAboutItsSession) {
+  v1::Hello hello = OneArmHello();
+  TelemetryClient owner(channel_, "game-token");
+  Resume(hello, owner.Open(hello));
+  std::string& token = *hello.mutable_resume_token();
+  const std::string suffix = token.substr(32);
+  ASSERT_EQ(suffix, "/1");
+  for (const std::string& forged :
+       {std::string(), std::string(32, 'x'), std::string(32, 'x') + "/2", token.substr(0, 32),
+        token.substr(0, 32) + "/2", token + "x", token.substr(0, 32) + "1"}) {
+    hello.set_resume_token(forged);
+    TelemetryClient thief(channel_, "other-token");
+    EXPECT_FALSE(thief.Open(hello).resumed()) << "a new session, as for an unknown id";
+  }
+}
+
+TEST_F(AccessTest, TheStreamsOfARevokedTokenEnd) {
+  TelemetryClient client(channel_, "game-token");
+  client.Open(OneArmHello());
+  TelemetryClient other(channel_, "other-token");
+  other.Open(OneArmHello());
+  const auto context = Mine();
+  const auto stub = posteriors();
+  const auto watch = stub->WatchPosteriors(context.get(), {});
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
+  tokens_.Revoke("game");
+  tokens_.Revoke("mine");
+  clock_.Advance(kSecondNs);
+  EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
+  v1::WatchPosteriorsResponse event;
+  while (watch->Read(&event)) continue;
+  EXPECT_EQ(watch->Finish().error_code(), grpc::StatusCode::UNAUTHENTICATED);
+  other.Send(Goodbye());
+  EXPECT_TRUE(other.Finish().ok()) << "another token's";
+}
+
+TEST_F(AccessTest, GuessingIsSlowedDownAndWhoHasATokenIsLetIn) {
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(ReasonOf(List("guess-" + std::to_string(i))), v1::ERROR_REASON_TOKEN_REFUSED);
+  }
+  for (int i = 0; i < 10; ++i) {
+    const grpc::Status status = List("guess-" + std::to_string(i));
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_FAILURES);
+  }
+  EXPECT_TRUE(List("all-token").ok()) << "behind the same address";
+  clock_.Advance(auth::FailureLimit::kIntervalNs);
+  EXPECT_EQ(ReasonOf(List("guess")), v1::ERROR_REASON_TOKEN_REFUSED);
+}
+
+TEST_F(AccessTest, OnlyOneBearerTokenIsAToken) {
+  v1::ListPosteriorsResponse response;
+  for (const char* wrong : {"", "Bearer", "Bearer ", "Basic all-token", "all-token"}) {
+    const auto context = With(wrong);
+    EXPECT_EQ(posteriors()->ListPosteriors(context.get(), {}, &response).error_code(),
+              grpc::StatusCode::UNAUTHENTICATED)
+        << wrong;
+  }
+  const auto twice = With("Bearer all-token");
+  twice->AddMetadata("authorization", "Bearer all-token");
+  EXPECT_EQ(ReasonOf(posteriors()->ListPosteriors(twice.get(), {}, &response)),
+            v1::ERROR_REASON_TOKEN_MISSING);
+  const auto lower = With("bearer all-token");
+  EXPECT_TRUE(posteriors()->ListPosteriors(lower.get(), {}, &response).ok());
+}
+
+TEST_F(AccessTest, OnceThereIsATokenEverybodyNeedsOne) {
+  StopServer();
+  ScriptedTokens tokens;
+  options_.tokens = &tokens;
+  StartServer();
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  v1::ListPosteriorsResponse response;
+  grpc::ClientContext before;
+  EXPECT_TRUE(posteriors()->ListPosteriors(&before, {}, &response).ok());
+  tokens.Add("first", auth::Role::kAdmin);
+  clock_.Advance(kSecondNs);
+  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAUTHENTICATED);
+  grpc::ClientContext after;
+  EXPECT_EQ(posteriors()->ListPosteriors(&after, {}, &response).error_code(),
+            grpc::StatusCode::UNAUTHENTICATED);
+  StopServer();
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

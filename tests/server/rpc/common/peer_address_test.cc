@@ -1,0 +1,30 @@
+#include "server/rpc/common/peer_address.h"
+
+#include <gtest/gtest.h>
+
+namespace sweepstake::rpc {
+namespace {
+
+TEST(PeerAddressTest, ThePortIsLeftOutAndOfIpv6TheMachinesOwnHalf) {
+  EXPECT_EQ(AddressOf("ipv4:192.0.2.7:5123"), "ipv4:192.0.2.7");
+  EXPECT_EQ(AddressOf("ipv6:[2001:db8:1:2:3:4:5:6]:5123"), "ipv6:2001:db8:1:2::/64");
+  EXPECT_EQ(AddressOf("ipv6:%5B2001:db8:1:2::9%5D:80"), "ipv6:2001:db8:1:2::/64");
+  EXPECT_EQ(AddressOf("ipv6:[::ffff:192.0.2.7]:5123"), "ipv4:192.0.2.7");
+  EXPECT_EQ(AddressOf("ipv6:[fe80::1%25eth0]:5123"), "ipv6:fe80::/64");
+}
+
+TEST(PeerAddressTest, WhatIsNoAddressStaysWhatItIs) {
+  for (const char* peer : {"", "unix:/run/s", "ipv6:", "ipv6:[", "ipv6:]", "fd:7", "ipv4:"})
+    EXPECT_EQ(AddressOf(peer), std::string(peer) == "ipv4:" ? "ipv4" : peer);
+}
+
+TEST(PeerAddressTest, LoopbackIsKnown) {
+  EXPECT_TRUE(IsLoopbackAddress(AddressOf("ipv4:127.0.0.9:5123")));
+  EXPECT_TRUE(IsLoopbackAddress(AddressOf("ipv6:%5B::1%5D:80")));
+  EXPECT_TRUE(IsLoopbackAddress(AddressOf("unix:/run/s")));
+  EXPECT_FALSE(IsLoopbackAddress(AddressOf("ipv4:128.0.0.1:5123")));
+  EXPECT_FALSE(IsLoopbackAddress(AddressOf("ipv6:[::2]:80")));
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

@@ -1,0 +1,52 @@
+// Tokens that a test makes and revokes.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/auth/principal.h"
+
+namespace sweepstake::rpc {
+
+class ScriptedTokens final : public auth::TokenDirectory {
+ public:
+  // Makes the token "NAME-token".
+  void Add(const std::string& name, auth::Role role, std::vector<std::string> projects = {}) {
+    const std::lock_guard lock(mutex_);
+    tokens_[name + "-token"] = {++last_id_, name, role, std::move(projects)};
+  }
+  void Revoke(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    tokens_.erase(name + "-token");
+  }
+
+  bool empty() const override {
+    const std::lock_guard lock(mutex_);
+    return last_id_ == 0;
+  }
+  std::optional<auth::Principal> Find(std::string_view token) const override {
+    const std::lock_guard lock(mutex_);
+    const auto found = tokens_.find(std::string(token));
+    if (found == tokens_.end()) return std::nullopt;
+    return found->second;
+  }
+  bool IsValid(int64_t token_id) const override {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [token, holder] : tokens_) {
+      if (holder.token_id == token_id) return true;
+    }
+    return false;
+  }
+
+ private:
+  mutable std::mutex mutex_;  // guards what follows
+  std::map<std::string, auth::Principal> tokens_;
+  int64_t last_id_ = 0;
+};
+
+}  // namespace sweepstake::rpc

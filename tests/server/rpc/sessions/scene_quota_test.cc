@@ -1,0 +1,103 @@
+#include "server/rpc/sessions/scene_quota.h"
+
+#include <gmock/gmock.h>
+
+#include "engine_client/telemetry/error_reason.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SceneQuotaTest : public RpcTest {
+ protected:
+  SceneQuotaTest() { options_.max_scenes = 3; }
+
+  // Teaches the scene one window, or returns why it may not begin.
+  grpc::Status Play(v1::Hello hello, const std::string& scene) {
+    hello.set_scene(scene);
+    TelemetryClient client(channel_);
+    client.Send(Request(hello));
+    const auto welcome = client.Read();
+    if (!welcome) return client.Finish();
+    client.Send(Frames(1, 30));
+    EXPECT_TRUE(Applied(++played_));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    client.Send(Goodbye());
+    return client.Finish();
+  }
+  grpc::Status Import(const std::vector<std::pair<std::string, std::string>>& scenes_and_arms) {
+    const auto stub = v1::PriorsService::NewStub(channel_);
+    grpc::ClientContext context;
+    v1::ImportPriorsResponse response;
+    const auto writer = stub->ImportPriors(&context, &response);
+    v1::ImportPriorsRequest request;
+    for (const auto& [scene, arm] : scenes_and_arms) {
+      v1::PriorRecord& record = *request.add_records();
+      record.set_project("game");
+      record.set_scene(scene);
+      record.set_arm(arm);
+      record.set_backend_version(1);
+      record.set_reward_version(1);
+      record.set_source_id("elsewhere");
+      record.set_source_sequence(1);
+      record.set_alpha_increment(1);
+    }
+    writer->Write(request);
+    writer->WritesDone();
+    return writer->Finish();
+  }
+
+  uint64_t played_ = 0;
+};
+
+TEST_F(SceneQuotaTest, AHelloForOneSceneTooManyIsRefusedAndKnownScenesGoOn) {
+  for (const char* scene : {"a", "b", "c"}) EXPECT_TRUE(Play(OneArmHello(), scene).ok());
+  for (int i = 0; i < 1'000; ++i) {
+    const grpc::Status status = Play(OneArmHello(), "scene " + std::to_string(i));
+    ASSERT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    ASSERT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_SCENES);
+    ASSERT_THAT(status.error_message(), HasSubstr("--max-scenes"));
+  }
+  EXPECT_TRUE(Play(OneArmHello(), "b").ok());
+  v1::Hello laptop = OneArmHello();
+  laptop.set_machine_class("laptop");
+  EXPECT_TRUE(Play(laptop, "b").ok()) << "another class of a known name";
+  v1::Hello other = OneArmHello();
+  other.set_project("other");
+  EXPECT_TRUE(Play(other, "a").ok()) << "each project has its own quota";
+}
+
+TEST_F(SceneQuotaTest, AnArmTooManyIsRefused) {
+  v1::Hello hello = OneArmHello();
+  for (int round = 0; round < 4; ++round) {
+    hello.clear_arms();
+    for (int i = 0; i < 8; ++i) {
+      v1::Arm& arm = *hello.add_arms();
+      arm.set_name("arm " + std::to_string(8 * round + i));
+      arm.set_backend_version(1);
+    }
+    EXPECT_TRUE(Import({{"a", hello.arms(0).name()}}).ok());
+    for (const v1::Arm& arm : hello.arms()) EXPECT_TRUE(Import({{"a", arm.name()}}).ok());
+  }
+  hello.set_scene("a");
+  EXPECT_TRUE(Play(hello, "a").ok()) << "32 arms are known";
+  EXPECT_EQ(ReasonOf(Play(OneArmHello(), "a")), v1::ERROR_REASON_TOO_MANY_ARMS);
+}
+
+TEST_F(SceneQuotaTest, AnImportBeyondTheQuotaImportsNothing) {
+  EXPECT_EQ(ReasonOf(Import({{"a", "x"}, {"b", "x"}, {"a", "y"}, {"c", "x"}, {"d", "x"}})),
+            v1::ERROR_REASON_TOO_MANY_SCENES);
+  std::vector<std::pair<std::string, std::string>> arms;
+  for (int i = 0; i < 33; ++i) arms.emplace_back("a", "arm " + std::to_string(i));
+  EXPECT_EQ(ReasonOf(Import(arms)), v1::ERROR_REASON_TOO_MANY_ARMS);
+  EXPECT_TRUE(Stored("a").arms.empty());
+  EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}, {"c", "x"}}).ok());
+  EXPECT_TRUE(Import({{"a", "x"}, {"a", "y"}}).ok());
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
