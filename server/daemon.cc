@@ -127,8 +127,9 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
 
 absl::Status Daemon::Open(rpc::Clock& clock) {
   if (directory_.open_to_others()) {
-    log_->warn("others can read the data directory {}; session ids are in it: chmod 0700 it",
-               config_.data.string());
+    log_->warn(
+        "others can read the data directory {}; the key of its sessions is in it: chmod 0700 it",
+        config_.data.string());
   }
   if (const auto shortage = DescriptorShortage(RaiseDescriptorLimit(), config_.rpc))
     log_->warn("{}", *shortage);
@@ -305,9 +306,13 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
   const auto limit = [bytes](priors::PriorStore& store) {
     storage::LimitStoreSize(store, bytes).IgnoreError();  // what a commit meets then is told
   };
-  if (bytes != database_bytes_ && store_->Submit(limit)) {
-    database_bytes_ = bytes;
-    metrics_.SetMaxStoreBytes(bytes);
+  if (bytes != database_bytes_) {
+    if (store_->Submit(limit)) {
+      database_bytes_ = bytes;
+      metrics_.SetMaxStoreBytes(bytes);
+    } else {
+      log_->error("database_mb stays as it is: the store has too much to do; send SIGHUP again");
+    }
   }
   log_->set_level(LevelOf(config->log_level));
   log_->info("the configuration was read again; the log level is {}", config->log_level);
@@ -329,12 +334,14 @@ bool Daemon::Alive(std::chrono::milliseconds patience) const {
 
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
-  backups_.reset();
+  if (backups_ != nullptr) backups_->Stop();
   if (rpc_ != nullptr) {
     log_->info("draining: clients are told to come back later");
     rpc_->Drain(patience);
   }
   if (store_ != nullptr) store_->Close();
+  backups_
+      .reset();  // a page check of a large copy is not interrupted: nothing waits for it but this
   if (rpc_ != nullptr) log_->info("drained: all that was acknowledged is on disk");
 }
 

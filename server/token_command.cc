@@ -164,8 +164,11 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const
   if (!store.ok()) return store.status();
   if (out_file_.empty()) {
     const auto token = store->Create(request, now_s);
-    if (token.ok()) out << *token << '\n';
-    return token.status();
+    if (!token.ok()) return token.status();
+    out << *token << '\n' << std::flush;
+    if (out) return absl::OkStatus();
+    return absl::UnavailableError(
+        "cannot show the token; revoke it, since nobody has it, and make another one");
   }
   const SecretFile file(out_file_);
   if (!file.made()) return CannotMake(out_file_, errno);

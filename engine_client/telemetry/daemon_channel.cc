@@ -1,5 +1,6 @@
 #include "engine_client/telemetry/daemon_channel.h"
 
+#include <arpa/inet.h>
 #include <grpcpp/support/client_interceptor.h>
 
 #include <algorithm>
@@ -18,11 +19,14 @@ bool Has(const std::string& text, const char* part) { return text.find(part) != 
 
 constexpr size_t kMaxTokenBytes = 4096;
 
-// Returns whether the daemon of this address is on the same machine. Names are not resolved, since
-// they may mean another machine at the next call.
+// Returns whether the daemon of this address is on the same machine, by the rule of
+// server/config.cc. Names are not resolved, since they may mean another machine at the next call;
+// one may begin with "127." as well.
 bool IsLoopback(const std::string& address) {
   const std::string host = address.substr(0, address.rfind(':'));
-  return host == "localhost" || host == "[::1]" || host.starts_with("127.");
+  in_addr number{};
+  const bool is_number = inet_pton(AF_INET, host.c_str(), &number) == 1;
+  return host == "localhost" || host == "[::1]" || (is_number && ntohl(number.s_addr) >> 24 == 127);
 }
 
 Result<std::string> ReadTokenFile(const std::string& path) {

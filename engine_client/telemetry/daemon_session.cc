@@ -327,8 +327,8 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   const Link link = std::move(*link_);
   link_.reset();
   adaptive().SetDeciderPresent(false);
-  const bool foreign = ReasonOf(status) == v1::ERROR_REASON_FOREIGN_SESSION;
-  state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND || foreign,
+  if (ReasonOf(status) == v1::ERROR_REASON_FOREIGN_SESSION) state_->ForgetSession();
+  state_->Disconnect(status.error_code() == grpc::StatusCode::NOT_FOUND,
                      status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
   const bool kicked = ReasonOf(status) == v1::ERROR_REASON_SESSION_KICKED;

@@ -125,4 +125,9 @@ void SessionState::Disconnect(bool unknown_session, bool refused) {
   online_ = false;
 }
 
+void SessionState::ForgetSession() {
+  counts_.discarded_frame_count += buffer_.DiscardSent();
+  session_id_.clear();
+}
+
 }  // namespace sweepstake

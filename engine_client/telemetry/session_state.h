@@ -110,6 +110,9 @@ class SessionState {
   // Notes that the connection has ended: with NOT_FOUND if `unknown_session`; with INVALID_ARGUMENT
   // if `refused`, so that one of the messages sent on it would be refused forever.
   void Disconnect(bool unknown_session, bool refused);
+  // Gives the session up. What was sent may be in the store under it, and would count twice in
+  // another one, so it is discarded.
+  void ForgetSession();
 
   const std::string& session_id() const { return session_id_; }
   const Counts& counts() const { return counts_; }

@@ -92,7 +92,10 @@ absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {
     return absl::DataLossError(absl::StrCat(
         path.string(), " ", what, "; put a copy in its place, or remove it and make new tokens"));
   };
+  if (absl::Status status = Configure(database); !status.ok() && !absl::IsDataLoss(status))
+    return Explain(path, status);
   auto id = database.QueryInteger("PRAGMA application_id");
+  if (!id.ok() && !absl::IsDataLoss(id.status())) return Explain(path, id.status());
   if (!id.ok() || *id != kApplicationId) return damaged("is no database of tokens");
   auto version = database.QueryInteger("PRAGMA user_version");
   if (!version.ok()) return Explain(path, version.status());
@@ -101,8 +104,8 @@ absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {
                                                       ", this program knows ", kSchemaVersion,
                                                       "; use the program that wrote it"));
   }
-  if (absl::Status status = Configure(database); !status.ok()) return Explain(path, status);
   auto verdict = database.QueryText("PRAGMA integrity_check(1)");
+  if (!verdict.ok() && !absl::IsDataLoss(verdict.status())) return Explain(path, verdict.status());
   if (!verdict.ok() || *verdict != "ok") return damaged("is damaged");
   return database.EnableDefensive();
 }

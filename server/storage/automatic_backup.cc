@@ -33,14 +33,17 @@ std::string TimeText() {
   return text;
 }
 
-// Returns the copies of a kind that lie beside the database, the newest first.
-std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind) {
+// Returns the copies of a kind that lie beside the database, the newest first. Times end with Z;
+// `end` is what may follow.
+std::vector<fs::path> ListCopies(const fs::path& path, absl::string_view kind,
+                                 absl::string_view end = "Z") {
   const std::string begin = absl::StrCat(path.filename().string(), kind);
   std::vector<fs::path> copies;
   std::error_code unreadable;
-  for (const auto& entry : fs::directory_iterator(path.parent_path(), unreadable)) {
-    const std::string name = entry.path().filename().string();
-    if (absl::StartsWith(name, begin) && absl::EndsWith(name, "Z")) copies.push_back(entry.path());
+  fs::directory_iterator entry(path.parent_path(), unreadable);
+  for (; !unreadable && entry != fs::directory_iterator(); entry.increment(unreadable)) {
+    const std::string name = entry->path().filename().string();
+    if (absl::StartsWith(name, begin) && absl::EndsWith(name, end)) copies.push_back(entry->path());
   }
   std::sort(copies.rbegin(), copies.rend());
   return copies;
@@ -51,6 +54,14 @@ void RemoveOldest(const fs::path& path, absl::string_view kind, size_t max) {
   std::error_code ignored;
   for (size_t i = max; i < copies.size(); ++i) {
     for (const char* suffix : {"", "-wal"}) fs::remove(copies[i].string() + suffix, ignored);
+  }
+}
+
+// What a daemon that was killed left of a backup: no later one has its name.
+void RemoveUnfinished(const fs::path& path) {
+  std::error_code ignored;
+  for (const char* end : {"Z.new", "Z.new-journal"}) {
+    for (const fs::path& file : ListCopies(path, kBackup, end)) fs::remove(file, ignored);
   }
 }
 
@@ -82,9 +93,12 @@ absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::pat
   if (error)
     return absl::UnavailableError(
         absl::StrCat("cannot keep ", kept.string(), ": ", error.message()));
-  std::error_code not_there;
-  fs::rename(path.string() + "-wal", kept.string() + "-wal", not_there);
-  fs::remove(path.string() + "-shm", not_there);
+  // The log of one database must not be replayed onto another.
+  fs::rename(path.string() + "-wal", kept.string() + "-wal", error);
+  if (error && error != std::errc::no_such_file_or_directory)
+    return absl::UnavailableError(
+        absl::StrCat("cannot keep ", path.string(), "-wal: ", error.message()));
+  fs::remove(path.string() + "-shm", error);
   return PublishFile(unfinished, path);
 }
 
@@ -143,16 +157,21 @@ AutomaticBackups::AutomaticBackups(fs::path path, const BackupPlan& plan, OnDone
       thread_([this] { Loop(); }) {}
 
 AutomaticBackups::~AutomaticBackups() {
+  Stop();
+  thread_.join();
+}
+
+void AutomaticBackups::Stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
-  thread_.join();
 }
 
 void AutomaticBackups::Loop() {
   if (plan_.count == 0) return;
+  RemoveUnfinished(path_);
   std::chrono::milliseconds delay = FirstDelay();
   std::unique_lock lock(mutex_);
   while (!changed_.wait_for(lock, delay, [this] { return stopping_.load(); })) {

@@ -58,6 +58,10 @@ class AutomaticBackups {
   AutomaticBackups(const AutomaticBackups&) = delete;
   AutomaticBackups& operator=(const AutomaticBackups&) = delete;
 
+  // Begins no further backup, and ends one that is being made as soon as SQLite and the disk let
+  // it; does not wait.
+  void Stop();
+
  private:
   void Loop();
   std::chrono::milliseconds FirstDelay() const;

@@ -110,6 +110,8 @@ TEST_F(TokenTest, ATokenThatCannotBeUsedIsRefusedBeforeTheFirstConnectionAndNotS
   };
   EXPECT_THAT(error("192.0.2.1:7433", {.file = "", .text = "secret"}),
               HasSubstr("would cross the network to 192.0.2.1:7433 in plain text"));
+  EXPECT_THAT(error("127.daemon.example:7433", {.file = "", .text = "secret"}),
+              HasSubstr("in plain text"));
   EXPECT_THAT(error("daemon.example:7433", {.file = "", .text = "secret"}),
               Not(HasSubstr("secret")));
   EXPECT_THAT(error("127.0.0.1:1", {.file = "", .text = "two\nsecrets"}),

@@ -103,13 +103,13 @@ absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& call
 
 grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
     grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
-  const auto filter =
-      FilterOf(context_.access.Authorize(*call, RpcOf("AuditService/ListAuditSegments")), *request);
+  const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ListAuditSegments"));
+  const auto filter = FilterOf(caller, *request);
   if (!filter.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>>(
         ToGrpc(filter.status(), context_.counters));
   }
-  return SegmentStream::Start(context_, *call,
+  return SegmentStream::Start(context_, *call, *caller,
                               [filter = *filter](priors::PriorStore& store, uint64_t after) {
                                 return LoadSegments(store, filter, after);
                               });
@@ -117,13 +117,13 @@ grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAudit
 
 grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
     grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
-  const auto filter =
-      FilterOf(context_.access.Authorize(*call, RpcOf("AuditService/ExportDecisions")), *request);
+  const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ExportDecisions"));
+  const auto filter = FilterOf(caller, *request);
   if (!filter.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
         ToGrpc(filter.status(), context_.counters));
   }
-  return RowStream::Start(context_, *call,
+  return RowStream::Start(context_, *call, *caller,
                           [filter = *filter](priors::PriorStore& store, const RowPlace& place) {
                             return LoadRows(store, filter, place);
                           });

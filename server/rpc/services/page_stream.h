@@ -38,8 +38,11 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   // Reads the page that begins at the place. It runs on the store's thread.
   using Load = std::function<absl::StatusOr<Page>(priors::PriorStore&, const Place&)>;
 
-  static PageStream* Start(ServiceContext& context, grpc::CallbackServerContext& call, Load load) {
-    std::shared_ptr<PageStream> stream(new PageStream(context, call, std::move(load)));
+  // The stream ends when the caller's token does.
+  static PageStream* Start(ServiceContext& context, grpc::CallbackServerContext& call,
+                           auth::Principal caller, Load load) {
+    std::shared_ptr<PageStream> stream(
+        new PageStream(context, call, std::move(caller), std::move(load)));
     PageStream* raw = stream.get();
     raw->self_ = std::move(stream);
     context.loop.Post([raw] {
@@ -67,12 +70,15 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   }
 
  private:
-  PageStream(ServiceContext& context, grpc::CallbackServerContext& call, Load load)
-      : context_(context), call_(call), load_(std::move(load)) {}
+  PageStream(ServiceContext& context, grpc::CallbackServerContext& call, auth::Principal caller,
+             Load load)
+      : context_(context), call_(call), caller_(std::move(caller)), load_(std::move(load)) {}
 
   void LoadNext() {
     last_progress_ns_ = context_.loop.clock().NowNs();
     if (page_.last) return End(absl::OkStatus());
+    if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
+      return End(still);
     const bool submitted =
         context_.store.Submit([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
                                place = page_.next](priors::PriorStore& store) {
@@ -100,6 +106,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
 
   ServiceContext& context_;
   grpc::CallbackServerContext& call_;
+  const auth::Principal caller_;
   const Load load_;
   std::shared_ptr<PageStream> self_;  // keeps this object alive until OnDone
   Page page_;                         // the latest page

@@ -69,7 +69,10 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
  private:
+  // Not for a token that was revoked meanwhile.
   void ReadNext() {
+    if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
+      return End(still);
     last_progress_ns_ = context_.loop.clock().NowNs();
     StartRead(&bytes_);
   }
@@ -78,6 +81,8 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     // A lost connection must not count as the end of the records.
     if (call_.IsCancelled())
       return End(absl::CancelledError("the stream broke off; nothing was imported"));
+    if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
+      return End(still);
     last_progress_ns_ = Clock::kNever;
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
@@ -172,7 +177,7 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
         ToGrpc(allowed, context_.counters));
   }
   return ExportStream::Start(
-      context_, *call,
+      context_, *call, *caller,
       [filter](priors::PriorStore& store, const std::optional<PriorRecord>& after) {
         return LoadRecords(store, filter, after);
       });

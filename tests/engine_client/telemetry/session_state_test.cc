@@ -175,6 +175,22 @@ TEST_F(SessionStateTest, DropsWhatTheDaemonRefusesSoThatItIsNotRefusedForEver) {
   EXPECT_EQ(SendAll(), Sequences{2});
 }
 
+TEST_F(SessionStateTest, ThatIsSomebodyElsesNowSendsNothingTwice) {
+  Begin();
+  state_.Append(Batch());
+  SendAll();
+  state_.Append(Batch());
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.ForgetSession();
+  state_.Disconnect(false, false);
+  EXPECT_EQ(state_.session_id(), "");
+  EXPECT_EQ(state_.counts().discarded_frame_count, 1U);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("other", false, 0));
+  EXPECT_EQ(SendAll(), Sequences{1}) << "what was never sent, with a new number";
+}
+
 TEST_F(SessionStateTest, KeepsItsEvidenceWhenHelloIsRefused) {
   Begin();
   state_.Append(Batch());

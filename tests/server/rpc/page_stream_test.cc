@@ -54,7 +54,7 @@ TEST(PageStreamTest, AStreamThatIsFinishedIsNotEndedAgainBeforeTheLoopHearsOfIts
   using Stream = PageStream<v1::ExportPriorsResponse, int>;
   Services services;
   grpc::CallbackServerContext call;
-  Stream* stream = Stream::Start(services.context, call,
+  Stream* stream = Stream::Start(services.context, call, {},
                                  [](priors::PriorStore&, int) { return Stream::Page{}; });
   services.Settle();
   services.clock.Advance(2 * services.options.watcher_patience_ns);

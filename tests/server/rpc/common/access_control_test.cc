@@ -58,6 +58,12 @@ class AccessTest : public RpcTest {
     const auto context = Mine();
     v1::ImportPriorsResponse response;
     const auto writer = stub->ImportPriors(context.get(), &response);
+    writer->Write(ImportOf(projects));
+    writer->WritesDone();
+    return writer->Finish();
+  }
+  // One record for each project.
+  static v1::ImportPriorsRequest ImportOf(const std::vector<std::string>& projects) {
     v1::ImportPriorsRequest request;
     for (const std::string& project : projects) {
       v1::PriorRecord& record = *request.add_records();
@@ -70,9 +76,7 @@ class AccessTest : public RpcTest {
       record.set_source_sequence(1);
       record.set_alpha_increment(1);
     }
-    writer->Write(request);
-    writer->WritesDone();
-    return writer->Finish();
+    return request;
   }
   std::unique_ptr<v1::PosteriorsService::Stub> posteriors() {
     return v1::PosteriorsService::NewStub(channel_);
@@ -240,6 +244,40 @@ TEST_F(AccessTest, TheStreamsOfARevokedTokenEnd) {
   EXPECT_EQ(watch->Finish().error_code(), grpc::StatusCode::UNAUTHENTICATED);
   other.Send(Goodbye());
   EXPECT_TRUE(other.Finish().ok()) << "another token's";
+}
+
+TEST_F(AccessTest, AnImportWhoseTokenIsRevokedMeanwhileImportsNothing) {
+  const auto stub = v1::PriorsService::NewStub(channel_);
+  const auto context = Mine();
+  v1::ImportPriorsResponse response;
+  const auto writer = stub->ImportPriors(context.get(), &response);
+  writer->Write(ImportOf({"mine"}));
+  tokens_.Revoke("mine");
+  writer->WritesDone();
+  EXPECT_EQ(ReasonOf(writer->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
+  ASSERT_TRUE(List("all-token").ok());
+  EXPECT_EQ(listed_.scenes_size(), 0);
+}
+
+class SessionQuotaTest : public AccessTest {
+ protected:
+  SessionQuotaTest() { options_.max_sessions_per_token = 2; }
+};
+
+TEST_F(SessionQuotaTest, ATokenHasSoManySessionsAndALostOneMakesRoom) {
+  TelemetryClient first(channel_, "game-token");
+  first.Open(OneArmHello());
+  auto second = std::make_unique<TelemetryClient>(channel_, "game-token");
+  second->Open(OneArmHello());
+  const grpc::Status status = Refusal(OneArmHello(), "game-token");
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_SESSIONS);
+  TelemetryClient other(channel_, "other-token");
+  other.Open(OneArmHello());
+  second.reset();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 2; }));
+  TelemetryClient third(channel_, "game-token");
+  third.Open(OneArmHello());
 }
 
 TEST_F(AccessTest, GuessingIsSlowedDownAndWhoHasATokenIsLetIn) {
