@@ -135,6 +135,8 @@ TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
     BackUp(time);
   const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(48);
   std::filesystem::last_write_time(path_.string() + ".backup-20260103T000000Z", long_ago);
+  for (const char* end : {".new", ".new-journal"})
+    std::ofstream(path_.string() + ".backup-20260104T000000Z" + end) << "of a killed daemon";
   std::promise<absl::StatusOr<std::filesystem::path>> made;
   {
     AutomaticBackups backups(path_, {.interval = std::chrono::hours(24), .count = 2},
