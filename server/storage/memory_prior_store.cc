@@ -1,7 +1,9 @@
 #include "server/storage/memory_prior_store.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -128,14 +130,42 @@ std::vector<AuditRow> MemoryAuditLog::Load(uint64_t segment_id, uint64_t first_r
 
 absl::Status MemoryPriorStore::Commit(std::span<const priors::SourceUpdate> updates) {
   absl::Status status = CheckUpdates(updates);
+  if (status.ok()) status = CheckSums(updates);
   if (!status.ok()) return status;
   for (const auto& update : updates) Apply(update);
   return absl::OkStatus();
 }
 
+bool MemoryPriorStore::Applies(const priors::SourceUpdate& update) const {
+  const auto found = sources_.find(update.progress.source_id);
+  return found == sources_.end() ||
+         (!found->second.revoked &&
+          update.progress.commit_sequence > found->second.progress.commit_sequence);
+}
+
+absl::Status MemoryPriorStore::CheckSums(std::span<const priors::SourceUpdate> updates) const {
+  std::map<std::pair<EvidenceKey, std::string>, Evidence> sums;
+  for (const auto& update : updates) {
+    const std::string& source_id = update.progress.source_id;
+    if (!Applies(update)) continue;
+    for (const auto& [key, evidence] : update.increments) {
+      const auto [sum, is_new] = sums.try_emplace({key, source_id});
+      const auto stored = evidence_.find(key);
+      if (is_new && stored != evidence_.end()) {
+        if (const auto entry = stored->second.find(source_id); entry != stored->second.end())
+          sum->second = entry->second.evidence;
+      }
+      sum->second += evidence;
+      if (!(sum->second.alpha < kMaxEvidence && sum->second.beta < kMaxEvidence))
+        return absl::InvalidArgumentError("a source's alpha and beta must stay below 1e15");
+    }
+  }
+  return absl::OkStatus();
+}
+
 void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
+  if (!Applies(update)) return;
   Source& source = sources_[update.progress.source_id];
-  if (source.revoked || update.progress.commit_sequence <= source.progress.commit_sequence) return;
   source.progress = update.progress;
   if (!source.is_session) source.created_unix_s = update.unix_time_s;
   source.last_seen_unix_s = update.unix_time_s;

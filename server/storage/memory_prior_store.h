@@ -91,6 +91,10 @@ class MemoryPriorStore : public priors::PriorStore {
   };
   using EntriesBySource = std::map<std::string, Entry>;
 
+  // Returns whether the update is one of a session and newer than what is stored of it.
+  bool Applies(const priors::SourceUpdate& update) const;
+  // Error: INVALID_ARGUMENT (the evidence of a source would grow beyond what a record may hold).
+  absl::Status CheckSums(std::span<const priors::SourceUpdate> updates) const;
   void Apply(const priors::SourceUpdate& update);
   bool ImportOne(const priors::PriorRecord& record);
   priors::SceneEvidence Sum(const priors::SceneKey& key) const;

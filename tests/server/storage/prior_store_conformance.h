@@ -256,6 +256,17 @@ TEST_P(PriorStoreConformance, AWrongRecordLeavesNothingOfItsImport) {
   EXPECT_TRUE(ExportAll().empty());
 }
 
+TEST_P(PriorStoreConformance, ACommitThatASourceHasNoRoomForIsRefusedAndChangesNothing) {
+  ASSERT_TRUE(store_->Import(std::vector{Record("a", 1, Key("Grid"), 9e14)}).ok());
+  const auto before = ExportAll();
+  SourceUpdate update = Update("a", 1, {Key("Grid")});
+  update.increments[0].evidence.alpha = 9e14;
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({update})));
+  EXPECT_EQ(ExportAll(), before);
+  update.increments[0].evidence.alpha = 9e13;
+  EXPECT_TRUE(Commit({update}).ok());
+}
+
 TEST_P(PriorStoreConformance, AnImportedSourceIsNoSessionToResume) {
   ASSERT_TRUE(store_->Import(std::vector{Record("a", 5, Key("Grid"), 4)}).ok());
   EXPECT_EQ(*store_->LoadSource("a"), std::nullopt);
