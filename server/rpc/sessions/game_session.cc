@@ -21,12 +21,11 @@ constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
 
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
                                                  const decision::SessionSetup& setup,
-                                                 priors::SourceProgress progress,
-                                                 std::optional<uint64_t> prior_source_count) {
+                                                 const StoredSession& stored) {
   std::shared_ptr<GameSession> session(
-      new GameSession(context, std::move(identity), setup, progress, prior_source_count));
+      new GameSession(context, std::move(identity), setup, stored));
   session->ledger_ = std::make_shared<SessionLedger>(
-      context.store, context.loop, context.counters, std::move(progress),
+      context.store, context.loop, context.counters, stored.progress,
       [weak = session->weak_from_this()](const absl::Status& status,
                                          std::span<const priors::KeyedEvidence> increments) {
         if (const auto self = weak.lock()) self->OnCommitted(status, increments);
@@ -36,18 +35,16 @@ std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, Sessio
 }
 
 GameSession::GameSession(SessionContext& context, SessionIdentity identity,
-                         const decision::SessionSetup& setup,
-                         const priors::SourceProgress& progress,
-                         std::optional<uint64_t> prior_source_count)
+                         const decision::SessionSetup& setup, const StoredSession& stored)
     : context_(context),
       identity_(std::move(identity)),
       decisions_(setup),
-      prior_source_count_(prior_source_count),
-      applied_sequence_(progress.message_sequence),
-      frame_count_(progress.frame_count),
-      acknowledged_sequence_(progress.message_sequence),
+      prior_source_count_(stored.prior_source_count),
+      applied_sequence_(stored.progress.message_sequence),
+      frame_count_(stored.progress.frame_count),
+      acknowledged_sequence_(stored.progress.message_sequence),
       switch_epoch_(setup.switch_epoch),
-      in_store_(progress.commit_sequence > 0) {
+      has_stored_evidence_(stored.has_evidence) {
   ++context_.counters.session_count;
 }
 
@@ -283,7 +280,7 @@ void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
   if (!increments.empty()) {
     context_.watch_hub.OnEvidence(identity_.scene, increments,
-                                  /*new_source=*/!std::exchange(in_store_, true));
+                                  /*new_source=*/!std::exchange(has_stored_evidence_, true));
   }
   if (link_ == nullptr) return;
   if (durable_sequence() > acknowledged_sequence_) {

@@ -61,14 +61,18 @@ struct SessionContext {
   watch::WatchHub& watch_hub;
 };
 
+// What the store has when a session begins.
+struct StoredSession {
+  priors::SourceProgress progress;
+  bool has_evidence = false;                   // the session's own; it may have progress alone
+  std::optional<uint64_t> prior_source_count;  // absent if the store could not be read
+};
+
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
  public:
-  // `progress` is the session's progress in the store. `prior_source_count` is for the welcome; it
-  // is absent if the store could not be read.
   static std::shared_ptr<GameSession> Create(SessionContext& context, SessionIdentity identity,
                                              const decision::SessionSetup& setup,
-                                             priors::SourceProgress progress,
-                                             std::optional<uint64_t> prior_source_count);
+                                             const StoredSession& stored);
 
   ~GameSession() override { --context_.counters.session_count; }
 
@@ -114,8 +118,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
  private:
   GameSession(SessionContext& context, SessionIdentity identity,
-              const decision::SessionSetup& setup, const priors::SourceProgress& progress,
-              std::optional<uint64_t> prior_source_count);
+              const decision::SessionSetup& setup, const StoredSession& stored);
 
   void StartAudit();
   void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
@@ -157,7 +160,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t frame_count_;            // frames in the messages up to applied_sequence_
   uint64_t acknowledged_sequence_;  // sent to the client
   uint32_t switch_epoch_;           // the latest in a message other than frames
-  bool in_store_;                   // the store knows this session's evidence
+  bool has_stored_evidence_;
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
   decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client

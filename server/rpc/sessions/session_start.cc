@@ -170,14 +170,15 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
       SetupOf(hello, identity, start, context.loop.clock().NowNs());
   if (const auto problem = decision::Validate(setup))
     return Refused(v1::ERROR_REASON_INVALID_MESSAGE, *problem);
-  priors::SourceProgress progress;
-  if (start.source) progress = start.source->progress;
-  progress.source_id = identity.id;
-  progress.seed = identity.seed;
-  std::optional<uint64_t> prior_source_count;
-  if (start.status.ok()) prior_source_count = start.priors.source_count;
-  return GameSession::Create(context, std::move(identity), setup, std::move(progress),
-                             prior_source_count);
+  StoredSession stored;
+  if (start.source) {
+    stored.progress = start.source->progress;
+    stored.has_evidence = !start.source->evidence.empty();
+  }
+  stored.progress.source_id = identity.id;
+  stored.progress.seed = identity.seed;
+  if (start.status.ok()) stored.prior_source_count = start.priors.source_count;
+  return GameSession::Create(context, std::move(identity), setup, stored);
 }
 
 std::optional<int64_t> TokenOfSession(const v1::Hello& hello, const RpcOptions& options) {

@@ -39,7 +39,7 @@ void Connection::Dial(std::function<void(Connection&)> answer) {
   Later(delay_ns, std::move(answer));
 }
 
-void Connection::Refuse() { Close(absl::UnavailableError("nobody listens")); }
+void Connection::Refuse(const absl::Status& status) { Close(status); }
 
 void Connection::Send(const v1::StreamTelemetryRequest& request) {
   ToDaemon([request](Connection& self) {
@@ -65,13 +65,20 @@ void Connection::Break() {
   });
 }
 
+void Connection::Cut() {
+  const auto self = shared_from_this();  // which the game lets go of
+  Close(absl::UnavailableError("the connection broke"));
+  Break();
+}
+
 void Connection::Close(const absl::Status& status) {
   if (ConnectionUser* user = std::exchange(user_, nullptr)) user->OnClosed(status);
 }
 
-void Connection::Open(rpc::ServiceContext& context, rpc::TelemetryStreams& streams) {
+void Connection::Open(rpc::ServiceContext& context, rpc::TelemetryStreams& streams,
+                      auth::Principal caller) {
   loop_ = &context.loop;
-  stream_ = std::make_shared<rpc::TelemetryStream>(context, streams, *this, auth::Principal{});
+  stream_ = std::make_shared<rpc::TelemetryStream>(context, streams, *this, std::move(caller));
   Post([](Connection& self) { self.stream_->Accept(); });
 }
 

@@ -33,13 +33,15 @@ class Connection final : public rpc::TelemetryTransport,
   void HalfClose();
   // The connection breaks. The game is told unless it has left; the daemon learns it later.
   void Break();
+  // The same, but the game is told at once, and nothing reaches it any more.
+  void Cut();
   void Leave() { user_ = nullptr; }
 
   // The daemon's side. From Open on there is a stream, until the daemon is done with it or has
   // died.
-  void Open(rpc::ServiceContext& context, rpc::TelemetryStreams& streams);
+  void Open(rpc::ServiceContext& context, rpc::TelemetryStreams& streams, auth::Principal caller);
   bool open() const { return stream_ != nullptr; }
-  void Refuse();
+  void Refuse(const absl::Status& status);
   void Die();
 
   void Read() override;

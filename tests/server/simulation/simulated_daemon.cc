@@ -6,13 +6,14 @@
 namespace sweepstake::simulation {
 
 SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
-                                 std::unique_ptr<priors::PriorStore> store)
+                                 std::unique_ptr<priors::PriorStore> store,
+                                 watch::WatchListener& watcher)
     : world_(world),
       options_(options),
       log_("simulation"),
       loop_(world, {}, rpc::DecisionLoop::Runner::kCaller),
       store_(std::move(store), {.own_thread = false}),
-      access_(nullptr, world, log_),
+      access_(options_.tokens, world, log_),
       context_{{options_, loop_, store_, counters_, watch_hub_},
                sessions_,
                watchers_,
@@ -24,16 +25,35 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns) {
   watch_hub_.Add(watchers_);
+  watch_hub_.Add(watcher);
+  EndRefused();
 }
 
 SimulatedDaemon::~SimulatedDaemon() {
   for (const auto& connection : connections_) connection->Die();
 }
 
-void SimulatedDaemon::Accept(const std::shared_ptr<Connection>& connection) {
+void SimulatedDaemon::Accept(const std::shared_ptr<Connection>& connection,
+                             auth::Principal caller) {
   std::erase_if(connections_, [](const auto& old) { return !old->open(); });
   connections_.push_back(connection);
-  connection->Open(context_, streams_);
+  connection->Open(context_, streams_, std::move(caller));
+}
+
+void SimulatedDaemon::Import(std::vector<priors::PriorRecord> records,
+                             std::function<void(const absl::Status&)> done) {
+  store_.Submit(
+      [this, records = std::move(records), done = std::move(done)](priors::PriorStore& store) {
+        loop_.Post([this, done, status = store.Import(records).status()] {
+          if (status.ok()) watch_hub_.Reset();
+          done(status);
+        });
+      });
+}
+
+void SimulatedDaemon::EndRefused() {
+  if (access_.asks_for_tokens()) streams_.EndRefused();
+  loop_.PostAt(world_.NowNs() + kSecondNs, [this] { EndRefused(); });
 }
 
 void SimulatedDaemon::Run() {

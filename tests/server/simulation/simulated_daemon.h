@@ -5,6 +5,7 @@
 
 #include <spdlog/logger.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,11 +26,14 @@ namespace sweepstake::simulation {
 class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemon> {
  public:
   SimulatedDaemon(World& world, const rpc::RpcOptions& options,
-                  std::unique_ptr<priors::PriorStore> store);
+                  std::unique_ptr<priors::PriorStore> store, watch::WatchListener& watcher);
   // The disk must be dead, or the daemon closed.
   ~SimulatedDaemon();
 
-  void Accept(const std::shared_ptr<Connection>& connection);
+  void Accept(const std::shared_ptr<Connection>& connection, auth::Principal caller);
+  // Imports as PriorsService does. `done` is not called if the daemon dies before.
+  void Import(std::vector<priors::PriorRecord> records,
+              std::function<void(const absl::Status&)> done);
   // Runs what is ready, and asks the world for the time of what comes later.
   void Run();
   // Tells the games to come back later, as at SIGTERM.
@@ -44,6 +48,8 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
 
  private:
   void RunStore();
+  // Ends the streams of tokens that are not valid any more, each second.
+  void EndRefused();
 
   World& world_;
   const rpc::RpcOptions options_;

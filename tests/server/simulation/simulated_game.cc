@@ -31,6 +31,7 @@ SimulatedGame::SimulatedGame(World& world, v1::Hello hello, Network network,
       network_(std::move(network)),
       complain_(std::move(complain)),
       state_(hello_, kMaxUnacknowledged),
+      stubborn_(world.Happens(0.3)),
       interval_ns_(static_cast<int64_t>(static_cast<double>(kSecondNs) / hello_.time_scale())) {
   world_.After(world_.Draw(0, kSecondNs), [this] { Step(); });
 }
@@ -60,6 +61,10 @@ void SimulatedGame::Connect() {
   connection_ = network_(*this);
   connection_->Send(
       state_.Connect({.active_arm = arm_, .switch_epoch = switch_epoch_, .mode = v1::MODE_AI}));
+  if (state_.session_id().empty() || !world_.Happens(0.1)) return;
+  world_.After(world_.Draw(0, 100 * kMsNs), [this] {
+    if (!state_.online()) BreakConnection();
+  });
 }
 
 void SimulatedGame::BreakConnection() {
@@ -141,6 +146,10 @@ void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
     command_ = response.switch_command();
     last_command_id_ = command_->command_id();
   }
+  if (response.has_acknowledgement() && world_.Happens(0.02)) {
+    ++lost_acknowledgement_count_;
+    return connection_->Cut();
+  }
   if (response.has_acknowledgement()) {
     const uint64_t sequence = response.acknowledgement().sequence();
     state_.OnAcknowledgement(sequence);
@@ -157,7 +166,12 @@ void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
 
 void SimulatedGame::OnWelcome(const v1::Welcome& welcome) {
   const bool resumed = welcome.resumed();
-  state_.OnWelcome(welcome);
+  v1::Welcome heard = welcome;
+  if (stubborn_ && resumed) heard.set_acknowledged_sequence(state_.counts().acknowledged_sequence);
+  state_.OnWelcome(heard);
+  resumption_ = hello_;
+  resumption_->set_session_id(welcome.session_id());
+  resumption_->set_resume_token(welcome.resume_token());
   Check(welcome.priors());
   if (!resumed) {
     last_command_id_ = 0;
@@ -188,6 +202,8 @@ void SimulatedGame::OnClosed(const absl::Status& status) {
     if (status.ok()) session.promised_sequence = session.messages.size();
     return;
   }
+  // As DaemonSession does when the session belongs to another token than it has now.
+  if (absl::IsPermissionDenied(status)) state_.ForgetSession();
   state_.Disconnect(absl::IsNotFound(status), absl::IsInvalidArgument(status));
   next_attempt_ns_ =
       world_.NowNs() + world_.Draw(20 * kMsNs, kSecondNs) + std::exchange(redirect_delay_ns_, 0);

@@ -1,6 +1,7 @@
 // A game as the daemon sees it: it sends batches of frames, bail-outs and the outcomes of switches,
-// loses its connection and resumes, with the client's own protocol (SessionState). It remembers
-// what it has sent under which number, and what it was promised.
+// loses its connection, also when an acknowledgement is about to come or while it resumes, and
+// resumes, with the client's own protocol (SessionState). It remembers what it has sent under which
+// number, and what it was promised.
 #pragma once
 
 #include <cstdint>
@@ -49,6 +50,9 @@ class SimulatedGame final : public ConnectionUser {
   const v1::Hello& hello() const { return hello_; }
   uint64_t resumed_count() const { return state_.counts().resumed_count; }
   uint64_t resent_count() const { return state_.counts().resent_message_count; }
+  uint64_t lost_acknowledgement_count() const { return lost_acknowledgement_count_; }
+  // The Hello that resumes the session of the latest welcome, if there was one.
+  const std::optional<v1::Hello>& resumption() const { return resumption_; }
 
   void OnResponse(const v1::StreamTelemetryResponse& response) override;
   void OnClosed(const absl::Status& status) override;
@@ -79,6 +83,10 @@ class SimulatedGame final : public ConnectionUser {
   bool half_closed_ = false;
   bool finishing_ = false;
   bool gone_ = false;
+  // It believes only what it was told itself: what a welcome says is on disk, it sends again.
+  const bool stubborn_;
+  uint64_t lost_acknowledgement_count_ = 0;
+  std::optional<v1::Hello> resumption_;
 
   int64_t interval_ns_;  // between two batches
   uint64_t next_frame_ = 1;

@@ -1,26 +1,24 @@
 #include "tests/server/simulation/simulation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/audit/audit_log.h"
-#include "server/audit/rederive.h"
 #include "server/storage/sqlite_prior_store.h"
+#include "tests/server/simulation/troubled_store.h"
 
 namespace sweepstake::simulation {
 namespace {
 
-constexpr int64_t kTroubledNs = 15 * kSecondNs;
+constexpr int64_t kTroubledNs = 12 * kSecondNs;
 // By then every game has said goodbye: back-off, welcome and retries included.
 constexpr int64_t kCalmNs = 120 * kSecondNs;
 
 v1::Hello MakeHello(World& world, size_t game) {
   v1::Hello hello;
   hello.set_protocol_version(1);
-  hello.set_project("simulation");
+  hello.set_project(kProjects.at(game % kProjects.size()));
   hello.set_scene(world.Happens(0.5) ? "harbour" : "forest");
   for (const char* name : {"Grid", "SAP", "KDTree", "DBVT"}) {
     if (hello.arms_size() == 3 && world.Happens(0.5)) break;
@@ -45,38 +43,23 @@ const std::filesystem::path& NewDatabase() {
 
 }  // namespace
 
-Tally& Tally::operator+=(const Tally& other) {
-  kills += other.kills;
-  power_cuts += other.power_cuts;
-  failed_starts += other.failed_starts;
-  drains += other.drains;
-  commits += other.commits;
-  failed_commits += other.failed_commits;
-  decisions += other.decisions;
-  resumed += other.resumed;
-  resent += other.resent;
-  replayed += other.replayed;
-  degraded_starts += other.degraded_starts;
-  derived_decisions += other.derived_decisions;
-  return *this;
-}
-
-std::string Tally::Text() const {
-  return absl::StrCat(kills, " kills, ", power_cuts, " of them power cuts; ", failed_starts,
-                      " failed starts, ", drains, " drains; ", commits, " commits, ",
-                      failed_commits, " failed; ", resumed, " sessions resumed, ", degraded_starts,
-                      " begun without their evidence; ", resent, " messages sent again, ", replayed,
-                      " of them known; ", decisions, " decisions, ", derived_decisions,
-                      " derived again");
-}
-
-Simulation::Simulation(uint64_t seed) : world_(seed), disk_(seed) {
+Simulation::Simulation(uint64_t seed)
+    : world_(seed),
+      disk_(seed),
+      files_(world_),
+      watcher_({.token_id = INT64_MAX,
+                .name = "watcher",
+                .role = auth::Role::kWatch,
+                .projects = {kProjects.front()}},
+               [this](const std::string& what) { Complain(what); }) {
   options_.daemon_version = "simulation";
   options_.max_time_scale = 10;
   options_.resume_secret = std::string(32, 's');
   options_.random_bits = [this] { return world_.Bits(); };
   if (world_.Happens(0.3)) options_.max_sessions = 2;
   if (world_.Happens(0.3)) options_.resume_window_ns = kSecondNs;
+  if (world_.Happens(0.6)) options_.tokens = &tokens_;
+  if (world_.Happens(0.3)) lost_answer_ratio_ = 0.1;
   for (const char* name : {"priors.db", "store-id"})
     std::filesystem::copy(NewDatabase() / name, directory_.path() / name);
 }
@@ -85,17 +68,22 @@ std::vector<std::string> Simulation::Run() {
   StartDaemon();
   for (int64_t i = world_.Draw(1, 4); i > 0; --i) AddGame();
   ScheduleTrouble();
+  ScheduleVisitor();
   RunFor(kTroubledNs, [] { return false; });
   Calm();
   const auto gone = [this] {
     return std::all_of(games_.begin(), games_.end(), [](const auto& game) { return game->gone(); });
   };
   if (!RunFor(kCalmNs, gone) && problems_.empty()) Complain("a game is stuck");
+  // What games have left behind reaches the disk and is told.
+  RunFor(4 * kSecondNs, [] { return false; });
   for (const auto& game : games_) {
     tally_.resumed += game->resumed_count();
     tally_.resent += game->resent_count();
+    tally_.lost_acknowledgements += game->lost_acknowledgement_count();
   }
   Kill();
+  ended_ = true;
   StartDaemon();
   if (daemon_) EndDaemon();
   return problems_;
@@ -124,18 +112,34 @@ void Simulation::AfterEvent() {
 }
 
 void Simulation::AddGame() {
+  const size_t game = games_.size();
+  const v1::Hello hello = MakeHello(world_, game);
+  tokens_of_games_.push_back(NewToken(hello.project()));
   games_.push_back(std::make_unique<SimulatedGame>(
-      world_, MakeHello(world_, games_.size()), [this](ConnectionUser& user) { return Dial(user); },
+      world_, hello,
+      [this, game](ConnectionUser& user) { return Dial(user, tokens_of_games_[game]); },
       [this](const std::string& what) { Complain(what); }));
 }
 
-std::shared_ptr<Connection> Simulation::Dial(ConnectionUser& user) {
+std::string Simulation::NewToken(const std::string& project) {
+  const std::string name = absl::StrCat("token ", ++token_count_);
+  tokens_.Add(name, auth::Role::kIngest, {project});
+  return name;
+}
+
+std::shared_ptr<Connection> Simulation::Dial(ConnectionUser& user, const std::string& token) {
   auto connection = std::make_shared<Connection>(world_, user);
-  connection->Dial([this](Connection& called) {
-    if (!daemon_) return called.Refuse();
-    daemon_->Accept(called.shared_from_this());
+  connection->Dial([this, token](Connection& called) {
+    if (!daemon_) return called.Refuse(absl::UnavailableError("nobody listens"));
+    const auto caller = CallerOf(token);
+    if (!caller) return called.Refuse(absl::UnauthenticatedError("this token was revoked"));
+    daemon_->Accept(called.shared_from_this(), *caller);
   });
   return connection;
+}
+
+std::optional<auth::Principal> Simulation::CallerOf(const std::string& token) const {
+  return options_.tokens == nullptr ? auth::Principal{} : tokens_.Find(token + "-token");
 }
 
 void Simulation::StartDaemon() {
@@ -153,7 +157,25 @@ void Simulation::StartDaemon() {
   }
   CheckStore(**store);
   if (!troubled_) CheckAudit(**store);
-  daemon_ = std::make_shared<SimulatedDaemon>(world_, options_, *std::move(store));
+  if (ended_) CheckWatcher(**store);
+  watcher_.OnReset();
+  daemon_ = std::make_shared<SimulatedDaemon>(world_, options_, WithTroubles(*std::move(store)),
+                                              watcher_);
+}
+
+std::unique_ptr<priors::PriorStore> Simulation::WithTroubles(
+    std::unique_ptr<priors::PriorStore> store) {
+  const auto loses_answer = [this] {
+    const bool loses = troubled_ && world_.Happens(lost_answer_ratio_);
+    tally_.lost_answers += loses;
+    return loses;
+  };
+  const auto unix_now_s = [this] {
+    return static_cast<uint64_t>(unix_s_ + world_.NowNs() / kSecondNs);
+  };
+  return std::make_unique<TroubledStore>(
+      std::move(store),
+      TroubledStore::Troubles{.loses_answer = loses_answer, .unix_now_s = unix_now_s});
 }
 
 void Simulation::EndDaemon() {
@@ -234,93 +256,71 @@ void Simulation::FailDisk() {
   });
 }
 
+void Simulation::ScheduleVisitor() {
+  world_.After(world_.Draw(300 * kMsNs, 4 * kSecondNs), [this] {
+    if (!troubled_) return;
+    LetVisitorCome();
+    ScheduleVisitor();
+  });
+}
+
+void Simulation::LetVisitorCome() {
+  switch (world_.Draw(0, 4)) {
+    case 0:
+    case 1:
+      return ImportFile();
+    case 2:
+      return RevokeToken();
+    case 3:
+      return Steal();
+    default:
+      JumpWallClock();
+  }
+}
+
+void Simulation::ImportFile() {
+  if (!daemon_) return;
+  ++tally_.imports;
+  const size_t file = files_.Choose();
+  daemon_->Import(files_.records(file), [this, file](const absl::Status& status) {
+    if (status.ok() && world_.Happens(0.7)) files_.MarkPromised(file);
+  });
+}
+
+void Simulation::RevokeToken() {
+  if (options_.tokens == nullptr) return;
+  ++tally_.revoked_tokens;
+  const auto game = static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(games_.size()) - 1));
+  tokens_.Revoke(tokens_of_games_[game]);
+  world_.After(world_.Draw(0, 3 * kSecondNs), [this, game] {
+    tokens_of_games_[game] = NewToken(games_[game]->hello().project());
+  });
+}
+
+void Simulation::Steal() {
+  const auto game = static_cast<size_t>(world_.Draw(0, static_cast<int64_t>(games_.size()) - 1));
+  std::optional<v1::Hello> stolen = games_[game]->resumption();
+  if (!stolen) return;
+  ++tally_.thefts;
+  if (options_.tokens == nullptr || world_.Happens(0.3)) stolen->clear_resume_token();
+  const std::string token = NewToken(stolen->project());
+  thieves_.push_back(std::make_unique<Thief>(
+      *stolen, [this, token](ConnectionUser& user) { return Dial(user, token); },
+      [this](const std::string& what) { Complain(what); }));
+}
+
+void Simulation::JumpWallClock() {
+  if (lost_answer_ratio_ > 0) return;  // so that most logs keep all of their rows
+  ++tally_.clock_jumps;
+  constexpr int64_t kTenYearsS = 10 * 365 * 86'400;
+  unix_s_ += world_.Happens(0.5) ? kTenYearsS : -kTenYearsS;
+}
+
 void Simulation::Calm() {
   troubled_ = false;
   disk_.Set({});
   if (daemon_) daemon_->set_store_delay_ns(60 * kMsNs);
   for (const auto& game : games_) game->Finish();
-}
-
-void Simulation::CheckStore(priors::PriorStore& store) {
-  priors::Evidence of_sessions;
-  for (const auto& game : games_) {
-    std::set<uint64_t> counted;
-    for (const auto& [id, sent] : game->sessions())
-      of_sessions += CheckSession(id, sent, *game, store, counted);
-  }
-  const auto scenes = store.List({}, {}, 1000);
-  if (!scenes.ok()) return Complain("the scenes cannot be read: " + scenes.status().ToString());
-  priors::Evidence of_scenes;
-  for (const priors::SceneEvidence& scene : *scenes) {
-    for (const auto& arm : scene.arms) of_scenes += arm.evidence;
-  }
-  if (of_scenes.window_count != of_sessions.window_count ||
-      of_scenes.bail_out_count != of_sessions.bail_out_count)
-    Complain("the scenes have not what the sessions have");
-}
-
-priors::Evidence Simulation::CheckSession(const std::string& id, const SentSession& sent,
-                                          const SimulatedGame& game, priors::PriorStore& store,
-                                          std::set<uint64_t>& counted) {
-  priors::Evidence total;
-  const auto source = store.LoadSource(id);
-  if (!source.ok()) {
-    Complain("a session cannot be read: " + source.status().ToString());
-    return total;
-  }
-  const priors::SourceProgress progress =
-      source->has_value() ? (*source)->progress : priors::SourceProgress{};
-  if (progress.message_sequence < sent.promised_sequence) {
-    Complain(absl::StrCat("session ", id, " has lost evidence: ", sent.promised_sequence,
-                          " was promised, on disk is ", progress.message_sequence));
-  }
-  if (progress.message_sequence > sent.messages.size()) {
-    Complain("the store has messages that nobody has sent");
-    return total;
-  }
-  uint64_t frames = 0;
-  uint64_t bail_outs = 0;
-  for (size_t i = 0; i < progress.message_sequence; ++i) {
-    const SentMessage& message = sent.messages[i];
-    frames += message.frame_count;
-    bail_outs += message.bail_out_count;
-    if (message.first_frame != 0 && !counted.insert(message.first_frame).second)
-      Complain(absl::StrCat("frame ", message.first_frame, " counts for two sessions"));
-  }
-  if (source->has_value()) {
-    for (const auto& entry : (*source)->evidence) total += entry.evidence;
-  }
-  if (progress.frame_count != frames || total.bail_out_count != bail_outs) {
-    Complain(absl::StrCat("session ", id, " (", game.hello().policy(), ") of ",
-                          progress.message_sequence, " messages has ", progress.frame_count,
-                          " frames for ", frames, " and ", total.bail_out_count, " bail-outs for ",
-                          bail_outs));
-  }
-  const auto observations = static_cast<double>(total.window_count + 10 * total.bail_out_count);
-  if (game.hello().policy() == "paper" && std::abs(total.alpha + total.beta - observations) > 1e-6)
-    Complain(absl::StrCat("session ", id, " has other evidence than its windows and bail-outs"));
-  return total;
-}
-
-void Simulation::CheckAudit(priors::PriorStore& store) {
-  const auto segments = store.ListAudit({}, 0, 10'000);
-  if (!segments.ok()) return Complain("no audit log: " + segments.status().ToString());
-  std::string csv = decision::AuditHeader() + "\n";
-  for (const priors::AuditSegment& segment : *segments) {
-    const auto rows = store.LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
-    if (!rows.ok()) return Complain("no audit rows: " + rows.status().ToString());
-    uint64_t next = 1;
-    for (const priors::AuditRow& row : *rows) {
-      // As the audit service marks rows that the disk has refused.
-      if (row.number != next)
-        csv += decision::MissingRow(segment.session_id, segment.segment, next) + "\n";
-      next = row.number + 1;
-      csv += row.text + "\n";
-    }
-  }
-  const decision::AuditReport report = decision::Rederive(csv);
-  if (report.difference) Complain("a decision differs: " + report.difference->Text());
-  tally_.derived_decisions = report.decision_count;
 }
 
 }  // namespace sweepstake::simulation

@@ -1,0 +1,133 @@
+// What must hold of the store of a simulation.
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "server/audit/audit_log.h"
+#include "server/audit/rederive.h"
+#include "tests/server/simulation/simulation.h"
+
+namespace sweepstake::simulation {
+
+void Simulation::CheckStore(priors::PriorStore& store) {
+  priors::Evidence of_sessions;
+  for (const auto& game : games_) {
+    std::set<uint64_t> counted;
+    for (const auto& [id, sent] : game->sessions())
+      of_sessions += CheckSession(id, sent, *game, store, counted);
+  }
+  const auto records = store.Export({}, {}, 100'000);
+  if (!records.ok()) return Complain("the records cannot be read: " + records.status().ToString());
+  const priors::Evidence of_files =
+      files_.Check(*records, [this](const std::string& what) { Complain(what); });
+  const auto scenes = store.List({}, {}, 1000);
+  if (!scenes.ok()) return Complain("the scenes cannot be read: " + scenes.status().ToString());
+  priors::Evidence of_scenes;
+  for (const priors::SceneEvidence& scene : *scenes) {
+    for (const auto& arm : scene.arms) of_scenes += arm.evidence;
+  }
+  if (of_scenes.window_count != of_sessions.window_count + of_files.window_count ||
+      of_scenes.bail_out_count != of_sessions.bail_out_count)
+    Complain("the scenes have not what the sessions and files have");
+  CheckProject(store, *scenes);
+}
+
+void Simulation::CheckProject(priors::PriorStore& store,
+                              const std::vector<priors::SceneEvidence>& all) {
+  const auto is_shown = [this](const auto& scene) { return watcher_.Watches(scene.key); };
+  const auto scenes = store.List(watcher_.filter(), {}, 1000);
+  const auto records = store.Export(watcher_.filter(), {}, 100'000);
+  if (!scenes.ok() || !records.ok()) return Complain("the scenes of a project cannot be read");
+  if (std::count_if(all.begin(), all.end(), is_shown) !=
+      std::count_if(scenes->begin(), scenes->end(), is_shown))
+    Complain("a caller misses scenes of its project");
+  for (const priors::SceneEvidence& scene : *scenes) {
+    if (!is_shown(scene)) Complain("a caller is shown a scene of another project");
+  }
+  for (const priors::PriorRecord& record : *records) {
+    if (record.key.project != kProjects.front())
+      Complain("a caller is given evidence of another project");
+  }
+}
+
+void Simulation::CheckWatcher(priors::PriorStore& store) {
+  if (lost_answer_ratio_ > 0) return;  // its sums have such a commit once more
+  for (const auto& [key, told] : watcher_.latest()) {
+    ++tally_.watched_scenes;
+    const auto stored = store.LoadScene(key);
+    bool same = stored.ok() && stored->has_value() && (*stored)->arms.size() == told.arms.size() &&
+                (*stored)->source_count == told.source_count;
+    for (size_t i = 0; same && i < told.arms.size(); ++i) {
+      const priors::Evidence& evidence = (*stored)->arms[i].evidence;
+      same = evidence.window_count == told.arms[i].evidence.window_count &&
+             evidence.bail_out_count == told.arms[i].evidence.bail_out_count;
+    }
+    if (!same) Complain("a watcher was told something else than the store has of " + key.scene);
+  }
+}
+
+priors::Evidence Simulation::CheckSession(const std::string& id, const SentSession& sent,
+                                          const SimulatedGame& game, priors::PriorStore& store,
+                                          std::set<uint64_t>& counted) {
+  priors::Evidence total;
+  const auto source = store.LoadSource(id);
+  if (!source.ok()) {
+    Complain("a session cannot be read: " + source.status().ToString());
+    return total;
+  }
+  const priors::SourceProgress progress =
+      source->has_value() ? (*source)->progress : priors::SourceProgress{};
+  if (progress.message_sequence < sent.promised_sequence) {
+    Complain(absl::StrCat("session ", id, " has lost evidence: ", sent.promised_sequence,
+                          " was promised, on disk is ", progress.message_sequence));
+  }
+  if (progress.message_sequence > sent.messages.size()) {
+    Complain("the store has messages that nobody has sent");
+    return total;
+  }
+  uint64_t frames = 0;
+  uint64_t bail_outs = 0;
+  for (size_t i = 0; i < progress.message_sequence; ++i) {
+    const SentMessage& message = sent.messages[i];
+    frames += message.frame_count;
+    bail_outs += message.bail_out_count;
+    if (message.first_frame != 0 && !counted.insert(message.first_frame).second)
+      Complain(absl::StrCat("frame ", message.first_frame, " counts for two sessions"));
+  }
+  if (source->has_value()) {
+    for (const auto& entry : (*source)->evidence) total += entry.evidence;
+  }
+  if (progress.frame_count != frames || total.bail_out_count != bail_outs) {
+    Complain(absl::StrCat("session ", id, " (", game.hello().policy(), ") of ",
+                          progress.message_sequence, " messages has ", progress.frame_count,
+                          " frames for ", frames, " and ", total.bail_out_count, " bail-outs for ",
+                          bail_outs));
+  }
+  const auto observations = static_cast<double>(total.window_count + 10 * total.bail_out_count);
+  if (game.hello().policy() == "paper" && std::abs(total.alpha + total.beta - observations) > 1e-6)
+    Complain(absl::StrCat("session ", id, " has other evidence than its windows and bail-outs"));
+  return total;
+}
+
+void Simulation::CheckAudit(priors::PriorStore& store) {
+  const auto segments = store.ListAudit({}, 0, 10'000);
+  if (!segments.ok()) return Complain("no audit log: " + segments.status().ToString());
+  std::string csv = decision::AuditHeader() + "\n";
+  for (const priors::AuditSegment& segment : *segments) {
+    const auto rows = store.LoadAudit(segment.id, 1, 1'000'000, size_t{1} << 30);
+    if (!rows.ok()) return Complain("no audit rows: " + rows.status().ToString());
+    uint64_t next = 1;
+    for (const priors::AuditRow& row : *rows) {
+      // As the audit service marks rows that the disk has refused.
+      if (row.number != next)
+        csv += decision::MissingRow(segment.session_id, segment.segment, next) + "\n";
+      next = row.number + 1;
+      csv += row.text + "\n";
+    }
+  }
+  const decision::AuditReport report = decision::Rederive(csv);
+  if (report.difference) Complain("a decision differs: " + report.difference->Text());
+  tally_.derived_decisions = report.decision_count;
+}
+
+}  // namespace sweepstake::simulation
