@@ -206,7 +206,8 @@ absl::Status Validate(const Config& config) {
 }
 
 bool NeedsToken(const Config& config) {
-  return !config.insecure && config.rpc.tls.ca.empty() && !IsLoopback(config.listen);
+  return config.require_tokens ||
+         (!config.insecure && config.rpc.tls.ca.empty() && !IsLoopback(config.listen));
 }
 
 std::vector<std::string> ChangedSettings(const Config& before, const Config& after) {

@@ -27,6 +27,7 @@ struct Config {
   std::filesystem::path data = "sweepstake-data";
   std::filesystem::path port_file;       // the ports are written to it once the daemon listens
   std::string log_level = "info";        // trace, debug, info, warn, error or off
+  bool require_tokens = false;           // does not start without a token, wherever it listens
   bool insecure = false;                 // allows plain text on addresses other than loopback
   uint64_t database_bytes = 4ull << 30;  // priors.db does not grow beyond it
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
@@ -63,8 +64,9 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 // --insecure, and the weights sum to 1. The files of TLS are not read.
 absl::Status Validate(const Config& config);
 
-// Returns whether the daemon must not start without a token: others can reach it, neither clients'
-// certificates nor --insecure say who may. REQUIRES: the configuration is valid.
+// Returns whether the daemon must not start without a token: the configuration says so, or others
+// can reach it, and neither clients' certificates nor --insecure say who may. REQUIRES: the
+// configuration is valid.
 bool NeedsToken(const Config& config);
 
 // Returns the keys of the settings that differ.

@@ -122,6 +122,9 @@ std::vector<Setting> DaemonSettings() {
       {"log_level", "trace, debug, info, warn, error or off", SetLogLevel,
        [](const Config& c) { return Quoted(c.log_level); }},
       Switch(
+          "require_tokens", [](Config & c) -> auto& { return c.require_tokens; },
+          "start with a token only, wherever it listens: for instance behind a proxy"),
+      Switch(
           "insecure", [](Config & c) -> auto& { return c.insecure; },
           "allow plain text on addresses that others can reach"),
       Text(

@@ -204,6 +204,10 @@ absl::Status Daemon::OpenTokens() {
   if (!tokens.ok()) return tokens.status();
   tokens_ = *std::move(tokens);
   if (!tokens_->empty() || !NeedsToken(config_)) return absl::OkStatus();
+  if (config_.require_tokens) {
+    return absl::FailedPreconditionError(
+        "require_tokens: there is no token; make one with `sweepstaked token create`");
+  }
   return absl::FailedPreconditionError(
       absl::StrCat("listen: ", config_.listen,
                    " can be reached by others, and there is no token that keeps them out; make one "

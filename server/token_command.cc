@@ -51,9 +51,10 @@ absl::Status CannotMake(const fs::path& path, int why) {
       absl::StrCat("cannot make ", path.string(), ": ", std::generic_category().message(why)));
 }
 
-absl::StatusOr<TokenStore> OpenStore(const fs::path& data) {
+absl::StatusOr<TokenStore> OpenStore(const fs::path& data,
+                                     TokenStore::IfLost if_lost = TokenStore::IfLost::kRefuse) {
   if (mkdir(data.c_str(), 0700) != 0 && errno != EEXIST) return CannotMake(data, errno);
-  return TokenStore::Open(data / storage::DataDirectory::kTokensName);
+  return TokenStore::Open(data / storage::DataDirectory::kTokensName, if_lost);
 }
 
 std::string_view StateOf(const StoredToken& token, int64_t now_s) {
@@ -160,7 +161,8 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const
                                 .expires_unix_s = std::nullopt,
                                 .made_by = UserName()};
   if (days_) request.expires_unix_s = now_s + *days_ * kSecondsPerDay;
-  auto store = OpenStore(data);
+  // New tokens may take the place of lost ones.
+  auto store = OpenStore(data, TokenStore::IfLost::kReplace);
   if (!store.ok()) return store.status();
   if (out_file_.empty()) {
     const auto token = store->Create(request, now_s);

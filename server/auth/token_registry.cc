@@ -12,6 +12,8 @@
 namespace sweepstake::auth {
 namespace {
 
+constexpr size_t kIndexedDigits = 16;
+
 std::string NameFor(const StoredToken& token) { return math::PrintableLine(token.request.name); }
 
 std::string MadeText(const StoredToken& token) {
@@ -32,6 +34,7 @@ absl::StatusOr<std::unique_ptr<TokenRegistry>> TokenRegistry::Open(
   if (!version.ok()) return version.status();
   registry->version_ = *version;
   if (absl::Status status = registry->Read(); !status.ok()) return status;
+  if (registry->empty() && registry->store_.WereMade()) return registry->store_.Lost();
   registry->next_use_store_ = std::chrono::steady_clock::now() + registry->options_.use_interval;
   registry->thread_ = std::thread([raw = registry.get()] { raw->Run(); });
   return registry;
@@ -56,8 +59,9 @@ std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
   const int64_t now_s = options_.unix_now_s();
   const auto entries = Current();
   const Entry* found = nullptr;
-  // All are compared, each in the same time, so that the time says nothing about any of them.
-  for (const Entry& entry : *entries) {
+  const auto [first, last] = entries->by_digest.equal_range(digest.substr(0, kIndexedDigits));
+  for (auto place = first; place != last; ++place) {
+    const Entry& entry = entries->list[place->second];
     if (CRYPTO_memcmp(entry.token.digest.data(), digest.data(), digest.size()) == 0) found = &entry;
   }
   if (found == nullptr || !found->token.IsValidAt(now_s)) return std::nullopt;
@@ -69,24 +73,29 @@ std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
 bool TokenRegistry::IsValid(int64_t token_id) const {
   const auto entries = Current();
   const auto found =
-      std::lower_bound(entries->begin(), entries->end(), token_id,
+      std::lower_bound(entries->list.begin(), entries->list.end(), token_id,
                        [](const Entry& entry, int64_t id) { return entry.token.id < id; });
-  return found != entries->end() && found->token.id == token_id &&
+  return found != entries->list.end() && found->token.id == token_id &&
          found->token.IsValidAt(options_.unix_now_s());
 }
 
 absl::Status TokenRegistry::Read() {
   auto tokens = store_.Load();
   if (!tokens.ok()) return tokens.status();
+  // A file from before there was the note has none.
+  if (!tokens->empty()) {
+    if (absl::Status status = store_.NoteMade(); !status.ok()) return status;
+  }
   const auto before = Current();
   Entries after;
   for (StoredToken& token : *tokens) {
-    const size_t i = after.size();
-    const bool known = i < before->size() && (*before)[i].token.id == token.id;
+    const size_t i = after.list.size();
+    const bool known = i < before->list.size() && before->list[i].token.id == token.id;
     auto last_used =
-        known ? (*before)[i].last_used_unix_s
+        known ? before->list[i].last_used_unix_s
               : std::make_shared<std::atomic<int64_t>>(token.last_used_unix_s.value_or(0));
-    after.push_back({std::move(token), std::move(last_used)});
+    after.by_digest.emplace(token.digest.substr(0, kIndexedDigits), i);
+    after.list.push_back({std::move(token), std::move(last_used)});
   }
   if (thread_.joinable()) Report(*before, after);
   const std::lock_guard lock(mutex_);
@@ -96,10 +105,10 @@ absl::Status TokenRegistry::Read() {
 
 // Tokens are only added, and ids grow.
 void TokenRegistry::Report(const Entries& before, const Entries& after) const {
-  for (size_t i = 0; i < after.size(); ++i) {
-    const StoredToken& token = after[i].token;
-    if (i >= before.size()) options_.on_change(MadeText(token));
-    if (token.revoked_unix_s && (i >= before.size() || !before[i].token.revoked_unix_s)) {
+  for (size_t i = 0; i < after.list.size(); ++i) {
+    const StoredToken& token = after.list[i].token;
+    if (i >= before.list.size()) options_.on_change(MadeText(token));
+    if (token.revoked_unix_s && (i >= before.list.size() || !before.list[i].token.revoked_unix_s)) {
       options_.on_change(absl::StrCat("token ", NameFor(token), " was revoked by ",
                                       math::PrintableLine(token.revoked_by)));
     }
@@ -136,7 +145,7 @@ void TokenRegistry::LookAtFile() {
 void TokenRegistry::StoreUses() {
   const auto entries = Current();
   std::vector<std::pair<int64_t, int64_t>> uses;
-  for (const Entry& entry : *entries) {
+  for (const Entry& entry : entries->list) {
     const int64_t used_s = *entry.last_used_unix_s;
     if (used_s != entry.token.last_used_unix_s.value_or(0))
       uses.emplace_back(entry.token.id, used_s);

@@ -13,7 +13,9 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -33,12 +35,13 @@ struct TokenRegistryOptions {
 
 class TokenRegistry final : public TokenDirectory {
  public:
-  // Reads the file, and makes it if it is missing. Errors: those of TokenStore::Open.
+  // Reads the file, and makes it if it is missing. Errors: those of TokenStore::Open; a file
+  // without a token, where there have been some, is FAILED_PRECONDITION as a missing one is.
   static absl::StatusOr<std::unique_ptr<TokenRegistry>> Open(const std::filesystem::path& path,
                                                              TokenRegistryOptions options);
   ~TokenRegistry() override;
 
-  bool empty() const override { return Current()->empty(); }
+  bool empty() const override { return Current()->list.empty(); }
   std::optional<Principal> Find(std::string_view token) const override;
   bool IsValid(int64_t token_id) const override;
 
@@ -47,7 +50,12 @@ class TokenRegistry final : public TokenDirectory {
     StoredToken token;
     std::shared_ptr<std::atomic<int64_t>> last_used_unix_s;
   };
-  using Entries = std::vector<Entry>;  // ordered by id
+  struct Entries {
+    std::vector<Entry> list;  // ordered by id
+    // Places in the list, by the first digits of the digest. These may be looked up in any time:
+    // who guesses a token cannot choose its digest.
+    std::unordered_multimap<std::string, size_t> by_digest;
+  };
 
   TokenRegistry(TokenStore store, TokenRegistryOptions options)
       : options_(std::move(options)), store_(std::move(store)) {}

@@ -2,6 +2,7 @@
 
 #include <openssl/rand.h>
 #include <openssl/sha.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -64,9 +65,30 @@ absl::Status Configure(SqliteDatabase& database) {
   )sql");
 }
 
+// A name of this process' own, since others may be making the same file.
+fs::path UnfinishedName(const fs::path& path) {
+  return absl::StrCat(path.string(), ".new-", getpid());
+}
+
+fs::path NoteBeside(const fs::path& path) { return path.parent_path() / "tokens-made"; }
+
+bool Exists(const fs::path& path) {
+  std::error_code unknown;  // a file that cannot be examined cannot be opened either
+  return fs::exists(path, unknown);
+}
+
+absl::Status LostFile(const fs::path& path) {
+  return absl::FailedPreconditionError(absl::StrCat(
+      path.string(),
+      " has no token, though there have been some: without it a daemon on loopback "
+      "would let in everybody; put a copy in its place, make a token with `sweepstaked token "
+      "create`, or remove ",
+      NoteBeside(path).string(), " to have none"));
+}
+
 // The file appears complete. One that another process has made meanwhile stays.
 absl::Status CreateFile(const fs::path& path) {
-  const fs::path unfinished = path.string() + ".new";
+  const fs::path unfinished = UnfinishedName(path);
   absl::Status status = storage::CreatePrivateFile(unfinished);
   if (!status.ok()) return status;
   {
@@ -183,22 +205,36 @@ std::string DigestOf(std::string_view token) {
       absl::string_view(reinterpret_cast<const char*>(digest.data()), digest.size()));
 }
 
-absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path) {
-  std::error_code unknown;  // a file that cannot be examined cannot be opened either
-  if (!fs::exists(path, unknown)) {
+absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path, IfLost if_lost) {
+  if (!Exists(path)) {
+    if (if_lost == IfLost::kRefuse && Exists(NoteBeside(path))) return LostFile(path);
     if (absl::Status status = CreateFile(path); !status.ok()) return status;
   }
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return Explain(path, database.status());
   if (absl::Status status = CheckFile(*database, path); !status.ok()) return status;
-  return TokenStore(*std::move(database));
+  return TokenStore(path, *std::move(database));
 }
+
+bool TokenStore::WereMade() const { return Exists(NoteBeside(path_)); }
+
+absl::Status TokenStore::NoteMade() const {
+  if (WereMade()) return absl::OkStatus();
+  const fs::path unfinished = UnfinishedName(NoteBeside(path_));
+  absl::Status status = storage::CreatePrivateFile(unfinished);
+  if (status.ok()) status = storage::PublishFile(unfinished, NoteBeside(path_));
+  return status;
+}
+
+absl::Status TokenStore::Lost() const { return LostFile(path_); }
 
 absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int64_t unix_s) {
   absl::Status status = Check(request, unix_s);
   if (!status.ok()) return status;
   auto token = RandomToken();
   if (!token.ok()) return token.status();
+  // First, so that no token is made that could be lost unnoticed.
+  if (status = NoteMade(); !status.ok()) return status;
   SqliteTransaction transaction(database_);
   if (!transaction.begun().ok()) return transaction.begun();
   const auto count = database_.QueryInteger("SELECT count(*) FROM token");

@@ -5,6 +5,9 @@
 // token, and when. A file that is empty, damaged or of another program is refused, since without
 // its tokens a daemon on loopback asks nobody for one.
 //
+// The file tokens-made beside it says that there have been tokens, so that a file that was lost is
+// not taken for none.
+//
 // Used by one thread at a time.
 #pragma once
 
@@ -53,10 +56,14 @@ class TokenStore {
  public:
   static constexpr size_t kMaxTokens = 10'000;
 
+  // What to do about a missing file where there have been tokens.
+  enum class IfLost { kRefuse, kReplace };
+
   // Opens the file; a missing one is made, for its owner only. Errors: UNAVAILABLE (cannot be made
   // or opened), DATA_LOSS (empty, damaged or of another program), FAILED_PRECONDITION (written by a
-  // newer version).
-  static absl::StatusOr<TokenStore> Open(const std::filesystem::path& path);
+  // newer version, or lost).
+  static absl::StatusOr<TokenStore> Open(const std::filesystem::path& path,
+                                         IfLost if_lost = IfLost::kRefuse);
 
   // Makes a token and returns it; it cannot be read again. Errors: INVALID_ARGUMENT (a name or
   // project is none, or it has expired), ALREADY_EXISTS, RESOURCE_EXHAUSTED (kMaxTokens),
@@ -72,9 +79,18 @@ class TokenStore {
   // the file in between.
   absl::StatusOr<int64_t> Version() { return database_.QueryInteger("PRAGMA data_version"); }
 
- private:
-  TokenStore(storage::SqliteDatabase database) : database_(std::move(database)) {}
+  // Returns whether there have been tokens, as the file beside it says.
+  bool WereMade() const;
+  // Makes that file, if it is missing; on return it is on disk. Error: UNAVAILABLE.
+  absl::Status NoteMade() const;
+  // What a file without the tokens that there have been is refused with.
+  absl::Status Lost() const;
 
+ private:
+  TokenStore(std::filesystem::path path, storage::SqliteDatabase database)
+      : path_(std::move(path)), database_(std::move(database)) {}
+
+  std::filesystem::path path_;
   storage::SqliteDatabase database_;
 };
 

@@ -140,6 +140,12 @@ TEST_F(ConfigTest, PlainTextOffLoopbackMustBeAskedFor) {
   EXPECT_TRUE(FromFile("http = '0.0.0.0:7434'\ninsecure = true\n").ok());
 }
 
+TEST_F(ConfigTest, TokensMayBeRequiredWhereverItListens) {
+  EXPECT_FALSE(NeedsToken(FromFile("").value()));
+  EXPECT_TRUE(NeedsToken(FromFile("require_tokens = true\n").value()));
+  EXPECT_TRUE(NeedsToken(FromFile("require_tokens = true\ninsecure = true\n").value()));
+}
+
 TEST_F(ConfigTest, ChangedSettingsAreNamed) {
   const Config before;
   Config after;

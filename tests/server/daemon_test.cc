@@ -343,6 +343,28 @@ TEST_F(DaemonTokenTest, ARunningDaemonLetsInANewTokenAndARevokedOneNoMore) {
   await(token, grpc::StatusCode::UNAUTHENTICATED);
 }
 
+TEST_F(DaemonTokenTest, ALostFileOfTokensStopsTheStartUntilThereAreTokensOrNoneAreWanted) {
+  MakeToken("first");
+  const auto is_refused = [&] {
+    return absl::IsFailedPrecondition(Daemon::Start(config_, clock_).status());
+  };
+  std::filesystem::remove(config_.data / "tokens.db");
+  EXPECT_TRUE(is_refused());
+  EXPECT_TRUE(is_refused()) << "and makes no empty file";
+  std::filesystem::remove(config_.data / "tokens-made");
+  EXPECT_FALSE(is_refused());
+}
+
+TEST_F(DaemonTokenTest, OneThatRequiresTokensDoesNotStartWithoutAny) {
+  config_.require_tokens = true;
+  config_.insecure = true;
+  const absl::Status refused = Daemon::Start(config_, clock_).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("sweepstaked token create"));
+  MakeToken("first");
+  EXPECT_EQ(List(*Start(), ""), grpc::StatusCode::UNAUTHENTICATED);
+}
+
 TEST_F(DaemonTokenTest, ADamagedFileOfTokensStopsTheStart) {
   std::ofstream(config_.data / "tokens.db").close();
   EXPECT_TRUE(absl::IsDataLoss(Daemon::Start(config_, clock_).status()));

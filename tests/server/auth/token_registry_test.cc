@@ -113,5 +113,31 @@ TEST_F(TokenRegistryTest, StoresTheLastUseAtItsEndAndTheRestMeanwhile) {
   while (writer_.Load().value()[0].last_used_unix_s != 2'000) std::this_thread::yield();
 }
 
+TEST_F(TokenRegistryTest, AnEmptyFileInThePlaceOfOneWithTokensIsRefused) {
+  Make("game");
+  std::filesystem::remove(path_);
+  EXPECT_TRUE(TokenStore::Open(path_, TokenStore::IfLost::kReplace).ok());
+  const auto refused = TokenRegistry::Open(path_, {});
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused.status())) << refused.status();
+}
+
+TEST_F(TokenRegistryTest, TokensFromBeforeThereWasTheNoteGetIt) {
+  Make("game");
+  std::filesystem::remove(directory_.path() / "tokens-made");
+  Open();
+  EXPECT_TRUE(writer_.WereMade());
+}
+
+TEST_F(TokenRegistryTest, FindsEachOfManyTokens) {
+  std::vector<std::string> tokens;
+  for (int i = 0; i < 100; ++i) tokens.push_back(Make("game " + std::to_string(i)));
+  const auto registry = Open();
+  for (size_t i = 0; i < tokens.size(); ++i) {
+    const auto holder = registry->Find(tokens[i]);
+    ASSERT_TRUE(holder);
+    EXPECT_EQ(holder->name, "game " + std::to_string(i));
+  }
+}
+
 }  // namespace
 }  // namespace sweepstake::auth

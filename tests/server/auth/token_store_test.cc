@@ -162,5 +162,32 @@ TEST_F(TokenStoreTest, AFileThatIsEmptyDamagedOrOfAnotherProgramIsRefusedAndKept
   EXPECT_TRUE(absl::IsDataLoss(TokenStore::Open(path_).status()));
 }
 
+TEST_F(TokenStoreTest, AFileThatWasLostIsNotTakenForNone) {
+  EXPECT_FALSE(Open().WereMade()) << "no token was made";
+  fs::remove(path_);
+  ASSERT_TRUE(Open().Create(Named("game"), 1).ok());
+  EXPECT_TRUE(Open().WereMade());
+  fs::remove(path_);
+  const absl::Status lost = TokenStore::Open(path_).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(lost)) << lost;
+  EXPECT_THAT(
+      std::string(lost.message()),
+      ::testing::AllOf(HasSubstr("put a copy in its place"), HasSubstr("token create"),
+                       HasSubstr("remove " + (directory_.path() / "tokens-made").string())));
+  EXPECT_FALSE(fs::exists(path_)) << "where the copy is to be";
+  EXPECT_TRUE(TokenStore::Open(path_, TokenStore::IfLost::kReplace).ok());
+  fs::remove(path_);
+  fs::remove(directory_.path() / "tokens-made");
+  EXPECT_TRUE(TokenStore::Open(path_).ok()) << "somebody wants none";
+}
+
+TEST_F(TokenStoreTest, WhatAnotherProcessIsMakingIsLeftAlone) {
+  for (const char* name : {"tokens.db.new", "tokens.db.new-1"})
+    std::ofstream(directory_.path() / name) << "half";
+  Open();
+  for (const char* name : {"tokens.db.new", "tokens.db.new-1"})
+    EXPECT_TRUE(fs::exists(directory_.path() / name)) << name;
+}
+
 }  // namespace
 }  // namespace sweepstake::auth
