@@ -210,10 +210,11 @@ bool NeedsToken(const Config& config) {
          (!config.insecure && config.rpc.tls.ca.empty() && !IsLoopback(config.listen));
 }
 
-std::vector<std::string> ChangedSettings(const Config& before, const Config& after) {
-  std::vector<std::string> keys;
+ChangedKeys ChangedSettings(const Config& before, const Config& after) {
+  ChangedKeys keys;
   for (const Setting& setting : Settings()) {
-    if (setting.get(before) != setting.get(after)) keys.push_back(setting.key);
+    if (setting.get(before) != setting.get(after))
+      (setting.is_live ? keys.live : keys.fixed).push_back(setting.key);
   }
   return keys;
 }

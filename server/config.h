@@ -69,8 +69,12 @@ absl::Status Validate(const Config& config);
 // configuration is valid.
 bool NeedsToken(const Config& config);
 
-// Returns the keys of the settings that differ.
-std::vector<std::string> ChangedSettings(const Config& before, const Config& after);
+// The keys of settings that differ.
+struct ChangedKeys {
+  std::vector<std::string> live;   // a running daemon takes them over
+  std::vector<std::string> fixed;  // need a restart
+};
+ChangedKeys ChangedSettings(const Config& before, const Config& after);
 
 // Returns every setting with its value, as a TOML file that ReadConfigFile can read.
 std::string PrintConfig(const Config& config);

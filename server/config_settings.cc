@@ -94,6 +94,13 @@ Setting Whole(std::string key, int64_t min, int64_t max, int64_t unit, Field fie
           }};
 }
 
+// Marks a setting that a running daemon takes over at SIGHUP.
+Setting Live(Setting setting) {
+  setting.is_live = true;
+  setting.help += "; taken over at SIGHUP";
+  return setting;
+}
+
 absl::Status SetLogLevel(Config& config, const std::string& value) {
   static constexpr std::string_view kLevels[] = {"trace", "debug", "info", "warn", "error", "off"};
   if (std::find(std::begin(kLevels), std::end(kLevels), value) == std::end(kLevels)) {
@@ -119,8 +126,8 @@ std::vector<Setting> DaemonSettings() {
       Text(
           "port_file", [](Config & c) -> auto& { return c.port_file; },
           "file that gets the gRPC port once it listens, and the HTTP port in its second line"),
-      {"log_level", "trace, debug, info, warn, error or off", SetLogLevel,
-       [](const Config& c) { return Quoted(c.log_level); }},
+      Live({"log_level", "trace, debug, info, warn, error or off", SetLogLevel,
+            [](const Config& c) { return Quoted(c.log_level); }}),
       Switch(
           "require_tokens", [](Config & c) -> auto& { return c.require_tokens; },
           "start with a token only, wherever it listens: for instance behind a proxy"),
@@ -140,45 +147,62 @@ std::vector<Setting> DaemonSettings() {
       Switch(
           "reflection", [](Config & c) -> auto& { return c.rpc.reflection; },
           "serve gRPC reflection, for grpcurl and the like"),
-      Whole(
+      Live(Whole(
           "max_time_scale", 1, static_cast<int64_t>(rpc::kMaxTimeScale), 1,
           [](Config & c) -> auto& { return c.rpc.max_time_scale; },
           "largest time scale that a game may ask for, up to 1000; for experiments: such a game "
-          "learns and commits that many times as often"),
-      Whole(
+          "learns and commits that many times as often")),
+      Live(Whole(
           "max_sessions", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_sessions; },
-          "sessions in memory, connected or resumable"),
-      Whole(
+          "sessions in memory, connected or resumable")),
+      Live(Whole(
           "max_sessions_per_token", 1, 1'000'000, 1,
           [](Config & c) -> auto& { return c.rpc.max_sessions_per_token; },
-          "of these, those that began with one token"),
-      Whole(
+          "of these, those that began with one token")),
+      Live(Whole(
           "max_streams_per_address", 1, 1'000'000, 1,
           [](Config & c) -> auto& { return c.rpc.max_streams_per_address; },
-          "games' streams from one address that is not the daemon's own machine"),
-      Whole(
+          "games' streams from one address that is not the daemon's own machine")),
+      Live(Whole(
           "max_scenes", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_scenes; },
-          "scenes of a project, by name"),
-      Whole(
+          "scenes of a project, by name")),
+      Live(Whole(
+          "max_messages_per_s", 1, 1'000'000, 1,
+          [](Config & c) -> auto& { return c.rpc.max_messages_per_s; },
+          "messages of a game in a second, times its time scale; at once, as many as in ten "
+          "seconds")),
+      Live(Whole(
+          "max_reads_per_s", 1, 1'000'000, 1,
+          [](Config & c) -> auto& { return c.rpc.max_reads_per_s; },
+          "calls of a token, and of an address, in a second that list, export or begin to watch; "
+          "at once, as many as in ten seconds")),
+      Live(Whole(
+          "max_transfers", 1, 100'000, 1, [](Config & c) -> auto& { return c.rpc.max_transfers; },
+          "exports and imports at a time")),
+      Live(Whole(
+          "max_transfers_per_token", 1, 100'000, 1,
+          [](Config & c) -> auto& { return c.rpc.max_transfers_per_token; },
+          "of these, those of one token")),
+      Live(Whole(
           "max_watchers", 1, 100'000, 1, [](Config & c) -> auto& { return c.rpc.max_watchers; },
-          "watchers at a time"),
-      Whole(
+          "watchers at a time")),
+      Live(Whole(
           "resume_window_ms", 0, kYearMs, kNsPerMs,
           [](Config & c) -> auto& { return c.rpc.resume_window_ns; },
-          "how long a lost session stays in memory"),
+          "how long a lost session stays in memory")),
       Whole(
           "memory_quota_mb", 8, 1 << 20, 1 << 20,
           [](Config & c) -> auto& { return c.rpc.memory_quota_bytes; },
           "memory of all connections' buffers"),
-      Whole(
+      Live(Whole(
           "database_mb", 8, 1 << 24, 1 << 20, [](Config & c) -> auto& { return c.database_bytes; },
-          "size of priors.db; beyond it nothing more is stored or acknowledged"),
-      Whole(
+          "size of priors.db; beyond it nothing more is stored or acknowledged")),
+      Live(Whole(
           "backup_count", 0, 1'000, 1, [](Config & c) -> auto& { return c.backup_count; },
-          "backups that are kept beside priors.db; 0 makes none"),
-      Whole(
+          "backups that are kept beside priors.db; 0 makes none")),
+      Live(Whole(
           "backup_hours", 1, 8'760, 1, [](Config & c) -> auto& { return c.backup_hours; },
-          "time from one backup to the next"),
+          "time from one backup to the next")),
       Whole(
           "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.rpc.audit.bytes; },
           "text of the audit log; beyond it the oldest rows go; 0 keeps none"),

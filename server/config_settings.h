@@ -23,6 +23,7 @@ struct Setting {
   Setter set;
   Getter get;
   bool is_switch = false;
+  bool is_live = false;  // a running daemon takes it over
 };
 
 // Returns the settings in the order in which they are printed.

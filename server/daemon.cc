@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "server/descriptor_limit.h"
 #include "server/rpc/health_probe.h"
 #include "server/storage/private_file.h"
@@ -120,6 +121,7 @@ absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc:
 
 Daemon::Daemon(const Config& config, storage::DataDirectory directory)
     : config_(config),
+      in_force_(config),
       log_(MakeLog(config.log_level)),
       directory_(std::move(directory)),
       metrics_(SWEEPSTAKE_VERSION),
@@ -163,7 +165,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
-  StartBackups();
+  StartBackups(config_);
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
   log_->info("serving on port {} ({}, {}), priors in {}", rpc_->port(),
@@ -174,10 +176,10 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   return absl::OkStatus();
 }
 
-void Daemon::StartBackups() {
+void Daemon::StartBackups(const Config& config) {
   storage::BackupPlan plan;
-  plan.interval = std::chrono::hours(config_.backup_hours);
-  plan.count = config_.backup_count;
+  plan.interval = std::chrono::hours(config.backup_hours);
+  plan.count = config.backup_count;
   backups_ = std::make_unique<storage::AutomaticBackups>(
       directory_.database(), plan, [this](const absl::StatusOr<fs::path>& made) {
         if (made.ok()) {
@@ -302,24 +304,33 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     log_->error("the configuration stays as it is: {}", std::string(config.status().message()));
     return;
   }
-  for (const std::string& key : ChangedSettings(config_, *config)) {
-    if (key != "log_level" && key != "database_mb")
-      log_->warn("{} has changed: restart the daemon to take it over", key);
+  for (const std::string& key : ChangedSettings(config_, *config).fixed)
+    log_->warn("{} has changed: restart the daemon to take it over", key);
+  const std::vector<std::string> changed = ChangedSettings(in_force_, *config).live;
+  LimitDatabase(config->database_bytes);
+  rpc_->Adjust(config->rpc);
+  if (config->backup_count != in_force_.backup_count ||
+      config->backup_hours != in_force_.backup_hours) {
+    backups_.reset();
+    StartBackups(*config);
   }
-  const uint64_t bytes = config->database_bytes;
+  in_force_ = *config;
+  log_->set_level(LevelOf(config->log_level));
+  log_->info("the configuration was read again; the log level is {}; in force from now on: {}",
+             config->log_level, changed.empty() ? "what was before" : absl::StrJoin(changed, ", "));
+}
+
+void Daemon::LimitDatabase(uint64_t bytes) {
+  if (bytes == database_bytes_) return;
   const auto limit = [bytes](priors::PriorStore& store) {
     storage::LimitStoreSize(store, bytes).IgnoreError();  // what a commit meets then is told
   };
-  if (bytes != database_bytes_) {
-    if (store_->Submit(limit)) {
-      database_bytes_ = bytes;
-      metrics_.SetMaxStoreBytes(bytes);
-    } else {
-      log_->error("database_mb stays as it is: the store has too much to do; send SIGHUP again");
-    }
+  if (store_->Submit(limit)) {
+    database_bytes_ = bytes;
+    metrics_.SetMaxStoreBytes(bytes);
+  } else {
+    log_->error("database_mb stays as it is: the store has too much to do; send SIGHUP again");
   }
-  log_->set_level(LevelOf(config->log_level));
-  log_->info("the configuration was read again; the log level is {}", config->log_level);
 }
 
 bool Daemon::Alive(std::chrono::milliseconds patience) const {

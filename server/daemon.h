@@ -42,9 +42,9 @@ class Daemon {
   int http_port() const { return web_->port(); }  // REQUIRES: Config::http is not empty
   const rpc::Counters& counters() const { return rpc_->counters(); }
 
-  // Takes over the log level and the database's size of a configuration that was read again. The
-  // log names what else has changed, which only a restart takes over, or says what is wrong with
-  // the configuration.
+  // Takes over what is live (config_settings.h) of a configuration that was read again. The log
+  // names it, and what else has changed, which only a restart takes over, or says what is wrong
+  // with the configuration. Called by the thread that calls Drain.
   void Reload(const absl::StatusOr<Config>& config);
 
   // Returns whether the daemon's own listener answers over a new connection within `patience`, and
@@ -58,7 +58,8 @@ class Daemon {
  private:
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
-  void StartBackups();
+  void StartBackups(const Config& config);
+  void LimitDatabase(uint64_t bytes);
   // Runs on the store's thread.
   void ReportStore(const absl::Status& status);
   absl::Status OpenTokens();
@@ -72,6 +73,7 @@ class Daemon {
   absl::Status RemovePortFile() const;
 
   const Config config_;
+  Config in_force_;  // as it was read last; of it, what is live
   const std::shared_ptr<spdlog::logger> log_;
   storage::DataDirectory directory_;  // locked until the store is closed
   DaemonMetrics metrics_;

@@ -23,8 +23,8 @@ std::optional<std::string> DescriptorShortage(uint64_t limit, const rpc::RpcOpti
   const uint64_t needed = uint64_t{options.max_sessions} + rpc::kMaxStreamsWithoutSession +
                           options.max_watchers + kOwnDescriptors;
   if (limit >= needed) return std::nullopt;
-  return absl::StrCat("the limit of open files is ", limit, ", and ", options.max_sessions,
-                      " sessions may need ", needed,
+  return absl::StrCat("the limit of open files is ", limit, ", and ",
+                      uint32_t{options.max_sessions}, " sessions may need ", needed,
                       "; raise it (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
 }
 

@@ -80,7 +80,7 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeCredentials(const t
 RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store,
                      spdlog::logger& log)
     : options_(std::move(options)),
-      access_(options_.tokens, clock, log),
+      access_(options_, clock, log),
       context_{{options_, loop_, store, counters_, watch_hub_},
                sessions_,
                watchers_,
@@ -153,12 +153,27 @@ RpcServer::~RpcServer() {
   server_.reset();
 }
 
+void RpcServer::Adjust(const RpcOptions& options) {
+  options_.max_time_scale = options.max_time_scale;
+  options_.max_sessions = options.max_sessions;
+  options_.max_sessions_per_token = options.max_sessions_per_token;
+  options_.max_streams_per_address = options.max_streams_per_address;
+  options_.max_scenes = options.max_scenes;
+  options_.max_messages_per_s = options.max_messages_per_s;
+  options_.max_reads_per_s = options.max_reads_per_s;
+  options_.max_transfers = options.max_transfers;
+  options_.max_transfers_per_token = options.max_transfers_per_token;
+  options_.resume_window_ns = options.resume_window_ns;
+  options_.max_watchers = options.max_watchers;
+}
+
 bool RpcServer::responsive() const {
   return context_.loop.clock().NowNs() - last_beat_ns_ < kMaxSilenceNs;
 }
 
 void RpcServer::WatchStore() {
   last_beat_ns_ = loop_.clock().NowNs();
+  access_.refusals().TellLeftOut();
   if (!draining_) {
     UpdateHealth();
     ReportLostAuditRows();

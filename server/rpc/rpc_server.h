@@ -47,6 +47,8 @@ class RpcServer {
 
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
+  // Takes over the options that are Adjustable. Any thread may call it.
+  void Adjust(const RpcOptions& options);
   // Returns whether the decision loop has run within ten seconds. Any thread may ask.
   bool responsive() const;
 
@@ -72,7 +74,7 @@ class RpcServer {
   // Waits for pending commits, including those of sessions without a client.
   void AwaitCommits(std::chrono::steady_clock::time_point deadline);
 
-  const RpcOptions options_;
+  RpcOptions options_;
   Counters counters_;
   AccessControl access_;
   ServiceContext context_;  // refers to the members below

@@ -158,7 +158,7 @@ class Daemon final : public TelemetryTransport {
   SessionTable sessions_{options_, loop_};
   watch::WatchHub hub_{store_, HubLoop(loop_)};
   StallSweep stalls_{loop_, options_.watcher_patience_ns};
-  AccessControl access_{nullptr, clock_, log_};
+  AccessControl access_{options_, clock_, log_};
   ServiceContext context_{
       {options_, loop_, store_, counters_, hub_}, sessions_, watchers_, stalls_, access_, log_};
   WatcherSet watchers_{context_};

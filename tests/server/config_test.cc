@@ -149,10 +149,13 @@ TEST_F(ConfigTest, TokensMayBeRequiredWhereverItListens) {
 TEST_F(ConfigTest, ChangedSettingsAreNamed) {
   const Config before;
   Config after;
-  EXPECT_THAT(ChangedSettings(before, after), IsEmpty());
+  EXPECT_THAT(ChangedSettings(before, after).live, IsEmpty());
+  EXPECT_THAT(ChangedSettings(before, after).fixed, IsEmpty());
   after.log_level = "debug";
   after.rpc.decision.cooldown_ns = 1'000'000;
-  EXPECT_THAT(ChangedSettings(before, after), ElementsAre("log_level", "decision.cooldown_ms"));
+  after.rpc.max_scenes = 7;
+  EXPECT_THAT(ChangedSettings(before, after).live, ElementsAre("log_level", "max_scenes"));
+  EXPECT_THAT(ChangedSettings(before, after).fixed, ElementsAre("decision.cooldown_ms"));
 }
 
 TEST_F(ConfigTest, WithTlsOthersMayReachIt) {

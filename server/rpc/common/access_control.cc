@@ -1,7 +1,5 @@
 #include "server/rpc/common/access_control.h"
 
-#include <spdlog/logger.h>
-
 #include <iterator>
 #include <optional>
 
@@ -29,12 +27,19 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
 
 absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerContextBase& call,
                                                          Rpc rpc) {
-  if (!asks_for_tokens()) return auth::Principal{};
-  const std::optional<std::string_view> token = TokenOf(call);
-  std::optional<auth::Principal> caller;
-  if (token) caller = tokens_->Find(*token);
-  if (!caller) return Unauthenticated(call, token.has_value());
-  if (auth::Includes(caller->role, rpc.role)) return *std::move(caller);
+  std::optional<auth::Principal> caller = auth::Principal{};
+  if (asks_for_tokens()) {
+    const std::optional<std::string_view> token = TokenOf(call);
+    caller = token ? tokens_->Find(*token) : std::nullopt;
+    if (!caller) return Unauthenticated(call, token.has_value());
+  }
+  if (auth::Includes(caller->role, rpc.role)) {
+    absl::Status allowed;
+    if (rpc.role == auth::Role::kWatch)
+      allowed = BeginRead(AddressOf(call.peer()), caller->token_id);
+    if (!allowed.ok()) return allowed;
+    return *std::move(caller);
+  }
   return Refused(v1::ERROR_REASON_NOT_ALLOWED,
                  absl::StrCat("this needs a token of the role ", std::string(NameOf(rpc.role)),
                               "; yours has the role ", std::string(NameOf(caller->role))));
@@ -43,15 +48,12 @@ absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerConte
 absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call, bool has_token) {
   const std::string address = AddressOf(call.peer());
   const auto verdict = failures_.Count(address, clock_.NowNs());
-  if (verdict == auth::FailureLimit::Verdict::kReached) {
-    log_.warn("{} calls from {} had no valid token within a minute; the next ones are told to wait",
-              auth::FailureLimit::kMaxFailures, address);
-  }
-  if (verdict == auth::FailureLimit::Verdict::kBeyond) {
-    return Refused(v1::ERROR_REASON_TOO_MANY_FAILURES,
-                   absl::StrCat("more than ", auth::FailureLimit::kMaxFailures,
-                                " calls in a minute had no valid token; call with one, or wait"));
-  }
+  const absl::Status beyond =
+      Refused(v1::ERROR_REASON_TOO_MANY_FAILURES,
+              absl::StrCat("more than ", auth::FailureLimit::kMaxFailures,
+                           " calls in a minute had no valid token; call with one, or wait"));
+  if (verdict == auth::FailureLimit::Verdict::kReached) refusals_.Tell(address, beyond);
+  if (verdict == auth::FailureLimit::Verdict::kBeyond) return beyond;
   if (has_token) {
     return Refused(v1::ERROR_REASON_TOKEN_REFUSED,
                    "this token is unknown, was revoked or has expired; use another one");
@@ -59,6 +61,44 @@ absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call,
   return Refused(v1::ERROR_REASON_TOKEN_MISSING,
                  "this daemon asks for a token (authorization: Bearer TOKEN); `sweepstaked token "
                  "create` makes one");
+}
+
+absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_id) {
+  const uint32_t per_s = options_.max_reads_per_s;
+  std::string who = absl::StrCat("the address ", address);
+  bool allowed = reads_.Take(address, per_s, clock_.NowNs());
+  if (allowed && token_id != 0) {
+    who = "this token";
+    allowed = reads_.Take(absl::StrCat("token ", token_id), per_s, clock_.NowNs());
+  }
+  if (allowed) return absl::OkStatus();
+  const absl::Status refusal =
+      Refused(v1::ERROR_REASON_TOO_MANY_READS,
+              absl::StrCat(who, " reads more often than ", per_s,
+                           " times a second (max_reads_per_s); ask again in a second"));
+  refusals_.Tell(address, refusal);
+  return refusal;
+}
+
+absl::StatusOr<AccessControl::Transfer> AccessControl::BeginTransfer(const auth::Principal& caller,
+                                                                     v1::ErrorReason refusal) {
+  const std::lock_guard lock(transfers_->mutex);
+  const auto own = transfers_->counts.find(caller.token_id);
+  const uint32_t own_count = own == transfers_->counts.end() ? 0 : own->second;
+  if (transfers_->count >= options_.max_transfers ||
+      (caller.token_id != 0 && own_count >= options_.max_transfers_per_token)) {
+    return Refused(
+        refusal, absl::StrCat(transfers_->count, " exports and imports are under way, ", own_count,
+                              " of this token, which is as many as there may be "
+                              "(max_transfers, max_transfers_per_token); try again later"));
+  }
+  ++transfers_->count;
+  ++transfers_->counts[caller.token_id];
+  return Transfer(nullptr, [counted = transfers_, id = caller.token_id](void*) {
+    const std::lock_guard ending(counted->mutex);
+    --counted->count;
+    if (--counted->counts.at(id) == 0) counted->counts.erase(id);
+  });
 }
 
 absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {

@@ -2,11 +2,17 @@
 // in C++, and its AuthMetadataProcessor does not run without TLS.
 //
 // A call brings its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
-// tokens everybody may do everything. Thread-safe.
+// tokens everybody may do everything. How often somebody may read is counted here, too, and how
+// many exports and imports are under way. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
 
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -14,25 +20,24 @@
 #include "absl/status/statusor.h"
 #include "server/auth/failure_limit.h"
 #include "server/auth/principal.h"
+#include "server/auth/rate_limit.h"
 #include "server/rpc/common/decision_loop.h"
+#include "server/rpc/common/options.h"
+#include "server/rpc/common/refusal_log.h"
 #include "server/rpc/common/role_table.h"
-
-namespace spdlog {
-class logger;
-}
 
 namespace sweepstake::rpc {
 
 class AccessControl {
  public:
-  // `tokens` may be null: then there are none.
-  AccessControl(const auth::TokenDirectory* tokens, const Clock& clock, spdlog::logger& log)
-      : tokens_(tokens), clock_(clock), log_(log) {}
+  // It borrows all three.
+  AccessControl(const RpcOptions& options, const Clock& clock, spdlog::logger& log)
+      : options_(options), tokens_(options.tokens), clock_(clock), refusals_(clock, log) {}
 
   // Returns who calls. Errors: UNAUTHENTICATED (no token, or one that is not valid),
   // PERMISSION_DENIED (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many calls from
-  // the address were not authenticated). A valid token is never refused for what others at its
-  // address did.
+  // the address were not authenticated, or the token or the address reads too often). A valid token
+  // is never refused for calls without one from its address.
   absl::StatusOr<auth::Principal> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
   // Returns whether calls must bring tokens.
@@ -42,13 +47,35 @@ class AccessControl {
   // since Authorize.
   absl::Status CheckStill(const auth::Principal& caller) const;
 
+  // Counts a call that reads, of a token (0: none) at an address. Authorize does so, too. Error:
+  // RESOURCE_EXHAUSTED.
+  absl::Status BeginRead(const std::string& address, int64_t token_id);
+
+  // An export or import that is under way as long as this lives. It may outlive the server.
+  using Transfer = std::shared_ptr<void>;
+  // Error: RESOURCE_EXHAUSTED (the daemon or the token has as many as it may); its reason is
+  // `refusal`.
+  absl::StatusOr<Transfer> BeginTransfer(const auth::Principal& caller, v1::ErrorReason refusal);
+
+  RefusalLog& refusals() { return refusals_; }
+
  private:
+  // By the token's id.
+  struct Transfers {
+    std::mutex mutex;  // guards what follows
+    uint32_t count = 0;
+    std::map<int64_t, uint32_t> counts;
+  };
+
   absl::Status Unauthenticated(const grpc::ServerContextBase& call, bool has_token);
 
+  const RpcOptions& options_;
   const auth::TokenDirectory* const tokens_;
   const Clock& clock_;
-  spdlog::logger& log_;
   auth::FailureLimit failures_;
+  auth::RateLimit reads_;
+  RefusalLog refusals_;
+  const std::shared_ptr<Transfers> transfers_ = std::make_shared<Transfers>();
 };
 
 // Error: PERMISSION_DENIED (the caller's token is not for this project), whether the project exists

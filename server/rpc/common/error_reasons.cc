@@ -35,6 +35,8 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_TOO_MANY_FAILURES:
     case v1::ERROR_REASON_TOO_MANY_SCENES:
     case v1::ERROR_REASON_TOO_MANY_ARMS:
+    case v1::ERROR_REASON_TOO_MANY_MESSAGES:
+    case v1::ERROR_REASON_TOO_MANY_READS:
       return absl::StatusCode::kResourceExhausted;
     case v1::ERROR_REASON_TOKEN_MISSING:
     case v1::ERROR_REASON_TOKEN_REFUSED:
@@ -87,6 +89,11 @@ absl::string_view NameOf(v1::ErrorReason reason) {
 
 absl::Status Refused(v1::ErrorReason reason, absl::string_view message) {
   return WithReason(absl::Status(CodeOf(reason), message), reason);
+}
+
+v1::ErrorReason ReasonOfRefusal(const absl::Status& status) {
+  const absl::optional<absl::Cord> payload = status.GetPayload(kErrorInfoUrl);
+  return payload ? ReasonIn(std::string(*payload)) : v1::ERROR_REASON_UNSPECIFIED;
 }
 
 absl::Status StoreFailed(const absl::Status& status) {

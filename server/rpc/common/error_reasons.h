@@ -13,6 +13,8 @@ namespace sweepstake::rpc {
 
 // Returns a status with the reason and its code. `message` says what to do next.
 absl::Status Refused(v1::ErrorReason reason, absl::string_view message);
+// Returns the reason of such a status; UNSPECIFIED if it has none.
+v1::ErrorReason ReasonOfRefusal(const absl::Status& status);
 // Returns an error of the store with a reason: its code, and with it what the client is to do,
 // stays.
 absl::Status StoreFailed(const absl::Status& status);

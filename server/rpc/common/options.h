@@ -12,6 +12,7 @@
 #include "server/auth/principal.h"
 #include "server/decision/options.h"
 #include "server/priors/audit_rows.h"
+#include "server/rpc/common/adjustable.h"
 #include "server/tls/tls_files.h"
 #include "sweepstake/v1/errors.pb.h"
 
@@ -48,6 +49,7 @@ inline constexpr uint32_t kSessionsPerPage = 100;  // a listing gives no more se
 // Decisions that wait for a watcher beyond this are dropped; of posteriors the latest always waits.
 inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 
+// The members that are Adjustable take effect at once when RpcServer::Adjust changes them.
 struct RpcOptions {
   // The policy in it is that of sessions that name none.
   decision::DecisionOptions decision;
@@ -56,18 +58,31 @@ struct RpcOptions {
 
   // The largest time scale that a Hello may ask for, 1 to kMaxTimeScale; a larger one is
   // INVALID_ARGUMENT. A session decides, commits and learns that many times as often.
-  double max_time_scale = 1;
+  Adjustable<double> max_time_scale = 1;
   // The maximum number of sessions in memory, connected or resumable. At the bound the session that
   // was lost first leaves memory, but can still be resumed from the store. If all are connected, a
   // new one is RESOURCE_EXHAUSTED.
-  uint32_t max_sessions = 20'000;
+  Adjustable<uint32_t> max_sessions = 20'000;
   // The same of the sessions of one token, and of the streams from one address that is not the
-  // daemon's own machine; beyond them a new one is RESOURCE_EXHAUSTED.
-  uint32_t max_sessions_per_token = 20'000;
-  uint32_t max_streams_per_address = 2'000;
-  // The maximum number of scenes of a project, by name; one more, in a Hello or an import, is
-  // RESOURCE_EXHAUSTED.
-  uint32_t max_scenes = 1'000;
+  // daemon's own machine; beyond them a new one is RESOURCE_EXHAUSTED. A token alone thus leaves
+  // half of the daemon to the others.
+  Adjustable<uint32_t> max_sessions_per_token = 10'000;
+  Adjustable<uint32_t> max_streams_per_address = 2'000;
+  // The maximum number of scenes of a project, by name, those included that only sessions in memory
+  // have; one more, in a Hello or an import, is RESOURCE_EXHAUSTED.
+  Adjustable<uint32_t> max_scenes = 1'000;
+  // The maximum messages in a second of a stream, times its time scale, and as many as in ten
+  // seconds at once; beyond it the stream ends with RESOURCE_EXHAUSTED. Welcome's batch interval
+  // asks for four, a game of 10,000 frames/s needs 42, and one that has come back sends again what
+  // was not acknowledged.
+  Adjustable<uint32_t> max_messages_per_s = 200;
+  // The maximum calls in a second of a token, and of an address, that list, export or begin to
+  // watch, and as many as in ten seconds at once; one more is RESOURCE_EXHAUSTED.
+  Adjustable<uint32_t> max_reads_per_s = 100;
+  // The maximum number of exports and imports under way, of the daemon and of one token; one more
+  // is RESOURCE_EXHAUSTED.
+  Adjustable<uint32_t> max_transfers = 64;
+  Adjustable<uint32_t> max_transfers_per_token = 16;
   // The tokens that calls must bring; without, or while there are none, everybody may do
   // everything. They outlive the server.
   const auth::TokenDirectory* tokens = nullptr;
@@ -80,12 +95,15 @@ struct RpcOptions {
     return (uint64_t{device()} << 32) | device();
   };
   // A lost session leaves memory after this time; from then on it is resumed from the store.
-  int64_t resume_window_ns = 600'000'000'000;
+  Adjustable<int64_t> resume_window_ns = 600'000'000'000;
   // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED.
-  uint32_t max_watchers = 256;
+  Adjustable<uint32_t> max_watchers = 256;
   // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED; an export or
   // import that makes no progress for so long ends with DEADLINE_EXCEEDED.
   int64_t watcher_patience_ns = 20'000'000'000;
+  // An export or import that is not done after this time, however it makes progress, ends with
+  // DEADLINE_EXCEEDED. An audit log of 256 MiB takes ten minutes at 4 Mbit/s.
+  int64_t transfer_patience_ns = 1'800'000'000'000;
   // A connection that has not become one of HTTP/2 after this time, with TLS where there is a
   // certificate, is closed.
   std::chrono::milliseconds handshake_patience{10'000};

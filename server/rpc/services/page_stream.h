@@ -1,6 +1,7 @@
 // A response stream that is read from the store page by page, as fast as the client reads. Every
-// streaming export uses it. One that makes no progress for RpcOptions::watcher_patience_ns ends
-// with DEADLINE_EXCEEDED.
+// streaming export uses it. One that makes no progress for RpcOptions::watcher_patience_ns, or is
+// not done within transfer_patience_ns, ends with DEADLINE_EXCEEDED; how many there may be at a
+// time is AccessControl's.
 //
 // It is used on the decision loop; gRPC's callbacks run elsewhere and only post to the loop. It
 // owns itself until gRPC is done with it; results of the store find it through a weak pointer.
@@ -45,10 +46,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
         new PageStream(context, call, std::move(caller), std::move(load)));
     PageStream* raw = stream.get();
     raw->self_ = std::move(stream);
-    context.loop.Post([raw] {
-      raw->context_.stalls.Add(*raw);
-      raw->LoadNext();
-    });
+    context.loop.Post([raw] { raw->Begin(); });
     return raw;
   }
 
@@ -62,17 +60,28 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     context_.loop.Post([this] { self_.reset(); });
   }
   int64_t waiting_since_ns() const override { return last_progress_ns_; }
+  int64_t deadline_ns() const override { return deadline_ns_; }
   void OnStalled() override {
     context_.stalls.Remove(*this);
-    Cancel(call_,
-           ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED, "the answer was not read; ask again"),
-                  context_.counters));
+    Cancel(call_, ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED,
+                                 "the answer was not read, or not in time; ask again, for less"),
+                         context_.counters));
   }
 
  private:
   PageStream(ServiceContext& context, grpc::CallbackServerContext& call, auth::Principal caller,
              Load load)
       : context_(context), call_(call), caller_(std::move(caller)), load_(std::move(load)) {}
+
+  void Begin() {
+    last_progress_ns_ = context_.loop.clock().NowNs();
+    deadline_ns_ = last_progress_ns_ + context_.options.transfer_patience_ns;
+    context_.stalls.Add(*this);
+    auto transfer = context_.access.BeginTransfer(caller_, v1::ERROR_REASON_TOO_MANY_READS);
+    if (!transfer.ok()) return End(transfer.status());
+    transfer_ = *std::move(transfer);
+    LoadNext();
+  }
 
   void LoadNext() {
     last_progress_ns_ = context_.loop.clock().NowNs();
@@ -110,7 +119,9 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   const Load load_;
   std::shared_ptr<PageStream> self_;  // keeps this object alive until OnDone
   Page page_;                         // the latest page
+  AccessControl::Transfer transfer_;
   int64_t last_progress_ns_ = 0;
+  int64_t deadline_ns_ = Clock::kNever;
 };
 
 }  // namespace sweepstake::rpc

@@ -46,10 +46,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
         call_(call),
         response_(response),
         caller_(std::move(caller)) {
-    context_.loop.Post([this] {
-      context_.stalls.Add(*this);
-      ReadNext();
-    });
+    context_.loop.Post([this] { Begin(); });
   }
   ~PriorImport() override { collected_count_ -= records_.size(); }
 
@@ -61,14 +58,25 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     context_.loop.Post([this] { delete this; });
   }
   int64_t waiting_since_ns() const override { return last_progress_ns_; }
+  int64_t deadline_ns() const override { return deadline_ns_; }
   void OnStalled() override {
     context_.stalls.Remove(*this);
-    Cancel(call_,
-           ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED, "no records came; nothing was imported"),
-                  context_.counters));
+    Cancel(call_, ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED,
+                                 "no records came, or not all in time; nothing was imported"),
+                         context_.counters));
   }
 
  private:
+  void Begin() {
+    last_progress_ns_ = context_.loop.clock().NowNs();
+    deadline_ns_ = last_progress_ns_ + context_.options.transfer_patience_ns;
+    context_.stalls.Add(*this);
+    auto transfer = context_.access.BeginTransfer(caller_, v1::ERROR_REASON_TOO_MANY_IMPORTS);
+    if (!transfer.ok()) return End(transfer.status());
+    transfer_ = *std::move(transfer);
+    ReadNext();
+  }
+
   // Not for a token that was revoked meanwhile.
   void ReadNext() {
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
@@ -83,7 +91,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
       return End(absl::CancelledError("the stream broke off; nothing was imported"));
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
-    last_progress_ns_ = Clock::kNever;
+    last_progress_ns_ = deadline_ns_ = Clock::kNever;  // the store's turn
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
         return context_.loop.Post([this, allowed] { End(allowed); });
@@ -158,7 +166,9 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
   const auth::Principal caller_;
-  int64_t last_progress_ns_ = 0;  // used on the loop
+  AccessControl::Transfer transfer_;  // used on the loop, as the next two
+  int64_t last_progress_ns_ = 0;
+  int64_t deadline_ns_ = Clock::kNever;
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;

@@ -23,10 +23,11 @@ void StallSweep::Schedule() {
 
 void StallSweep::Sweep() {
   scheduled_ = false;
-  const int64_t overdue_ns = loop_.clock().NowNs() - patience_ns_;
+  const int64_t now_ns = loop_.clock().NowNs();
+  const int64_t overdue_ns = now_ns - patience_ns_;
   for (auto next = calls_.begin(); next != calls_.end();) {
     StallingCall& call = **next++;
-    if (call.waiting_since_ns() <= overdue_ns) call.OnStalled();
+    if (call.waiting_since_ns() <= overdue_ns || call.deadline_ns() <= now_ns) call.OnStalled();
   }
   Schedule();
 }

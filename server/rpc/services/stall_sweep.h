@@ -22,13 +22,16 @@ class StallingCall {
   virtual ~StallingCall() = default;
   // The time of the last progress, or Clock::kNever while the client need not do anything.
   virtual int64_t waiting_since_ns() const = 0;
-  // Called once the patience is over. The call may remove itself.
+  // The time by which the call must be done, or Clock::kNever.
+  virtual int64_t deadline_ns() const { return Clock::kNever; }
+  // Called once the patience is over, or the deadline has passed. The call may remove itself.
   virtual void OnStalled() = 0;
 };
 
 class StallSweep {
  public:
-  // A call is ended between one and 1.25 times the patience after its last progress.
+  // A call is ended between one and 1.25 times the patience after its last progress, and at most a
+  // quarter of it after its deadline.
   StallSweep(DecisionLoop& loop, int64_t patience_ns) : loop_(loop), patience_ns_(patience_ns) {}
 
   void Add(StallingCall& call);

@@ -2,6 +2,7 @@
 
 #include <spdlog/logger.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -91,6 +92,7 @@ void TelemetryStream::OnMessage(const v1::StreamTelemetryRequest* request) {
     return Reject(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE,
                           "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
   }
+  if (const absl::Status status = CountMessage(); !status.ok()) return Reject(status);
   const absl::Status status = Dispatch(*request);
   if (!status.ok()) {
     ++context_.counters.invalid_message_count;
@@ -99,6 +101,17 @@ void TelemetryStream::OnMessage(const v1::StreamTelemetryRequest* request) {
   // Nothing is read while a session is being loaded, nor after a goodbye: the session then ends the
   // stream itself once everything is on disk.
   if (session_ && !session_->ended() && !end_) transport_.Read();
+}
+
+absl::Status TelemetryStream::CountMessage() {
+  const uint32_t per_s = context_.options.max_messages_per_s;
+  const double scale = hello_ ? std::max(1.0, hello_->time_scale()) : 1.0;
+  if (messages_.Take(per_s * scale, context_.loop.clock().NowNs())) return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_TOO_MANY_MESSAGES,
+                 absl::StrCat("more than ", per_s,
+                              " messages a second, and ten times as many at "
+                              "once (max_messages_per_s); send batches at the welcome's interval, "
+                              "and connect again in ten seconds"));
 }
 
 absl::Status TelemetryStream::Dispatch(const v1::StreamTelemetryRequest& request) {
@@ -170,6 +183,7 @@ void TelemetryStream::OnLoadOverdue() {
   if (end_ || session_) return;
   OnLoaded({.priors = {},
             .source = {},
+            .new_scene = UnstoredScene{},
             .refusal = {},
             .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
 }
@@ -188,8 +202,15 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
   }
   if (start.source && hello_->session_id().empty()) return Load();
   if (!start.refusal.ok()) return start.refusal;
+  std::optional<NewScenes::Hold> hold;
+  if (start.new_scene) {
+    auto taken = context_.sessions.new_scenes().Take(FromProto(*hello_), *start.new_scene);
+    if (!taken.ok()) return taken.status();
+    hold.emplace(*std::move(taken));
+  }
   auto session = MakeSession(context_, *hello_, start, caller_.token_id);
   if (!session.ok()) return session.status();
+  if (hold) (*session)->Keep(*std::move(hold));
   if (absl::Status status = context_.sessions.Add(*session); !status.ok()) return status;
   if (!start.status.ok()) ReportMissingEvidence(start.status);
   Enter(*std::move(session), /*resumed=*/start.source.has_value());
@@ -294,7 +315,7 @@ void TelemetryStream::OnWritten(bool ok) {
 }
 
 void TelemetryStream::Reject(const absl::Status& status) {
-  context_.log.debug("stream of {} ended: {}", transport_.peer(), std::string(status.message()));
+  context_.access.refusals().Tell(transport_.peer(), status);
   outbox_.Clear();
   Close(status);
 }

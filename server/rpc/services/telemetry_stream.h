@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "server/auth/rate_limit.h"
 #include "server/rpc/services/service_context.h"
 #include "server/rpc/sessions/game_session.h"
 #include "server/rpc/sessions/session_start.h"
@@ -119,6 +120,8 @@ class TelemetryStream final : public SessionLink,
   // Counts the stream among those of its address. Error: RESOURCE_EXHAUSTED.
   absl::Status CountAddress();
   void OnHelloOverdue();
+  // Error: RESOURCE_EXHAUSTED (more messages than RpcOptions::max_messages_per_s).
+  absl::Status CountMessage();
   absl::Status Dispatch(const v1::StreamTelemetryRequest& request);
   absl::Status Open(const v1::Hello& given);
   // Checks that the session of the Hello is the caller's. A Hello without its resume token forgets
@@ -150,6 +153,7 @@ class TelemetryStream final : public SessionLink,
   // The Hello as received, with the policy filled in and without the id of a session that it may
   // not resume. If session_ is null, the session is being loaded.
   std::optional<v1::Hello> hello_;
+  auth::RateBucket messages_;
   TelemetryOutbox outbox_;
   bool writing_ = false;
   std::optional<absl::Status> end_;  // the stream ends with it once the outbox is empty

@@ -279,6 +279,7 @@ void GameSession::Checkpoint() {
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
   if (!increments.empty()) {
+    if (new_scene_) new_scene_->OnStored();
     context_.watch_hub.OnEvidence(identity_.scene, increments,
                                   /*new_source=*/!std::exchange(has_stored_evidence_, true));
   }

@@ -15,6 +15,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -24,6 +25,7 @@
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/common/options.h"
 #include "server/rpc/common/session_identity.h"
+#include "server/rpc/sessions/new_scenes.h"
 #include "server/rpc/sessions/session_ledger.h"
 #include "server/watch/log_histogram.h"
 #include "server/watch/watch_hub.h"
@@ -75,6 +77,9 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
                                              const StoredSession& stored);
 
   ~GameSession() override { --context_.counters.session_count; }
+
+  // Keeps the hold until the store has the session's scene.
+  void Keep(NewScenes::Hold scene) { new_scene_.emplace(std::move(scene)); }
 
   // Attaches a link. The previous one, if any, is aborted.
   void Attach(SessionLink& link);
@@ -154,6 +159,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   decision::DecisionSession decisions_;
   std::shared_ptr<SessionLedger> ledger_;
   const std::optional<uint64_t> prior_source_count_;
+  std::optional<NewScenes::Hold> new_scene_;
 
   SessionLink* link_ = nullptr;
   uint64_t applied_sequence_;

@@ -6,6 +6,17 @@
 
 namespace sweepstake::rpc {
 
+absl::Status CheckSceneCount(const priors::SceneCount& count, const RpcOptions& options) {
+  const uint32_t max_scenes = options.max_scenes;
+  if (count.names <= max_scenes && count.keys <= uint64_t{max_scenes} * SceneQuota::kKeysPerScene)
+    return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_TOO_MANY_SCENES,
+                 absl::StrCat("the project has ", max_scenes, " scenes (max_scenes), of ",
+                              SceneQuota::kKeysPerScene,
+                              " machine classes on average; name scenes alike in every session, or "
+                              "raise --max-scenes"));
+}
+
 absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
   if (!scenes_.contains(scene)) {
     if (absl::Status status = AddScene(scene); !status.ok()) return status;
@@ -26,7 +37,11 @@ absl::Status SceneQuota::Add(const priors::SceneKey& scene, const ArmKey& arm) {
 absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   const auto stored = store_.LoadScene(scene);
   Scene& known = scenes_[scene];
-  if (!stored.ok()) return absl::OkStatus();
+  unstored_.reset();
+  if (!stored.ok()) {
+    unstored_.emplace();
+    return absl::OkStatus();
+  }
   if (stored->has_value()) {
     for (const auto& arm : (*stored)->arms) {
       known.arms.insert(arm.name);
@@ -41,20 +56,13 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
                          store_.CountScenes(scene.project).value_or(priors::SceneCount{}))
                 .first;
   }
-  ++count->second.keys;
   // Another machine class of a known name adds no name.
   const auto named = store_.List({scene.project, scene.scene}, std::nullopt, 1);
-  const bool is_new = !named.ok() || named->empty();
-  if (is_new && new_names_.emplace(scene.project, scene.scene).second) ++count->second.names;
-  if (count->second.names <= options_.max_scenes &&
-      count->second.keys <= uint64_t{options_.max_scenes} * kKeysPerScene) {
-    return absl::OkStatus();
-  }
-  return Refused(v1::ERROR_REASON_TOO_MANY_SCENES,
-                 absl::StrCat("the project has ", options_.max_scenes, " scenes (max_scenes), of ",
-                              kKeysPerScene,
-                              " machine classes on average; name scenes alike in every session, or "
-                              "raise --max-scenes"));
+  unstored_ = {.stored = count->second, .new_name = !named.ok() || named->empty()};
+  ++count->second.keys;
+  if (unstored_->new_name && new_names_.emplace(scene.project, scene.scene).second)
+    ++count->second.names;
+  return CheckSceneCount(count->second, options_);
 }
 
 }  // namespace sweepstake::rpc

@@ -7,6 +7,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "absl/status/status.h"
 #include "server/priors/prior_store.h"
 #include "server/rpc/common/options.h"
+#include "server/rpc/sessions/new_scenes.h"
 
 namespace sweepstake::rpc {
 
@@ -25,6 +27,9 @@ struct ArmKey {
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
   friend auto operator<=>(const ArmKey&, const ArmKey&) = default;
 };
+
+// Error: RESOURCE_EXHAUSTED (a project with so many scenes has more than it may).
+absl::Status CheckSceneCount(const priors::SceneCount& count, const RpcOptions& options);
 
 class SceneQuota {
  public:
@@ -41,6 +46,9 @@ class SceneQuota {
   // it cannot read it does not write either.
   absl::Status Add(const priors::SceneKey& scene, const ArmKey& arm);
 
+  // What the store said about the scene that was added last; absent if it has that scene.
+  const std::optional<UnstoredScene>& unstored() const { return unstored_; }
+
  private:
   struct Scene {
     std::set<std::string> arms;
@@ -54,6 +62,7 @@ class SceneQuota {
   std::map<std::string, priors::SceneCount> projects_;       // stored, and added here
   std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene
   std::map<priors::SceneKey, Scene> scenes_;
+  std::optional<UnstoredScene> unstored_;
 };
 
 }  // namespace sweepstake::rpc

@@ -142,6 +142,7 @@ StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello,
     start.refusal = quota.Add(FromProto(hello), {arm.name(), arm.backend_version()});
     if (!start.refusal.ok()) return start;
   }
+  start.new_scene = quota.unstored();
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
     if (!source.ok()) {

@@ -26,6 +26,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/rpc/sessions/game_session.h"
+#include "server/rpc/sessions/new_scenes.h"
 
 namespace sweepstake::rpc {
 
@@ -33,6 +34,7 @@ namespace sweepstake::rpc {
 struct StoredStart {
   priors::PriorSums priors;                   // sums have Hello's order of arms, or are empty
   std::optional<priors::SourceState> source;  // present if a session is resumed
+  std::optional<UnstoredScene> new_scene;     // present if the store does not have the scene
   absl::Status refusal;                       // a quota that the session would exceed
   absl::Status status;                        // why some of it is missing; OK if nothing is
 };

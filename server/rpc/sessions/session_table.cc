@@ -26,7 +26,7 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
   if (token_id != 0 && held != token_counts_.end() &&
       held->second >= options_.max_sessions_per_token && !MakeRoom(token_id)) {
     return Refused(v1::ERROR_REASON_TOO_MANY_SESSIONS,
-                   absl::StrCat("this token has ", options_.max_sessions_per_token,
+                   absl::StrCat("this token has ", held->second,
                                 " sessions, as many as it may (max_sessions_per_token); end some, "
                                 "or use another token"));
   }
@@ -41,25 +41,16 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
 }
 
 bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
-  const std::string* unsettled = nullptr;
-  for (const auto& [key, id] : lost_) {
-    const GameSession& session = *entries_.at(id).session;
-    if (token_id && session.identity().token_id != *token_id) continue;
-    if (session.settled()) {
-      Remove(std::string(id));
-      return true;
-    }
-    if (unsettled == nullptr && !session.ended()) unsettled = &id;
-  }
-  if (unsettled == nullptr) return false;
-  Remove(std::string(*unsettled));
+  const std::optional<std::string> first = leaving_.First(token_id);
+  if (!first) return false;
+  Remove(*first);
   return true;
 }
 
 void SessionTable::Attach(GameSession& session, SessionLink& link, SessionClient client) {
   Entry& entry = entries_.at(session.identity().id);
   if (entry.link == nullptr) ++active_counts_[session.identity().scene];
-  if (entry.lost) lost_.erase(*std::exchange(entry.lost, std::nullopt));
+  if (entry.lost) Recover(entry);
   entry.link = &link;
   entry.client = std::move(client);
   session.Attach(link);
@@ -138,14 +129,25 @@ void SessionTable::Lose(Entry& entry) {
   const int64_t now_ns = loop_.clock().NowNs();
   entry.resumable_until_ns = now_ns + options_.resume_window_ns;
   entry.session->TellChange();
+  entry.loss_number = ++last_lost_number_;
   LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
               entry);
   ScheduleSweep();
 }
 
+void SessionTable::Recover(Entry& entry) {
+  lost_.erase(*std::exchange(entry.lost, std::nullopt));
+  leaving_.Remove(entry.session->identity().token_id, entry.loss_number);
+}
+
 void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
-  entry.lost = LostKey{due_ns, ++last_lost_number_};
-  lost_.emplace(*entry.lost, entry.session->identity().id);
+  const SessionIdentity& identity = entry.session->identity();
+  entry.lost = LostKey{due_ns, entry.loss_number};
+  lost_.emplace(*entry.lost, identity.id);
+  // Nobody would send again what an ended session has not on disk.
+  const bool unsettled = !entry.session->settled();
+  if (!unsettled || !entry.session->ended())
+    leaving_.Add(identity.token_id, {unsettled, entry.loss_number}, identity.id);
 }
 
 void SessionTable::ScheduleSweep() {
@@ -173,7 +175,7 @@ void SessionTable::LookAt(const std::string& id) {
   const int64_t now_ns = loop_.clock().NowNs();
   const bool settled = entry.session->settled();
   if (settled && (entry.session->ended() || now_ns >= entry.resumable_until_ns)) return Remove(id);
-  lost_.erase(*entry.lost);
+  Recover(entry);
   LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
   // The store could not be written, so this evidence is only in memory.
   if (!settled) entry.session->RetryCommit();
@@ -181,7 +183,7 @@ void SessionTable::LookAt(const std::string& id) {
 
 void SessionTable::Remove(const std::string& id) {
   const auto found = entries_.find(id);
-  if (found->second.lost) lost_.erase(*found->second.lost);
+  if (found->second.lost) Recover(found->second);
   const auto count = token_counts_.find(found->second.session->identity().token_id);
   if (--count->second == 0) token_counts_.erase(count);
   const GameSession& session = *found->second.session;

@@ -18,6 +18,8 @@
 
 #include "absl/status/status.h"
 #include "server/rpc/sessions/game_session.h"
+#include "server/rpc/sessions/lost_sessions.h"
+#include "server/rpc/sessions/new_scenes.h"
 #include "sweepstake/v1/sessions.pb.h"
 
 namespace sweepstake::rpc {
@@ -31,7 +33,7 @@ struct SessionClient {
 class SessionTable {
  public:
   explicit SessionTable(const RpcOptions& options, DecisionLoop& loop)
-      : options_(options), loop_(loop) {}
+      : options_(options), loop_(loop), new_scenes_(options) {}
 
   // Returns null if the session is not in memory.
   std::shared_ptr<GameSession> Find(const std::string& id) const;
@@ -64,6 +66,8 @@ class SessionTable {
 
   uint32_t ActiveCount(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }
+  // The scenes of sessions that the store does not have yet.
+  NewScenes& new_scenes() { return new_scenes_; }
 
  private:
   // The time of a lost session's next check, and a unique number.
@@ -74,13 +78,16 @@ class SessionTable {
     SessionClient client;            // the latest one
     std::optional<LostKey> lost;     // absent if connected or never connected
     int64_t resumable_until_ns = 0;  // end of the resume window of a lost session
+    uint64_t loss_number = 0;        // of its latest loss
   };
 
   v1::SessionInfo InfoOf(const Entry& entry) const;
-  // Removes the session that was lost first, of the token if one is given. Returns whether there
-  // was one that could leave.
+  // Removes the session that was lost first, of the token if one is given; one whose evidence is on
+  // disk, if there is such a one. Returns whether there was one that could leave.
   bool MakeRoom(std::optional<int64_t> token_id);
   void Lose(Entry& entry);
+  // It is not among the lost ones any more. REQUIRES: it is one.
+  void Recover(Entry& entry);
   void LookAgainAt(int64_t due_ns, Entry& entry);
   void ScheduleSweep();
   void Sweep();
@@ -89,8 +96,10 @@ class SessionTable {
 
   const RpcOptions& options_;
   DecisionLoop& loop_;
+  NewScenes new_scenes_;  // outlives the sessions
   std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
+  LostSessions leaving_;  // those of `lost_` that may leave before their time
   std::map<priors::SceneKey, uint32_t> active_counts_;
   std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
   uint64_t last_lost_number_ = 0;

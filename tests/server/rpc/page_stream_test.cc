@@ -44,7 +44,7 @@ struct Services {
   DecisionLoop loop{clock};
   SessionTable sessions{options, loop};
   StallSweep stalls{loop, options.watcher_patience_ns};
-  AccessControl access{nullptr, clock, log};
+  AccessControl access{options, clock, log};
   ServiceContext context{
       {options, loop, store, counters, watch_hub}, sessions, watchers, stalls, access, log};
   WatcherSet watchers{context};

@@ -1,0 +1,40 @@
+#include "server/rpc/common/refusal_log.h"
+
+#include <spdlog/logger.h>
+
+#include <string>
+#include <utility>
+
+#include "server/rpc/common/error_reasons.h"
+
+namespace sweepstake::rpc {
+
+void RefusalLog::Tell(std::string_view peer, const absl::Status& refusal) {
+  const v1::ErrorReason reason = ReasonOfRefusal(refusal);
+  const int64_t now_ns = clock_.NowNs();
+  {
+    const std::lock_guard lock(mutex_);
+    Line& line = lines_.at(reason);
+    if (now_ns < line.next_ns) {
+      ++line.left_out_count;
+      return;
+    }
+    line.next_ns = now_ns + kIntervalNs;
+  }
+  log_.warn("refused {} ({}): {}", std::string(peer), std::string(NameOf(reason)),
+            std::string(refusal.message()));
+}
+
+void RefusalLog::TellLeftOut() {
+  const int64_t now_ns = clock_.NowNs();
+  const std::lock_guard lock(mutex_);
+  for (size_t reason = 0; reason < lines_.size(); ++reason) {
+    Line& line = lines_.at(reason);
+    if (line.left_out_count == 0 || now_ns < line.next_ns) continue;
+    line.next_ns = now_ns + kIntervalNs;
+    log_.warn("refused {} more ({})", std::exchange(line.left_out_count, 0),
+              std::string(NameOf(static_cast<v1::ErrorReason>(reason))));
+  }
+}
+
+}  // namespace sweepstake::rpc

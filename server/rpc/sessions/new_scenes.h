@@ -1,0 +1,68 @@
+// The scenes of sessions in memory that the store does not have yet. It gets them with their first
+// evidence, so that they count against a project's quota from the Hello on.
+//
+// Used on the decision loop only. It outlives its holds.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+#include "server/rpc/common/options.h"
+
+namespace sweepstake::rpc {
+
+// What the store says about a scene that it does not have.
+struct UnstoredScene {
+  priors::SceneCount stored;  // what it has of the project
+  bool new_name = true;       // no other machine class or reward version of it is stored, either
+};
+
+class NewScenes {
+ public:
+  explicit NewScenes(const RpcOptions& options) : options_(options) {}
+
+  // One session's part in a scene. Movable.
+  class Hold {
+   public:
+    Hold(NewScenes& scenes, priors::SceneKey scene) : scenes_(&scenes), scene_(std::move(scene)) {}
+    Hold(Hold&& other) noexcept
+        : scenes_(std::exchange(other.scenes_, nullptr)), scene_(std::move(other.scene_)) {}
+    Hold& operator=(Hold&&) = delete;
+    ~Hold() {
+      if (scenes_ != nullptr) scenes_->Release(scene_);
+    }
+    // The store has the scene now, whoever else holds it.
+    void OnStored() {
+      if (scenes_ != nullptr) std::exchange(scenes_, nullptr)->Forget(scene_);
+    }
+
+   private:
+    NewScenes* scenes_;
+    priors::SceneKey scene_;
+  };
+
+  // Error: RESOURCE_EXHAUSTED (with this one the project would have more than it may).
+  absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
+
+  // Returns how many scenes are held, of all projects.
+  size_t size() const;
+
+ private:
+  // How many sessions hold each.
+  struct Project {
+    std::map<std::string, uint32_t> names;
+    std::map<priors::SceneKey, uint32_t> keys;
+  };
+
+  void Release(const priors::SceneKey& scene);
+  void Forget(const priors::SceneKey& scene);
+
+  const RpcOptions& options_;
+  std::map<std::string, Project> projects_;
+};
+
+}  // namespace sweepstake::rpc

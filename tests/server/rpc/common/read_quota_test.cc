@@ -1,0 +1,148 @@
+// How often somebody may list, export and begin to watch, and how many exports and imports there
+// may be at a time.
+#include <spdlog/sinks/ostream_sink.h>
+
+#include <sstream>
+
+#include "engine_client/telemetry/error_reason.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "tests/server/rpc/common/scripted_tokens.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ReadQuotaTest : public RpcTest {
+ protected:
+  ReadQuotaTest() { options_.max_reads_per_s = 2; }
+
+  std::unique_ptr<grpc::ClientContext> Call(const std::string& token) const {
+    auto context = std::make_unique<grpc::ClientContext>();
+    if (!token.empty()) context->AddMetadata("authorization", "Bearer " + token);
+    return context;
+  }
+  grpc::Status List(const std::string& token = "") {
+    v1::ListPosteriorsResponse response;
+    const auto context = Call(token);
+    return v1::PosteriorsService::NewStub(channel_)->ListPosteriors(context.get(), {}, &response);
+  }
+  grpc::Status Export(const std::string& token = "") {
+    const auto context = Call(token);
+    const auto reader = v1::PriorsService::NewStub(channel_)->ExportPriors(context.get(), {});
+    for (v1::ExportPriorsResponse page; reader->Read(&page);) continue;
+    return reader->Finish();
+  }
+};
+
+TEST_F(ReadQuotaTest, AnAddressReadsSoOftenAndPlaysOn) {
+  std::ostringstream text;
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_TRUE(List().ok());
+    EXPECT_TRUE(Export().ok());
+  }
+  const grpc::Status status = List();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_READS);
+  EXPECT_THAT(status.error_message(), HasSubstr("max_reads_per_s"));
+  EXPECT_EQ(ReasonOf(Export()), v1::ERROR_REASON_TOO_MANY_READS);
+  v1::WatchPosteriorsResponse event;
+  grpc::ClientContext watch;
+  EXPECT_EQ(
+      ReasonOf(v1::PosteriorsService::NewStub(channel_)->WatchPosteriors(&watch, {})->Finish()),
+      v1::ERROR_REASON_TOO_MANY_READS);
+  TelemetryClient(channel_).Open(OneArmHello());
+  EXPECT_THAT(text.str(), HasSubstr("TOO_MANY_READS"));
+  clock_.Advance(kSecondNs);
+  EXPECT_TRUE(List().ok());
+  EXPECT_TRUE(List().ok());
+  EXPECT_FALSE(List().ok());
+}
+
+TEST_F(ReadQuotaTest, TheRateMayBeChangedMeanwhile) {
+  while (List().ok()) continue;
+  options_.max_reads_per_s = 1'000;
+  server_->Adjust(options_);
+  EXPECT_TRUE(List().ok());
+}
+
+// Tokens, each from an address of its own.
+class TokenReadQuotaTest : public ReadQuotaTest {
+ protected:
+  TokenReadQuotaTest() {
+    options_.tokens = &tokens_;
+    for (const char* name : {"ann", "bob"}) tokens_.Add(name, auth::Role::kAdmin);
+  }
+
+  ScriptedTokens tokens_;
+};
+
+TEST_F(TokenReadQuotaTest, ATokenReadsSoOftenFromWhereverItComes) {
+  AccessControl access(options_, clock_, log_);
+  const auto tell = [&](const std::string& address) { return access.BeginRead(address, 7).ok(); };
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(tell("ipv4:192.0.2." + std::to_string(i)));
+  EXPECT_FALSE(tell("ipv4:192.0.2.100"));
+  EXPECT_TRUE(access.BeginRead("ipv4:192.0.2.100", 8).ok()) << "another token";
+  EXPECT_TRUE(access.BeginRead("ipv4:192.0.2.101", 0).ok()) << "none";
+}
+
+class TransferQuotaTest : public TokenReadQuotaTest {
+ protected:
+  TransferQuotaTest() {
+    options_.max_reads_per_s = 1'000;
+    options_.max_transfers = 3;
+    options_.max_transfers_per_token = 2;
+  }
+  // An import that has begun and goes on.
+  struct OpenImport {
+    std::unique_ptr<grpc::ClientContext> context;
+    v1::ImportPriorsResponse response;
+    std::unique_ptr<grpc::ClientWriter<v1::ImportPriorsRequest>> writer;
+  };
+  std::unique_ptr<OpenImport> Begin(const std::string& token) {
+    auto import = std::make_unique<OpenImport>();
+    import->context = Call(token);
+    import->writer = v1::PriorsService::NewStub(channel_)->ImportPriors(import->context.get(),
+                                                                        &import->response);
+    return import;
+  }
+};
+
+TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveSoManyAtATime) {
+  std::vector<std::unique_ptr<OpenImport>> imports;
+  for (int i = 0; i < 2; ++i) imports.push_back(Begin("ann-token"));
+  const auto refused = [&](const std::string& token) {
+    return ReasonOf(Export(token)) == v1::ERROR_REASON_TOO_MANY_READS;
+  };
+  ASSERT_TRUE(Eventually([&] { return refused("ann-token"); })) << "both have begun";
+  EXPECT_EQ(ReasonOf(Begin("ann-token")->writer->Finish()), v1::ERROR_REASON_TOO_MANY_IMPORTS);
+  EXPECT_TRUE(Export("bob-token").ok());
+  imports.push_back(Begin("bob-token"));
+  ASSERT_TRUE(Eventually([&] { return refused("bob-token"); })) << "the daemon's";
+  for (const auto& import : imports) {
+    import->writer->WritesDone();
+    EXPECT_TRUE(import->writer->Finish().ok());
+  }
+  ASSERT_TRUE(Eventually([&] { return Export("ann-token").ok(); }));
+}
+
+TEST_F(TransferQuotaTest, AnImportThatNeverEndsIsEndedThoughItGoesOn) {
+  options_.transfer_patience_ns = 60 * kSecondNs;
+  RestartServer();
+  const auto import = Begin("ann-token");
+  bool goes_on = true;
+  for (int second = 0; goes_on && second < 1'000; ++second) {
+    v1::ImportPriorsRequest request;
+    goes_on = import->writer->Write(request);
+    clock_.Advance(kSecondNs);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_FALSE(goes_on);
+  EXPECT_EQ(import->writer->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

@@ -1,0 +1,55 @@
+#include "server/rpc/common/refusal_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
+
+#include <sstream>
+
+#include "server/rpc/common/error_reasons.h"
+#include "tests/server/rpc/manual_clock.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+class RefusalLogTest : public ::testing::Test {
+ protected:
+  RefusalLogTest() { log_.set_pattern("%v"); }
+  void Refuse(v1::ErrorReason reason, int count) {
+    for (int i = 0; i < count; ++i) refusals_.Tell("ipv4:192.0.2.7:1", Refused(reason, "no"));
+  }
+  // Returns what was said since the last call.
+  std::string Said() {
+    std::string said = text_.str();
+    text_.str("");
+    return said;
+  }
+
+  std::ostringstream text_;
+  spdlog::logger log_{"test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)};
+  ManualClock clock_;
+  RefusalLog refusals_{clock_, log_};
+};
+
+TEST_F(RefusalLogTest, SaysOneLineOfEachReasonAndHowManyItLeftOut) {
+  Refuse(v1::ERROR_REASON_INVALID_MESSAGE, 1'000);
+  Refuse(v1::ERROR_REASON_HELLO_OVERDUE, 1);
+  EXPECT_EQ(Said(),
+            "refused ipv4:192.0.2.7:1 (INVALID_MESSAGE): no\n"
+            "refused ipv4:192.0.2.7:1 (HELLO_OVERDUE): no\n");
+  clock_.Advance(RefusalLog::kIntervalNs - 1);
+  refusals_.TellLeftOut();
+  EXPECT_EQ(Said(), "");
+  clock_.Advance(1);
+  refusals_.TellLeftOut();
+  EXPECT_EQ(Said(), "refused 999 more (INVALID_MESSAGE)\n");
+  clock_.Advance(10 * RefusalLog::kIntervalNs);
+  refusals_.TellLeftOut();
+  EXPECT_EQ(Said(), "") << "nothing was left out";
+  Refuse(v1::ERROR_REASON_INVALID_MESSAGE, 1);
+  EXPECT_EQ(Said(), "refused ipv4:192.0.2.7:1 (INVALID_MESSAGE): no\n");
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

@@ -1,0 +1,126 @@
+// The streams of a daemon without gRPC and without threads: what a test does has happened when the
+// call returns. For many streams, and for those of other machines.
+#pragma once
+
+#include <spdlog/logger.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/telemetry_stream.h"
+#include "server/rpc/services/watcher_set.h"
+#include "server/rpc/sessions/session_table.h"
+#include "server/storage/memory_prior_store.h"
+#include "tests/server/rpc/manual_clock.h"
+
+namespace sweepstake::rpc {
+
+// Answers at once, on the caller's thread.
+class PromptStore final : public priors::AsyncPriorStore {
+ public:
+  void Commit(priors::SourceUpdate update, CommitCallback done) override {
+    done(store.Commit({&update, 1}));
+  }
+  bool Submit(Job job) override {
+    job(store);
+    return true;
+  }
+  bool healthy() const override { return true; }
+  uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
+
+  storage::MemoryPriorStore store;
+};
+
+struct PromptDaemon {
+  explicit PromptDaemon(RpcOptions wanted = {}) : options(std::move(wanted)) {
+    options.daemon_version = "test";
+    options.resume_secret = std::string(32, 's');
+  }
+  void Advance(int64_t by_ns) {
+    clock.Advance(by_ns);
+    loop.RunReady();
+  }
+
+  RpcOptions options;
+  ManualClock clock;
+  PromptStore store;
+  Counters counters;
+  spdlog::logger log{"test"};
+  DecisionLoop loop{clock, {}, DecisionLoop::Runner::kCaller};
+  SessionTable sessions{options, loop};
+  watch::WatchHub hub{store, HubLoop(loop)};
+  StallSweep stalls{loop, options.watcher_patience_ns};
+  AccessControl access{options, clock, log};
+  ServiceContext context{
+      {options, loop, store, counters, hub}, sessions, watchers, stalls, access, log};
+  WatcherSet watchers{context};
+  TelemetryStreams streams;
+};
+
+// A client's stream. It reads all that is written, and leaves when it is destroyed.
+class PromptStream final : public TelemetryTransport {
+ public:
+  explicit PromptStream(PromptDaemon& daemon, std::string peer = "ipv4:127.0.0.1:1",
+                        auth::Principal caller = {})
+      : daemon_(daemon), peer_(std::move(peer)) {
+    stream_ =
+        std::make_shared<TelemetryStream>(daemon.context, daemon.streams, *this, std::move(caller));
+    stream_->Accept();
+    daemon.loop.RunReady();
+  }
+  ~PromptStream() override { Leave(); }
+
+  // Returns whether the stream still stands.
+  bool Send(const v1::StreamTelemetryRequest& request) {
+    if (stream_ == nullptr || !std::exchange(reading_, false)) return false;
+    stream_->OnMessage(&request);
+    daemon_.loop.RunReady();
+    return stream_ != nullptr;
+  }
+  void Leave() {
+    if (stream_ != nullptr) Cancel(absl::OkStatus());
+    daemon_.loop.RunReady();
+  }
+  bool welcomed() const { return welcomed_; }
+  // What the daemon has ended it with.
+  const std::optional<absl::Status>& end() const { return end_; }
+
+  void Read() override { reading_ = true; }
+  void Write(const v1::StreamTelemetryResponse& response) override {
+    welcomed_ = welcomed_ || response.has_welcome();
+    Post([this] { stream_->OnWritten(true); });
+  }
+  void Finish(const absl::Status& status) override {
+    end_ = status;
+    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    Post([this] {
+      stream_->OnDone();
+      stream_.reset();
+    });
+  }
+  void Cancel(const absl::Status& /*status*/) override {
+    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    Post([this] { stream_->OnCancelled(); });
+  }
+  std::string peer() const override { return peer_; }
+
+ private:
+  template <typename Event>
+  void Post(Event event) {
+    daemon_.loop.Post([this, event] {
+      if (stream_ != nullptr) event();
+    });
+  }
+
+  PromptDaemon& daemon_;
+  const std::string peer_;
+  std::shared_ptr<TelemetryStream> stream_;
+  bool reading_ = false;
+  bool welcomed_ = false;
+  std::optional<absl::Status> end_;
+};
+
+}  // namespace sweepstake::rpc

@@ -1,0 +1,113 @@
+// How many streams an address may have, and how many messages a stream may send.
+#include <memory>
+#include <vector>
+
+#include "server/rpc/common/error_reasons.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/rpc/services/prompt_daemon.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using ::testing::HasSubstr;
+
+v1::ErrorReason EndOf(const PromptStream& stream) {
+  return stream.end() ? ReasonOfRefusal(*stream.end()) : v1::ERROR_REASON_UNSPECIFIED;
+}
+
+class AddressQuotaTest : public ::testing::Test {
+ protected:
+  AddressQuotaTest() { daemon_.options.max_streams_per_address = 3; }
+  void Open(const std::string& peer, int count) {
+    for (int i = 0; i < count; ++i)
+      streams_.push_back(
+          std::make_unique<PromptStream>(daemon_, peer + ":" + std::to_string(1'000 + i)));
+  }
+
+  PromptDaemon daemon_;
+  std::vector<std::unique_ptr<PromptStream>> streams_;
+};
+
+TEST_F(AddressQuotaTest, AnAddressHasSoManyStreamsAndOneThatEndsMakesRoom) {
+  Open("ipv4:192.0.2.7", 3);
+  EXPECT_EQ(daemon_.streams.all.size(), 3u);
+  PromptStream fourth(daemon_, "ipv4:192.0.2.7:9");
+  ASSERT_TRUE(fourth.end());
+  EXPECT_TRUE(absl::IsResourceExhausted(*fourth.end()));
+  EXPECT_EQ(EndOf(fourth), v1::ERROR_REASON_TOO_MANY_STREAMS);
+  EXPECT_THAT(std::string(fourth.end()->message()), HasSubstr("max_streams_per_address"));
+  PromptStream elsewhere(daemon_, "ipv4:192.0.2.8:9");
+  EXPECT_FALSE(elsewhere.end());
+  streams_.pop_back();
+  PromptStream fifth(daemon_, "ipv4:192.0.2.7:10");
+  EXPECT_FALSE(fifth.end());
+}
+
+TEST_F(AddressQuotaTest, OfIpv6TheNetworkCountsAndTheOwnMachineDoesNot) {
+  Open("ipv6:%5B2001:db8::1%5D", 2);
+  Open("ipv6:%5B2001:db8::2%5D", 1);
+  PromptStream fourth(daemon_, "ipv6:%5B2001:db8::3%5D:9");
+  EXPECT_EQ(EndOf(fourth), v1::ERROR_REASON_TOO_MANY_STREAMS);
+  streams_.clear();
+  Open("ipv4:127.0.0.1", 10);
+  for (const auto& stream : streams_) EXPECT_FALSE(stream->end());
+}
+
+class MessageQuotaTest : public ::testing::Test {
+ protected:
+  MessageQuotaTest() {
+    daemon_.options.max_messages_per_s = 20;
+    daemon_.options.max_time_scale = 8;
+  }
+  // Sends messages until one ends the stream, and returns how many did not.
+  int SendUntilTheEnd(PromptStream& stream,
+                      const std::function<v1::StreamTelemetryRequest()>& next) {
+    int count = 0;
+    while (count < 10'000 && stream.Send(next())) ++count;
+    return count;
+  }
+  v1::StreamTelemetryRequest NextFrames() { return Frames(++sequence_, 1); }
+
+  PromptDaemon daemon_;
+  uint64_t sequence_ = 0;
+};
+
+TEST_F(MessageQuotaTest, AFloodOfBatchesOrBailOutsEndsTheStreamWhichMayComeBack) {
+  for (const bool bail_outs : {false, true}) {
+    PromptStream stream(daemon_);
+    EXPECT_TRUE(stream.Send(Request(OneArmHello())));
+    sequence_ = 0;
+    const int sent = SendUntilTheEnd(stream, [&] {
+      if (!bail_outs) return NextFrames();
+      ++sequence_;
+      return BailOut(sequence_, sequence_);
+    });
+    EXPECT_EQ(sent, 199) << "with the Hello as many as in ten seconds";
+    ASSERT_TRUE(stream.end());
+    EXPECT_TRUE(absl::IsResourceExhausted(*stream.end()));
+    EXPECT_EQ(EndOf(stream), v1::ERROR_REASON_TOO_MANY_MESSAGES);
+    PromptStream again(daemon_);
+    EXPECT_TRUE(again.Send(Request(OneArmHello())));
+  }
+}
+
+TEST_F(MessageQuotaTest, WhoSendsAsTheWelcomeAsksNeverMeetsIt) {
+  PromptStream stream(daemon_);
+  ASSERT_TRUE(stream.Send(Request(OneArmHello())));
+  for (int second = 0; second < 100; ++second) {
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(stream.Send(NextFrames())) << second;
+    daemon_.Advance(kSecondNs);
+  }
+}
+
+TEST_F(MessageQuotaTest, ATimeScaleMultipliesIt) {
+  v1::Hello hello = OneArmHello();
+  hello.set_time_scale(8);
+  PromptStream stream(daemon_);
+  ASSERT_TRUE(stream.Send(Request(hello)));
+  EXPECT_GE(SendUntilTheEnd(stream, [&] { return NextFrames(); }), 8 * 200 - 8);
+  EXPECT_EQ(EndOf(stream), v1::ERROR_REASON_TOO_MANY_MESSAGES);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

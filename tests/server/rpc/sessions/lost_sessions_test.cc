@@ -1,0 +1,36 @@
+#include "server/rpc/sessions/lost_sessions.h"
+
+#include <gtest/gtest.h>
+
+namespace sweepstake::rpc {
+namespace {
+
+TEST(LostSessionsTest, TheOneThatWasLostFirstLeavesFirstUnlessItsEvidenceIsNotOnDisk) {
+  LostSessions sessions;
+  EXPECT_FALSE(sessions.First(std::nullopt));
+  sessions.Add(1, {.unsettled = true, .number = 1}, "unsettled");
+  sessions.Add(2, {.unsettled = false, .number = 3}, "later");
+  sessions.Add(1, {.unsettled = false, .number = 2}, "first");
+  EXPECT_EQ(sessions.First(std::nullopt), "first");
+  sessions.Remove(1, 2);
+  EXPECT_EQ(sessions.First(std::nullopt), "later");
+  sessions.Remove(2, 3);
+  EXPECT_EQ(sessions.First(std::nullopt), "unsettled");
+  sessions.Remove(1, 1);
+  EXPECT_FALSE(sessions.First(std::nullopt));
+}
+
+TEST(LostSessionsTest, EachTokenHasItsOwn) {
+  LostSessions sessions;
+  sessions.Add(1, {.unsettled = false, .number = 1}, "of one");
+  sessions.Add(3, {.unsettled = true, .number = 2}, "of three");
+  EXPECT_EQ(sessions.First(3), "of three");
+  EXPECT_EQ(sessions.First(1), "of one");
+  EXPECT_FALSE(sessions.First(2));
+  EXPECT_FALSE(sessions.First(4));
+  sessions.Remove(3, 2);
+  EXPECT_FALSE(sessions.First(3));
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc

@@ -1,0 +1,109 @@
+// A client that names a new scene in every session. TEST_NAMES says how many it names; the suite
+// has 20,000, and the command for a million is in tests/README.md.
+#include <unistd.h>
+
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "server/rpc/common/error_reasons.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/rpc/services/prompt_daemon.h"
+#include "tests/support/size_of_run.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr uint64_t kMaxGrowthBytes = 50 << 20;
+
+uint64_t ResidentBytes() {
+  uint64_t pages = 0;
+  std::ifstream statm("/proc/self/statm");
+  statm >> pages >> pages;
+  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+v1::Hello HelloOf(uint64_t scene) {
+  v1::Hello hello = OneArmHello();
+  hello.set_scene("scene " + std::to_string(scene));
+  return hello;
+}
+
+class SceneNamesTest : public ::testing::Test {
+ protected:
+  SceneNamesTest() { daemon_.options.max_scenes = 100; }
+  // Opens streams of new scenes, which stay, until one is refused; returns how many were not.
+  size_t OpenUntilRefused() {
+    const size_t before = streams_.size();
+    while (true) {
+      auto stream = std::make_unique<PromptStream>(daemon_);
+      stream->Send(Request(HelloOf(next_scene_++)));
+      if (stream->end()) {
+        EXPECT_EQ(ReasonOfRefusal(*stream->end()), v1::ERROR_REASON_TOO_MANY_SCENES);
+        return streams_.size() - before;
+      }
+      streams_.push_back(std::move(stream));
+    }
+  }
+  void Learn(PromptStream& stream) {
+    EXPECT_TRUE(stream.Send(Frames(1, 30)));
+    daemon_.Advance(daemon_.options.decision.decision_interval_ns);
+    daemon_.Advance(daemon_.options.decision.decision_interval_ns);
+  }
+
+  static RpcOptions Prompt() {
+    RpcOptions options;
+    options.decision.explore = false;
+    options.decision.settling_ns = 0;
+    return options;
+  }
+  PromptDaemon daemon_{Prompt()};
+  uint64_t next_scene_ = 0;
+  std::vector<std::unique_ptr<PromptStream>> streams_;
+};
+
+TEST_F(SceneNamesTest, ScenesOfSessionsThatHaveSentNothingCountToo) {
+  EXPECT_EQ(OpenUntilRefused(), 100u);
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 0u);
+  PromptStream known(daemon_);
+  EXPECT_TRUE(known.Send(Request(HelloOf(3)))) << "a name that counts already";
+  v1::Hello other = HelloOf(next_scene_);
+  other.set_project("other");
+  PromptStream elsewhere(daemon_);
+  EXPECT_TRUE(elsewhere.Send(Request(other)));
+}
+
+TEST_F(SceneNamesTest, AStoredSceneCountsOnceAndALostSessionsGoesWithIt) {
+  daemon_.options.resume_window_ns = 60 * kSecondNs;
+  EXPECT_EQ(OpenUntilRefused(), 100u);
+  for (size_t i = 0; i < 40; ++i) Learn(*streams_[i]);
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 40u);
+  EXPECT_EQ(OpenUntilRefused(), 0u) << "40 stored, 60 in memory";
+  streams_.clear();
+  EXPECT_EQ(OpenUntilRefused(), 0u) << "they may come back";
+  daemon_.Advance(70 * kSecondNs);
+  daemon_.Advance(70 * kSecondNs);
+  EXPECT_EQ(OpenUntilRefused(), 60u);
+}
+
+TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
+  const uint64_t count = test_support::FromEnvironment("TEST_NAMES", 20'000);
+  EXPECT_EQ(OpenUntilRefused(), 100u);
+  for (const auto& stream : streams_) Learn(*stream);
+  const uint64_t before = ResidentBytes();
+  for (uint64_t i = 0; i < count; ++i) {
+    PromptStream stream(daemon_);
+    stream.Send(Request(HelloOf(next_scene_++)));
+    ASSERT_TRUE(stream.end() && absl::IsResourceExhausted(*stream.end()));
+    ASSERT_EQ(ReasonOfRefusal(*stream.end()), v1::ERROR_REASON_TOO_MANY_SCENES);
+    if (i % 1'000 == 0) daemon_.Advance(kSecondNs);
+  }
+  daemon_.Advance(daemon_.options.hello_patience_ns);
+  EXPECT_LT(ResidentBytes(), before + kMaxGrowthBytes);
+  EXPECT_EQ(daemon_.sessions.size(), 100u);
+  EXPECT_EQ(daemon_.sessions.new_scenes().size(), 0u);
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 100u);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
