@@ -164,6 +164,10 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   auto server = rpc::RpcServer::Start(config_.listen, std::move(options), clock, *store_, *log_);
   if (!server.ok()) return server.status();
   rpc_ = *std::move(server);
+  {
+    const std::lock_guard lock(mutex_);
+    serving_ = rpc_.get();
+  }
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
   StartBackups(config_);
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
@@ -197,7 +201,7 @@ absl::Status Daemon::OpenTokens() {
                std::chrono::system_clock::now().time_since_epoch())
         .count();
   };
-  options.on_change = [this](const std::string& text) { log_->info("{}", text); };
+  options.on_change = [this](const std::string& text) { ReportToken(text); };
   options.on_problem = [this](const absl::Status& status) {
     log_->error("{} cannot be read, and the tokens stay as they were: {}",
                 directory_.tokens().string(), std::string(status.message()));
@@ -215,6 +219,12 @@ absl::Status Daemon::OpenTokens() {
                    " can be reached by others, and there is no token that keeps them out; make one "
                    "with `sweepstaked token create`, name --tls-client-ca, listen on 127.0.0.1, or "
                    "say --insecure"));
+}
+
+void Daemon::ReportToken(const std::string& change) {
+  log_->info("{}", change);
+  const std::lock_guard lock(mutex_);
+  if (serving_ != nullptr) serving_->RecordAction("action=token", change);
 }
 
 void Daemon::ReportStore(const absl::Status& status) {
@@ -363,6 +373,10 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
 Daemon::~Daemon() {
   Drain(std::chrono::milliseconds(0));
   web_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    serving_ = nullptr;
+  }
   // The store's last callbacks have run. The gRPC side must end before the store that it refers to.
   rpc_.reset();
 }

@@ -63,6 +63,8 @@ class Daemon {
   // Runs on the store's thread.
   void ReportStore(const absl::Status& status);
   absl::Status OpenTokens();
+  // Runs on the thread of the tokens.
+  void ReportToken(const std::string& change);
   absl::Status OpenHttp();
   // What the checks of /livez and /readyz say; nothing if all is well.
   std::optional<std::string> LoopProblem() const;
@@ -85,6 +87,7 @@ class Daemon {
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
   std::unique_ptr<rpc::RpcServer> rpc_;
+  rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it takes actions
   std::atomic<bool> draining_ = false;
   std::unique_ptr<web::HttpServer> web_;  // its pages use the members above; null without --http
 };

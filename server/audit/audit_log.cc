@@ -263,6 +263,26 @@ std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t r
   return text.append(kAuditColumnNames.size() - 4, ',');
 }
 
+AdminRows::AdminRows(uint32_t segment) : segment_(segment), hash_(math::kFnv1aStart) {}
+
+std::string AdminRows::Next(int64_t now_ns, int64_t unix_ms, std::string_view action,
+                            std::string_view who) {
+  std::string row(kAdminSession);
+  AppendText(row += ',', segment_);
+  AppendText(row += ',', ++row_count_);
+  AppendName(row += ',', kAuditKindNames, AuditKind::kAdmin);
+  AppendText(row += ',', now_ns);
+  std::string text = "unix_ms=";
+  AppendText(text, unix_ms);
+  text.append(";").append(action).append(";").append(kOperatorKey).append(who);
+  AppendCsv(row += ',', text);
+  row.append(kAuditColumnNames.size() - static_cast<size_t>(AuditColumn::kSetup) - 1, ',');
+  hash_ = math::Fnv1a(hash_, row);
+  char digits[16];
+  const auto end = std::to_chars(digits, digits + sizeof digits, hash_, 16);
+  return row.append(digits, end.ptr);
+}
+
 void StartAudit(DecisionSession& session, AuditSink& sink, AuditOrigin origin) {
   session.SetObserver(std::make_unique<AuditRecorder>(sink, std::move(origin), session.setup(),
                                                       session.policy_kind()));

@@ -34,9 +34,9 @@ enum class AuditColumn : size_t {
   kSession,
   kSegment,
   kRow,
-  kKind,            // setup, tick, bail-out, switch, refusal, mode, order or missing
+  kKind,            // setup, tick, bail-out, switch, refusal, mode, order, missing or admin
   kTimeNs,          // time of the decider's steady clock
-  kSetup,           // setup: key=value;… (cells.h); order: operator=NAME
+  kSetup,           // setup: key=value;… (cells.h); order: operator=NAME; admin: what was done
   kRuns,            // the arms' runs at the event (cells.h)
   kFrame,           // bail-out: the members of Frame
   kShadow,          // tick: list of ShadowSample's members
@@ -137,6 +137,25 @@ std::string AuditHeader();
 // Returns the row that stands for rows that are not there; `row` is the number of the first of
 // them. It has no other cells.
 std::string MissingRow(std::string_view session_id, uint32_t segment, uint64_t row);
+
+// The session that the rows of what administrators do are under; no session has this id.
+inline constexpr std::string_view kAdminSession = "admin";
+
+// Makes the rows of a segment of that session: one for each thing that somebody did. No decision
+// follows from them; their hashes are checked. Not thread-safe.
+class AdminRows {
+ public:
+  explicit AdminRows(uint32_t segment);
+
+  // `now_ns` is a time of the decider's steady clock, `unix_ms` of the wall clock. `action` and
+  // `who` are lines of text.
+  std::string Next(int64_t now_ns, int64_t unix_ms, std::string_view action, std::string_view who);
+
+ private:
+  const uint32_t segment_;
+  uint64_t row_count_ = 0;
+  uint64_t hash_;
+};
 
 // Where a segment comes from. This is for people; decisions do not depend on it.
 struct AuditOrigin {

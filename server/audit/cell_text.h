@@ -93,12 +93,13 @@ enum class AuditKind : uint32_t {
   kRefusal,
   kMode,
   kMissing,
-  kOrder
+  kOrder,
+  kAdmin
 };
 
 // As the names in server/decision/types.h: by value.
-inline constexpr std::array<std::string_view, 8> kAuditKindNames = {
-    "setup", "tick", "bail-out", "switch", "refusal", "mode", "missing", "order"};
+inline constexpr std::array<std::string_view, 9> kAuditKindNames = {
+    "setup", "tick", "bail-out", "switch", "refusal", "mode", "missing", "order", "admin"};
 
 template <typename Enum>
 void AppendName(std::string& out, std::span<const std::string_view> names, Enum value) {

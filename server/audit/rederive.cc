@@ -38,10 +38,14 @@ Problem WrongHash() {
   return {AuditColumn::kLogHash, "does not fit: something in this row was edited"};
 }
 
-bool IsMissingRow(const Cells& cells) {
-  return CellOf(cells, AuditColumn::kKind) ==
-         kAuditKindNames[static_cast<size_t>(AuditKind::kMissing)];
+bool IsOfKind(const Cells& cells, AuditKind kind) {
+  return CellOf(cells, AuditColumn::kKind) == kAuditKindNames[static_cast<size_t>(kind)];
 }
+
+bool IsMissingRow(const Cells& cells) { return IsOfKind(cells, AuditKind::kMissing); }
+
+// Returns whether a segment that begins with this row is of what administrators did.
+bool IsOfAdmin(const Cells& cells) { return CellOf(cells, AuditColumn::kSession) == kAdminSession; }
 
 // Returns the part of a text around a difference.
 std::string Excerpt(std::string_view text, size_t difference) {
@@ -137,7 +141,8 @@ std::optional<Problem> Segment::Apply(const Cells& cells) {
     case AuditKind::kOrder:
       return ApplyOrder(cells);
     case AuditKind::kMissing:
-      break;  // the segment ended before
+    case AuditKind::kAdmin:
+      break;  // not of a segment that is derived
   }
   return Unreadable(cells, AuditColumn::kKind);
 }
@@ -320,6 +325,7 @@ class Rederivation {
     if (const auto problem = segment_ ? segment_->Take(cells_) : CheckHash())
       return Differ(*problem);
     after_missing_ = false;
+    if (IsOfAdmin(cells_)) return;
     ++report_.row_count;
     if (CellOf(cells_, AuditColumn::kDecisionId).empty()) return;
     ++(segment_ ? report_.decision_count : report_.underived_decision_count);
@@ -331,11 +337,16 @@ class Rederivation {
     if (current_ != nullptr && key == *current_) return CheckNumber();
     if (CellOf(cells_, AuditColumn::kRow) != "1")
       return Problem{AuditColumn::kRow, "begins a segment whose first rows are missing"};
-    if (sessions_.insert(key.first).second) ++report_.session_count;
     current_ = &*segments_.insert(std::move(key)).first;
-    segment_ = std::make_unique<Segment>(policies_);
     row_in_segment_ = 1;
     after_missing_ = false;
+    if (IsOfAdmin(cells_)) {
+      segment_.reset();
+      hash_ = math::kFnv1aStart;
+      return std::nullopt;
+    }
+    if (sessions_.insert(current_->first).second) ++report_.session_count;
+    segment_ = std::make_unique<Segment>(policies_);
     if (!IsMissingRow(cells_)) ++report_.segment_count;
     return std::nullopt;
   }

@@ -4,8 +4,8 @@
 // it, with the runs standing in for the frames, and the row that it makes must equal the logged
 // one, cell by cell. A difference is either an edit, or this program decides differently from the
 // one that wrote the log. Rows of a segment after a `missing` row are not derived; of them only the
-// hashes are checked. No text makes it crash. It takes the time of the decisions, and memory
-// for the session of one segment.
+// hashes are checked, as of what administrators did. No text makes it crash. It takes the time of
+// the decisions, and memory for the session of one segment.
 #pragma once
 
 #include <cstdint>

@@ -92,10 +92,11 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
+      admin_(options_, loop_, store, counters_),
       posteriors_(context_),
-      priors_(context_),
+      priors_(context_, admin_),
       audit_(context_),
-      sessions_service_(context_),
+      sessions_service_(context_, admin_),
       loop_(clock, options_.on_timer) {
   watch_hub_.Add(watchers_);
   watch_hub_.Add(sessions_service_);
@@ -178,6 +179,7 @@ void RpcServer::WatchStore() {
     UpdateHealth();
     ReportLostAuditRows();
     EndRefused();
+    admin_.Retry();
   }
   loop_.PostAt(loop_.clock().NowNs() + kHealthIntervalNs, [this] { WatchStore(); });
 }
@@ -227,6 +229,7 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     watchers_.Drain();
     sessions_service_.Drain();
     sessions_.RetryCommits();
+    admin_.Retry();
   });
   listener_.reset();
   server_->Shutdown(std::chrono::system_clock::now() + patience);
@@ -246,7 +249,7 @@ void RpcServer::RunOnLoop(const std::function<void()>& task) {
 void RpcServer::AwaitCommits(std::chrono::steady_clock::time_point deadline) {
   bool committing = true;
   while (committing && std::chrono::steady_clock::now() < deadline) {
-    RunOnLoop([&] { committing = sessions_.committing(); });
+    RunOnLoop([&] { committing = sessions_.committing() || admin_.committing(); });
     if (committing) std::this_thread::sleep_for(kCommitPollInterval);
   }
 }

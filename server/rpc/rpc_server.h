@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "server/rpc/common/access_control.h"
@@ -27,6 +28,7 @@
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_service.h"
 #include "server/rpc/services/watcher_set.h"
+#include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/session_table.h"
 #include "server/watch/watch_hub.h"
 
@@ -47,6 +49,10 @@ class RpcServer {
 
   int port() const { return port_; }
   const Counters& counters() const { return counters_; }
+  // Writes what somebody did to the audit log. Any thread may call it.
+  void RecordAction(std::string action, std::string who) {
+    admin_.Record(std::move(action), std::move(who));
+  }
   // Takes over the options that are Adjustable. Any thread may call it.
   void Adjust(const RpcOptions& options);
   // Returns whether the decision loop has run within ten seconds. Any thread may ask.
@@ -83,6 +89,7 @@ class RpcServer {
   WatcherSet watchers_;
   StallSweep stalls_;
   TelemetryService telemetry_;
+  AdminLog admin_;
   PosteriorsService posteriors_;
   PriorsService priors_;
   AuditService audit_;

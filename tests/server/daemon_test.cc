@@ -15,6 +15,7 @@
 
 #include "server/auth/token_store.h"
 #include "server/rpc/health_probe.h"
+#include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/storage/failing_disk.h"
@@ -341,6 +342,36 @@ TEST_F(DaemonTokenTest, ARunningDaemonLetsInANewTokenAndARevokedOneNoMore) {
   EXPECT_TRUE(daemon->Alive(std::chrono::minutes(1))) << "health needs no token";
   EXPECT_TRUE(Tokens().Revoke("first", "the test", 2).ok());
   await(token, grpc::StatusCode::UNAUTHENTICATED);
+}
+
+TEST_F(DaemonTokenTest, WhoMadeAndRevokedATokenMeanwhileIsInTheAuditLog) {
+  MakeToken("first");
+  const auto daemon = Start();
+  const std::string token = Tokens()
+                                .Create({.name = "second",
+                                         .role = auth::Role::kAdmin,
+                                         .projects = {},
+                                         .expires_unix_s = std::nullopt,
+                                         .made_by = "the test"},
+                                        1)
+                                .value();
+  EXPECT_TRUE(Tokens().Revoke("first", "another test", 2).ok());
+  const auto stub = v1::AuditService::NewStub(ChannelTo(*daemon));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  std::string text;
+  while (text.find("another test") == std::string::npos &&
+         std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    grpc::ClientContext context;
+    context.AddMetadata("authorization", "Bearer " + token);
+    const auto rows = stub->ExportDecisions(&context, {});
+    text.clear();
+    for (v1::ExportDecisionsResponse part; rows->Read(&part);) {
+      for (const std::string& row : part.rows()) text += row;
+    }
+  }
+  EXPECT_THAT(text, HasSubstr("action=token;operator=token first was revoked by another test"));
+  EXPECT_THAT(text, HasSubstr("token second was made by the test: admin of all projects"));
 }
 
 TEST_F(DaemonTokenTest, ALostFileOfTokensStopsTheStartUntilThereAreTokensOrNoneAreWanted) {

@@ -118,4 +118,8 @@ std::string NameForLog(const auth::Principal& caller) {
                               : absl::StrCat("token ", math::PrintableLine(caller.name));
 }
 
+std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call) {
+  return caller.token_id == 0 ? call.peer() : absl::StrCat(NameForLog(caller), " at ", call.peer());
+}
+
 }  // namespace sweepstake::rpc

@@ -91,6 +91,8 @@ absl::Status Narrow(const auth::Principal& caller, Filter& filter) {
 
 // Returns the caller's name for the log.
 std::string NameForLog(const auth::Principal& caller);
+// Returns who and where the caller is, for the audit log: without a token it is the address alone.
+std::string NameAndAddress(const auth::Principal& caller, const grpc::ServerContextBase& call);
 
 // A streaming call that is refused at once.
 template <typename Reactor>

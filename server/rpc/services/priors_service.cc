@@ -12,6 +12,7 @@
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/page_stream.h"
+#include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/scene_quota.h"
 
 namespace sweepstake::rpc {
@@ -39,9 +40,10 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
 class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, public StallingCall {
  public:
   // `collected_count` is shared by all imports.
-  PriorImport(ServiceContext& context, std::atomic<size_t>& collected_count,
+  PriorImport(ServiceContext& context, AdminLog& admin, std::atomic<size_t>& collected_count,
               grpc::CallbackServerContext& call, grpc::ByteBuffer& response, auth::Principal caller)
       : context_(context),
+        admin_(admin),
         collected_count_(collected_count),
         call_(call),
         response_(response),
@@ -120,6 +122,9 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     response_ = Serialize(answer);
     context_.log.info("{} imported {} records, {} of them new or newer", NameForLog(caller_),
                       records_.size(), result->applied_count);
+    admin_.Record(
+        absl::StrCat("action=import records=", records_.size(), " applied=", result->applied_count),
+        NameAndAddress(caller_, call_));
     context_.watch_hub.Reset();
     End(absl::OkStatus());
   }
@@ -162,6 +167,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
   ServiceContext& context_;
+  AdminLog& admin_;
   std::atomic<size_t>& collected_count_;
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
@@ -197,7 +203,8 @@ grpc::ServerReadReactor<grpc::ByteBuffer>* PriorsService::ImportPriors(
     grpc::CallbackServerContext* call, grpc::ByteBuffer* response) {
   auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ImportPriors"));
   if (caller.ok()) {
-    return new PriorImport(context_, collected_count_, *call, *response, *std::move(caller));
+    return new PriorImport(context_, admin_, collected_count_, *call, *response,
+                           *std::move(caller));
   }
   return new RefusedCall<grpc::ServerReadReactor<grpc::ByteBuffer>>(
       ToGrpc(caller.status(), context_.counters));

@@ -14,11 +14,13 @@
 
 namespace sweepstake::rpc {
 
+class AdminLog;
+
 class PriorsService final
     : public v1::PriorsService::WithCallbackMethod_ExportPriors<
           v1::PriorsService::WithRawCallbackMethod_ImportPriors<v1::PriorsService::Service>> {
  public:
-  explicit PriorsService(ServiceContext& context) : context_(context) {}
+  PriorsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
 
   grpc::ServerWriteReactor<v1::ExportPriorsResponse>* ExportPriors(
       grpc::CallbackServerContext* call, const v1::ExportPriorsRequest* request) override;
@@ -27,6 +29,7 @@ class PriorsService final
 
  private:
   ServiceContext& context_;
+  AdminLog& admin_;
   std::atomic<size_t> collected_count_{0};  // records in memory, of all current imports
 };
 

@@ -14,6 +14,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/session_watcher.h"
+#include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
@@ -100,7 +101,8 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
     return reactor;
   }
   context_.loop.Post([this, reactor, caller = *std::move(caller), id = request->session_id(),
-                      from = call->peer(), may_return = request->may_return()] {
+                      from = call->peer(), who = NameAndAddress(*caller, *call),
+                      may_return = request->may_return()] {
     const std::shared_ptr<GameSession> session = context_.sessions.Find(id);
     absl::Status status;
     // Of another project's session the answer tells nothing.
@@ -112,6 +114,7 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
       context_.log.warn("{} at {} kicked session {} of {}/{}, which {}", NameForLog(caller), from,
                         id, session->identity().scene.project, session->identity().scene.scene,
                         may_return ? "may return" : "has ended");
+      admin_.Record(absl::StrCat("action=kick session=", id, " may_return=", may_return), who);
     }
     reactor->Finish(ToGrpc(status, context_.counters));
   });
@@ -127,9 +130,7 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
     reactor->Finish(ToGrpc(caller.status(), context_.counters));
     return reactor;
   }
-  // The audit log has who it was.
-  std::string who = caller->token_id == 0 ? call->peer()
-                                          : absl::StrCat(NameForLog(*caller), " at ", call->peer());
+  std::string who = NameAndAddress(*caller, *call);
   context_.loop.Post([this, reactor, request, response, caller = *std::move(caller),
                       who = std::move(who)] {
     const std::shared_ptr<GameSession> session = context_.sessions.Find(request->session_id());
@@ -141,6 +142,10 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
     order->now_ns = context_.loop.clock().NowNs();
     context_.log.info("{} orders session {}: {} {}", who, session->identity().id,
                       v1::Mode_Name(request->mode()), request->arm());
+    // The session's own log has it, too, once its next decision is on disk.
+    admin_.Record(absl::StrCat("action=order session=", session->identity().id,
+                               " mode=", v1::Mode_Name(request->mode()), " arm=", request->arm()),
+                  who);
     session->Order(*order, [this, reactor, response,
                             &decisions = session->decisions()](const absl::Status& status) {
       if (status.ok()) {

@@ -11,6 +11,8 @@ namespace sweepstake::rpc {
 
 class SessionWatcher;
 
+class AdminLog;
+
 class SessionsService final : public v1::SessionsService::WithCallbackMethod_ListSessions<
                                   v1::SessionsService::WithCallbackMethod_WatchSessions<
                                       v1::SessionsService::WithCallbackMethod_KickSession<
@@ -18,7 +20,7 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
                                               v1::SessionsService::Service>>>>,
                               public watch::SessionListener {
  public:
-  explicit SessionsService(ServiceContext& context) : context_(context) {}
+  SessionsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
 
   grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* call,
                                          const v1::ListSessionsRequest* request,
@@ -44,6 +46,7 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
 
  private:
   ServiceContext& context_;
+  AdminLog& admin_;
   std::set<SessionWatcher*> watchers_;
   bool draining_ = false;
 };

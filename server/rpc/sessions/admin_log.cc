@@ -1,0 +1,77 @@
+#include "server/rpc/sessions/admin_log.h"
+
+#include <chrono>
+#include <span>
+#include <utility>
+
+namespace sweepstake::rpc {
+namespace {
+
+// In the place of a project and a scene: it is about all of them.
+constexpr const char* kAll = "*";
+
+int64_t UnixNowMs() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+void AdminLog::Record(std::string action, std::string who) {
+  loop_.Post([this, action = std::move(action), who = std::move(who)]() mutable {
+    if (options_.audit.bytes == 0) return;
+    if (waiting_.size() >= kMaxWaiting) {
+      ++counters_.lost_audit_row_count;
+      return;
+    }
+    waiting_.push_back({std::move(action), std::move(who), loop_.clock().NowNs(), UnixNowMs()});
+    Write();
+  });
+}
+
+void AdminLog::Write() {
+  if (ledger_ == nullptr) return Load();
+  for (const Action& action : waiting_) {
+    ledger_->AddAuditRow(rows_->Next(action.now_ns, action.unix_ms, action.action, action.who));
+    ++sequence_;
+  }
+  waiting_.clear();
+  ledger_->Checkpoint({.message_sequence = sequence_});
+}
+
+void AdminLog::Load() {
+  if (loading_) return;
+  loading_ = store_.Submit([this](priors::PriorStore& store) {
+    loop_.Post([this, state = store.LoadSource(std::string(decision::kAdminSession))] {
+      loading_ = false;
+      OnLoaded(state);
+    });
+  });
+}
+
+void AdminLog::OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>& state) {
+  if (!state.ok()) return;  // until the next Retry
+  const priors::SourceState before = state->value_or(priors::SourceState{});
+  priors::SourceProgress progress = before.progress;
+  progress.source_id = decision::kAdminSession;
+  sequence_ = progress.message_sequence;
+  ledger_ = std::make_shared<SessionLedger>(
+      store_, loop_, counters_, std::move(progress),
+      [](const absl::Status&, std::span<const priors::KeyedEvidence>) {});
+  const uint32_t segment = before.audit_segment + 1;
+  ledger_->StartAudit({.segment = segment,
+                       .project = kAll,
+                       .scene = kAll,
+                       .unix_start_ms = UnixNowMs(),
+                       .rows = {}});
+  rows_.emplace(segment);
+  Write();
+}
+
+void AdminLog::Retry() {
+  if (ledger_ != nullptr) return ledger_->Retry();
+  if (!waiting_.empty()) Load();
+}
+
+}  // namespace sweepstake::rpc
