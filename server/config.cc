@@ -1,7 +1,5 @@
 #include "server/config.h"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <optional>
 #include <regex>
@@ -14,6 +12,7 @@
 #include "server/config_settings.h"
 #include "server/decision/math/names.h"
 #include "server/decision/session/session_setup.h"
+#include "server/tls/loopback.h"
 
 namespace sweepstake::server {
 namespace {
@@ -73,15 +72,6 @@ absl::Status Flatten(const toml::table& table, const std::string& prefix,
     }
   }
   return absl::OkStatus();
-}
-
-bool IsLoopback(const std::string& listen) {
-  const std::string host = listen.substr(0, listen.rfind(':'));
-  // Other names are not resolved, so only numeric addresses and localhost count.
-  in_addr address{};
-  const bool is_number = inet_pton(AF_INET, host.c_str(), &address) == 1;
-  return host == "localhost" || host == "[::1]" ||
-         (is_number && ntohl(address.s_addr) >> 24 == 127);
 }
 
 // Checks a listener's address. `key` is its setting.
@@ -177,12 +167,12 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 }
 
 absl::Status Validate(const Config& config) {
-  const tls::Files& tls = config.rpc.tls;
+  const tls::Files& files = config.rpc.tls;
   absl::Status status = CheckListen("listen", config.listen);
   if (status.ok() && !config.http.empty()) status = CheckListen("http", config.http);
-  if (status.ok()) status = CheckTls(tls);
+  if (status.ok()) status = CheckTls(files);
   if (!status.ok()) return status;
-  if (!config.insecure && tls.cert.empty() && !IsLoopback(config.listen)) {
+  if (!config.insecure && files.cert.empty() && !tls::IsLoopback(config.listen)) {
     return absl::InvalidArgumentError(
         absl::StrCat("listen: ", config.listen,
                      " can be reached by others, and there is no TLS; name --tls-cert and "
@@ -192,7 +182,7 @@ absl::Status Validate(const Config& config) {
     return absl::InvalidArgumentError(
         "database_mb: the audit log is a part of it; allow at least twice audit_mb");
   }
-  if (!config.insecure && !config.http.empty() && !IsLoopback(config.http)) {
+  if (!config.insecure && !config.http.empty() && !tls::IsLoopback(config.http)) {
     return absl::InvalidArgumentError(
         absl::StrCat("http: ", config.http,
                      " can be reached by others, and HTTP is plain text; listen on 127.0.0.1, or "
@@ -207,7 +197,7 @@ absl::Status Validate(const Config& config) {
 
 bool NeedsToken(const Config& config) {
   return config.require_tokens ||
-         (!config.insecure && config.rpc.tls.ca.empty() && !IsLoopback(config.listen));
+         (!config.insecure && config.rpc.tls.ca.empty() && !tls::IsLoopback(config.listen));
 }
 
 ChangedKeys ChangedSettings(const Config& before, const Config& after) {

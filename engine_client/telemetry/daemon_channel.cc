@@ -1,6 +1,5 @@
 #include "engine_client/telemetry/daemon_channel.h"
 
-#include <arpa/inet.h>
 #include <grpcpp/support/client_interceptor.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "engine_client/telemetry/common/validation.h"
+#include "server/tls/loopback.h"
 #include "server/tls/tls_files.h"
 
 namespace sweepstake {
@@ -18,16 +18,6 @@ namespace {
 bool Has(const std::string& text, const char* part) { return text.find(part) != text.npos; }
 
 constexpr size_t kMaxTokenBytes = 4096;
-
-// Returns whether the daemon of this address is on the same machine, by the rule of
-// server/config.cc. Names are not resolved, since they may mean another machine at the next call;
-// one may begin with "127." as well.
-bool IsLoopback(const std::string& address) {
-  const std::string host = address.substr(0, address.rfind(':'));
-  in_addr number{};
-  const bool is_number = inet_pton(AF_INET, host.c_str(), &number) == 1;
-  return host == "localhost" || host == "[::1]" || (is_number && ntohl(number.s_addr) >> 24 == 127);
-}
 
 Result<std::string> ReadTokenFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -119,7 +109,7 @@ Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& addr
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   const Result<std::string> text = TokenText(token);
   if (!text.ok()) return text.status();
-  if (!tls && !text->empty() && !IsLoopback(address)) {
+  if (!tls && !text->empty() && !tls::IsLoopback(address)) {
     return Status(StatusCode::kInvalidArgument,
                   "the token would cross the network to " + address +
                       " in plain text; connect with TLS (--tls, ca_file)");

@@ -1,37 +1,15 @@
 #include "server/rpc/connection_calls.h"
 
-#include <arpa/inet.h>
 #include <grpcpp/server_context.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <array>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
+#include "server/rpc/common/peer_address.h"
 
 namespace sweepstake::rpc {
 namespace {
-
-// Returns who is at the other end, in gRPC's form, or nothing if that cannot be told.
-std::string PeerOf(int descriptor) {
-  sockaddr_in6 address{};  // an IPv4 one is smaller
-  socklen_t size = sizeof address;
-  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
-  std::array<char, INET6_ADDRSTRLEN> text{};
-  const uint16_t port = ntohs(address.sin6_port);  // in the same place in both
-  if (address.sin6_family == AF_INET) {
-    const auto& ipv4 = reinterpret_cast<const sockaddr_in&>(address).sin_addr;
-    inet_ntop(AF_INET, &ipv4, text.data(), text.size());
-    return absl::StrCat("ipv4:", text.data(), ":", port);
-  }
-  if (IN6_IS_ADDR_V4MAPPED(&address.sin6_addr)) {
-    inet_ntop(AF_INET, &address.sin6_addr.s6_addr[12], text.data(), text.size());
-    return absl::StrCat("ipv4:", text.data(), ":", port);
-  }
-  inet_ntop(AF_INET6, &address.sin6_addr, text.data(), text.size());
-  return absl::StrCat("ipv6:%5B", text.data(), "%5D:", port);
-}
 
 // Ends a connection for both sides. gRPC finds nothing more in it, of which there may be megabytes.
 void Abort(int descriptor) {
@@ -45,11 +23,11 @@ void Abort(int descriptor) {
 class CountedCall final : public grpc::experimental::Interceptor {
  public:
   CountedCall(std::shared_ptr<ConnectionCalls> calls, const std::string& peer)
-      : calls_(std::move(calls)), connection_(calls_->Begin(peer)) {
+      : calls_(std::move(calls)), peer_(calls_->Begin(peer)) {
     made_.store(true, std::memory_order_release);
   }
   ~CountedCall() override {
-    if (made_.load(std::memory_order_acquire) && connection_) calls_->End(*connection_);
+    if (made_.load(std::memory_order_acquire) && peer_) calls_->End(*peer_);
   }
   void Intercept(grpc::experimental::InterceptorBatchMethods* methods) override {
     methods->Proceed();
@@ -57,7 +35,7 @@ class CountedCall final : public grpc::experimental::Interceptor {
 
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
-  const std::shared_ptr<ConnectionCalls::Connection> connection_;
+  const std::shared_ptr<ConnectionCalls::Peer> peer_;
   // gRPC orders what its threads do; ThreadSanitizer, which does not see that, sees this.
   std::atomic<bool> made_{false};
 };
@@ -77,34 +55,39 @@ class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInt
 }  // namespace
 
 void ConnectionCalls::Add(int descriptor) {
-  const auto connection = std::make_shared<Connection>(
-      Connection{.descriptor = descriptor, .peer = PeerOf(descriptor)});
+  const std::string name = PeerOf(descriptor);
   const std::lock_guard lock(mutex_);
-  std::shared_ptr<Connection>& slot = by_descriptor_[descriptor];
+  std::shared_ptr<Peer>& slot = by_descriptor_[descriptor];
   if (slot) {
-    const auto former = by_peer_.find(slot->peer);
-    if (former != by_peer_.end() && former->second == slot) by_peer_.erase(former);
+    slot->descriptors.erase(descriptor);
+    const auto former = by_name_.find(slot->name);
+    if (slot->descriptors.empty() && former != by_name_.end() && former->second == slot)
+      by_name_.erase(former);
   }
-  slot = connection;
-  by_peer_[connection->peer] = connection;
+  std::shared_ptr<Peer>& peer = by_name_[name];
+  if (!peer) peer = std::make_shared<Peer>(Peer{.name = name, .descriptors = {}});
+  peer->descriptors.insert(descriptor);
+  peer->ended = false;
+  slot = peer;
 }
 
-std::shared_ptr<ConnectionCalls::Connection> ConnectionCalls::Begin(const std::string& peer) {
+std::shared_ptr<ConnectionCalls::Peer> ConnectionCalls::Begin(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  const auto found = by_peer_.find(peer);
-  if (found == by_peer_.end()) return nullptr;
-  const std::shared_ptr<Connection> connection = found->second;
-  if (++connection->call_count > max_calls_ && !std::exchange(connection->ended, true)) {
-    ++ended_count_;
+  const auto found = by_name_.find(name);
+  if (found == by_name_.end()) return nullptr;
+  const std::shared_ptr<Peer> peer = found->second;
+  if (++peer->call_count <= max_calls_ || std::exchange(peer->ended, true)) return peer;
+  ++ended_count_;
+  for (const int descriptor : peer->descriptors) {
     // gRPC may have closed the descriptor already; then it may be of something else by now.
-    if (PeerOf(connection->descriptor) == peer) Abort(connection->descriptor);
+    if (PeerOf(descriptor) == name) Abort(descriptor);
   }
-  return connection;
+  return peer;
 }
 
-void ConnectionCalls::End(Connection& connection) {
+void ConnectionCalls::End(Peer& peer) {
   const std::lock_guard lock(mutex_);
-  --connection.call_count;
+  --peer.call_count;
 }
 
 std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> CountCalls(

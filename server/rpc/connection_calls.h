@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <unordered_map>
 
@@ -21,31 +22,34 @@ namespace sweepstake::rpc {
 // Thread-safe. The table is as large as there are descriptors.
 class ConnectionCalls {
  public:
-  // A connection that begins a call beyond `max_calls` is ended, and counted in `ended_count`.
+  // A connection that begins a call beyond `max_calls` is ended, and counted in `ended_count`. gRPC
+  // does not say which one a call came by where two have the same other end, one to each of two
+  // addresses of the daemon: they are counted together, and ended together.
   ConnectionCalls(uint32_t max_calls, std::atomic<uint64_t>& ended_count)
       : max_calls_(max_calls), ended_count_(ended_count) {}
 
   // Takes notice of a connection that is accepted; gRPC closes the descriptor one day.
   void Add(int descriptor);
 
-  struct Connection {
-    const int descriptor;
-    const std::string peer;
-    uint32_t call_count = 0;  // guarded by mutex_
-    bool ended = false;       // guarded by mutex_
+  // The other end of a connection; all but the name is guarded by mutex_.
+  struct Peer {
+    const std::string name;
+    std::set<int> descriptors;
+    uint32_t call_count = 0;
+    bool ended = false;
   };
-  // Returns the connection of a call that begins, or null if it is not known. `peer` as in
-  // grpc::ServerContext.
-  std::shared_ptr<Connection> Begin(const std::string& peer);
-  void End(Connection& connection);
+  // Returns the peer of a call that begins, or null if it is not known. `name` as in
+  // grpc::ServerContext::peer.
+  std::shared_ptr<Peer> Begin(const std::string& name);
+  void End(Peer& peer);
 
  private:
   const uint32_t max_calls_;
   std::atomic<uint64_t>& ended_count_;
   std::mutex mutex_;
   // Both guarded by mutex_. A connection is in them until its descriptor belongs to another.
-  std::unordered_map<int, std::shared_ptr<Connection>> by_descriptor_;
-  std::unordered_map<std::string, std::shared_ptr<Connection>> by_peer_;
+  std::unordered_map<int, std::shared_ptr<Peer>> by_descriptor_;
+  std::unordered_map<std::string, std::shared_ptr<Peer>> by_name_;
 };
 
 // Makes every call of a server count, whoever answers it.

@@ -30,7 +30,6 @@ class WithoutReflection : public grpc::ServerBuilderOption {
 };
 
 constexpr int kSecond = 1'000;
-constexpr int kMinute = 60 * kSecond;
 // A connection may have so many calls for each stream that it may have open: those that the client
 // has ended take a while to be done.
 constexpr uint32_t kCallsPerStream = 3;
@@ -48,15 +47,16 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   builder.SetMaxReceiveMessageSize(static_cast<int>(kMaxMessageBytes));
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              static_cast<int>(options.max_streams_per_connection));
-  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
-                             static_cast<int>(options.handshake_patience.count()));
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kMinute);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20 * kSecond);
+  const auto add = [&](const char* name, std::chrono::milliseconds time) {
+    builder.AddChannelArgument(name, static_cast<int>(time.count()));
+  };
+  add(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, options.handshake_patience);
+  add(GRPC_ARG_KEEPALIVE_TIME_MS, options.keepalive_interval);
+  add(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, options.keepalive_patience);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10 * kSecond);
-  // gRPC itself varies the age by ±10 %.
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, 30 * kMinute);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, kMinute);
+  add(GRPC_ARG_MAX_CONNECTION_AGE_MS, options.connection_age);
+  add(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, options.connection_age_grace);
 }
 
 // TLS is 1.2 or newer. gRPC reads the files again at each interval, for the connections that begin

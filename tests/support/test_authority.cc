@@ -63,10 +63,12 @@ TestAuthority::TestAuthority(std::filesystem::path cert)
   WriteFile(cert_file_, [&](FILE* file) { return PEM_write_X509(file, certificate_.get()) == 1; });
 }
 
-void TestAuthority::Issue(const std::string& host, const CertificateFiles& files) const {
+void TestAuthority::Issue(const std::string& host, const CertificateFiles& files,
+                          int64_t expires_in_s) const {
   const Key key(EVP_EC_gen("P-256"), &EVP_PKEY_free);
   const Certificate certificate(MakeCertificate(key.get()), &X509_free);
   X509_set_issuer_name(certificate.get(), X509_get_subject_name(certificate_.get()));
+  X509_gmtime_adj(X509_getm_notAfter(certificate.get()), expires_in_s);
   AddExtension(certificate.get(), NID_subject_alt_name, host);
   Check(X509_sign(certificate.get(), key_.get(), EVP_sha256()) > 0, "sign a certificate");
   WriteFile(files.cert, [&](FILE* file) { return PEM_write_X509(file, certificate.get()) == 1; });

@@ -4,6 +4,7 @@
 #include <openssl/evp.h>
 #include <openssl/x509.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -22,8 +23,10 @@ class TestAuthority {
 
   const std::filesystem::path& cert() const { return cert_file_; }
   // Makes a key and its certificate for `host`, "IP:127.0.0.1" or "DNS:example.com", and writes
-  // both to `files`, first the certificate. Each file is replaced in one step.
-  void Issue(const std::string& host, const CertificateFiles& files) const;
+  // both to `files`, first the certificate. Each file is replaced in one step. It expires after so
+  // many seconds, or has if they are negative.
+  void Issue(const std::string& host, const CertificateFiles& files,
+             int64_t expires_in_s = 86'400) const;
 
  private:
   using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;

@@ -107,6 +107,14 @@ struct RpcOptions {
   // A connection that has not become one of HTTP/2 after this time, with TLS where there is a
   // certificate, is closed.
   std::chrono::milliseconds handshake_patience{10'000};
+  // A connection is asked to end after this time, varied by ±10 %, so that a client whose
+  // certificate or authority is no longer valid does not stay; its calls have the grace to end.
+  std::chrono::milliseconds connection_age = std::chrono::minutes(30);
+  std::chrono::milliseconds connection_age_grace = std::chrono::minutes(1);
+  // A connection on which nothing comes is asked for a sign of life in this interval, and closed
+  // without one after the patience.
+  std::chrono::milliseconds keepalive_interval = std::chrono::minutes(1);
+  std::chrono::milliseconds keepalive_patience = std::chrono::seconds(20);
   // A stream that has sent no Hello after this time ends with DEADLINE_EXCEEDED.
   int64_t hello_patience_ns = 10'000'000'000;
   // If the store has not answered a Hello after this time, the session begins without its evidence.

@@ -1,10 +1,13 @@
 #include "server/rpc/common/peer_address.h"
 
 #include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
 namespace sweepstake::rpc {
@@ -14,6 +17,25 @@ constexpr std::string_view kIpv6 = "ipv6:";
 constexpr size_t kNetworkBytes = 8;
 
 }  // namespace
+
+std::string PeerOf(int descriptor) {
+  sockaddr_in6 address{};  // an IPv4 one is smaller
+  socklen_t size = sizeof address;
+  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  const uint16_t port = ntohs(address.sin6_port);  // in the same place in both
+  if (address.sin6_family == AF_INET) {
+    const auto& ipv4 = reinterpret_cast<const sockaddr_in&>(address).sin_addr;
+    inet_ntop(AF_INET, &ipv4, text.data(), text.size());
+    return absl::StrCat("ipv4:", text.data(), ":", port);
+  }
+  if (IN6_IS_ADDR_V4MAPPED(&address.sin6_addr)) {
+    inet_ntop(AF_INET, &address.sin6_addr.s6_addr[12], text.data(), text.size());
+    return absl::StrCat("ipv4:", text.data(), ":", port);
+  }
+  inet_ntop(AF_INET6, &address.sin6_addr, text.data(), text.size());
+  return absl::StrCat("ipv6:%5B", text.data(), "%5D:", port);
+}
 
 std::string AddressOf(std::string_view peer) {
   if (!peer.starts_with(kIpv6)) {

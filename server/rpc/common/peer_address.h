@@ -1,10 +1,14 @@
-// Where a call comes from, as quotas count it. Pure functions.
+// Where a call comes from: in gRPC's form, and as quotas count it.
 #pragma once
 
 #include <string>
 #include <string_view>
 
 namespace sweepstake::rpc {
+
+// Returns who is at the other end of a connected socket, as grpc::ServerContext::peer has it, or
+// nothing if that cannot be told.
+std::string PeerOf(int descriptor);
 
 // Returns the address in gRPC's name of a peer, without the port. Of IPv6 it is the network of 64
 // bits, since one machine may have all of its addresses.

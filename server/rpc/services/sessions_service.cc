@@ -100,9 +100,9 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
     reactor->Finish(ToGrpc(caller.status(), context_.counters));
     return reactor;
   }
+  std::string who = NameAndAddress(*caller, *call);
   context_.loop.Post([this, reactor, caller = *std::move(caller), id = request->session_id(),
-                      from = call->peer(), who = NameAndAddress(*caller, *call),
-                      may_return = request->may_return()] {
+                      who = std::move(who), may_return = request->may_return()] {
     const std::shared_ptr<GameSession> session = context_.sessions.Find(id);
     absl::Status status;
     // Of another project's session the answer tells nothing.
@@ -111,8 +111,8 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
       status = UnknownSession();
     } else {
       context_.sessions.Kick(*session, may_return);
-      context_.log.warn("{} at {} kicked session {} of {}/{}, which {}", NameForLog(caller), from,
-                        id, session->identity().scene.project, session->identity().scene.scene,
+      context_.log.warn("{} kicked session {} of {}/{}, which {}", who, id,
+                        session->identity().scene.project, session->identity().scene.scene,
                         may_return ? "may return" : "has ended");
       admin_.Record(absl::StrCat("action=kick session=", id, " may_return=", may_return), who);
     }

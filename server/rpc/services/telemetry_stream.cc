@@ -162,6 +162,7 @@ std::shared_ptr<GameSession> TelemetryStream::FindSession() {
 }
 
 absl::Status TelemetryStream::Load() {
+  names_before_load_ = context_.sessions.new_scenes().stored_name_count();
   DecisionLoop& loop = context_.loop;
   loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnLoadOverdue();
@@ -204,7 +205,10 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
   if (!start.refusal.ok()) return start.refusal;
   std::optional<NewScenes::Hold> hold;
   if (start.new_scene) {
-    auto taken = context_.sessions.new_scenes().Take(FromProto(*hello_), *start.new_scene);
+    NewScenes& scenes = context_.sessions.new_scenes();
+    UnstoredScene unstored = *start.new_scene;
+    unstored.stored.names += scenes.stored_name_count() - names_before_load_;
+    auto taken = scenes.Take(FromProto(*hello_), unstored);
     if (!taken.ok()) return taken.status();
     hold.emplace(*std::move(taken));
   }

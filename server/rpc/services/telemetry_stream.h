@@ -154,6 +154,7 @@ class TelemetryStream final : public SessionLink,
   // not resume. If session_ is null, the session is being loaded.
   std::optional<v1::Hello> hello_;
   auth::RateBucket messages_;
+  uint64_t names_before_load_ = 0;  // NewScenes::stored_name_count
   TelemetryOutbox outbox_;
   bool writing_ = false;
   std::optional<absl::Status> end_;  // the stream ends with it once the outbox is empty

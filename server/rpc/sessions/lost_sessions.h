@@ -11,10 +11,16 @@
 
 namespace sweepstake::rpc {
 
-// In the order in which they leave: first those whose evidence is on disk, the one that was lost
-// first before the others.
+// What a lost session has not on disk, in the order in which they leave.
+enum class LostState : uint8_t {
+  kSettled,    // nothing
+  kUnsettled,  // what its client sends again
+  kEnding,     // what nobody sends again: it must not leave before that is on disk
+};
+
+// Of a state, the one that was lost first is the first.
 struct LostRank {
-  bool unsettled = false;
+  LostState state = LostState::kSettled;
   uint64_t number = 0;  // of the loss, unique
 
   // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
@@ -27,11 +33,11 @@ class LostSessions {
     of_token_.emplace(std::pair(token_id, rank), session_id);
     all_.emplace(rank, std::move(session_id));
   }
-  // Removes the session if it is there, settled or not.
+  // Removes the session, whatever its state is.
   void Remove(int64_t token_id, uint64_t number) {
-    for (const bool unsettled : {false, true}) {
-      all_.erase({unsettled, number});
-      of_token_.erase({token_id, {unsettled, number}});
+    for (const auto state : {LostState::kSettled, LostState::kUnsettled, LostState::kEnding}) {
+      all_.erase({state, number});
+      of_token_.erase({token_id, {state, number}});
     }
   }
 

@@ -48,6 +48,9 @@ class NewScenes {
   // Error: RESOURCE_EXHAUSTED (with this one the project would have more than it may).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
+  // How many names the store has got from holds so far. What the store said before that may not
+  // have them.
+  uint64_t stored_name_count() const { return stored_name_count_; }
   // Returns how many scenes are held, of all projects.
   size_t size() const;
 
@@ -63,6 +66,7 @@ class NewScenes {
 
   const RpcOptions& options_;
   std::map<std::string, Project> projects_;
+  uint64_t stored_name_count_ = 0;
 };
 
 }  // namespace sweepstake::rpc

@@ -43,6 +43,8 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
 bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
   const std::optional<std::string> first = leaving_.First(token_id);
   if (!first) return false;
+  const GameSession& session = *entries_.at(*first).session;
+  if (session.ended() && !session.settled()) return false;
   Remove(*first);
   return true;
 }
@@ -144,10 +146,10 @@ void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
   const SessionIdentity& identity = entry.session->identity();
   entry.lost = LostKey{due_ns, entry.loss_number};
   lost_.emplace(*entry.lost, identity.id);
-  // Nobody would send again what an ended session has not on disk.
-  const bool unsettled = !entry.session->settled();
-  if (!unsettled || !entry.session->ended())
-    leaving_.Add(identity.token_id, {unsettled, entry.loss_number}, identity.id);
+  const LostState state = entry.session->settled() ? LostState::kSettled
+                          : entry.session->ended() ? LostState::kEnding
+                                                   : LostState::kUnsettled;
+  leaving_.Add(identity.token_id, {state, entry.loss_number}, identity.id);
 }
 
 void SessionTable::ScheduleSweep() {

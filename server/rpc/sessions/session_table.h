@@ -99,7 +99,7 @@ class SessionTable {
   NewScenes new_scenes_;  // outlives the sessions
   std::map<std::string, Entry> entries_;
   std::map<LostKey, std::string> lost_;
-  LostSessions leaving_;  // those of `lost_` that may leave before their time
+  LostSessions leaving_;  // the same, in the order in which they leave where there is no room
   std::map<priors::SceneKey, uint32_t> active_counts_;
   std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
   uint64_t last_lost_number_ = 0;

@@ -1,7 +1,14 @@
 // Connections that are no proper ones of HTTP/2, over real sockets.
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <deque>
 #include <future>
 #include <vector>
 
+#include "server/rpc/common/peer_address.h"
+#include "server/rpc/connection_calls.h"
 #include "tests/server/rpc/http2_frames.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/http_exchange.h"
@@ -44,12 +51,109 @@ TEST_F(ConnectionTest, WhatIsNoHttp2IsClosed) {
   TelemetryClient(channel_).Open(HelloMessage());
 }
 
+TEST_F(ConnectionTest, OneThatIsOldIsAskedToEndAndThenEnds) {
+  options_.connection_age = std::chrono::milliseconds(100);
+  options_.connection_age_grace = std::chrono::milliseconds(100);
+  RestartServer();
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
+  HttpSocket socket(server_->port());
+  socket.Send(Http2Preface());
+  socket.ReadAll();
+}
+
+TEST_F(ConnectionTest, OneThatGivesNoSignOfLifeIsClosed) {
+  options_.keepalive_interval = std::chrono::milliseconds(100);
+  options_.keepalive_patience = std::chrono::milliseconds(100);
+  RestartServer();
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  HttpSocket silent(server_->port());
+  silent.Send(Http2Preface());
+  silent.ReadAll();
+  client.Send(Frames(1, 30));
+  EXPECT_TRUE(Applied(1)) << "that of a client that answers stays";
+}
+
 TEST_F(ConnectionTest, AFloodOfPingsIsToldToGoAway) {
   HttpSocket socket(server_->port());
   socket.Send(Http2Preface());
   for (int i = 0; i < 100; ++i) socket.Send(Http2Frame(Http2Type::kPing, 0, 0, "12345678"));
   EXPECT_THAT(socket.ReadAll(), HasSubstr("too_many_pings"));
   TelemetryClient(channel_).Open(HelloMessage());
+}
+
+// A socket that listens on all addresses of IPv4, or one that connects from a port of its own to
+// an address of it.
+class TcpSocket {
+ public:
+  explicit TcpSocket(int descriptor = socket(AF_INET, SOCK_STREAM, 0)) : descriptor_(descriptor) {
+    const int yes = 1;
+    setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  }
+  ~TcpSocket() { close(descriptor_); }
+  TcpSocket(const TcpSocket&) = delete;
+  TcpSocket& operator=(const TcpSocket&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  bool Bind(uint32_t address, int port) {
+    const sockaddr_in own = Endpoint(address, port);
+    return bind(descriptor_, reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0;
+  }
+  bool Connect(uint32_t address, int port) {
+    const sockaddr_in other = Endpoint(address, port);
+    return connect(descriptor_, reinterpret_cast<const sockaddr*>(&other), sizeof other) == 0;
+  }
+  int port() const {
+    sockaddr_in own{};
+    socklen_t size = sizeof own;
+    getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &size);
+    return ntohs(own.sin_port);
+  }
+  bool ended() const {
+    char byte = 0;
+    return recv(descriptor_, &byte, 1, MSG_DONTWAIT) == 0;
+  }
+
+ private:
+  static sockaddr_in Endpoint(uint32_t address, int port) {
+    sockaddr_in endpoint{};
+    endpoint.sin_family = AF_INET;
+    endpoint.sin_addr.s_addr = htonl(address);
+    endpoint.sin_port = htons(static_cast<uint16_t>(port));
+    return endpoint;
+  }
+
+  const int descriptor_;
+};
+
+TEST(ConnectionCallsTest, TwoConnectionsOfOneOtherEndAreCountedAndEndedTogether) {
+  constexpr uint32_t kAddresses[] = {INADDR_LOOPBACK, INADDR_LOOPBACK + 1};
+  TcpSocket listener;
+  ASSERT_TRUE(listener.Bind(INADDR_ANY, 0));
+  ASSERT_EQ(listen(listener.descriptor(), 2), 0);
+  std::atomic<uint64_t> ended = 0;
+  ConnectionCalls calls(/*max_calls=*/2, ended);
+  TcpSocket clients[2];
+  ASSERT_TRUE(clients[0].Bind(INADDR_LOOPBACK, 0));
+  std::deque<TcpSocket> accepted;
+  for (size_t i = 0; i < 2; ++i) {
+    ASSERT_TRUE(i == 0 || clients[1].Bind(INADDR_LOOPBACK, clients[0].port()));
+    ASSERT_TRUE(clients[i].Connect(kAddresses[i], listener.port()));
+    calls.Add(accepted.emplace_back(accept(listener.descriptor(), nullptr, nullptr)).descriptor());
+  }
+  const std::string name = PeerOf(accepted[0].descriptor());
+  ASSERT_EQ(PeerOf(accepted[1].descriptor()), name);
+  const auto peer = calls.Begin(name);
+  ASSERT_TRUE(peer);
+  calls.Begin(name);
+  calls.End(*peer);
+  calls.Begin(name);
+  EXPECT_EQ(ended, 0u);
+  calls.Begin(name);
+  EXPECT_EQ(ended, 1u);
+  for (const TcpSocket& client : clients) EXPECT_TRUE(Eventually([&] { return client.ended(); }));
 }
 
 TEST_F(ConnectionTest, OneThatBeginsCallsFasterThanTheyCanBeDoneIsEnded) {

@@ -8,22 +8,25 @@ namespace {
 TEST(LostSessionsTest, TheOneThatWasLostFirstLeavesFirstUnlessItsEvidenceIsNotOnDisk) {
   LostSessions sessions;
   EXPECT_FALSE(sessions.First(std::nullopt));
-  sessions.Add(1, {.unsettled = true, .number = 1}, "unsettled");
-  sessions.Add(2, {.unsettled = false, .number = 3}, "later");
-  sessions.Add(1, {.unsettled = false, .number = 2}, "first");
+  sessions.Add(1, {.state = LostState::kUnsettled, .number = 1}, "unsettled");
+  sessions.Add(1, {.state = LostState::kEnding, .number = 0}, "ending");
+  sessions.Add(2, {.state = LostState::kSettled, .number = 3}, "later");
+  sessions.Add(1, {.state = LostState::kSettled, .number = 2}, "first");
   EXPECT_EQ(sessions.First(std::nullopt), "first");
   sessions.Remove(1, 2);
   EXPECT_EQ(sessions.First(std::nullopt), "later");
   sessions.Remove(2, 3);
   EXPECT_EQ(sessions.First(std::nullopt), "unsettled");
   sessions.Remove(1, 1);
+  EXPECT_EQ(sessions.First(std::nullopt), "ending");
+  sessions.Remove(1, 0);
   EXPECT_FALSE(sessions.First(std::nullopt));
 }
 
 TEST(LostSessionsTest, EachTokenHasItsOwn) {
   LostSessions sessions;
-  sessions.Add(1, {.unsettled = false, .number = 1}, "of one");
-  sessions.Add(3, {.unsettled = true, .number = 2}, "of three");
+  sessions.Add(1, {.state = LostState::kSettled, .number = 1}, "of one");
+  sessions.Add(3, {.state = LostState::kUnsettled, .number = 2}, "of three");
   EXPECT_EQ(sessions.First(3), "of three");
   EXPECT_EQ(sessions.First(1), "of one");
   EXPECT_FALSE(sessions.First(2));
