@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/end_to_end/scripted_game.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_directory.h"
 
@@ -46,10 +47,30 @@ TEST_F(ReloadTest, TheLogLevelIsTakenOverAndWhatIsNotIsNamed) {
   Write("log_level = 'error'\n");
   Start();
   EXPECT_EQ(daemon_->log(), "");
-  Write("log_level = 'info'\nmax_sessions = 7\n");
+  Write("log_level = 'info'\nmemory_quota_mb = 70\n");
   EXPECT_TRUE(ReloadSays("the configuration was read again; the log level is info"));
-  Write("log_level = 'warn'\nmax_sessions = 7\n");
-  EXPECT_TRUE(ReloadSays("max_sessions has changed: restart the daemon to take it over"));
+  Write("log_level = 'warn'\nmemory_quota_mb = 70\n");
+  EXPECT_TRUE(ReloadSays("memory_quota_mb has changed: restart the daemon to take it over"));
+  EXPECT_EQ(daemon_->Terminate(), 0);
+}
+
+TEST_F(ReloadTest, QuotasRatesAndBackupsAreTakenOver) {
+  Write("");
+  Start();
+  Write("max_scenes = 1\nmax_reads_per_s = 5\nbackup_hours = 2\n");
+  EXPECT_TRUE(ReloadSays("in force from now on: max_scenes, max_reads_per_s, backup_hours"));
+  EXPECT_THAT(daemon_->log(), ::testing::Not(::testing::HasSubstr("restart the daemon")));
+  ScriptedGame first(daemon_->address(), FastOptions());
+  EXPECT_TRUE(first.RunUntil(IsConnected));
+  SessionOptions options = FastOptions();
+  options.scene = "another scene";
+  ScriptedGame second(daemon_->address(), options);
+  EXPECT_TRUE(second.RunUntil([](const SessionStats& stats) {
+    return stats.last_error.find("TOO_MANY_SCENES") != std::string::npos;
+  }));
+  Write("max_scenes = 2\n");
+  kill(daemon_->pid(), SIGHUP);
+  EXPECT_TRUE(second.RunUntil(IsConnected, UINT64_MAX));
   EXPECT_EQ(daemon_->Terminate(), 0);
 }
 

@@ -118,6 +118,22 @@ TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
               HasSubstr("the daemon speaks plain text"));
 }
 
+TEST_F(TlsProbeTest, ADaemonWhoseOwnCertificateHasExpiredIsToldSoWhereClientsNeedOne) {
+  authority_.Issue("DNS:sweepstake.example", server_, /*expires_in_s=*/-60);
+  std::string tls;
+  for (const std::string& flag : Flags(nullptr)) tls += flag + " ";
+  for (const TestAuthority* clients : {static_cast<const TestAuthority*>(nullptr),
+                                       static_cast<const TestAuthority*>(&authority_)}) {
+    const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(clients));
+    const std::string probe = tls + "--listen " + daemon.address();
+    if (clients == nullptr) {
+      EXPECT_EQ(Probe(probe), 0) << "the games are told, the daemon serves";
+    } else {
+      EXPECT_THAT(Complaint(probe), HasSubstr("must not have expired"));
+    }
+  }
+}
+
 TEST_F(TlsProbeTest, ADaemonThatWouldNotLetItselfInDoesNotStartUnderAWatchdog) {
   NotifySocket manager(folder_.path(), std::chrono::seconds(60));
   std::string command = std::string(SWEEPSTAKED_PATH) + " --listen 127.0.0.1:0 --data " +

@@ -125,6 +125,16 @@ TEST_F(TlsTest, ADaemonWithAClientAuthorityLetsInOnlyWhomItSigned) {
   EXPECT_EQ(Play(daemon.address(), tls_), "");
 }
 
+TEST_F(TlsTest, AClientWhoseCertificateHasExpiredIsNotLetInWhereThatIsAskedFor) {
+  const DaemonProcess daemon(data_.path(), "127.0.0.1:0", FlagsWithClientCa());
+  tls_.cert_file = client_.cert;
+  tls_.key_file = client_.key;
+  authority_.Issue("DNS:game", client_, /*expires_in_s=*/-60);
+  EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("may ask for a certificate of yours"));
+  authority_.Issue("DNS:game", client_);
+  EXPECT_EQ(Play(daemon.address(), tls_), "");
+}
+
 TEST_F(TlsTest, AReplacedCertificateIsServedAndNoRunningStreamIsLost) {
   const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags());
   ScriptedGame running(daemon.address(), With(tls_));
