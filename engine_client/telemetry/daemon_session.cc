@@ -237,25 +237,17 @@ void DaemonSession::Send() {
 }
 
 void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns) {
-  switch (response.message_case()) {
-    case v1::StreamTelemetryResponse::kWelcome:
-      return OnWelcome(response.welcome(), now_ns);
-    case v1::StreamTelemetryResponse::kSwitchCommand:
-      return OnCommand(response.switch_command());
-    case v1::StreamTelemetryResponse::kAcknowledgement:
-      return state_->OnAcknowledgement(response.acknowledgement().sequence());
-    case v1::StreamTelemetryResponse::kPosteriorSnapshot:
-      TakeBeliefs(response.posterior_snapshot().arms());
-      return TakeVerdict(response.posterior_snapshot());
-    case v1::StreamTelemetryResponse::kReconnectElsewhere:
-      link_->redirect = response.reconnect_elsewhere();
-      return;
-    case v1::StreamTelemetryResponse::kOperatorOrder:
-      return OnOrder(response.operator_order());
-    case v1::StreamTelemetryResponse::MESSAGE_NOT_SET:
-      ++unknown_message_count_;
-      return;
+  if (response.has_welcome()) OnWelcome(response.welcome(), now_ns);
+  if (response.has_switch_command()) OnCommand(response.switch_command());
+  if (response.has_acknowledgement())
+    state_->OnAcknowledgement(response.acknowledgement().sequence());
+  if (response.has_posterior_snapshot()) {
+    TakeBeliefs(response.posterior_snapshot().arms());
+    TakeVerdict(response.posterior_snapshot());
   }
+  if (response.has_reconnect_elsewhere()) link_->redirect = response.reconnect_elsewhere();
+  if (response.has_operator_order()) OnOrder(response.operator_order());
+  if (!response.GetReflection()->GetUnknownFields(response).empty()) ++unknown_message_count_;
 }
 
 void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {

@@ -127,9 +127,12 @@ def measure_idle(daemon, streams, options):
     """Resident memory of streams that have said Hello, and say no more."""
     before_kib = daemon.rss_kib()
     with subprocess.Popen(daemon.load(streams, 0.01, 1, 1000), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as load:
-        time.sleep(max(options.seconds, streams / 1000))
-        after_kib = daemon.rss_kib()
-        load.send_signal(signal.SIGINT)
+        try:
+            await_value("a stream", lambda: daemon.metric("sweepstake_sessions") == streams)
+            time.sleep(options.seconds)
+            after_kib = daemon.rss_kib()
+        finally:
+            load.send_signal(signal.SIGINT)
     return {"streams": streams, "rss_kib_per_stream": (after_kib - before_kib) / streams}
 
 

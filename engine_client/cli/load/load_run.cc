@@ -25,6 +25,7 @@ namespace {
 constexpr int64_t kSecondNs = 1'000'000'000;
 constexpr int64_t kPatienceNs = 10 * kSecondNs;
 constexpr double kMaxHellosPerSecond = 2000;
+constexpr double kLongestSpreadS = 10;
 
 void SleepUntil(int64_t ns) {
   std::this_thread::sleep_until(std::chrono::steady_clock::time_point(
@@ -190,10 +191,12 @@ Status LoadRun::OpenStreams() {
   return {};
 }
 
-// The starts are even over one interval of batches, or more where that would be too many at once.
+// The starts are even over one interval of batches, or more where that would be too many at once,
+// or less where streams that hardly send would take minutes to begin.
 void LoadRun::ScheduleStarts() {
   const auto count = static_cast<double>(plan_.stream_count);
-  const double spread_s = std::max(1 / plan_.batches_per_second, count / kMaxHellosPerSecond);
+  const double spread_s = std::max(std::min(1 / plan_.batches_per_second, kLongestSpreadS),
+                                   count / kMaxHellosPerSecond);
   const int64_t now_ns = NowNs();
   for (size_t i = 0; i < streams_.size(); ++i) {
     const double share = static_cast<double>(i) / count;

@@ -1,9 +1,16 @@
 #include "server/rpc/common/decision_loop.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 namespace sweepstake::rpc {
+namespace {
+
+constexpr size_t kLaterTasksPerTurn = 8;
+
+}  // namespace
 
 int64_t SteadyClock::NowNs() const {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -46,12 +53,16 @@ DecisionLoop::~DecisionLoop() {
   thread_.join();
 }
 
-void DecisionLoop::Post(Task task) {
+void DecisionLoop::Post(Task task) { Put(posted_, std::move(task)); }
+
+void DecisionLoop::PostLater(Task task) { Put(later_, std::move(task)); }
+
+void DecisionLoop::Put(std::deque<Task>& queue, Task task) {
   bool first = false;
   {
     const std::lock_guard lock(mutex_);
-    first = posted_.empty();
-    posted_.push_back(std::move(task));
+    first = queue.empty();
+    queue.push_back(std::move(task));
   }
   if (first) clock_.Wake();
 }
@@ -64,43 +75,45 @@ void DecisionLoop::PostAt(int64_t due_ns, Task task) {
   if (std::this_thread::get_id() != thread_.get_id()) clock_.Wake();
 }
 
-bool DecisionLoop::Collect(std::vector<Task>& ready, Timers& due, int64_t& next_due_ns) {
+bool DecisionLoop::Collect(Turn& turn) {
   const int64_t now_ns = clock_.NowNs();
   const std::lock_guard lock(mutex_);
-  ready.swap(posted_);
-  while (!timers_.empty() && timers_.begin()->first <= now_ns) {
-    due.insert(due.end(), timers_.extract(timers_.begin()));
+  std::move(posted_.begin(), posted_.end(), std::back_inserter(turn.ready));
+  posted_.clear();
+  const auto later_end =
+      later_.begin() + static_cast<ptrdiff_t>(std::min(later_.size(), kLaterTasksPerTurn));
+  std::move(later_.begin(), later_end, std::back_inserter(turn.ready));
+  later_.erase(later_.begin(), later_end);
+  while (!timers_.empty() && timers_.begin()->first <= now_ns &&
+         turn.due.size() < kLaterTasksPerTurn) {
+    turn.due.insert(turn.due.end(), timers_.extract(timers_.begin()));
   }
-  next_due_ns = timers_.empty() ? Clock::kNever : timers_.begin()->first;
-  return !ready.empty() || !due.empty() || !closing_;
+  turn.next_due_ns = timers_.empty() ? Clock::kNever : timers_.begin()->first;
+  return !turn.empty() || !closing_;
 }
 
-void DecisionLoop::RunTasks(std::vector<Task>& ready, Timers& due) {
-  for (Task& task : ready) task();
-  ready.clear();
-  for (auto& [due_ns, task] : due) {
+void DecisionLoop::RunTasks(Turn& turn) {
+  for (Task& task : turn.ready) task();
+  turn.ready.clear();
+  for (auto& [due_ns, task] : turn.due) {
     if (on_timer_) on_timer_(std::chrono::nanoseconds(clock_.NowNs() - due_ns));
     task();
   }
-  due.clear();
+  turn.due.clear();
 }
 
 void DecisionLoop::Run() {
-  std::vector<Task> ready;
-  Timers due;
-  int64_t next_due_ns = Clock::kNever;
-  while (Collect(ready, due, next_due_ns)) {
-    if (ready.empty() && due.empty()) clock_.WaitUntil(next_due_ns);
-    RunTasks(ready, due);
+  Turn turn;
+  while (Collect(turn)) {
+    if (turn.empty()) clock_.WaitUntil(turn.next_due_ns);
+    RunTasks(turn);
   }
 }
 
 int64_t DecisionLoop::RunReady() {
-  std::vector<Task> ready;
-  Timers due;
-  int64_t next_due_ns = Clock::kNever;
-  while (Collect(ready, due, next_due_ns) && !(ready.empty() && due.empty())) RunTasks(ready, due);
-  return next_due_ns;
+  Turn turn;
+  while (Collect(turn) && !turn.empty()) RunTasks(turn);
+  return turn.next_due_ns;
 }
 
 }  // namespace sweepstake::rpc

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -44,11 +45,12 @@ class SteadyClock final : public Clock {
 // The one thread on which sessions live and decisions are made.
 //
 // gRPC's callbacks and the store's only post tasks here, so that sessions need no locks and no
-// other thread waits for a decision. Post and PostAt are thread-safe. Tasks run in the order of
-// posting, those of PostAt when they are due. They must not wait and must not throw. The queue is
-// bounded, because each stream, watcher and commit has at most a few tasks in it. The destructor
-// runs the posted tasks, drops those that are not due yet, and ends the thread. The clock must
-// outlive the loop.
+// other thread waits for a decision. Post, PostLater and PostAt are thread-safe. Tasks run in the
+// order of posting, those of PostAt when they are due; those of PostLater and PostAt let what is
+// posted overtake them, a few at a time, so that a frame's news does not wait for a thousand
+// commits. They must not wait and must not throw. The queues are bounded, because each stream,
+// watcher and commit has at most a few tasks in them. The destructor runs the posted tasks, drops
+// those that are not due yet, and ends the thread. The clock must outlive the loop.
 class DecisionLoop {
  public:
   using Task = std::function<void()>;
@@ -66,6 +68,8 @@ class DecisionLoop {
   DecisionLoop& operator=(const DecisionLoop&) = delete;
 
   void Post(Task task);
+  // As Post, of a task that may come after others.
+  void PostLater(Task task);
   // Runs `task` once the clock has reached `due_ns`.
   void PostAt(int64_t due_ns, Task task);
   // Runs all that is posted and due, and what comes of it. Returns when the next task is due, or
@@ -77,19 +81,30 @@ class DecisionLoop {
  private:
   using Timers = std::multimap<int64_t, Task>;
 
+  // What runs before the loop looks for more.
+  struct Turn {
+    std::vector<Task> ready;
+    Timers due;
+    int64_t next_due_ns = Clock::kNever;
+
+    bool empty() const { return ready.empty() && due.empty(); }
+  };
+
   void Run();
-  // Moves what is posted into `ready`, and the timers that are due into `due`. Returns false if the
-  // loop closes and nothing is left.
-  bool Collect(std::vector<Task>& ready, Timers& due, int64_t& next_due_ns);
-  void RunTasks(std::vector<Task>& ready, Timers& due);
+  void Put(std::deque<Task>& queue, Task task);
+  // Moves all that is posted into the turn, then a few of the tasks that may come later and of the
+  // timers that are due. Returns false if the loop closes and nothing is left.
+  bool Collect(Turn& turn);
+  void RunTasks(Turn& turn);
 
   Clock& clock_;
   const OnTimer on_timer_;
   std::mutex mutex_;
-  std::vector<Task> posted_;  // guarded by mutex_
-  Timers timers_;             // guarded by mutex_
-  bool closing_ = false;      // guarded by mutex_
-  std::thread thread_;        // last: it uses the members above; none if the caller is the runner
+  std::deque<Task> posted_;  // guarded by mutex_
+  std::deque<Task> later_;   // guarded by mutex_
+  Timers timers_;            // guarded by mutex_
+  bool closing_ = false;     // guarded by mutex_
+  std::thread thread_;       // last: it uses the members above; none if the caller is the runner
 };
 
 }  // namespace sweepstake::rpc

@@ -19,17 +19,6 @@ constexpr int64_t kStoreWarningIntervalNs = 60'000'000'000;
 
 }  // namespace
 
-void TelemetryOutbox::Put(v1::StreamTelemetryResponse response) {
-  slots_.at(static_cast<size_t>(response.message_case()) - 1) = std::move(response);
-}
-
-std::optional<v1::StreamTelemetryResponse> TelemetryOutbox::Take() {
-  for (auto& slot : slots_) {
-    if (slot) return std::exchange(slot, std::nullopt);
-  }
-  return std::nullopt;
-}
-
 void TelemetryStream::Accept() {
   number_ = ++streams_.last_number;
   streams_.all.emplace(number_, this);
@@ -69,7 +58,7 @@ void TelemetryStream::OnHelloOverdue() {
 }
 
 void TelemetryStream::OnCancelled() {
-  outbox_.Clear();
+  ClearOutbox();
   if (!end_) end_ = absl::CancelledError("the connection was lost");
   LeaveSession();
   WriteNext();
@@ -238,10 +227,9 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
                            {.address = transport_.peer(), .build = hello_->build()});
   ++context_.counters.connected_stream_count;
   if (resumed) ++context_.counters.resumed_count;
-  v1::StreamTelemetryResponse response;
-  *response.mutable_welcome() =
+  *Outbox().mutable_welcome() =
       WelcomeOf(*session_, resumed, streams_.all.size(), context_.options);
-  Send(std::move(response));
+  WriteNext();
   session_->Start(*hello_);
   context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
 }
@@ -263,49 +251,49 @@ void TelemetryStream::Drain(uint32_t delay_ms) {
   Close(Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; connect again"));
 }
 
+v1::StreamTelemetryResponse& TelemetryStream::Outbox() {
+  has_outbox_ = true;
+  return outbox_;
+}
+
+void TelemetryStream::ClearOutbox() {
+  if (std::exchange(has_outbox_, false)) outbox_.Clear();
+}
+
 void TelemetryStream::SendSwitch(const decision::SwitchCommand& command) {
-  v1::StreamTelemetryResponse response;
-  ToProto(command, *response.mutable_switch_command());
-  Send(std::move(response));
+  ToProto(command, *Outbox().mutable_switch_command());
+  WriteNext();
 }
 
 void TelemetryStream::SendAcknowledgement(uint64_t sequence) {
-  v1::StreamTelemetryResponse response;
-  response.mutable_acknowledgement()->set_sequence(sequence);
-  Send(std::move(response));
+  Outbox().mutable_acknowledgement()->set_sequence(sequence);
+  WriteNext();
 }
 
-void TelemetryStream::SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
-                                   const decision::Diagnosis& diagnosis) {
-  v1::StreamTelemetryResponse response;
-  ToProto(posteriors, diagnosis, *response.mutable_posterior_snapshot());
-  Send(std::move(response));
+void TelemetryStream::PutSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                                  const decision::Diagnosis& diagnosis) {
+  Outbox().clear_posterior_snapshot();
+  ToProto(posteriors, diagnosis, *outbox_.mutable_posterior_snapshot());
 }
 
 void TelemetryStream::SendReconnect(uint32_t delay_ms) {
-  v1::StreamTelemetryResponse response;
-  response.mutable_reconnect_elsewhere()->set_delay_ms(delay_ms);
-  Send(std::move(response));
+  Outbox().mutable_reconnect_elsewhere()->set_delay_ms(delay_ms);
+  WriteNext();
 }
 
 void TelemetryStream::SendOrder(uint64_t order_id, const decision::OrderReport& order) {
-  v1::StreamTelemetryResponse response;
-  ToProto(order, *response.mutable_operator_order());
-  response.mutable_operator_order()->set_order_id(order_id);
-  Send(std::move(response));
-}
-
-void TelemetryStream::Send(v1::StreamTelemetryResponse response) {
-  if (end_) return;
-  outbox_.Put(std::move(response));
+  Outbox().clear_operator_order();
+  ToProto(order, *outbox_.mutable_operator_order());
+  outbox_.mutable_operator_order()->set_order_id(order_id);
   WriteNext();
 }
 
 void TelemetryStream::WriteNext() {
   if (writing_ || finished_) return;
-  if (std::optional<v1::StreamTelemetryResponse> next = outbox_.Take()) {
+  if (has_outbox_) {
     writing_ = true;
-    transport_.Write(*next);
+    transport_.Write(outbox_);
+    ClearOutbox();
   } else if (end_) {
     finished_ = true;
     transport_.Finish(*end_);
@@ -314,13 +302,13 @@ void TelemetryStream::WriteNext() {
 
 void TelemetryStream::OnWritten(bool ok) {
   writing_ = false;
-  if (!ok) outbox_.Clear();
+  if (!ok) ClearOutbox();
   WriteNext();
 }
 
 void TelemetryStream::Reject(const absl::Status& status) {
   context_.access.refusals().Tell(transport_.peer(), status);
-  outbox_.Clear();
+  ClearOutbox();
   Close(status);
 }
 
@@ -339,7 +327,7 @@ void TelemetryStream::Close(const absl::Status& status) {
 void TelemetryStream::Abort(const absl::Status& status) {
   if (finished_) return;
   end_ = status;
-  outbox_.Clear();
+  ClearOutbox();
   LeaveSession();
   if (writing_) {
     // The pending write waits for a client that does not read. OnWritten continues from there.

@@ -2,7 +2,6 @@
 // has, what it sends, and how it ends. Used on the decision loop only.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -18,23 +17,6 @@
 #include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake::rpc {
-
-// The messages that a stream has yet to write. Only the latest of each kind is kept, so that a
-// client that reads slowly gets the newest state and costs at most six messages. Not thread-safe.
-class TelemetryOutbox {
- public:
-  // Replaces an unsent message of the same kind. REQUIRES: the response has a message.
-  void Put(v1::StreamTelemetryResponse response);
-  // Removes and returns the most urgent message, in this order: welcome, switch command,
-  // acknowledgement, snapshot, reconnect, order.
-  std::optional<v1::StreamTelemetryResponse> Take();
-  void Clear() { slots_ = {}; }
-
- private:
-  // The kinds of StreamTelemetryResponse.message, numbered from 1 in order of urgency.
-  static constexpr size_t kKinds = 6;
-  std::array<std::optional<v1::StreamTelemetryResponse>, kKinds> slots_;
-};
 
 class TelemetryStream;
 
@@ -109,8 +91,9 @@ class TelemetryStream final : public SessionLink,
 
   void SendSwitch(const decision::SwitchCommand& command) override;
   void SendAcknowledgement(uint64_t sequence) override;
-  void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
-                    const decision::Diagnosis& diagnosis) override;
+  void PutSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                   const decision::Diagnosis& diagnosis) override;
+  void Flush() override { WriteNext(); }
   void SendReconnect(uint32_t delay_ms) override;
   void SendOrder(uint64_t order_id, const decision::OrderReport& order) override;
   void Close(const absl::Status& status) override;
@@ -139,7 +122,10 @@ class TelemetryStream final : public SessionLink,
   void ReportMissingEvidence(const absl::Status& status);
   void Enter(std::shared_ptr<GameSession> session, bool resumed);
   void Reject(const absl::Status& status);
-  void Send(v1::StreamTelemetryResponse response);
+  // What the next write sends.
+  v1::StreamTelemetryResponse& Outbox();
+  // Drops what is to be sent.
+  void ClearOutbox();
   void WriteNext();
   void LeaveSession();
 
@@ -155,7 +141,10 @@ class TelemetryStream final : public SessionLink,
   std::optional<v1::Hello> hello_;
   auth::RateBucket messages_;
   uint64_t names_before_load_ = 0;  // NewScenes::stored_name_count
-  TelemetryOutbox outbox_;
+  // What is to be sent with the next write. Only the latest of each kind is kept, so that a client
+  // that reads slowly gets the newest state and costs one response.
+  v1::StreamTelemetryResponse outbox_;
+  bool has_outbox_ = false;
   bool writing_ = false;
   std::optional<absl::Status> end_;  // the stream ends with it once the outbox is empty
   bool finished_ = false;

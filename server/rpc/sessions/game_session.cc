@@ -197,6 +197,7 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
   // would also acknowledge the frames before it, which are only in memory until then.
   const uint64_t surplus_count = decisions_.counts().surplus_bail_out_count;
   SendDecision(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+  if (link_ != nullptr) link_->Flush();
   context_.counters.surplus_bail_out_count +=
       decisions_.counts().surplus_bail_out_count - surplus_count;
 }
@@ -265,7 +266,11 @@ void GameSession::OnTimer(uint64_t generation) {
     return ScheduleTick(now_ns + decisions_.setup().options.decision_interval_ns);
   }
   SendDecision(decisions_.Tick(now_ns));
+  // What the decision commits is acknowledged soon; the posteriors go to the client with it, unless
+  // the store still has the last commit.
+  const bool waits = ledger_->committing();
   Checkpoint();
+  if (waits || !ledger_->committing()) link_->Flush();
   ScheduleTick(decisions_.next_tick_ns());
 }
 
@@ -288,6 +293,7 @@ void GameSession::OnCommitted(const absl::Status& status,
     acknowledged_sequence_ = durable_sequence();
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
+  if (!status.ok()) link_->Flush();
   // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
   if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();
@@ -355,7 +361,7 @@ void GameSession::SendDecision(const decision::Decision& decision) {
         {KeyOf(increment.arm),
          {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
   }
-  SendPosteriors(decision);
+  PutPosteriors(decision);
   if (decision.command) {
     ++context_.counters.switch_command_count;
     unanswered_ = decision.command;
@@ -364,11 +370,11 @@ void GameSession::SendDecision(const decision::Decision& decision) {
   TellWatchers(decision.record);
 }
 
-// Sends the client changed posteriors or a changed verdict.
-void GameSession::SendPosteriors(const decision::Decision& decision) {
+// Tells the client changed posteriors or a changed verdict.
+void GameSession::PutPosteriors(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
   if (link_ == nullptr || (!decision.increment && diagnosis.verdict == sent_verdict_)) return;
-  link_->SendSnapshot(decision.record.posteriors, diagnosis);
+  link_->PutSnapshot(decision.record.posteriors, diagnosis);
   sent_verdict_ = diagnosis.verdict;
 }
 

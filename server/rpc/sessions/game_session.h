@@ -44,8 +44,10 @@ class SessionLink {
 
   virtual void SendSwitch(const decision::SwitchCommand& command) = 0;
   virtual void SendAcknowledgement(uint64_t sequence) = 0;
-  virtual void SendSnapshot(std::span<const decision::BetaPosterior> posteriors,
-                            const decision::Diagnosis& diagnosis) = 0;
+  // Leaves the snapshot for the next message to take along, or Flush.
+  virtual void PutSnapshot(std::span<const decision::BetaPosterior> posteriors,
+                           const decision::Diagnosis& diagnosis) = 0;
+  virtual void Flush() = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
   // Ends the stream after all messages are written. The session has released the link before.
@@ -149,7 +151,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // `commit` is the status of the session's last commit.
   void CloseLink(const absl::Status& commit);
   void SendDecision(const decision::Decision& decision);
-  void SendPosteriors(const decision::Decision& decision);
+  void PutPosteriors(const decision::Decision& decision);
   void TellWatchers(const decision::DecisionRecord& record);
   void TellMeasurements(int64_t now_ns, v1::DecisionEvent& event);
   priors::EvidenceKey KeyOf(uint32_t arm) const;

@@ -87,7 +87,7 @@ void SessionLedger::MakeOffer() {
 void SessionLedger::Offer() {
   in_flight_ = true;
   store_.Commit(*offered_, [weak = weak_from_this(), &loop = loop_](const absl::Status& status) {
-    loop.Post([weak, status] {
+    loop.PostLater([weak, status] {
       if (const auto self = weak.lock()) self->OnCommitted(status);
     });
   });

@@ -2,6 +2,8 @@
 
 from judging.common import InputError, limit_of, meets, or_dash, table
 
+SIGNS = {"at_least": "≥", "at_most": "≤", "below": "<"}
+
 
 def judge(document, goals):
     """One row per figure; it has a goal where as many streams and sources were measured as goals are meant for."""
@@ -32,14 +34,15 @@ def require_all(document, goals):
 
 
 def row_of(load, figure, value, goal):
-    return {"load": load, "figure": figure, "value": value, "goal": goal and limit_of(goal)[1], "met": goal and meets(goal, value)}
+    limit, number = limit_of(goal) if goal else (None, None)
+    return {"load": load, "figure": figure, "value": value, "limit": limit, "goal": number, "met": goal and meets(goal, value)}
 
 
 def daemon_text(document, rows):
     lines = []
     for load in document["loads"]:
         lines.append((load["title"],))
-        lines += [(row["figure"], f"{row['value']:.2f}", or_dash(row["goal"]), verdict(row["met"]))
+        lines += [(row["figure"], f"{row['value']:.2f}", or_dash(row["goal"], lambda number, sign=SIGNS.get(row["limit"]): f"{sign} {number:g}"), verdict(row["met"]))
                   for row in rows if row["load"] == load["name"]]
     return table(("figure", "value", "goal", ""), lines)
 

@@ -161,8 +161,8 @@ TEST_F(BadInputTest, OfTwoThatResumeASessionAtOnceWithDifferentArmsOneBeginsANew
   second.Send(Request(other));
   ASSERT_TRUE(Eventually([&] { return store_.submit_count() == jobs + 2; }));
   release.set_value();
-  EXPECT_TRUE(first.Await(v1::StreamTelemetryResponse::kWelcome).welcome().resumed());
-  const v1::Welcome welcome = second.Await(v1::StreamTelemetryResponse::kWelcome).welcome();
+  EXPECT_TRUE(first.Await(&v1::StreamTelemetryResponse::has_welcome).welcome().resumed());
+  const v1::Welcome welcome = second.Await(&v1::StreamTelemetryResponse::has_welcome).welcome();
   EXPECT_FALSE(welcome.resumed());
   EXPECT_NE(welcome.session_id(), hello.session_id());
   first.Send(Frames(2, 30));

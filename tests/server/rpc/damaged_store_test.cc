@@ -56,7 +56,7 @@ class DamagedStoreTest : public WithDirectory, public RpcTest {
     ASSERT_TRUE(Applied(1));
     Tick();
     const v1::PosteriorSnapshot snapshot =
-        client.Await(v1::StreamTelemetryResponse::kPosteriorSnapshot).posterior_snapshot();
+        client.Await(&v1::StreamTelemetryResponse::has_posterior_snapshot).posterior_snapshot();
     EXPECT_GT(snapshot.arms(0).alpha() + snapshot.arms(0).beta(), 2);
   }
 
@@ -136,7 +136,7 @@ TEST_F(DamagedStoreTest, AStoreThatDoesNotAnswerIsNotWaitedForAndTheEvidenceReac
   client.Send(Request(hello));
   ASSERT_TRUE(Eventually([&] { return store_.submit_count() == submitted + 1; }));
   clock_.Advance(options_.load_patience_ns);
-  const v1::Welcome welcome = client.Await(v1::StreamTelemetryResponse::kWelcome).welcome();
+  const v1::Welcome welcome = client.Await(&v1::StreamTelemetryResponse::has_welcome).welcome();
   EXPECT_TRUE(welcome.priors_unavailable());
   EXPECT_FALSE(welcome.resumed());
   EXPECT_NE(welcome.session_id(), hello.session_id());

@@ -45,5 +45,20 @@ TEST(DecisionLoopTest, ItsCallerRunsWhatIsPostedAndDueAndWhatComesOfIt) {
   EXPECT_THAT(order, ElementsAre(1, 2, 3));
 }
 
+TEST(DecisionLoopTest, WhatIsPostedOvertakesAMassOfLaterTasksAndTimers) {
+  ManualClock clock;
+  DecisionLoop loop(clock, {}, DecisionLoop::Runner::kCaller);
+  int done_before = 0;
+  int done = 0;
+  loop.PostLater([&] { loop.Post([&] { done_before = done; }); });
+  for (int i = 0; i < 1000; ++i) {
+    loop.PostLater([&] { ++done; });
+    loop.PostAt(clock.NowNs(), [&] { ++done; });
+  }
+  EXPECT_EQ(loop.RunReady(), Clock::kNever);
+  EXPECT_EQ(done, 2000);
+  EXPECT_LT(done_before, 20);
+}
+
 }  // namespace
 }  // namespace sweepstake::rpc

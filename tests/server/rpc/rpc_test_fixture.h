@@ -131,23 +131,23 @@ class TelemetryClient {
     if (response.has_acknowledgement()) acknowledged_ = response.acknowledgement().sequence();
     return response;
   }
-  // The next response of that kind; others are skipped. Fails the test when the stream ends.
-  Response Await(Response::MessageCase kind) {
+  // The next response that has the field; others are skipped. Fails the test when the stream ends.
+  Response Await(bool (Response::*has)() const) {
     while (std::optional<Response> response = Read()) {
-      if (response->message_case() == kind) return *response;
+      if (((*response).*has)()) return *response;
     }
     ADD_FAILURE() << "the stream ended: " << stream_->Finish().error_message();
     return {};
   }
   v1::Welcome Open(const v1::Hello& hello) {
     Send(Request(hello));
-    return Await(Response::kWelcome).welcome();
+    return Await(&Response::has_welcome).welcome();
   }
   // Waits until `sequence` is acknowledged and returns the latest acknowledged number. An
   // acknowledgement that Await skipped counts.
   uint64_t AwaitAcknowledgement(uint64_t sequence) {
     while (acknowledged_ < sequence && !::testing::Test::HasFailure()) {
-      Await(Response::kAcknowledgement);
+      Await(&Response::has_acknowledgement);
     }
     return acknowledged_;
   }

@@ -45,7 +45,7 @@ class SessionLedgerTest : public ::testing::Test {
   void Answer(const absl::Status& status) {
     store_.Answer(status);
     std::promise<void> done;
-    loop_.Post([&] { done.set_value(); });
+    loop_.PostLater([&] { done.set_value(); });
     done.get_future().wait();
   }
   void ExpectOffer(size_t index, uint64_t sequence, double alpha,

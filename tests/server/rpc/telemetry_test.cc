@@ -74,7 +74,7 @@ TEST_F(TelemetryTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
   ASSERT_TRUE(Applied(1));
   Tick();
   const v1::PosteriorSnapshot snapshot =
-      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
   ASSERT_EQ(snapshot.arms_size(), 3);
   EXPECT_NEAR(snapshot.arms(0).alpha() + snapshot.arms(0).beta(), 3, 1e-12);
   EXPECT_EQ(snapshot.arms(1).alpha() + snapshot.arms(1).beta(), 2);
@@ -91,7 +91,7 @@ TEST_F(TelemetryTest, ASnapshotSaysTheVerdictAndWhoLeads) {
   ASSERT_TRUE(Applied(1));
   Tick();
   const v1::PosteriorSnapshot snapshot =
-      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
   EXPECT_EQ(snapshot.verdict(), v1::VERDICT_STABLE);
   EXPECT_EQ(snapshot.leader_arm(), 0u);
   EXPECT_EQ(snapshot.leader_probability(), 1);
@@ -103,7 +103,7 @@ TEST_F(TelemetryTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
   client.Send(Frames(1, 30));
   ASSERT_TRUE(Applied(1));
   Tick();
-  client.Await(Response::kPosteriorSnapshot);
+  client.Await(&Response::has_posterior_snapshot);
   v1::StreamTelemetryRequest manual;
   manual.set_sequence(2);
   manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
@@ -118,7 +118,7 @@ TEST_F(TelemetryTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
     ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decision_count; }));
   }
   const v1::PosteriorSnapshot snapshot =
-      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
   EXPECT_EQ(snapshot.verdict(), v1::VERDICT_DEGRADED);
   EXPECT_EQ(snapshot.arms_size(), 1);
 }
@@ -130,13 +130,15 @@ TEST_F(TelemetryTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
   ASSERT_TRUE(Applied(1));
   store_.Hold();
   Tick();
-  client.Await(Response::kPosteriorSnapshot);
   ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
   client.Send(Frames(2, 30));
   ASSERT_TRUE(Applied(2));
   Tick();
-  // The second window is learnt; neither is acknowledged, or the next message would be that.
-  EXPECT_TRUE(client.Read()->has_posterior_snapshot());
+  // The posteriors of the first window have waited for its commit, and wait no more.
+  const std::optional<Response> next = client.Read();
+  EXPECT_EQ(next->posterior_snapshot().arms(0).alpha() + next->posterior_snapshot().arms(0).beta(),
+            4);
+  EXPECT_FALSE(next->has_acknowledgement());
   EXPECT_TRUE(Stored().arms.empty());
   store_.Release();
   EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
@@ -274,7 +276,7 @@ TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndKeptWithTheNextTick) {
   uint64_t sequence = 2;
   client.Send(BailOut(sequence, 5000));
   const v1::PosteriorSnapshot snapshot =
-      client.Await(Response::kPosteriorSnapshot).posterior_snapshot();
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
   EXPECT_EQ(snapshot.arms(0).beta(), 11);
   client.Send(BailOut(++sequence, 5000));
   ASSERT_TRUE(Applied(3));
@@ -327,13 +329,13 @@ TEST_F(TelemetryTest, ASwitchCommandThatWasLostIsSentAgain) {
     Resume(hello, client.Open(hello));
     for (uint64_t sequence = 1; server_->counters().switch_command_count == 0; ++sequence) {
       client.Send(BailOut(sequence, sequence));
-      client.Await(Response::kPosteriorSnapshot);
+      client.Await(&Response::has_posterior_snapshot);
       ASSERT_LT(sequence, 100u);
     }
   }
   TelemetryClient client(channel_);
   client.Open(hello);
-  const v1::SwitchCommand command = client.Await(Response::kSwitchCommand).switch_command();
+  const v1::SwitchCommand command = client.Await(&Response::has_switch_command).switch_command();
   command_id = command.command_id();
   EXPECT_EQ(command.reason(), v1::SWITCH_REASON_BAIL_OUT);
   EXPECT_NE(command.arm(), 0u);
@@ -382,7 +384,7 @@ TEST_F(TelemetryTest, WhatTheShadowLaneMeasuredReachesThePolicy) {
   ASSERT_TRUE(Applied(1));
   EXPECT_EQ(server_->counters().accepted_shadow_count, 3u);
   Tick();
-  const v1::SwitchCommand command = client.Await(Response::kSwitchCommand).switch_command();
+  const v1::SwitchCommand command = client.Await(&Response::has_switch_command).switch_command();
   EXPECT_EQ(command.arm(), 2u);
   EXPECT_EQ(command.reason(), v1::SWITCH_REASON_POLICY);
 }

@@ -141,7 +141,7 @@ void SimulatedGame::SendAll() {
 }
 
 void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
-  if (response.has_welcome()) return OnWelcome(response.welcome());
+  if (response.has_welcome()) OnWelcome(response.welcome());
   if (response.has_switch_command() && response.switch_command().command_id() > last_command_id_) {
     command_ = response.switch_command();
     last_command_id_ = command_->command_id();
