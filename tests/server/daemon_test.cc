@@ -362,7 +362,8 @@ TEST_F(DaemonTokenTest, WhoMadeAndRevokedATokenMeanwhileIsInTheAuditLog) {
   const auto stub = v1::AuditService::NewStub(ChannelTo(*daemon));
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   std::string text;
-  while (text.find("another test") == std::string::npos &&
+  const auto has = [&](const char* part) { return text.find(part) != std::string::npos; };
+  while (!(has("another test") && has("second was made")) &&
          std::chrono::steady_clock::now() < deadline) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     grpc::ClientContext context;
