@@ -39,7 +39,9 @@ void Declare(CLI::App& command, LoadOptions& options) {
   command.add_option("--streams", plan.stream_count, "Games at a time")
       ->check(WholeUpTo(100'000))
       ->check(CLI::PositiveNumber);
-  command.add_option("--batches-per-second", plan.batches_per_second, "Of each game")
+  command
+      .add_option("--batches-per-second", plan.batches_per_second,
+                  "Of each game; a daemon ends one with more than its --max-messages-per-s")
       ->check(RealFrom(0.01, 1000));
   command.add_option("--frames", plan.batch_frames, "Frames in a batch")
       ->check(WholeUpTo(240))
