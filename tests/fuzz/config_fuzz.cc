@@ -60,7 +60,8 @@ void Run(Input input) {
   if (!config.ok()) return Require(!config.status().message().empty(), "an error says what");
   const absl::StatusOr<Config> again = ConfigOf(ReadFile(PrintConfig(*config)));
   Require(again.ok(), "what is printed can be read");
-  Require(ChangedSettings(*config, *again).empty(), "what is printed says the same");
+  const ChangedKeys changed = ChangedSettings(*config, *again);
+  Require(changed.live.empty() && changed.fixed.empty(), "what is printed says the same");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ constexpr int kSize = LinTsPolicy::kFeatureCount;
 using Vector = Eigen::Matrix<double, kSize, 1>;
 using Matrix = Eigen::Matrix<double, kSize, kSize>;
 
-constexpr double kMinEvidence = 1e-6;  // keeps the inverse finite for all priors
+constexpr double kMinPriorEvidence = 1e-6;  // keeps the inverse finite for all priors
 
 // Returns the value if it is positive, else 0. NaN gives 0, because it fails the comparison.
 double Positive(const std::optional<double>& value) {
@@ -51,7 +51,7 @@ LinTsPolicy::LinTsPolicy(const PolicySetup& setup)
     : RewardPolicy(setup), models_(setup.arms.size()), features_(FeaturesOf({})) {
   for (size_t arm = 0; arm < models_.size(); ++arm) {
     const BetaPosterior& prior = setup.priors[arm];
-    const double evidence = std::max(prior.evidence(), kMinEvidence);
+    const double evidence = std::max(prior.evidence(), kMinPriorEvidence);
     Matrix precision = Matrix::Identity();
     precision(0, 0) = evidence;
     Eigen::Map<Matrix>(models_[arm].precision.data()) = precision;

@@ -11,13 +11,13 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double Square(double x) { return x * x; }
+constexpr double SquareOf(double x) { return x * x; }
 
 // These constants concern priors.
-constexpr double kFlatEvidence = 2.5;            // a prior below it says nothing; Beta(1,1) has 2
-constexpr double kPriorVariance = Square(0.15);  // minimum variance of a prior's log-cost
-constexpr double kUnknownDeviation = 0.8;        // standard deviation of an unknown arm's log-cost
-constexpr double kFlatShare = 0.2;               // weight of the belief that ignores the prior
+constexpr double kFlatEvidence = 2.5;              // a prior below it says nothing; Beta(1,1) has 2
+constexpr double kPriorVariance = SquareOf(0.15);  // minimum variance of a prior's log-cost
+constexpr double kUnknownDeviation = 0.8;  // standard deviation of an unknown arm's log-cost
+constexpr double kFlatShare = 0.2;         // weight of the belief that ignores the prior
 constexpr double kContradiction = 0.3;  // log-cost by which the expected best arm is too expensive
 // These constants define the safety limit.
 constexpr double kUnsafeShare = 0.6;         // share of the bail-out limit
@@ -66,7 +66,7 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
   if (count == 0) return;
   for (uint32_t arm = 0; arm < priors.size(); ++arm) {
     has_prior_[arm] = !IsFlat(priors[arm]);
-    NormalBelief belief{sum / count, Square(kUnknownDeviation)};
+    NormalBelief belief{sum / count, SquareOf(kUnknownDeviation)};
     if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
     belief.variance = std::max(belief.variance, kPriorVariance);
     filter_.SetPrior(arm, belief);
@@ -249,7 +249,7 @@ void AdaptivePolicy::UpdatePosteriors() {
     if (filter_.LogCost(arm).mean < filter_.LogCost(leader).mean) leader = arm;
   }
   // Half of the smallest difference's variance is shown as the leader's.
-  double smallest = Square(kUnknownDeviation);
+  double smallest = SquareOf(kUnknownDeviation);
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
     if (arm != leader) smallest = std::min(smallest, filter_.Difference(arm, leader).variance);
   }
