@@ -83,28 +83,33 @@ std::string SessionsText(const std::vector<v1::SessionInfo>& sessions) {
   return table.Text();
 }
 
-Json EventJson(const v1::WatchSessionsResponse& event) {
+// A change of a session, with the number and the time of the event that told it.
+Json ChangeJson(const v1::EventStamp& stamp, const std::string& what, Json change) {
   // BOOT:SEQUENCE names the event; a number of JSON could not hold all of a boot's digits.
-  Json json = {{"event", std::to_string(event.stamp().boot()) + ":" +
-                             std::to_string(event.stamp().sequence())},
-               {"unix_ms", event.stamp().unix_ms()}};
-  if (event.has_ended()) {
-    json["ended"] = {{"session_id", event.ended().session_id()},
-                     {"end", EndText(event.ended().end())}};
-  } else {
-    json["session"] = SessionJson(event.session());
-  }
-  return json;
+  return {{"event", std::to_string(stamp.boot()) + ":" + std::to_string(stamp.sequence())},
+          {"unix_ms", stamp.unix_ms()},
+          {what, std::move(change)}};
 }
 
-std::string EventText(const v1::WatchSessionsResponse& event) {
+std::string SessionText(const v1::SessionInfo& session) {
+  return session.session_id() + " of " + session.project() + "/" + session.scene() + ": " +
+         StateText(session.state()) + ", " + session.active_arm() + ", " + ModeText(session.mode());
+}
+
+void PrintChanges(const v1::WatchSessionsResponse& event, bool json, Terminal& terminal) {
   const std::string time = UtcText(event.stamp().unix_ms()) + " ";
-  if (event.has_ended())
-    return time + event.ended().session_id() + " ended: " + EndText(event.ended().end()) + "\n";
-  const v1::SessionInfo& session = event.session();
-  return time + session.session_id() + " of " + session.project() + "/" + session.scene() + ": " +
-         StateText(session.state()) + ", " + session.active_arm() + ", " +
-         ModeText(session.mode()) + "\n";
+  for (const v1::SessionInfo& session : event.sessions()) {
+    PrintResult(terminal, json, ChangeJson(event.stamp(), "session", SessionJson(session)),
+                time + SessionText(session) + "\n", /*indent=*/-1);
+  }
+  for (const v1::SessionEnded& each : event.ended()) {
+    PrintResult(terminal, json,
+                ChangeJson(event.stamp(), "ended",
+                           {{"session_id", each.session_id()}, {"end", EndText(each.end())}}),
+                time + each.session_id() + " ended: " + EndText(each.end()) + "\n",
+                /*indent=*/-1);
+  }
+  terminal.out.flush();
 }
 
 int RunList(const SessionsOptions& options, Terminal& terminal) {
@@ -122,12 +127,9 @@ int RunList(const SessionsOptions& options, Terminal& terminal) {
 
 int RunWatch(const SessionsOptions& options, Terminal& terminal) {
   InstallStopSignal();
-  const Status status = WatchSessions(options.daemon, options.project, options.scene, StopRequested,
-                                      [&](const v1::WatchSessionsResponse& event) {
-                                        PrintResult(terminal, options.json, EventJson(event),
-                                                    EventText(event), /*indent=*/-1);
-                                        terminal.out.flush();
-                                      });
+  const Status status = WatchSessions(
+      options.daemon, options.project, options.scene, StopRequested,
+      [&](const v1::WatchSessionsResponse& event) { PrintChanges(event, options.json, terminal); });
   return status.ok() ? kDone : Fail(terminal, status);
 }
 

@@ -30,10 +30,12 @@ int ShowOnce(const WatchOptions& options, Terminal& terminal) {
   return kDone;
 }
 
-nlohmann::ordered_json EventJson(const v1::WatchPosteriorsResponse& event) {
-  if (event.has_posterior()) return {{"posterior", PosteriorJson(event.posterior())}};
-  if (event.has_decision()) return {{"decision", DecisionJson(event.decision())}};
-  return nlohmann::ordered_json::object();  // of a newer daemon
+void PrintEvent(const v1::WatchPosteriorsResponse& event, std::ostream& out) {
+  if (event.has_posterior())
+    PrintJson({{"posterior", PosteriorJson(event.posterior())}}, out, /*indent=*/-1);
+  for (const v1::DecisionEvent& decision : event.decisions())
+    PrintJson({{"decision", DecisionJson(decision)}}, out, /*indent=*/-1);
+  out.flush();
 }
 
 int WatchLive(const WatchOptions& options, Terminal& terminal) {
@@ -43,8 +45,7 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
       WatchPosteriors(options.daemon, options.project, options.scene, StopRequested,
                       [&](const v1::WatchPosteriorsResponse& event) {
                         if (!options.json) return screen.Show(event);
-                        PrintJson(EventJson(event), terminal.out, -1);
-                        terminal.out.flush();
+                        PrintEvent(event, terminal.out);
                       });
   return status.ok() ? kDone : Fail(terminal, status);
 }

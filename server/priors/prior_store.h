@@ -136,6 +136,8 @@ struct SceneFilter {
   std::string scene;
   std::vector<std::string> projects = {};  // any of these, and `project`
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy reads a 0 into the defaulted comparison.
+  friend auto operator<=>(const SceneFilter&, const SceneFilter&) = default;
   bool Matches(std::string_view of_project, std::string_view of_scene) const {
     return (project.empty() || project == of_project) && (scene.empty() || scene == of_scene) &&
            (projects.empty() ||

@@ -14,6 +14,8 @@
 #include <utility>
 
 #include "server/rpc/connection_listener.h"
+#include "server/rpc/services/posterior_watcher.h"
+#include "server/rpc/services/session_watcher.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -187,8 +189,8 @@ void RpcServer::WatchStore() {
 void RpcServer::EndRefused() {
   if (!access_.asks_for_tokens()) return;
   telemetry_.EndRefused();
-  watchers_.EndRefused();
-  sessions_service_.EndRefused();
+  watchers_.group().EndRefused();
+  sessions_service_.watchers().EndRefused();
 }
 
 void RpcServer::UpdateHealth() {
@@ -226,8 +228,8 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
     draining_ = true;
     telemetry_.Drain();
     watch_hub_.Drain();
-    watchers_.Drain();
-    sessions_service_.Drain();
+    watchers_.group().Drain();
+    sessions_service_.watchers().Drain();
     sessions_.RetryCommits();
     admin_.Retry();
   });

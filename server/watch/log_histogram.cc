@@ -25,15 +25,18 @@ uint32_t LogHistogram::BucketOf(uint64_t value) {
 
 void LogHistogram::Add(uint64_t value) {
   const uint32_t number = BucketOf(value);
+  // One frame costs about as much as the one before.
+  if (latest_ < buckets_.size() && buckets_[latest_].number == number) {
+    ++buckets_[latest_].count;
+    return;
+  }
   auto place = std::lower_bound(
       buckets_.begin(), buckets_.end(), number,
       [](const Bucket& bucket, uint32_t wanted) { return bucket.number < wanted; });
   const bool known = place != buckets_.end() && place->number == number;
   if (!known && buckets_.size() < kMaxBuckets) {
-    buckets_.insert(place, {number, 1});
-    return;
-  }
-  if (!known && place != buckets_.begin()) {
+    place = buckets_.insert(place, {number, 0});
+  } else if (!known && place != buckets_.begin()) {
     // The lowest bucket makes room: its values are counted in the next one.
     buckets_[1].count += buckets_[0].count;
     --place;
@@ -41,6 +44,7 @@ void LogHistogram::Add(uint64_t value) {
     *place = {number, 0};
   }
   ++place->count;
+  latest_ = static_cast<size_t>(place - buckets_.begin());
 }
 
 }  // namespace sweepstake::watch

@@ -27,13 +27,17 @@ class LogHistogram {
   static uint32_t BucketOf(uint64_t value);
 
   void Add(uint64_t value);
-  void Clear() { buckets_.clear(); }
+  void Clear() {
+    buckets_.clear();
+    latest_ = 0;
+  }
   bool empty() const { return buckets_.empty(); }
   // The buckets that hold values, in ascending order.
   std::span<const Bucket> buckets() const { return buckets_; }
 
  private:
   std::vector<Bucket> buckets_;
+  size_t latest_ = 0;  // the index of the bucket that was counted in last, if there is one
 };
 
 // What frames cost.

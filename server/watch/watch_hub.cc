@@ -52,13 +52,14 @@ void WatchHub::OnSession(const std::string& session_id, const SessionChange& cha
 
 bool WatchHub::Watches(const SceneKey& scene) const {
   return std::any_of(listeners_.begin(), listeners_.end(),
-                     [&](const auto* listener) { return listener->Watches(scene); });
+                     [&](auto* listener) { return listener->Watches(scene); });
 }
 
 void WatchHub::OnDecision(const SceneKey& scene, const v1::DecisionEvent& event) {
   for (WatchListener* listener : listeners_) {
     if (listener->Watches(scene)) listener->OnDecision(scene, event);
   }
+  if (!draining_) ScheduleTick();
 }
 
 void WatchHub::OnEvidence(const SceneKey& key, std::span<const KeyedEvidence> increments,
@@ -108,6 +109,7 @@ void WatchHub::ScheduleTick() {
 void WatchHub::Tick() {
   tick_scheduled_ = false;
   TellSessions();
+  for (WatchListener* listener : listeners_) listener->OnTick();
   for (auto& [key, scene] : scenes_) {
     if (!scene.sums || !std::exchange(scene.changed, false)) continue;
     for (WatchListener* listener : listeners_) {

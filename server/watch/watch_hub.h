@@ -2,9 +2,9 @@
 //
 // A posterior is Beta(1,1) plus all committed evidence. The hub reads a watched scene from the
 // store once, at its first change, and then adds the increments of each commit, so that watchers
-// cost the store nothing while games learn. Changes are told at 4 Hz: one timer runs while
-// something has changed, and none otherwise. Decisions are told at once. Sessions that have changed
-// are told with the posteriors.
+// cost the store nothing while games learn. Changes of posteriors and sessions are told at 4 Hz:
+// one timer runs while something has changed, and none otherwise. Listeners hear of decisions at
+// once and pass them on at the same ticks.
 //
 // It is used on the decision loop only. It has no thread, clock or connection of its own, so that
 // every service that shows posteriors can listen to the same hub. The memory is bounded by
@@ -60,9 +60,11 @@ class WatchListener {
  public:
   virtual ~WatchListener() = default;
 
-  virtual bool Watches(const priors::SceneKey& scene) const = 0;
-  // These two are called for watched scenes only.
+  virtual bool Watches(const priors::SceneKey& scene) = 0;
+  // OnDecision and OnPosterior are called for watched scenes only.
   virtual void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) = 0;
+  // A tick begins, up to kIntervalNs after the decisions that it was not called for yet.
+  virtual void OnTick() = 0;
   virtual void OnPosterior(const priors::SceneEvidence& scene) = 0;
   // Called when any scene may have changed: all must be read again.
   virtual void OnReset() = 0;

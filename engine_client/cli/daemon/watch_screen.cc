@@ -17,7 +17,10 @@ constexpr char kLegend[] =
 
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   if (event.has_posterior()) ShowPosterior(event.posterior());
-  if (event.has_decision()) ShowDecision(event);
+  const std::string time = UtcText(event.stamp().unix_ms()) + " ";
+  for (const v1::DecisionEvent& decision : event.decisions())
+    ShowDecision(time + DecisionText(decision));
+  if (!redraws_) out_ << std::flush;
   const auto now = std::chrono::steady_clock::now();
   if (!redraws_ || now - drawn_at_ < kRedrawInterval) return;
   drawn_at_ = now;
@@ -26,13 +29,16 @@ void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
 
 void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
   scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] = scene;
-  if (!redraws_) out_ << PosteriorText(scene) << std::flush;
+  if (!redraws_) out_ << PosteriorText(scene);
 }
 
-void WatchScreen::ShowDecision(const v1::WatchPosteriorsResponse& event) {
-  decisions_.push_back(UtcText(event.stamp().unix_ms()) + " " + DecisionText(event.decision()));
+void WatchScreen::ShowDecision(const std::string& line) {
+  if (!redraws_) {
+    out_ << line << '\n';
+    return;
+  }
+  decisions_.push_back(line);
   if (decisions_.size() > kMaxDecisions) decisions_.pop_front();
-  if (!redraws_) out_ << decisions_.back() << std::endl;
 }
 
 void WatchScreen::Draw() {

@@ -23,7 +23,7 @@ class WatchScreen {
 
  private:
   void ShowPosterior(const v1::ScenePosterior& scene);
-  void ShowDecision(const v1::WatchPosteriorsResponse& event);
+  void ShowDecision(const std::string& line);
   void Draw();
 
   std::ostream& out_;

@@ -46,6 +46,8 @@ inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
 inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
 inline constexpr uint32_t kScenesPerPage = 100;    // a listing gives no more scenes
 inline constexpr uint32_t kSessionsPerPage = 100;  // a listing gives no more sessions
+// A watcher gets no more decisions in one message, which then has 130 kB at most.
+inline constexpr int kDecisionsPerMessage = 100;
 // Decisions that wait for a watcher beyond this are dropped; of posteriors the latest always waits.
 inline constexpr size_t kWatcherQueueBytes = 256 * 1024;
 

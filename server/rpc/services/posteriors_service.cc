@@ -155,7 +155,10 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
 grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(
     grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
   auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/WatchPosteriors"));
-  if (caller.ok()) return PosteriorWatcher::Start(context_, *call, *request, *std::move(caller));
+  if (caller.ok()) {
+    return Watcher::Start<v1::WatchPosteriorsRequest>(
+        std::make_shared<PosteriorWatcher>(context_, *call, *std::move(caller)), *request);
+  }
   return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
       ToGrpc(caller.status(), context_.counters));
 }

@@ -1,68 +1,53 @@
-// The stream of one who watches sessions: first the matching ones as they are, then those that
-// change.
+// The stream of one who watches sessions: first the matching ones as they are, page by page, then
+// those that change.
 //
-// It keeps only which sessions the client is to hear of, and reads what they are when it writes. A
-// client that reads slowly thus gets each session once, as it is by then, and the memory is bounded
-// by the number of sessions. One that does not read at all is disconnected. It is used on the
-// decision loop; gRPC's callbacks run elsewhere and only post to the loop. It owns itself from
-// Start until gRPC is done with it.
+// One that has read everything by the next tick gets its changes as they were encoded for all
+// watchers of the same filter. For one that reads more slowly only the ids of the changed sessions
+// are kept, and each is told once, as it is by then: its memory is bounded by the number of
+// sessions.
 #pragma once
-
-#include <grpcpp/grpcpp.h>
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "server/priors/prior_store.h"
-#include "server/rpc/services/service_context.h"
-#include "server/rpc/services/stall_sweep.h"
+#include "server/rpc/services/watcher.h"
 #include "server/watch/watch_hub.h"
-#include "sweepstake/v1/sessions.pb.h"
 
 namespace sweepstake::rpc {
 
 class SessionsService;
 
-class SessionWatcher final : public grpc::ServerWriteReactor<v1::WatchSessionsResponse>,
-                             public StallingCall {
+// What has changed by one tick for all watchers of one filter.
+struct SessionTick {
+  watch::SessionChanges changes;
+  std::vector<grpc::ByteBuffer> messages;
+};
+
+class SessionWatcher final : public Watcher {
  public:
-  static SessionWatcher* Start(ServiceContext& context, SessionsService& service,
-                               grpc::CallbackServerContext& call, priors::SceneFilter filter,
-                               auth::Principal caller);
+  SessionWatcher(ServiceContext& context, SessionsService& service,
+                 grpc::CallbackServerContext& call, auth::Principal caller)
+      : Watcher(context, call, std::move(caller)), service_(service) {}
 
-  void OnSessions(const watch::SessionChanges& changes);
-  // Closes the stream if the caller's token is not valid any more.
-  void EndIfRefused();
-  void Close(const absl::Status& status);
-  int64_t waiting_since_ns() const override { return writing_ ? write_start_ns_ : Clock::kNever; }
-  void OnStalled() override;
-
-  void OnWriteDone(bool ok) override;
-  void OnCancel() override;
-  void OnDone() override;
+  void OnTick(std::shared_ptr<const SessionTick> tick);
 
  private:
-  SessionWatcher(ServiceContext& context, SessionsService& service,
-                 grpc::CallbackServerContext& call, priors::SceneFilter filter,
-                 auth::Principal caller);
+  absl::Status Join() override;
+  void Leave() override;
+  std::optional<grpc::ByteBuffer> TakeNext() override;
+  void Forget() override;
 
-  void Begin();
-  void WriteNext();
-  // Fills in the next event. Returns false if there is none.
-  bool TakeNext();
-  void OnWritten(bool ok);
+  // Returns the next page of the sessions that there are; absent after the last one.
+  std::optional<grpc::ByteBuffer> TakePage();
 
-  ServiceContext& context_;
   SessionsService& service_;
-  grpc::CallbackServerContext& call_;
-  const priors::SceneFilter filter_;
-  const auth::Principal caller_;
-  watch::SessionChanges changes_;  // that wait
-  v1::WatchSessionsResponse response_;
-  bool writing_ = false;
-  int64_t write_start_ns_ = 0;
-  std::optional<absl::Status> end_;
-  bool finished_ = false;
+  std::optional<std::string> listed_until_ = "";  // the next page begins after it
+  std::shared_ptr<const SessionTick> tick_;       // null if it was read
+  size_t next_message_ = 0;                       // of tick_
+  watch::SessionChanges changes_;                 // after tick_
 };
 
 }  // namespace sweepstake::rpc

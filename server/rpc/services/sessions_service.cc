@@ -3,6 +3,7 @@
 #include <spdlog/logger.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,17 +79,15 @@ grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerCont
   return reactor;
 }
 
-grpc::ServerWriteReactor<v1::WatchSessionsResponse>* SessionsService::WatchSessions(
-    grpc::CallbackServerContext* call, const v1::WatchSessionsRequest* request) {
-  priors::SceneFilter wanted{request->project(), request->scene()};
+grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
+    grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) {
   auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/WatchSessions"));
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) allowed = Narrow(*caller, wanted);
-  if (!allowed.ok()) {
-    return new RefusedCall<grpc::ServerWriteReactor<v1::WatchSessionsResponse>>(
-        ToGrpc(allowed, context_.counters));
+  if (caller.ok()) {
+    return Watcher::Start<v1::WatchSessionsRequest>(
+        std::make_shared<SessionWatcher>(context_, *this, *call, *std::move(caller)), *request);
   }
-  return SessionWatcher::Start(context_, *this, *call, std::move(wanted), *std::move(caller));
+  return new RefusedCall<grpc::ServerWriteReactor<grpc::ByteBuffer>>(
+      ToGrpc(caller.status(), context_.counters));
 }
 
 grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerContext* call,
@@ -159,35 +158,45 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
 }
 
 void SessionsService::OnSessions(const watch::SessionChanges& changes) {
-  for (auto next = watchers_.begin(); next != watchers_.end();) (*next++)->OnSessions(changes);
+  std::map<priors::SceneFilter, std::shared_ptr<const SessionTick>> ticks;
+  watchers_.ForEach([&](SessionWatcher& watcher) {
+    const auto [tick, unknown] = ticks.try_emplace(watcher.filter());
+    if (unknown) tick->second = Encode(watcher.filter(), changes);
+    if (!tick->second->messages.empty()) watcher.OnTick(tick->second);
+  });
 }
 
-absl::Status SessionsService::Add(SessionWatcher& watcher) {
-  if (draining_)
-    return Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later");
-  if (context_.counters.open_watcher_count >= context_.options.max_watchers) {
-    return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
-                   "this daemon has as many watchers as it may; try again later");
+std::shared_ptr<const SessionTick> SessionsService::Encode(
+    const priors::SceneFilter& filter, const watch::SessionChanges& changes) const {
+  const auto tick = std::make_shared<SessionTick>();
+  for (const auto& [id, change] : changes) {
+    if (filter.Matches(change.scene.project, change.scene.scene))
+      tick->changes.insert({id, change});
   }
-  watchers_.insert(&watcher);
-  ++context_.counters.open_watcher_count;
-  return absl::OkStatus();
+  watch::SessionChanges waiting = tick->changes;
+  while (auto message = TakeMessage(waiting)) tick->messages.push_back(*std::move(message));
+  return tick;
 }
 
-void SessionsService::Remove(SessionWatcher& watcher) {
-  context_.counters.open_watcher_count -= watchers_.erase(&watcher);
-}
-
-void SessionsService::EndRefused() {
-  for (auto next = watchers_.begin(); next != watchers_.end();) (*next++)->EndIfRefused();
-}
-
-void SessionsService::Drain() {
-  draining_ = true;
-  for (auto next = watchers_.begin(); next != watchers_.end();) {
-    (*next++)->Close(
-        Refused(v1::ERROR_REASON_DRAINING, "the daemon is draining; watch again later"));
+std::optional<grpc::ByteBuffer> SessionsService::TakeMessage(watch::SessionChanges& changes) const {
+  v1::WatchSessionsResponse message;
+  uint32_t count = 0;
+  for (; !changes.empty() && count < kSessionsPerPage; changes.erase(changes.begin())) {
+    const auto& [id, change] = *changes.begin();
+    if (change.end != watch::SessionEnd::kNone) {
+      v1::SessionEnded& ended = *message.add_ended();
+      ended.set_session_id(id);
+      ended.set_end(static_cast<v1::SessionEnd>(change.end));
+      ++count;
+    } else if (auto session = context_.sessions.Describe(id)) {
+      *message.add_sessions() = *std::move(session);
+      ++count;
+    }
+    // Of one that has ended since, the end is told with the next changes.
   }
+  if (count == 0) return std::nullopt;
+  ToProto(context_.watch_hub.NextStamp(), *message.mutable_stamp());
+  return Serialize(message);
 }
 
 }  // namespace sweepstake::rpc

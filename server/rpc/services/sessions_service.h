@@ -1,32 +1,34 @@
 // sweepstake.v1.SessionsService: shows and ends the sessions in memory. Thread-safe.
 #pragma once
 
-#include <set>
+#include <memory>
+#include <optional>
 
-#include "server/rpc/services/service_context.h"
+#include "server/rpc/services/watcher.h"
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/sessions.grpc.pb.h"
 
 namespace sweepstake::rpc {
 
-class SessionWatcher;
-
 class AdminLog;
+class SessionWatcher;
+struct SessionTick;
 
 class SessionsService final : public v1::SessionsService::WithCallbackMethod_ListSessions<
-                                  v1::SessionsService::WithCallbackMethod_WatchSessions<
+                                  v1::SessionsService::WithRawCallbackMethod_WatchSessions<
                                       v1::SessionsService::WithCallbackMethod_KickSession<
                                           v1::SessionsService::WithCallbackMethod_OrderSession<
                                               v1::SessionsService::Service>>>>,
                               public watch::SessionListener {
  public:
-  SessionsService(ServiceContext& context, AdminLog& admin) : context_(context), admin_(admin) {}
+  SessionsService(ServiceContext& context, AdminLog& admin)
+      : context_(context), admin_(admin), watchers_(context) {}
 
   grpc::ServerUnaryReactor* ListSessions(grpc::CallbackServerContext* call,
                                          const v1::ListSessionsRequest* request,
                                          v1::ListSessionsResponse* response) override;
-  grpc::ServerWriteReactor<v1::WatchSessionsResponse>* WatchSessions(
-      grpc::CallbackServerContext* call, const v1::WatchSessionsRequest* request) override;
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* WatchSessions(
+      grpc::CallbackServerContext* call, const grpc::ByteBuffer* request) override;
   grpc::ServerUnaryReactor* KickSession(grpc::CallbackServerContext* call,
                                         const v1::KickSessionRequest* request,
                                         v1::KickSessionResponse* response) override;
@@ -37,18 +39,18 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
   // The rest is called on the loop.
   bool WatchesSessions() const override { return !watchers_.empty(); }
   void OnSessions(const watch::SessionChanges& changes) override;
-  // Errors: those of WatcherSet::Add.
-  absl::Status Add(SessionWatcher& watcher);
-  void Remove(SessionWatcher& watcher);
-  void Drain();
-  // Ends the streams of callers whose tokens are not valid any more.
-  void EndRefused();
+  WatcherGroup<SessionWatcher>& watchers() { return watchers_; }
+  // Takes changes that one message can tell, and returns the message; absent if there are none.
+  std::optional<grpc::ByteBuffer> TakeMessage(watch::SessionChanges& changes) const;
 
  private:
+  // Returns what watchers of this filter are told.
+  std::shared_ptr<const SessionTick> Encode(const priors::SceneFilter& filter,
+                                            const watch::SessionChanges& changes) const;
+
   ServiceContext& context_;
   AdminLog& admin_;
-  std::set<SessionWatcher*> watchers_;
-  bool draining_ = false;
+  WatcherGroup<SessionWatcher> watchers_;
 };
 
 }  // namespace sweepstake::rpc

@@ -1,14 +1,11 @@
-// All streams of watchers: passes on what the hub tells, encoded once however many they are. Used
-// on the decision loop only.
+// Everybody who watches posteriors: passes on what the hub tells, encoded once however many they
+// are. Used on the decision loop only.
 #pragma once
 
-#include <grpcpp/support/byte_buffer.h>
+#include <map>
 
-#include <set>
-
-#include "absl/status/status.h"
 #include "server/priors/prior_store.h"
-#include "server/rpc/services/service_context.h"
+#include "server/rpc/services/watcher.h"
 #include "server/watch/watch_hub.h"
 #include "sweepstake/v1/posteriors.pb.h"
 
@@ -21,35 +18,27 @@ watch::WatchHub::Loop HubLoop(DecisionLoop& loop);
 
 class WatcherSet final : public watch::WatchListener {
  public:
-  explicit WatcherSet(ServiceContext& context) : context_(context) {}
+  explicit WatcherSet(ServiceContext& context) : context_(context), group_(context) {}
 
-  // Errors: RESOURCE_EXHAUSTED (there are RpcOptions::max_watchers already), UNAVAILABLE
-  // (draining).
-  absl::Status Add(PosteriorWatcher& watcher);
-  void Remove(PosteriorWatcher& watcher);
+  WatcherGroup<PosteriorWatcher>& group() { return group_; }
 
-  bool Watches(const priors::SceneKey& scene) const override;
+  bool Watches(const priors::SceneKey& scene) override;
   void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override;
+  void OnTick() override;
   void OnPosterior(const priors::SceneEvidence& scene) override;
   // All watchers read all their scenes again.
   void OnReset() override;
-  void Drain();
-  // Ends the streams of callers whose tokens are not valid any more.
-  void EndRefused();
 
   // Returns the message with the scene's posterior.
   grpc::ByteBuffer Encode(const priors::SceneEvidence& scene) const;
 
  private:
-  // Calls `tell` with each watcher. A watcher that ends may remove itself meanwhile.
-  template <typename Tell>
-  void ForEach(Tell tell) {
-    for (auto next = watchers_.begin(); next != watchers_.end();) tell(**next++);
-  }
+  // Passes on the scene's decisions.
+  void TellDecisions(const priors::SceneKey& scene, v1::WatchPosteriorsResponse& waiting);
 
   ServiceContext& context_;
-  std::set<PosteriorWatcher*> watchers_;
-  bool draining_ = false;
+  WatcherGroup<PosteriorWatcher> group_;
+  std::map<priors::SceneKey, v1::WatchPosteriorsResponse> decisions_;  // since the last tick
 };
 
 }  // namespace sweepstake::rpc

@@ -98,10 +98,6 @@ std::vector<v1::SessionInfo> SessionTable::List(const priors::SceneFilter& filte
   return sessions;
 }
 
-void SessionTable::ForEach(const std::function<void(const GameSession&)>& tell) const {
-  for (const auto& [id, entry] : entries_) tell(*entry.session);
-}
-
 v1::SessionInfo SessionTable::InfoOf(const Entry& entry) const {
   const GameSession& session = *entry.session;
   const decision::DecisionSession& decisions = session.decisions();

@@ -8,7 +8,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -53,8 +52,6 @@ class SessionTable {
   // `after` on.
   std::vector<v1::SessionInfo> List(const priors::SceneFilter& filter, const std::string& after,
                                     size_t limit) const;
-  // Calls `tell` with each session.
-  void ForEach(const std::function<void(const GameSession&)>& tell) const;
   // Ends the session's stream, and the session too unless its client may return. REQUIRES: it is in
   // memory.
   void Kick(GameSession& session, bool may_return);

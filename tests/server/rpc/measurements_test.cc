@@ -1,5 +1,6 @@
 // What watchers are told about the cost of frames.
 #include <cmath>
+#include <vector>
 
 #include "server/watch/log_histogram.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
@@ -30,17 +31,33 @@ class MeasurementsTest : public RpcTest {
     reader_ = stub_->WatchPosteriors(&context_, {});
     ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   }
-  // Sends the message, and returns the decision that follows it.
-  v1::DecisionEvent Decide(TelemetryClient& client, const v1::StreamTelemetryRequest& message) {
+  // Sends the message, and makes the decision that follows it.
+  void Decide(TelemetryClient& client, const v1::StreamTelemetryRequest& message) {
     client.Send(message);
     EXPECT_TRUE(Applied(message.sequence()));
     Tick();
+    EXPECT_TRUE(
+        Eventually([&] { return server_->counters().decision_count == message.sequence(); }));
+  }
+  // Makes the tick at which decisions are told, and returns them until there are so many.
+  std::vector<v1::DecisionEvent> Told(size_t count) {
+    // This call passes the loop, so that it has told the hub of what it decided.
+    grpc::ClientContext context;
+    v1::ListPosteriorsResponse response;
+    EXPECT_TRUE(stub_->ListPosteriors(&context, {}, &response).ok());
+    clock_.Advance(watch::WatchHub::kIntervalNs);
+    std::vector<v1::DecisionEvent> told;
     v1::WatchPosteriorsResponse event;
-    while (reader_->Read(&event)) {
-      if (event.has_decision()) return event.decision();
-    }
-    ADD_FAILURE() << "the watch ended";
-    return {};
+    while (told.size() < count && reader_->Read(&event))
+      told.insert(told.end(), event.decisions().begin(), event.decisions().end());
+    EXPECT_EQ(told.size(), count);
+    told.resize(count);
+    return told;
+  }
+  v1::DecisionEvent DecideAndTell(TelemetryClient& client,
+                                  const v1::StreamTelemetryRequest& message) {
+    Decide(client, message);
+    return Told(1)[0];
   }
 
   grpc::ClientContext context_;
@@ -52,12 +69,12 @@ TEST_F(MeasurementsTest, AWatcherIsToldWhatTheFramesOfEachWindowCost) {
   Watch();
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
-  EXPECT_FALSE(Decide(client, Frames(1, 30)).has_measurements()) << "nobody watched before";
+  EXPECT_FALSE(DecideAndTell(client, Frames(1, 30)).has_measurements()) << "nobody watched before";
   v1::StreamTelemetryRequest frames = Frames(2, 30);
   frames.mutable_frame_batch()->set_flags(0, v1::FRAME_FLAG_PAUSED);
   frames.mutable_frame_batch()->set_flags(1, v1::FRAME_FLAG_LOADING);
   frames.mutable_frame_batch()->set_frame_time_ns(2, 40'000'000);
-  const v1::FrameMeasurements told = Decide(client, frames).measurements();
+  const v1::FrameMeasurements told = DecideAndTell(client, frames).measurements();
   const uint32_t usual = watch::LogHistogram::BucketOf(10'000'000);
   ASSERT_EQ(told.frame_time_ns().counts_size(), 2);
   EXPECT_EQ(told.frame_time_ns().bucket_steps(0), usual);
@@ -66,7 +83,7 @@ TEST_F(MeasurementsTest, AWatcherIsToldWhatTheFramesOfEachWindowCost) {
   EXPECT_EQ(told.frame_time_ns().counts(1), 1U);
   EXPECT_EQ(CountOf(told.detection_time_ns()), 28U);
   EXPECT_EQ(told.native_bytes().bucket_steps(0), watch::LogHistogram::BucketOf(1 << 20));
-  const v1::DecisionEvent next = Decide(client, Frames(3, 5));
+  const v1::DecisionEvent next = DecideAndTell(client, Frames(3, 5));
   EXPECT_EQ(CountOf(next.measurements().frame_time_ns()), 5U) << "those of this window alone";
 }
 
@@ -78,9 +95,9 @@ TEST_F(MeasurementsTest, AreToldFourTimesASecondAtMostAndNoFrameIsLost) {
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   std::vector<uint64_t> counts;
-  for (uint64_t message = 1; message <= 8; ++message) {
-    counts.push_back(CountOf(Decide(client, Frames(message, 10)).measurements().frame_time_ns()));
-  }
+  for (uint64_t message = 1; message <= 8; ++message) Decide(client, Frames(message, 10));
+  for (const v1::DecisionEvent& decision : Told(8))
+    counts.push_back(CountOf(decision.measurements().frame_time_ns()));
   EXPECT_EQ(counts, (std::vector<uint64_t>{0, 10, 0, 0, 30, 0, 0, 30}));
 }
 
@@ -88,7 +105,7 @@ TEST_F(MeasurementsTest, AreAtMostAKilobyteWhateverAClientSends) {
   Watch();
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
-  Decide(client, Frames(1, 1));
+  DecideAndTell(client, Frames(1, 1));
   v1::StreamTelemetryRequest frames = Frames(2, kMaxBatchFrames, 3'600'000);
   v1::FrameBatch& batch = *frames.mutable_frame_batch();
   for (int i = 0; i < batch.frame_time_ns_size(); ++i) {
@@ -97,7 +114,7 @@ TEST_F(MeasurementsTest, AreAtMostAKilobyteWhateverAClientSends) {
     batch.set_detection_time_ns(i, std::min(size, batch.frame_time_ns(i)));
     batch.set_native_bytes(i, std::min<uint64_t>(size, 1ull << 45));
   }
-  const v1::FrameMeasurements told = Decide(client, frames).measurements();
+  const v1::FrameMeasurements told = DecideAndTell(client, frames).measurements();
   EXPECT_EQ(told.frame_time_ns().counts_size(), 64);
   EXPECT_EQ(CountOf(told.frame_time_ns()), kMaxBatchFrames);
   EXPECT_LE(told.ByteSizeLong(), 1'024U);

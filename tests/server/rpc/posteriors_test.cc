@@ -198,22 +198,24 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
   client.Send(Frames(1, 30));
   ASSERT_TRUE(Applied(1));
   Tick();
+  client.AwaitAcknowledgement(1);
+  TellWatchers();
   ASSERT_TRUE(watcher->Read(&event));
-  EXPECT_EQ(event.decision().active_arm(), "Grid");
-  EXPECT_EQ(event.decision().decision_id(), 1u);
-  EXPECT_TRUE(event.decision().has_reward());
-  EXPECT_EQ(event.decision().policy(), "paper");
-  EXPECT_NE(event.decision().verdict(), v1::VERDICT_UNSPECIFIED);
-  ASSERT_EQ(event.decision().best_probability_size(), 3);
-  EXPECT_NEAR(event.decision().best_probability(0) + event.decision().best_probability(1) +
-                  event.decision().best_probability(2),
-              1, 1e-9);
-  EXPECT_GT(event.decision().expected_loss_ratio(), 0);
+  ASSERT_EQ(event.decisions_size(), 1);
+  const v1::DecisionEvent& decision = event.decisions(0);
+  EXPECT_EQ(decision.active_arm(), "Grid");
+  EXPECT_EQ(decision.decision_id(), 1u);
+  EXPECT_TRUE(decision.has_reward());
+  EXPECT_EQ(decision.policy(), "paper");
+  EXPECT_NE(decision.verdict(), v1::VERDICT_UNSPECIFIED);
+  ASSERT_EQ(decision.best_probability_size(), 3);
+  EXPECT_NEAR(
+      decision.best_probability(0) + decision.best_probability(1) + decision.best_probability(2), 1,
+      1e-9);
+  EXPECT_GT(decision.expected_loss_ratio(), 0);
   EXPECT_EQ(event.stamp().boot(), first.boot());
   EXPECT_GT(event.stamp().sequence(), first.sequence());
   EXPECT_GT(event.stamp().unix_ms(), 0);
-  client.AwaitAcknowledgement(1);
-  TellWatchers();
   while (event.posterior().arms_size() < 2) ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.posterior().arms(0).arm(), "Grid");
   EXPECT_EQ(event.posterior().arms(0).window_count(), 1u);
@@ -273,25 +275,41 @@ TEST_F(PosteriorsTest, AHundredWatchersReadTheStoreOncePerSceneHoweverManyCommit
   for (grpc::ClientContext& context : contexts) context.TryCancel();
 }
 
-TEST_F(PosteriorsTest, DecisionsOfOneMomentAllReachAWatcherThatKeepsUp) {
+TEST_F(PosteriorsTest, DecisionsOfOneMomentAreEncodedOnceAndAllReachWatchersThatKeepUp) {
+  options_.max_streams_per_connection = 1'000;
+  RestartServer();
+  posteriors_ = v1::PosteriorsService::NewStub(channel_);
   Store(Evidence("a", "harbour"));
+  constexpr size_t kSessions = 130;
   std::vector<std::unique_ptr<TelemetryClient>> clients;
-  for (int i = 0; i < 40; ++i) {
+  for (size_t i = 0; i < kSessions; ++i) {
     clients.push_back(std::make_unique<TelemetryClient>(channel_));
     clients.back()->Open(OneArmHello());
   }
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
-  const auto watcher = posteriors_->WatchPosteriors(&context, {});
+  std::vector<grpc::ClientContext> contexts(3);
+  std::vector<WatchReader> watchers;
   v1::WatchPosteriorsResponse event;
-  ASSERT_TRUE(watcher->Read(&event));
-  Tick();
-  std::set<std::string> sessions;
-  while (sessions.size() < 40) {
-    ASSERT_TRUE(watcher->Read(&event));
-    if (event.has_decision()) sessions.insert(event.decision().session_id());
+  for (grpc::ClientContext& context : contexts) {
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+    watchers.push_back(posteriors_->WatchPosteriors(&context, {}));
+    ASSERT_TRUE(watchers.back()->Read(&event));
   }
-  context.TryCancel();
+  Tick();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count == kSessions; }));
+  TellWatchers();
+  std::set<std::string> sessions;
+  std::set<uint64_t> events;
+  for (const WatchReader& watcher : watchers) {
+    for (const int count : {100, 30}) {
+      ASSERT_TRUE(watcher->Read(&event));
+      EXPECT_EQ(event.decisions_size(), count);
+      for (const auto& decision : event.decisions()) sessions.insert(decision.session_id());
+      events.insert(event.stamp().sequence());
+    }
+  }
+  EXPECT_EQ(sessions.size(), kSessions);
+  EXPECT_EQ(events.size(), 2u) << "of three watchers";
+  for (grpc::ClientContext& context : contexts) context.TryCancel();
 }
 
 TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce) {
@@ -330,7 +348,7 @@ TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce
   size_t decisions = 0;
   while (event.posterior().arms_size() == 0 || event.posterior().arms(0).window_count() < kTicks) {
     ASSERT_TRUE(watcher->Read(&event));
-    decisions += event.has_decision() ? 1 : 0;
+    decisions += static_cast<size_t>(event.decisions_size());
   }
   EXPECT_LT(decisions, kTicks * clients.size());
   context.TryCancel();

@@ -1,6 +1,7 @@
 // SessionsService: who is connected, what becomes of the sessions, and how one is ended.
 #include <spdlog/sinks/ostream_sink.h>
 
+#include <map>
 #include <sstream>
 
 #include "sweepstake/v1/sessions.grpc.pb.h"
@@ -48,6 +49,13 @@ class SessionsTest : public RpcTest {
 
   std::unique_ptr<v1::SessionsService::Stub> sessions_;
 };
+
+v1::StreamTelemetryRequest ModeChange(uint64_t sequence, v1::Mode mode) {
+  v1::StreamTelemetryRequest request;
+  request.set_sequence(sequence);
+  request.mutable_mode_change()->set_mode(mode);
+  return request;
+}
 
 // One who watches sessions.
 class SessionsWatch {
@@ -183,20 +191,23 @@ TEST_F(SessionsTest, AWatcherSeesWhatThereIsAndThenWhatChanges) {
   const std::string first = before.Open(HelloMessage()).session_id();
   SessionsWatch watch(*sessions_);
   const v1::WatchSessionsResponse now = watch.Next();
-  EXPECT_EQ(now.session().session_id(), first);
+  ASSERT_EQ(now.sessions_size(), 1);
+  EXPECT_EQ(now.sessions(0).session_id(), first);
   TelemetryClient client(channel_);
   const std::string second = client.Open(HelloMessage()).session_id();
   TellWatchers();
   const v1::WatchSessionsResponse began = watch.Next();
-  EXPECT_EQ(began.session().session_id(), second);
-  EXPECT_EQ(began.session().state(), v1::SESSION_STATE_CONNECTED);
+  ASSERT_EQ(began.sessions_size(), 1);
+  EXPECT_EQ(began.sessions(0).session_id(), second);
+  EXPECT_EQ(began.sessions(0).state(), v1::SESSION_STATE_CONNECTED);
   client.Send(Goodbye());
   EXPECT_TRUE(client.Finish().ok());
   ASSERT_TRUE(Eventually([&] { return server_->counters().session_count == 1; }));
   TellWatchers();
   const v1::WatchSessionsResponse ended = watch.Next();
-  EXPECT_EQ(ended.ended().session_id(), second);
-  EXPECT_EQ(ended.ended().end(), v1::SESSION_END_GOODBYE);
+  ASSERT_EQ(ended.ended_size(), 1);
+  EXPECT_EQ(ended.ended(0).session_id(), second);
+  EXPECT_EQ(ended.ended(0).end(), v1::SESSION_END_GOODBYE);
   EXPECT_EQ(now.stamp().boot(), ended.stamp().boot());
   EXPECT_LT(now.stamp().sequence(), began.stamp().sequence());
   EXPECT_LT(began.stamp().sequence(), ended.stamp().sequence());
@@ -214,22 +225,90 @@ TEST_F(SessionsTest, AWatcherIsToldOnceAndOnlyOfItsScene) {
   other.Open(elsewhere);
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();
-  v1::StreamTelemetryRequest manual;
-  manual.set_sequence(1);
-  manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
-  client.Send(manual);
+  client.Send(ModeChange(1, v1::MODE_MANUAL));
   ASSERT_TRUE(Applied(1));
   TellWatchers();
-  const v1::SessionInfo session = watch.Next().session();
+  const v1::WatchSessionsResponse changed = watch.Next();
+  ASSERT_EQ(changed.sessions_size(), 1);
+  const v1::SessionInfo& session = changed.sessions(0);
   EXPECT_EQ(session.session_id(), id);
   EXPECT_EQ(session.mode(), v1::MODE_MANUAL);
   EXPECT_TRUE(Kick(id, false).ok());
   ASSERT_TRUE(Leaves(1));
   TellWatchers();
-  EXPECT_EQ(watch.Next().session().state(), v1::SESSION_STATE_ENDING);
-  const v1::SessionEnded ended = watch.Next().ended();
-  EXPECT_EQ(ended.session_id(), id);
-  EXPECT_EQ(ended.end(), v1::SESSION_END_KICKED);
+  EXPECT_EQ(watch.Next().sessions(0).state(), v1::SESSION_STATE_ENDING);
+  const v1::WatchSessionsResponse ended = watch.Next();
+  ASSERT_EQ(ended.ended_size(), 1);
+  EXPECT_EQ(ended.ended(0).session_id(), id);
+  EXPECT_EQ(ended.ended(0).end(), v1::SESSION_END_KICKED);
+}
+
+TEST_F(SessionsTest, WatchersOfOneFilterAreToldTheSameBytes) {
+  v1::WatchSessionsRequest scene;
+  scene.set_scene("harbour");
+  v1::WatchSessionsRequest other;
+  other.set_scene("elsewhere");
+  SessionsWatch first(*sessions_, scene);
+  SessionsWatch second(*sessions_, scene);
+  SessionsWatch all(*sessions_);
+  SessionsWatch none(*sessions_, other);
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 4; }));
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  TellWatchers();
+  const v1::WatchSessionsResponse told = first.Next();
+  EXPECT_EQ(told.SerializeAsString(), second.Next().SerializeAsString());
+  EXPECT_NE(told.stamp().sequence(), all.Next().stamp().sequence());
+  v1::Hello elsewhere = HelloMessage();
+  elsewhere.set_scene("elsewhere");
+  TelemetryClient there(channel_);
+  there.Open(elsewhere);
+  TellWatchers();
+  EXPECT_EQ(none.Next().sessions(0).scene(), "elsewhere") << "and nothing before";
+}
+
+// Its buffers hold no more than a page of sessions with long names.
+TEST_F(SessionsTest, AWatcherThatReadsSlowlyIsToldOnceWhatHasChangedMeanwhile) {
+  constexpr size_t kSessions = 250;
+  options_.max_streams_per_connection = 1'000;
+  RestartServer();
+  sessions_ = v1::SessionsService::NewStub(channel_);
+  v1::Hello hello = HelloMessage();
+  hello.set_project(std::string(128, 'p'));
+  hello.set_scene(std::string(128, 's'));
+  hello.set_build(std::string(128, 'b'));
+  hello.mutable_arms(0)->set_name(std::string(128, 'a'));
+  std::map<std::string, std::unique_ptr<TelemetryClient>> clients;
+  for (size_t i = 0; i < kSessions; ++i) {
+    auto client = std::make_unique<TelemetryClient>(channel_);
+    const std::string id = client->Open(hello).session_id();
+    clients.emplace(id, std::move(client));
+  }
+  grpc::ChannelArguments small_window;
+  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  const auto stub = v1::SessionsService::NewStub(
+      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
+                                grpc::InsecureChannelCredentials(), small_window));
+  SessionsWatch watch(*stub);
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
+  const auto& [id, client] = *clients.begin();
+  uint64_t sequence = 0;
+  for (const v1::Mode mode : {v1::MODE_MANUAL, v1::MODE_AI, v1::MODE_MANUAL}) {
+    client->Send(ModeChange(++sequence, mode));
+    ASSERT_TRUE(Applied(sequence));
+    TellWatchers();
+  }
+  std::map<std::string, int> told;
+  for (const int count : {100, 100, 50, 1}) {
+    const v1::WatchSessionsResponse event = watch.Next();
+    EXPECT_EQ(event.sessions_size(), count);
+    for (const v1::SessionInfo& session : event.sessions()) ++told[session.session_id()];
+    if (count == 1) {
+      EXPECT_EQ(event.sessions(0).mode(), v1::MODE_MANUAL);
+    }
+  }
+  EXPECT_EQ(told.size(), kSessions);
+  EXPECT_EQ(told[id], 2) << "in the list, and once more";
 }
 
 class FewWatchersTest : public SessionsTest {

@@ -24,13 +24,14 @@ class SimulatedWatcher final : public watch::WatchListener {
   // By scene, since the last reset.
   const std::map<priors::SceneKey, priors::SceneEvidence>& latest() const { return latest_; }
 
-  bool Watches(const priors::SceneKey& scene) const override {
+  bool Watches(const priors::SceneKey& scene) override {
     return filter_.Matches(scene.project, scene.scene);
   }
   void OnDecision(const priors::SceneKey& scene, const v1::DecisionEvent& event) override {
     Check(scene.project);
     Check(event.project());
   }
+  void OnTick() override {}
   void OnPosterior(const priors::SceneEvidence& scene) override {
     Check(scene.key.project);
     latest_.insert_or_assign(scene.key, scene);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/storage/memory_prior_store.h"
+#include "sweepstake/v1/posteriors.pb.h"
 
 namespace sweepstake::watch {
 namespace {
@@ -47,13 +48,16 @@ class ManualStore final : public priors::AsyncPriorStore {
 
 class RecordingListener final : public WatchListener {
  public:
-  bool Watches(const SceneKey& scene) const override { return scene.scene != "unwatched"; }
-  void OnDecision(const SceneKey&, const v1::DecisionEvent&) override {}
+  bool Watches(const SceneKey& scene) override { return scene.scene != "unwatched"; }
+  void OnDecision(const SceneKey&, const v1::DecisionEvent&) override { ++decision_count; }
+  void OnTick() override { decisions_told = decision_count; }
   void OnPosterior(const SceneEvidence& scene) override { posteriors.push_back(scene); }
   void OnReset() override { ++reset_count; }
 
   std::vector<SceneEvidence> posteriors;
   int reset_count = 0;
+  int decision_count = 0;
+  int decisions_told = 0;
 };
 
 class WatchHubTest : public ::testing::Test {
@@ -127,6 +131,17 @@ TEST_F(WatchHubTest, ASceneIsToldOncePerTickAndNothingRunsWhileNothingChanges) {
   ASSERT_EQ(listener_.posteriors.size(), 3U);
   EXPECT_EQ(listener_.posteriors[2].key.scene, "b");
   EXPECT_EQ(listener_.posteriors[2].arms[0].evidence.window_count, 21U);
+}
+
+TEST_F(WatchHubTest, DecisionsHaveATickToBeToldAt) {
+  const v1::DecisionEvent decision;
+  hub_.OnDecision(Scene("a"), decision);
+  hub_.OnDecision(Scene("a"), decision);
+  hub_.OnDecision(Scene("unwatched"), decision);
+  EXPECT_EQ(listener_.decisions_told, 0);
+  EXPECT_EQ(Tick(), 1U);
+  EXPECT_EQ(listener_.decisions_told, 2);
+  EXPECT_EQ(Tick(), 0U);
 }
 
 TEST_F(WatchHubTest, EvidenceThatIsCommittedDuringAReadIsCountedOnce) {

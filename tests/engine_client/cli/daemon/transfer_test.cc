@@ -55,9 +55,10 @@ TEST(ListPosteriors, KeepsOnlyTheSceneThatIsAskedFor) {
 
 v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
   v1::WatchPosteriorsResponse event;
-  event.mutable_decision()->set_scene("s");
-  event.mutable_decision()->set_decision_id(id);
-  event.mutable_decision()->set_active_arm("SAP");
+  v1::DecisionEvent& decision = *event.add_decisions();
+  decision.set_scene("s");
+  decision.set_decision_id(id);
+  decision.set_active_arm("SAP");
   return event;
 }
 
@@ -68,7 +69,7 @@ TEST(WatchPosteriors, HandsOnEachEventUntilTheDaemonEnds) {
   const Status status = WatchPosteriors(
       {daemon.address()}, "p", "s", [] { return false; },
       [&](const v1::WatchPosteriorsResponse& event) {
-        seen.push_back(event.decision().decision_id());
+        seen.push_back(event.decisions(0).decision_id());
       });
   EXPECT_THAT(seen, ElementsAre(1, 2, 3));
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
@@ -101,12 +102,15 @@ TEST(WatchCommand, PrintsEventsAsTheyComeAndEndsWithThreeWhenTheDaemonGoes) {
 TEST(WatchCommand, FollowsInJsonWithADocumentPerLine) {
   FakeDaemonServices daemon;
   daemon.posteriors.events = {DecisionOf(7)};
+  daemon.posteriors.events->front().add_decisions()->set_decision_id(8);
   daemon.posteriors.events->emplace_back().mutable_posterior()->set_scene("arena");
   const CommandRun run = RunCommand("watch --json --follow --daemon " + daemon.address());
   std::istringstream lines(run.out);
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
   EXPECT_EQ(nlohmann::json::parse(line)["decision"]["decision_id"], 7);
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(nlohmann::json::parse(line)["decision"]["decision_id"], 8);
   ASSERT_TRUE(std::getline(lines, line));
   EXPECT_EQ(nlohmann::json::parse(line)["posterior"]["scene"], "arena");
   EXPECT_FALSE(std::getline(lines, line));
@@ -266,10 +270,10 @@ TEST(SessionsCommand, ListsTheSessionsOfAllPages) {
 TEST(SessionsCommand, WatchesUntilTheDaemonEndsIt) {
   FakeDaemonServices daemon;
   daemon.sessions.events->resize(2);
-  *daemon.sessions.events->at(0).mutable_session() = Session("one");
+  *daemon.sessions.events->at(0).add_sessions() = Session("one");
   daemon.sessions.events->at(0).mutable_stamp()->set_boot(~0ull);
   daemon.sessions.events->at(0).mutable_stamp()->set_sequence(5);
-  v1::SessionEnded& ended = *daemon.sessions.events->at(1).mutable_ended();
+  v1::SessionEnded& ended = *daemon.sessions.events->at(1).add_ended();
   ended.set_session_id("one");
   ended.set_end(v1::SESSION_END_KICKED);
   const CommandRun text = RunCommand("sessions watch --daemon " + daemon.address());

@@ -22,9 +22,10 @@ v1::WatchPosteriorsResponse PosteriorOf(const std::string& scene, uint64_t sourc
 
 v1::WatchPosteriorsResponse ShownDecision(uint64_t id) {
   v1::WatchPosteriorsResponse event;
-  event.mutable_decision()->set_scene("arena");
-  event.mutable_decision()->set_decision_id(id);
-  event.mutable_decision()->set_active_arm("SAP");
+  v1::DecisionEvent& decision = *event.add_decisions();
+  decision.set_scene("arena");
+  decision.set_decision_id(id);
+  decision.set_active_arm("SAP");
   event.mutable_stamp()->set_unix_ms(1'700'000'000'000);
   return event;
 }

@@ -170,8 +170,10 @@ TEST_F(AccessTest, AWatcherIsToldOfTheTokensProjectsOnly) {
   ASSERT_TRUE(watch->Read(&event));
   EXPECT_EQ(event.posterior().project(), "mine");
   Learn({"theirs", "mine"});
-  while (watch->Read(&event) && !event.has_decision()) continue;
-  EXPECT_EQ(event.decision().project(), "mine");
+  clock_.Advance(watch::WatchHub::kIntervalNs);
+  while (watch->Read(&event) && event.decisions().empty()) continue;
+  ASSERT_EQ(event.decisions_size(), 1);
+  EXPECT_EQ(event.decisions(0).project(), "mine");
   context->TryCancel();
 }
 
