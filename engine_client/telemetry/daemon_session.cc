@@ -21,7 +21,9 @@
 namespace sweepstake {
 namespace {
 
-constexpr uint32_t kProtocolVersion = 1;
+// The versions of the protocol that a game speaks.
+constexpr uint32_t kMinProtocolVersion = 1;
+constexpr uint32_t kMaxProtocolVersion = 1;
 constexpr uint64_t kNsPerMs = 1'000'000;
 constexpr std::chrono::milliseconds kPollInterval{5};
 // A daemon that neither answers Hello nor ends a stream that we ended within this time is given up.
@@ -35,7 +37,9 @@ constexpr uint32_t kTokenDelayFactor = 6;
 
 v1::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
   v1::Hello hello;
-  hello.set_protocol_version(kProtocolVersion);
+  hello.set_min_protocol_version(kMinProtocolVersion);
+  hello.set_protocol_version(kMaxProtocolVersion);
+  if (options.allow_operator_orders) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   hello.set_project(options.project);
   hello.set_scene(options.scene);
   hello.set_build(options.build);
@@ -78,6 +82,20 @@ BatchLimits LimitsOf(const SessionOptions& options, const v1::Welcome& welcome) 
   return limits;
 }
 
+// Returns why no session is possible with a daemon that speaks this version; empty if one is.
+std::string VersionMismatch(const v1::Welcome& welcome) {
+  const uint32_t version = std::max(welcome.protocol_version(), 1u);
+  if (version >= kMinProtocolVersion && version <= kMaxProtocolVersion) return "";
+  return "speaks version " + std::to_string(version) + " of the protocol, this game speaks " +
+         std::to_string(kMinProtocolVersion) + " to " + std::to_string(kMaxProtocolVersion) +
+         "; update the older one";
+}
+
+bool Has(const v1::Welcome& welcome, v1::Capability capability) {
+  const auto& chosen = welcome.capabilities();
+  return std::find(chosen.begin(), chosen.end(), capability) != chosen.end();
+}
+
 // Returns whether the error is likely to persist, so that trying again soon does not help.
 bool IsLasting(grpc::StatusCode code) {
   return code == grpc::StatusCode::INVALID_ARGUMENT ||
@@ -117,10 +135,10 @@ uint64_t JitterSeed() { return uint64_t{std::random_device()()} << 32 ^ NowNs();
 // The connection that is being opened or is open.
 struct Link {
   std::unique_ptr<DaemonConnection> stream;
-  std::string address;
   uint64_t deadline_ns = 0;  // the daemon's next answer must come before it
   std::optional<uint64_t> online_since_ns;
-  std::optional<v1::ReconnectElsewhere> redirect;
+  std::string version_mismatch;                // why the welcome cannot be accepted; empty: it can
+  std::optional<uint32_t> reconnect_delay_ms;  // the daemon wants the client to come back after it
   bool goodbye_sent = false;
   bool half_closed = false;
 };
@@ -129,7 +147,7 @@ class DaemonSession final : public SessionBase {
  public:
   DaemonSession(std::string address, const SessionOptions& options)
       : SessionBase(options.queue_frames),
-        home_address_(std::move(address)),
+        address_(std::move(address)),
         options_(options),
         backoff_(options.backoff_min_ms, options.backoff_max_ms, JitterSeed()) {}
   ~DaemonSession() override { Stop(0); }
@@ -149,14 +167,13 @@ class DaemonSession final : public SessionBase {
   void OnOrder(const v1::OperatorOrder& message);
   void TakeBeliefs(const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors);
   void TakeVerdict(const v1::PosteriorSnapshot& snapshot);
-  void FollowRedirect(uint64_t now_ns);
   void OnClosed(const grpc::Status& status, uint64_t now_ns);
   uint32_t DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns);
   bool Disconnect(uint64_t now_ns, bool queue_empty);
   void HalfClose(uint64_t now_ns);
   void Publish();
 
-  const std::string home_address_;
+  const std::string address_;
   const SessionOptions options_;
 
   // On the sender thread, from Prepare on.
@@ -164,7 +181,6 @@ class DaemonSession final : public SessionBase {
   std::optional<EvidenceIntake> intake_;
   Backoff backoff_;
   std::optional<Link> link_;
-  std::string next_address_;
   uint64_t next_attempt_ns_ = 0;
   std::string last_error_;
   std::string refusal_;
@@ -174,12 +190,15 @@ class DaemonSession final : public SessionBase {
   uint64_t unknown_message_count_ = 0;
   uint64_t prior_source_count_ = 0;
   bool priors_unavailable_ = false;
+  std::string daemon_version_;
+  std::string policy_;
+  uint64_t seed_ = 0;
+  bool takes_orders_ = false;  // from this daemon
 };
 
 Status DaemonSession::Prepare(AdaptiveBroadPhase& adaptive) {
   state_.emplace(MakeHello(options_, adaptive), options_.unacknowledged_messages);
   intake_.emplace(queue(), *state_, LimitsOf(options_));
-  next_address_ = home_address_;
   return {};
 }
 
@@ -198,10 +217,9 @@ bool DaemonSession::Step(bool stopping) {
 }
 
 void DaemonSession::Connect(uint64_t now_ns) {
-  auto channel = DaemonConnection::MakeChannel(next_address_, options_.tls, options_.token);
+  auto channel = DaemonConnection::MakeChannel(address_, options_.tls, options_.token);
   if (!channel.ok()) return OnUnusableFiles(channel.status(), now_ns);
   link_.emplace();
-  link_->address = next_address_;
   link_->deadline_ns = now_ns + kAnswerTimeoutNs;
   link_->stream = std::make_unique<DaemonConnection>(*std::move(channel), [this] { Wake(); });
   link_->stream->Write(state_->Connect({.active_arm = adaptive().active_arm(),
@@ -223,7 +241,10 @@ void DaemonSession::Converse(uint64_t now_ns) {
   }
   const bool waiting = !state_->online() || link_->half_closed;
   if (waiting && now_ns >= link_->deadline_ns) return link_->stream->Cancel();
-  if (link_->redirect && !link_->half_closed) return FollowRedirect(now_ns);
+  if (link_->reconnect_delay_ms && !link_->half_closed) {
+    if (link_->stream->writable()) HalfClose(now_ns);
+    return;
+  }
   Send();
 }
 
@@ -238,6 +259,7 @@ void DaemonSession::Send() {
 
 void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns) {
   if (response.has_welcome()) OnWelcome(response.welcome(), now_ns);
+  if (!link_->version_mismatch.empty()) return;
   if (response.has_switch_command()) OnCommand(response.switch_command());
   if (response.has_acknowledgement())
     state_->OnAcknowledgement(response.acknowledgement().sequence());
@@ -245,19 +267,25 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
     TakeBeliefs(response.posterior_snapshot().arms());
     TakeVerdict(response.posterior_snapshot());
   }
-  if (response.has_reconnect_elsewhere()) link_->redirect = response.reconnect_elsewhere();
+  if (response.has_reconnect()) link_->reconnect_delay_ms = response.reconnect().delay_ms();
   if (response.has_operator_order()) OnOrder(response.operator_order());
   if (!response.GetReflection()->GetUnknownFields(response).empty()) ++unknown_message_count_;
 }
 
 void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   if (state_->online()) return;  // A second welcome of a connection is ignored.
+  link_->version_mismatch = VersionMismatch(welcome);
+  if (!link_->version_mismatch.empty()) return link_->stream->Cancel();
   state_->OnWelcome(welcome);
   link_->online_since_ns = now_ns;
   last_error_.clear();
   refusal_.clear();
   prior_source_count_ = welcome.prior_source_count();
   priors_unavailable_ = welcome.priors_unavailable();
+  daemon_version_ = welcome.daemon_version();
+  policy_ = welcome.policy();
+  seed_ = welcome.seed();
+  takes_orders_ = options_.allow_operator_orders && Has(welcome, v1::CAPABILITY_OPERATOR_ORDERS);
   intake_->SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors());
   adaptive().SetSettling(welcome.settling_ms() * kNsPerMs);
@@ -281,7 +309,7 @@ void DaemonSession::OnCommand(const v1::SwitchCommand& message) {
 }
 
 void DaemonSession::OnOrder(const v1::OperatorOrder& message) {
-  if (!options_.allow_operator_orders) {
+  if (!takes_orders_) {
     return state_->Append(RefusalToProto(message, v1::ORDER_REFUSAL_REASON_NOT_ALLOWED));
   }
   const std::optional<OperatorOrder> order = FromProto(message, adaptive().arms().size());
@@ -305,10 +333,6 @@ void DaemonSession::TakeVerdict(const v1::PosteriorSnapshot& snapshot) {
   adaptive().SetVerdict(verdict_);
 }
 
-void DaemonSession::FollowRedirect(uint64_t now_ns) {
-  if (link_->stream->writable()) HalfClose(now_ns);
-}
-
 void DaemonSession::HalfClose(uint64_t now_ns) {
   link_->stream->HalfClose();
   link_->half_closed = true;
@@ -325,23 +349,21 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
   const uint32_t delay_ms = DelayMs(status, link, now_ns);
   const bool kicked = ReasonOf(status) == v1::ERROR_REASON_SESSION_KICKED;
   next_attempt_ns_ = kicked ? kNever : now_ns + delay_ms * kNsPerMs;
-  // The session stays with a daemon that it was redirected to as long as that one answers, and then
-  // returns to its home address.
-  const bool answered = link.online_since_ns || status.error_code() == grpc::StatusCode::NOT_FOUND;
-  next_address_ = answered ? link.address : home_address_;
-  if (link.redirect && ValidateDaemonAddress(link.redirect->address()).ok()) {
-    next_address_ = link.redirect->address();
-  }
   const bool asked_for = status.ok() && (link.half_closed || link.goodbye_sent);
   const bool refused = status.error_code() == grpc::StatusCode::INVALID_ARGUMENT ||
                        IsTokenRefused(status) || ReasonOf(status) == v1::ERROR_REASON_NOT_ALLOWED;
   refusal_ = refused ? MessageWithReason(status) : "";
+  if (!link.version_mismatch.empty()) {
+    refusal_ = "the daemon at " + address_ + " " + link.version_mismatch;
+    last_error_ = refusal_ + TryingAgain(delay_ms);
+    return;
+  }
   if (asked_for) return;
   if (link.goodbye_sent) {
-    last_error_ = "the daemon at " + link.address +
+    last_error_ = "the daemon at " + address_ +
                   " did not confirm the session's end: " + MessageWithReason(status);
   } else {
-    last_error_ = Describe(status, link.address, options_.tls.has_value());
+    last_error_ = Describe(status, address_, options_.tls.has_value());
     if (!kicked) last_error_ += TryingAgain(delay_ms);
   }
 }
@@ -350,14 +372,14 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
   if (link.online_since_ns && now_ns - *link.online_since_ns >= kGoodConnectionNs) {
     backoff_.Reset();
   }
+  if (!link.version_mismatch.empty()) return backoff_.LongMs();
   if (IsTokenRefused(status)) return kTokenDelayFactor * backoff_.LongMs();
   if (ReasonOf(status) == v1::ERROR_REASON_FOREIGN_SESSION) return backoff_.NextMs();
   if (IsLasting(status.error_code())) return backoff_.LongMs();
-  if (!link.redirect) return backoff_.NextMs();
+  if (!link.reconnect_delay_ms) return backoff_.NextMs();
   // A daemon that drains spreads its clients by the delay, over more than the longest back-off.
   const uint64_t max_ms = uint64_t{4} * options_.backoff_max_ms;
-  const auto delay_ms =
-      static_cast<uint32_t>(std::min<uint64_t>(link.redirect->delay_ms(), max_ms));
+  const auto delay_ms = static_cast<uint32_t>(std::min<uint64_t>(*link.reconnect_delay_ms, max_ms));
   return delay_ms +
          backoff_.JitterMs(std::clamp(delay_ms, options_.backoff_min_ms, options_.backoff_max_ms));
 }
@@ -380,7 +402,7 @@ bool DaemonSession::Disconnect(uint64_t now_ns, bool queue_empty) {
     HalfClose(now_ns);
   } else {
     v1::StreamTelemetryRequest request;
-    request.mutable_goodbye()->set_reason("the session was stopped");
+    request.mutable_goodbye();
     link_->stream->Write(request);
     link_->goodbye_sent = true;
   }
@@ -407,6 +429,9 @@ void DaemonSession::Publish() {
     stats.unknown_message_count = unknown_message_count_;
     stats.prior_source_count = prior_source_count_;
     stats.priors_unavailable = priors_unavailable_;
+    stats.daemon_version = daemon_version_;
+    stats.policy = policy_;
+    stats.seed = seed_;
     stats.beliefs = beliefs_;
     stats.verdict = verdict_;
   });

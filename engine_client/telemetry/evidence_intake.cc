@@ -20,9 +20,9 @@ uint32_t VarintBytes(uint64_t value) {
 
 uint32_t WireBytes(const FrameSample& sample) {
   return VarintBytes(sample.frame_time_ns) + VarintBytes(sample.detection_time_ns) +
-         VarintBytes(sample.aabb_check_count) + VarintBytes(sample.pair_count) +
-         VarintBytes(sample.native_bytes) + VarintBytes(sample.object_count) +
-         VarintBytes(sample.arm) + VarintBytes(sample.switch_epoch) + VarintBytes(sample.flags);
+         VarintBytes(sample.aabb_check_count) + VarintBytes(sample.native_bytes) +
+         VarintBytes(sample.object_count) + VarintBytes(sample.arm) +
+         VarintBytes(sample.switch_epoch) + VarintBytes(sample.flags);
 }
 
 }  // namespace
@@ -41,7 +41,6 @@ void FrameBatcher::Add(const FrameSample& sample, uint64_t now_ns) {
   assert(Fits(sample));
   if (empty()) {
     begun_ns_ = now_ns;
-    batch_.set_first_frame_index(sample.frame_index);
     // Frames that the queue dropped show as a gap in the numbers.
     if (sample.frame_index > next_frame_index_) {
       batch_.set_dropped_frame_count(sample.frame_index - next_frame_index_);

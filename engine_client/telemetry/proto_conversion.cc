@@ -46,7 +46,6 @@ void ToProto(const FrameSample& sample, v1::FrameBatch& batch) {
   batch.add_frame_time_ns(sample.frame_time_ns);
   batch.add_detection_time_ns(sample.detection_time_ns);
   batch.add_aabb_check_count(sample.aabb_check_count);
-  batch.add_pair_count(sample.pair_count);
   batch.add_native_bytes(sample.native_bytes);
   batch.add_object_count(sample.object_count);
   batch.add_arm(sample.arm);
@@ -64,9 +63,6 @@ v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome) {
   message.set_rebuild_time_ns(outcome.rebuild_time_ns);
   message.set_settling_cost_ns(outcome.settling_cost_ns);
   message.set_reason(static_cast<v1::SwitchReason>(outcome.reason));
-  if (outcome.executed == 0) {
-    message.set_error("refused: the arm was active already, or the game was choosing for itself");
-  }
   return request;
 }
 
@@ -100,7 +96,6 @@ v1::StreamTelemetryRequest RefusalToProto(const v1::SwitchCommand& command, uint
   message.set_switch_epoch(switch_epoch);
   message.set_executed(false);
   message.set_reason(command.reason());
-  message.set_error("this session has no arm " + std::to_string(command.arm()));
   return request;
 }
 

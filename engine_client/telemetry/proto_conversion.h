@@ -22,7 +22,6 @@ v1::ShadowSample ToProto(const ShadowSample& sample);
 // Appends the sample to the batch's columns.
 void ToProto(const FrameSample& sample, v1::FrameBatch& batch);
 
-// A refused outcome gets an error text.
 v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome);
 v1::StreamTelemetryRequest ToProto(const ModeChange& change);
 // Makes the report of a frame over the bail-out limit.

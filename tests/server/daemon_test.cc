@@ -69,7 +69,6 @@ v1::StreamTelemetryRequest OneFrame(uint64_t sequence) {
   batch.add_frame_time_ns(16'000'000);
   batch.add_detection_time_ns(4'000'000);
   batch.add_aabb_check_count(10);
-  batch.add_pair_count(1);
   batch.add_native_bytes(1000);
   batch.add_object_count(5);
   batch.add_arm(0);

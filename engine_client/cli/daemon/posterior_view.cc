@@ -238,6 +238,11 @@ Json DecisionJson(const v1::DecisionEvent& event) {
   if (event.reason() != v1::SWITCH_REASON_UNSPECIFIED)
     document["reason"] = decision::NameOf(decision::kSwitchReasonNames, event.reason());
   if (event.has_reward()) document["reward"] = event.reward();
+  document["policy"] = event.policy();
+  document["machine_class"] = event.machine_class();
+  document["context_bucket"] = event.context_bucket();
+  document["best_probability"] = event.best_probability();
+  document["expected_loss_ratio"] = event.expected_loss_ratio();
   document["verdict"] = decision::NameOf(decision::kVerdictNames, event.verdict());
   if (!event.has_measurements()) return document;
   document["frame_ms"] = PercentilesJson(event.measurements().frame_time_ns(), kMsPerNs);

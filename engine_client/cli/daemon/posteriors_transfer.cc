@@ -1,7 +1,4 @@
 #include "engine_client/cli/daemon/posteriors_transfer.h"
-
-#include <utility>
-
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 
@@ -21,8 +18,8 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daem
     v1::ListPosteriorsResponse page;
     const Status status = ToStatus(stub->ListPosteriors(&context, request, &page), daemon);
     if (!status.ok()) return status;
-    for (v1::ScenePosterior& each : *page.mutable_scenes()) {
-      if (scene.empty() || each.scene() == scene) scenes.push_back(std::move(each));
+    for (const v1::ScenePosterior& each : page.scenes()) {
+      if (scene.empty() || each.scene() == scene) scenes.push_back(each);
     }
     request.set_page_token(page.next_page_token());
   } while (!request.page_token().empty());

@@ -112,6 +112,14 @@ Json VerdictChangeJson(const VerdictChangeRow& row) {
   return document;
 }
 
+// Null without a daemon. The seed is a text, since a number of JSON could not hold all its digits.
+Json DaemonJson(const SessionStats& session) {
+  if (session.daemon_version.empty()) return nullptr;
+  return {{"version", session.daemon_version},
+          {"policy", session.policy},
+          {"seed", std::to_string(session.seed)}};
+}
+
 // The fields that have one value for the whole run.
 Json TotalsJson(const RunSummary& summary) {
   const SessionStats& session = summary.session;
@@ -125,6 +133,7 @@ Json TotalsJson(const RunSummary& summary) {
           {"connections", session.connection_count},
           {"last_error", session.last_error},
           {"prior_sources", session.prior_source_count},
+          {"daemon", DaemonJson(session)},
           {"frames", summary.frame_count},
           {"seconds", summary.active_s()},
           {"fps", summary.fps()},

@@ -55,7 +55,6 @@ v1::FrameBatch MakeBatch(uint32_t frame_count) {
     batch.add_frame_time_ns(10'000'000 + 10'000 * (i % 7));
     batch.add_detection_time_ns(3'000'000 + 10'000 * (i % 11));
     batch.add_aabb_check_count(20'000);
-    batch.add_pair_count(500);
     batch.add_native_bytes(1 << 20);
     batch.add_object_count(3'000);
     batch.add_arm(0);

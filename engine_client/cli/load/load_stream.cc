@@ -97,7 +97,6 @@ bool LoadStream::SendBatch(const v1::FrameBatch& frames, bool with_bail_out) {
   request.set_sequence(++sequence_);
   v1::FrameBatch& batch = *request.mutable_frame_batch();
   batch = frames;
-  batch.set_first_frame_index(frame_index_);
   for (int i = 0; i < batch.arm_size(); ++i) {
     batch.set_arm(i, arm_);
     batch.set_switch_epoch(i, switch_epoch_);
@@ -153,8 +152,7 @@ void LoadStream::OnResponse(const v1::StreamTelemetryResponse& response) {
   if (response.has_welcome()) OnWelcome(response.welcome());
   if (response.has_acknowledgement()) OnAcknowledgement(response.acknowledgement().sequence());
   if (response.has_switch_command()) OnSwitch(response.switch_command());
-  if (response.has_reconnect_elsewhere())
-    reconnect_delay_ms_ = response.reconnect_elsewhere().delay_ms();
+  if (response.has_reconnect()) reconnect_delay_ms_ = response.reconnect().delay_ms();
 }
 
 void LoadStream::OnWelcome(const v1::Welcome& welcome) {

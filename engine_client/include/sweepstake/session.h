@@ -49,6 +49,11 @@ struct SessionStats {
   uint64_t unknown_message_count = 0;  // of a newer protocol, not acted on
   uint64_t prior_source_count = 0;     // sources in the priors the session started from
   bool priors_unavailable = false;     // the daemon could not read all of its priors
+  // What the daemon decides with; empty and 0 before the first welcome, and without a daemon. The
+  // same seed and policy make the same draws.
+  std::string daemon_version;
+  std::string policy;
+  uint64_t seed = 0;
   // The sender thread's time with an embedded decider; 0 with a daemon, which decides elsewhere.
   uint64_t intake_time_ns = 0;    // to empty the queue and hand it to the decider
   uint64_t decision_time_ns = 0;  // to decide, summed over all decisions

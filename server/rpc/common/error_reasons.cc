@@ -19,7 +19,6 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
       return absl::StatusCode::kInvalidArgument;
     case v1::ERROR_REASON_MESSAGE_ORDER:
     case v1::ERROR_REASON_PROTOCOL_VERSION:
-    case v1::ERROR_REASON_REWARD_VERSION:
     case v1::ERROR_REASON_ORDER_REFUSED:
       return absl::StatusCode::kFailedPrecondition;
     case v1::ERROR_REASON_HELLO_OVERDUE:

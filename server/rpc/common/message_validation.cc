@@ -101,17 +101,14 @@ absl::Status CheckColumns(const v1::FrameBatch& batch) {
     return Invalid(
         absl::StrCat("a frame batch must hold 1 to ", kMaxBatchFrames, " frames, not ", count));
   }
-  for (const int length :
-       {batch.detection_time_ns_size(), batch.aabb_check_count_size(), batch.pair_count_size(),
-        batch.native_bytes_size(), batch.object_count_size(), batch.arm_size(),
-        batch.switch_epoch_size(), batch.flags_size()}) {
+  for (const int length : {batch.detection_time_ns_size(), batch.aabb_check_count_size(),
+                           batch.native_bytes_size(), batch.object_count_size(), batch.arm_size(),
+                           batch.switch_epoch_size(), batch.flags_size()}) {
     if (length != count) {
       return Invalid(
           absl::StrCat("the columns of a frame batch differ in length: ", count, " and ", length));
     }
   }
-  if (batch.first_frame_index() > kMaxSequence)
-    return Invalid("first_frame_index must be below 2^63");
   if (batch.dropped_frame_count() > kMaxDroppedFrames)
     return Invalid("dropped_frame_count must be at most 2^36");
   return absl::OkStatus();
@@ -165,17 +162,7 @@ absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
   if (absl::Status status = CheckPolicy(hello.policy()); !status.ok()) return status;
   if (hello.mode() == v1::MODE_UNSPECIFIED || !v1::Mode_IsValid(hello.mode()))
     return Invalid("mode is absent or unknown; set MODE_MANUAL or MODE_AI");
-  if (absl::Status status = CheckTimeScale(hello.time_scale(), options.max_time_scale);
-      !status.ok())
-    return status;
-  const decision::PolicyKind& policy = decision::PolicyKindOf(hello.policy());
-  if (hello.reward_version() != 0 && hello.reward_version() != policy.reward_version) {
-    return Refused(
-        v1::ERROR_REASON_REWARD_VERSION,
-        absl::StrCat("policy ", std::string(policy.name), " learns by reward version ",
-                     policy.reward_version, ", not ", hello.reward_version(), "; leave it absent"));
-  }
-  return absl::OkStatus();
+  return CheckTimeScale(hello.time_scale(), options.max_time_scale);
 }
 
 absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t arm_count) {

@@ -148,12 +148,9 @@ void ToProto(const SessionIdentity& identity, std::span<const decision::BetaPost
   message.set_max_batch_frames(kMaxBatchFrames);
   message.set_max_message_bytes(kMaxMessageBytes);
   message.set_decision_interval_ms(std::max(1u, Milliseconds(decision.decision_interval_ns)));
-  message.set_cooldown_ms(Milliseconds(decision.cooldown_ns));
   message.set_settling_ms(Milliseconds(decision.settling_ns));
   message.set_bail_out_ms(Milliseconds(decision.bail_out_ns));
-  message.set_resume_window_ms(Milliseconds(options.resume_window_ns));
   message.set_daemon_version(options.daemon_version);
-  message.set_reward_version(identity.scene.reward_version);
   message.set_policy(PolicyNameOf(identity));
   message.set_seed(identity.seed);
   for (const auto& posterior : posteriors) ToProto(posterior, *message.add_priors());
@@ -190,6 +187,11 @@ void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message) {
   message.set_row_count(segment.row_count);
   message.set_first_row(segment.first_row);
   message.set_lost_row_count(segment.lost_row_count);
+}
+
+bool Has(const v1::Hello& hello, v1::Capability capability) {
+  const auto& named = hello.capabilities();
+  return std::find(named.begin(), named.end(), capability) != named.end();
 }
 
 decision::Mode FromProto(v1::Mode mode) { return static_cast<decision::Mode>(mode); }

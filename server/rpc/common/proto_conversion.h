@@ -52,6 +52,9 @@ void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message);
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message);
 void ToProto(const priors::AuditSegment& segment, v1::AuditSegment& message);
 
+// Returns whether the client named the capability.
+bool Has(const v1::Hello& hello, v1::Capability capability);
+
 // The messages below must have passed message_validation.h.
 decision::Mode FromProto(v1::Mode mode);
 decision::SwitchReason FromProto(v1::SwitchReason reason);

@@ -228,7 +228,7 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
   ++context_.counters.connected_stream_count;
   if (resumed) ++context_.counters.resumed_count;
   *Outbox().mutable_welcome() =
-      WelcomeOf(*session_, resumed, streams_.all.size(), context_.options);
+      WelcomeOf(*session_, *hello_, resumed, streams_.all.size(), context_.options);
   WriteNext();
   session_->Start(*hello_);
   context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
@@ -277,7 +277,7 @@ void TelemetryStream::PutSnapshot(std::span<const decision::BetaPosterior> poste
 }
 
 void TelemetryStream::SendReconnect(uint32_t delay_ms) {
-  Outbox().mutable_reconnect_elsewhere()->set_delay_ms(delay_ms);
+  Outbox().mutable_reconnect()->set_delay_ms(delay_ms);
   WriteNext();
 }
 

@@ -17,6 +17,11 @@ constexpr int64_t kOrderPatienceNs = 5'000'000'000;
 // A game keeps 48 bits of an order's id.
 constexpr uint64_t kOrderIdMask = (uint64_t{1} << 48) - 1;
 
+absl::Status TakesNoOrders() {
+  return Refused(v1::ERROR_REASON_ORDER_REFUSED,
+                 "this game takes no orders; build it with allow_operator_orders");
+}
+
 }  // namespace
 
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
@@ -81,6 +86,7 @@ void GameSession::Attach(SessionLink& link) {
 }
 
 void GameSession::Start(const v1::Hello& hello) {
+  takes_orders_ = Has(hello, v1::CAPABILITY_OPERATOR_ORDERS);
   const auto mode = FromProto(hello.mode());
   if (mode != decisions_.mode())
     decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
@@ -214,11 +220,10 @@ void GameSession::ApplyModeChange(const v1::ModeChange& change) {
 }
 
 void GameSession::ApplyOrderRefusal(const v1::OrderRefusal& refusal) {
-  AnswerOrder(refusal.order_id(),
-              Refused(v1::ERROR_REASON_ORDER_REFUSED,
-                      refusal.reason() == v1::ORDER_REFUSAL_REASON_NOT_ALLOWED
-                          ? "this game takes no orders; build it with allow_operator_orders"
-                          : "the game does not know such an order; update it"));
+  AnswerOrder(refusal.order_id(), refusal.reason() == v1::ORDER_REFUSAL_REASON_NOT_ALLOWED
+                                      ? TakesNoOrders()
+                                      : Refused(v1::ERROR_REASON_ORDER_REFUSED,
+                                                "the game does not know such an order; update it"));
 }
 
 void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) {
@@ -229,8 +234,9 @@ void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) 
   AnswerOrder(order_id_, Refused(v1::ERROR_REASON_ORDER_REPLACED, "a later order took its place"));
   // An answer may come from before a restart of the daemon, which knows no number of then.
   order_id_ = std::max(order_id_ + 1, static_cast<uint64_t>(order.now_ns) / 1'000 & kOrderIdMask);
-  order_answer_ = std::move(answer);
   decisions_.ObserveOrder(order);
+  if (!takes_orders_) return answer(TakesNoOrders());
+  order_answer_ = std::move(answer);
   link_->SendOrder(order_id_, order);
   context_.loop.PostAt(order.now_ns + kOrderPatienceNs, [weak = weak_from_this(), id = order_id_] {
     const auto self = weak.lock();

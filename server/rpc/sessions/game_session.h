@@ -105,9 +105,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Tells the client to reconnect after `delay_ms`, and closes the link once all pending writes are
   // done.
   void Drain(uint32_t delay_ms);
-  // Passes an operator's order on to the game, in place of one that it has not answered. `answer`
-  // is called exactly once: with OK when the game has obeyed, and then with what it said or with
-  // why it cannot be known. REQUIRES: order.arm is one of the session's arms, if any.
+  // Passes an operator's order on to the game, if it takes any, in place of one that it has not
+  // answered. `answer` is called exactly once: with OK when the game has obeyed, and then with what
+  // it said or with why it cannot be known. REQUIRES: order.arm is one of the session's arms, if
+  // any.
   using OrderAnswer = std::function<void(const absl::Status&)>;
   void Order(const decision::OrderReport& order, OrderAnswer answer);
   // Returns whether nothing waits for the disk. If something does, RetryCommit offers it again.
@@ -172,6 +173,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   std::optional<uint64_t> last_bail_out_frame_;
   std::optional<decision::SwitchCommand> unanswered_;  // sent again to a client that reconnects
   decision::Verdict sent_verdict_ = decision::Verdict::kUnknown;  // sent to the client
+  bool takes_orders_ = false;                                     // says the latest Hello
   uint64_t order_id_ = 0;                                         // of the latest order
   OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored

@@ -214,9 +214,12 @@ uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count) {
   return std::max(alone, static_cast<uint32_t>(shared));
 }
 
-v1::Welcome WelcomeOf(const GameSession& session, bool resumed, uint64_t stream_count,
-                      const RpcOptions& options) {
+v1::Welcome WelcomeOf(const GameSession& session, const v1::Hello& hello, bool resumed,
+                      uint64_t stream_count, const RpcOptions& options) {
   v1::Welcome welcome;
+  welcome.set_protocol_version(std::min(hello.protocol_version(), kMaxProtocolVersion));
+  if (Has(hello, v1::CAPABILITY_OPERATOR_ORDERS))
+    welcome.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   ToProto(session.identity(), session.decisions().posteriors(), options, welcome);
   welcome.set_batch_interval_ms(BatchIntervalMs(welcome.decision_interval_ms(), stream_count));
   welcome.set_resume_token(

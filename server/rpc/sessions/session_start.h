@@ -56,9 +56,10 @@ std::optional<int64_t> TokenOfSession(const v1::Hello& hello, const RpcOptions& 
 // Returns whether Hello, with its token checked, may resume this session, which is in memory.
 bool CanResume(const GameSession& session, const v1::Hello& hello);
 
-// `stream_count` is how many streams are open.
-v1::Welcome WelcomeOf(const GameSession& session, bool resumed, uint64_t stream_count,
-                      const RpcOptions& options);
+// Answers the checked Hello, with the newest version of the protocol and the capabilities that both
+// have. `stream_count` is how many streams are open.
+v1::Welcome WelcomeOf(const GameSession& session, const v1::Hello& hello, bool resumed,
+                      uint64_t stream_count, const RpcOptions& options);
 
 // Returns how long a client is to collect frames: an eighth of the decision interval, 250 ms at
 // most. With more streams it is longer, as if all were to send 10,000 batches a second, but at most

@@ -17,6 +17,9 @@ using Request = v1::StreamTelemetryRequest;
 class OperatorOrderTest : public ::testing::Test {
  protected:
   void Start(bool allow_operator_orders) {
+    daemon_.SetScript([this](FakeDaemon::Script& script) {
+      if (daemon_passes_orders_) script.welcome.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+    });
     daemon_.Start();
     SessionOptions options;
     options.batch_interval_ms = 1;
@@ -60,6 +63,7 @@ class OperatorOrderTest : public ::testing::Test {
   }
 
   FakeDaemon daemon_;
+  bool daemon_passes_orders_ = true;
   std::unique_ptr<Session> session_;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
   const std::vector<Aabb> boxes_ = std::vector<Aabb>(4);
@@ -71,6 +75,26 @@ TEST_F(OperatorOrderTest, IsRefusedUnlessTheGameAllowsIt) {
   EXPECT_EQ(Answer(1).order_refusal().reason(), v1::ORDER_REFUSAL_REASON_NOT_ALLOWED);
   EXPECT_EQ(adaptive_->mode(), Mode::kAi);
   EXPECT_EQ(adaptive_->switch_epoch(), 0U);
+}
+
+TEST_F(OperatorOrderTest, IsRefusedIfTheDaemonHasNotAgreedToThem) {
+  daemon_passes_orders_ = false;
+  Start(/*allow_operator_orders=*/true);
+  Order(1, v1::MODE_MANUAL, 2);
+  EXPECT_EQ(Answer(1).order_refusal().reason(), v1::ORDER_REFUSAL_REASON_NOT_ALLOWED);
+  EXPECT_EQ(adaptive_->mode(), Mode::kAi);
+}
+
+TEST_F(OperatorOrderTest, TheHelloSaysWhetherTheGameTakesThem) {
+  for (const bool takes : {false, true}) {
+    Start(takes);
+    session_->Stop(0);
+    daemon_.Kill();
+  }
+  ASSERT_EQ(daemon_.hellos.size(), 2U);
+  EXPECT_EQ(daemon_.hellos[0].capabilities_size(), 0);
+  ASSERT_EQ(daemon_.hellos[1].capabilities_size(), 1);
+  EXPECT_EQ(daemon_.hellos[1].capabilities(0), v1::CAPABILITY_OPERATOR_ORDERS);
 }
 
 TEST_F(OperatorOrderTest, IsObeyedAndAnsweredWithTheArmThatRuns) {

@@ -18,7 +18,6 @@ TEST(ProtoConversion, RefusesAnArmTheSessionDoesNotHave) {
   EXPECT_EQ(outcome.switch_epoch(), 3U);
   EXPECT_FALSE(outcome.executed());
   EXPECT_EQ(outcome.reason(), v1::SWITCH_REASON_POLICY);
-  EXPECT_NE(outcome.error().find("99"), std::string::npos);
 }
 
 TEST(ProtoConversion, GivesADescriptorBackAsItWas) {

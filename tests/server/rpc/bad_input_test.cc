@@ -230,8 +230,6 @@ INSTANTIATE_TEST_SUITE_P(
                  absl::StatusCode::kFailedPrecondition},
         BadHello{"OldestAboveNewestVersion", [](auto& h) { h.set_min_protocol_version(2); },
                  absl::StatusCode::kFailedPrecondition},
-        BadHello{"OtherReward", [](auto& h) { h.set_reward_version(99); },
-                 absl::StatusCode::kFailedPrecondition},
         BadHello{"NoProject", [](auto& h) { h.clear_project(); }},
         BadHello{"NoScene", [](auto& h) { h.clear_scene(); }},
         BadHello{"LongProject", [](auto& h) { h.set_project(std::string(129, 'x')); }},

@@ -24,7 +24,7 @@ TEST_F(DrainTest, DrainingTellsClientsToComeBackAndEnds) {
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
   server_->Drain(std::chrono::minutes(10));
-  client.Await(&Response::has_reconnect_elsewhere);
+  client.Await(&Response::has_reconnect);
   EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_DRAINING);
   EXPECT_FALSE(silent.Finish().ok());
 }
@@ -40,8 +40,8 @@ TEST_F(DrainTest, ClientsAreToldToComeBackOneAfterTheOther) {
   server_->Drain(std::chrono::minutes(10));
   std::multiset<uint32_t> delays_ms;
   for (const auto& client : clients) {
-    const Response last = client->Await(&Response::has_reconnect_elsewhere);
-    delays_ms.insert(last.reconnect_elsewhere().delay_ms());
+    const Response last = client->Await(&Response::has_reconnect);
+    delays_ms.insert(last.reconnect().delay_ms());
   }
   EXPECT_THAT(delays_ms, ::testing::ElementsAre(500, 1'000, 1'500, 2'000, 2'500));
 }

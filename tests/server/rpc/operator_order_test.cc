@@ -36,8 +36,7 @@ class OperatorOrderTest : public ::testing::Test {
   void SetUp() override {
     OnLoop([&] {
       session_ = *MakeSession(context_, HelloMessage(), {}, 0);
-      session_->Attach(link_);
-      session_->Start(HelloMessage());
+      Begin(/*takes_orders=*/true);
     });
   }
   void TearDown() override {
@@ -47,6 +46,13 @@ class OperatorOrderTest : public ::testing::Test {
     });
     thread_.Close();
     OnLoop([] {});
+  }
+  // A connection of the game begins. On the loop.
+  void Begin(bool takes_orders) {
+    v1::Hello hello = HelloMessage();
+    if (takes_orders) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+    session_->Attach(link_);
+    session_->Start(hello);
   }
   // Runs the task on the loop and waits for it.
   void OnLoop(const std::function<void()>& task) {
@@ -124,6 +130,13 @@ TEST_F(OperatorOrderTest, ThatTheGameRefusesIsAFailedPrecondition) {
   OnLoop([&] { session_->Apply(request); });
   EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kFailedPrecondition));
   EXPECT_EQ(session_->decisions().mode(), decision::Mode::kAi);
+}
+
+TEST_F(OperatorOrderTest, IsNotSentToAGameThatTakesNone) {
+  OnLoop([this] { Begin(/*takes_orders=*/false); });
+  Order(decision::Mode::kManual, 2);
+  EXPECT_THAT(link_.orders, IsEmpty());
+  EXPECT_THAT(answers_, ElementsAre(absl::StatusCode::kFailedPrecondition));
 }
 
 TEST_F(OperatorOrderTest, IsNotConfirmedByAnotherChangeOfMode) {

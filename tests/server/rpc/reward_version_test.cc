@@ -98,9 +98,7 @@ TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {
   EXPECT_EQ(WelcomeOf("ucb1").prior_source_count(), 1u);
 }
 
-TEST_F(RewardVersionTest, TheWelcomeSaysThePolicysVersion) {
-  EXPECT_EQ(WelcomeOf("paper").reward_version(), 1u);
-  EXPECT_EQ(WelcomeOf("adaptive").reward_version(), 2u);
+TEST_F(RewardVersionTest, TheWelcomeNamesThePolicyAsTheRegistryDoes) {
   EXPECT_EQ(WelcomeOf("default").policy(), decision::PolicyKindOf("default").name);
 }
 
@@ -142,18 +140,8 @@ TEST_F(RewardVersionTest, ANewSessionBeginsUnderAnotherVersion) {
     EXPECT_FALSE(welcome.resumed());
     EXPECT_NE(welcome.session_id(), hello.session_id());
     EXPECT_EQ(welcome.acknowledged_sequence(), 0u);
-    EXPECT_EQ(welcome.reward_version(), 2u);
+    EXPECT_EQ(welcome.policy(), "adaptive");
   }
-}
-
-TEST_F(RewardVersionTest, AnExpectationIsCheckedAgainstThePolicys) {
-  v1::Hello hello = HelloOf("adaptive");
-  hello.set_reward_version(1);
-  TelemetryClient client(channel_);
-  client.Send(Request(hello));
-  EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_REWARD_VERSION);
-  hello.set_reward_version(2);
-  EXPECT_EQ(TelemetryClient(channel_).Open(hello).reward_version(), 2u);
 }
 
 }  // namespace

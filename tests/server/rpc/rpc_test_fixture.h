@@ -79,12 +79,10 @@ inline v1::StreamTelemetryRequest Frames(uint64_t sequence, int count, uint64_t 
   v1::StreamTelemetryRequest request;
   request.set_sequence(sequence);
   v1::FrameBatch& batch = *request.mutable_frame_batch();
-  batch.set_first_frame_index(sequence * 1000);
   for (int i = 0; i < count; ++i) {
     batch.add_frame_time_ns(frame_ms * 1'000'000);
     batch.add_detection_time_ns(frame_ms * 500'000);
     batch.add_aabb_check_count(1000);
-    batch.add_pair_count(10);
     batch.add_native_bytes(1 << 20);
     batch.add_object_count(100);
     batch.add_arm(arm);

@@ -20,16 +20,26 @@ TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcomeThatSaysHowToGoOn) {
   EXPECT_EQ(welcome.max_message_bytes(), 256u * 1024);
   EXPECT_EQ(welcome.batch_interval_ms(), 250u);
   EXPECT_EQ(welcome.decision_interval_ms(), 2000u);
-  EXPECT_EQ(welcome.cooldown_ms(), 40'000u);
   EXPECT_EQ(welcome.bail_out_ms(), 5000u);
-  EXPECT_EQ(welcome.resume_window_ms(), 600'000u);
   EXPECT_EQ(welcome.policy(), "paper");
-  EXPECT_EQ(welcome.reward_version(), 1u);
+  EXPECT_EQ(welcome.daemon_version(), "0.1.0");
   EXPECT_EQ(welcome.seed(), 7u);
   ASSERT_EQ(welcome.priors_size(), 3);
   EXPECT_EQ(welcome.priors(2).alpha(), 1);
   EXPECT_EQ(welcome.priors(2).beta(), 1);
   EXPECT_EQ(welcome.prior_source_count(), 0u);
+}
+
+TEST_F(TelemetryTest, TheWelcomeHasTheVersionAndTheCapabilitiesThatBothSidesHave) {
+  v1::Hello hello = HelloMessage();
+  hello.set_protocol_version(1'000);
+  hello.set_min_protocol_version(1);
+  EXPECT_THAT(TelemetryClient(channel_).Open(hello).capabilities(), ::testing::IsEmpty());
+  hello.add_capabilities(static_cast<v1::Capability>(99));
+  for (int i = 0; i < 2; ++i) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+  const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
+  EXPECT_EQ(welcome.protocol_version(), 1u);
+  EXPECT_THAT(welcome.capabilities(), ::testing::ElementsAre(v1::CAPABILITY_OPERATOR_ORDERS));
 }
 
 TEST_F(TelemetryTest, AHelloWithoutAPolicyGetsTheDaemonsOwn) {
@@ -52,7 +62,6 @@ TEST_F(TelemetryTest, TheTimeScaleDividesTheIntervalsOfTheWelcome) {
   hello.set_time_scale(100);
   const v1::Welcome welcome = client.Open(hello);
   EXPECT_EQ(welcome.decision_interval_ms(), 20u);
-  EXPECT_EQ(welcome.cooldown_ms(), 400u);
   EXPECT_EQ(welcome.bail_out_ms(), 5000u);
   EXPECT_EQ(welcome.batch_interval_ms(), 2u);
 }

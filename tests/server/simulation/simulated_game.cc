@@ -18,7 +18,7 @@ SentMessage Describe(const v1::StreamTelemetryRequest& request) {
   if (request.has_bail_out())
     return {.first_frame = request.bail_out().frame_index(), .bail_out_count = 1};
   const v1::FrameBatch& batch = request.frame_batch();
-  return {.first_frame = batch.first_frame_index(),
+  return {.first_frame = batch.aabb_check_count_size() > 0 ? batch.aabb_check_count(0) : 0,
           .frame_count = static_cast<uint64_t>(batch.arm_size())};
 }
 
@@ -75,21 +75,18 @@ void SimulatedGame::PlayFrames() {
   v1::StreamTelemetryRequest request;
   v1::FrameBatch& batch = *request.mutable_frame_batch();
   const auto count = world_.Draw(4, 8);
-  batch.set_first_frame_index(next_frame_);
   for (int64_t i = 0; i < count; ++i) {
     const int64_t detection_ns = kArmCostNs.at(arm_) * world_.Draw(80, 120) / 100;
     batch.add_frame_time_ns(
         static_cast<uint64_t>(std::max(interval_ns_ / count, 2 * detection_ns)));
     batch.add_detection_time_ns(static_cast<uint64_t>(detection_ns));
-    batch.add_aabb_check_count(1'000 * (arm_ + 1));
-    batch.add_pair_count(10);
+    batch.add_aabb_check_count(next_frame_++);  // which tells the frames apart
     batch.add_native_bytes(1 << 16);
     batch.add_object_count(100);
     batch.add_arm(arm_);
     batch.add_switch_epoch(switch_epoch_);
     batch.add_flags(0);
   }
-  next_frame_ += static_cast<uint64_t>(count);
   state_.Append(std::move(request));
   if (command_) AnswerCommand();
 }
@@ -100,9 +97,7 @@ void SimulatedGame::AnswerCommand() {
   v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
   outcome.set_command_id(command.command_id());
   outcome.set_reason(command.reason());
-  if (world_.Happens(0.1)) {
-    outcome.set_error("the game would not");
-  } else {
+  if (!world_.Happens(0.1)) {
     arm_ = command.arm();
     ++switch_epoch_;
     outcome.set_executed(true);
@@ -157,8 +152,8 @@ void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
     promised = std::max(promised, sequence);
   }
   if (response.has_posterior_snapshot()) Check(response.posterior_snapshot().arms());
-  if (response.has_reconnect_elsewhere()) {
-    redirect_delay_ns_ = response.reconnect_elsewhere().delay_ms() * kMsNs;
+  if (response.has_reconnect()) {
+    redirect_delay_ns_ = response.reconnect().delay_ms() * kMsNs;
     half_closed_ = true;
     connection_->HalfClose();
   }

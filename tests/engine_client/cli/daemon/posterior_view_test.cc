@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 namespace sweepstake::cli {
 namespace {
@@ -133,6 +134,21 @@ TEST(Quantile, IsAbsentWithoutValuesAndOfABrokenMessage) {
   v1::LogHistogram broken = HistogramOf({{161, 80}});
   broken.add_counts(1);
   EXPECT_EQ(Quantile(broken, 0.5), std::nullopt);
+}
+
+TEST(DecisionJson, HasWhatTheDecisionWasAboutAndWhatIsBelieved) {
+  v1::DecisionEvent event;
+  event.set_policy("paper");
+  event.set_machine_class("desktop");
+  event.set_context_bucket("dense");
+  for (const double probability : {0.25, 0.75}) event.add_best_probability(probability);
+  event.set_expected_loss_ratio(0.125);
+  const auto json = DecisionJson(event);
+  EXPECT_EQ(json["policy"], "paper");
+  EXPECT_EQ(json["machine_class"], "desktop");
+  EXPECT_EQ(json["context_bucket"], "dense");
+  EXPECT_EQ(json["best_probability"], (std::vector<double>{0.25, 0.75}));
+  EXPECT_EQ(json["expected_loss_ratio"], 0.125);
 }
 
 TEST(DecisionJson, HasThePercentilesThatTheTextHas) {

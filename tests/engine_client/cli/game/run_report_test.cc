@@ -106,6 +106,18 @@ TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
   EXPECT_EQ(document["verdict_changes"][0]["frame"], 20);
 }
 
+TEST(RunReportJson, SaysWhatADaemonDecidedWith) {
+  RunSummary summary = SomeSummary();
+  EXPECT_TRUE(RunReportJson(summary)["daemon"].is_null()) << "there was none";
+  summary.session.daemon_version = "1.2.3";
+  summary.session.policy = "paper";
+  summary.session.seed = ~uint64_t{0};
+  const nlohmann::ordered_json daemon = RunReportJson(summary)["daemon"];
+  EXPECT_EQ(daemon["version"], "1.2.3");
+  EXPECT_EQ(daemon["policy"], "paper");
+  EXPECT_EQ(daemon["seed"], "18446744073709551615");
+}
+
 TEST(RunReportJson, LeavesOutALeaderThatIsUnknown) {
   RunSummary summary = SomeSummary();
   summary.verdict = {};
