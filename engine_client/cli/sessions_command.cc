@@ -1,4 +1,4 @@
-// `sweepstake sessions list|watch|kick|pin|release|mode`: which games a daemon serves, and how to
+// `sweepstake sessions list|watch|kick|pin|release`: which games a daemon serves, and how to
 // end or steer one.
 #include <nlohmann/json.hpp>
 
@@ -21,7 +21,6 @@ struct SessionsOptions {
   std::string session_id;
   bool may_return = false;
   std::string arm;
-  std::string mode;
   bool json = false;
 };
 
@@ -179,17 +178,19 @@ void DeclareKick(CLI::App& command, SessionsOptions& options) {
 void AddOrderCommands(CLI::App& sessions, Terminal& terminal, int& exit_code) {
   AddCommand<SessionsOptions>(
       sessions, "pin", "Let a game use one arm and learn nothing, until its release or a bail-out",
-      "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree\n", exit_code,
+      "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID KDTree\n"
+      "  sweepstake sessions pin --daemon 127.0.0.1:7433 ID\n",
+      exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSession(command, options);
-        command.add_option("ARM", options.arm, "The arm's name")->required();
+        command.add_option("ARM", options.arm, "The arm's name; left out, the one that is active");
         AddJsonFlag(command, options.json);
       },
       [&terminal](const SessionsOptions& options) {
         return RunOrder(options, v1::MODE_MANUAL, terminal);
       });
   AddCommand<SessionsOptions>(
-      sessions, "release", "Let AI Decide again in a game; the same as `mode ID ai`",
+      sessions, "release", "Let AI Decide again in a game",
       "  sweepstake sessions release --daemon 127.0.0.1:7433 ID\n", exit_code,
       [](CLI::App& command, SessionsOptions& options) {
         DeclareSession(command, options);
@@ -197,19 +198,6 @@ void AddOrderCommands(CLI::App& sessions, Terminal& terminal, int& exit_code) {
       },
       [&terminal](const SessionsOptions& options) {
         return RunOrder(options, v1::MODE_AI, terminal);
-      });
-  AddCommand<SessionsOptions>(
-      sessions, "mode", "Set a game's mode; manual keeps the arm that is active",
-      "  sweepstake sessions mode --daemon 127.0.0.1:7433 ID manual\n", exit_code,
-      [](CLI::App& command, SessionsOptions& options) {
-        DeclareSession(command, options);
-        command.add_option("MODE", options.mode, "ai or manual")
-            ->required()
-            ->check(CLI::IsMember({"ai", "manual"}));
-        AddJsonFlag(command, options.json);
-      },
-      [&terminal](const SessionsOptions& options) {
-        return RunOrder(options, options.mode == "ai" ? v1::MODE_AI : v1::MODE_MANUAL, terminal);
       });
 }
 

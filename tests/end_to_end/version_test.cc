@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/strings/escaping.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
@@ -24,6 +25,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 using Request = v1::StreamTelemetryRequest;
 using Response = v1::StreamTelemetryResponse;
 
@@ -43,9 +45,25 @@ Message Recorded(const std::string& name) {
   return {};
 }
 
+// Adds a field that no version has yet to the message and to every message in it.
+void AddNewerFields(google::protobuf::Message& message) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  reflection.ListFields(message, &fields);
+  for (const auto* field : fields) {
+    if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE) continue;
+    if (!field->is_repeated()) AddNewerFields(*reflection.MutableMessage(&message, field));
+    for (int i = 0; field->is_repeated() && i < reflection.FieldSize(message, field); ++i)
+      AddNewerFields(*reflection.MutableRepeatedMessage(&message, field, i));
+  }
+  reflection.MutableUnknownFields(&message)->AddLengthDelimited(500, "newer");
+}
+
 template <typename Message>
-void AddNewerField(Message& message) {
-  message.GetReflection()->MutableUnknownFields(&message)->AddLengthDelimited(500, "newer");
+Message Newer(const std::string& name) {
+  Message message = Recorded<Message>(name);
+  AddNewerFields(message);
+  return message;
 }
 
 // A message's fields by their numbers, which are all that an old program knows.
@@ -165,30 +183,41 @@ TEST(VersionTest, AGameOfVersion1PlaysWithThisDaemon) {
 TEST(VersionTest, ANewerGameThatSpeaksAnOldVersionPlaysWithThisDaemon) {
   const TemporaryDirectory data;
   const DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
-  Request hello = Recorded<Request>("hello");
+  Request hello = Newer<Request>("hello");
   hello.mutable_hello()->set_protocol_version(1'000);
   hello.mutable_hello()->set_min_protocol_version(1);
-  AddNewerField(hello);
-  AddNewerField(*hello.mutable_hello());
+  hello.mutable_hello()->add_capabilities(static_cast<v1::Capability>(99));
   ScriptedStream stream(daemon);
-  stream.Open(hello);
-  Request frames = Recorded<Request>("frames");
-  AddNewerField(*frames.mutable_frame_batch());
-  stream.Send(frames);
+  const Fields welcome = stream.Open(hello);
+  EXPECT_EQ(welcome.Number(20), 1u) << "protocol_version";
+  EXPECT_FALSE(welcome.Has(21)) << "capabilities";
+  stream.Send(Newer<Request>("frames"));
   Request newer;
   newer.set_sequence(2);
-  AddNewerField(newer);
+  AddNewerFields(newer);
   stream.Send(newer);
-  Request outcome = Recorded<Request>("switch_outcome");
+  Request outcome = Newer<Request>("switch_outcome");
   outcome.mutable_switch_outcome()->set_reason(static_cast<v1::SwitchReason>(99));
   stream.Send(outcome);
   Request mode = Recorded<Request>("mode_change");
   mode.mutable_mode_change()->set_mode(static_cast<v1::Mode>(99));
+  uint64_t sequence = 5;
   stream.Send(mode);
-  stream.Send(Recorded<Request>("goodbye"));
+  for (const char* name : {"bail_out", "switch_outcome", "mode_change"}) {
+    Request known = Newer<Request>(name);
+    known.set_sequence(sequence++);
+    stream.Send(known);
+  }
+  Request refusal;
+  refusal.set_sequence(sequence++);
+  refusal.mutable_order_refusal()->set_order_id(1);
+  refusal.mutable_order_refusal()->set_reason(static_cast<v1::OrderRefusalReason>(99));
+  AddNewerFields(refusal);
+  stream.Send(refusal);
+  stream.Send(Newer<Request>("goodbye"));
   const grpc::Status status = stream.Finish();
   EXPECT_TRUE(status.ok()) << status.error_message();
-  EXPECT_EQ(stream.latest(kAcknowledgement).Number(1), 4u);
+  EXPECT_EQ(stream.latest(kAcknowledgement).Number(1), 8u);
   const std::string metrics = Get(daemon.http_port(), "/metrics").body;
   EXPECT_THAT(metrics, HasSubstr("\nsweepstake_unknown_messages_total 3\n"));
   EXPECT_THAT(metrics, HasSubstr("\nsweepstake_accepted_frames_total 30\n"));
@@ -199,7 +228,7 @@ class GameTest : public ::testing::Test {
   GameTest() {
     daemon_.SetScript([](FakeDaemon::Script& script) {
       script.welcome = Recorded<Response>("welcome").welcome();
-      AddNewerField(script.welcome);
+      AddNewerFields(script.welcome);
     });
     daemon_.Start();
   }
@@ -211,9 +240,9 @@ class GameTest : public ::testing::Test {
              request.switch_outcome().executed();
     });
   }
-  void ExpectObeys(ScriptedGame& game) {
-    const v1::SwitchCommand command = Recorded<Response>("switch_command").switch_command();
-    ASSERT_TRUE(daemon_.Send(Recorded<Response>("switch_command")));
+  void ExpectObeys(ScriptedGame& game, const Response& response) {
+    const v1::SwitchCommand& command = response.switch_command();
+    ASSERT_TRUE(daemon_.Send(response));
     EXPECT_TRUE(
         game.RunUntil([&](const SessionStats&) { return HasOutcomeOf(command.command_id()); }));
     EXPECT_EQ(game.adaptive().active_arm(), command.arm());
@@ -229,7 +258,7 @@ TEST_F(GameTest, PlaysWithADaemonOfVersion1) {
   EXPECT_EQ(game.stats().prior_source_count, 3u);
   ASSERT_THAT(game.stats().beliefs, SizeIs(7));
   EXPECT_EQ(game.stats().beliefs[6].alpha, 2);
-  ExpectObeys(game);
+  ExpectObeys(game, Recorded<Response>("switch_command"));
   ASSERT_TRUE(daemon_.Send(Recorded<Response>("posterior_snapshot")));
   EXPECT_TRUE(game.RunUntil(
       [](const SessionStats& stats) { return stats.verdict.verdict == Verdict::kTie; }));
@@ -247,25 +276,52 @@ TEST_F(GameTest, PlaysWithADaemonOfVersion1) {
       1u);
 }
 
+TEST_F(GameTest, TellsWhatTheDaemonDecidesWith) {
+  ScriptedGame game(daemon_.address(), FastOptions());
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.connection_count == 1; }));
+  const v1::Welcome welcome = Recorded<Response>("welcome").welcome();
+  EXPECT_EQ(game.stats().daemon_version, "0.1.0");
+  EXPECT_EQ(game.stats().policy, "paper");
+  EXPECT_EQ(game.stats().seed, welcome.seed());
+  EXPECT_NE(welcome.seed(), 0u);
+}
+
+TEST_F(GameTest, RefusesADaemonThatChoosesAVersionItDoesNotSpeakAndTakesItOnceItDoes) {
+  daemon_.SetScript([](FakeDaemon::Script& script) { script.welcome.set_protocol_version(2); });
+  ScriptedGame game(daemon_.address(), FastOptions());
+  ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.refusal.empty(); }));
+  EXPECT_EQ(game.stats().refusal, "the daemon at " + daemon_.address() +
+                                      " speaks version 2 of the protocol, this game speaks 1 to 1; "
+                                      "update the older one");
+  EXPECT_THAT(game.stats().last_error, StartsWith(game.stats().refusal));
+  EXPECT_EQ(game.stats().connection_count, 0u);
+  EXPECT_EQ(game.stats().sent_sequence, 0u);
+  daemon_.SetScript([](FakeDaemon::Script& script) { script.welcome.set_protocol_version(1); });
+  EXPECT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.connection_count == 1; }));
+  EXPECT_EQ(game.stats().refusal, "");
+}
+
 TEST_F(GameTest, CountsAndSkipsWhatOnlyANewerDaemonSays) {
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(
       game.RunUntil([](const SessionStats& stats) { return stats.acknowledged_sequence > 0; }));
   Response newer;
-  AddNewerField(newer);
+  AddNewerFields(newer);
   ASSERT_TRUE(daemon_.Send(newer));
   Response command = Recorded<Response>("switch_command");
   command.mutable_switch_command()->set_reason(static_cast<v1::SwitchReason>(99));
   ASSERT_TRUE(daemon_.Send(command));
-  Response snapshot = Recorded<Response>("posterior_snapshot");
+  Response snapshot = Newer<Response>("posterior_snapshot");
   snapshot.mutable_posterior_snapshot()->set_verdict(static_cast<v1::Verdict>(99));
   ASSERT_TRUE(daemon_.Send(snapshot));
-  ExpectObeys(game);
-  EXPECT_EQ(game.stats().unknown_message_count, 3u);
+  ExpectObeys(game, Newer<Response>("switch_command"));
+  EXPECT_EQ(game.stats().unknown_message_count, 5u);
   EXPECT_EQ(game.stats().beliefs[6].alpha, 4) << "of the snapshot only the verdict is unknown";
   EXPECT_EQ(game.stats().verdict.verdict, Verdict::kUnknown);
   EXPECT_EQ(game.stats().command_count, 1u);
   EXPECT_EQ(game.stats().connection_count, 1u);
+  ASSERT_TRUE(daemon_.Send(Newer<Response>("reconnect_elsewhere")));
+  EXPECT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.resumed_count == 1; }));
 }
 
 }  // namespace

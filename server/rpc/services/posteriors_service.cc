@@ -10,6 +10,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/posterior_watcher.h"
+#include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
@@ -58,20 +59,16 @@ uint32_t DefaultRewardVersion(const RpcOptions& options) {
 // Runs `read` on the store's thread and then `answer(result)` on the loop, whose status ends the
 // call.
 template <typename Read, typename Answer>
-void ReadAndAnswer(ServiceContext& context, grpc::ServerUnaryReactor* reactor, Read read,
-                   Answer answer) {
-  const bool submitted = context.store.Submit(
-      [&loop = context.loop, &counters = context.counters, reactor, read = std::move(read),
-       answer = std::move(answer)](priors::PriorStore& store) {
-        loop.Post([reactor, answer, &counters, result = read(store)] {
-          reactor->Finish(
-              ToGrpc(result.ok() ? answer(*result) : StoreFailed(result.status()), counters));
+void ReadAndAnswer(ServiceContext& context, const EndCall& end, Read read, Answer answer) {
+  const bool submitted =
+      context.store.Submit([&loop = context.loop, end, read = std::move(read),
+                            answer = std::move(answer)](priors::PriorStore& store) {
+        loop.Post([end, answer, result = read(store)] {
+          end(result.ok() ? answer(*result) : StoreFailed(result.status()));
         });
       });
   if (submitted) return;
-  reactor->Finish(ToGrpc(
-      Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try again later"),
-      context.counters));
+  end(Refused(v1::ERROR_REASON_STORE_BUSY, "the prior store has too much to do; try again later"));
 }
 
 }  // namespace
@@ -79,77 +76,60 @@ void ReadAndAnswer(ServiceContext& context, grpc::ServerUnaryReactor* reactor, R
 grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
     grpc::CallbackServerContext* call, const v1::ListPosteriorsRequest* request,
     v1::ListPosteriorsResponse* response) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  priors::SceneFilter filter{request->project(), {}};
-  const auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/ListPosteriors"));
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) allowed = Narrow(*caller, filter);
-  if (!allowed.ok()) {
-    reactor->Finish(ToGrpc(allowed, context_.counters));
-    return reactor;
-  }
-  std::optional<SceneKey> after;
-  if (!request->page_token().empty()) {
-    after = KeyOf(request->page_token());
-    if (!after) {
-      reactor->Finish(ToGrpc(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                                     "page_token is none of a next_page_token of this daemon"),
-                             context_.counters));
-      return reactor;
+  constexpr Rpc kRpc = RpcOf("PosteriorsService/ListPosteriors");
+  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, const EndCall& end) {
+    priors::SceneFilter filter{request->project(), {}};
+    if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
+    const std::optional<SceneKey> after = KeyOf(request->page_token());
+    if (!after && !request->page_token().empty()) {
+      return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                         "page_token is none of a next_page_token of this daemon"));
     }
-  }
-  const uint32_t limit =
-      request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
-  ReadAndAnswer(
-      context_, reactor,
-      [filter, after, limit](priors::PriorStore& store) {
-        return store.List(filter, after, limit);
-      },
-      [this, response, limit](const std::vector<SceneEvidence>& scenes) {
-        for (const SceneEvidence& scene : scenes) {
-          ToProto(scene, *response->add_scenes());
-          response->mutable_scenes()->rbegin()->set_active_session_count(
-              context_.sessions.ActiveCount(scene.key));
-        }
-        if (scenes.size() == limit) response->set_next_page_token(TokenOf(scenes.back().key));
-        return absl::OkStatus();
-      });
-  return reactor;
+    const uint32_t limit =
+        request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
+    ReadAndAnswer(
+        context_, end,
+        [filter, after, limit](priors::PriorStore& store) {
+          return store.List(filter, after, limit);
+        },
+        [this, response, limit](const std::vector<SceneEvidence>& scenes) {
+          for (const SceneEvidence& scene : scenes) {
+            ToProto(scene, *response->add_scenes());
+            response->mutable_scenes()->rbegin()->set_active_session_count(
+                context_.sessions.ActiveCount(scene.key));
+          }
+          if (scenes.size() == limit) response->set_next_page_token(TokenOf(scenes.back().key));
+          return absl::OkStatus();
+        });
+  });
 }
 
 grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerContext* call,
                                                           const v1::GetPosteriorRequest* request,
                                                           v1::GetPosteriorResponse* response) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  const auto caller = context_.access.Authorize(*call, RpcOf("PosteriorsService/GetPosterior"));
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) allowed = CheckProject(*caller, request->project());
-  if (!allowed.ok()) {
-    reactor->Finish(ToGrpc(allowed, context_.counters));
-    return reactor;
-  }
-  const SceneKey key{request->project(), request->scene(), request->machine_class(),
-                     request->reward_version() != 0 ? request->reward_version()
-                                                    : DefaultRewardVersion(context_.options)};
-  if (!math::IsName(key.project) || !math::IsName(key.scene) ||
-      !math::IsOptionalName(key.machine_class)) {
-    reactor->Finish(
-        ToGrpc(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
-                       "project and scene must have 1 to 128 bytes and no control characters"),
-               context_.counters));
-    return reactor;
-  }
-  ReadAndAnswer(
-      context_, reactor, [key](priors::PriorStore& store) { return store.LoadScene(key); },
-      [this, response, key](const std::optional<SceneEvidence>& scene) {
-        if (!scene)
-          return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
-                         "nothing has been learnt about this scene on this class of machines");
-        ToProto(*scene, *response->mutable_scene());
-        response->mutable_scene()->set_active_session_count(context_.sessions.ActiveCount(key));
-        return absl::OkStatus();
-      });
-  return reactor;
+  constexpr Rpc kRpc = RpcOf("PosteriorsService/GetPosterior");
+  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, const EndCall& end) {
+    if (const absl::Status allowed = CheckProject(caller, request->project()); !allowed.ok())
+      return end(allowed);
+    const SceneKey key{request->project(), request->scene(), request->machine_class(),
+                       request->reward_version() != 0 ? request->reward_version()
+                                                      : DefaultRewardVersion(context_.options)};
+    if (!math::IsName(key.project) || !math::IsName(key.scene) ||
+        !math::IsOptionalName(key.machine_class)) {
+      return end(Refused(v1::ERROR_REASON_INVALID_MESSAGE,
+                         "project and scene must have 1 to 128 bytes and no control characters"));
+    }
+    ReadAndAnswer(
+        context_, end, [key](priors::PriorStore& store) { return store.LoadScene(key); },
+        [this, response, key](const std::optional<SceneEvidence>& scene) {
+          if (!scene)
+            return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,
+                           "nothing has been learnt about this scene on this class of machines");
+          ToProto(*scene, *response->mutable_scene());
+          response->mutable_scene()->set_active_session_count(context_.sessions.ActiveCount(key));
+          return absl::OkStatus();
+        });
+  });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* PosteriorsService::WatchPosteriors(

@@ -15,6 +15,7 @@
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/services/session_watcher.h"
+#include "server/rpc/services/unary_call.h"
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/session_table.h"
 
@@ -55,28 +56,23 @@ absl::StatusOr<decision::OrderReport> OrderOf(const v1::OrderSessionRequest& req
 grpc::ServerUnaryReactor* SessionsService::ListSessions(grpc::CallbackServerContext* call,
                                                         const v1::ListSessionsRequest* request,
                                                         v1::ListSessionsResponse* response) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  priors::SceneFilter wanted{request->project(), request->scene()};
-  const auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/ListSessions"));
-  absl::Status allowed = caller.status();
-  if (allowed.ok()) allowed = Narrow(*caller, wanted);
-  if (!allowed.ok()) {
-    reactor->Finish(ToGrpc(allowed, context_.counters));
-    return reactor;
-  }
-  const uint32_t limit = request->page_size() == 0
-                             ? kSessionsPerPage
-                             : std::min(request->page_size(), kSessionsPerPage);
-  context_.loop.Post(
-      [this, reactor, response, limit, after = request->page_token(), filter = std::move(wanted)] {
-        for (v1::SessionInfo& session : context_.sessions.List(filter, after, limit)) {
-          *response->add_sessions() = std::move(session);
-        }
-        if (response->sessions_size() == static_cast<int>(limit))
-          response->set_next_page_token(response->sessions().rbegin()->session_id());
-        reactor->Finish(grpc::Status::OK);
-      });
-  return reactor;
+  constexpr Rpc kRpc = RpcOf("SessionsService/ListSessions");
+  return ServeUnary(context_, *call, kRpc, [&](const auth::Principal& caller, EndCall end) {
+    priors::SceneFilter filter{request->project(), request->scene()};
+    if (const absl::Status allowed = Narrow(caller, filter); !allowed.ok()) return end(allowed);
+    context_.loop.Post([this, request, response, filter = std::move(filter), end = std::move(end)] {
+      const uint32_t limit = request->page_size() == 0
+                                 ? kSessionsPerPage
+                                 : std::min(request->page_size(), kSessionsPerPage);
+      for (v1::SessionInfo& session :
+           context_.sessions.List(filter, request->page_token(), limit)) {
+        *response->add_sessions() = std::move(session);
+      }
+      if (response->sessions_size() == static_cast<int>(limit))
+        response->set_next_page_token(response->sessions().rbegin()->session_id());
+      end(absl::OkStatus());
+    });
+  });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
@@ -90,71 +86,67 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* SessionsService::WatchSessions(
       ToGrpc(caller.status(), context_.counters));
 }
 
+std::shared_ptr<GameSession> SessionsService::FindFor(const auth::Principal& caller,
+                                                      const std::string& session_id) const {
+  std::shared_ptr<GameSession> session = context_.sessions.Find(session_id);
+  const bool shown =
+      session != nullptr && !session->ended() && caller.MayUse(session->identity().scene.project);
+  return shown ? session : nullptr;
+}
+
 grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerContext* call,
                                                        const v1::KickSessionRequest* request,
                                                        v1::KickSessionResponse* /*response*/) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/KickSession"));
-  if (!caller.ok()) {
-    reactor->Finish(ToGrpc(caller.status(), context_.counters));
-    return reactor;
-  }
-  std::string who = NameAndAddress(*caller, *call);
-  context_.loop.Post([this, reactor, caller = *std::move(caller), id = request->session_id(),
-                      who = std::move(who), may_return = request->may_return()] {
-    const std::shared_ptr<GameSession> session = context_.sessions.Find(id);
-    absl::Status status;
-    // Of another project's session the answer tells nothing.
-    if (session == nullptr || session->ended() ||
-        !caller.MayUse(session->identity().scene.project)) {
-      status = UnknownSession();
-    } else {
-      context_.sessions.Kick(*session, may_return);
-      context_.log.warn("{} kicked session {} of {}/{}, which {}", who, id,
-                        session->identity().scene.project, session->identity().scene.scene,
-                        may_return ? "may return" : "has ended");
-      admin_.Record(absl::StrCat("action=kick session=", id, " may_return=", may_return), who);
-    }
-    reactor->Finish(ToGrpc(status, context_.counters));
+  constexpr Rpc kRpc = RpcOf("SessionsService/KickSession");
+  return ServeUnary(context_, *call, kRpc, [&](auth::Principal caller, EndCall end) {
+    std::string who = NameAndAddress(caller, *call);
+    context_.loop.Post(
+        [this, request, caller = std::move(caller), who = std::move(who), end = std::move(end)] {
+          const std::shared_ptr<GameSession> session = FindFor(caller, request->session_id());
+          if (session == nullptr) return end(UnknownSession());
+          const bool may_return = request->may_return();
+          const SessionIdentity& identity = session->identity();
+          context_.sessions.Kick(*session, may_return);
+          context_.log.warn("{} kicked session {} of {}/{}, which {}", who, identity.id,
+                            identity.scene.project, identity.scene.scene,
+                            may_return ? "may return" : "has ended");
+          admin_.Record(
+              absl::StrCat("action=kick session=", identity.id, " may_return=", may_return), who);
+          end(absl::OkStatus());
+        });
   });
-  return reactor;
 }
 
 grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerContext* call,
                                                         const v1::OrderSessionRequest* request,
                                                         v1::OrderSessionResponse* response) {
-  grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
-  auto caller = context_.access.Authorize(*call, RpcOf("SessionsService/OrderSession"));
-  if (!caller.ok()) {
-    reactor->Finish(ToGrpc(caller.status(), context_.counters));
-    return reactor;
-  }
-  std::string who = NameAndAddress(*caller, *call);
-  context_.loop.Post([this, reactor, request, response, caller = *std::move(caller),
-                      who = std::move(who)] {
-    const std::shared_ptr<GameSession> session = context_.sessions.Find(request->session_id());
-    if (session == nullptr || session->ended() || !caller.MayUse(session->identity().scene.project))
-      return reactor->Finish(ToGrpc(UnknownSession(), context_.counters));
-    auto order = OrderOf(*request, session->identity().arms);
-    if (!order.ok()) return reactor->Finish(ToGrpc(order.status(), context_.counters));
-    order->operator_name = who;
-    order->now_ns = context_.loop.clock().NowNs();
-    context_.log.info("{} orders session {}: {} {}", who, session->identity().id,
-                      v1::Mode_Name(request->mode()), request->arm());
-    // The session's own log has it, too, once its next decision is on disk.
-    admin_.Record(absl::StrCat("action=order session=", session->identity().id,
-                               " mode=", v1::Mode_Name(request->mode()), " arm=", request->arm()),
-                  who);
-    session->Order(*order, [this, reactor, response,
-                            &decisions = session->decisions()](const absl::Status& status) {
-      if (status.ok()) {
-        response->set_mode(static_cast<v1::Mode>(decisions.mode()));
-        response->set_active_arm(decisions.arms()[decisions.active_arm()]);
-      }
-      reactor->Finish(ToGrpc(status, context_.counters));
+  constexpr Rpc kRpc = RpcOf("SessionsService/OrderSession");
+  return ServeUnary(context_, *call, kRpc, [&](auth::Principal caller, EndCall end) {
+    std::string who = NameAndAddress(caller, *call);
+    context_.loop.Post([this, request, response, caller = std::move(caller), who = std::move(who),
+                        end = std::move(end)] {
+      const std::shared_ptr<GameSession> session = FindFor(caller, request->session_id());
+      if (session == nullptr) return end(UnknownSession());
+      auto order = OrderOf(*request, session->identity().arms);
+      if (!order.ok()) return end(order.status());
+      order->operator_name = who;
+      order->now_ns = context_.loop.clock().NowNs();
+      const std::string& id = session->identity().id;
+      const std::string& mode = v1::Mode_Name(request->mode());
+      context_.log.info("{} orders session {}: {} {}", who, id, mode, request->arm());
+      // The session's own log has it, too, once its next decision is on disk.
+      admin_.Record(
+          absl::StrCat("action=order session=", id, " mode=", mode, " arm=", request->arm()), who);
+      session->Order(
+          *order, [response, end, &decisions = session->decisions()](const absl::Status& status) {
+            if (status.ok()) {
+              response->set_mode(static_cast<v1::Mode>(decisions.mode()));
+              response->set_active_arm(decisions.arms()[decisions.active_arm()]);
+            }
+            end(status);
+          });
     });
   });
-  return reactor;
 }
 
 void SessionsService::OnSessions(const watch::SessionChanges& changes) {

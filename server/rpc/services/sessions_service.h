@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "server/rpc/services/watcher.h"
 #include "server/watch/watch_hub.h"
@@ -44,6 +45,10 @@ class SessionsService final : public v1::SessionsService::WithCallbackMethod_Lis
   std::optional<grpc::ByteBuffer> TakeMessage(watch::SessionChanges& changes) const;
 
  private:
+  // Returns the session, if it is in memory and has not ended. Of another project's session the
+  // answer tells a caller nothing: null.
+  std::shared_ptr<GameSession> FindFor(const auth::Principal& caller,
+                                       const std::string& session_id) const;
   // Returns what watchers of this filter are told.
   std::shared_ptr<const SessionTick> Encode(const priors::SceneFilter& filter,
                                             const watch::SessionChanges& changes) const;

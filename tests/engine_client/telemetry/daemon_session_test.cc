@@ -443,42 +443,6 @@ TEST_F(DaemonSessionTest, ComesBackWhenADrainingDaemonAsksForIt) {
   RunUntil([&] { return session_->stats().resumed_count == 1; });
 }
 
-TEST_F(DaemonSessionTest, TellsWhatTheDaemonDecidesWith) {
-  FakeDaemon daemon;
-  daemon.SetScript([](auto& script) {
-    script.welcome.set_protocol_version(1);
-    script.welcome.set_daemon_version("1.2.3");
-    script.welcome.set_policy("paper");
-    script.welcome.set_seed(~uint64_t{0});
-  });
-  GoOnline(daemon);
-  const SessionStats stats = session_->stats();
-  EXPECT_EQ(stats.daemon_version, "1.2.3");
-  EXPECT_EQ(stats.policy, "paper");
-  EXPECT_EQ(stats.seed, ~uint64_t{0});
-}
-
-TEST_F(DaemonSessionTest, RefusesADaemonThatChoosesAVersionItDoesNotSpeak) {
-  FakeDaemon daemon;
-  daemon.SetScript([](auto& script) { script.welcome.set_protocol_version(2); });
-  StartAgainst(daemon);
-  RunUntil([&] { return !session_->stats().refusal.empty(); });
-  const SessionStats stats = session_->stats();
-  EXPECT_EQ(stats.refusal, "the daemon at " + daemon.address() +
-                               " speaks version 2 of the protocol, this game speaks 1 to 1; "
-                               "update the older one");
-  EXPECT_THAT(stats.last_error, testing::StartsWith(stats.refusal));
-  EXPECT_EQ(stats.connection_count, 0U);
-  EXPECT_NE(stats.state, ConnectionState::kOnline);
-  daemon.SetScript([](auto& script) { script.welcome.set_protocol_version(1); });
-  RunUntil([&] { return session_->stats().connection_count == 1; });
-  EXPECT_EQ(session_->stats().refusal, "");
-  daemon.WaitUntil([](const FakeDaemon& d) { return !d.evidence.empty(); });
-  daemon.Kill();
-  EXPECT_EQ(daemon.hellos.front().min_protocol_version(), 1U);
-  EXPECT_EQ(daemon.hellos.front().protocol_version(), 1U);
-}
-
 TEST_F(DaemonSessionTest, LetsTheGuardActOnlyWhileThereIsNoDaemon) {
   FakeDaemon daemon;
   GoOnline(daemon);

@@ -153,7 +153,7 @@ void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
   }
   if (response.has_posterior_snapshot()) Check(response.posterior_snapshot().arms());
   if (response.has_reconnect()) {
-    redirect_delay_ns_ = response.reconnect().delay_ms() * kMsNs;
+    reconnect_delay_ns_ = response.reconnect().delay_ms() * kMsNs;
     half_closed_ = true;
     connection_->HalfClose();
   }
@@ -201,7 +201,7 @@ void SimulatedGame::OnClosed(const absl::Status& status) {
   if (absl::IsPermissionDenied(status)) state_.ForgetSession();
   state_.Disconnect(absl::IsNotFound(status), absl::IsInvalidArgument(status));
   next_attempt_ns_ =
-      world_.NowNs() + world_.Draw(20 * kMsNs, kSecondNs) + std::exchange(redirect_delay_ns_, 0);
+      world_.NowNs() + world_.Draw(20 * kMsNs, kSecondNs) + std::exchange(reconnect_delay_ns_, 0);
 }
 
 }  // namespace sweepstake::simulation

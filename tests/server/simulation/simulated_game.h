@@ -78,7 +78,7 @@ class SimulatedGame final : public ConnectionUser {
   std::shared_ptr<Connection> connection_;  // null while there is none
   int64_t next_attempt_ns_ = 0;
   int64_t welcome_due_ns_ = 0;
-  int64_t redirect_delay_ns_ = 0;
+  int64_t reconnect_delay_ns_ = 0;
   bool goodbye_sent_ = false;
   bool half_closed_ = false;
   bool finishing_ = false;

@@ -349,10 +349,11 @@ TEST(SessionsCommand, SteersAGame) {
   EXPECT_EQ(run("pin one KDTree"), "one obeys: manual, KDTree is active\n");
   EXPECT_EQ(daemon.sessions.order_request->session_id(), "one");
   EXPECT_EQ(daemon.sessions.order_request->mode(), v1::MODE_MANUAL);
-  EXPECT_EQ(run("release one"), "one obeys: ai, SAP is active\n");
-  EXPECT_EQ(run("mode one manual"), "one obeys: manual, SAP is active\n");
+  EXPECT_EQ(run("pin one"), "one obeys: manual, SAP is active\n");
+  EXPECT_EQ(daemon.sessions.order_request->mode(), v1::MODE_MANUAL);
   EXPECT_EQ(daemon.sessions.order_request->arm(), "");
-  EXPECT_EQ(nlohmann::json::parse(run("mode one ai --json"))["mode"], "ai");
+  EXPECT_EQ(run("release one"), "one obeys: ai, SAP is active\n");
+  EXPECT_EQ(nlohmann::json::parse(run("release one --json"))["mode"], "ai");
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// How a call with one answer is served: who calls is checked first, and whatever the end is, it
+// goes to the client with its reason.
+#pragma once
+
+#include <grpcpp/grpcpp.h>
+
+#include <functional>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "server/rpc/common/error_reasons.h"
+#include "server/rpc/services/service_context.h"
+
+namespace sweepstake::rpc {
+
+// Ends the call. Called once, on any thread; the response must be complete by then.
+using EndCall = std::function<void(const absl::Status&)>;
+
+// Serves the call with `handle(caller, end)`, unless its caller may not make it. Neither may wait.
+template <typename Handle>
+grpc::ServerUnaryReactor* ServeUnary(ServiceContext& context, grpc::CallbackServerContext& call,
+                                     Rpc rpc, Handle handle) {
+  grpc::ServerUnaryReactor* reactor = call.DefaultReactor();
+  EndCall end = [reactor, &counters = context.counters](const absl::Status& status) {
+    reactor->Finish(ToGrpc(status, counters));
+  };
+  if (auto caller = context.access.Authorize(call, rpc); caller.ok()) {
+    handle(*std::move(caller), std::move(end));
+  } else {
+    end(caller.status());
+  }
+  return reactor;
+}
+
+}  // namespace sweepstake::rpc
