@@ -389,10 +389,10 @@ TEST_F(PosteriorsTest, AnExportThatNobodyReadsEnds) {
                                 grpc::InsecureChannelCredentials(), small_window);
   grpc::ClientContext context;
   const auto reader = v1::PriorsService::NewStub(own_channel)->ExportPriors(&context, {});
-  for (int i = 0; i < 60; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_TRUE(Eventually([&] {
     clock_.Advance(kSecondNs);
-  }
+    return server_->counters().error_counts.at(v1::ERROR_REASON_CALL_STALLED) == 1;
+  }));
   v1::ExportPriorsResponse part;
   while (reader->Read(&part)) {
   }
