@@ -165,7 +165,7 @@ Json PlayerJson(const ReplayedPlayer& player) {
           {"is_policy", player.is_policy},
           {"regret", player.regret},
           {"ci95", IntervalJson(player.ci95)},
-          {"after_start_up", player.after_start_up},
+          {"after_start_up", OrNull(player.after_start_up)},
           {"switches", player.switches},
           {"active_share", player.active_share}};
 }

@@ -130,7 +130,8 @@ void PrintRegret(const ExperimentTruths& truths, std::ostream& out) {
     for (const ReplayedPlayer& player : truth.players) {
       if (!player.is_policy) continue;
       table.AddRow({CellName(truth.cell), player.name, PercentText(player.regret),
-                    IntervalText(player.ci95), PercentText(player.after_start_up),
+                    IntervalText(player.ci95),
+                    player.after_start_up ? PercentText(*player.after_start_up) : "-",
                     Fixed(player.switches, 1)});
     }
   }

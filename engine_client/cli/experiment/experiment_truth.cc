@@ -45,7 +45,6 @@ ReplayedPlayer PlayerOf(const ReplayPlayer& player, const StudyRow& row) {
   replayed.regret = row.regret_best_fixed;
   replayed.ci95 = row.ci95;
   replayed.after_start_up = row.regret_after_start_up;
-  replayed.after_start_up_ci95 = row.after_start_up_ci95;
   replayed.switches = row.switches;
   replayed.active_share = row.active_share;
   return replayed;

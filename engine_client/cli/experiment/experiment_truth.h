@@ -30,11 +30,10 @@ struct ArmCost {
 struct ReplayedPlayer {
   std::string name;
   bool is_policy = false;
-  std::vector<double> regrets;  // by seed
-  double regret = 0;            // the mean of `regrets`
-  Interval ci95;                // by bootstrap
-  double after_start_up = 0;
-  Interval after_start_up_ci95;
+  std::vector<double> regrets;           // by seed
+  double regret = 0;                     // the mean of `regrets`
+  Interval ci95;                         // by bootstrap
+  std::optional<double> after_start_up;  // absent if nothing was measured after it
   double switches = 0;
   double active_share = 0;  // of the dominant arm
 };

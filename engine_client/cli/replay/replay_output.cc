@@ -35,8 +35,9 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
                {"switches", row.switches},
                {"active_share", row.active_share},
                {"bail_outs", OrNull(row.bail_outs)},
-               {"regret_after_start", row.regret_after_start_up},
-               {"regret_after_start_ci95", IntervalJson(row.after_start_up_ci95)},
+               {"regret_after_start", OrNull(row.regret_after_start_up)},
+               {"regret_after_start_ci95",
+                row.after_start_up_ci95 ? IntervalJson(*row.after_start_up_ci95) : Json()},
                {"headroom", row.headroom},
                {"headroom_frame", row.frame_headroom},
                {"headroom_captured", OrNull(row.headroom_captured)},
@@ -88,7 +89,8 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
     }
     before = &row;
     table.AddRow({report.options.players[row.player].name, SignedPercent(row.regret_best_fixed),
-                  IntervalText(row.ci95), SignedPercent(row.regret_after_start_up),
+                  IntervalText(row.ci95),
+                  row.regret_after_start_up ? SignedPercent(*row.regret_after_start_up) : "-",
                   SignedPercent(row.regret_oracle),
                   row.headroom_captured ? Fixed(100 * *row.headroom_captured, 0) + "%" : "-",
                   Fixed(row.switches, 1), Fixed(row.active_share, 2),
@@ -138,7 +140,8 @@ void WriteReplayCsv(const ReplayReport& report, CsvFile& csv) {
       const StudyGame& game = row.games[i];
       csv.Row({report.scenes[row.scene].name, report.options.players[row.player].name,
                std::to_string(i + 1), Fixed(game.regret_best_fixed, 9),
-               Fixed(game.regret_oracle, 9), Fixed(game.regret_after_start_up, 9),
+               Fixed(game.regret_oracle, 9),
+               game.regret_after_start_up ? Fixed(*game.regret_after_start_up, 9) : "",
                Fixed(game.headroom, 9), std::to_string(game.switch_count),
                Fixed(game.active_share, 9), ArmName(report, row.scene, game.dominant_arm),
                game.bail_out_count ? std::to_string(*game.bail_out_count) : "",

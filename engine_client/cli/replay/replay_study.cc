@@ -72,8 +72,8 @@ class SeedGames {
     return game;
   }
 
-  double RegretFrom(uint32_t first_frame, double ns) const {
-    if (first_frame == scene_.frame_count()) return 0;
+  std::optional<double> RegretFrom(uint32_t first_frame, double ns) const {
+    if (first_frame == scene_.frame_count()) return std::nullopt;
     const std::vector<double> totals = fixed_.TotalsFrom(first_frame);
     return ns / *std::min_element(totals.begin(), totals.end()) - 1;
   }
@@ -157,11 +157,8 @@ uint32_t MostOften(const std::vector<StudyGame>& games) {
 void Summarize(StudyRow& row) {
   const auto& games = row.games;
   const auto regret = Column(games, &StudyGame::regret_best_fixed);
-  const auto after = Column(games, &StudyGame::regret_after_start_up);
   row.regret_best_fixed = Mean(regret);
   row.ci95 = Interval95(regret);
-  row.regret_after_start_up = Mean(after);
-  row.after_start_up_ci95 = Interval95(after);
   row.regret_oracle = Mean(Column(games, &StudyGame::regret_oracle));
   row.headroom = Mean(Column(games, &StudyGame::headroom));
   row.frame_headroom = Mean(Column(games, &StudyGame::frame_headroom));
@@ -171,6 +168,7 @@ void Summarize(StudyRow& row) {
   row.dominant_arm = MostOften(games);
   row.verdict_shares.resize(games.front().verdict_shares.size());
   const double share = 1.0 / static_cast<double>(games.size());
+  std::vector<double> after_start_up;
   std::vector<double> first_best_s;
   for (const StudyGame& game : games) {
     row.switches += static_cast<double>(game.switch_count) * share;
@@ -180,7 +178,12 @@ void Summarize(StudyRow& row) {
     if (game.bail_out_count) {
       row.bail_outs = row.bail_outs.value_or(0) + static_cast<double>(*game.bail_out_count) * share;
     }
+    if (game.regret_after_start_up) after_start_up.push_back(*game.regret_after_start_up);
     if (game.first_best_s) first_best_s.push_back(*game.first_best_s);
+  }
+  if (!after_start_up.empty()) {
+    row.regret_after_start_up = Mean(after_start_up);
+    row.after_start_up_ci95 = Interval95(after_start_up);
   }
   if (!first_best_s.empty()) row.first_best_s = Median(first_best_s);
 }

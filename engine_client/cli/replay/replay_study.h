@@ -53,7 +53,9 @@ struct StudyScene {
 struct StudyGame {
   double regret_best_fixed = 0;
   double regret_oracle = 0;  // against the oracle that pays for its switches
-  double regret_after_start_up = 0;
+  // Without the first minute and the exploration. Absent if nothing came after them, and for the
+  // oracle.
+  std::optional<double> regret_after_start_up{};
   double headroom = 0;        // that oracle's: 1 − its time ÷ the best fixed arm's
   double frame_headroom = 0;  // of an oracle with the best arm in every frame and free switches
   uint64_t switch_count = 0;  // after the exploration
@@ -75,20 +77,20 @@ struct StudyRow {
   // The means over the games of the members of StudyGame with these names.
   double regret_best_fixed = 0;
   double regret_oracle = 0;
-  double regret_after_start_up = 0;
   double headroom = 0;
   double frame_headroom = 0;
   double active_share = 0;
   std::vector<double> verdict_shares;
   double shadow_share = 0;
 
-  Interval ci95;                            // 95 % interval of regret_best_fixed
-  Interval after_start_up_ci95;             // 95 % interval of regret_after_start_up
-  std::optional<double> headroom_captured;  // absent if the headroom is below kMinHeadroom
-  double switches = 0;                      // mean of StudyGame::switch_count
-  uint32_t dominant_arm = 0;                // in the largest number of games
-  std::optional<double> bail_outs;          // mean of StudyGame::bail_out_count
-  std::optional<double> first_best_s;       // median over the games that have one
+  Interval ci95;                                // 95 % interval of regret_best_fixed
+  std::optional<double> regret_after_start_up;  // mean over the games that have one
+  std::optional<Interval> after_start_up_ci95;  // its 95 % interval
+  std::optional<double> headroom_captured;      // absent if the headroom is below kMinHeadroom
+  double switches = 0;                          // mean of StudyGame::switch_count
+  uint32_t dominant_arm = 0;                    // in the largest number of games
+  std::optional<double> bail_outs;              // mean of StudyGame::bail_out_count
+  std::optional<double> first_best_s;           // median over the games that have one
   struct AgainstPaper {
     double difference = 0;  // of regret_best_fixed, paired by seed
     Interval ci95;

@@ -49,7 +49,7 @@ export function share(ratio: number): string {
 }
 
 // With a sign, unless it rounds to nothing.
-export function percent(ratio: number): string {
+export function percent(ratio: number | null): string {
   if (!isNumber(ratio)) return NONE;
   const size = share(Math.abs(ratio));
   return /[1-9]/.test(size) ? (ratio < 0 ? '−' : '+') + size : '0 %';

@@ -141,7 +141,7 @@ def cells_text(cells, policy, replays):
                                      for each, priors in ((policy, "right"), (policy, "wrong"), ("paper", "none")))
         rows.append([cell["cell"], cell["category"], percent(abs(replays.controls[cell["cell"]])), percent(row["headroom"]),
                      percent(row["regret_best_fixed"]), percent(row["ci95"][0]) + " to " + percent(row["ci95"][1]),
-                     percent(row["regret_after_start"]), percent(prior), percent(wrong_prior),
+                     or_dash(row["regret_after_start"], percent), percent(prior), percent(wrong_prior),
                      or_dash(row["headroom_captured"], lambda ratio: f"{100 * ratio:.0f}%"), f"{row['switches']:.1f}",
                      f"{row['active_share']:.2f}", or_dash(row["bail_outs"], "{:.2f}".format), percent(paper)])
     return table(["cell", "category", "floor", "headroom", "regret", "ci95", "after_start", "prior", "wrong_prior", "captured",
@@ -149,7 +149,9 @@ def cells_text(cells, policy, replays):
 
 
 def mean(values):
-    return sum(values) / len(values)
+    """The mean of the values there are; None where there is none."""
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
 
 
 def policies_text(cells, replays):
@@ -160,7 +162,7 @@ def policies_text(cells, replays):
             if own:
                 regret = [row["regret_best_fixed"] for row in own]
                 rows.append([policy, category, str(len(own)), percent(mean(regret)), percent(max(regret)),
-                             percent(mean([row["regret_after_start"] for row in own])),
+                             or_dash(mean([row["regret_after_start"] for row in own]), percent),
                              f"{mean([row['switches'] for row in own]):.1f}",
                              f"{mean([row['bail_outs'] or 0 for row in own]):.2f}"])
     return table(["policy", "category", "cells", "regret", "worst", "after_start", "switches", "bail_outs"], rows)

@@ -137,6 +137,8 @@ async function checkReplay(page, { rows, scenes }) {
   assert.equal(await count(page, '#regret-1 .point'), rows.length);
   assert.equal(await rowsOf(page, 'rows'), rows.length);
   assert.equal(await rowsOf(page, 'scenes'), scenes.length);
+  const afterStart = await page.locator('#rows tbody tr:not(.heading) > :nth-child(3)').allTextContents();
+  assert.equal(afterStart.filter((text) => text === '–').length, rows.filter(({ regret_after_start }) => regret_after_start === null).length);
   await checkTip(page, '#regret-1', /after start-up/);
 }
 

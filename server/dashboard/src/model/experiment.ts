@@ -20,7 +20,7 @@ export interface Run {
 }
 export type TimePart = 'scene_step' | 'detection' | 'rebuild' | 'copying' | 'around' | 'frame_end' | 'intake' | 'decision' | 'lane';
 export interface Player {
-  name: string; is_policy: boolean; regret: number; ci95: Interval; after_start_up: number; switches: number; active_share: number;
+  name: string; is_policy: boolean; regret: number; ci95: Interval; after_start_up: number | null; switches: number; active_share: number;
 }
 export interface Comparison {
   policy: string; baseline: string; pairs: number; difference: number; ci95: Interval; p: number; p_corrected: number; effect: number;

@@ -3,7 +3,7 @@ import { mean, type Interval } from '../format';
 
 export interface ReplayRow {
   costs: string; policy: string; regret_best_fixed: number; regret_oracle: number; ci95: Interval; switches: number; active_share: number;
-  bail_outs: number | null; regret_after_start: number; headroom: number; headroom_frame: number; headroom_captured: number | null;
+  bail_outs: number | null; regret_after_start: number | null; headroom: number; headroom_frame: number; headroom_captured: number | null;
   dominant: string; seeds: number; first_best_s: number | null; shadow_share: number; verdicts: Record<string, number>;
   against_paper?: { difference: number; ci95: Interval; wilcoxon_p: number };
 }

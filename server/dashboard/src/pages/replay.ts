@@ -66,7 +66,7 @@ const optional = (value: number | null, show: (value: number) => string) => (val
 function rowCells(row: ReplayRow): Cell[] {
   const { against_paper: paper } = row;
   return [cell(row.policy), cell([percent(row.regret_best_fixed), small(interval(row.ci95))], row.regret_best_fixed),
-    cell(percent(row.regret_after_start), row.regret_after_start), cell(percent(row.regret_oracle), row.regret_oracle),
+    optional(row.regret_after_start, percent), cell(percent(row.regret_oracle), row.regret_oracle),
     optional(row.headroom_captured, (value) => `${grouped(100 * value)} %`), cell(spread(row.switches, 0, 1, 1), row.switches),
     cell(share(row.active_share), row.active_share), textCell(chip(row.dominant, colourOf(row.dominant))),
     optional(row.bail_outs, (value) => significant(value)), optional(row.first_best_s, (value) => `${significant(value)} s`),

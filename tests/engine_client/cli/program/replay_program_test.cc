@@ -51,11 +51,12 @@ TEST_F(ReplayProgram, PrintsOneJsonDocumentWithTheRowsOfTheContract) {
     EXPECT_EQ(row["costs"], Costs());
     EXPECT_EQ(row["seeds"], 3);
     EXPECT_EQ(row["ci95"].size(), 2U);
-    for (const char* number : {"regret_best_fixed", "regret_oracle", "switches", "active_share",
-                               "regret_after_start", "headroom"}) {
+    for (const char* number :
+         {"regret_best_fixed", "regret_oracle", "switches", "active_share", "headroom"}) {
       EXPECT_TRUE(row[number].is_number()) << number;
     }
-    for (const char* name : {"policy", "dominant", "bail_outs", "headroom_captured"}) {
+    for (const char* name :
+         {"policy", "dominant", "bail_outs", "headroom_captured", "regret_after_start"}) {
       EXPECT_TRUE(row.contains(name)) << name;
     }
   }

@@ -94,6 +94,8 @@ TEST_F(ReplayOutput, JsonSaysNullWhereThereIsNothing) {
   const json oracle = Document()["rows"][1];
   EXPECT_TRUE(oracle["bail_outs"].is_null());
   EXPECT_TRUE(oracle["headroom_captured"].is_null());
+  EXPECT_TRUE(oracle["regret_after_start"].is_null());
+  EXPECT_TRUE(oracle["regret_after_start_ci95"].is_null());
   EXPECT_TRUE(oracle["first_best_s"].is_null());
   EXPECT_TRUE(oracle["verdicts"].empty());
   EXPECT_FALSE(oracle.contains("against_paper"));
@@ -136,7 +138,7 @@ TEST_F(ReplayOutput, TheCsvFileHasALineForEachGame) {
   for (std::string line; std::getline(file, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 5U);
   EXPECT_EQ(lines[1],
-            "a.costs,paper,1,0.500000000,0.000000000,0.000000000,0.000000000,3,1.000000000,"
+            "a.costs,paper,1,0.500000000,0.000000000,,0.000000000,3,1.000000000,"
             "AxisSweep,1,\r");
   EXPECT_THAT(lines[2], testing::EndsWith(",KDTree,,12.500\r"));
   EXPECT_THAT(lines[3], testing::StartsWith("a.costs,oracle,1,"));

@@ -280,13 +280,21 @@ TEST(RunStudy, FixedArmsAndTheOracleHaveTheRegretThatTheTraceSays) {
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_NEAR(rows[0].regret_best_fixed, 0, 1e-12);
   EXPECT_NEAR(rows[1].regret_best_fixed, 1, 1e-12);
-  EXPECT_NEAR(rows[1].regret_after_start_up, 1, 1e-12);
+  EXPECT_NEAR(*rows[1].regret_after_start_up, 1, 1e-12);
   EXPECT_NEAR(rows[2].regret_best_fixed, 0, 1e-12);
   // Two of the four seeds start on the slow arm, see AColdSwitchIsChargedOnce.
   EXPECT_NEAR(rows[3].regret_best_fixed, 3.035 / 900 / 2, 1e-8);
-  EXPECT_NEAR(rows[3].regret_after_start_up, 0, 1e-9);
+  EXPECT_NEAR(*rows[3].regret_after_start_up, 0, 1e-9);
   EXPECT_EQ(rows[3].bail_outs, 0.0);
   EXPECT_FALSE(rows[3].headroom_captured);
+}
+
+TEST(RunStudy, OfAGameThatEndsWithItsStartThereIsNoRegretAfterIt) {
+  const StudyOptions options = StudyOf({"fixed", "paper", "oracle"}, {"AxisSweep", "KDTree"});
+  for (const StudyRow& row : Study(TwiceAsSlow(), options, {.run_ns = kStartUpNs / 2})) {
+    EXPECT_FALSE(row.regret_after_start_up) << row.player;
+    EXPECT_FALSE(row.after_start_up_ci95) << row.player;
+  }
 }
 
 TEST(RunStudy, TheOracleCapturesAllOfItsHeadroom) {
