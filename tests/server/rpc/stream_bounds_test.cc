@@ -2,6 +2,7 @@
 // up while the store was busy.
 #include <vector>
 
+#include "server/auth/failure_limit.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -43,6 +44,22 @@ class StreamBoundsTest : public LoadCount, public RpcTest {
     thread_.Submit([&](priors::PriorStore&) { release.get_future().wait(); });
   }
 };
+
+// The other tests shorten times and lower bounds; these are the ones that people get.
+TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
+  const RpcOptions options;
+  EXPECT_EQ(options.handshake_patience, std::chrono::seconds(10));
+  EXPECT_EQ(options.hello_patience_ns, 10 * kSecondNs);
+  EXPECT_EQ(options.watcher_patience_ns, 20 * kSecondNs);
+  EXPECT_EQ(options.max_streams_per_connection, 100u);
+  EXPECT_EQ(options.max_scenes, 1'000u);
+  EXPECT_EQ(options.memory_quota_bytes, uint64_t{64} << 20);
+  EXPECT_EQ(kMaxMessageBytes, 256u * 1024);
+  EXPECT_EQ(kMaxBatchFrames, 240u);
+  EXPECT_EQ(kMaxStreamsWithoutSession, 1'000u);
+  EXPECT_EQ(auth::FailureLimit::kMaxFailures, 10u);
+  EXPECT_EQ(auth::FailureLimit::kIntervalNs, 60 * kSecondNs);
+}
 
 TEST_F(StreamBoundsTest, OneWithoutAHelloIsClosedInTime) {
   TelemetryClient silent(channel_);

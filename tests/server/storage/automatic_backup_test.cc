@@ -3,7 +3,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <future>
 
@@ -11,6 +15,7 @@
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::storage {
@@ -18,6 +23,36 @@ namespace {
 
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
+
+// What names a folder gets (+) and loses (-), in their order.
+class FolderEvents {
+ public:
+  explicit FolderEvents(const std::filesystem::path& folder)
+      : descriptor_(inotify_init1(IN_NONBLOCK)) {
+    inotify_add_watch(descriptor_, folder.c_str(),
+                      IN_CREATE | IN_DELETE | IN_MOVED_FROM | IN_MOVED_TO);
+  }
+  ~FolderEvents() { close(descriptor_); }
+  FolderEvents(const FolderEvents&) = delete;
+  FolderEvents& operator=(const FolderEvents&) = delete;
+
+  std::vector<std::string> Take() const {
+    std::vector<std::string> names;
+    alignas(inotify_event) std::array<char, 64 * 1024> bytes;
+    for (ssize_t size = 0; (size = read(descriptor_, bytes.data(), bytes.size())) > 0;) {
+      for (const char* next = bytes.data(); next < bytes.data() + size;) {
+        const auto* event = reinterpret_cast<const inotify_event*>(next);
+        const bool is_new = (event->mask & (IN_CREATE | IN_MOVED_TO)) != 0;
+        names.push_back((is_new ? "+" : "-") + std::string(event->name));
+        next += sizeof(inotify_event) + event->len;
+      }
+    }
+    return names;
+  }
+
+ private:
+  const int descriptor_;
+};
 
 class AutomaticBackupTest : public ::testing::Test {
  protected:
@@ -76,6 +111,25 @@ TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndTheLastWholeBackupIsOpenedInIts
   EXPECT_EQ(CountFiles(".quarantine-"), 1u);
   EXPECT_EQ(CountFiles(".backup-"), 3u);
   EXPECT_TRUE(opened->store->Commit(std::vector{Update("a", 3, {Key("Grid")})}).ok());
+}
+
+TEST_F(AutomaticBackupTest, TheDamagedFileIsKeptAsItWasBeforeTheBackupTakesItsPlace) {
+  Commit(1);
+  BackUp("20260101T000000Z");
+  Damage(path_);
+  const std::string damaged = test_support::FileText(path_);
+  const FolderEvents events(directory_.path());
+  const auto opened = OpenStoreOrBackup(path_);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  const std::vector<std::string> names = events.Take();
+  const auto kept = std::find_if(names.begin(), names.end(), [](const std::string& name) {
+    return name.starts_with("+priors.db.quarantine-");
+  });
+  const auto published = std::find(names.begin(), names.end(), "+priors.db");
+  ASSERT_NE(published, names.end());
+  EXPECT_LT(kept, published) << "a crash in between must not lose it";
+  EXPECT_THAT(names, ::testing::Not(::testing::Contains("-priors.db")));
+  EXPECT_EQ(test_support::FileText(directory_.path() / kept->substr(1)), damaged);
 }
 
 TEST_F(AutomaticBackupTest, AnEmptyFileAndOneThatIsNoDatabaseAreReplacedToo) {

@@ -134,6 +134,7 @@ TEST(HttpServerTest, ALongHeaderIsRefused) {
 }
 
 TEST(HttpServerTest, AHeaderThatDoesNotEndIsDroppedInTime) {
+  EXPECT_EQ(HttpLimits().patience, std::chrono::seconds(10));
   const auto server = StartServer({.patience = std::chrono::milliseconds(50)});
   HttpSocket socket(server->port());
   socket.Send("GET /hello HTTP/1.1\r\nA: ");
@@ -184,6 +185,7 @@ class NoDescriptors {
 };
 
 TEST(HttpServerTest, ATimeWithoutDescriptorsPasses) {
+  EXPECT_LE(HttpLimits().accept_retry, std::chrono::seconds(1));
   const auto server =
       StartServer({.patience = kPatient.patience, .accept_retry = std::chrono::milliseconds(1)});
   std::unique_ptr<HttpSocket> waiting;

@@ -261,6 +261,46 @@ TEST_F(AccessTest, AnImportWhoseTokenIsRevokedMeanwhileImportsNothing) {
   EXPECT_EQ(listed_.scenes_size(), 0);
 }
 
+TEST_F(AccessTest, AnImportWhoseTokenIsRevokedEndsThoughItsClientGoesOn) {
+  const auto stub = v1::PriorsService::NewStub(channel_);
+  const auto context = Mine();
+  v1::ImportPriorsResponse response;
+  const auto writer = stub->ImportPriors(context.get(), &response);
+  writer->Write(ImportOf({"mine"}));
+  tokens_.Revoke("mine");
+  writer->Write(ImportOf({"game"}));
+  EXPECT_EQ(ReasonOf(writer->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
+}
+
+TEST_F(AccessTest, AnExportWhoseTokenIsRevokedMeanwhileEndsBeforeItsNextPage) {
+  std::vector<priors::PriorRecord> records(3 * kRecordsPerMessage);
+  for (size_t i = 0; i < records.size(); ++i) {
+    records[i].key.project = "mine";
+    records[i].key.scene = "harbour";
+    records[i].key.arm = "Grid";
+    records[i].source_id = "source " + std::to_string(i);
+    records[i].source_sequence = 1;
+    records[i].evidence.alpha = 1;
+  }
+  thread_.Submit(
+      [&](priors::PriorStore& store) { EXPECT_TRUE(store.Import(records).status().ok()); });
+  Flush();
+  std::promise<void> release;
+  thread_.Submit([&](priors::PriorStore&) { release.get_future().wait(); });
+  const size_t before = store_.submit_count();
+  const auto context = Mine();
+  const auto stub = v1::PriorsService::NewStub(channel_);
+  const auto reader = stub->ExportPriors(context.get(), {});
+  EXPECT_TRUE(Eventually([&] { return store_.submit_count() == before + 1; }));
+  tokens_.Revoke("mine");
+  release.set_value();
+  size_t count = 0;
+  for (v1::ExportPriorsResponse part; reader->Read(&part);)
+    count += static_cast<size_t>(part.records_size());
+  EXPECT_EQ(ReasonOf(reader->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
+  EXPECT_EQ(count, kRecordsPerMessage) << "the page that was being read";
+}
+
 class SessionQuotaTest : public AccessTest {
  protected:
   SessionQuotaTest() { options_.max_sessions_per_token = 2; }
