@@ -23,8 +23,8 @@ SessionSetup WithPolicyNamed(SessionSetup setup, const PolicyKind& policy) {
 }
 
 // Makes the rows of one session and hands them to the sink. A decision's row is begun with its
-// inputs and ended with the decision. The buffers are reused: nothing is allocated once a row of
-// each length has been made.
+// inputs and ended with the decision, by one call of the session. The buffers are reused: nothing
+// is allocated once a row of each length has been made.
 class AuditRecorder final : public DecisionObserver {
  public:
   // Records the setup's row.
@@ -66,10 +66,14 @@ class AuditRecorder final : public DecisionObserver {
 
   uint64_t row_count_ = 0;
   uint64_t hash_;
-  std::string row_;
-  std::string text_;   // the text of a cell that may need quotes
-  size_t column_ = 0;  // the column at the row's end
+  // One for all sessions of a thread, since no other row is begun before this one is ended.
+  static thread_local std::string row_;
+  static thread_local std::string text_;  // the text of a cell that may need quotes
+  size_t column_ = 0;                     // the column at the row's end
 };
+
+thread_local std::string AuditRecorder::row_;
+thread_local std::string AuditRecorder::text_;
 
 AuditRecorder::AuditRecorder(AuditSink& sink, AuditOrigin origin, const SessionSetup& setup,
                              const PolicyKind& policy)

@@ -53,7 +53,7 @@ absl::Status TelemetryStream::CountAddress() {
 }
 
 void TelemetryStream::OnHelloOverdue() {
-  if (end_ || hello_) return;
+  if (end_ || hello_ || session_) return;
   Reject(Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no Hello came in time; send it first"));
 }
 
@@ -74,7 +74,7 @@ void TelemetryStream::OnDone() {
   context_.counters.open_stream_count = streams_.all.size();
 }
 
-void TelemetryStream::OnMessage(const v1::StreamTelemetryRequest* request) {
+void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
   if (end_) return;
   if (request == nullptr) {
     ++context_.counters.malformed_message_count;
@@ -94,8 +94,7 @@ void TelemetryStream::OnMessage(const v1::StreamTelemetryRequest* request) {
 
 absl::Status TelemetryStream::CountMessage() {
   const uint32_t per_s = context_.options.max_messages_per_s;
-  const double scale = hello_ ? std::max(1.0, hello_->time_scale()) : 1.0;
-  if (messages_.Take(per_s * scale, context_.loop.clock().NowNs())) return absl::OkStatus();
+  if (messages_.Take(per_s * time_scale_, context_.loop.clock().NowNs())) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_TOO_MANY_MESSAGES,
                  absl::StrCat("more than ", per_s,
                               " messages a second, and ten times as many at "
@@ -103,11 +102,11 @@ absl::Status TelemetryStream::CountMessage() {
                               "and connect again in ten seconds"));
 }
 
-absl::Status TelemetryStream::Dispatch(const v1::StreamTelemetryRequest& request) {
+absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   if (!session_) {
     if (!request.has_hello())
       return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "the first request of a stream must be Hello");
-    return Open(request.hello());
+    return Open(std::move(*request.mutable_hello()));
   }
   const absl::Status status =
       CheckRequest(request, static_cast<uint32_t>(session_->identity().arms.size()));
@@ -122,8 +121,9 @@ absl::Status TelemetryStream::Dispatch(const v1::StreamTelemetryRequest& request
   return absl::OkStatus();
 }
 
-absl::Status TelemetryStream::Open(const v1::Hello& given) {
-  hello_ = given;
+absl::Status TelemetryStream::Open(v1::Hello given) {
+  hello_ = std::move(given);
+  time_scale_ = std::max(1.0, hello_->time_scale());
   if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
   if (absl::Status status = CheckHello(*hello_, context_.options); !status.ok()) return status;
   if (absl::Status status = CheckProject(caller_, hello_->project()); !status.ok()) return status;
@@ -231,6 +231,7 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
       WelcomeOf(*session_, *hello_, resumed, streams_.all.size(), context_.options);
   WriteNext();
   session_->Start(*hello_);
+  hello_.reset();
   context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
 }
 

@@ -71,9 +71,9 @@ class TelemetryStream final : public SessionLink,
 
   // Called first.
   void Accept();
-  // Takes the message that was read, or null if it does not parse. It may change until the next
-  // read.
-  void OnMessage(const v1::StreamTelemetryRequest* request);
+  // Takes the message that was read, or null if it does not parse. What it held may be gone
+  // then.
+  void OnMessage(v1::StreamTelemetryRequest* request);
   // The client sends no more.
   void OnHalfClose();
   // A write has ended.
@@ -105,8 +105,8 @@ class TelemetryStream final : public SessionLink,
   void OnHelloOverdue();
   // Error: RESOURCE_EXHAUSTED (more messages than RpcOptions::max_messages_per_s).
   absl::Status CountMessage();
-  absl::Status Dispatch(const v1::StreamTelemetryRequest& request);
-  absl::Status Open(const v1::Hello& given);
+  absl::Status Dispatch(v1::StreamTelemetryRequest& request);
+  absl::Status Open(v1::Hello given);
   // Checks that the session of the Hello is the caller's. A Hello without its resume token forgets
   // its id.
   absl::Status CheckResumption();
@@ -137,8 +137,9 @@ class TelemetryStream final : public SessionLink,
   std::string address_;  // under which streams_ counts it; empty if not
   std::shared_ptr<GameSession> session_;
   // The Hello as received, with the policy filled in and without the id of a session that it may
-  // not resume. If session_ is null, the session is being loaded.
+  // not resume, while the session is being loaded.
   std::optional<v1::Hello> hello_;
+  double time_scale_ = 1;  // of the Hello
   auth::RateBucket messages_;
   uint64_t names_before_load_ = 0;  // NewScenes::stored_name_count
   // What is to be sent with the next write. Only the latest of each kind is kept, so that a client

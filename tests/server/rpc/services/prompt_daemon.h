@@ -74,7 +74,7 @@ class PromptStream final : public TelemetryTransport {
   ~PromptStream() override { Leave(); }
 
   // Returns whether the stream still stands.
-  bool Send(const v1::StreamTelemetryRequest& request) {
+  bool Send(v1::StreamTelemetryRequest request) {
     if (stream_ == nullptr || !std::exchange(reading_, false)) return false;
     stream_->OnMessage(&request);
     daemon_.loop.RunReady();
