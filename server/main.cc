@@ -224,8 +224,9 @@ int Run(const Config& config, const CommandLine& line) {
   AwaitEnd(signals, line, **daemon);
   sweepstake::server::NotifyStopping();
   guard.emplace(kEndPatience, kDidNotEnd,
-                "sweepstaked: the disk does not answer; ended without it. What clients were not "
-                "told to be on disk, they send again");
+                "sweepstaked: did not end in time: the disk does not answer, or clients flood the "
+                "daemon with calls; ended without waiting. What clients were not told to be on "
+                "disk, they send again");
   (*daemon)->Drain();
   return kDone;
 }
