@@ -46,8 +46,9 @@ class PromptStore final : public priors::AsyncPriorStore {
 
 class WatcherOfAll final : public watch::WatchListener {
  public:
-  bool Watches(const priors::SceneKey&) const override { return true; }
+  bool Watches(const priors::SceneKey&) override { return true; }
   void OnDecision(const priors::SceneKey&, const v1::DecisionEvent&) override {}
+  void OnTick() override {}
   void OnPosterior(const priors::SceneEvidence&) override {}
   void OnReset() override {}
 };
