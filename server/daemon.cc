@@ -150,8 +150,9 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
                 update.increments.size(), update.progress.source_id, std::string(why.message()));
   };
   store_options.on_commit = [this](auto duration) { metrics_.OnCommit(duration); };
-  store_ =
-      std::make_unique<storage::StoreThread>(std::move(opened->store), std::move(store_options));
+  store_options.on_read = [this](auto duration) { metrics_.OnRead(duration); };
+  store_ = std::make_unique<storage::StoreThread>(
+      std::move(opened->store), std::move(store_options), std::move(opened->reads));
   if (absl::Status status = RemovePortFile(); !status.ok()) return status;
   auto key = ReadResumeKey(directory_.resume_key());
   if (!key.ok()) return key.status();
@@ -253,7 +254,10 @@ absl::Status Daemon::OpenHttp() {
   pages["/readyz"] = [ready](std::string_view query) { return HealthPage("readyz", ready, query); };
   pages["/metrics"] = [this](std::string_view /*query*/) {
     return web::MetricsPage(
-        metrics_.Collect(rpc_->counters(), store_->healthy(), directory_.database()));
+        metrics_.Collect(rpc_->counters(), {.healthy = store_->healthy(),
+                                            .queued_commit_count = store_->queued_count(),
+                                            .queued_read_count = store_->queued_read_count(),
+                                            .database = directory_.database()}));
   };
   auto server = web::HttpServer::Start(config_.http, std::move(pages));
   if (!server.ok()) return server.status();
@@ -268,7 +272,10 @@ std::optional<std::string> Daemon::LoopProblem() const {
 }
 
 std::optional<std::string> Daemon::StoreProblem() const {
-  if (store_->healthy()) return std::nullopt;
+  if (store_->can_write()) {
+    if (store_->can_read()) return std::nullopt;
+    return "a read of the prior store does not end; sessions begin without its evidence";
+  }
   const std::lock_guard lock(mutex_);
   return "the prior store cannot write; decisions go on in memory: " + store_problem_;
 }

@@ -20,7 +20,7 @@
 #include "server/daemon_metrics.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/rpc_server.h"
-#include "server/storage/automatic_backup.h"
+#include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/store_thread.h"
 #include "server/web/http_server.h"

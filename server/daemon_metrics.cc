@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/rpc/common/error_reasons.h"
-#include "server/storage/automatic_backup.h"
+#include "server/storage/backup/automatic_backup.h"
 #include "server/web/metrics_page.h"
 #include "server/web/process_metrics.h"
 
@@ -128,6 +128,8 @@ double LastBackupUnixS(const std::filesystem::path& database) {
 DaemonMetrics::DaemonMetrics(const std::string& version)
     : commits_(AddHistogram(registry_, "sweepstake_store_commit_duration_seconds",
                             "How long the store took to commit a group of updates.")),
+      reads_(AddHistogram(registry_, "sweepstake_store_read_duration_seconds",
+                          "How long reads of the store took, their time in the queue included.")),
       syncs_(AddHistogram(registry_, "sweepstake_store_fsync_duration_seconds",
                           "How long the fsyncs of the store's write-ahead log took.")),
       timer_lateness_(AddHistogram(registry_, "sweepstake_decision_loop_lateness_seconds",
@@ -145,9 +147,8 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
       .Set(1);
 }
 
-std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
-    const rpc::Counters& counters, bool store_healthy,
-    const std::filesystem::path& database) const {
+std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters& counters,
+                                                             const StoreState& store) const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();
   for (const auto& [value, name, help] : kGauges)
     families.push_back(GaugeOf(name, help, static_cast<double>(counters.*value)));
@@ -155,16 +156,23 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(
     families.push_back(CounterOf(name, help, static_cast<double>(counters.*value)));
   families.push_back(ErrorsOf(counters));
   families.push_back(GaugeOf("sweepstake_store_healthy",
-                             "1 while the store can write, 0 after a commit failed.",
-                             store_healthy ? 1 : 0));
+                             "1 while the store can write and read, 0 after a commit failed or "
+                             "while a read does not end.",
+                             store.healthy ? 1 : 0));
+  families.push_back(GaugeOf("sweepstake_store_queued_commits",
+                             "Updates of sessions, imports among them, that wait to be written.",
+                             static_cast<double>(store.queued_commit_count)));
+  families.push_back(GaugeOf("sweepstake_store_queued_reads",
+                             "Reads of the store that wait for those before them.",
+                             static_cast<double>(store.queued_read_count)));
   families.push_back(GaugeOf("sweepstake_store_wal_size_bytes",
                              "Size of the store's write-ahead log.",
-                             FileBytes(database.string() + "-wal")));
-  families.push_back(
-      GaugeOf("sweepstake_store_size_bytes", "Size of the store's file.", FileBytes(database)));
+                             FileBytes(store.database.string() + "-wal")));
+  families.push_back(GaugeOf("sweepstake_store_size_bytes", "Size of the store's file.",
+                             FileBytes(store.database)));
   families.push_back(GaugeOf("sweepstake_store_last_backup_timestamp_seconds",
                              "Unix time of the last backup beside the store, or 0.",
-                             LastBackupUnixS(database)));
+                             LastBackupUnixS(store.database)));
   for (auto& family : web::ProcessFamilies()) families.push_back(std::move(family));
   return families;
 }

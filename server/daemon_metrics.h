@@ -16,12 +16,21 @@
 
 namespace sweepstake::server {
 
+// The store at the time of a scrape.
+struct StoreState {
+  bool healthy = true;
+  size_t queued_commit_count = 0;
+  size_t queued_read_count = 0;
+  std::filesystem::path database;  // its file
+};
+
 // Keeps how long things take, and adds what is counted elsewhere. Thread-safe.
 class DaemonMetrics {
  public:
   explicit DaemonMetrics(const std::string& version);
 
   void OnCommit(std::chrono::nanoseconds duration) { Observe(commits_, duration); }
+  void OnRead(std::chrono::nanoseconds duration) { Observe(reads_, duration); }
   void OnSync(std::chrono::nanoseconds duration) { Observe(syncs_, duration); }
   void OnTimer(std::chrono::nanoseconds lateness) { Observe(timer_lateness_, lateness); }
 
@@ -30,9 +39,9 @@ class DaemonMetrics {
   // The size that the store's file may have.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
 
-  // Returns everything that /metrics shows. `database` is the store's file.
-  std::vector<prometheus::MetricFamily> Collect(const rpc::Counters& counters, bool store_healthy,
-                                                const std::filesystem::path& database) const;
+  // Returns everything that /metrics shows.
+  std::vector<prometheus::MetricFamily> Collect(const rpc::Counters& counters,
+                                                const StoreState& store) const;
 
  private:
   static void Observe(prometheus::Histogram& histogram, std::chrono::nanoseconds duration) {
@@ -41,6 +50,7 @@ class DaemonMetrics {
 
   prometheus::Registry registry_;
   prometheus::Histogram& commits_;
+  prometheus::Histogram& reads_;
   prometheus::Histogram& syncs_;
   prometheus::Histogram& timer_lateness_;
   prometheus::Gauge& damaged_;

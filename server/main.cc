@@ -26,7 +26,7 @@
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/health_probe.h"
 #include "server/service_manager.h"
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/token_command.h"
 
 namespace {

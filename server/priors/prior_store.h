@@ -1,9 +1,9 @@
 // The storage of learnt evidence. It is kept as increments per source (session), so that a retry is
 // never counted twice and a bad source can be removed. Readers get the sum over the sources.
 //
-// These are plain values and two interfaces without I/O. A PriorStore is used by one thread at a
-// time, an AsyncPriorStore by any. Strings are UTF-8; stores keep them as text and compare them
-// byte by byte.
+// These are plain values and interfaces without I/O. A PriorReader or PriorStore is used by one
+// thread at a time, an AsyncPriorStore by any. Strings are UTF-8; stores keep them as text and
+// compare them byte by byte.
 #pragma once
 
 #include <algorithm>
@@ -161,32 +161,27 @@ struct PriorRecord {
   friend bool operator==(const PriorRecord&, const PriorRecord&) = default;
 };
 
+// A place in an export: behind the record of a key and a source. By default before all records.
+struct ExportPlace {
+  EvidenceKey key;
+  uint64_t source_number = 0;  // given by the store, from 1; it stays the source's
+};
+
+struct ExportPage {
+  std::vector<PriorRecord> records;
+  ExportPlace next;  // behind the last record
+};
+
 struct ImportResult {
   uint64_t applied_count = 0;    // records that were new or newer
   uint64_t unchanged_count = 0;  // records that were known, or of a session or a revoked source
 };
 
-// The store of evidence. Every implementation passes
-// tests/server/storage/prior_store_conformance.h.
-//
-// Errors: INVALID_ARGUMENT (a value is out of bounds; trying again cannot help), UNAVAILABLE (the
-// disk is full, read-only or locked; trying again may help), DATA_LOSS (the file is damaged). After
-// an error nothing of the call has been kept.
-class PriorStore {
+// What a store has. Errors: UNAVAILABLE (the disk cannot read, or the file is locked), DATA_LOSS
+// (what was asked for is damaged).
+class PriorReader {
  public:
-  virtual ~PriorStore() = default;
-
-  // Applies all updates or none; they are durable on return. An update whose commit sequence is not
-  // above the source's stored one was applied before and is ignored, as is one of a revoked source.
-  //
-  // Audit rows whose numbers are not above those stored of their segment are ignored. Then the
-  // oldest rows of the log are removed until it is within its limits. A row that cannot be written
-  // is lost and counted; it never makes a commit fail.
-  virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
-
-  // Returns how many audit rows of successful commits could not be written since the store was
-  // opened.
-  virtual uint64_t lost_audit_row_count() const = 0;
+  virtual ~PriorReader() = default;
 
   virtual absl::StatusOr<PriorSums> LoadPriors(std::span<const EvidenceKey> keys) = 0;
 
@@ -205,20 +200,12 @@ class PriorStore {
 
   virtual absl::StatusOr<SceneCount> CountScenes(const std::string& project) = 0;
 
-  // Returns up to `limit` records after `after` (exclusive), ordered by key and source. REQUIRES:
-  // limit > 0.
-  virtual absl::StatusOr<std::vector<PriorRecord>> Export(const SceneFilter& filter,
-                                                          const std::optional<PriorRecord>& after,
-                                                          uint32_t limit) = 0;
-
-  // Imports all records or, if one is invalid, none. A record replaces an older one of the same key
-  // and source, and is ignored if the stored one is as new. Evidence of unknown sources is added. A
-  // record of a source that was committed here is ignored: the store's own evidence is newer.
-  virtual absl::StatusOr<ImportResult> Import(std::span<const PriorRecord> records) = 0;
-
-  // Removes exactly the source's evidence, and bars the source from later commits and imports.
-  // Returns the number of records removed; it is 0 for an unknown source, which is barred too.
-  virtual absl::StatusOr<uint64_t> Revoke(const std::string& source_id) = 0;
+  // Returns the next records behind `after`: `limit` of them, or all if there are fewer. They are
+  // ordered by key, and those of a key by the sources' numbers, in which new sources come last. The
+  // cost of a page does not depend on how many records come before or after it. REQUIRES: limit >
+  // 0.
+  virtual absl::StatusOr<ExportPage> Export(const SceneFilter& filter, const ExportPlace& after,
+                                            uint32_t limit) = 0;
 
   // Returns up to `limit` segments of the audit log with ids above `after`, ordered by id.
   virtual absl::StatusOr<std::vector<AuditSegment>> ListAudit(const AuditFilter& filter,
@@ -230,12 +217,43 @@ class PriorStore {
                                                           uint32_t limit, size_t max_bytes) = 0;
 };
 
-// A PriorStore that runs on its own thread. Thread-safe. Callbacks run on that thread; they must
-// neither wait nor throw.
+// The store of evidence. Every implementation passes
+// tests/server/storage/prior_store_conformance.h.
+//
+// Errors: those of PriorReader, INVALID_ARGUMENT (a value is out of bounds; trying again cannot
+// help), UNAVAILABLE (the disk is full or read-only; trying again may help). After an error nothing
+// of the call has been kept.
+class PriorStore : public PriorReader {
+ public:
+  // Applies all updates or none; they are durable on return. An update whose commit sequence is not
+  // above the source's stored one was applied before and is ignored, as is one of a revoked source.
+  //
+  // Audit rows whose numbers are not above those stored of their segment are ignored. Then the
+  // oldest rows of the log are removed until it is within its limits. A row that cannot be written
+  // is lost and counted; it never makes a commit fail.
+  virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
+
+  // Returns how many audit rows of successful commits could not be written since the store was
+  // opened.
+  virtual uint64_t lost_audit_row_count() const = 0;
+
+  // Imports all records or, if one is invalid, none. A record replaces an older one of the same key
+  // and source, and is ignored if the stored one is as new. Evidence of unknown sources is added. A
+  // record of a source that was committed here is ignored: the store's own evidence is newer.
+  virtual absl::StatusOr<ImportResult> Import(std::span<const PriorRecord> records) = 0;
+
+  // Removes exactly the source's evidence, and bars the source from later commits and imports.
+  // Returns the number of records removed; it is 0 for an unknown source, which is barred too.
+  virtual absl::StatusOr<uint64_t> Revoke(const std::string& source_id) = 0;
+};
+
+// A PriorStore that runs on threads of its own, one that writes and one that reads. Thread-safe.
+// Callbacks run on those threads; they must neither wait nor throw.
 class AsyncPriorStore {
  public:
   using CommitCallback = std::function<void(const absl::Status&)>;
   using Job = std::function<void(PriorStore&)>;
+  using ReadJob = std::function<void(PriorReader&)>;
 
   virtual ~AsyncPriorStore() = default;
 
@@ -244,11 +262,19 @@ class AsyncPriorStore {
   // After an error the caller may offer the same update again.
   virtual void Commit(SourceUpdate update, CommitCallback done) = 0;
 
-  // Runs `job` after the commits that were offered before it. Returns false if the queue is full or
+  // Runs `job` on the writing thread, after the commits that were offered before it. For what
+  // writes, and for what must be read exactly: nothing is committed while it runs, and whatever it
+  // sees has been told to the commits' callbacks before. Returns false if the queue is full or
   // closed; then the job will not run.
   virtual bool Submit(Job job) = 0;
 
-  // Returns false after a commit failed because of the disk, until one succeeds.
+  // Runs `job` on the reading thread, where it delays no commit. All that it reads is one state of
+  // the store, which has at least the commits whose callbacks ran before the call; of those that
+  // are under way it may have some. Returns false as Submit does.
+  virtual bool Read(ReadJob job) = 0;
+
+  // Returns false after a commit failed because of the disk, until one succeeds, and while a read
+  // does not come to its end.
   virtual bool healthy() const = 0;
 
   // Returns PriorStore::lost_audit_row_count after the latest commit.

@@ -198,10 +198,12 @@ void RpcServer::UpdateHealth() {
   serving_ = !serving_;
   server_->GetHealthCheckService()->SetServingStatus(serving_);
   if (serving_) {
-    context_.log.info("the prior store writes again");
+    context_.log.info("the prior store writes and reads again");
   } else {
     context_.log.error(
-        "the prior store cannot write: decisions go on in memory, nothing is acknowledged");
+        "the prior store cannot write, or a read of it does not end: decisions go on in memory, "
+        "and "
+        "nothing is acknowledged that is not on disk");
   }
 }
 

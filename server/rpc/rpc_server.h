@@ -72,7 +72,7 @@ class RpcServer {
   void WatchStore();
   // Ends the long streams of callers whose tokens were revoked or have expired.
   void EndRefused();
-  // A store that cannot write is not healthy.
+  // A store that cannot write or read is not healthy.
   void UpdateHealth();
   void ReportLostAuditRows();
   // Runs `task` on the loop and waits for it. Must not be called on the loop.

@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -163,9 +162,15 @@ absl::Status MemoryPriorStore::CheckSums(std::span<const priors::SourceUpdate> u
   return absl::OkStatus();
 }
 
+MemoryPriorStore::Source& MemoryPriorStore::FindSource(const std::string& id) {
+  Source& source = sources_[id];
+  if (source.number == 0) source.number = sources_.size();
+  return source;
+}
+
 void MemoryPriorStore::Apply(const priors::SourceUpdate& update) {
   if (!Applies(update)) return;
-  Source& source = sources_[update.progress.source_id];
+  Source& source = FindSource(update.progress.source_id);
   source.progress = update.progress;
   if (!source.is_session) source.created_unix_s = update.unix_time_s;
   source.last_seen_unix_s = update.unix_time_s;
@@ -259,22 +264,29 @@ absl::StatusOr<priors::SceneCount> MemoryPriorStore::CountScenes(const std::stri
   return priors::SceneCount{names.size(), keys.size()};
 }
 
-absl::StatusOr<std::vector<PriorRecord>> MemoryPriorStore::Export(
-    const SceneFilter& filter, const std::optional<PriorRecord>& after, uint32_t limit) {
-  std::vector<PriorRecord> records;
+absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& filter,
+                                                            const priors::ExportPlace& after,
+                                                            uint32_t limit) {
+  std::map<std::pair<EvidenceKey, uint64_t>, PriorRecord> records;
   for (const auto& [key, entries] : evidence_) {
     if (!filter.Matches(key.project, key.scene)) continue;
     for (const auto& [source_id, entry] : entries) {
-      if (after && std::tie(key, source_id) <= std::tie(after->key, after->source_id)) continue;
-      if (records.size() == limit) return records;
-      records.push_back({key, source_id, entry.sequence, entry.evidence});
+      const std::pair place(key, sources_.at(source_id).number);
+      if (place > std::pair(after.key, after.source_number))
+        records[place] = {key, source_id, entry.sequence, entry.evidence};
     }
   }
-  return records;
+  priors::ExportPage page{.records = {}, .next = after};
+  for (auto& [place, record] : records) {
+    if (page.records.size() == limit) break;
+    page.records.push_back(std::move(record));
+    page.next = {place.first, place.second};
+  }
+  return page;
 }
 
 bool MemoryPriorStore::ImportOne(const PriorRecord& record) {
-  Source& source = sources_[record.source_id];
+  Source& source = FindSource(record.source_id);
   if (source.revoked || source.is_session) return false;
   Entry& entry = evidence_[record.key][record.source_id];
   if (record.source_sequence <= entry.sequence) return false;
@@ -294,7 +306,7 @@ absl::StatusOr<priors::ImportResult> MemoryPriorStore::Import(
 }
 
 absl::StatusOr<uint64_t> MemoryPriorStore::Revoke(const std::string& source_id) {
-  sources_[source_id].revoked = true;
+  FindSource(source_id).revoked = true;
   uint64_t removed = 0;
   for (auto entries = evidence_.begin(); entries != evidence_.end();) {
     removed += entries->second.erase(source_id);

@@ -64,9 +64,9 @@ class MemoryPriorStore : public priors::PriorStore {
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
       const priors::SceneKey& key) override;
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
-  absl::StatusOr<std::vector<priors::PriorRecord>> Export(
-      const priors::SceneFilter& filter, const std::optional<priors::PriorRecord>& after,
-      uint32_t limit) override;
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override;
   absl::StatusOr<priors::ImportResult> Import(
       std::span<const priors::PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
@@ -79,6 +79,7 @@ class MemoryPriorStore : public priors::PriorStore {
 
  private:
   struct Source {
+    uint64_t number = 0;
     priors::SourceProgress progress;
     uint64_t created_unix_s = 0;
     uint64_t last_seen_unix_s = 0;
@@ -91,6 +92,8 @@ class MemoryPriorStore : public priors::PriorStore {
   };
   using EntriesBySource = std::map<std::string, Entry>;
 
+  // Adds the source if there is none.
+  Source& FindSource(const std::string& id);
   // Returns whether the update is one of a session and newer than what is stored of it.
   bool Applies(const priors::SourceUpdate& update) const;
   // Error: INVALID_ARGUMENT (the evidence of a source would grow beyond what a record may hold).

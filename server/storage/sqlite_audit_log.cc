@@ -12,9 +12,28 @@ using priors::AuditRow;
 using priors::AuditRows;
 using priors::AuditSegment;
 
+namespace {
+
+constexpr const char* kLastSegment = R"sql(
+        SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = ?1)sql";
+constexpr const char* kListSegments = R"sql(
+        SELECT id, session, segment, project, scene, unix_start_ms,
+               (SELECT min(number) FROM audit_row WHERE segment_id = s.id),
+               (SELECT max(number) FROM audit_row WHERE segment_id = s.id),
+               (SELECT count(*) FROM audit_row WHERE segment_id = s.id)
+        FROM audit_segment s
+        WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
+          AND (?3 = '' OR scene = ?3)
+          AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
+        ORDER BY id LIMIT ?5)sql";
+constexpr const char* kLoadRows = R"sql(
+        SELECT number, text FROM audit_row
+        WHERE segment_id = ?1 AND number >= ?2
+        ORDER BY number LIMIT ?3)sql";
+
+}  // namespace
+
 const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
-    {&Statements::last_segment, R"sql(
-        SELECT coalesce(max(segment), 0) FROM audit_segment WHERE session = ?1)sql"},
     {&Statements::find_segment, R"sql(
         SELECT id, (SELECT max(number) FROM audit_row WHERE segment_id = s.id)
         FROM audit_segment s WHERE session = ?1 AND segment = ?2)sql"},
@@ -44,20 +63,6 @@ const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
     {&Statements::delete_empty_segment, R"sql(
         DELETE FROM audit_segment
         WHERE id = ?1 AND NOT EXISTS (SELECT 1 FROM audit_row WHERE segment_id = ?1))sql"},
-    {&Statements::list_segments, R"sql(
-        SELECT id, session, segment, project, scene, unix_start_ms,
-               (SELECT min(number) FROM audit_row WHERE segment_id = s.id),
-               (SELECT max(number) FROM audit_row WHERE segment_id = s.id),
-               (SELECT count(*) FROM audit_row WHERE segment_id = s.id)
-        FROM audit_segment s
-        WHERE id > ?4 AND (?1 = '' OR session = ?1) AND (?2 = '' OR project = ?2)
-          AND (?3 = '' OR scene = ?3)
-          AND (?6 = '' OR instr(?6, char(10) || project || char(10)))
-        ORDER BY id LIMIT ?5)sql"},
-    {&Statements::load_rows, R"sql(
-        SELECT number, text FROM audit_row
-        WHERE segment_id = ?1 AND number >= ?2
-        ORDER BY number LIMIT ?3)sql"},
 };
 
 absl::StatusOr<SqliteAuditLog> SqliteAuditLog::Open(SqliteDatabase& database,
@@ -181,18 +186,31 @@ absl::Status SqliteAuditLog::RemoveChunk(int64_t first_row_id) {
   return status.ok() ? statements_.delete_chunk.Run(first_row_id) : status;
 }
 
-absl::StatusOr<uint32_t> SqliteAuditLog::LastSegment(const std::string& session_id) {
+absl::StatusOr<SqliteAuditReader> SqliteAuditReader::Open(SqliteDatabase& database) {
+  SqliteAuditReader reader;
+  const std::pair<SqliteStatement*, const char*> texts[] = {{&reader.last_segment_, kLastSegment},
+                                                            {&reader.list_segments_, kListSegments},
+                                                            {&reader.load_rows_, kLoadRows}};
+  for (const auto& [statement, sql] : texts) {
+    auto prepared = database.Prepare(sql);
+    if (!prepared.ok()) return prepared.status();
+    *statement = *std::move(prepared);
+  }
+  return reader;
+}
+
+absl::StatusOr<uint32_t> SqliteAuditReader::LastSegment(const std::string& session_id) {
   uint32_t last = 0;
-  absl::Status status = statements_.last_segment.ForEachRow(
+  absl::Status status = last_segment_.ForEachRow(
       [&](const SqliteRow& row) { last = static_cast<uint32_t>(row.Integer(0)); }, session_id);
   if (!status.ok()) return status;
   return last;
 }
 
-absl::StatusOr<std::vector<AuditSegment>> SqliteAuditLog::List(const priors::AuditFilter& filter,
-                                                               uint64_t after, uint32_t limit) {
+absl::StatusOr<std::vector<AuditSegment>> SqliteAuditReader::List(const priors::AuditFilter& filter,
+                                                                  uint64_t after, uint32_t limit) {
   std::vector<AuditSegment> segments;
-  absl::Status status = statements_.list_segments.ForEachRow(
+  absl::Status status = list_segments_.ForEachRow(
       [&](const SqliteRow& row) {
         const uint64_t first = row.Unsigned(6);
         const uint64_t count = row.Unsigned(8);
@@ -211,11 +229,12 @@ absl::StatusOr<std::vector<AuditSegment>> SqliteAuditLog::List(const priors::Aud
   return segments;
 }
 
-absl::StatusOr<std::vector<AuditRow>> SqliteAuditLog::Load(uint64_t segment_id, uint64_t first_row,
-                                                           uint32_t limit, size_t max_bytes) {
+absl::StatusOr<std::vector<AuditRow>> SqliteAuditReader::Load(uint64_t segment_id,
+                                                              uint64_t first_row, uint32_t limit,
+                                                              size_t max_bytes) {
   std::vector<AuditRow> rows;
   size_t bytes = 0;
-  absl::Status status = statements_.load_rows.ForEachRow(
+  absl::Status status = load_rows_.ForEachRow(
       [&](const SqliteRow& row) {
         if (bytes >= max_bytes) return;
         rows.push_back({.number = row.Unsigned(0), .text = row.Text(1)});

@@ -17,6 +17,21 @@
 
 namespace sweepstake::storage {
 
+// The part that reads.
+class SqliteAuditReader {
+ public:
+  static absl::StatusOr<SqliteAuditReader> Open(SqliteDatabase& database);
+
+  absl::StatusOr<uint32_t> LastSegment(const std::string& session_id);
+  absl::StatusOr<std::vector<priors::AuditSegment>> List(const priors::AuditFilter& filter,
+                                                         uint64_t after, uint32_t limit);
+  absl::StatusOr<std::vector<priors::AuditRow>> Load(uint64_t segment_id, uint64_t first_row,
+                                                     uint32_t limit, size_t max_bytes);
+
+ private:
+  SqliteStatement last_segment_, list_segments_, load_rows_;
+};
+
 class SqliteAuditLog {
  public:
   static absl::StatusOr<SqliteAuditLog> Open(SqliteDatabase& database,
@@ -26,12 +41,6 @@ class SqliteAuditLog {
   // could not be written: those that are invalid or, after an error, all; then the transaction is
   // as before, or SQLite has ended it.
   uint64_t Append(SqliteDatabase& database, std::span<const priors::SourceUpdate* const> updates);
-
-  absl::StatusOr<uint32_t> LastSegment(const std::string& session_id);
-  absl::StatusOr<std::vector<priors::AuditSegment>> List(const priors::AuditFilter& filter,
-                                                         uint64_t after, uint32_t limit);
-  absl::StatusOr<std::vector<priors::AuditRow>> Load(uint64_t segment_id, uint64_t first_row,
-                                                     uint32_t limit, size_t max_bytes);
 
  private:
   // A segment as it is stored.
@@ -53,9 +62,8 @@ class SqliteAuditLog {
   absl::Status RemoveChunk(int64_t first_row_id);
 
   struct Statements {
-    SqliteStatement last_segment, find_segment, add_segment, add_row, latest_chunk, add_chunk,
-        grow_chunk, oldest_chunk, delete_rows, delete_chunk, delete_empty_segment, list_segments,
-        load_rows;
+    SqliteStatement find_segment, add_segment, add_row, latest_chunk, add_chunk, grow_chunk,
+        oldest_chunk, delete_rows, delete_chunk, delete_empty_segment;
   };
   struct StatementText {
     SqliteStatement Statements::*statement;

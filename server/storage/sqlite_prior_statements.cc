@@ -5,8 +5,9 @@
 namespace sweepstake::storage {
 namespace {
 
+template <typename Statements>
 struct StatementText {
-  SqliteStatement PriorStatements::*statement;
+  SqliteStatement Statements::*statement;
   const char* sql;
 };
 
@@ -19,7 +20,7 @@ struct StatementText {
 //
 // Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
 // is new, and where it is changed next_hash, which leaves a wrong hash wrong.
-constexpr StatementText kStatements[] = {
+constexpr StatementText<PriorStatements> kStatements[] = {
     {&PriorStatements::advance_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
                             explored_arm_count, decision_count, frame_count, seed,
@@ -35,12 +36,6 @@ constexpr StatementText kStatements[] = {
                                         iif(is_session, created_unix_s, ?8), ?8))
           WHERE revoked = 0 AND ?2 > commit_sequence
         RETURNING id)sql"},
-    {&PriorStatements::find_key, R"sql(
-        SELECT k.id, k.scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, k.source_count,
-               s.source_count, k.hash = k.content_hash AND s.hash = s.content_hash
-        FROM evidence_key k JOIN scene s ON s.id = k.scene_id
-        WHERE k.project = ?1 AND k.scene = ?2 AND k.context_bucket = ?3 AND k.arm = ?4
-          AND k.backend_version = ?5 AND k.machine_class = ?6 AND k.reward_version = ?7)sql"},
     {&PriorStatements::add_scene, R"sql(
         INSERT INTO scene (project, scene, machine_class, reward_version, source_count, hash)
         VALUES (?1, ?2, ?3, ?4, 0, row_hash(?1, ?2, ?3, ?4, 0))
@@ -99,54 +94,6 @@ constexpr StatementText kStatements[] = {
                              row_hash(project, scene, machine_class, reward_version,
                                       source_count + 1))
         WHERE id = ?1)sql"},
-    {&PriorStatements::load_source, R"sql(
-        SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
-               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash
-        FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
-    {&PriorStatements::source_evidence, R"sql(
-        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               alpha, beta, window_count, bail_out_count,
-               k.hash = k.content_hash AND evidence.hash = evidence.content_hash
-        FROM evidence JOIN evidence_key k ON k.id = key_id
-        WHERE source_id = ?1
-        ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
-                 reward_version)sql"},
-    {&PriorStatements::list_scenes, R"sql(
-        SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
-        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
-          AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
-          AND source_count > 0 AND hash = content_hash
-          AND NOT EXISTS (SELECT 1 FROM evidence_key k
-                          WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)
-          AND (?8 = '' OR instr(?8, char(10) || project || char(10)))
-        ORDER BY project, scene, machine_class, reward_version LIMIT ?7)sql"},
-    {&PriorStatements::count_scenes, R"sql(
-        SELECT count(DISTINCT scene), count(*) FROM scene
-        WHERE project = ?1 AND source_count > 0)sql"},
-    {&PriorStatements::find_scene, R"sql(
-        SELECT id, source_count,
-               hash = content_hash
-                 AND NOT EXISTS (SELECT 1 FROM evidence_key k
-                                 WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)
-        FROM scene
-        WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
-          AND source_count > 0)sql"},
-    {&PriorStatements::scene_arms, R"sql(
-        SELECT arm, backend_version, sum(alpha_sum), sum(beta_sum),
-               CAST(total(window_sum) AS INTEGER), CAST(total(bail_out_sum) AS INTEGER)
-        FROM evidence_key WHERE scene_id = ?1 AND source_count > 0
-        GROUP BY arm, backend_version ORDER BY arm, backend_version)sql"},
-    {&PriorStatements::export_records, R"sql(
-        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               alpha, beta, window_count, bail_out_count, name, sequence,
-               k.hash = k.content_hash AND evidence.hash = evidence.content_hash
-                 AND s.hash = s.content_hash
-        FROM evidence_key k JOIN evidence ON k.id = key_id JOIN source s ON s.id = source_id
-        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
-          AND (project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
-               name) > (?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
-          AND (?12 = '' OR instr(?12, char(10) || project || char(10)))
-        ORDER BY 1, 2, 3, 4, 5, 6, 7, 12 LIMIT ?11)sql"},
     {&PriorStatements::import_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
                             explored_arm_count, decision_count, frame_count, seed, hash)
@@ -185,16 +132,89 @@ constexpr StatementText kStatements[] = {
      "DELETE FROM evidence WHERE source_id = ?1 RETURNING key_id"},
 };
 
-}  // namespace
+constexpr StatementText<PriorReadStatements> kReadStatements[] = {
+    {&PriorReadStatements::find_key, R"sql(
+        SELECT k.id, k.scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, k.source_count,
+               s.source_count, k.hash = k.content_hash AND s.hash = s.content_hash
+        FROM evidence_key k JOIN scene s ON s.id = k.scene_id
+        WHERE k.project = ?1 AND k.scene = ?2 AND k.context_bucket = ?3 AND k.arm = ?4
+          AND k.backend_version = ?5 AND k.machine_class = ?6 AND k.reward_version = ?7)sql"},
+    {&PriorReadStatements::load_source, R"sql(
+        SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
+               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash
+        FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
+    {&PriorReadStatements::source_evidence, R"sql(
+        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+               alpha, beta, window_count, bail_out_count,
+               k.hash = k.content_hash AND evidence.hash = evidence.content_hash
+        FROM evidence JOIN evidence_key k ON k.id = key_id
+        WHERE source_id = ?1
+        ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
+                 reward_version)sql"},
+    {&PriorReadStatements::list_scenes, R"sql(
+        SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
+        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+          AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
+          AND source_count > 0 AND hash = content_hash
+          AND NOT EXISTS (SELECT 1 FROM evidence_key k
+                          WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)
+          AND (?8 = '' OR instr(?8, char(10) || project || char(10)))
+        ORDER BY project, scene, machine_class, reward_version LIMIT ?7)sql"},
+    {&PriorReadStatements::count_scenes, R"sql(
+        SELECT count(DISTINCT scene), count(*) FROM scene
+        WHERE project = ?1 AND source_count > 0)sql"},
+    {&PriorReadStatements::find_scene, R"sql(
+        SELECT id, source_count,
+               hash = content_hash
+                 AND NOT EXISTS (SELECT 1 FROM evidence_key k
+                                 WHERE k.scene_id = scene.id AND k.hash <> k.content_hash)
+        FROM scene
+        WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
+          AND source_count > 0)sql"},
+    {&PriorReadStatements::scene_arms, R"sql(
+        SELECT arm, backend_version, sum(alpha_sum), sum(beta_sum),
+               CAST(total(window_sum) AS INTEGER), CAST(total(bail_out_sum) AS INTEGER)
+        FROM evidence_key WHERE scene_id = ?1 AND source_count > 0
+        GROUP BY arm, backend_version ORDER BY arm, backend_version)sql"},
+    // The row value finds its place in the index, whatever comes before it.
+    {&PriorReadStatements::next_key, R"sql(
+        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+               id, hash = content_hash
+        FROM evidence_key
+        WHERE (project, scene, context_bucket, arm, backend_version, machine_class, reward_version)
+              >= (?3, ?4, ?5, ?6, ?7, ?8, ?9)
+          AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+          AND (?10 = '' OR instr(?10, char(10) || project || char(10)))
+          AND EXISTS (SELECT 1 FROM evidence WHERE key_id = id)
+        ORDER BY 1, 2, 3, 4, 5, 6, 7 LIMIT 1)sql"},
+    {&PriorReadStatements::key_evidence, R"sql(
+        SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
+               e.hash = e.content_hash AND s.hash = s.content_hash
+        FROM evidence e CROSS JOIN source s ON s.id = source_id
+        WHERE key_id = ?1 AND source_id > ?2
+        ORDER BY source_id LIMIT ?3)sql"},
+};
 
-absl::StatusOr<PriorStatements> PriorStatements::Prepare(SqliteDatabase& database) {
-  PriorStatements statements;
-  for (const StatementText& text : kStatements) {
+template <typename Statements, size_t kCount>
+absl::StatusOr<Statements> PrepareAll(SqliteDatabase& database,
+                                      const StatementText<Statements> (&texts)[kCount]) {
+  Statements statements;
+  for (const StatementText<Statements>& text : texts) {
     auto statement = database.Prepare(text.sql);
     if (!statement.ok()) return statement.status();
     statements.*text.statement = *std::move(statement);
   }
   return statements;
+}
+
+}  // namespace
+
+absl::StatusOr<PriorStatements> PriorStatements::Prepare(SqliteDatabase& database) {
+  return PrepareAll(database, kStatements);
+}
+
+absl::StatusOr<PriorReadStatements> PriorReadStatements::Prepare(SqliteDatabase& database) {
+  return PrepareAll(database, kReadStatements);
 }
 
 }  // namespace sweepstake::storage

@@ -6,13 +6,20 @@
 
 namespace sweepstake::storage {
 
+// Those that write.
 struct PriorStatements {
   static absl::StatusOr<PriorStatements> Prepare(SqliteDatabase& database);
 
-  SqliteStatement advance_source, find_key, add_scene, add_key, advance_evidence, add_evidence,
-      add_to_sums, recount_sums, join_scene, count_source, load_source, source_evidence,
-      list_scenes, count_scenes, find_scene, scene_arms, export_records, import_source,
-      import_evidence, revoke_source, leave_scenes, forget_scenes, delete_evidence;
+  SqliteStatement advance_source, add_scene, add_key, advance_evidence, add_evidence, add_to_sums,
+      recount_sums, join_scene, count_source, import_source, import_evidence, revoke_source,
+      leave_scenes, forget_scenes, delete_evidence;
+};
+
+struct PriorReadStatements {
+  static absl::StatusOr<PriorReadStatements> Prepare(SqliteDatabase& database);
+
+  SqliteStatement find_key, load_source, source_evidence, list_scenes, count_scenes, find_scene,
+      scene_arms, next_key, key_evidence;
 };
 
 }  // namespace sweepstake::storage

@@ -3,10 +3,10 @@
 #include <unordered_set>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_statements.h"
 #include "server/storage/sqlite_schema.h"
 
@@ -20,42 +20,7 @@ using priors::SceneEvidence;
 using priors::SceneFilter;
 using priors::SceneKey;
 
-EvidenceKey KeyOf(const SqliteRow& row) {
-  return {.project = row.Text(0),
-          .scene = row.Text(1),
-          .context_bucket = row.Text(2),
-          .arm = row.Text(3),
-          .backend_version = static_cast<uint32_t>(row.Integer(4)),
-          .machine_class = row.Text(5),
-          .reward_version = static_cast<uint32_t>(row.Integer(6))};
-}
-
-Evidence EvidenceOf(const SqliteRow& row, int first) {
-  return {.alpha = row.Real(first),
-          .beta = row.Real(first + 1),
-          .window_count = row.Unsigned(first + 2),
-          .bail_out_count = row.Unsigned(first + 3)};
-}
-
 using KeyIds = std::unordered_set<int64_t>;
-
-// A key's row and its sums.
-struct StoredKey {
-  int64_t id = 0;
-  int64_t scene_id = 0;
-  priors::PriorSum sum;
-  uint64_t scene_source_count = 0;
-  bool damaged = false;  // the values cannot be trusted
-};
-
-absl::Status Damaged(absl::string_view what) {
-  return absl::DataLossError(
-      absl::StrCat("a row of ", what, " is not what was written: it was changed on the disk"));
-}
-
-absl::Status DamagedScene(absl::string_view project, absl::string_view scene) {
-  return Damaged(absl::StrCat("scene ", scene, " of project ", project));
-}
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:
@@ -66,28 +31,40 @@ class SqlitePriorStore final : public priors::PriorStore {
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override;
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
+    return reader_->LoadPriors(keys);
+  }
   absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
-      const std::string& source_id) override;
+      const std::string& source_id) override {
+    return reader_->LoadSource(source_id);
+  }
   absl::StatusOr<std::vector<SceneEvidence>> List(const SceneFilter& filter,
                                                   const std::optional<SceneKey>& after,
-                                                  uint32_t limit) override;
-  absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override;
-  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
-  absl::StatusOr<std::vector<PriorRecord>> Export(const SceneFilter& filter,
-                                                  const std::optional<PriorRecord>& after,
-                                                  uint32_t limit) override;
+                                                  uint32_t limit) override {
+    return reader_->List(filter, after, limit);
+  }
+  absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override {
+    return reader_->LoadScene(key);
+  }
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
+    return reader_->CountScenes(project);
+  }
+  absl::StatusOr<priors::ExportPage> Export(const SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
+    return reader_->Export(filter, after, limit);
+  }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
-    return audit_->List(filter, after, limit);
+    return reader_->ListAudit(filter, after, limit);
   }
   absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
                                                           uint32_t limit,
                                                           size_t max_bytes) override {
-    return audit_->Load(segment_id, first_row, limit, max_bytes);
+    return reader_->LoadAudit(segment_id, first_row, limit, max_bytes);
   }
 
  private:
@@ -107,15 +84,13 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status RecountSums(const KeyIds& keys);
   // Bars the source and inserts the keys that it had evidence of into `changed`.
   absl::Status RemoveEvidence(const std::string& source_id, KeyIds& changed);
-  // If there is no such key, its id is 0.
-  absl::StatusOr<StoredKey> FindKey(const EvidenceKey& key);
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
-  absl::Status LoadArms(int64_t scene_id, SceneEvidence& scene);
 
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
   PriorStatements statements_;
-  std::optional<SqliteAuditLog> audit_;  // present from Prepare on
+  std::optional<SqlitePriorReader> reader_;  // present from Prepare on
+  std::optional<SqliteAuditLog> audit_;      // present from Prepare on
   uint64_t lost_audit_row_count_ = 0;
 };
 
@@ -123,6 +98,9 @@ absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) 
   auto statements = PriorStatements::Prepare(database_);
   if (!statements.ok()) return statements.status();
   statements_ = *std::move(statements);
+  auto reader = SqlitePriorReader::Prepare(database_);
+  if (!reader.ok()) return reader.status();
+  reader_ = *std::move(reader);
   auto audit = SqliteAuditLog::Open(database_, audit_limits);
   if (!audit.ok()) return audit.status();
   audit_ = *std::move(audit);
@@ -220,24 +198,8 @@ absl::Status SqlitePriorStore::RecountSums(const KeyIds& keys) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<StoredKey> SqlitePriorStore::FindKey(const EvidenceKey& key) {
-  StoredKey stored;
-  absl::Status status = statements_.find_key.ForEachRow(
-      [&](const SqliteRow& row) {
-        stored = {.id = row.Integer(0),
-                  .scene_id = row.Integer(1),
-                  .sum = {.evidence = EvidenceOf(row, 2), .source_count = row.Unsigned(6)},
-                  .scene_source_count = row.Unsigned(7),
-                  .damaged = row.Integer(8) == 0};
-      },
-      key.project, key.scene, key.context_bucket, key.arm, key.backend_version, key.machine_class,
-      key.reward_version);
-  if (!status.ok()) return status;
-  return stored;
-}
-
 absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key) {
-  auto stored = FindKey(key);
+  auto stored = reader_->FindKey(key);
   if (!stored.ok() || stored->id != 0) return stored;
   absl::Status status = statements_.add_scene.ForEachRow(
       [&](const SqliteRow& row) { stored->scene_id = row.Integer(0); }, key.project, key.scene,
@@ -249,134 +211,6 @@ absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key)
       stored->scene_id);
   if (!status.ok()) return status;
   return stored;
-}
-
-absl::StatusOr<priors::PriorSums> SqlitePriorStore::LoadPriors(std::span<const EvidenceKey> keys) {
-  priors::PriorSums result;
-  KeyIds scenes;
-  for (const EvidenceKey& key : keys) {
-    auto stored = FindKey(key);
-    if (!stored.ok()) return stored.status();
-    if (stored->damaged) return DamagedScene(key.project, key.scene);
-    result.sums.push_back(stored->sum);
-    if (stored->sum.source_count > 0 && scenes.insert(stored->scene_id).second)
-      result.source_count += stored->scene_source_count;
-  }
-  return result;
-}
-
-absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorStore::LoadSource(
-    const std::string& source_id) {
-  priors::SourceState state;
-  int64_t id = 0;
-  bool whole = true;
-  absl::Status status = statements_.load_source.ForEachRow(
-      [&](const SqliteRow& row) {
-        id = row.Integer(0);
-        state.progress = {.source_id = source_id,
-                          .commit_sequence = row.Unsigned(1),
-                          .message_sequence = row.Unsigned(2),
-                          .explored_arm_count = static_cast<uint32_t>(row.Integer(3)),
-                          .decision_count = row.Unsigned(4),
-                          .frame_count = row.Unsigned(5),
-                          .seed = row.Unsigned(6)};
-        state.created_unix_s = row.Unsigned(7);
-        state.last_seen_unix_s = row.Unsigned(8);
-        whole = row.Integer(9) != 0;
-      },
-      source_id);
-  if (!status.ok()) return status;
-  if (id == 0) return std::nullopt;
-  status = statements_.source_evidence.ForEachRow(
-      [&](const SqliteRow& row) {
-        state.evidence.push_back({KeyOf(row), EvidenceOf(row, 7)});
-        whole = whole && row.Integer(11) != 0;
-      },
-      id);
-  if (!status.ok()) return status;
-  if (!whole) return Damaged(absl::StrCat("source ", source_id));
-  const auto segment = audit_->LastSegment(source_id);
-  if (!segment.ok()) return segment.status();
-  state.audit_segment = *segment;
-  return state;
-}
-
-absl::Status SqlitePriorStore::LoadArms(int64_t scene_id, SceneEvidence& scene) {
-  return statements_.scene_arms.ForEachRow(
-      [&](const SqliteRow& row) {
-        scene.arms.push_back(
-            {row.Text(0), static_cast<uint32_t>(row.Integer(1)), EvidenceOf(row, 2)});
-      },
-      scene_id);
-}
-
-absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorStore::List(
-    const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
-  // An empty project sorts before all, since projects are never empty.
-  const SceneKey start = after.value_or(SceneKey{});
-  std::vector<SceneEvidence> scenes;
-  std::vector<int64_t> ids;
-  absl::Status status = statements_.list_scenes.ForEachRow(
-      [&](const SqliteRow& row) {
-        ids.push_back(row.Integer(0));
-        scenes.push_back(
-            {.key = {row.Text(2), row.Text(3), row.Text(4), static_cast<uint32_t>(row.Integer(5))},
-             .arms = {},
-             .source_count = row.Unsigned(1)});
-      },
-      filter.project, filter.scene, start.project, start.scene, start.machine_class,
-      start.reward_version, limit, LineList(filter.projects));
-  for (size_t i = 0; status.ok() && i < scenes.size(); ++i) status = LoadArms(ids[i], scenes[i]);
-  if (!status.ok()) return status;
-  return scenes;
-}
-
-absl::StatusOr<std::optional<SceneEvidence>> SqlitePriorStore::LoadScene(const SceneKey& key) {
-  SceneEvidence scene{.key = key, .arms = {}, .source_count = 0};
-  int64_t id = 0;
-  bool whole = true;
-  absl::Status status = statements_.find_scene.ForEachRow(
-      [&](const SqliteRow& row) {
-        id = row.Integer(0);
-        scene.source_count = row.Unsigned(1);
-        whole = row.Integer(2) != 0;
-      },
-      key.project, key.scene, key.machine_class, key.reward_version);
-  if (status.ok() && id == 0) return std::nullopt;
-  if (!whole) return DamagedScene(key.project, key.scene);
-  if (status.ok()) status = LoadArms(id, scene);
-  if (!status.ok()) return status;
-  return scene;
-}
-
-absl::StatusOr<priors::SceneCount> SqlitePriorStore::CountScenes(const std::string& project) {
-  priors::SceneCount count;
-  absl::Status status = statements_.count_scenes.ForEachRow(
-      [&](const SqliteRow& row) {
-        count = {row.Unsigned(0), row.Unsigned(1)};
-      },
-      project);
-  if (!status.ok()) return status;
-  return count;
-}
-
-absl::StatusOr<std::vector<PriorRecord>> SqlitePriorStore::Export(
-    const SceneFilter& filter, const std::optional<PriorRecord>& after, uint32_t limit) {
-  const PriorRecord start = after.value_or(PriorRecord{});
-  const EvidenceKey& key = start.key;
-  std::vector<PriorRecord> records;
-  absl::Status damage;
-  absl::Status status = statements_.export_records.ForEachRow(
-      [&](const SqliteRow& row) {
-        if (row.Integer(13) == 0) damage = DamagedScene(row.Text(0), row.Text(1));
-        records.push_back({KeyOf(row), row.Text(11), row.Unsigned(12), EvidenceOf(row, 7)});
-      },
-      filter.project, filter.scene, key.project, key.scene, key.context_bucket, key.arm,
-      key.backend_version, key.machine_class, key.reward_version, start.source_id, limit,
-      LineList(filter.projects));
-  if (status.ok()) status = damage;
-  if (!status.ok()) return status;
-  return records;
 }
 
 absl::Status SqlitePriorStore::ImportOne(const PriorRecord& record, priors::ImportResult& result,

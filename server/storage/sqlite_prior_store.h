@@ -1,9 +1,8 @@
 // The prior store on SQLite: one file with a write-ahead log and synchronous commits. Used by one
 // thread at a time.
 //
-// A commit takes one fsync, however many increments it has. LoadPriors, LoadScene
-// and List read sums that the writers keep, so their cost does not depend on the number of sources.
-// Import and Revoke add the sums of the keys they change anew, from one row per source.
+// A commit takes one fsync, however many increments it has. Import and Revoke add the sums of the
+// keys they change anew, from one row per source. What it reads it reads as SqlitePriorReader does.
 #pragma once
 
 #include <chrono>

@@ -350,13 +350,23 @@ absl::Status KeepOlder(SqliteDatabase& database, const fs::path& path, int64_t v
   return database.CopyTo(absl::StrCat(path.string(), ".schema-", version));
 }
 
+// A file that was restored has no log; it gets one once it was found whole.
+absl::Status SyncLogIfAny(SqliteDatabase& database) {
+  auto mode = database.QueryText("PRAGMA journal_mode");
+  if (!mode.ok()) return mode.status();
+  return *mode == "wal" ? database.SyncLog() : absl::OkStatus();
+}
+
+// What is read here decides what the daemon promises, and which file it uses: so it is made durable
+// before it is read.
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
   auto version = CheckPriorDatabase(database, path);
   if (!version.ok()) return version.status();
-  if (absl::Status status = Configure(database); !status.ok()) return Explain(path, status);
-  if (absl::Status status = CheckPages(database, path); !status.ok()) return status;
-  absl::Status status = UseWriteAheadLog(database);
-  if (status.ok()) status = database.SyncLog();
+  absl::Status status = Configure(database);
+  if (status.ok()) status = SyncLogIfAny(database);
+  if (!status.ok()) return Explain(path, status);
+  if (status = CheckPages(database, path); !status.ok()) return status;
+  status = UseWriteAheadLog(database);
   if (status.ok()) status = KeepOlder(database, path, *version);
   if (status.ok()) status = Migrate(database, *version);
   if (status.ok()) status = database.EnableDefensive();
@@ -392,6 +402,15 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   absl::Status status = PrepareExisting(*database, path);
   if (status.ok()) status = CheckId(*database, path);
   if (!status.ok()) return status;
+  return database;
+}
+
+absl::StatusOr<SqliteDatabase> OpenPriorDatabaseToRead(const fs::path& path) {
+  auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kReadOnly);
+  if (!database.ok()) return Explain(path, database.status());
+  absl::Status status = Configure(*database);
+  if (status.ok()) status = database->EnableDefensive();
+  if (!status.ok()) return Explain(path, status);
   return database;
 }
 

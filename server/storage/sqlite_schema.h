@@ -44,7 +44,11 @@ absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 
 // Returns a connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write),
 // DATA_LOSS (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). It reads
-// the whole file once (CheckPages).
+// the whole file once (CheckPages), after what an earlier process has left in the log is durable.
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
+
+// Returns another connection, which only reads, with the same pragmas. REQUIRES: one of
+// OpenPriorDatabase is open, and closes later: only that one can take the log into the file.
+absl::StatusOr<SqliteDatabase> OpenPriorDatabaseToRead(const std::filesystem::path& path);
 
 }  // namespace sweepstake::storage

@@ -1,6 +1,5 @@
 #include "server/storage/store_thread.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace sweepstake::storage {
@@ -11,8 +10,16 @@ size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.incremen
 
 }  // namespace
 
-StoreThread::StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options)
+StoreThread::StoreThread(std::unique_ptr<priors::PriorStore> store, StoreThreadOptions options,
+                         std::unique_ptr<ReadConnection> reads)
     : store_(std::move(store)), options_(std::move(options)) {
+  if (reads != nullptr) {
+    reads_ = std::make_unique<ReadThread>(std::move(reads),
+                                          ReadThreadOptions{.own_thread = options_.own_thread,
+                                                            .max_queued = options_.max_queued,
+                                                            .max_read = options_.max_read,
+                                                            .on_read = options_.on_read});
+  }
   if (options_.own_thread) thread_ = std::thread([this] { Loop(); });
 }
 
@@ -23,63 +30,69 @@ void StoreThread::Close() {
     const std::lock_guard lock(mutex_);
     closing_ = true;
   }
+  if (reads_ != nullptr) reads_->Close();
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
   if (!options_.own_thread) {
     while (RunNext()) continue;
   }
+  if (reads_ != nullptr) reads_->Join();
 }
 
-bool StoreThread::Enqueue(Item item, size_t rows) {
+void StoreThread::Commit(priors::SourceUpdate update, CommitCallback done) {
   {
     const std::lock_guard lock(mutex_);
-    if (closing_ || queue_.size() >= options_.max_queued) return false;
-    queued_rows_ += rows;
-    queued_jobs_ += std::holds_alternative<Job>(item) ? 1 : 0;
-    queue_.push_back(std::move(item));
+    if (!full()) {
+      queued_rows_ += RowCount(update);
+      ++offered_commit_count_;
+      commits_.push_back({std::move(update), std::exchange(done, nullptr)});
+    }
+  }
+  if (done == nullptr) return changed_.notify_all();
+  done(absl::ResourceExhaustedError(
+      "the queue of the prior store is full or closed; offer the update again later"));
+}
+
+bool StoreThread::Submit(Job job) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (full()) return false;
+    jobs_.push_back({std::move(job), offered_commit_count_});
   }
   changed_.notify_all();
   return true;
 }
 
-void StoreThread::Commit(priors::SourceUpdate update, CommitCallback done) {
-  const size_t rows = RowCount(update);
-  CommitCallback refused = done;
-  if (!Enqueue(PendingCommit{std::move(update), std::move(done)}, rows)) {
-    refused(absl::ResourceExhaustedError(
-        "the queue of the prior store is full or closed; offer the update again later"));
-  }
+bool StoreThread::Read(ReadJob job) {
+  return reads_ != nullptr ? reads_->Submit(std::move(job)) : Submit(std::move(job));
 }
-
-bool StoreThread::Submit(Job job) { return Enqueue(std::move(job), 0); }
 
 void StoreThread::WaitForGroup(std::unique_lock<std::mutex>& lock) {
   const TimePoint deadline = std::chrono::steady_clock::now() + options_.group_interval;
   changed_.wait_until(lock, deadline, [&] {
-    return closing_ || queued_jobs_ > 0 || queued_rows_ >= options_.group_rows;
+    return closing_ || has_ready_job() || queued_rows_ >= options_.group_rows;
   });
 }
 
 std::vector<StoreThread::PendingCommit> StoreThread::TakeGroup() {
   std::vector<PendingCommit> group;
   size_t rows = 0;
-  while (!queue_.empty() && rows < options_.group_rows) {
-    auto* commit = std::get_if<PendingCommit>(&queue_.front());
-    if (commit == nullptr) break;
-    rows += RowCount(commit->update);
-    group.push_back(std::move(*commit));
-    queue_.pop_front();
+  while (!commits_.empty() && rows < options_.group_rows) {
+    rows += RowCount(commits_.front().update);
+    group.push_back(std::move(commits_.front()));
+    commits_.pop_front();
   }
   queued_rows_ -= rows;
+  taken_commit_count_ += group.size();
   return group;
 }
 
 void StoreThread::Loop() {
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [&] { return closing_ || !queue_.empty(); });
-    if (queue_.empty()) return;
-    if (std::holds_alternative<PendingCommit>(queue_.front())) WaitForGroup(lock);
+    changed_.wait(lock, [&] { return closing_ || !commits_.empty() || !jobs_.empty(); });
+    if (commits_.empty() && jobs_.empty()) return;
+    if (!has_ready_job()) WaitForGroup(lock);
     RunFront(lock);
     lock.lock();
   }
@@ -87,21 +100,20 @@ void StoreThread::Loop() {
 
 bool StoreThread::RunNext() {
   std::unique_lock lock(mutex_);
-  if (queue_.empty()) return false;
+  if (commits_.empty() && jobs_.empty()) return false;
   RunFront(lock);
   return true;
 }
 
 size_t StoreThread::queued_count() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size();
+  return commits_.size() + jobs_.size();
 }
 
 void StoreThread::RunFront(std::unique_lock<std::mutex>& lock) {
-  if (std::holds_alternative<Job>(queue_.front())) {
-    Job job = std::get<Job>(std::move(queue_.front()));
-    queue_.pop_front();
-    --queued_jobs_;
+  if (has_ready_job()) {
+    const Job job = std::move(jobs_.front().run);
+    jobs_.pop_front();
     lock.unlock();
     job(*store_);
   } else {
@@ -113,7 +125,7 @@ void StoreThread::RunFront(std::unique_lock<std::mutex>& lock) {
 }
 
 void StoreThread::CommitGroup(std::vector<PendingCommit> group, bool closing) {
-  if (closing && !healthy()) {
+  if (closing && !can_write()) {
     const absl::Status status = absl::UnavailableError("the prior store closes, and cannot write");
     for (PendingCommit& commit : group) commit.done(status);
     return;
@@ -138,6 +150,7 @@ void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
 absl::Status StoreThread::CommitNow(std::span<const priors::SourceUpdate> updates) {
   const TimePoint start = std::chrono::steady_clock::now();
   absl::Status status = store_->Commit(updates);
+  if (reads_ != nullptr) reads_->OnCommitted();
   if (options_.on_commit) options_.on_commit(std::chrono::steady_clock::now() - start);
   return status;
 }
@@ -146,9 +159,9 @@ void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
   // An invalid update says nothing about the disk.
   if (absl::IsInvalidArgument(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
-  } else if (healthy_ != status.ok()) {
+  } else if (can_write_ != status.ok()) {
     options_.on_health(status);  // first, so that whoever sees that it is not healthy finds out why
-    healthy_ = status.ok();
+    can_write_ = status.ok();
   }
   lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
   commit.done(status);

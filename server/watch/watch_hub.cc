@@ -79,8 +79,9 @@ void WatchHub::OnEvidence(const SceneKey& key, std::span<const KeyedEvidence> in
   ScheduleTick();
 }
 
-// The job runs on the thread that commits, and its result takes the same way to the loop as the
-// news of a commit. So the sums have exactly the increments that were told before.
+// It is exact, and so no read: the job runs on the thread that commits, and its result takes the
+// same way to the loop as the news of a commit. So the sums have exactly the increments that were
+// told before.
 void WatchHub::Load(const SceneKey& key) {
   const bool submitted = store_.Submit([this, key](priors::PriorStore& store) {
     loop_.post([this, key, loaded = store.LoadScene(key)] { OnLoaded(key, loaded); });

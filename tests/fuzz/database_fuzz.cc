@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/record_limits.h"
-#include "server/storage/sqlite_backup.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/fuzz/input.h"
 #include "tests/support/temporary_directory.h"
@@ -87,8 +87,8 @@ std::string Changed(std::string bytes, Input input) {
 
 // Reads all that a store has. What it gives is valid, or it says that it cannot.
 void Read(PriorStore& store) {
-  if (const auto records = store.Export({}, std::nullopt, kPage); records.ok())
-    Require(CheckRecords(*records).ok(), "what is read is valid");
+  if (const auto records = store.Export({}, {}, kPage); records.ok())
+    Require(CheckRecords(records->records).ok(), "what is read is valid");
   if (const auto scenes = store.List({}, std::nullopt, kPage); scenes.ok()) {
     for (const auto& scene : *scenes) (void)store.LoadScene(scene.key);
   }

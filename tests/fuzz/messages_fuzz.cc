@@ -38,6 +38,10 @@ class PromptStore final : public priors::AsyncPriorStore {
     job(store);
     return true;
   }
+  bool Read(ReadJob job) override {
+    job(store);
+    return true;
+  }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
 
@@ -87,7 +91,7 @@ class Daemon final : public TelemetryTransport {
   }
 
   void Check() {
-    Require(storage::CheckRecords(*store_.store.Export({}, std::nullopt, kAll)).ok(),
+    Require(storage::CheckRecords(store_.store.Export({}, {}, kAll)->records).ok(),
             "what is stored is valid");
     std::string log = decision::AuditHeader() + '\n';
     const auto segments = store_.store.ListAudit({}, 0, kAll);

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/daemon.h"
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 

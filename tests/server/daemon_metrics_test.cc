@@ -22,7 +22,10 @@ class DaemonMetricsTest : public ::testing::Test {
   // The first metric of each family, by name.
   std::map<std::string, prometheus::ClientMetric> Collect(bool store_healthy = true) {
     std::map<std::string, prometheus::ClientMetric> metrics;
-    for (const auto& family : metrics_.Collect(counters_, store_healthy, database_)) {
+    for (const auto& family : metrics_.Collect(counters_, {.healthy = store_healthy,
+                                                          .queued_commit_count = 7,
+                                                          .queued_read_count = 9,
+                                                          .database = database_})) {
       EXPECT_TRUE(metrics.emplace(family.name, family.metric.front()).second) << family.name;
     }
     return metrics;
@@ -45,7 +48,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
     expected.insert(static_cast<double>((i + 1) * 1'000'003));
   }
   std::multiset<double> shown;
-  for (const auto& family : metrics_.Collect(counters_, true, database_)) {
+  for (const auto& family : metrics_.Collect(counters_, {.database = database_})) {
     for (const prometheus::ClientMetric& metric : family.metric) {
       for (const double value : {metric.counter.value, metric.gauge.value}) {
         if (expected.contains(value)) shown.insert(value);
@@ -56,7 +59,7 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
 }
 
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
-  for (const auto& family : metrics_.Collect(counters_, true, database_)) {
+  for (const auto& family : metrics_.Collect(counters_, {.database = database_})) {
     const bool is_of_process = family.name.starts_with("process_");
     const bool is_counter = family.type == prometheus::MetricType::Counter;
     EXPECT_THAT(family.name, StartsWith(is_of_process ? "process_" : "sweepstake_"));
@@ -70,6 +73,7 @@ TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
 
 TEST_F(DaemonMetricsTest, DurationsAreHistogramsInSeconds) {
   metrics_.OnCommit(milliseconds(4));
+  metrics_.OnRead(milliseconds(5));
   metrics_.OnSync(milliseconds(3));
   metrics_.OnSync(milliseconds(30));
   metrics_.OnTimer(milliseconds(2));
@@ -78,6 +82,7 @@ TEST_F(DaemonMetricsTest, DurationsAreHistogramsInSeconds) {
   EXPECT_EQ(syncs.sample_count, 2u);
   EXPECT_NEAR(syncs.sample_sum, 0.033, 1e-9);
   EXPECT_EQ(shown.at("sweepstake_store_commit_duration_seconds").histogram.sample_count, 1u);
+  EXPECT_NEAR(shown.at("sweepstake_store_read_duration_seconds").histogram.sample_sum, 0.005, 1e-9);
   EXPECT_NEAR(shown.at("sweepstake_decision_loop_lateness_seconds").histogram.sample_sum, 0.002,
               1e-9);
 }
@@ -88,6 +93,8 @@ TEST_F(DaemonMetricsTest, TheStoreAndItsLogAreShown) {
   EXPECT_EQ(Collect().at("sweepstake_store_wal_size_bytes").gauge.value, 5);
   EXPECT_EQ(Collect(true).at("sweepstake_store_healthy").gauge.value, 1);
   EXPECT_EQ(Collect(false).at("sweepstake_store_healthy").gauge.value, 0);
+  EXPECT_EQ(Collect().at("sweepstake_store_queued_commits").gauge.value, 7);
+  EXPECT_EQ(Collect().at("sweepstake_store_queued_reads").gauge.value, 9);
 }
 
 TEST_F(DaemonMetricsTest, TheBuildIsNamed) {

@@ -16,7 +16,7 @@ using priors::AuditSegment;
 
 using SegmentStream = PageStream<v1::ListAuditSegmentsResponse, uint64_t>;
 
-absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorStore& store,
+absl::StatusOr<SegmentStream::Page> LoadSegments(priors::PriorReader& store,
                                                  const AuditFilter& filter, uint64_t after) {
   const auto segments = store.ListAudit(filter, after, kAuditSegmentsPerMessage);
   if (!segments.ok()) return segments.status();
@@ -39,7 +39,7 @@ struct RowPlace {
 using RowStream = PageStream<v1::ExportDecisionsResponse, RowPlace>;
 
 // Begins the next segment unless one is current. Returns false if there is none.
-absl::StatusOr<bool> EnterSegment(priors::PriorStore& store, const AuditFilter& filter,
+absl::StatusOr<bool> EnterSegment(priors::PriorReader& store, const AuditFilter& filter,
                                   RowPlace& place) {
   if (place.segment) return true;
   const auto segments = store.ListAudit(filter, place.after, 1);
@@ -66,7 +66,7 @@ size_t AddRows(std::vector<priors::AuditRow> rows, RowPlace& place,
   return bytes;
 }
 
-absl::StatusOr<RowStream::Page> LoadRows(priors::PriorStore& store, const AuditFilter& filter,
+absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const AuditFilter& filter,
                                          const RowPlace& place) {
   RowStream::Page page;
   page.next = place;
@@ -110,7 +110,7 @@ grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAudit
         ToGrpc(filter.status(), context_.counters));
   }
   return SegmentStream::Start(context_, *call, *caller,
-                              [filter = *filter](priors::PriorStore& store, uint64_t after) {
+                              [filter = *filter](priors::PriorReader& store, uint64_t after) {
                                 return LoadSegments(store, filter, after);
                               });
 }
@@ -124,7 +124,7 @@ grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecis
         ToGrpc(filter.status(), context_.counters));
   }
   return RowStream::Start(context_, *call, *caller,
-                          [filter = *filter](priors::PriorStore& store, const RowPlace& place) {
+                          [filter = *filter](priors::PriorReader& store, const RowPlace& place) {
                             return LoadRows(store, filter, place);
                           });
 }

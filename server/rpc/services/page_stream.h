@@ -36,8 +36,8 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
                          public std::enable_shared_from_this<PageStream<Response, Place>> {
  public:
   using Page = StreamPage<Response, Place>;
-  // Reads the page that begins at the place. It runs on the store's thread.
-  using Load = std::function<absl::StatusOr<Page>(priors::PriorStore&, const Place&)>;
+  // Reads the page that begins at the place. It runs on the store's reading thread.
+  using Load = std::function<absl::StatusOr<Page>(priors::PriorReader&, const Place&)>;
 
   // The stream ends when the caller's token does.
   static PageStream* Start(ServiceContext& context, grpc::CallbackServerContext& call,
@@ -89,8 +89,8 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
     if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok())
       return End(still);
     const bool submitted =
-        context_.store.Submit([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
-                               place = page_.next](priors::PriorStore& store) {
+        context_.store.Read([weak = this->weak_from_this(), &loop = context_.loop, load = load_,
+                             place = page_.next](priors::PriorReader& store) {
           loop.Post([weak, page = load(store, place)]() mutable {
             if (const auto self = weak.lock()) self->OnPage(std::move(page));
           });

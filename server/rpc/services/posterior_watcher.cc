@@ -23,7 +23,7 @@ void PosteriorWatcher::OnDecisions(const grpc::ByteBuffer& event) {
 
 void PosteriorWatcher::OnPosterior(const priors::SceneKey& scene, const grpc::ByteBuffer& event) {
   if (closed()) return;
-  const bool waits = !posteriors_.insert_or_assign(scene, event).second;
+  const bool waits = !posteriors_.insert_or_assign(scene, Posterior{event, page_count_}).second;
   if (!waits) events_.push_back({.decisions = std::nullopt, .scene = scene});
   WriteNext();
 }
@@ -58,16 +58,18 @@ std::optional<grpc::ByteBuffer> PosteriorWatcher::TakeEvent() {
       decision_bytes_ -= next.decisions->Length();
       return std::move(next.decisions);
     }
-    if (auto posterior = posteriors_.extract(next.scene)) return std::move(posterior.mapped());
+    if (auto posterior = posteriors_.extract(next.scene))
+      return std::move(posterior.mapped().event);
   }
   return std::nullopt;
 }
 
 void PosteriorWatcher::LoadPage() {
   const auto self = std::static_pointer_cast<PosteriorWatcher>(shared_from_this());
+  ++page_count_;
   loading_ =
-      context().store.Submit([weak = std::weak_ptr(self), &loop = context().loop, filter = filter(),
-                              after = last_of_page_](priors::PriorStore& store) {
+      context().store.Read([weak = std::weak_ptr(self), &loop = context().loop, filter = filter(),
+                            after = last_of_page_](priors::PriorReader& store) {
         loop.Post([weak, page = store.List(filter, after, kScenesPerPage)] {
           if (const auto watcher = weak.lock()) watcher->OnPage(page);
         });
@@ -83,8 +85,11 @@ void PosteriorWatcher::OnPage(const absl::StatusOr<std::vector<priors::SceneEvid
   if (closed()) return;
   if (!page.ok()) return Close(StoreFailed(page.status()));
   for (const priors::SceneEvidence& scene : *page) {
-    scenes_.push_back(context().watchers.Encode(scene));
-    posteriors_.erase(scene.key);  // it is older than the page
+    // What came before the page was asked for is older than the page. What came since may be newer,
+    // and takes the page's place.
+    const auto waiting = posteriors_.extract(scene.key);
+    const bool newer = !waiting.empty() && waiting.mapped().page == page_count_;
+    scenes_.push_back(newer ? waiting.mapped().event : context().watchers.Encode(scene));
   }
   page_wanted_ = page->size() == kScenesPerPage;
   if (page_wanted_) last_of_page_ = page->back().key;

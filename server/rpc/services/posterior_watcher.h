@@ -35,6 +35,11 @@ class PosteriorWatcher final : public Watcher {
     priors::SceneKey scene;
   };
 
+  struct Posterior {
+    grpc::ByteBuffer event;
+    uint64_t page = 0;  // how many pages had been asked for
+  };
+
   absl::Status Join() override;
   void Leave() override;
   std::optional<grpc::ByteBuffer> TakeNext() override;
@@ -44,14 +49,15 @@ class PosteriorWatcher final : public Watcher {
   void LoadPage();
   void OnPage(const absl::StatusOr<std::vector<priors::SceneEvidence>>& page);
 
-  std::deque<grpc::ByteBuffer> scenes_;                      // the rest of the current page
-  std::optional<priors::SceneKey> last_of_page_;             // the next page begins after it
-  std::deque<Event> events_;                                 // in the order in which they happened
-  size_t decision_bytes_ = 0;                                // of the decisions in events_
-  std::map<priors::SceneKey, grpc::ByteBuffer> posteriors_;  // the latest of each scene in events_
-  bool loading_ = false;                                     // the store is reading a page
-  bool page_wanted_ = false;                                 // another page follows this one
-  bool stale_ = true;                                        // all scenes must be sent
+  std::deque<grpc::ByteBuffer> scenes_;               // the rest of the current page
+  std::optional<priors::SceneKey> last_of_page_;      // the next page begins after it
+  std::deque<Event> events_;                          // in the order in which they happened
+  size_t decision_bytes_ = 0;                         // of the decisions in events_
+  std::map<priors::SceneKey, Posterior> posteriors_;  // the latest of each scene in events_
+  uint64_t page_count_ = 0;                           // pages that the store was asked for
+  bool loading_ = false;                              // the store is reading a page
+  bool page_wanted_ = false;                          // another page follows this one
+  bool stale_ = true;                                 // all scenes must be sent
 };
 
 }  // namespace sweepstake::rpc

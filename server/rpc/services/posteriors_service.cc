@@ -61,8 +61,8 @@ uint32_t DefaultRewardVersion(const RpcOptions& options) {
 template <typename Read, typename Answer>
 void ReadAndAnswer(ServiceContext& context, const EndCall& end, Read read, Answer answer) {
   const bool submitted =
-      context.store.Submit([&loop = context.loop, end, read = std::move(read),
-                            answer = std::move(answer)](priors::PriorStore& store) {
+      context.store.Read([&loop = context.loop, end, read = std::move(read),
+                          answer = std::move(answer)](priors::PriorReader& store) {
         loop.Post([end, answer, result = read(store)] {
           end(result.ok() ? answer(*result) : StoreFailed(result.status()));
         });
@@ -89,7 +89,7 @@ grpc::ServerUnaryReactor* PosteriorsService::ListPosteriors(
         request->page_size() == 0 ? kScenesPerPage : std::min(request->page_size(), kScenesPerPage);
     ReadAndAnswer(
         context_, end,
-        [filter, after, limit](priors::PriorStore& store) {
+        [filter, after, limit](priors::PriorReader& store) {
           return store.List(filter, after, limit);
         },
         [this, response, limit](const std::vector<SceneEvidence>& scenes) {
@@ -120,7 +120,7 @@ grpc::ServerUnaryReactor* PosteriorsService::GetPosterior(grpc::CallbackServerCo
                          "project and scene must have 1 to 128 bytes and no control characters"));
     }
     ReadAndAnswer(
-        context_, end, [key](priors::PriorStore& store) { return store.LoadScene(key); },
+        context_, end, [key](priors::PriorReader& store) { return store.LoadScene(key); },
         [this, response, key](const std::optional<SceneEvidence>& scene) {
           if (!scene)
             return Refused(v1::ERROR_REASON_UNKNOWN_SCENE,

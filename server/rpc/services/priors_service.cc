@@ -2,7 +2,6 @@
 
 #include <spdlog/logger.h>
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,19 +18,18 @@ namespace sweepstake::rpc {
 namespace {
 
 using priors::PriorRecord;
-// The place is the last record that was sent; it is absent at the beginning.
-using ExportStream = PageStream<v1::ExportPriorsResponse, std::optional<PriorRecord>>;
+using ExportStream = PageStream<v1::ExportPriorsResponse, priors::ExportPlace>;
 
-absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorStore& store,
+absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
                                                const priors::SceneFilter& filter,
-                                               const std::optional<PriorRecord>& after) {
-  const auto records = store.Export(filter, after, kRecordsPerMessage);
-  if (!records.ok()) return records.status();
+                                               const priors::ExportPlace& after) {
+  const auto stored = store.Export(filter, after, kRecordsPerMessage);
+  if (!stored.ok()) return stored.status();
   ExportStream::Page page;
-  page.empty = records->empty();
-  page.last = records->size() < kRecordsPerMessage;
-  for (const PriorRecord& record : *records) ToProto(record, *page.response.add_records());
-  if (!page.empty) page.next = records->back();
+  page.empty = stored->records.empty();
+  page.last = stored->records.size() < kRecordsPerMessage;
+  for (const PriorRecord& record : stored->records) ToProto(record, *page.response.add_records());
+  page.next = stored->next;
   return page;
 }
 
@@ -194,7 +192,7 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
   }
   return ExportStream::Start(
       context_, *call, *caller,
-      [filter](priors::PriorStore& store, const std::optional<PriorRecord>& after) {
+      [filter](priors::PriorReader& store, const priors::ExportPlace& after) {
         return LoadRecords(store, filter, after);
       });
 }

@@ -156,14 +156,15 @@ absl::Status TelemetryStream::Load() {
   loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnLoadOverdue();
   });
-  const bool submitted =
-      context_.store.Submit([weak = weak_from_this(), &loop, &options = context_.options,
-                             wanted = *hello_](priors::PriorStore& store) {
-        if (weak.expired()) return;  // Nobody waits for it any more.
-        loop.Post([weak, start = LoadStart(store, wanted, options)] {
-          if (const auto self = weak.lock()) self->OnLoaded(start);
-        });
-      });
+  auto load = [weak = weak_from_this(), &loop, &options = context_.options,
+               wanted = *hello_](priors::PriorReader& store) {
+    if (weak.expired()) return;  // Nobody waits for it any more.
+    loop.Post([weak, start = LoadStart(store, wanted, options)] {
+      if (const auto self = weak.lock()) self->OnLoaded(start);
+    });
+  };
+  const bool submitted = hello_->session_id().empty() ? context_.store.Read(std::move(load))
+                                                      : context_.store.Submit(std::move(load));
   if (submitted) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_STORE_BUSY,
                  "the prior store has too much to do; connect again later");

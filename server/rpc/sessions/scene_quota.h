@@ -1,7 +1,7 @@
 // How much of the store a project may fill: scenes, and arms of each scene. A client names both, so
 // that without bounds one client could make any number of them.
 //
-// Used on the store's thread, for one Hello or one import.
+// Used on a thread of the store, for one Hello or one import.
 #pragma once
 
 #include <compare>
@@ -38,7 +38,7 @@ class SceneQuota {
   static constexpr uint32_t kKeysPerScene = 32;
   static constexpr uint32_t kVersionsPerArm = 32;
 
-  SceneQuota(priors::PriorStore& store, const RpcOptions& options)
+  SceneQuota(priors::PriorReader& store, const RpcOptions& options)
       : store_(store), options_(options) {}
 
   // Checks that the scene and its arm may be stored, beside what is there and what was added here
@@ -57,7 +57,7 @@ class SceneQuota {
 
   absl::Status AddScene(const priors::SceneKey& scene);
 
-  priors::PriorStore& store_;
+  priors::PriorReader& store_;
   const RpcOptions& options_;
   std::map<std::string, priors::SceneCount> projects_;       // stored, and added here
   std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene

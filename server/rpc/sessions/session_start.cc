@@ -134,7 +134,7 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
 
 }  // namespace
 
-StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello,
+StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello,
                       const RpcOptions& options) {
   StoredStart start;
   SceneQuota quota(store, options);

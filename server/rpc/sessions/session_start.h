@@ -39,8 +39,10 @@ struct StoredStart {
   absl::Status status;                        // why some of it is missing; OK if nothing is
 };
 
-// Reads the store, on its thread.
-StoredStart LoadStart(priors::PriorStore& store, const v1::Hello& hello, const RpcOptions& options);
+// Reads the store, on one of its threads: on the writing one if a session is to be resumed, since
+// its latest commit may wait in the queue.
+StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello,
+                      const RpcOptions& options);
 
 // Makes the session of a checked Hello for the caller's token. Error: INVALID_ARGUMENT (the setup
 // is not valid).

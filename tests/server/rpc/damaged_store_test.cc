@@ -4,8 +4,8 @@
 
 #include <fstream>
 
+#include "server/storage/backup/automatic_backup.h"
 #include "server/storage/sqlite_database.h"
-#include "server/storage/sqlite_prior_store.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/temporary_directory.h"
 
@@ -19,11 +19,12 @@ class WithDirectory {
  protected:
   const test_support::TemporaryDirectory directory_;
   const std::string path_ = (directory_.path() / "priors.db").string();
+  storage::OpenedStore in_directory_ = *storage::OpenStoreOrBackup(path_);
 };
 
 class DamagedStoreTest : public WithDirectory, public RpcTest {
  protected:
-  DamagedStoreTest() : RpcTest(*storage::OpenSqlitePriorStore(path_)) {
+  DamagedStoreTest() : RpcTest(std::move(in_directory_.store), std::move(in_directory_.reads)) {
     log_.sinks().push_back(log_lines_);
   }
 

@@ -29,6 +29,12 @@ class HoldingStore final : public priors::AsyncPriorStore {
     ++submit_count_;
     return submitted;
   }
+  bool Read(ReadJob job) override {
+    const std::lock_guard lock(mutex_);
+    const bool submitted = !closed_ && store_.Read(std::move(job));
+    ++submit_count_;
+    return submitted;
+  }
   bool healthy() const override {
     const std::lock_guard lock(mutex_);
     return !failing_ && store_.healthy();
@@ -50,7 +56,7 @@ class HoldingStore final : public priors::AsyncPriorStore {
     const std::lock_guard lock(mutex_);
     closed_ = closed;
   }
-  // Jobs offered so far.
+  // Jobs and reads offered so far.
   size_t submit_count() const { return submit_count_; }
   size_t held_count() const {
     const std::lock_guard lock(mutex_);

@@ -19,6 +19,7 @@ class BusyStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate /*update*/, CommitCallback /*done*/) override {}
   bool Submit(Job /*job*/) override { return false; }
+  bool Read(ReadJob /*job*/) override { return false; }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return 0; }
 };
@@ -55,7 +56,7 @@ TEST(PageStreamTest, AStreamThatIsFinishedIsNotEndedAgainBeforeTheLoopHearsOfIts
   Services services;
   grpc::CallbackServerContext call;
   Stream* stream = Stream::Start(services.context, call, {},
-                                 [](priors::PriorStore&, int) { return Stream::Page{}; });
+                                 [](priors::PriorReader&, int) { return Stream::Page{}; });
   services.Settle();
   services.clock.Advance(2 * services.options.watcher_patience_ns);
   services.Settle();

@@ -169,8 +169,10 @@ class TelemetryClient {
 class RpcTest : public ::testing::Test {
  protected:
   explicit RpcTest(
-      std::unique_ptr<priors::PriorStore> store = std::make_unique<storage::MemoryPriorStore>())
-      : thread_(std::move(store), {.group_interval = std::chrono::milliseconds(0)}) {
+      std::unique_ptr<priors::PriorStore> store = std::make_unique<storage::MemoryPriorStore>(),
+      std::unique_ptr<storage::ReadConnection> reads = nullptr)
+      : thread_(std::move(store), {.group_interval = std::chrono::milliseconds(0)},
+                std::move(reads)) {
     // Without exploration and settling, windows are learnt from the first tick on.
     options_.decision.explore = false;
     options_.decision.settling_ns = 0;

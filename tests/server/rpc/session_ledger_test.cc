@@ -19,6 +19,7 @@ class LateStore final : public priors::AsyncPriorStore {
     done_ = std::move(done);
   }
   bool Submit(Job /*job*/) override { return false; }
+  bool Read(ReadJob /*job*/) override { return false; }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return 0; }
   void Answer(const absl::Status& status) { std::exchange(done_, nullptr)(status); }

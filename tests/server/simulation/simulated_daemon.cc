@@ -7,12 +7,13 @@ namespace sweepstake::simulation {
 
 SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                                  std::unique_ptr<priors::PriorStore> store,
+                                 std::unique_ptr<storage::ReadConnection> reads,
                                  watch::WatchListener& watcher)
     : world_(world),
       options_(options),
       log_("simulation"),
       loop_(world, {}, rpc::DecisionLoop::Runner::kCaller),
-      store_(std::move(store), {.own_thread = false}),
+      store_(std::move(store), {.own_thread = false}, std::move(reads)),
       access_(options_, world, log_),
       context_{{options_, loop_, store_, counters_, watch_hub_},
                sessions_,
@@ -62,16 +63,18 @@ void SimulatedDaemon::Run() {
     wake_ns_ = due_ns;
     if (due_ns != rpc::Clock::kNever) world_.After(due_ns - world_.NowNs(), [] {});
   }
-  if (store_busy_ || store_.queued_count() == 0) return;
-  store_busy_ = true;
-  world_.After(world_.Draw(0, max_store_delay_ns_), [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->RunStore();
-  });
+  if (store_.queued_count() > 0) RunLater(store_busy_, &storage::StoreThread::RunNext);
+  if (store_.queued_read_count() > 0) RunLater(reads_busy_, &storage::StoreThread::RunNextRead);
 }
 
-void SimulatedDaemon::RunStore() {
-  store_busy_ = false;
-  store_.RunNext();
+void SimulatedDaemon::RunLater(bool& busy, bool (storage::StoreThread::*run_next)()) {
+  if (std::exchange(busy, true)) return;
+  world_.After(world_.Draw(0, max_store_delay_ns_), [weak = weak_from_this(), &busy, run_next] {
+    const auto self = weak.lock();
+    if (!self) return;
+    busy = false;
+    (self->store_.*run_next)();
+  });
 }
 
 void SimulatedDaemon::Drain() {

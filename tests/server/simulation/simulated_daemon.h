@@ -26,7 +26,8 @@ namespace sweepstake::simulation {
 class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemon> {
  public:
   SimulatedDaemon(World& world, const rpc::RpcOptions& options,
-                  std::unique_ptr<priors::PriorStore> store, watch::WatchListener& watcher);
+                  std::unique_ptr<priors::PriorStore> store,
+                  std::unique_ptr<storage::ReadConnection> reads, watch::WatchListener& watcher);
   // The disk must be dead, or the daemon closed.
   ~SimulatedDaemon();
 
@@ -42,12 +43,13 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   // Writes what is on its way to disk.
   void Close() { store_.Close(); }
 
-  // How long the store takes at most before it begins with a commit or a job.
+  // How long the store takes at most before it begins with a commit or a job, and with a read.
   void set_store_delay_ns(int64_t max) { max_store_delay_ns_ = max; }
   const rpc::Counters& counters() const { return counters_; }
 
  private:
-  void RunStore();
+  // Runs the next of what the store has queued, after some time.
+  void RunLater(bool& busy, bool (storage::StoreThread::*run_next)());
   // Ends the streams of tokens that are not valid any more, each second.
   void EndRefused();
 
@@ -67,6 +69,7 @@ class SimulatedDaemon final : public std::enable_shared_from_this<SimulatedDaemo
   std::vector<std::shared_ptr<Connection>> connections_;
   int64_t max_store_delay_ns_ = 60 * kMsNs;
   bool store_busy_ = false;
+  bool reads_busy_ = false;
   int64_t wake_ns_ = rpc::Clock::kNever;  // when the world runs the daemon again at the latest
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/simulation/troubled_store.h"
 
@@ -145,13 +146,16 @@ std::optional<auth::Principal> Simulation::CallerOf(const std::string& token) co
 void Simulation::StartDaemon() {
   if (daemon_) return;
   if (troubled_ && world_.Happens(0.1)) disk_.Set({.read_error = 0.05});
-  auto store = storage::OpenSqlitePriorStore(directory_.path() / "priors.db");
+  const std::filesystem::path path = directory_.path() / "priors.db";
+  auto store = storage::OpenSqlitePriorStore(path);
+  using Reads = absl::StatusOr<std::unique_ptr<storage::ReadConnection>>;
+  Reads reads = store.ok() ? storage::OpenSqliteReadConnection(path) : Reads(store.status());
   disk_.Set({});
   if (disk_.killed()) return;  // in the midst of its start
-  if (!store.ok()) {
+  if (!reads.ok()) {
     ++tally_.failed_starts;
-    if (!troubled_ || !absl::IsUnavailable(store.status()))
-      Complain("the store does not open: " + store.status().ToString());
+    if (!troubled_ || !absl::IsUnavailable(reads.status()))
+      Complain("the store does not open: " + reads.status().ToString());
     world_.After(kSecondNs, [this] { StartDaemon(); });
     return;
   }
@@ -160,7 +164,7 @@ void Simulation::StartDaemon() {
   if (ended_) CheckWatcher(**store);
   watcher_.OnReset();
   daemon_ = std::make_shared<SimulatedDaemon>(world_, options_, WithTroubles(*std::move(store)),
-                                              watcher_);
+                                              *std::move(reads), watcher_);
 }
 
 std::unique_ptr<priors::PriorStore> Simulation::WithTroubles(

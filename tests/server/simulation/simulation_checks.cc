@@ -19,7 +19,7 @@ void Simulation::CheckStore(priors::PriorStore& store) {
   const auto records = store.Export({}, {}, 100'000);
   if (!records.ok()) return Complain("the records cannot be read: " + records.status().ToString());
   const priors::Evidence of_files =
-      files_.Check(*records, [this](const std::string& what) { Complain(what); });
+      files_.Check(records->records, [this](const std::string& what) { Complain(what); });
   const auto scenes = store.List({}, {}, 1000);
   if (!scenes.ok()) return Complain("the scenes cannot be read: " + scenes.status().ToString());
   priors::Evidence of_scenes;
@@ -44,7 +44,7 @@ void Simulation::CheckProject(priors::PriorStore& store,
   for (const priors::SceneEvidence& scene : *scenes) {
     if (!is_shown(scene)) Complain("a caller is shown a scene of another project");
   }
-  for (const priors::PriorRecord& record : *records) {
+  for (const priors::PriorRecord& record : records->records) {
     if (record.key.project != kProjects.front())
       Complain("a caller is given evidence of another project");
   }

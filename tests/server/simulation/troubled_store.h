@@ -54,9 +54,9 @@ class TroubledStore final : public priors::PriorStore {
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     return store_->CountScenes(project);
   }
-  absl::StatusOr<std::vector<priors::PriorRecord>> Export(
-      const priors::SceneFilter& filter, const std::optional<priors::PriorRecord>& after,
-      uint32_t limit) override {
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
     return store_->Export(filter, after, limit);
   }
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {

@@ -1,5 +1,5 @@
 // Backups that the daemon makes by itself, and the start with one of them.
-#include "server/storage/automatic_backup.h"
+#include "server/storage/backup/automatic_backup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <future>
 
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
@@ -110,7 +110,14 @@ TEST_F(AutomaticBackupTest, ADamagedFileIsKeptAndTheLastWholeBackupIsOpenedInIts
   EXPECT_THAT(opened->damage, HasSubstr("Look at the disk"));
   EXPECT_EQ(CountFiles(".quarantine-"), 1u);
   EXPECT_EQ(CountFiles(".backup-"), 3u);
+  const auto read = [&] {
+    const uint64_t commit = (*opened->reads->Begin().LoadSource("a"))->progress.commit_sequence;
+    opened->reads->End();
+    return commit;
+  };
+  EXPECT_EQ(read(), 2u) << "reads are of the file that was put there";
   EXPECT_TRUE(opened->store->Commit(std::vector{Update("a", 3, {Key("Grid")})}).ok());
+  EXPECT_EQ(read(), 3u);
 }
 
 TEST_F(AutomaticBackupTest, TheDamagedFileIsKeptAsItWasBeforeTheBackupTakesItsPlace) {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/storage/sqlite_schema.h"
@@ -76,10 +76,10 @@ TEST_F(DamagedRowsTest, ASceneWithAWrongRowHasNoPriorsAndTheOthersHaveTheirs) {
     EXPECT_THAT(std::string(LoadHarbour().message()), HasSubstr("scene harbour of project game"));
     EXPECT_TRUE(absl::IsDataLoss(store_->LoadScene({"game", "harbour", "desktop", 1}).status()));
     EXPECT_EQ(store_->List({}, std::nullopt, 9)->size(), 1u) << change;
-    EXPECT_TRUE(absl::IsDataLoss(store_->Export({}, std::nullopt, 9).status()) ||
+    EXPECT_TRUE(absl::IsDataLoss(store_->Export({}, {}, 9).status()) ||
                 std::string_view(change).starts_with("scene"));
     EXPECT_TRUE(store_->LoadPriors(std::vector{Key("Grid", "desert")}).ok());
-    EXPECT_EQ(store_->Export({.project = "", .scene = "desert"}, std::nullopt, 9)->size(), 1u);
+    EXPECT_EQ(store_->Export({.project = "", .scene = "desert"}, {}, 9)->records.size(), 1u);
     ASSERT_TRUE(raw.Execute("UPDATE evidence_key AS k SET alpha_sum = u.alpha_sum, window_sum = "
                             "u.window_sum FROM undone u WHERE u.id = k.id; DROP TABLE undone;"
                             "UPDATE scene SET source_count = 2 WHERE scene = 'harbour'")

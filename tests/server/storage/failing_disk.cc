@@ -129,6 +129,11 @@ uint64_t FailingDisk::change_count() const {
   return change_count_;
 }
 
+uint64_t FailingDisk::read_count() const {
+  const std::lock_guard lock(mutex_);
+  return read_count_;
+}
+
 bool FailingDisk::has_unsynced() const {
   const std::lock_guard lock(mutex_);
   return std::any_of(images_.begin(), images_.end(),
@@ -224,6 +229,7 @@ int FailingDisk::Close(sqlite3_file* file) {
 int FailingDisk::Read(sqlite3_file* file, void* bytes, int count, sqlite3_int64 offset) {
   FailingDisk& disk = *File::Of(file).disk;
   const std::lock_guard lock(disk.mutex_);
+  ++disk.read_count_;
   if (disk.life_ == 0 || disk.Happens(disk.faults_.read_error)) return SQLITE_IOERR_READ;
   return Forward<File>(&sqlite3_io_methods::xRead, file, bytes, count, offset);
 }

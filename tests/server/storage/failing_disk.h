@@ -52,6 +52,7 @@ class FailingDisk {
 
   // Counts writes, truncations and syncs, failed ones included.
   uint64_t change_count() const;
+  uint64_t read_count() const;
   // Whether something was written that no sync has made durable.
   bool has_unsynced() const;
 
@@ -96,6 +97,7 @@ class FailingDisk {
   Faults faults_;                        // guarded by mutex_
   std::optional<uint64_t> life_;         // guarded by mutex_; changes until the process ends
   uint64_t change_count_ = 0;            // guarded by mutex_
+  uint64_t read_count_ = 0;              // guarded by mutex_
   size_t open_count_ = 0;                // guarded by mutex_
   std::map<std::string, Image> images_;  // guarded by mutex_; by path
 };

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/support/temporary_directory.h"
@@ -123,6 +126,33 @@ TEST_F(FailingDiskTest, WhatAFailedSyncLeftIsMadeDurableThoughThereIsNoRoomForAC
     Restart(/*power_cut=*/true);
     EXPECT_EQ(Stored(), stored) << seed;
   }
+}
+
+// The file may be put aside with its log, or read again: neither may depend on the next power cut.
+TEST_F(FailingDiskTest, TheLogIsMadeDurableBeforeThePagesAreCheckedThoughTheyAreDamaged) {
+  BeginOnDisk(1);
+  CommitUpTo(2);
+  const int64_t page =  // of a table that the log has nothing of
+      *SqliteDatabase::Open(path_.string(), SqliteDatabase::OpenMode::kReadOnly)
+           ->QueryInteger("SELECT rootpage FROM sqlite_schema WHERE name = 'audit_row'");
+  const uint64_t before = disk_->change_count();
+  ASSERT_TRUE(Commit(3).ok());
+  disk_->KillAfter(disk_->change_count() - before - 1);  // all but the sync
+  EXPECT_FALSE(Commit(4).ok());
+  ASSERT_TRUE(disk_->has_unsynced());
+  disk_->Kill();
+  store_.reset();
+  disk_->Restart();
+  {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp((page - 1) * 4096);
+    file << std::string(4096, '\x5a');
+  }
+  disk_->Set({.sync_error = 1});
+  EXPECT_TRUE(absl::IsUnavailable(Open())) << "a power cut could still change what it is";
+  disk_->Set({});
+  EXPECT_TRUE(absl::IsDataLoss(Open()));
+  EXPECT_FALSE(disk_->has_unsynced());
 }
 
 TEST_F(FailingDiskTest, NothingAcknowledgedIsLostAndNothingCountsTwiceWhereverThePowerIsCut) {

@@ -33,7 +33,17 @@ class PriorStoreConformance : public ::testing::TestWithParam<std::pair<std::str
 
   absl::Status Commit(const std::vector<SourceUpdate>& updates) { return store_->Commit(updates); }
   priors::PriorSums Sums(const std::vector<EvidenceKey>& keys) { return *store_->LoadPriors(keys); }
-  std::vector<PriorRecord> ExportAll() { return *store_->Export({}, std::nullopt, 1000); }
+  std::vector<PriorRecord> ExportAll() { return store_->Export({}, {}, 1000)->records; }
+
+  std::vector<PriorRecord> ExportInPages(uint32_t limit) {
+    std::vector<PriorRecord> all;
+    priors::ExportPage page;
+    do {
+      page = *store_->Export({}, page.next, limit);
+      all.insert(all.end(), page.records.begin(), page.records.end());
+    } while (!page.records.empty());
+    return all;
+  }
 
   std::unique_ptr<PriorStore> store_;
 };
@@ -184,8 +194,8 @@ TEST_P(PriorStoreConformance, SeveralProjectsAreListedExportedAndTheirScenesCoun
   const auto scenes = store_->List(filter, std::nullopt, 10);
   for (const auto& scene : *scenes)
     listed.push_back(scene.key.project + "/" + scene.key.machine_class);
-  const auto records = store_->Export(filter, std::nullopt, 10);
-  for (const auto& record : *records)
+  const auto records = store_->Export(filter, {}, 10)->records;
+  for (const auto& record : records)
     exported.push_back(record.key.project + "/" + record.key.machine_class);
   EXPECT_THAT(listed, ::testing::ElementsAre("b/desktop", "c/desktop", "c/laptop"));
   EXPECT_EQ(exported, listed);
@@ -214,18 +224,26 @@ TEST_P(PriorStoreConformance, RecordsAreExportedInPagesAndByFilter) {
   const auto all = ExportAll();
   ASSERT_EQ(all.size(), 4u);
   EXPECT_EQ(all[0].key, Key("Grid", "abbey"));
-  EXPECT_EQ(all[1].source_id, "a");
-  EXPECT_EQ(all[2].source_id, "b");
+  EXPECT_EQ(all[1].source_id, "b") << "which came first";
+  EXPECT_EQ(all[2].source_id, "a");
   EXPECT_EQ(all[2].source_sequence, 1u);
-  std::vector<PriorRecord> paged;
-  while (true) {
-    const auto page =
-        *store_->Export({}, paged.empty() ? std::nullopt : std::optional(paged.back()), 1);
-    if (page.empty()) break;
-    paged.push_back(page[0]);
-  }
-  EXPECT_EQ(paged, all);
-  EXPECT_EQ(store_->Export({"game", "abbey"}, std::nullopt, 10)->size(), 1u);
+  for (const uint32_t limit : {1u, 2u, 3u}) EXPECT_EQ(ExportInPages(limit), all) << limit;
+  EXPECT_EQ(store_->Export({"game", "abbey"}, {}, 10)->records.size(), 1u);
+  EXPECT_EQ(store_->Export({"game", "harbour"}, {}, 10)->records.size(), 3u);
+  EXPECT_TRUE(store_->Export({"other game", ""}, {}, 10)->records.empty());
+}
+
+TEST_P(PriorStoreConformance, AnExportGoesOnWhereItWasThoughItsSourcesChange) {
+  for (const char* source : {"a", "b", "c"})
+    ASSERT_TRUE(Commit({Update(source, 1, {Key("Grid"), Key("SAP")})}).ok());
+  const auto page = *store_->Export({}, {}, 2);
+  EXPECT_EQ(page.records[1].source_id, "b");
+  ASSERT_TRUE(store_->Revoke("b").ok());
+  ASSERT_TRUE(Commit({Update("a", 2, {Key("Grid")}), Update("d", 1, {Key("Grid")})}).ok());
+  std::vector<std::string> rest;
+  const auto behind = *store_->Export({}, page.next, 10);
+  for (const PriorRecord& record : behind.records) rest.push_back(record.source_id);
+  EXPECT_EQ(rest, (std::vector<std::string>{"c", "d", "a", "c"}));
 }
 
 TEST_P(PriorStoreConformance, WhatIsExportedCanBeImportedElsewhereOnce) {
@@ -238,7 +256,7 @@ TEST_P(PriorStoreConformance, WhatIsExportedCanBeImportedElsewhereOnce) {
   const auto second = other->Import(ExportAll());
   EXPECT_EQ(second->applied_count, 0u);
   EXPECT_EQ(second->unchanged_count, 3u);
-  EXPECT_EQ(*other->Export({}, std::nullopt, 10), ExportAll());
+  EXPECT_EQ(other->Export({}, {}, 10)->records, ExportAll());
 }
 
 TEST_P(PriorStoreConformance, AnImportReplacesOlderRecordsAndIgnoresOlderOnes) {

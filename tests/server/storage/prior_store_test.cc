@@ -35,9 +35,9 @@ class TemporarySqliteStore final : public PriorStore {
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     return store_->CountScenes(project);
   }
-  absl::StatusOr<std::vector<PriorRecord>> Export(const priors::SceneFilter& filter,
-                                                  const std::optional<PriorRecord>& after,
-                                                  uint32_t limit) override {
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
     return store_->Export(filter, after, limit);
   }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override {

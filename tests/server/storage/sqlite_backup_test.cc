@@ -1,5 +1,5 @@
 // Backups: made while others write, checked, put back.
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class SqliteBackupTest : public ::testing::Test {
   }
   void BackUp() { ASSERT_TRUE(BackUpStore(data_, file_).ok()); }
   std::vector<PriorRecord> Records(const std::filesystem::path& directory) {
-    return *(*OpenSqlitePriorStore(directory / "priors.db"))->Export({}, std::nullopt, 100);
+    return (*OpenSqlitePriorStore(directory / "priors.db"))->Export({}, {}, 100)->records;
   }
   void Execute(const std::string& sql) {
     auto file = *SqliteDatabase::Open(file_.string(), SqliteDatabase::OpenMode::kExisting);

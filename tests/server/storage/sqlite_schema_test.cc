@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/support/temporary_directory.h"

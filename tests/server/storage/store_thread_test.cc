@@ -45,9 +45,9 @@ class CountingStore final : public priors::PriorStore {
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     return memory_.CountScenes(project);
   }
-  absl::StatusOr<std::vector<PriorRecord>> Export(const priors::SceneFilter& filter,
-                                                  const std::optional<PriorRecord>& after,
-                                                  uint32_t limit) override {
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
     return memory_.Export(filter, after, limit);
   }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override {
@@ -149,13 +149,36 @@ TEST_F(StoreThreadTest, AFullGroupDoesNotWaitForItsInterval) {
 }
 
 TEST_F(StoreThreadTest, AJobSeesTheCommitsOfferedBeforeIt) {
-  Start({.group_interval = std::chrono::hours(1)});
+  Start({.group_interval = milliseconds(0)});
   Commit(Update("a", 1, {Key("Grid")}));
   std::promise<uint64_t> seen;
   thread_->Submit([&](PriorStore& store) {
     seen.set_value(store.LoadPriors(std::vector{Key("Grid")})->source_count);
   });
   EXPECT_EQ(seen.get_future().get(), 1u);
+}
+
+TEST_F(StoreThreadTest, AJobCutsNoGroupAndSeesTheCommitsOfItThatWereOfferedAfterIt) {
+  Start({.own_thread = false});
+  Commit(Update("a", 1, {Key("Grid")}));
+  uint64_t seen = 0;
+  thread_->Submit(
+      [&](PriorStore& store) { seen = store.LoadPriors(std::vector{Key("Grid")})->source_count; });
+  Commit(Update("b", 1, {Key("Grid")}));
+  while (thread_->RunNext()) continue;
+  EXPECT_THAT(group_sizes_, ::testing::ElementsAre(2));
+  EXPECT_EQ(seen, 2u);
+}
+
+TEST_F(StoreThreadTest, AJobBehindMoreCommitsThanAGroupHasWaitsForThemAndForNoLaterGroup) {
+  Start({.group_rows = 2, .own_thread = false});
+  for (uint64_t i = 1; i <= 2; ++i) Commit(Update("a", i, {Key("Grid")}));
+  std::vector<size_t> before;
+  thread_->Submit([&](PriorStore&) { before = group_sizes_; });
+  for (uint64_t i = 3; i <= 6; ++i) Commit(Update("a", i, {Key("Grid")}));
+  while (thread_->RunNext()) continue;
+  EXPECT_THAT(before, ::testing::ElementsAre(1, 1));
+  EXPECT_THAT(group_sizes_, ::testing::ElementsAre(1, 1, 1, 1, 1, 1));
 }
 
 TEST_F(StoreThreadTest, OneWrongUpdateDoesNotSpoilItsGroup) {

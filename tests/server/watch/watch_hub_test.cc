@@ -31,6 +31,7 @@ class ManualStore final : public priors::AsyncPriorStore {
     if (!full) jobs_.push_back(std::move(job));
     return !full;
   }
+  bool Read(ReadJob /*job*/) override { return false; }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return 0; }
   void RunJobs() {

@@ -28,6 +28,10 @@ class PromptStore final : public priors::AsyncPriorStore {
     job(store);
     return true;
   }
+  bool Read(ReadJob job) override {
+    job(store);
+    return true;
+  }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
 

@@ -1,4 +1,4 @@
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 
 #include <string>
 #include <system_error>

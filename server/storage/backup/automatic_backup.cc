@@ -1,4 +1,4 @@
-#include "server/storage/automatic_backup.h"
+#include "server/storage/backup/automatic_backup.h"
 
 #include <algorithm>
 #include <ctime>
@@ -9,8 +9,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/private_file.h"
-#include "server/storage/sqlite_backup.h"
+#include "server/storage/sqlite_prior_reader.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/storage/sqlite_schema.h"
 
@@ -114,13 +115,20 @@ std::string DescribeDamagedRows(const fs::path& path) {
       "not resumed; look at the disk, and restore a backup");
 }
 
+absl::StatusOr<OpenedStore> WithReads(std::unique_ptr<priors::PriorStore> store,
+                                      const fs::path& path, std::string damage) {
+  auto reads = OpenSqliteReadConnection(path);
+  if (!reads.ok()) return reads.status();
+  return OpenedStore{std::move(store), *std::move(reads), std::move(damage)};
+}
+
 }  // namespace
 
 absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
                                               const priors::AuditLimits& audit_limits,
                                               uint64_t max_bytes, OnSync on_sync) {
   auto store = OpenSqlitePriorStore(path, audit_limits, max_bytes, on_sync);
-  if (store.ok()) return OpenedStore{*std::move(store), DescribeDamagedRows(path)};
+  if (store.ok()) return WithReads(*std::move(store), path, DescribeDamagedRows(path));
   const absl::Status problem = store.status();
   if (!absl::IsDataLoss(problem) || !IsDamaged(path)) return problem;
   const std::optional<fs::path> backup = LastWholeBackup(path);
@@ -134,11 +142,11 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
   RemoveOldest(path, kQuarantine, kMaxQuarantined);
   store = OpenSqlitePriorStore(path, audit_limits, max_bytes, std::move(on_sync));
   if (!store.ok()) return store.status();
-  return OpenedStore{
-      *std::move(store),
+  return WithReads(
+      *std::move(store), path,
       absl::StrCat(problem.message(), ". It is kept as ", kept.string(), ", and ",
                    backup->filename().string(),
-                   " is in its place: what was learnt since then is lost. Look at the disk")};
+                   " is in its place: what was learnt since then is lost. Look at the disk"));
 }
 
 std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {

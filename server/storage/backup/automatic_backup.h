@@ -18,18 +18,21 @@
 
 #include "absl/status/statusor.h"
 #include "server/priors/prior_store.h"
+#include "server/storage/read_thread.h"
 #include "server/storage/sqlite_database.h"
 
 namespace sweepstake::storage {
 
 struct OpenedStore {
   std::unique_ptr<priors::PriorStore> store;
+  std::unique_ptr<ReadConnection> reads;  // of the same file; ends before the store
   std::string damage;  // what of the priors was lost, and what to do; empty if nothing
 };
 
 // Opens the store as OpenSqlitePriorStore does. If the file is damaged, it is put into quarantine,
 // and a copy of the last whole backup opened in its place; without one the error is as there, and
-// nothing is changed. It reads the rows of the evidence once, for their hashes.
+// nothing is changed. The connection that reads is opened last, so that both have the same file.
+// It reads the rows of the evidence once, for their hashes.
 absl::StatusOr<OpenedStore> OpenStoreOrBackup(const std::filesystem::path& path,
                                               const priors::AuditLimits& audit_limits = {},
                                               uint64_t max_bytes = 0, OnSync on_sync = {});

@@ -1,0 +1,93 @@
+// The reads of the prior store on SQLite: the store's own, and those of a second connection beside
+// it, which sees what the store has committed and is never in its way. Used by one thread at a
+// time.
+//
+// LoadPriors, LoadScene and List read sums that the writers keep, so their cost does not depend on
+// the number of sources.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/priors/prior_store.h"
+#include "server/storage/read_thread.h"
+#include "server/storage/sqlite_audit_log.h"
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_prior_statements.h"
+
+namespace sweepstake::storage {
+
+// A key's row and its sums.
+struct StoredKey {
+  int64_t id = 0;
+  int64_t scene_id = 0;
+  priors::PriorSum sum;
+  uint64_t scene_source_count = 0;
+  bool damaged = false;  // the values cannot be trusted
+};
+
+// The database must outlive it.
+class SqlitePriorReader final : public priors::PriorReader {
+ public:
+  static absl::StatusOr<SqlitePriorReader> Prepare(SqliteDatabase& database);
+
+  // If there is no such key, its id is 0.
+  absl::StatusOr<StoredKey> FindKey(const priors::EvidenceKey& key);
+
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override;
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
+      const std::string& source_id) override;
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(
+      const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
+      uint32_t limit) override;
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
+      const priors::SceneKey& key) override;
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override;
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override {
+    return audit_.List(filter, after, limit);
+  }
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override {
+    return audit_.Load(segment_id, first_row, limit, max_bytes);
+  }
+
+ private:
+  struct ExportKey {
+    priors::EvidenceKey key;
+    int64_t id = 0;  // 0: there is none
+    bool damaged = false;
+  };
+
+  SqlitePriorReader(PriorReadStatements statements, SqliteAuditReader audit)
+      : statements_(std::move(statements)), audit_(std::move(audit)) {}
+
+  absl::Status LoadArms(int64_t scene_id, priors::SceneEvidence& scene);
+  // Returns the first matching key from `first` on, but with the given reward version.
+  absl::StatusOr<ExportKey> NextKey(const priors::SceneFilter& filter,
+                                    const priors::EvidenceKey& first, int64_t first_reward_version);
+  // Appends the key's records behind the page's place, until the page has `limit` of them.
+  absl::Status AppendEvidence(const ExportKey& key, uint32_t limit, priors::ExportPage& page);
+
+  PriorReadStatements statements_;
+  SqliteAuditReader audit_;
+};
+
+// Opens a connection that only reads, beside the store of that file. It must end before the store
+// does, and be opened anew with it. The errors are those of OpenPriorDatabase.
+absl::StatusOr<std::unique_ptr<ReadConnection>> OpenSqliteReadConnection(
+    const std::filesystem::path& path);
+
+}  // namespace sweepstake::storage

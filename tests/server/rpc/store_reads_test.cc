@@ -1,0 +1,168 @@
+// What is read beside the commits: it waits for none of them, except for a session that goes on,
+// and nothing older is taken for newer.
+#include "server/storage/backup/automatic_backup.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
+#include "sweepstake/v1/priors.grpc.pb.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+// Made before the store and its threads.
+class WithOpenedStore {
+ protected:
+  const test_support::TemporaryDirectory directory_;
+  storage::OpenedStore opened_ = *storage::OpenStoreOrBackup(directory_.path() / "priors.db");
+};
+
+class StoreReadsTest : public WithOpenedStore, public RpcTest {
+ protected:
+  StoreReadsTest() : RpcTest(std::move(opened_.store), std::move(opened_.reads)) {
+    options_.max_sessions = 1;
+  }
+  // Lets commits wait until `release_` is set.
+  void HoldCommits() {
+    thread_.Submit([this](priors::PriorStore&) { release_.get_future().wait(); });
+    ASSERT_TRUE(Eventually([&] { return thread_.queued_count() == 0; }));
+  }
+  [[nodiscard]] bool Gone() {
+    return Eventually([&] { return server_->counters().open_stream_count == 0; });
+  }
+
+  std::promise<void> release_;
+};
+
+TEST_F(StoreReadsTest, AFreshHelloAListAndAnExportAreAnsweredWhileCommitsWait) {
+  {
+    TelemetryClient client(channel_);
+    LearnOneWindow(client, HelloMessage());
+  }
+  ASSERT_TRUE(Gone());
+  HoldCommits();
+  const v1::Welcome welcome = TelemetryClient(channel_).Open(HelloMessage());
+  EXPECT_FALSE(welcome.priors_unavailable());
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  v1::ListPosteriorsResponse list;
+  grpc::ClientContext list_context;
+  EXPECT_TRUE(
+      v1::PosteriorsService::NewStub(channel_)->ListPosteriors(&list_context, {}, &list).ok());
+  EXPECT_EQ(list.scenes_size(), 1);
+  grpc::ClientContext export_context;
+  const auto records = v1::PriorsService::NewStub(channel_)->ExportPriors(&export_context, {});
+  v1::ExportPriorsResponse page;
+  EXPECT_TRUE(records->Read(&page));
+  EXPECT_EQ(page.records_size(), 1);
+  EXPECT_FALSE(records->Read(&page));
+  release_.set_value();
+}
+
+TEST_F(StoreReadsTest, ASessionThatGoesOnWaitsForItsCommitThoughNothingOfItIsInMemory) {
+  v1::Hello hello = OneArmHello();
+  {
+    TelemetryClient client(channel_);
+    Resume(hello, LearnOneWindow(client, hello));
+    client.Send(Frames(2, 30));
+    ASSERT_TRUE(Applied(2));
+    HoldCommits();
+    Tick();
+    ASSERT_TRUE(Eventually([&] { return thread_.queued_count() == 1; }));
+  }
+  ASSERT_TRUE(Gone());
+  TelemetryClient(channel_).Open(OneArmHello());  // takes its place in memory
+  ASSERT_TRUE(Gone());
+  TelemetryClient client(channel_);
+  client.Send(Request(hello));
+  ASSERT_TRUE(Eventually([&] { return thread_.queued_count() == 2; }));
+  release_.set_value();
+  const v1::Welcome welcome = client.Await(v1::StreamTelemetryResponse::kWelcome).welcome();
+  EXPECT_TRUE(welcome.resumed());
+  EXPECT_EQ(welcome.session_id(), hello.session_id());
+  EXPECT_EQ(welcome.acknowledged_sequence(), 2u);
+}
+
+priors::SourceUpdate OneWindowOf(const std::string& source) {
+  priors::SourceUpdate update;
+  update.progress.source_id = source;
+  update.progress.commit_sequence = 1;
+  priors::KeyedEvidence increment;
+  increment.key.project = "game";
+  increment.key.scene = "harbour";
+  increment.key.arm = "Grid";
+  increment.evidence = {.alpha = 0.5, .beta = 0.5, .window_count = 1, .bail_out_count = 0};
+  update.increments.push_back(increment);
+  return update;
+}
+
+// A state of the store whose lists come when newer ones have long been told.
+class LateReader final : public storage::MemoryPriorStore {
+ public:
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(
+      const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
+      uint32_t limit) override {
+    auto page = MemoryPriorStore::List(filter, after, limit);
+    asked.set_value();
+    release.get_future().wait();
+    return page;
+  }
+
+  std::promise<void> asked;
+  std::promise<void> release;
+};
+
+class LateReads final : public storage::ReadConnection {
+ public:
+  explicit LateReads(priors::PriorReader& reader) : reader_(reader) {}
+  priors::PriorReader& Begin() override { return reader_; }
+  void End() override {}
+
+ private:
+  priors::PriorReader& reader_;
+};
+
+class WithLateReader {
+ protected:
+  LateReader reader_;
+};
+
+class LatePageTest : public WithLateReader, public RpcTest {
+ protected:
+  LatePageTest()
+      : RpcTest(std::make_unique<storage::MemoryPriorStore>(),
+                std::make_unique<LateReads>(reader_)) {}
+};
+
+TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
+  const auto old = OneWindowOf("a");
+  ASSERT_TRUE(reader_.Commit({&old, 1}).ok());
+  std::promise<void> stored;
+  thread_.Commit(old, [&](const absl::Status&) { stored.set_value(); });
+  stored.get_future().wait();
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  grpc::ClientContext context;
+  const auto posteriors = v1::PosteriorsService::NewStub(channel_);
+  const auto watcher = posteriors->WatchPosteriors(&context, {});
+  reader_.asked.get_future().wait();
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  client.AwaitAcknowledgement(1);
+  // The hub reads the scene on the thread that commits, and the loop gets it before the message.
+  Flush();
+  client.Send(Frames(2, 1));
+  ASSERT_TRUE(Applied(2));
+  clock_.Advance(watch::WatchHub::kIntervalNs);
+  for (uint64_t sequence = 3; sequence <= 4; ++sequence) {
+    client.Send(Frames(sequence, 1));
+    ASSERT_TRUE(Applied(sequence));
+  }
+  reader_.release.set_value();
+  v1::WatchPosteriorsResponse event;
+  while (!event.has_posterior()) ASSERT_TRUE(watcher->Read(&event));
+  EXPECT_EQ(event.posterior().arms(0).window_count(), 2u);
+  context.TryCancel();
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
