@@ -56,8 +56,8 @@ uint32_t DefaultRewardVersion(const RpcOptions& options) {
   return decision::PolicyKindOf(options.decision.policy).reward_version;
 }
 
-// Runs `read` on the store's thread and then `answer(result)` on the loop, whose status ends the
-// call.
+// Runs `read` on the store's reading thread and then `answer(result)` on the loop, whose status
+// ends the call.
 template <typename Read, typename Answer>
 void ReadAndAnswer(ServiceContext& context, const EndCall& end, Read read, Answer answer) {
   const bool submitted =

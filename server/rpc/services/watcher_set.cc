@@ -8,7 +8,8 @@
 namespace sweepstake::rpc {
 
 watch::WatchHub::Loop HubLoop(DecisionLoop& loop) {
-  return {.post = [&loop](DecisionLoop::Task task) { loop.Post(std::move(task)); },
+  // The sums of a scene must not overtake the news of the commits that they have.
+  return {.post = [&loop](DecisionLoop::Task task) { loop.PostLater(std::move(task)); },
           .post_after =
               [&loop](int64_t delay_ns, DecisionLoop::Task task) {
                 loop.PostAt(loop.clock().NowNs() + delay_ns, std::move(task));

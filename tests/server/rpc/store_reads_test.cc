@@ -1,5 +1,6 @@
 // What is read beside the commits: it waits for none of them, except for a session that goes on,
 // and nothing older is taken for newer.
+#include "server/rpc/services/watcher_set.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -75,7 +76,7 @@ TEST_F(StoreReadsTest, ASessionThatGoesOnWaitsForItsCommitThoughNothingOfItIsInM
   client.Send(Request(hello));
   ASSERT_TRUE(Eventually([&] { return thread_.queued_count() == 2; }));
   release_.set_value();
-  const v1::Welcome welcome = client.Await(v1::StreamTelemetryResponse::kWelcome).welcome();
+  const v1::Welcome welcome = client.Await(&v1::StreamTelemetryResponse::has_welcome).welcome();
   EXPECT_TRUE(welcome.resumed());
   EXPECT_EQ(welcome.session_id(), hello.session_id());
   EXPECT_EQ(welcome.acknowledged_sequence(), 2u);
@@ -148,20 +149,29 @@ TEST_F(LatePageTest, DoesNotTakeAWatcherBackBehindWhatItWasTold) {
   ASSERT_TRUE(Applied(1));
   Tick();
   client.AwaitAcknowledgement(1);
-  // The hub reads the scene on the thread that commits, and the loop gets it before the message.
+  // The hub reads the scene on the thread that commits; the loop has it after the second message.
   Flush();
-  client.Send(Frames(2, 1));
-  ASSERT_TRUE(Applied(2));
-  clock_.Advance(watch::WatchHub::kIntervalNs);
-  for (uint64_t sequence = 3; sequence <= 4; ++sequence) {
+  for (uint64_t sequence = 2; sequence <= 5; ++sequence) {
     client.Send(Frames(sequence, 1));
     ASSERT_TRUE(Applied(sequence));
+    if (sequence == 3) clock_.Advance(watch::WatchHub::kIntervalNs);
   }
   reader_.release.set_value();
   v1::WatchPosteriorsResponse event;
   while (!event.has_posterior()) ASSERT_TRUE(watcher->Read(&event));
   EXPECT_EQ(event.posterior().arms(0).window_count(), 2u);
   context.TryCancel();
+}
+
+// Otherwise the hub would add increments to sums that have them already.
+TEST(HubLoopTest, TheSumsOfASceneDoNotOvertakeTheNewsOfCommits) {
+  ManualClock clock;
+  DecisionLoop loop(clock, {}, DecisionLoop::Runner::kCaller);
+  std::vector<std::string> done;
+  loop.PostLater([&] { done.push_back("commit"); });
+  HubLoop(loop).post([&] { done.push_back("sums"); });
+  loop.RunReady();
+  EXPECT_THAT(done, ::testing::ElementsAre("commit", "sums"));
 }
 
 }  // namespace
