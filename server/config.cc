@@ -111,6 +111,9 @@ absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path) {
   std::error_code unknown;  // a file that cannot be examined is treated as missing
   if (!std::filesystem::exists(path, unknown))
     return absl::NotFoundError(absl::StrCat(path.string(), ": no such file"));
+  // The parser would read it as an empty file.
+  if (std::filesystem::is_directory(path, unknown))
+    return absl::InvalidArgumentError(absl::StrCat(path.string(), ": is a directory, not a file"));
   toml::table table;
   try {
     table = toml::parse_file(path.string());
@@ -144,6 +147,36 @@ absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environ
     }
   }
   return assignments;
+}
+
+absl::Status CheckSwitches(std::span<const std::string> words) {
+  for (const Setting& setting : Settings()) {
+    if (!setting.is_switch) continue;
+    const std::string flag = FlagOf(setting.key);
+    const std::string negation = absl::StrCat("--no-", flag.substr(2));
+    bool is_set = false;
+    bool is_cleared = false;
+    for (const std::string& word : words) {
+      const bool has_value = word.starts_with(flag + "=");
+      const std::string value = has_value ? word.substr(flag.size() + 1) : "";
+      if (has_value && value != "true" && value != "false") {
+        return absl::InvalidArgumentError(
+            absl::StrCat("command line: ", flag, ": expected true or false, not '", value, "'"));
+      }
+      if (word.starts_with(negation + "=")) {
+        return absl::InvalidArgumentError(absl::StrCat("command line: ", negation,
+                                                       " takes no value; say ", flag, "=true or ",
+                                                       flag, "=false"));
+      }
+      is_set = is_set || word == flag || value == "true";
+      is_cleared = is_cleared || word == negation || value == "false";
+    }
+    if (is_set && is_cleared) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("command line: ", flag, " is both set and cleared; say one of them"));
+    }
+  }
+  return absl::OkStatus();
 }
 
 absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config) {

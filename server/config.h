@@ -48,13 +48,17 @@ std::vector<SettingDescription> DescribeSettings();
 // The values that a source assigns, by key.
 using Assignments = std::map<std::string, std::string>;
 
-// Reads a TOML file. Errors: INVALID_ARGUMENT (says what is wrong, where, and what is valid),
-// NOT_FOUND (no such file).
+// Reads a TOML file. Errors: INVALID_ARGUMENT (says what is wrong, where, and what is valid; also a
+// directory), NOT_FOUND (no such file).
 absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path);
 // Reads NAME=VALUE strings. Names that do not begin with SWEEPSTAKE_ are ignored, and so are those
 // of the command line (SWEEPSTAKE_CLIENT_…) and those that Kubernetes makes for a service of that
 // name (SWEEPSTAKE_SERVICE_…, SWEEPSTAKE_PORT and SWEEPSTAKE_PORT_7433_…).
 absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environment);
+
+// Checks the words of a command line that set or clear a switch: it may be given a value, which is
+// true or false (--insecure=false), its negation none, and both together are an error.
+absl::Status CheckSwitches(std::span<const std::string> words);
 
 // Sets the assigned values. `origin` is used in messages: "config.toml", "environment", "command
 // line".

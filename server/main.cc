@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
@@ -242,6 +243,10 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SWEEPSTAKE_VERSION);
   CommandLine line;
   AddOptions(app, line);
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  // The parser takes whole numbers as values of a switch, and throws at others.
+  const absl::Status switches = sweepstake::server::CheckSwitches(words);
+  if (!switches.ok()) return Fail(kBadUsage, std::string(switches.message()));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

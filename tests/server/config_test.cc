@@ -97,6 +97,28 @@ TEST_F(ConfigTest, VariablesThatKubernetesMakesAreNotTakenForOurs) {
               HasSubstr("SWEEPSTAKE_PORT_FILE"));
 }
 
+TEST_F(ConfigTest, ASwitchOfTheCommandLineIsTrueOrFalse) {
+  const auto said = [](const std::vector<std::string>& words) {
+    return std::string(CheckSwitches(words).message());
+  };
+  for (const char* value : {"maybe", "", "5", "-1", "yes", "99999999999999999999"}) {
+    EXPECT_THAT(said({"--listen", "x", std::string("--insecure=") + value}),
+                HasSubstr("--insecure: expected true or false"))
+        << value;
+  }
+  EXPECT_THAT(said({"--decision-explore=maybe"}), HasSubstr("--decision-explore"));
+  EXPECT_THAT(said({"--no-insecure=maybe"}), HasSubstr("--no-insecure takes no value"));
+  EXPECT_THAT(said({"--insecure", "--no-insecure"}), HasSubstr("both set and cleared"));
+  EXPECT_THAT(said({"--insecure", "--insecure=false"}), HasSubstr("both set and cleared"));
+  EXPECT_EQ(said({"--insecure", "--decision-explore=false", "--no-require-tokens"}), "");
+  EXPECT_EQ(said({"--insecure=true", "--insecure"}), "");
+}
+
+TEST_F(ConfigTest, ADirectoryIsNoFile) {
+  const auto assignments = ReadConfigFile(::testing::TempDir());
+  EXPECT_THAT(std::string(assignments.status().message()), HasSubstr("is a directory, not a file"));
+}
+
 TEST_F(ConfigTest, TextThatNoFileCouldHaveIsAnError) {
   Config config;
   const absl::Status status = Assign({{"data", "\xff"}}, "environment", config);

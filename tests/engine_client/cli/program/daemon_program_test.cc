@@ -72,6 +72,27 @@ TEST(DaemonProgram, BadUsageEndsWithTwo) {
   }
 }
 
+TEST(DaemonProgram, ASwitchWithoutSenseEndsTheDaemonWithTwo) {
+  for (const char* flag : {"--insecure=maybe", "--no-insecure=maybe",
+                           "--insecure=", "--decision-explore=99999999999999999999"}) {
+    const ProgramRun run = RunDaemonProgram(std::string(flag) + " --print-config");
+    EXPECT_EQ(run.exit_code, 2) << flag;
+    EXPECT_THAT(run.err, HasSubstr("sweepstaked: command line: --")) << flag;
+    EXPECT_EQ(run.out, "") << flag;
+  }
+  const ProgramRun run = RunDaemonProgram("--decision-explore=false --print-config");
+  EXPECT_THAT(run.out, HasSubstr("explore = false"));
+}
+
+TEST(DaemonProgram, ADirectoryIsNoConfiguration) {
+  const TemporaryDirectory folder;
+  const std::string path = folder.path().string();
+  EXPECT_EQ(RunDaemonProgram("--print-config --config " + path).exit_code, 2);
+  const ProgramRun checked = RunDaemonProgram("check-config " + path);
+  EXPECT_EQ(checked.exit_code, 1);
+  EXPECT_THAT(checked.err, HasSubstr("is a directory"));
+}
+
 TEST(DaemonProgram, VersionIsThatOfTheCommandLine) {
   const ProgramRun run = RunDaemonProgram("--version");
   EXPECT_EQ(run.exit_code, 0);
