@@ -33,6 +33,8 @@ struct Principal {
   std::string name;      // of the token
   Role role = Role::kAdmin;
   std::vector<std::string> projects;  // those it may see and write; empty: all
+  // Tells the token from one of the same id in another file that was put in the place of the first.
+  std::string digest = {};
 
   bool MayUse(std::string_view project) const {
     return projects.empty() ||
@@ -49,8 +51,8 @@ class TokenDirectory {
   virtual bool empty() const = 0;
   // Returns the token's holder, or nothing if there is no such token, or it is not valid any more.
   virtual std::optional<Principal> Find(std::string_view token) const = 0;
-  // Returns whether the token is still valid.
-  virtual bool IsValid(int64_t token_id) const = 0;
+  // Returns whether the holder's token is still valid.
+  virtual bool IsValid(const Principal& holder) const = 0;
 };
 
 }  // namespace sweepstake::auth

@@ -23,18 +23,20 @@ std::string MadeText(const StoredToken& token) {
                       " of ", request.projects.empty() ? "all projects" : "some projects");
 }
 
+// Returns whether the list has the token at this place. A file only grows, so that a token stays in
+// its place; another file may have others there.
+template <typename Entry>
+bool HasAt(const std::vector<Entry>& list, size_t place, const StoredToken& token) {
+  return place < list.size() && list[place].token.id == token.id &&
+         list[place].token.digest == token.digest;
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<TokenRegistry>> TokenRegistry::Open(
     const std::filesystem::path& path, TokenRegistryOptions options) {
-  auto store = TokenStore::Open(path);
-  if (!store.ok()) return store.status();
-  std::unique_ptr<TokenRegistry> registry(new TokenRegistry(*std::move(store), std::move(options)));
-  const auto version = registry->store_.Version();
-  if (!version.ok()) return version.status();
-  registry->version_ = *version;
-  if (absl::Status status = registry->Read(); !status.ok()) return status;
-  if (registry->empty() && registry->store_.WereMade()) return registry->store_.Lost();
+  std::unique_ptr<TokenRegistry> registry(new TokenRegistry(path, std::move(options)));
+  if (absl::Status status = registry->OpenStore(); !status.ok()) return status;
   registry->next_use_store_ = std::chrono::steady_clock::now() + registry->options_.use_interval;
   registry->thread_ = std::thread([raw = registry.get()] { raw->Run(); });
   return registry;
@@ -67,30 +69,41 @@ std::optional<Principal> TokenRegistry::Find(std::string_view token) const {
   if (found == nullptr || !found->token.IsValidAt(now_s)) return std::nullopt;
   *found->last_used_unix_s = now_s;
   const TokenRequest& request = found->token.request;
-  return Principal{found->token.id, request.name, request.role, request.projects};
+  return Principal{found->token.id, request.name, request.role, request.projects, digest};
 }
 
-bool TokenRegistry::IsValid(int64_t token_id) const {
+bool TokenRegistry::IsValid(const Principal& holder) const {
   const auto entries = Current();
   const auto found =
-      std::lower_bound(entries->list.begin(), entries->list.end(), token_id,
+      std::lower_bound(entries->list.begin(), entries->list.end(), holder.token_id,
                        [](const Entry& entry, int64_t id) { return entry.token.id < id; });
-  return found != entries->list.end() && found->token.id == token_id &&
-         found->token.IsValidAt(options_.unix_now_s());
+  return found != entries->list.end() && found->token.id == holder.token_id &&
+         found->token.digest == holder.digest && found->token.IsValidAt(options_.unix_now_s());
+}
+
+absl::Status TokenRegistry::OpenStore() {
+  auto store = TokenStore::Open(path_);
+  if (!store.ok()) return store.status();
+  store_.emplace(*std::move(store));
+  const auto version = store_->Version();
+  if (!version.ok()) return version.status();
+  version_ = *version;
+  return Read();
 }
 
 absl::Status TokenRegistry::Read() {
-  auto tokens = store_.Load();
+  auto tokens = store_->Load();
   if (!tokens.ok()) return tokens.status();
+  if (tokens->empty() && (store_->WereMade() || !empty())) return store_->Lost();
   // A file from before there was the note has none.
   if (!tokens->empty()) {
-    if (absl::Status status = store_.NoteMade(); !status.ok()) return status;
+    if (absl::Status status = store_->NoteMade(); !status.ok()) return status;
   }
   const auto before = Current();
   Entries after;
   for (StoredToken& token : *tokens) {
     const size_t i = after.list.size();
-    const bool known = i < before->list.size() && before->list[i].token.id == token.id;
+    const bool known = HasAt(before->list, i, token);
     auto last_used =
         known ? before->list[i].last_used_unix_s
               : std::make_shared<std::atomic<int64_t>>(token.last_used_unix_s.value_or(0));
@@ -103,12 +116,17 @@ absl::Status TokenRegistry::Read() {
   return absl::OkStatus();
 }
 
-// Tokens are only added, and ids grow.
 void TokenRegistry::Report(const Entries& before, const Entries& after) const {
+  for (size_t i = 0; i < before.list.size(); ++i) {
+    const StoredToken& token = before.list[i].token;
+    if (!HasAt(after.list, i, token))
+      options_.on_change(absl::StrCat("token ", NameFor(token), " is in the file no more"));
+  }
   for (size_t i = 0; i < after.list.size(); ++i) {
     const StoredToken& token = after.list[i].token;
-    if (i >= before.list.size()) options_.on_change(MadeText(token));
-    if (token.revoked_unix_s && (i >= before.list.size() || !before.list[i].token.revoked_unix_s)) {
+    const bool known = HasAt(before.list, i, token);
+    if (!known) options_.on_change(MadeText(token));
+    if (token.revoked_unix_s && !(known && before.list[i].token.revoked_unix_s)) {
       options_.on_change(absl::StrCat("token ", NameFor(token), " was revoked by ",
                                       math::PrintableLine(token.revoked_by)));
     }
@@ -131,15 +149,22 @@ void TokenRegistry::Run() {
 }
 
 void TokenRegistry::LookAtFile() {
-  const auto version = store_.Version();
-  absl::Status status = version.status();
-  if (status.ok() && *version != version_) status = Read();
-  if (status.ok()) {
-    version_ = *version;
-  } else if (readable_) {
-    options_.on_problem(status);
-  }
+  const absl::Status status = Follow();
+  if (!status.ok() && readable_) options_.on_problem(status);
   readable_ = status.ok();
+}
+
+absl::Status TokenRegistry::Follow() {
+  const auto in_place = store_->IsInPlace();
+  if (!in_place.ok()) return in_place.status();
+  if (!*in_place) return OpenStore();
+  const auto version = store_->Version();
+  if (!version.ok()) return version.status();
+  // What could not be read is read again, though it is the same.
+  if (readable_ && *version == version_) return absl::OkStatus();
+  if (absl::Status status = Read(); !status.ok()) return status;
+  version_ = *version;
+  return absl::OkStatus();
 }
 
 void TokenRegistry::StoreUses() {
@@ -152,7 +177,7 @@ void TokenRegistry::StoreUses() {
   }
   if (uses.empty()) return;
   // What fails now is tried again a minute later.
-  absl::Status status = store_.MarkUsed(uses);
+  absl::Status status = store_->MarkUsed(uses);
   if (status.ok()) status = Read();
   status.IgnoreError();
 }

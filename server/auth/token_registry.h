@@ -1,7 +1,8 @@
 // The tokens of a running daemon: kept in memory, and read again within a second after
-// `sweepstaked token` has changed them.
+// `sweepstaked token` has changed them, or another file was put in the place of theirs.
 //
-// While the file cannot be read, the tokens stay as they were. Thread-safe. It owns one thread,
+// While the file is missing, cannot be read, or has none of the tokens that there have been, they
+// stay as they were, and on_problem says so once. Thread-safe. It owns one thread,
 // which alone uses the database: it also stores when tokens were last used, at most once a minute.
 #pragma once
 
@@ -13,6 +14,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <unordered_map>
@@ -43,7 +45,7 @@ class TokenRegistry final : public TokenDirectory {
 
   bool empty() const override { return Current()->list.empty(); }
   std::optional<Principal> Find(std::string_view token) const override;
-  bool IsValid(int64_t token_id) const override;
+  bool IsValid(const Principal& holder) const override;
 
  private:
   struct Entry {
@@ -57,19 +59,25 @@ class TokenRegistry final : public TokenDirectory {
     std::unordered_multimap<std::string, size_t> by_digest;
   };
 
-  TokenRegistry(TokenStore store, TokenRegistryOptions options)
-      : options_(std::move(options)), store_(std::move(store)) {}
+  TokenRegistry(std::filesystem::path path, TokenRegistryOptions options)
+      : options_(std::move(options)), path_(std::move(path)) {}
 
   std::shared_ptr<const Entries> Current() const;
+  // Opens the file and reads it.
+  absl::Status OpenStore();
   absl::Status Read();
+  // Reads the file if it was changed, or is another one.
+  absl::Status Follow();
   void Report(const Entries& before, const Entries& after) const;
   void Run();
   void LookAtFile();
   void StoreUses();
 
   const TokenRegistryOptions options_;
-  TokenStore store_;  // used by Open, then by the thread
-  int64_t version_ = 0;
+  const std::filesystem::path path_;
+  // These are used by Open, then by the thread.
+  std::optional<TokenStore> store_;
+  int64_t version_ = 0;  // of what was read
   bool readable_ = true;
   std::chrono::steady_clock::time_point next_use_store_{};
 

@@ -2,6 +2,7 @@
 
 #include <openssl/rand.h>
 #include <openssl/sha.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -210,10 +211,27 @@ absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path, IfLost if_lost
     if (if_lost == IfLost::kRefuse && Exists(NoteBeside(path))) return LostFile(path);
     if (absl::Status status = CreateFile(path); !status.ok()) return status;
   }
+  // Before it is opened: one that is put in its place just then is seen by IsInPlace.
+  const auto file = IdOf(path);
+  if (!file.ok()) return file.status();
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return Explain(path, database.status());
   if (absl::Status status = CheckFile(*database, path); !status.ok()) return status;
-  return TokenStore(path, *std::move(database));
+  return TokenStore(path, *file, *std::move(database));
+}
+
+absl::StatusOr<TokenStore::FileId> TokenStore::IdOf(const fs::path& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) == 0) return FileId{found.st_dev, found.st_ino};
+  if (errno == ENOENT) return FileId{};
+  return absl::UnavailableError(
+      absl::StrCat(path.string(), ": ", std::generic_category().message(errno)));
+}
+
+absl::StatusOr<bool> TokenStore::IsInPlace() const {
+  const auto now = IdOf(path_);
+  if (!now.ok()) return now.status();
+  return *now == file_;
 }
 
 bool TokenStore::WereMade() const { return Exists(NoteBeside(path_)); }

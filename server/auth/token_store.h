@@ -75,8 +75,11 @@ class TokenStore {
   absl::StatusOr<std::vector<StoredToken>> Load();
   // Stores when tokens were last used: pairs of id and time.
   absl::Status MarkUsed(std::span<const std::pair<int64_t, int64_t>> uses);
+  // Returns whether the file that was opened is still the one of its name: another one may have
+  // been put in its place, or it was removed. Error: UNAVAILABLE (it cannot be told).
+  absl::StatusOr<bool> IsInPlace() const;
   // Returns a number that differs from that of an earlier call if another connection has changed
-  // the file in between.
+  // the file that was opened in between.
   absl::StatusOr<int64_t> Version() { return database_.QueryInteger("PRAGMA data_version"); }
 
   // Returns whether there have been tokens, as the file beside it says.
@@ -87,10 +90,21 @@ class TokenStore {
   absl::Status Lost() const;
 
  private:
-  TokenStore(std::filesystem::path path, storage::SqliteDatabase database)
-      : path_(std::move(path)), database_(std::move(database)) {}
+  // A file by its device and inode, whatever its name; both 0: there is none.
+  struct FileId {
+    uint64_t device = 0;
+    uint64_t inode = 0;
+
+    friend bool operator==(const FileId&, const FileId&) = default;
+  };
+
+  TokenStore(std::filesystem::path path, FileId file, storage::SqliteDatabase database)
+      : path_(std::move(path)), file_(file), database_(std::move(database)) {}
+
+  static absl::StatusOr<FileId> IdOf(const std::filesystem::path& path);
 
   std::filesystem::path path_;
+  FileId file_;  // its inode is not used again while it is open
   storage::SqliteDatabase database_;
 };
 

@@ -102,7 +102,7 @@ absl::StatusOr<AccessControl::Transfer> AccessControl::BeginTransfer(const auth:
 }
 
 absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {
-  if (!asks_for_tokens() || tokens_->IsValid(caller.token_id)) return absl::OkStatus();
+  if (!asks_for_tokens() || tokens_->IsValid(caller)) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_TOKEN_REFUSED,
                  "this token was revoked or has expired; use another one");
 }

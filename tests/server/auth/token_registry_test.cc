@@ -37,7 +37,11 @@ class TokenRegistryTest : public ::testing::Test {
       changes_.push_back(text);
       changed_.notify_all();
     };
-    options.on_problem = [](const absl::Status& status) { ADD_FAILURE() << status; };
+    options.on_problem = [this](const absl::Status& status) {
+      const std::lock_guard lock(mutex_);
+      problems_.emplace_back(status.message());
+      changed_.notify_all();
+    };
     return TokenRegistry::Open(path_, std::move(options)).value();
   }
   // Returns what the registry has told, once that is so much.
@@ -47,14 +51,32 @@ class TokenRegistryTest : public ::testing::Test {
     return changes_;
   }
 
+  std::vector<std::string> AwaitProblems(size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return problems_.size() >= count; });
+    return problems_;
+  }
+  // A copy of the file as it is now, to be put back.
+  std::filesystem::path Copy() const {
+    const std::filesystem::path copy = directory_.path() / "copy.db";
+    std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
+    return copy;
+  }
+  void TearDown() override {
+    const std::lock_guard lock(mutex_);
+    EXPECT_EQ(problems_.size(), expected_problem_count_);
+  }
+
   test_support::TemporaryDirectory directory_;
   const std::filesystem::path path_ = directory_.path() / "tokens.db";
   TokenStore writer_;
   std::chrono::milliseconds use_interval_{60'000};
   std::atomic<int64_t> now_s_ = 1'000;
-  std::mutex mutex_;  // guards the next two
+  size_t expected_problem_count_ = 0;
+  std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;
   std::vector<std::string> changes_;
+  std::vector<std::string> problems_;
 };
 
 TEST_F(TokenRegistryTest, FindsTheHolderOfATokenAndOfNothingElse) {
@@ -68,8 +90,10 @@ TEST_F(TokenRegistryTest, FindsTheHolderOfATokenAndOfNothingElse) {
   EXPECT_EQ(holder->name, "game");
   EXPECT_EQ(holder->role, Role::kIngest);
   EXPECT_THAT(holder->projects, ElementsAre("arcade"));
-  EXPECT_TRUE(registry->IsValid(holder->token_id));
-  EXPECT_FALSE(registry->IsValid(holder->token_id + 1));
+  EXPECT_TRUE(registry->IsValid(*holder));
+  Principal other = *holder;
+  ++other.token_id;
+  EXPECT_FALSE(registry->IsValid(other));
   EXPECT_FALSE(registry->Find(""));
   EXPECT_FALSE(registry->Find(token + "a"));
   EXPECT_FALSE(registry->Find(token.substr(1)));
@@ -79,10 +103,11 @@ TEST_F(TokenRegistryTest, FindsTheHolderOfATokenAndOfNothingElse) {
 TEST_F(TokenRegistryTest, ATokenEndsWhenItExpires) {
   const std::string token = Make("game", 1'500);
   const auto registry = Open();
-  EXPECT_TRUE(registry->Find(token));
+  const auto holder = registry->Find(token);
+  ASSERT_TRUE(holder);
   now_s_ = 1'500;
   EXPECT_FALSE(registry->Find(token));
-  EXPECT_FALSE(registry->IsValid(1));
+  EXPECT_FALSE(registry->IsValid(*holder));
   EXPECT_FALSE(registry->empty()) << "nobody gets in without one";
 }
 
@@ -92,11 +117,66 @@ TEST_F(TokenRegistryTest, SeesWhatTheCommandDoesAndTellsIt) {
   EXPECT_THAT(AwaitChanges(1), ElementsAre(HasSubstr("game was made by ann: ingest")));
   // The change is told just before it is in force.
   while (!registry->Find(token)) std::this_thread::yield();
+  const Principal holder = registry->Find(token).value();
   EXPECT_TRUE(writer_.Revoke("game", "bob", 2'000).ok());
   EXPECT_THAT(AwaitChanges(2)[1], HasSubstr("game was revoked by bob"));
   while (registry->Find(token)) std::this_thread::yield();
-  EXPECT_FALSE(registry->IsValid(1));
+  EXPECT_FALSE(registry->IsValid(holder));
   EXPECT_FALSE(registry->empty());
+}
+
+TEST_F(TokenRegistryTest, ARevocationInACopyThatWasPutInItsPlaceIsSeen) {
+  const std::string token = Make("game");
+  const auto registry = Open();
+  std::filesystem::rename(Copy(), path_);
+  EXPECT_TRUE(TokenStore::Open(path_)->Revoke("game", "bob", 2'000).ok());
+  EXPECT_THAT(AwaitChanges(1), ElementsAre(HasSubstr("game was revoked by bob")));
+  while (registry->Find(token)) std::this_thread::yield();
+}
+
+TEST_F(TokenRegistryTest, AFileThatIsMissingForATimeIsToldOnceAndItsTokensStay) {
+  expected_problem_count_ = 1;
+  const std::string token = Make("game");
+  const auto registry = Open();
+  const std::filesystem::path copy = Copy();
+  std::filesystem::remove(path_);
+  EXPECT_THAT(AwaitProblems(1), ElementsAre(HasSubstr("put a copy in its place")));
+  EXPECT_TRUE(registry->Find(token));
+  std::filesystem::rename(copy, path_);
+  EXPECT_TRUE(TokenStore::Open(path_)->Revoke("game", "bob", 2'000).ok());
+  while (registry->Find(token)) std::this_thread::yield();
+}
+
+TEST_F(TokenRegistryTest, ATokenOfAnotherFileIsNotTakenForTheOneOfItsId) {
+  const std::string token = Make("game");
+  const auto registry = Open();
+  const Principal holder = registry->Find(token).value();
+  test_support::TemporaryDirectory elsewhere;
+  const auto other = elsewhere.path() / "tokens.db";
+  TokenRequest request;
+  request.name = "game";
+  request.made_by = "eve";
+  const std::string new_token = TokenStore::Open(other)->Create(request, 1).value();
+  std::filesystem::rename(other, path_);
+  EXPECT_THAT(AwaitChanges(2), ElementsAre(HasSubstr("game is in the file no more"),
+                                           HasSubstr("game was made by eve")));
+  while (!registry->Find(new_token)) std::this_thread::yield();
+  EXPECT_FALSE(registry->Find(token));
+  EXPECT_FALSE(registry->IsValid(holder)) << "its streams end";
+}
+
+TEST_F(TokenRegistryTest, AFileWithoutTokensInThePlaceOfOneWithThemLetsNobodyIn) {
+  expected_problem_count_ = 1;
+  const std::string token = Make("game");
+  const auto registry = Open();
+  std::filesystem::remove(directory_.path() / "tokens-made");
+  test_support::TemporaryDirectory elsewhere;
+  const auto other = elsewhere.path() / "tokens.db";
+  ASSERT_TRUE(TokenStore::Open(other).ok());
+  std::filesystem::rename(other, path_);
+  EXPECT_THAT(AwaitProblems(1), ElementsAre(HasSubstr("has no token, though")));
+  EXPECT_FALSE(registry->empty());
+  EXPECT_TRUE(registry->Find(token));
 }
 
 TEST_F(TokenRegistryTest, StoresTheLastUseAtItsEndAndTheRestMeanwhile) {

@@ -35,10 +35,10 @@ class ScriptedTokens final : public auth::TokenDirectory {
     if (found == tokens_.end()) return std::nullopt;
     return found->second;
   }
-  bool IsValid(int64_t token_id) const override {
+  bool IsValid(const auth::Principal& caller) const override {
     const std::lock_guard lock(mutex_);
     for (const auto& [token, holder] : tokens_) {
-      if (holder.token_id == token_id) return true;
+      if (holder.token_id == caller.token_id) return true;
     }
     return false;
   }
