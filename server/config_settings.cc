@@ -205,7 +205,8 @@ std::vector<Setting> DaemonSettings() {
           "time from one backup to the next")),
       Whole(
           "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.rpc.audit.bytes; },
-          "text of the audit log; beyond it the oldest rows go; 0 keeps none"),
+          "text of the audit log; beyond it the oldest rows go; 0 keeps none but the "
+          "administrators'"),
       Whole(
           "audit_days", 1, 36'500, 86'400, [](Config & c) -> auto& { return c.rpc.audit.age_s; },
           "age at which rows of the audit log go"),

@@ -278,7 +278,8 @@ std::string AdminRows::Next(int64_t now_ns, int64_t unix_ms, std::string_view ac
   AppendText(row += ',', now_ns);
   std::string text = "unix_ms=";
   AppendText(text, unix_ms);
-  text.append(";").append(action).append(";").append(kOperatorKey).append(who);
+  AppendEscaped(text += ';', action);
+  AppendEscaped(text.append(";").append(kOperatorKey), who);
   AppendCsv(row += ',', text);
   row.append(kAuditColumnNames.size() - static_cast<size_t>(AuditColumn::kSetup) - 1, ',');
   hash_ = math::Fnv1a(hash_, row);

@@ -148,7 +148,8 @@ class AdminRows {
   explicit AdminRows(uint32_t segment);
 
   // `now_ns` is a time of the decider's steady clock, `unix_ms` of the wall clock. `action` and
-  // `who` are lines of text.
+  // `who` are lines of text; they are escaped as in a setup, so that what somebody has named does
+  // not look like another field of the row.
   std::string Next(int64_t now_ns, int64_t unix_ms, std::string_view action, std::string_view who);
 
  private:

@@ -28,12 +28,7 @@ std::optional<ArmRun> ParseRun(std::string_view text, uint32_t arm_count) {
   return is_run ? std::optional(run) : std::nullopt;
 }
 
-void AppendValue(std::string& out, const std::string& text) {
-  for (const char c : text) {
-    if (c == '\\' || c == ';' || c == ',') out += '\\';
-    out += c;
-  }
-}
+void AppendValue(std::string& out, const std::string& text) { AppendEscaped(out, text); }
 void AppendValue(std::string& out, Mode mode) { AppendName(out, kModeNames, mode); }
 void AppendValue(std::string& out, const BetaPosterior& prior) {
   AppendText(out, std::tie(prior.alpha, prior.beta));
@@ -189,6 +184,13 @@ std::optional<ArmRuns> ParseRuns(std::string_view text, uint32_t arm_count) {
   if (text.empty()) return runs;
   later = ParseRun(text, arm_count);
   return later ? std::optional(runs) : std::nullopt;
+}
+
+void AppendEscaped(std::string& out, std::string_view text) {
+  for (const char c : text) {
+    if (c == '\\' || c == ';' || c == ',') out += '\\';
+    out += c;
+  }
 }
 
 void AppendSetup(std::string& out, const SessionSetup& setup, const AuditOrigin& origin) {

@@ -59,6 +59,9 @@ std::optional<ArmRuns> ParseRuns(std::string_view text, uint32_t arm_count);
 // and the segment have columns of their own.
 void AppendSetup(std::string& out, const SessionSetup& setup, const AuditOrigin& origin);
 
+// Appends a text so escaped.
+void AppendEscaped(std::string& out, std::string_view text);
+
 // Before the operator's name in the setup column of an order.
 inline constexpr std::string_view kOperatorKey = "operator=";
 

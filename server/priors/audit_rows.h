@@ -26,11 +26,14 @@ struct AuditRows {
   std::vector<AuditRow> rows;  // in the order of their numbers, which may leave out some
 };
 
-// The limits of a store's audit log, of all sessions together. Beyond them the oldest rows are
-// removed, in chunks of a 32nd.
+// The limits of a store's audit log, of all sessions together but kAdminSession
+// (server/audit/audit_log.h). Beyond them the oldest rows are removed, in chunks of a 32nd.
 struct AuditLimits {
   uint64_t bytes = 256ull << 20;    // of the rows' text, some 1 kB a row of 7 arms; 0 keeps nothing
   uint64_t age_s = 30ull * 86'400;  // by the wall clock's time of the commits
+  // The latest rows of kAdminSession, some 200 bytes each. They stay whatever the other limits are,
+  // since games would push them out.
+  uint64_t admin_row_count = 50'000;
 };
 
 struct AuditSegment {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/audit/audit_log.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
@@ -45,8 +46,12 @@ uint64_t MemoryAuditLog::Append(const priors::SourceUpdate& update) {
     }
     Segment& segment = Find(update.progress.source_id, update.audit);
     if (!segment.rows.empty() && row.number <= segment.rows.rbegin()->first) continue;
-    if (chunk == nullptr) chunk = &LatestChunk(update.unix_time_s);
     segment.rows.emplace(row.number, row.text);
+    if (segment.head.session_id == decision::kAdminSession) {
+      admin_rows_.emplace_back(segment.head.id, row.number);
+      continue;
+    }
+    if (chunk == nullptr) chunk = &LatestChunk(update.unix_time_s);
     chunk->rows.emplace_back(segment.head.id, row.number);
     chunk->byte_count += row.text.size();
     byte_count_ += row.text.size();
@@ -78,14 +83,18 @@ MemoryAuditLog::Chunk& MemoryAuditLog::LatestChunk(uint64_t unix_now_s) {
 
 void MemoryAuditLog::Trim(uint64_t unix_now_s) {
   while (!chunks_.empty() && IsBeyond(chunks_.front(), byte_count_, limits_, unix_now_s)) {
-    for (const auto& [id, number] : chunks_.front().rows) {
-      const auto segment = segments_.find(id);
-      segment->second.rows.erase(number);
-      if (segment->second.rows.empty()) segments_.erase(segment);
-    }
+    for (const auto& [id, number] : chunks_.front().rows) Remove(id, number);
     byte_count_ -= chunks_.front().byte_count;
     chunks_.pop_front();
   }
+  for (; admin_rows_.size() > limits_.admin_row_count; admin_rows_.pop_front())
+    Remove(admin_rows_.front().first, admin_rows_.front().second);
+}
+
+void MemoryAuditLog::Remove(uint64_t segment_id, uint64_t number) {
+  const auto segment = segments_.find(segment_id);
+  segment->second.rows.erase(number);
+  if (segment->second.rows.empty()) segments_.erase(segment);
 }
 
 uint32_t MemoryAuditLog::LastSegment(const std::string& session_id) const {

@@ -41,10 +41,13 @@ class MemoryAuditLog {
   Segment& Find(const std::string& session_id, const priors::AuditRows& rows);
   Chunk& LatestChunk(uint64_t unix_now_s);
   void Trim(uint64_t unix_now_s);
+  void Remove(uint64_t segment_id, uint64_t number);
 
   const priors::AuditLimits limits_;
   std::map<uint64_t, Segment> segments_;  // by id
   std::deque<Chunk> chunks_;              // the oldest first
+  // Those of kAdminSession, which are in no chunk, as in one.
+  std::deque<std::pair<uint64_t, uint64_t>> admin_rows_;
   uint64_t last_id_ = 0;
   uint64_t byte_count_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "server/audit/audit_log.h"
 #include "server/storage/record_limits.h"
 
 namespace sweepstake::storage {
@@ -56,8 +57,18 @@ const SqliteAuditLog::StatementText SqliteAuditLog::kStatements[] = {
         FROM audit_chunk ORDER BY first_row_id LIMIT 1)sql"},
     {&Statements::delete_rows, R"sql(
         DELETE FROM audit_row
-        WHERE id < coalesce((SELECT min(first_row_id) FROM audit_chunk WHERE first_row_id > ?1),
+        WHERE id >= ?1
+          AND id < coalesce((SELECT min(first_row_id) FROM audit_chunk WHERE first_row_id > ?1),
                             9223372036854775807)
+          AND segment_id NOT IN (SELECT id FROM audit_segment WHERE session = ?2)
+        RETURNING segment_id)sql"},
+    // The unary plus keeps SQLite from walking over all rows by their ids.
+    {&Statements::delete_admin_rows, R"sql(
+        DELETE FROM audit_row
+        WHERE segment_id IN (SELECT id FROM audit_segment WHERE session = ?1)
+          AND +id <= (SELECT r.id FROM audit_segment s CROSS JOIN audit_row r ON r.segment_id = s.id
+                      WHERE s.session = ?1
+                      ORDER BY s.segment DESC, r.number DESC LIMIT 1 OFFSET ?2)
         RETURNING segment_id)sql"},
     {&Statements::delete_chunk, "DELETE FROM audit_chunk WHERE first_row_id = ?1"},
     {&Statements::delete_empty_segment, R"sql(
@@ -128,10 +139,12 @@ absl::Status SqliteAuditLog::AppendOne(const priors::SourceUpdate& update, uint6
   if (rows.empty()) return absl::OkStatus();
   absl::StatusOr<int64_t> id = segment->id;
   if (*id == 0) id = Add(update.progress.source_id, update.audit);
-  absl::Status status = id.ok() ? GrowChunk(bytes, update.unix_time_s) : id.status();
+  absl::Status status = id.status();
+  const bool is_admin = update.progress.source_id == decision::kAdminSession;
+  if (status.ok() && !is_admin) status = GrowChunk(bytes, update.unix_time_s);
   for (size_t i = 0; i < rows.size() && status.ok(); ++i)
     status = statements_.add_row.Run(*id, rows[i]->number, rows[i]->text);
-  return status;
+  return status.ok() && is_admin ? TrimAdmin() : status;
 }
 
 absl::StatusOr<SqliteAuditLog::Segment> SqliteAuditLog::Find(const std::string& session_id,
@@ -176,14 +189,25 @@ absl::Status SqliteAuditLog::Trim(uint64_t unix_now_s) {
   }
 }
 
+absl::Status SqliteAuditLog::TrimAdmin() {
+  return RemoveRows(statements_.delete_admin_rows, decision::kAdminSession,
+                    limits_.admin_row_count);
+}
+
 absl::Status SqliteAuditLog::RemoveChunk(int64_t first_row_id) {
+  absl::Status status = RemoveRows(statements_.delete_rows, first_row_id, decision::kAdminSession);
+  return status.ok() ? statements_.delete_chunk.Run(first_row_id) : status;
+}
+
+template <typename... Args>
+absl::Status SqliteAuditLog::RemoveRows(SqliteStatement& statement, const Args&... args) {
   std::set<int64_t> segments;
-  absl::Status status = statements_.delete_rows.ForEachRow(
-      [&](const SqliteRow& row) { segments.insert(row.Integer(0)); }, first_row_id);
+  absl::Status status =
+      statement.ForEachRow([&](const SqliteRow& row) { segments.insert(row.Integer(0)); }, args...);
   for (const int64_t segment : segments) {
     if (status.ok()) status = statements_.delete_empty_segment.Run(segment);
   }
-  return status.ok() ? statements_.delete_chunk.Run(first_row_id) : status;
+  return status;
 }
 
 absl::StatusOr<SqliteAuditReader> SqliteAuditReader::Open(SqliteDatabase& database) {

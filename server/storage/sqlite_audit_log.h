@@ -1,7 +1,8 @@
 // The audit log in the prior store's SQLite file: a table of segments, a table of their rows, whose
 // ids grow in the order in which they come, and a table of chunks, each a range of those ids. The
-// oldest chunk is removed as a whole, whichever sessions its rows are of. Used by one thread at a
-// time; the database must outlive it.
+// oldest chunk is removed as a whole, whichever sessions its rows are of, but for the rows of
+// kAdminSession, which count in no chunk and of which the oldest are removed. Used by one thread at
+// a time; the database must outlive it.
 //
 // The space of removed rows is used again, but the file does not shrink.
 #pragma once
@@ -59,11 +60,16 @@ class SqliteAuditLog {
   // Adds to the bytes of the latest chunk, or of a new one if that is full.
   absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
   absl::Status Trim(uint64_t unix_now_s);
+  absl::Status TrimAdmin();
   absl::Status RemoveChunk(int64_t first_row_id);
+  // Runs a statement that returns the segments of the rows that it has removed, and removes those
+  // that have no rows any more.
+  template <typename... Args>
+  absl::Status RemoveRows(SqliteStatement& statement, const Args&... args);
 
   struct Statements {
     SqliteStatement find_segment, add_segment, add_row, latest_chunk, add_chunk, grow_chunk,
-        oldest_chunk, delete_rows, delete_chunk, delete_empty_segment;
+        oldest_chunk, delete_rows, delete_admin_rows, delete_chunk, delete_empty_segment;
   };
   struct StatementText {
     SqliteStatement Statements::*statement;

@@ -20,7 +20,6 @@ int64_t UnixNowMs() {
 
 void AdminLog::Record(std::string action, std::string who) {
   loop_.Post([this, action = std::move(action), who = std::move(who)]() mutable {
-    if (options_.audit.bytes == 0) return;
     if (waiting_.size() >= kMaxWaiting) {
       ++counters_.lost_audit_row_count;
       return;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/audit/audit_log.h"
 #include "tests/server/storage/prior_store_conformance.h"
 
 namespace sweepstake::storage {
@@ -143,6 +144,31 @@ TEST_P(AuditConformance, RowsThatAreTooOldGoWhileTheirSessionLives) {
   EXPECT_TRUE(Stored("b").empty());
   ASSERT_TRUE(Append("a", Rows(1, 5, 1), 9'000).ok()) << "the clock was set back";
   EXPECT_EQ(Stored("a").size(), 4u);
+}
+
+TEST_P(AuditConformance, WhatAdministratorsDidStaysWhateverGamesLogAndHowLong) {
+  const std::string admin(decision::kAdminSession);
+  ASSERT_TRUE(Append("a", Rows(1, 1, 1), 10'000).ok());
+  ASSERT_TRUE(Append(admin, Rows(1, 1, 3), 10'000).ok());
+  for (uint64_t row = 2; row < 60; ++row)
+    ASSERT_TRUE(Append("a", Rows(1, row, 1), 10'000 + row * 1'000).ok());
+  EXPECT_LT(Stored("a").size(), 10u);
+  EXPECT_EQ(Stored(admin), (std::vector<std::string>{"1/1", "1/2", "1/3"}));
+  EXPECT_EQ(store_->lost_audit_row_count(), 0u);
+}
+
+TEST_P(AuditConformance, OfWhatAdministratorsDidTheLatestIsKept) {
+  static_assert(kConformanceAuditLimits.admin_row_count == 5);
+  const std::string admin(decision::kAdminSession);
+  ASSERT_TRUE(Append("a", Rows(1, 1, 2)).ok());
+  ASSERT_TRUE(Append(admin, Rows(1, 1, 3)).ok());
+  ASSERT_TRUE(Append(admin, Rows(2, 1, 4)).ok());
+  EXPECT_EQ(Stored(admin, 1), (std::vector<std::string>{"1/3"}));
+  EXPECT_EQ(Stored(admin, 2).size(), 4u);
+  ASSERT_TRUE(Append(admin, Rows(2, 5, 2)).ok());
+  EXPECT_TRUE(Stored(admin, 1).empty());
+  EXPECT_EQ(Stored(admin, 2), (std::vector<std::string>{"2/2", "2/3", "2/4", "2/5", "2/6"}));
+  EXPECT_EQ(Stored("a").size(), 2u) << "whose rows are older";
 }
 
 TEST_P(AuditConformance, ARowLargerThanTheWholeLogIsNotKept) {

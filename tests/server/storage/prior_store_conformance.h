@@ -23,7 +23,8 @@
 namespace sweepstake::storage {
 
 // What the stores are made with.
-inline constexpr priors::AuditLimits kConformanceAuditLimits{.bytes = 64, .age_s = 3200};
+inline constexpr priors::AuditLimits kConformanceAuditLimits{
+    .bytes = 64, .age_s = 3200, .admin_row_count = 5};
 
 using MakeStore = std::function<std::unique_ptr<PriorStore>()>;
 

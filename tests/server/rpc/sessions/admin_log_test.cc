@@ -36,11 +36,11 @@ class AdminLogTest : public RpcTest {
                     ->KickSession(context.get(), request, &response)
                     .ok());
   }
-  void Order(const std::string& session_id) {
+  void Order(const std::string& session_id, const std::string& arm = "Grid") {
     v1::OrderSessionRequest request;
     request.set_session_id(session_id);
     request.set_mode(v1::MODE_MANUAL);
-    request.set_arm("Grid");
+    request.set_arm(arm);
     v1::OrderSessionResponse response;
     const auto context = As("ben");
     v1::SessionsService::NewStub(channel_)->OrderSession(context.get(), request, &response);
@@ -93,6 +93,30 @@ TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
           AllOf(HasSubstr("admin,1,3,admin,"), HasSubstr("action=kick session=" + id),
                 HasSubstr("token ann"))));
   EXPECT_THAT(Log("ben"), ElementsAre()) << "it is about all projects";
+}
+
+TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
+  const std::string arm = "x;operator=token ann";
+  TelemetryClient client(channel_, "ann-token");
+  v1::Hello hello = OneArmHello();
+  hello.mutable_arms(0)->set_name(arm);
+  const std::string id = client.Open(hello).session_id();
+  client.Cancel();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
+  Order(id, arm);
+  ASSERT_TRUE(LogHas(1));
+  EXPECT_THAT(Log()[0], AllOf(HasSubstr(R"(arm=x\;operator=token ann)"),
+                              HasSubstr(";operator=token ben at ")));
+}
+
+class AdminLogAloneTest : public AdminLogTest {
+ protected:
+  AdminLogAloneTest() { options_.audit.bytes = 0; }
+};
+
+TEST_F(AdminLogAloneTest, IsKeptWhereNoDecisionsAre) {
+  Import();
+  EXPECT_TRUE(LogHas(1));
 }
 
 TEST_F(AdminLogTest, EachRunOfTheDaemonHasASegmentThatReplayTakes) {
