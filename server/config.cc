@@ -13,6 +13,7 @@
 #include "server/decision/math/names.h"
 #include "server/decision/session/session_setup.h"
 #include "server/tls/loopback.h"
+#include "server/tls/tls_files.h"
 
 namespace sweepstake::server {
 namespace {
@@ -82,6 +83,12 @@ absl::Status CheckListen(std::string_view key, const std::string& listen) {
       port < 0 || port > 65535) {
     return absl::InvalidArgumentError(absl::StrCat(
         std::string(key), ": expected HOST:PORT with a port from 0 to 65535, not ", listen));
+  }
+  const std::string host = listen.substr(0, colon);
+  if (host.find(':') != std::string::npos && !(host.starts_with('[') && host.ends_with(']'))) {
+    return absl::InvalidArgumentError(absl::StrCat(std::string(key), ": an IPv6 address stands in ",
+                                                   "brackets: expected [", host, "]",
+                                                   listen.substr(colon), ", not ", listen));
   }
   return absl::OkStatus();
 }
@@ -226,6 +233,21 @@ absl::Status Validate(const Config& config) {
     return absl::InvalidArgumentError(absl::StrCat("decision: ", *problem));
   }
   return absl::OkStatus();
+}
+
+absl::Status CheckFiles(const Config& config) {
+  const std::pair<std::string_view, const std::filesystem::path&> made[] = {
+      {"data", config.data}, {"port_file", config.port_file}};
+  for (const auto& [key, path] : made) {
+    std::error_code unknown;  // what cannot be examined is treated as missing
+    const std::filesystem::path parent = path.parent_path();
+    if (!parent.empty() && !std::filesystem::is_directory(parent, unknown)) {
+      return absl::NotFoundError(
+          absl::StrCat(std::string(key), ": ", parent.string(), " is no directory; make it first"));
+    }
+  }
+  if (config.rpc.tls.cert.empty()) return absl::OkStatus();
+  return tls::Read(config.rpc.tls).status();
 }
 
 bool NeedsToken(const Config& config) {

@@ -67,6 +67,10 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
 // Checks the rules for several settings together: other addresses than loopback need TLS or
 // --insecure, and the weights sum to 1. The files of TLS are not read.
 absl::Status Validate(const Config& config);
+// Checks what the configuration names on this machine, and makes nothing: the files of TLS, which
+// must belong together, and the directories that `data` and `port_file` are to be made in.
+// REQUIRES: the configuration is valid.
+absl::Status CheckFiles(const Config& config);
 
 // Returns whether the daemon must not start without a token: the configuration says so, or others
 // can reach it, and neither clients' certificates nor --insecure say who may. REQUIRES: the

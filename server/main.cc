@@ -110,9 +110,11 @@ absl::StatusOr<Config> Check(const std::string& file) {
   auto assignments = sweepstake::server::ReadConfigFile(file);
   if (!assignments.ok()) return assignments.status();
   absl::Status status = Assign(*assignments, file, config);
-  if (status.ok()) status = Validate(config);
   if (!status.ok()) return status;
-  return config;
+  status = Validate(config);
+  if (status.ok()) status = sweepstake::server::CheckFiles(config);
+  if (status.ok()) return config;
+  return absl::Status(status.code(), file + ": " + std::string(status.message()));
 }
 
 std::vector<std::string> Environment() {
@@ -178,13 +180,26 @@ int Probe(const Config& config) {
   return kDone;
 }
 
-std::string UnknownFlag(const std::string& flag) {
+// The names of the options of the subcommands that were given.
+void AddOptionNames(const CLI::App& app, std::vector<std::string>& names) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+    AddOptionNames(*command, names);
+  }
+}
+
+std::string UnknownFlag(const CLI::App& app) {
   const auto settings = sweepstake::server::DescribeSettings();
   std::vector<std::string_view> known = {"--config",  "--print-config", "--help",
                                          "--version", "check-config",   "backup",
                                          "restore",   "probe",          "token"};
   for (const auto& setting : settings) known.push_back(setting.flag);
-  return sweepstake::math::UnknownName("argument", flag, known);
+  std::vector<std::string> of_commands;
+  AddOptionNames(app, of_commands);
+  known.insert(known.end(), of_commands.begin(), of_commands.end());
+  return sweepstake::math::UnknownName("argument", app.remaining(/*recurse=*/true).front(), known);
 }
 
 // Blocks the signals before any thread starts, so that only sigwait receives them.
@@ -253,7 +268,7 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? kDone : kBadUsage;
   }
-  if (!app.remaining().empty()) return Fail(kBadUsage, UnknownFlag(app.remaining().front()));
+  if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownFlag(app));
   if (app.got_subcommand("check-config")) return CheckConfig(line.file);
   const auto config = Load(line);
   if (!config.ok()) return Fail(kBadUsage, std::string(config.status().message()));

@@ -114,6 +114,19 @@ TEST_F(ConfigTest, ASwitchOfTheCommandLineIsTrueOrFalse) {
   EXPECT_EQ(said({"--insecure=true", "--insecure"}), "");
 }
 
+TEST_F(ConfigTest, WhatItNamesOnTheMachineMustBeThere) {
+  const auto said = [this](const std::string& text) {
+    return std::string(CheckFiles(FromFile(text).value()).message());
+  };
+  EXPECT_EQ(said(""), "");
+  EXPECT_EQ(said("data = '" + ::testing::TempDir() + "not-yet'\n"), "");
+  EXPECT_THAT(said("data = '/nonexistent/sweepstake/data'\n"),
+              HasSubstr("data: /nonexistent/sweepstake is no directory"));
+  EXPECT_THAT(said("port_file = '/nonexistent/port'\n"), HasSubstr("port_file: /nonexistent is"));
+  EXPECT_THAT(said("tls_cert = 'nowhere.pem'\ntls_key = 'nowhere-key.pem'\n"),
+              HasSubstr("cannot read nowhere.pem"));
+}
+
 TEST_F(ConfigTest, ADirectoryIsNoFile) {
   const auto assignments = ReadConfigFile(::testing::TempDir());
   EXPECT_THAT(std::string(assignments.status().message()), HasSubstr("is a directory, not a file"));
@@ -139,6 +152,8 @@ TEST_F(ConfigTest, AWrongValueIsAnErrorThatSaysWhatWouldBeRight) {
   EXPECT_THAT(Error("log_level = 'loud'\n"), HasSubstr("trace, debug, info"));
   EXPECT_THAT(Error("listen = 'here'\n"), HasSubstr("expected HOST:PORT"));
   EXPECT_THAT(Error("listen = '127.0.0.1:70000'\n"), HasSubstr("expected HOST:PORT"));
+  EXPECT_THAT(Error("listen = '::1:0'\n"), HasSubstr("expected [::1]:0, not ::1:0"));
+  EXPECT_TRUE(FromFile("listen = '[::1]:0'\n").ok());
   EXPECT_THAT(Error("http = '7434'\n"), HasSubstr("http: expected HOST:PORT"));
   EXPECT_THAT(Error("listen = [1]\n"), HasSubstr("expected a text"));
   EXPECT_THAT(Error("max_sessions = 99999999999999999999\n"), HasSubstr(":1:"));
