@@ -54,22 +54,16 @@ Json SegmentsJson(const std::vector<v1::AuditSegment>& segments) {
 
 int RunList(const AuditOptions& options, Terminal& terminal) {
   const auto segments = ListAudit(options.daemon, options.selection);
-  if (!segments.ok()) return Fail(terminal, segments.status());
+  if (!segments.ok()) return FailAnswer(terminal, segments.status());
   PrintResult(terminal, options.json,
               {{"command", "audit list"}, {"segments", SegmentsJson(*segments)}},
               SegmentsText(*segments));
   return kDone;
 }
 
-void PrintNothingFound(std::ostream& out) {
-  out << "sweepstake: the daemon has no such decisions; `sweepstake audit list` shows which it "
-         "has\n";
-}
-
 int RunExport(const AuditOptions& options, Terminal& terminal) {
   const auto row_count = ExportAudit(options.daemon, options.selection, options.file);
-  if (!row_count.ok()) return Fail(terminal, row_count.status());
-  if (*row_count == 0) PrintNothingFound(terminal.err);
+  if (!row_count.ok()) return FailAnswer(terminal, row_count.status());
   PrintResult(terminal, options.json,
               {{"command", "audit export"}, {"file", options.file}, {"rows", *row_count}},
               options.file + ": " + std::to_string(*row_count) + " rows\n");

@@ -23,15 +23,24 @@ struct PriorsOptions {
 
 int RunList(const PriorsOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
-  if (!scenes.ok()) return Fail(terminal, scenes.status());
-  const Json document = {{"command", "priors list"}, {"scenes", PosteriorsJson(*scenes)}};
+  if (!scenes.ok()) return FailAnswer(terminal, scenes.status());
+  const Json document = {{"command", "priors list"},
+                         {"daemon", options.daemon.address},
+                         {"scenes", PosteriorsJson(*scenes)}};
   PrintResult(terminal, options.json, document, PosteriorsText(*scenes));
   return kDone;
 }
 
 int RunExport(const PriorsOptions& options, Terminal& terminal) {
   const auto records = ExportPriors(options.daemon, options.project, options.scene);
-  if (!records.ok()) return Fail(terminal, records.status());
+  if (!records.ok()) return FailAnswer(terminal, records.status());
+  const bool selects = !options.project.empty() || !options.scene.empty();
+  if (selects && records->empty()) {
+    return FailAnswer(terminal, Status(StatusCode::kNotFound,
+                                       "the daemon has no such records, and " + options.file +
+                                           " is left as it was; `sweepstake priors list` shows "
+                                           "which it has"));
+  }
   const Status written = WritePriorsFile(*records, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
@@ -42,20 +51,26 @@ int RunExport(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+std::string AbsentText(uint64_t count) {
+  if (count == 0) return "";
+  return std::to_string(count) +
+         " of these are not there under their project and scene: the daemon knows their sources "
+         "under others, and a source is never counted twice, or has revoked them\n";
+}
+
 int RunImport(const PriorsOptions& options, Terminal& terminal) {
   const auto records = ReadPriorsFile(options.file);
   if (!records.ok()) return Fail(terminal, records.status());
   const auto result = ImportPriors(options.daemon, *records);
-  if (!result.ok()) return Fail(terminal, result.status());
-  const Json document = {{"command", "priors import"},
-                         {"file", options.file},
-                         {"records", records->size()},
-                         {"applied", result->applied_count},
-                         {"unchanged", result->unchanged_count}};
+  if (!result.ok()) return FailAnswer(terminal, result.status());
+  const Json document = {{"command", "priors import"},           {"file", options.file},
+                         {"records", records->size()},           {"applied", result->applied_count},
+                         {"unchanged", result->unchanged_count}, {"absent", result->absent_count}};
   PrintResult(terminal, options.json, document,
               options.file + ": " + std::to_string(result->applied_count) + " of " +
                   std::to_string(records->size()) + " records were new or newer, " +
-                  std::to_string(result->unchanged_count) + " were known already\n");
+                  std::to_string(result->unchanged_count) + " were known already\n" +
+                  AbsentText(result->absent_count));
   return kDone;
 }
 

@@ -67,8 +67,12 @@ Json SessionJson(const v1::SessionInfo& session) {
           {"dropped_frames", session.dropped_frame_count()}};
 }
 
-std::string SessionsText(const std::vector<v1::SessionInfo>& sessions) {
-  if (sessions.empty()) return "The daemon has no sessions of this\n";
+std::string SessionsText(const SessionsOptions& options,
+                         const std::vector<v1::SessionInfo>& sessions) {
+  if (sessions.empty()) {
+    const bool selects = !options.project.empty() || !options.scene.empty();
+    return selects ? "The daemon has no sessions of this\n" : "The daemon has no sessions\n";
+  }
   TextTable table({"session", "project", "scene", "build", "client", "state", "arm", "mode",
                    "began (UTC)", "last message (UTC)", "dropped frames"});
   for (const v1::SessionInfo& session : sessions) {
@@ -113,28 +117,33 @@ void PrintChanges(const v1::WatchSessionsResponse& event, bool json, Terminal& t
 
 int RunList(const SessionsOptions& options, Terminal& terminal) {
   const auto sessions = ListSessions(options.daemon, options.project, options.scene);
-  if (!sessions.ok()) return Fail(terminal, sessions.status());
+  if (!sessions.ok()) return FailAnswer(terminal, sessions.status());
   Json list = Json::array();
   for (const v1::SessionInfo& session : *sessions) list.push_back(SessionJson(session));
   PrintResult(terminal, options.json,
               {{"command", "sessions list"},
                {"daemon", options.daemon.address},
                {"sessions", std::move(list)}},
-              SessionsText(*sessions));
+              SessionsText(options, *sessions));
   return kDone;
 }
 
 int RunWatch(const SessionsOptions& options, Terminal& terminal) {
+  const auto sessions = ListSessions(options.daemon, options.project, options.scene);
+  if (!sessions.ok()) return FailAnswer(terminal, sessions.status());
+  if (sessions->empty() && !options.json)
+    terminal.out << SessionsText(options, *sessions) << std::flush;
   InstallStopSignal();
   const Status status = WatchSessions(
       options.daemon, options.project, options.scene, StopRequested,
-      [&](const v1::WatchSessionsResponse& event) { PrintChanges(event, options.json, terminal); });
-  return status.ok() ? kDone : Fail(terminal, status);
+      [&](const v1::WatchSessionsResponse& event) { PrintChanges(event, options.json, terminal); },
+      [&](const Status& lost) { SayRetry(terminal, lost); });
+  return status.ok() ? kDone : FailAnswer(terminal, status);
 }
 
 int RunKick(const SessionsOptions& options, Terminal& terminal) {
   const Status status = KickSession(options.daemon, options.session_id, options.may_return);
-  if (!status.ok()) return Fail(terminal, status);
+  if (!status.ok()) return FailAnswer(terminal, status);
   PrintResult(terminal, options.json,
               {{"command", "sessions kick"},
                {"session_id", options.session_id},
@@ -146,7 +155,7 @@ int RunKick(const SessionsOptions& options, Terminal& terminal) {
 
 int RunOrder(const SessionsOptions& options, v1::Mode mode, Terminal& terminal) {
   const auto held = OrderSession(options.daemon, options.session_id, mode, options.arm);
-  if (!held.ok()) return Fail(terminal, held.status());
+  if (!held.ok()) return FailAnswer(terminal, held.status());
   PrintResult(terminal, options.json,
               {{"session_id", options.session_id},
                {"mode", ModeText(held->mode())},
@@ -224,7 +233,8 @@ void AddSessionsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       },
       [&terminal](const SessionsOptions& options) { return RunList(options, terminal); });
   AddCommand<SessionsOptions>(
-      *sessions, "watch", "Show the sessions, and what becomes of them, until Ctrl-C",
+      *sessions, "watch",
+      "Show the sessions, and what becomes of them, until Ctrl-C, over losses of the daemon",
       "  sweepstake sessions watch --daemon 127.0.0.1:7433\n"
       "  sweepstake sessions watch --daemon 127.0.0.1:7433 --json\n",
       exit_code,

@@ -22,7 +22,7 @@ struct WatchOptions {
 
 int ShowOnce(const WatchOptions& options, Terminal& terminal) {
   const auto scenes = ListPosteriors(options.daemon, options.project, options.scene);
-  if (!scenes.ok()) return Fail(terminal, scenes.status());
+  if (!scenes.ok()) return FailAnswer(terminal, scenes.status());
   const nlohmann::ordered_json document = {{"command", "watch"},
                                            {"daemon", options.daemon.address},
                                            {"scenes", PosteriorsJson(*scenes)}};
@@ -41,13 +41,14 @@ void PrintEvent(const v1::WatchPosteriorsResponse& event, std::ostream& out) {
 int WatchLive(const WatchOptions& options, Terminal& terminal) {
   InstallStopSignal();
   WatchScreen screen(terminal.out, terminal.out_is_tty);
-  const Status status =
-      WatchPosteriors(options.daemon, options.project, options.scene, StopRequested,
-                      [&](const v1::WatchPosteriorsResponse& event) {
-                        if (!options.json) return screen.Show(event);
-                        PrintEvent(event, terminal.out);
-                      });
-  return status.ok() ? kDone : Fail(terminal, status);
+  const Status status = WatchPosteriors(
+      options.daemon, options.project, options.scene, StopRequested,
+      [&](const v1::WatchPosteriorsResponse& event) {
+        if (!options.json) return screen.Show(event);
+        PrintEvent(event, terminal.out);
+      },
+      [&](const Status& lost) { SayRetry(terminal, lost); });
+  return status.ok() ? kDone : FailAnswer(terminal, status);
 }
 
 }  // namespace
@@ -65,7 +66,8 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "best arm. Verdicts: stable (best >= 0.8), tie (below, but choosing the leader loses at "
       "most\n"
       "0.5 % of the reward), ambiguous; a session's decisions say degraded where even the leader\n"
-      "misses the frame-rate floor. Exit code 3 when no daemon answers.",
+      "misses the frame-rate floor. Exit code 3 when no daemon answers; one that is lost later is\n"
+      "tried again until Ctrl-C.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {
         AddDaemonOptions(command, options.daemon);

@@ -62,6 +62,13 @@ Result<uint64_t> ExportAudit(const DaemonOptions& daemon, const AuditSelection& 
     row_count += static_cast<uint64_t>(part.rows_size());
   }
   Status status = ToStatus(reader->Finish(), daemon);
+  const bool selects =
+      !selection.session_id.empty() || !selection.project.empty() || !selection.scene.empty();
+  if (status.ok() && selects && row_count == 0) {
+    return Status(StatusCode::kNotFound,
+                  "the daemon has no such decisions, and " + path.string() +
+                      " is left as it was; `sweepstake audit list` shows which it has");
+  }
   if (status.ok()) status = (*file)->Commit();
   if (!status.ok()) return status;
   return row_count;

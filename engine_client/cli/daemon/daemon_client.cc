@@ -1,5 +1,6 @@
 #include "engine_client/cli/daemon/daemon_client.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "engine_client/telemetry/daemon_channel.h"
@@ -7,6 +8,12 @@
 
 namespace sweepstake::cli {
 namespace {
+
+using std::chrono::milliseconds;
+
+// Between two attempts to watch.
+constexpr milliseconds kMinDelay{250};
+constexpr milliseconds kMaxDelay{8000};
 
 StatusCode ToCode(grpc::StatusCode code) {
   switch (code) {
@@ -67,6 +74,35 @@ Canceller::Canceller(grpc::ClientContext& context, const std::function<bool()>& 
 Canceller::~Canceller() {
   ended_ = true;
   thread_.join();
+}
+
+Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
+                    const std::function<void(const Status&)>& on_lost, const Watch& watch) {
+  bool was_reached = false;
+  milliseconds delay = kMinDelay;
+  while (true) {
+    const auto channel = OpenChannel(daemon, /*own_connection=*/true);
+    if (!channel.ok()) return channel.status();
+    std::atomic<bool> is_reached = false;
+    const auto look = [&] {
+      if ((*channel)->GetState(false) == GRPC_CHANNEL_READY) is_reached = true;
+    };
+    const Status status = watch(*channel, [&] {
+      look();
+      return is_stopped();
+    });
+    look();  // it may have ended between two looks
+    if (is_reached) delay = kMinDelay;
+    was_reached = was_reached || is_reached;
+    if (status.ok() || status.code() != StatusCode::kUnavailable || !was_reached) return status;
+    on_lost(status);
+    const auto end = std::chrono::steady_clock::now() + delay;
+    while (std::chrono::steady_clock::now() < end) {
+      if (is_stopped()) return {};
+      std::this_thread::sleep_for(kMinDelay / 5);
+    }
+    delay = std::min(2 * delay, kMaxDelay);
+  }
 }
 
 }  // namespace sweepstake::cli

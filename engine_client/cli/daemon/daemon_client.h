@@ -60,4 +60,14 @@ Status ReadEvents(grpc::ClientContext& context, grpc::ClientReader<Event>& reade
   return {StatusCode::kUnavailable, "the daemon at " + daemon.address + " ended the watch"};
 }
 
+// A stream of events of a daemon, from its beginning until `is_stopped` or its end.
+using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel,
+                                   const std::function<bool()>& is_stopped)>;
+
+// Watches until `is_stopped`: where the daemon was reached and is then lost, it says so with
+// `on_lost` and watches again on a new connection, with back-off. Returns the error of a daemon
+// that was never reached, or that refuses the watch.
+Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
+                    const std::function<void(const Status&)>& on_lost, const Watch& watch);
+
 }  // namespace sweepstake::cli

@@ -28,16 +28,19 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daem
 
 Status WatchPosteriors(const DaemonOptions& daemon, const std::string& project,
                        const std::string& scene, const std::function<bool()>& is_stopped,
-                       const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event) {
-  const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
-  const auto stub = v1::PosteriorsService::NewStub(*channel);
+                       const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event,
+                       const std::function<void(const Status&)>& on_lost) {
   v1::WatchPosteriorsRequest request;
   request.set_project(project);
   request.set_scene(scene);
-  grpc::ClientContext context;
-  return ReadEvents(context, *stub->WatchPosteriors(&context, request), daemon, is_stopped,
-                    on_event);
+  return KeepWatching(
+      daemon, is_stopped, on_lost,
+      [&](const std::shared_ptr<grpc::Channel>& channel, const std::function<bool()>& ends) {
+        const auto stub = v1::PosteriorsService::NewStub(channel);
+        grpc::ClientContext context;
+        return ReadEvents(context, *stub->WatchPosteriors(&context, request), daemon, ends,
+                          on_event);
+      });
 }
 
 }  // namespace sweepstake::cli

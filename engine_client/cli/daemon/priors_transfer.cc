@@ -1,6 +1,9 @@
 #include "engine_client/cli/daemon/priors_transfer.h"
 
 #include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/telemetry/proto_conversion.h"
@@ -11,6 +14,24 @@ namespace {
 
 // The protocol's maximum.
 constexpr size_t kRecordsPerMessage = 200;
+
+// Returns how many of the records the daemon has no evidence of the same source for.
+uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> records) {
+  using Place = std::tuple<std::string, std::string, std::string>;  // project, scene, source
+  std::set<std::pair<std::string, std::string>> scenes;
+  for (const PriorRecord& record : records) scenes.emplace(record.project, record.scene);
+  std::set<Place> known;
+  for (const auto& [project, scene] : scenes) {
+    const auto theirs = ExportPriors(daemon, project, scene);
+    if (!theirs.ok()) return 0;
+    for (const PriorRecord& record : *theirs)
+      known.emplace(record.project, record.scene, record.source_id);
+  }
+  return static_cast<uint64_t>(
+      std::count_if(records.begin(), records.end(), [&](const PriorRecord& record) {
+        return !known.contains(Place(record.project, record.scene, record.source_id));
+      }));
+}
 
 }  // namespace
 
@@ -37,13 +58,14 @@ Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
 }
 
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
-                                  std::span<const PriorRecord> records) {
+                                  std::span<const PriorRecord> all_records) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
   grpc::ClientContext context;
   SetDeadline(context);
   v1::ImportPriorsResponse response;
+  std::span<const PriorRecord> records = all_records;
   const auto writer = stub->ImportPriors(&context, &response);
   while (!records.empty()) {
     const auto part = records.first(std::min(kRecordsPerMessage, records.size()));
@@ -56,7 +78,9 @@ Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
   writer->WritesDone();
   const Status status = ToStatus(writer->Finish(), daemon);
   if (!status.ok()) return status;
-  return ImportResult{response.applied_count(), response.unchanged_count()};
+  ImportResult result = {response.applied_count(), response.unchanged_count()};
+  if (result.unchanged_count > 0) result.absent_count = CountAbsent(daemon, all_records);
+  return result;
 }
 
 }  // namespace sweepstake::cli

@@ -14,6 +14,9 @@ namespace sweepstake::cli {
 struct ImportResult {
   uint64_t applied_count = 0;
   uint64_t unchanged_count = 0;
+  // Of these, those that the daemon does not have under their project and scene: it knows their
+  // sources under others, or has revoked them. 0 as well where the daemon does not let us look.
+  uint64_t absent_count = 0;
 };
 
 // An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).

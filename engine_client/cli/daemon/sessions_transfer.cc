@@ -31,15 +31,18 @@ Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
 
 Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
                      const std::string& scene, const std::function<bool()>& is_stopped,
-                     const std::function<void(const v1::WatchSessionsResponse&)>& on_event) {
-  const auto channel = OpenChannel(daemon);
-  if (!channel.ok()) return channel.status();
-  const auto stub = v1::SessionsService::NewStub(*channel);
+                     const std::function<void(const v1::WatchSessionsResponse&)>& on_event,
+                     const std::function<void(const Status&)>& on_lost) {
   v1::WatchSessionsRequest request;
   request.set_project(project);
   request.set_scene(scene);
-  grpc::ClientContext context;
-  return ReadEvents(context, *stub->WatchSessions(&context, request), daemon, is_stopped, on_event);
+  return KeepWatching(
+      daemon, is_stopped, on_lost,
+      [&](const std::shared_ptr<grpc::Channel>& channel, const std::function<bool()>& ends) {
+        const auto stub = v1::SessionsService::NewStub(channel);
+        grpc::ClientContext context;
+        return ReadEvents(context, *stub->WatchSessions(&context, request), daemon, ends, on_event);
+      });
 }
 
 Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return) {

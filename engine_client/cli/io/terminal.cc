@@ -26,6 +26,17 @@ int Fail(Terminal& terminal, const Status& status) {
   return status.code() == StatusCode::kInternal ? kCheckFailed : kBadUsage;
 }
 
+int FailAnswer(Terminal& terminal, const Status& status) {
+  const int exit_code = Fail(terminal, status);
+  if (status.code() == StatusCode::kResourceExhausted) return kUnreachable;
+  return exit_code == kBadUsage && status.code() != StatusCode::kInvalidArgument ? kCheckFailed
+                                                                                 : exit_code;
+}
+
+void SayRetry(Terminal& terminal, const Status& status) {
+  terminal.err << "sweepstake: " << status.message() << "; trying again" << std::endl;
+}
+
 std::string CutToColumns(const std::string& text, size_t columns) {
   size_t characters = 0;
   for (size_t at = 0; at < text.size(); ++at) {

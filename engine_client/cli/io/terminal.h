@@ -27,6 +27,13 @@ struct Terminal {
 // Prints "sweepstake: MESSAGE" and returns the exit code of the status: kUnreachable for
 // kUnavailable, kCheckFailed for kInternal, kBadUsage for all others.
 int Fail(Terminal& terminal, const Status& status);
+// The same for what a daemon answered: kUnreachable also for kResourceExhausted, since it is full
+// and may serve later, kBadUsage for kInvalidArgument, kCheckFailed for all others, which it
+// understood and refused.
+int FailAnswer(Terminal& terminal, const Status& status);
+
+// Prints "sweepstake: MESSAGE; trying again", and nothing else happens.
+void SayRetry(Terminal& terminal, const Status& status);
 
 // Returns the beginning of `text` (UTF-8) that fits into `columns`, where each character takes one
 // column.

@@ -18,6 +18,7 @@ grpc::Status FakePosteriors::ListPosteriors(grpc::ServerContext*,
 grpc::Status FakePosteriors::WatchPosteriors(
     grpc::ServerContext* context, const v1::WatchPosteriorsRequest* request,
     grpc::ServerWriter<v1::WatchPosteriorsResponse>* writer) {
+  if (++watch_count > watch_limit) return {grpc::StatusCode::PERMISSION_DENIED, "not any more"};
   watched_scene = request->scene();
   for (const v1::WatchPosteriorsResponse& event : events.get()) writer->Write(event);
   while (!ends_the_watch && !context->IsCancelled()) {
@@ -72,6 +73,7 @@ grpc::Status FakeSessions::ListSessions(grpc::ServerContext*,
 
 grpc::Status FakeSessions::WatchSessions(grpc::ServerContext*, const v1::WatchSessionsRequest*,
                                          grpc::ServerWriter<v1::WatchSessionsResponse>* writer) {
+  if (++watch_count > 1) return {grpc::StatusCode::PERMISSION_DENIED, "not any more"};
   for (const v1::WatchSessionsResponse& event : events.get()) writer->Write(event);
   return grpc::Status::OK;
 }

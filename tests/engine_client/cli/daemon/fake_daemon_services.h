@@ -52,7 +52,9 @@ class FakePosteriors final : public v1::PosteriorsService::Service {
  public:
   Guarded<std::vector<v1::ListPosteriorsResponse>> pages;  // the token of page N is "N"
   Guarded<std::vector<v1::WatchPosteriorsResponse>> events;
-  std::atomic<bool> ends_the_watch = true;     // otherwise it waits for the client to go
+  std::atomic<bool> ends_the_watch = true;  // otherwise it waits for the client to go
+  std::atomic<int> watch_count = 0;         // further ones than `watch_limit` are refused
+  std::atomic<int> watch_limit = 2;
   Guarded<std::vector<std::string>> projects;  // of the requests
   Guarded<std::string> watched_scene;
 
@@ -99,6 +101,7 @@ class FakeSessions final : public v1::SessionsService::Service {
  public:
   Guarded<std::vector<v1::ListSessionsResponse>> pages;  // the token of page N is "N"
   Guarded<std::vector<v1::WatchSessionsResponse>> events;
+  std::atomic<int> watch_count = 0;  // all but the first one are refused
   Guarded<v1::KickSessionRequest> kick_request;
   Guarded<grpc::Status> kick_status;
   Guarded<v1::OrderSessionRequest>

@@ -14,12 +14,14 @@
 #include "engine_client/cli/daemon/sessions_transfer.h"
 #include "tests/engine_client/cli/command_run.h"
 #include "tests/engine_client/cli/daemon/fake_daemon_services.h"
+#include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using test_support::FakeDaemonServices;
+using test_support::FileText;
 using test_support::TemporaryDirectory;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -62,18 +64,25 @@ v1::WatchPosteriorsResponse DecisionOf(uint64_t id) {
   return event;
 }
 
-TEST(WatchPosteriors, HandsOnEachEventUntilTheDaemonEnds) {
+TEST(WatchPosteriors, HandsOnEachEventAndGoesOnWhereTheDaemonIsLostUntilItRefuses) {
   FakeDaemonServices daemon;
   daemon.posteriors.events = {DecisionOf(1), DecisionOf(2), DecisionOf(3)};
   std::vector<uint64_t> seen;
+  int loss_count = 0;
   const Status status = WatchPosteriors(
       {daemon.address()}, "p", "s", [] { return false; },
       [&](const v1::WatchPosteriorsResponse& event) {
         seen.push_back(event.decisions(0).decision_id());
+      },
+      [&](const Status& loss) {
+        EXPECT_EQ(loss.code(), StatusCode::kUnavailable);
+        EXPECT_THAT(loss.message(), HasSubstr("ended the watch"));
+        ++loss_count;
       });
-  EXPECT_THAT(seen, ElementsAre(1, 2, 3));
-  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
-  EXPECT_THAT(status.message(), HasSubstr("ended the watch"));
+  EXPECT_THAT(seen, ElementsAre(1, 2, 3, 1, 2, 3));
+  EXPECT_EQ(loss_count, 2);
+  EXPECT_EQ(status.code(), StatusCode::kFailedPrecondition);
+  EXPECT_EQ(status.message(), "not any more");
   EXPECT_EQ(daemon.posteriors.watched_scene.get(), "s");
 }
 
@@ -84,23 +93,26 @@ TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
   std::atomic<bool> stopped = false;
   const Status status = WatchPosteriors(
       {daemon.address()}, "", "", [&] { return stopped.load(); },
-      [&](const v1::WatchPosteriorsResponse&) { stopped = true; });
+      [&](const v1::WatchPosteriorsResponse&) { stopped = true; },
+      [](const Status& loss) { ADD_FAILURE() << loss.message(); });
   EXPECT_TRUE(status.ok()) << status.message();
 }
 
-TEST(WatchCommand, PrintsEventsAsTheyComeAndEndsWithThreeWhenTheDaemonGoes) {
+TEST(WatchCommand, PrintsEventsAsTheyComeAndSaysWhenTheDaemonIsLost) {
   FakeDaemonServices daemon;
+  daemon.posteriors.watch_limit = 1;
   daemon.posteriors.events = {DecisionOf(7)};
   daemon.posteriors.events->emplace_back().mutable_posterior()->set_scene("arena");
   const CommandRun run = RunCommand("watch --daemon " + daemon.address());
-  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_EQ(run.exit_code, 1) << "it is refused at last";
   EXPECT_THAT(run.out, HasSubstr("s: decision 7, SAP"));
   EXPECT_THAT(run.out, HasSubstr(" / arena"));
-  EXPECT_THAT(run.err, HasSubstr("ended the watch"));
+  EXPECT_THAT(run.err, HasSubstr("ended the watch; trying again\n"));
 }
 
 TEST(WatchCommand, FollowsInJsonWithADocumentPerLine) {
   FakeDaemonServices daemon;
+  daemon.posteriors.watch_limit = 1;
   daemon.posteriors.events = {DecisionOf(7)};
   daemon.posteriors.events->front().add_decisions()->set_decision_id(8);
   daemon.posteriors.events->emplace_back().mutable_posterior()->set_scene("arena");
@@ -193,6 +205,38 @@ TEST(PriorsCommand, ExportsAFileThatImportReads) {
   EXPECT_EQ(daemon.priors.imported->size(), 2U);
 }
 
+TEST(PriorsCommand, SaysWhichRecordsAreKnownUnderAnotherScene) {
+  FakeDaemonServices daemon;
+  PriorRecord renamed = SomeRecord(2);
+  renamed.scene = "renamed";
+  ASSERT_TRUE(ImportPriors({daemon.address()}, std::vector{SomeRecord(1), SomeRecord(2)}).ok());
+  daemon.priors.parts->resize(1);
+  for (const v1::PriorRecord& record : daemon.priors.imported.get()) {
+    *daemon.priors.parts->at(0).add_records() = record;
+  }
+  const auto result = ImportPriors({daemon.address()}, std::vector{SomeRecord(1), renamed});
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->absent_count, 1U);
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  ASSERT_TRUE(WritePriorsFile(std::vector{renamed}, file).ok());
+  const CommandRun run = RunCommand("priors import --in " + file + " --daemon " + daemon.address());
+  EXPECT_THAT(run.out, HasSubstr("1 of these are not there under their project and scene"));
+}
+
+TEST(PriorsCommand, AnExportOfNothingEndsWithOneAndLeavesTheFile) {
+  FakeDaemonServices daemon;
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "p.json").string();
+  std::ofstream(file) << "good";
+  const CommandRun run =
+      RunCommand("priors export --scene nosuch --out " + file + " --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.out, "");
+  EXPECT_THAT(run.err, HasSubstr("the daemon has no such records"));
+  EXPECT_EQ(FileText(file), "good");
+}
+
 TEST(PriorsCommand, AnExportThatCannotBeWrittenEndsWithTwo) {
   FakeDaemonServices daemon;
   const CommandRun run =
@@ -267,8 +311,9 @@ TEST(SessionsCommand, ListsTheSessionsOfAllPages) {
   EXPECT_TRUE(json["sessions"][1]["unix_last_message_ms"].is_null());
 }
 
-TEST(SessionsCommand, WatchesUntilTheDaemonEndsIt) {
+TEST(SessionsCommand, WatchesUntilTheDaemonRefusesIt) {
   FakeDaemonServices daemon;
+  daemon.sessions.pages->resize(1);
   daemon.sessions.events->resize(2);
   *daemon.sessions.events->at(0).add_sessions() = Session("one");
   daemon.sessions.events->at(0).mutable_stamp()->set_boot(~0ull);
@@ -277,9 +322,12 @@ TEST(SessionsCommand, WatchesUntilTheDaemonEndsIt) {
   ended.set_session_id("one");
   ended.set_end(v1::SESSION_END_KICKED);
   const CommandRun text = RunCommand("sessions watch --daemon " + daemon.address());
-  EXPECT_EQ(text.exit_code, 3) << "the daemon ended it";
+  EXPECT_EQ(text.exit_code, 1) << "it is refused at last";
+  EXPECT_THAT(text.err, HasSubstr("ended the watch; trying again\n"));
+  EXPECT_THAT(text.out, HasSubstr("The daemon has no sessions\n"));
   EXPECT_THAT(text.out, HasSubstr("one of p/s: connected, Grid, ai\n"));
   EXPECT_THAT(text.out, HasSubstr("one ended: kicked\n"));
+  daemon.sessions.watch_count = 0;
   std::istringstream lines(RunCommand("sessions watch --json --daemon " + daemon.address()).out);
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
@@ -300,7 +348,7 @@ TEST(SessionsCommand, KicksAndSaysWhyNot) {
       grpc::Status(grpc::StatusCode::NOT_FOUND, "there is no such session");
   EXPECT_EQ(KickSession({daemon.address()}, "two", false).code(), StatusCode::kNotFound);
   run = RunCommand("sessions kick two --daemon " + daemon.address());
-  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("there is no such session"));
 }
 
@@ -337,6 +385,21 @@ TEST(ExportAudit, LeavesNoFileWhenTheDaemonFails) {
   const auto count = ExportAudit({daemon.address()}, {}, folder.path() / "log.csv");
   EXPECT_EQ(count.status().code(), StatusCode::kNotFound);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(ExportAudit, OfNothingLeavesTheFileAndEndsWithOne) {
+  FakeDaemonServices daemon;
+  daemon.audit.parts->resize(1);
+  daemon.audit.parts->at(0).set_header("a,b");
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "log.csv").string();
+  std::ofstream(file) << "good";
+  const CommandRun run =
+      RunCommand("audit export --session nosuch --out " + file + " --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.out, "");
+  EXPECT_THAT(run.err, HasSubstr("the daemon has no such decisions"));
+  EXPECT_EQ(FileText(file), "good");
 }
 
 TEST(SessionsCommand, SteersAGame) {

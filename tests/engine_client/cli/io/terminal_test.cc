@@ -39,6 +39,22 @@ TEST_F(TerminalTest, FailPrintsOneLineAndChoosesTheExitCode) {
   EXPECT_EQ(out_.str(), "");
 }
 
+TEST_F(TerminalTest, FailAnswerTellsARefusalFromBadUsageAndFromNobodyThere) {
+  const struct {
+    StatusCode code;
+    int exit_code;
+  } cases[] = {{StatusCode::kUnavailable, kUnreachable},
+               {StatusCode::kResourceExhausted, kUnreachable},
+               {StatusCode::kInvalidArgument, kBadUsage},
+               {StatusCode::kNotFound, kCheckFailed},
+               {StatusCode::kFailedPrecondition, kCheckFailed},
+               {StatusCode::kInternal, kCheckFailed}};
+  for (const auto& [code, exit_code] : cases) {
+    Terminal terminal = File();
+    EXPECT_EQ(FailAnswer(terminal, Status(code, "no luck")), exit_code);
+  }
+}
+
 TEST(CutToColumns, CutsBetweenCharacters) {
   EXPECT_EQ(CutToColumns("a · b", 9), "a · b");
   EXPECT_EQ(CutToColumns("a · b", 3), "a ·");
