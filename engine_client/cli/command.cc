@@ -48,7 +48,9 @@ void AddTlsOption(CLI::App& command, const std::string& name, std::string TlsOpt
 
 }  // namespace
 
-CLI::Validator WholeUpTo(uint64_t max) { return CLI::Range(uint64_t{0}, max); }
+CLI::Validator WholeFrom(uint64_t min, uint64_t max) { return CLI::Range(min, max); }
+
+CLI::Validator WholeUpTo(uint64_t max) { return WholeFrom(0, max); }
 
 CLI::Validator RealFrom(double min, double max) {
   CLI::Validator range = CLI::Range(min, max);

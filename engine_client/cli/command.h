@@ -16,6 +16,8 @@
 
 namespace sweepstake::cli {
 
+// Accepts whole numbers from `min` to `max`.
+CLI::Validator WholeFrom(uint64_t min, uint64_t max);
 // Accepts whole numbers from 0 to `max`. Without the check, the parser wraps "-1" around to the
 // largest number there is.
 CLI::Validator WholeUpTo(uint64_t max);

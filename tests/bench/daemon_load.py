@@ -89,7 +89,7 @@ class Daemon:
 
     def load(self, streams, rate, frames, duration_s, **options):
         words = [word for name, value in options.items() for word in ("--" + name.replace("_", "-"), value)]
-        return self.sweepstake("load", "--streams", streams, "--batches-per-second", rate, "--frames", frames, "--duration",
+        return self.sweepstake("load", "--streams", streams, "--rate", rate, "--frames-per-batch", frames, "--duration",
                                f"{duration_s}s", "--server-pid", self.process.pid, "--json", *words)
 
 

@@ -18,12 +18,15 @@
 
 #include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/load/load_stream.h"
+#include "engine_client/telemetry/error_reason.h"
 
 namespace sweepstake::cli {
 namespace {
 
 constexpr int64_t kSecondNs = 1'000'000'000;
 constexpr int64_t kPatienceNs = 10 * kSecondNs;
+// A daemon commits once a second by default: the evidence of the last one, and its commit.
+constexpr int64_t kCommitPatienceNs = 5 * kSecondNs / 2;
 constexpr double kMaxHellosPerSecond = 2000;
 constexpr double kLongestSpreadS = 10;
 
@@ -97,6 +100,9 @@ class LoadRun final : public LoadEvents {
   void Reconnect(int64_t now_ns);
   void ShowProgress(int64_t now_ns);
   void Measure();
+  // Waits for the acknowledgements of what was sent while measuring.
+  void AwaitAcknowledgements(int64_t end_ns);
+  Status Shortfall();
   void SayGoodbye();
   uint64_t UpCount();
   // Returns whether every stream has its welcome, or none ever had one and all have failed.
@@ -145,7 +151,6 @@ void LoadRun::OnWelcome(int64_t latency_ns) {
 
 void LoadRun::OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) {
   const std::lock_guard lock(mutex_);
-  if (!measuring_) return;
   result_.acknowledged_count += message_count;
   if (lag_ns) result_.commit_lag_ms.push_back(static_cast<double>(*lag_ns) * 1e-6);
 }
@@ -155,9 +160,11 @@ void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
   const std::lock_guard lock(mutex_);
   --open_count_;  // the destructor, which waits for it, then waits for the lock
   if (was_up) --up_count_;
-  if (status.ok()) ++result_.finished_count;
-  if (ending_) return;
-  last_error_ = status;
+  if (!status.ok()) last_error_ = status;
+  if (ending_) {
+    if (status.ok()) ++result_.finished_count;
+    return;
+  }
   const int64_t now_ns = NowNs();
   if (status.error_code() != grpc::StatusCode::UNAVAILABLE) ++result_.rejected_count;
   if (was_up && lost_since_ns_ == 0) lost_since_ns_ = now_ns;
@@ -184,8 +191,9 @@ Status LoadRun::OpenStreams() {
     channels.push_back(*std::move(channel));
   }
   for (uint64_t i = 0; i < plan_.stream_count; ++i) {
-    streams_.push_back(std::make_unique<LoadStream>(
-        channels[i % channel_count], "scene " + std::to_string(i % plan_.scene_count), *this));
+    streams_.push_back(
+        std::make_unique<LoadStream>(channels[i % channel_count], plan_.project,
+                                     "scene " + std::to_string(i % plan_.scene_count), *this));
   }
   return {};
 }
@@ -297,13 +305,32 @@ void LoadRun::Measure() {
   const std::optional<double> own_before_s = CpuSeconds(getpid());
   const int64_t start_ns = NowNs();
   measuring_ = true;
+  for (const auto& stream : streams_) stream->BeginMeasuring();
   RunUntil(start_ns + static_cast<int64_t>(plan_.duration_ns), [] { return false; });
   measuring_ = false;
+  for (const auto& stream : streams_) stream->EndMeasuring();
   result_.measured_s = static_cast<double>(NowNs() - start_ns) * 1e-9;
   const std::optional<double> cpu_after_s = CpuSeconds(plan_.server_pid);
   const std::optional<double> own_after_s = CpuSeconds(getpid());
   if (cpu_before_s && cpu_after_s) result_.server_cpu_s = *cpu_after_s - *cpu_before_s;
   if (own_before_s && own_after_s) result_.generator_cpu_s = *own_after_s - *own_before_s;
+  AwaitAcknowledgements(NowNs() + kCommitPatienceNs);
+}
+
+void LoadRun::AwaitAcknowledgements(int64_t end_ns) {
+  const auto awaited = [](const auto& stream) { return stream->AwaitsAcknowledgement(); };
+  while (NowNs() < end_ns && std::any_of(streams_.begin(), streams_.end(), awaited))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+}
+
+Status LoadRun::Shortfall() {
+  const std::lock_guard lock(mutex_);
+  if (result_.finished_count >= plan_.stream_count || (last_error_.ok() && stop_())) return {};
+  const std::string reason = last_error_.ok() ? "the daemon did not answer their goodbye in time"
+                                              : "the last error: " + MessageWithReason(last_error_);
+  return {StatusCode::kUnavailable, std::to_string(result_.finished_count) + " of " +
+                                        std::to_string(plan_.stream_count) + " games finished; " +
+                                        reason};
 }
 
 void LoadRun::SayGoodbye() {
@@ -327,6 +354,7 @@ Result<LoadResult> LoadRun::Run() {
   }
   Measure();
   SayGoodbye();
+  result_.shortfall = Shortfall();
   const std::lock_guard lock(mutex_);
   for (auto* figures : {&result_.hello_latency_ms, &result_.decision_latency_ms,
                         &result_.commit_lag_ms, &result_.tick_lateness_ms}) {

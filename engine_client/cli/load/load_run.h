@@ -20,6 +20,7 @@ struct LoadPlan {
   static constexpr uint64_t kMaxStreamsPerChannel = 100;  // the daemon lets further ones wait
 
   DaemonOptions daemon;
+  std::string project = "load";
   uint64_t stream_count = 1000;
   uint64_t channel_count = 0;  // connections; 0: as few as can carry the streams
   uint64_t scene_count = 10;   // the streams take turns with them
@@ -39,15 +40,19 @@ struct LoadResult {
   uint64_t rejected_count = 0;  // connections that the daemon refused or ended with an error
   uint64_t finished_count = 0;  // sessions whose goodbye was answered
   uint64_t measured_batch_count = 0;
-  uint64_t acknowledged_count = 0;  // messages on the daemon's disk, while measuring
+  uint64_t acknowledged_count = 0;  // messages sent while measuring, on the daemon's disk
   double measured_s = 0;
   std::vector<double> hello_latency_ms;     // sorted; from a connection begun to its welcome
   std::vector<double> decision_latency_ms;  // sorted
-  std::vector<double> commit_lag_ms;        // sorted; from a batch sent to its acknowledgement
-  std::vector<double> tick_lateness_ms;     // sorted
-  std::optional<double> reconnect_s;        // the longest time until all streams were back
-  std::optional<double> server_cpu_s;       // while measuring
-  std::optional<double> generator_cpu_s;    // this process's, while measuring
+  // Sorted; from a batch that was sent while measuring to its acknowledgement.
+  std::vector<double> commit_lag_ms;
+  std::vector<double> tick_lateness_ms;   // sorted
+  std::optional<double> reconnect_s;      // the longest time until all streams were back
+  std::optional<double> server_cpu_s;     // while measuring
+  std::optional<double> generator_cpu_s;  // this process's, while measuring
+  // kUnavailable if sessions did not finish, with the last error; a run that was stopped before all
+  // had begun is ok without one.
+  Status shortfall;
 };
 
 // Errors: kUnavailable (nobody answered), or as the daemon refused every stream.

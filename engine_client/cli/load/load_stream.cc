@@ -1,5 +1,6 @@
 #include "engine_client/cli/load/load_stream.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -58,9 +59,12 @@ class LoadStream::Call final
   LoadStream& stream_;
 };
 
-LoadStream::LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string scene,
-                       LoadEvents& events)
-    : stub_(v1::TelemetryService::NewStub(channel)), scene_(std::move(scene)), events_(events) {}
+LoadStream::LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string project,
+                       std::string scene, LoadEvents& events)
+    : stub_(v1::TelemetryService::NewStub(channel)),
+      project_(std::move(project)),
+      scene_(std::move(scene)),
+      events_(events) {}
 
 void LoadStream::Connect() {
   const std::lock_guard lock(mutex_);
@@ -75,7 +79,7 @@ v1::StreamTelemetryRequest LoadStream::HelloRequest() const {
   v1::StreamTelemetryRequest request;
   v1::Hello& hello = *request.mutable_hello();
   hello.set_protocol_version(1);
-  hello.set_project("load");
+  hello.set_project(project_);
   hello.set_scene(scene_);
   for (uint32_t arm = 0; arm < kLoadArms; ++arm) {
     v1::Arm& added = *hello.add_arms();
@@ -94,7 +98,7 @@ bool LoadStream::SendBatch(const v1::FrameBatch& frames, bool with_bail_out) {
   const std::lock_guard lock(mutex_);
   if (call_ == nullptr || !up_ || waiting_.size() >= kMaxWaiting) return false;
   v1::StreamTelemetryRequest request;
-  request.set_sequence(++sequence_);
+  request.set_sequence(NextSequence());
   v1::FrameBatch& batch = *request.mutable_frame_batch();
   batch = frames;
   for (int i = 0; i < batch.arm_size(); ++i) {
@@ -113,7 +117,7 @@ bool LoadStream::SendBatch(const v1::FrameBatch& frames, bool with_bail_out) {
 
 void LoadStream::SendBailOut() {
   v1::StreamTelemetryRequest request;
-  request.set_sequence(++sequence_);
+  request.set_sequence(NextSequence());
   v1::BailOut& bail_out = *request.mutable_bail_out();
   bail_out.set_frame_index(frame_index_++);
   bail_out.set_arm(arm_);
@@ -123,6 +127,32 @@ void LoadStream::SendBailOut() {
   bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
   bail_out_sent_ns_ = NowNs();
   Send(std::move(request));
+}
+
+uint64_t LoadStream::NextSequence() {
+  ++sequence_;
+  if (measuring_) last_measured_ = sequence_;
+  return sequence_;
+}
+
+bool LoadStream::IsMeasured(uint64_t sequence) const {
+  return first_measured_ <= sequence && sequence <= last_measured_;
+}
+
+void LoadStream::BeginMeasuring() {
+  const std::lock_guard lock(mutex_);
+  measuring_ = true;
+  first_measured_ = sequence_ + 1;
+}
+
+void LoadStream::EndMeasuring() {
+  const std::lock_guard lock(mutex_);
+  measuring_ = false;
+}
+
+bool LoadStream::AwaitsAcknowledgement() {
+  const std::lock_guard lock(mutex_);
+  return up_ && acknowledged_sequence_ < last_measured_;
 }
 
 void LoadStream::SayGoodbye() {
@@ -159,7 +189,11 @@ void LoadStream::OnWelcome(const v1::Welcome& welcome) {
   session_id_ = welcome.session_id();
   resume_token_ = welcome.resume_token();
   acknowledged_sequence_ = welcome.acknowledged_sequence();
-  if (!welcome.resumed()) sequence_ = 0;
+  if (!welcome.resumed()) {
+    sequence_ = 0;
+    first_measured_ = 1;
+    last_measured_ = 0;
+  }
   bail_out_ns_ = uint64_t{1'000'000} * welcome.bail_out_ms();
   up_ = true;
   events_.OnWelcome(NowNs() - begun_ns_);
@@ -167,10 +201,14 @@ void LoadStream::OnWelcome(const v1::Welcome& welcome) {
 
 void LoadStream::OnAcknowledgement(uint64_t sequence) {
   const uint64_t before = std::exchange(acknowledged_sequence_, sequence);
+  const uint64_t first = std::max(before + 1, first_measured_);
+  const uint64_t last = std::min(sequence, last_measured_);
   std::optional<int64_t> lag_ns;
-  if (timed_sent_ns_ != 0 && sequence >= timed_sequence_)
-    lag_ns = NowNs() - std::exchange(timed_sent_ns_, 0);
-  events_.OnAcknowledged(sequence - before, lag_ns);
+  if (timed_sent_ns_ != 0 && sequence >= timed_sequence_) {
+    const int64_t sent_ns = std::exchange(timed_sent_ns_, 0);
+    if (IsMeasured(timed_sequence_)) lag_ns = NowNs() - sent_ns;
+  }
+  events_.OnAcknowledged(last >= first ? last - first + 1 : 0, lag_ns);
 }
 
 void LoadStream::OnSwitch(const v1::SwitchCommand& command) {
@@ -182,7 +220,7 @@ void LoadStream::OnSwitch(const v1::SwitchCommand& command) {
   arm_ = command.arm();
   ++switch_epoch_;
   v1::StreamTelemetryRequest request;
-  request.set_sequence(++sequence_);
+  request.set_sequence(NextSequence());
   v1::SwitchOutcome& outcome = *request.mutable_switch_outcome();
   outcome.set_command_id(command.command_id());
   outcome.set_arm(arm_);

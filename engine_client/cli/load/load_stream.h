@@ -32,8 +32,8 @@ class LoadEvents {
   virtual ~LoadEvents() = default;
   // `latency_ns` is the time since the connection was begun.
   virtual void OnWelcome(int64_t latency_ns) = 0;
-  // So many more messages are on the daemon's disk. `lag_ns` is the time since one of their batches
-  // was sent: at most one in flight is timed.
+  // So many more of the messages that were sent while measuring are on the daemon's disk. `lag_ns`
+  // is the time since one of their batches was sent: at most one in flight is timed.
   virtual void OnAcknowledged(uint64_t message_count, std::optional<int64_t> lag_ns) = 0;
   // `delay_ms` is the min time before the next connection that the daemon asked for. `was_up` says
   // that the stream had its welcome.
@@ -49,13 +49,19 @@ class LoadStream {
   // Messages that may wait for the connection; a batch beyond is not sent.
   static constexpr size_t kMaxWaiting = 16;
 
-  LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string scene, LoadEvents& events);
+  LoadStream(const std::shared_ptr<grpc::Channel>& channel, std::string project, std::string scene,
+             LoadEvents& events);
 
   // Opens a connection. REQUIRES: there is none.
   void Connect();
   // Sends `frames` with the arm, epoch and indices of this stream, and a bail-out after them if
   // wanted. Returns false if there is no welcome yet or too much waits.
   bool SendBatch(const v1::FrameBatch& frames, bool with_bail_out);
+  // What is sent between these two is measured.
+  void BeginMeasuring();
+  void EndMeasuring();
+  // Returns whether measured messages wait for their acknowledgement, and it may come.
+  bool AwaitsAcknowledgement();
   // Ends the session; the connection ends when all is on disk.
   void SayGoodbye();
   // Ends the connection at once.
@@ -73,8 +79,11 @@ class LoadStream {
   void OnAcknowledgement(uint64_t sequence);
   void OnSwitch(const v1::SwitchCommand& command);
   void SendBailOut();
+  uint64_t NextSequence();
+  bool IsMeasured(uint64_t sequence) const;
 
   const std::unique_ptr<v1::TelemetryService::Stub> stub_;
+  const std::string project_;
   const std::string scene_;
   LoadEvents& events_;
 
@@ -90,6 +99,9 @@ class LoadStream {
   uint32_t arm_ = 0;
   uint32_t switch_epoch_ = 0;
   uint32_t reconnect_delay_ms_ = 0;
+  bool measuring_ = false;
+  uint64_t first_measured_ = 1;   // the sequences of what is measured
+  uint64_t last_measured_ = 0;    // 0: nothing
   int64_t begun_ns_ = 0;          // of the connection
   int64_t bail_out_sent_ns_ = 0;  // 0: none is unanswered
   uint64_t timed_sequence_ = 0;   // of the batch whose commit is timed

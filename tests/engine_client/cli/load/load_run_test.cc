@@ -1,6 +1,7 @@
 // What the generator of load counts is what the daemon counts.
 #include "engine_client/cli/load/load_run.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/logger.h>
 
@@ -85,7 +86,10 @@ TEST_F(LoadRunTest, TheDaemonHasReceivedExactlyWhatWasSent) {
   EXPECT_GT(result->measured_batch_count, 0U);
   EXPECT_LE(static_cast<double>(result->measured_batch_count), 500 * (result->measured_s + 1));
   EXPECT_GT(result->bail_out_count, 0U);
-  EXPECT_GT(result->acknowledged_count, 0U);
+  // All that was sent in the measured time is waited for, also what its last second brought.
+  EXPECT_GE(result->acknowledged_count, result->measured_batch_count);
+  EXPECT_LE(result->acknowledged_count, counters.applied_message_count);
+  EXPECT_TRUE(result->shortfall.ok()) << result->shortfall.message();
   EXPECT_FALSE(result->decision_latency_ms.empty());
   EXPECT_FALSE(result->commit_lag_ms.empty());
   EXPECT_LE(result->commit_lag_ms.size(), result->measured_batch_count + 50);
@@ -109,6 +113,27 @@ TEST_F(LoadRunTest, StreamsComeBackToARestartedDaemon) {
   ASSERT_TRUE(ended.ok()) << ended.status().message();
   ASSERT_TRUE(ended->reconnect_s);
   EXPECT_GT(*ended->reconnect_s, 0.5);
+  EXPECT_EQ(ended->finished_count, 50U);
+  EXPECT_TRUE(ended->shortfall.ok()) << ended->shortfall.message();
+}
+
+TEST_F(LoadRunTest, ADaemonThatDoesNotComeBackIsAShortfall) {
+  bool stop = false;  // used by the run alone
+  std::atomic<bool> gone{false};
+  auto result = std::async(std::launch::async, [&] {
+    return Run([&] { return stop; },
+               [&](const std::string& text) { stop = gone && text.starts_with("0 of 50"); });
+  });
+  AwaitStreams();
+  Stop();
+  gone = true;
+  const auto ended = result.get();
+  Start("127.0.0.1:0");
+  ASSERT_TRUE(ended.ok()) << ended.status().message();
+  EXPECT_EQ(ended->finished_count, 0U);
+  EXPECT_EQ(ended->shortfall.code(), StatusCode::kUnavailable);
+  EXPECT_THAT(ended->shortfall.message(),
+              testing::StartsWith("0 of 50 games finished; the last error: "));
 }
 
 TEST_F(LoadRunTest, NobodyThereIsAnErrorAtOnce) {

@@ -18,7 +18,7 @@ TEST(LoadProgram, MeasuresADaemonAndPrintsItsFigures) {
   const test_support::TemporaryDirectory data;
   const test_support::DaemonProcess daemon(data.path());
   const std::string load =
-      "load --streams 50 --batches-per-second 4 --bail-out-share 0.2 "
+      "load --project arcade --streams 50 --rate 4 --bail-out-share 0.2 "
       "--duration 2s --daemon " +
       daemon.address();
   const ProgramRun run = RunProgram(load + " --json --server-pid " + std::to_string(daemon.pid()));
@@ -33,14 +33,27 @@ TEST(LoadProgram, MeasuresADaemonAndPrintsItsFigures) {
   EXPECT_GE(figures["tick_lateness_ms_p99"], 0);
   EXPECT_GE(figures["server_cpu_s"], 0);
   EXPECT_FALSE(figures.contains("reconnect_s"));
-  const json audit =
-      json::parse(RunProgram("audit list --json --project load --daemon " + daemon.address()).out);
+  const json audit = json::parse(
+      RunProgram("audit list --json --project arcade --daemon " + daemon.address()).out);
   EXPECT_EQ(audit["segments"].size(), 50U);
 }
 
+TEST(LoadProgram, GamesThatAreRefusedEndItWithThreeAndTheReason) {
+  const test_support::TemporaryDirectory data;
+  const test_support::DaemonProcess daemon(data.path(), "127.0.0.1:0", {"--max-sessions", "2"});
+  const ProgramRun run =
+      RunProgram("load --streams 4 --duration 200ms --daemon " + daemon.address());
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_THAT(run.out, HasSubstr("finished"));
+  EXPECT_THAT(run.err, HasSubstr("2 of 4 games finished; the last error: "));
+  EXPECT_THAT(run.err, HasSubstr("(TOO_MANY_SESSIONS)"));
+}
+
 TEST(LoadProgram, BadUsageEndsWithTwoAndNobodyThereWithThree) {
-  EXPECT_EQ(RunProgram("load --daemon 127.0.0.1:1 --streams 0").exit_code, 2);
-  EXPECT_EQ(RunProgram("load --daemon 127.0.0.1:1 --frames 241").exit_code, 2);
+  const ProgramRun none = RunProgram("load --daemon 127.0.0.1:1 --streams 0");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("not in range 1 to 100000\n"));
+  EXPECT_EQ(RunProgram("load --daemon 127.0.0.1:1 --frames-per-batch 241").exit_code, 2);
   const ProgramRun run = RunProgram("load --daemon 127.0.0.1:1 --streams 3");
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_THAT(run.err, HasSubstr("no daemon answered at 127.0.0.1:1"));
