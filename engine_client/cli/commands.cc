@@ -1,5 +1,7 @@
 #include "engine_client/cli/commands.h"
 
+#include <algorithm>
+
 #include "engine_client/cli/game/scene_choice.h"
 #include "server/decision/math/names.h"
 
@@ -27,6 +29,30 @@ Status CheckCommandName(const CLI::App& app, std::span<char* const> words) {
   const std::vector<std::string_view> valid(names.begin(), names.end());
   return {StatusCode::kInvalidArgument,
           math::UnknownName("command of " + app.get_name(), words.front(), valid)};
+}
+
+// The parser's own message for an unknown option comes after the one for a missing option, and does
+// not say what is valid. `words` are the ones after the name of `app`.
+Status CheckOptionNames(const CLI::App& app, std::span<char* const> words) {
+  if (!words.empty()) {
+    for (const CLI::App* command : app.get_subcommands({})) {
+      if (command->get_name() == words.front()) return CheckOptionNames(*command, words.subspan(1));
+    }
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  const std::vector<std::string_view> valid(names.begin(), names.end());
+  for (const std::string_view word : words) {
+    if (word == "--") break;
+    const std::string_view name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || std::find(valid.begin(), valid.end(), name) != valid.end())
+      continue;
+    return {StatusCode::kInvalidArgument,
+            math::UnknownName("option of " + app.get_name(), name, valid)};
+  }
+  return {};
 }
 
 #ifdef SWEEPSTAKE_LABORATORY
@@ -68,7 +94,9 @@ int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
              "`sweepstake COMMAND --help` shows options and examples.");
   int exit_code = kDone;
   AddCommands(app, terminal, CommandLine(words), exit_code);
-  const Status status = CheckCommandName(app, words.empty() ? words : words.subspan(1));
+  const auto arguments = words.empty() ? words : words.subspan(1);
+  Status status = CheckCommandName(app, arguments);
+  if (status.ok()) status = CheckOptionNames(app, arguments);
   if (!status.ok()) return Fail(terminal, status);
   try {
     app.parse(static_cast<int>(words.size()), words.data());

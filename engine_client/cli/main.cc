@@ -1,4 +1,5 @@
 // The program `sweepstake`. commands.h lists what it can do.
+#include <grpc/support/log.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -33,6 +34,8 @@ int Run(std::span<char* const> words) {
 }  // namespace sweepstake::cli
 
 int main(int argc, char** argv) {
+  // gRPC's own lines say nothing that the commands' messages do not.
+  gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   try {
     return sweepstake::cli::Run({argv, static_cast<size_t>(argc)});
   } catch (const std::exception& error) {

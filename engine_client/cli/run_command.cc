@@ -40,6 +40,7 @@ struct RunOptions {
   std::string scene_key;
   std::string machine_class = MachineClass();
   bool ignore_priors = false;
+  bool allow_orders = false;
   std::string shadow = "auto";
   std::string csv;
   bool json = false;
@@ -63,6 +64,7 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.time_scale = options.time_scale;
   session.ignore_priors = options.ignore_priors;
   session.seed = options.scene.seed;
+  session.allow_operator_orders = options.allow_orders;
   session.tls = options.daemon.tls;
   session.token = options.daemon.token;
   if (!options.embedded) return MakeDaemonSession(options.daemon.address, session);
@@ -261,6 +263,10 @@ Status CheckRun(const RunOptions& options) {
     return {StatusCode::kInvalidArgument,
             "--priors goes with --embedded: a daemon has priors of its own"};
   }
+  if (options.allow_orders && options.embedded) {
+    return {StatusCode::kInvalidArgument,
+            "--allow-orders goes with --daemon: orders come from its operators"};
+  }
   return {};
 }
 
@@ -332,6 +338,8 @@ void Declare(CLI::App& command, RunOptions& options) {
   command.add_option("--machine-class", options.machine_class, "Machines with comparable timings")
       ->capture_default_str();
   command.add_flag("--ignore-priors", options.ignore_priors, "Start from Beta(1,1)");
+  command.add_flag("--allow-orders", options.allow_orders,
+                   "Obey `sweepstake sessions pin` and `release` of the daemon");
   command
       .add_option("--shadow", options.shadow,
                   "Shadow lane: auto: in mode ai, where a core is to spare; on: in mode manual too")
@@ -351,6 +359,7 @@ void AddRunCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake run --scene hurricane --objects 3000 --mode ai --embedded --duration 60s\n"
       "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433\n"
       "  sweepstake run --scene h.aabbs --mode manual --arm SAP --embedded --csv out\n"
+      "  sweepstake run --scene suite-g --objects 2000 --daemon 127.0.0.1:7433 --allow-orders\n"
       "Frames are not paced: a frame takes as long as its work. Ctrl-C ends with the report.\n"
       "Exit code 3 when the daemon was never reached; the run goes on without it. Exit code 2 when "
       "it\n"

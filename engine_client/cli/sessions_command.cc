@@ -131,8 +131,7 @@ int RunList(const SessionsOptions& options, Terminal& terminal) {
 int RunWatch(const SessionsOptions& options, Terminal& terminal) {
   const auto sessions = ListSessions(options.daemon, options.project, options.scene);
   if (!sessions.ok()) return FailAnswer(terminal, sessions.status());
-  if (sessions->empty() && !options.json)
-    terminal.out << SessionsText(options, *sessions) << std::flush;
+  if (sessions->empty() && !options.json) PrintText(terminal, SessionsText(options, *sessions));
   InstallStopSignal();
   const Status status = WatchSessions(
       options.daemon, options.project, options.scene, StopRequested,

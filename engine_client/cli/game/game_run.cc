@@ -106,6 +106,8 @@ void GameRun::OnDescriptor(const SceneDescriptor& descriptor) noexcept {
   sink_.OnDescriptor(descriptor);
 }
 
+void GameRun::OnModeChange(const ModeChange& change) noexcept { sink_.OnModeChange(change); }
+
 void GameRun::OnShadow(const ShadowSample& sample) noexcept { sink_.OnShadow(sample); }
 
 void GameRun::OnSwitch(const SwitchOutcome& outcome) noexcept {

@@ -81,6 +81,7 @@ class GameRun final : private FrameSink {
   void OnFrame(const FrameSample& sample) noexcept override;
   void OnDescriptor(const SceneDescriptor& descriptor) noexcept override;
   void OnSwitch(const SwitchOutcome& outcome) noexcept override;
+  void OnModeChange(const ModeChange& change) noexcept override;
   void OnShadow(const ShadowSample& sample) noexcept override;
   bool Note(const FrameSample& sample);
   void NoteVerdict(const FrameSample& sample);

@@ -53,7 +53,8 @@ std::string ArmTable(const RunSummary& summary) {
 
 // Returns "3 switches: 2 policy, 1 bail-out".
 std::string SwitchCountsText(const RunSummary& summary) {
-  std::string text = std::to_string(summary.switches.size()) + " switches";
+  const size_t switch_count = summary.switches.size();
+  std::string text = std::to_string(switch_count) + (switch_count == 1 ? " switch" : " switches");
   const char* separator = ": ";
   for (const SwitchReason reason : kReasons) {
     const size_t count = summary.SwitchCount(reason);
@@ -223,22 +224,27 @@ std::string ShadowText(const RunSummary& summary) {
          std::to_string(shadow.cold_switch_count) + " cold switches";
 }
 
-std::string DroppedText(uint64_t dropped_count, uint64_t frame_count) {
+std::string DroppedText(uint64_t dropped_count, uint64_t frame_count, bool is_lost) {
   if (dropped_count == 0) return "no samples dropped";
   return std::to_string(dropped_count) + " of " + std::to_string(frame_count) +
-         " samples were dropped because the queue was full (frames come faster than they are "
-         "sent): the evidence is thinner, the frames themselves were not affected";
+         " samples were dropped because the queue was full (" +
+         (is_lost ? "the daemon was lost" : "frames come faster than they are sent") +
+         "): the evidence is thinner, the frames themselves were not affected";
 }
 
 std::string RunReportText(const RunSummary& summary) {
   const SceneChoice& scene = summary.setup.scene;
+  // A welcome clears the error.
+  const bool is_lost = summary.session.connection_count > 0 && !summary.session.last_error.empty();
   std::string text = "\nPosteriors learnt in " + scene.name + " with " +
                      std::to_string(scene.object_count) + " objects (" +
                      PriorsText(summary.setup, summary.session) + ")\n" + ArmTable(summary);
   if (summary.session.beliefs.empty()) text += "Nothing was learnt yet: these are Beta(1,1)\n";
   return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
          " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
-         DroppedText(summary.session.dropped_frame_count, summary.frame_count) + '\n' +
+         DroppedText(summary.session.dropped_frame_count, summary.frame_count, is_lost) + '\n' +
+         (is_lost ? "The session did not end as it should: " + summary.session.last_error + '\n'
+                  : "") +
          SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' +
          "Verdict: " + VerdictText(summary.verdict) + '\n';
 }

@@ -77,6 +77,16 @@ TEST(Commands, AnUnknownCommandGetsTheNearestOneFirst) {
   });
 }
 
+TEST(Commands, AnUnknownOptionGetsTheNearestOneFirst) {
+  ExpectBadUsage({
+      {"watch --onec", "unknown option of watch '--onec', must be one of --once"},
+      {"load --stream 5", "unknown option of load '--stream', must be one of --streams"},
+      {"load --batch-frames=5", "unknown option of load '--batch-frames', must be one of "},
+      {"priors list --jsn --daemon 127.0.0.1:1", "must be one of --json"},
+      {"--versoin", "unknown option of sweepstake '--versoin', must be one of --version"},
+  });
+}
+
 TEST(Commands, AMissingCommandListsAll) {
   ExpectBadUsage({
       {"priors", "the commands of priors are list, export, import"},
@@ -145,6 +155,7 @@ TEST(Commands, ARunNeedsExactlyOneDecider) {
        "give either --daemon HOST:PORT or --embedded"},
       {"run --scene suite-b --daemon localhost:1 --priors x.json", "--priors goes with --embedded"},
       {"run --scene suite-b --embedded --duration soon", "give a number and ms, s, m or h"},
+      {"run --scene suite-b --embedded --allow-orders", "--allow-orders goes with --daemon"},
       {"run --scene suite-b --daemon nowhere", "nowhere"},
   });
 }

@@ -25,12 +25,14 @@ class CountingSink final : public FrameSink {
   void OnSwitch(const SwitchOutcome& outcome) noexcept override {
     executed_count += outcome.executed;
   }
+  void OnModeChange(const ModeChange& change) noexcept override { obeyed_order = change.order_id; }
   void OnShadow(const ShadowSample&) noexcept override {}
 
   uint64_t frame_count = 0;
   uint64_t pair_count = 0;
   uint64_t descriptor_count = 0;
   uint64_t executed_count = 0;
+  uint64_t obeyed_order = 0;
 };
 
 class GameRunTest : public testing::Test {
@@ -54,6 +56,13 @@ class GameRunTest : public testing::Test {
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<GameRun> run_;
 };
+
+TEST_F(GameRunTest, TellsThatItHasObeyedAnOrder) {
+  Start(Mode::kAi, "SAP");
+  run_->adaptive().Obey({.order_id = 7, .mode = Mode::kManual, .arm = ArmIndex("Grid")});
+  for (int i = 0; i < 3; ++i) run_->Frame();
+  EXPECT_EQ(sink_.obeyed_order, 7U);
+}
 
 TEST_F(GameRunTest, StepsTheSceneAndHandsEachFrameOn) {
   Start(Mode::kManual, "SAP");

@@ -70,9 +70,21 @@ TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   EXPECT_THAT(text, HasSubstr("SAP   0.750   3.00  1.00  4.00      10.0      25.0      30    3"));
   EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s, 1 frames/s\n"));
   EXPECT_THAT(text, HasSubstr("no samples dropped\n"));
-  EXPECT_THAT(text, HasSubstr("1 switches: 1 bail-out\n"));
+  EXPECT_THAT(text, HasSubstr("1 switch: 1 bail-out\n"));
   EXPECT_THAT(text, HasSubstr("Verdict: stable: SAP is the best with probability 0.88\n"));
   EXPECT_THAT(text, Not(HasSubstr("Nothing was learnt")));
+}
+
+TEST(RunReportText, SaysWhyASessionWasLost) {
+  RunSummary summary = SomeSummary();
+  summary.session.connection_count = 1;
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr("did not end as it should")));
+  summary.session.last_error = "an operator has ended this session (KICKED)";
+  summary.session.dropped_frame_count = 3;
+  const std::string text = RunReportText(summary);
+  EXPECT_THAT(text, HasSubstr("The session did not end as it should: an operator has ended this "
+                              "session (KICKED)\n"));
+  EXPECT_THAT(text, HasSubstr("(the daemon was lost)"));
 }
 
 TEST(RunReportText, SaysWhenNothingWasLearnt) {
@@ -191,10 +203,12 @@ TEST(BeliefsText, ListsTheArmsBestFirst) {
 }
 
 TEST(DroppedText, SaysWhatALossMeans) {
-  EXPECT_EQ(DroppedText(0, 10), "no samples dropped");
-  const std::string text = DroppedText(3, 10);
+  EXPECT_EQ(DroppedText(0, 10, true), "no samples dropped");
+  const std::string text = DroppedText(3, 10, /*is_lost=*/false);
   EXPECT_THAT(text, HasSubstr("3 of 10 samples"));
+  EXPECT_THAT(text, HasSubstr("frames come faster than they are sent"));
   EXPECT_THAT(text, HasSubstr("frames themselves were not affected"));
+  EXPECT_THAT(DroppedText(3, 10, /*is_lost=*/true), HasSubstr("(the daemon was lost)"));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/engine_client/cli/program/program.h"
+#include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_directory.h"
 
@@ -84,6 +85,12 @@ TEST(DaemonProgram, ASwitchWithoutSenseEndsTheDaemonWithTwo) {
   EXPECT_THAT(run.out, HasSubstr("explore = false"));
 }
 
+TEST(DaemonProgram, AnUnknownOptionOfASubcommandGetsTheNearestOneFirst) {
+  const ProgramRun run = RunDaemonProgram("token list --jsn");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("unknown argument '--jsn', must be one of --json"));
+}
+
 TEST(DaemonProgram, ADirectoryIsNoConfiguration) {
   const TemporaryDirectory folder;
   const std::string path = folder.path().string();
@@ -117,7 +124,7 @@ TEST(DaemonProgram, ABackupOfARunningDaemonBeginsAnotherOne) {
   EXPECT_EQ(restore.exit_code, 0) << restore.err;
   const DaemonProcess next(other);
   const auto list = [](const DaemonProcess& of) {
-    return RunProgram("priors list --json --daemon " + of.address()).out;
+    return json::parse(RunProgram("priors list --json --daemon " + of.address()).out)["scenes"];
   };
   EXPECT_EQ(list(next), list(daemon));
 }
@@ -154,6 +161,27 @@ TEST(DaemonProgram, ARunLearnsOverTheStreamAndTheNextOneStartsFromItsPriors) {
   ASSERT_EQ(second.exit_code, 0) << second.err;
   EXPECT_EQ(json::parse(second.out)["prior_sources"], 1);
   EXPECT_THAT(second.err, HasSubstr("starts from priors of 1 earlier session"));
+}
+
+TEST(DaemonProgram, ARunThatAllowsOrdersObeysAnOperator) {
+  const TemporaryDirectory data;
+  const DaemonProcess daemon(data.path());
+  const test_support::ChildProcess game(
+      {SWEEPSTAKE_PROGRAM, "run", "--scene", "suite-b", "--objects", "50", "--allow-orders",
+       "--duration", "10m", "--json", "--daemon", daemon.address()},
+      data.path() / "game.log");
+  const std::string at = " --daemon " + daemon.address();
+  json sessions;
+  while (sessions.empty()) {  // ends with the test's timeout
+    sessions = json::parse(RunProgram("sessions list --json" + at).out)["sessions"];
+  }
+  const std::string id = sessions[0]["session_id"];
+  const ProgramRun pin = RunProgram("sessions pin " + id + " Grid" + at);
+  EXPECT_EQ(pin.exit_code, 0) << pin.err;
+  EXPECT_EQ(pin.out, id + " obeys: manual, Grid is active\n");
+  EXPECT_EQ(RunProgram("sessions release " + id + at).exit_code, 0);
+  const ProgramRun wrong = RunProgram("sessions pin " + id + "0 Grid" + at);
+  EXPECT_EQ(wrong.exit_code, 1) << "it is no bad usage: " << wrong.err;
 }
 
 TEST(DaemonProgram, WatchShowsWhatWasLearntOnceAsJsonAndAsText) {
@@ -225,7 +253,7 @@ TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {
   EXPECT_EQ(exported.err, "");
   const ProgramRun nothing =
       RunProgram("audit export --project q --out " + file + "-none --daemon " + daemon.address());
-  EXPECT_EQ(nothing.exit_code, 0);
+  EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("the daemon has no such decisions"));
   const ProgramRun replayed = RunProgram("replay --log " + file);
   EXPECT_EQ(replayed.exit_code, 0);

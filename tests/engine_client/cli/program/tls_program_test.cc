@@ -18,6 +18,7 @@ using ::sweepstake::test_support::DaemonProcess;
 using ::sweepstake::test_support::TemporaryDirectory;
 using ::sweepstake::test_support::TestAuthority;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // The daemon asks for certificates of clients, and its own is for a name that no machine has.
 class TlsProgram : public ::testing::Test {
@@ -100,6 +101,7 @@ TEST_F(TlsProgram, WhereItFailsItSaysWhatToDo) {
       const ProgramRun run = RunProgram(command + options);
       EXPECT_EQ(run.exit_code, exit_code) << command << options << '\n' << run.err;
       EXPECT_THAT(run.err, HasSubstr(said)) << command << options;
+      EXPECT_THAT(run.err, Not(HasSubstr(".cc:"))) << "lines of gRPC's own: " << command << options;
     }
   }
 }
