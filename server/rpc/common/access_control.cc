@@ -27,6 +27,13 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
 
 absl::StatusOr<auth::Principal> AccessControl::Authorize(const grpc::ServerContextBase& call,
                                                          Rpc rpc) {
+  auto caller = Identify(call, rpc);
+  if (!caller.ok()) refusals_.Tell(call.peer(), caller.status());
+  return caller;
+}
+
+absl::StatusOr<auth::Principal> AccessControl::Identify(const grpc::ServerContextBase& call,
+                                                        Rpc rpc) {
   std::optional<auth::Principal> caller = auth::Principal{};
   if (asks_for_tokens()) {
     const std::optional<std::string_view> token = TokenOf(call);
@@ -59,8 +66,8 @@ absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call,
                    "this token is unknown, was revoked or has expired; use another one");
   }
   return Refused(v1::ERROR_REASON_TOKEN_MISSING,
-                 "this daemon asks for a token (authorization: Bearer TOKEN); `sweepstaked token "
-                 "create` makes one");
+                 "this daemon asks for a token (--token-file of a command, authorization: Bearer "
+                 "TOKEN of another program); `sweepstaked token create` makes one");
 }
 
 absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_id) {
@@ -72,12 +79,9 @@ absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_
     allowed = reads_.Take(absl::StrCat("token ", token_id), per_s, clock_.NowNs());
   }
   if (allowed) return absl::OkStatus();
-  const absl::Status refusal =
-      Refused(v1::ERROR_REASON_TOO_MANY_READS,
-              absl::StrCat(who, " reads more often than ", per_s,
-                           " times a second (max_reads_per_s); ask again in a second"));
-  refusals_.Tell(address, refusal);
-  return refusal;
+  return Refused(v1::ERROR_REASON_TOO_MANY_READS,
+                 absl::StrCat(who, " reads more often than ", per_s,
+                              " times a second (max_reads_per_s); ask again in a second"));
 }
 
 absl::StatusOr<AccessControl::Transfer> AccessControl::BeginTransfer(const auth::Principal& caller,
@@ -110,7 +114,8 @@ absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {
 absl::Status CheckProject(const auth::Principal& caller, std::string_view project) {
   if (caller.MayUse(project)) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_NOT_ALLOWED,
-                 "this token is not for that project; use one that is");
+                 absl::StrCat("this token is not for the project ", math::PrintableLine(project),
+                              "; use one that is (`sweepstaked token create --project`)"));
 }
 
 std::string NameForLog(const auth::Principal& caller) {

@@ -37,7 +37,7 @@ class AccessControl {
   // Returns who calls. Errors: UNAUTHENTICATED (no token, or one that is not valid),
   // PERMISSION_DENIED (its role does not allow this RPC), RESOURCE_EXHAUSTED (too many calls from
   // the address were not authenticated, or the token or the address reads too often). A valid token
-  // is never refused for calls without one from its address.
+  // is never refused for calls without one from its address. What is refused is told in the log.
   absl::StatusOr<auth::Principal> Authorize(const grpc::ServerContextBase& call, Rpc rpc);
 
   // Returns whether calls must bring tokens.
@@ -47,7 +47,7 @@ class AccessControl {
   // since Authorize.
   absl::Status CheckStill(const auth::Principal& caller) const;
 
-  // Counts a call that reads, of a token (0: none) at an address. Authorize does so, too. Error:
+  // Counts a call that reads, of a token (0: none) at an address, for Authorize. Error:
   // RESOURCE_EXHAUSTED.
   absl::Status BeginRead(const std::string& address, int64_t token_id);
 
@@ -67,6 +67,7 @@ class AccessControl {
     std::map<int64_t, uint32_t> counts;
   };
 
+  absl::StatusOr<auth::Principal> Identify(const grpc::ServerContextBase& call, Rpc rpc);
   absl::Status Unauthenticated(const grpc::ServerContextBase& call, bool has_token);
 
   const RpcOptions& options_;

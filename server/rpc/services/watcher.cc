@@ -4,8 +4,12 @@ namespace sweepstake::rpc {
 
 void Watcher::Begin(priors::SceneFilter wanted) {
   filter_ = std::move(wanted);
-  if (const absl::Status allowed = Narrow(caller_, filter_); !allowed.ok()) return Close(allowed);
-  if (const absl::Status joined = Join(); !joined.ok()) return Close(joined);
+  absl::Status allowed = Narrow(caller_, filter_);
+  if (allowed.ok()) allowed = Join();
+  if (!allowed.ok()) {
+    context_.access.refusals().Tell(call_.peer(), allowed);
+    return Close(allowed);
+  }
   context_.stalls.Add(*this);
   WriteNext();
 }

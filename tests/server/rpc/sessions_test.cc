@@ -317,10 +317,13 @@ class FewWatchersTest : public SessionsTest {
 };
 
 TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
+  std::ostringstream text;
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   SessionsWatch watch(*sessions_);
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   SessionsWatch second(*sessions_);
   EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_TOO_MANY_WATCHERS);
+  EXPECT_THAT(text.str(), ::testing::HasSubstr("TOO_MANY_WATCHERS"));
   server_->Drain(std::chrono::seconds(10));
   EXPECT_EQ(ReasonOf(watch.Finish()), v1::ERROR_REASON_DRAINING);
   EXPECT_EQ(server_->counters().open_watcher_count, 0u);
