@@ -251,8 +251,6 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
   if (!status.ok()) return status;
   auto token = RandomToken();
   if (!token.ok()) return token.status();
-  // First, so that no token is made that could be lost unnoticed.
-  if (status = NoteMade(); !status.ok()) return status;
   SqliteTransaction transaction(database_);
   if (!transaction.begun().ok()) return transaction.begun();
   const auto count = database_.QueryInteger("SELECT count(*) FROM token");
@@ -273,6 +271,9 @@ absl::StatusOr<std::string> TokenStore::Create(const TokenRequest& request, int6
                                                  math::PrintableLine(request.name),
                                                  "; choose another name"));
   }
+  // Before the commit, so that no token is made that could be lost unnoticed; after all else that
+  // can fail, so that the note is not of a token that there never was.
+  if (status = NoteMade(); !status.ok()) return status;
   if (status = transaction.Commit(); !status.ok()) return status;
   return token;
 }

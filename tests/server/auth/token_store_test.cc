@@ -181,6 +181,19 @@ TEST_F(TokenStoreTest, AFileThatWasLostIsNotTakenForNone) {
   EXPECT_TRUE(TokenStore::Open(path_).ok()) << "somebody wants none";
 }
 
+TEST_F(TokenStoreTest, AFirstTokenThatCouldNotBeMadeIsNotTakenForALostOne) {
+  TokenStore store = Open();
+  {
+    auto other =
+        storage::SqliteDatabase::Open(path_.string(), storage::SqliteDatabase::OpenMode::kExisting);
+    const storage::SqliteTransaction locked(*other);
+    EXPECT_TRUE(absl::IsUnavailable(store.Create(Named("game"), 1).status()));
+  }
+  EXPECT_FALSE(store.WereMade());
+  EXPECT_TRUE(store.Create(Named("game"), 1).ok());
+  EXPECT_TRUE(store.WereMade());
+}
+
 TEST_F(TokenStoreTest, WhatAnotherProcessIsMakingIsLeftAlone) {
   for (const char* name : {"tokens.db.new", "tokens.db.new-1"})
     std::ofstream(directory_.path() / name) << "half";
