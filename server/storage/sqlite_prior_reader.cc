@@ -128,8 +128,9 @@ absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene)
 
 absl::StatusOr<std::vector<SceneEvidence>> SqlitePriorReader::List(
     const SceneFilter& filter, const std::optional<SceneKey>& after, uint32_t limit) {
-  // An empty project sorts before all, since projects are never empty.
-  const SceneKey start = after.value_or(SceneKey{});
+  // It comes before all that are wanted: an empty project before every project, since none is
+  // empty, and a key without a reward version before those of its scene.
+  const SceneKey start = after.value_or(SceneKey{filter.project, filter.scene, "", 0});
   std::vector<SceneEvidence> scenes;
   std::vector<int64_t> ids;
   absl::Status status = statements_.list_scenes.ForEachRow(

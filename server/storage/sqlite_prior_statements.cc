@@ -151,9 +151,12 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         WHERE source_id = ?1
         ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
                  reward_version)sql"},
+    // The index is read from the row value up to the project, if there is one; a blob is after
+    // every text.
     {&PriorReadStatements::list_scenes, R"sql(
         SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
-        WHERE (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
+        WHERE project <= iif(?1 = '', x'', ?1)
+          AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
           AND source_count > 0 AND hash = content_hash
           AND NOT EXISTS (SELECT 1 FROM evidence_key k

@@ -330,6 +330,31 @@ TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWit
   EXPECT_EQ(counter.During([&] { read(10'000); }), with_ten);
 }
 
+TEST_F(SqlitePriorStoreTest, AHelloOfANewSceneVisitsNoRowsOfOtherProjects) {
+  InstructionCounter counter;
+  auto store = *OpenSqlitePriorStore(path_);
+  const auto teach = [&](const std::string& project, int scene_count) {
+    std::vector<SourceUpdate> updates;
+    for (int i = 0; i < scene_count; ++i) {
+      auto key = Key("Grid");
+      key.project = project;
+      key.scene = "scene " + std::to_string(i);
+      updates.push_back(Update(project + std::to_string(i), 1, {key}));
+    }
+    ASSERT_TRUE(store->Commit(updates).ok());
+  };
+  const auto read = [&] {
+    EXPECT_TRUE(store->List({"game", "a new one"}, std::nullopt, 1)->empty());
+    EXPECT_EQ(store->List({"game", "scene 1"}, std::nullopt, 1)->size(), 1u);
+    EXPECT_EQ(store->List({"game", ""}, std::nullopt, 10)->size(), 3u);
+  };
+  teach("game", 3);
+  const uint64_t alone = counter.During(read);
+  teach("before", 1'000);
+  teach("later", 1'000);
+  EXPECT_LT(counter.During(read), alone + 100);
+}
+
 TEST(DataDirectoryTest, IsMadeWhenMissingAndHeldByOne) {
   const test_support::TemporaryDirectory temporary;
   const auto path = temporary.path() / "data";
