@@ -23,7 +23,7 @@ namespace {
 
 // The versions of the protocol that a game speaks.
 constexpr uint32_t kMinProtocolVersion = 1;
-constexpr uint32_t kMaxProtocolVersion = 1;
+constexpr uint32_t kMaxProtocolVersion = 2;
 constexpr uint64_t kNsPerMs = 1'000'000;
 constexpr std::chrono::milliseconds kPollInterval{5};
 // A daemon that neither answers Hello nor ends a stream that we ended within this time is given up.
@@ -137,6 +137,7 @@ struct Link {
   std::unique_ptr<DaemonConnection> stream;
   uint64_t deadline_ns = 0;  // the daemon's next answer must come before it
   std::optional<uint64_t> online_since_ns;
+  v1::Welcome welcome;                         // with the batch interval of now
   std::string version_mismatch;                // why the welcome cannot be accepted; empty: it can
   std::optional<uint32_t> reconnect_delay_ms;  // the daemon wants the client to come back after it
   bool goodbye_sent = false;
@@ -163,6 +164,7 @@ class DaemonSession final : public SessionBase {
   void Send();
   void OnResponse(const v1::StreamTelemetryResponse& response, uint64_t now_ns);
   void OnWelcome(const v1::Welcome& welcome, uint64_t now_ns);
+  void OnAcknowledgement(const v1::Acknowledgement& message);
   void OnCommand(const v1::SwitchCommand& message);
   void OnOrder(const v1::OperatorOrder& message);
   void TakeBeliefs(const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors);
@@ -261,8 +263,7 @@ void DaemonSession::OnResponse(const v1::StreamTelemetryResponse& response, uint
   if (response.has_welcome()) OnWelcome(response.welcome(), now_ns);
   if (!link_->version_mismatch.empty()) return;
   if (response.has_switch_command()) OnCommand(response.switch_command());
-  if (response.has_acknowledgement())
-    state_->OnAcknowledgement(response.acknowledgement().sequence());
+  if (response.has_acknowledgement()) OnAcknowledgement(response.acknowledgement());
   if (response.has_posterior_snapshot()) {
     TakeBeliefs(response.posterior_snapshot().arms());
     TakeVerdict(response.posterior_snapshot());
@@ -286,11 +287,19 @@ void DaemonSession::OnWelcome(const v1::Welcome& welcome, uint64_t now_ns) {
   policy_ = welcome.policy();
   seed_ = welcome.seed();
   takes_orders_ = options_.allow_operator_orders && Has(welcome, v1::CAPABILITY_OPERATOR_ORDERS);
+  link_->welcome = welcome;
   intake_->SetLimits(LimitsOf(options_, welcome));
   TakeBeliefs(welcome.priors());
   adaptive().SetSettling(welcome.settling_ms() * kNsPerMs);
   adaptive().SetBailOutLimit(welcome.bail_out_ms() * kNsPerMs);
   adaptive().SetDeciderPresent(true);
+}
+
+void DaemonSession::OnAcknowledgement(const v1::Acknowledgement& message) {
+  state_->OnAcknowledgement(message.sequence());
+  if (message.batch_interval_ms() == 0) return;
+  link_->welcome.set_batch_interval_ms(message.batch_interval_ms());
+  intake_->SetLimits(LimitsOf(options_, link_->welcome));
 }
 
 void DaemonSession::OnCommand(const v1::SwitchCommand& message) {

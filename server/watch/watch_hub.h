@@ -100,6 +100,9 @@ class WatchHub {
   // their session.
   void OnEvidence(const priors::SceneKey& scene, std::span<const priors::KeyedEvidence> increments,
                   bool new_source);
+  // Called when it is not known whether the scene's sums have the next increments already: they are
+  // read again with those.
+  void Forget(const priors::SceneKey& scene) { scenes_.erase(scene); }
   // Called when evidence was imported or revoked: forgets all sums.
   void Reset();
   // Tells no more posteriors and asks the store for nothing any more.

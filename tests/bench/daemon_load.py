@@ -191,7 +191,7 @@ def measure_hello(daemon, sources, options):
     imported = subprocess.run(daemon.sweepstake("priors", "import", "--in", path), capture_output=True, text=True, check=False)
     if imported.returncode != 0:
         raise Failure("cannot import the sources: " + imported.stderr.strip())
-    figures = run_load(daemon.load(200, 1, 60, options.seconds, scenes=1))
+    figures = run_load(daemon.load(2000, 0.1, 60, options.seconds, scenes=1))  # 200 Hellos a second
     return {"sources": sources, **{name: figures[name] for name in figures if name.startswith("hello")}}
 
 

@@ -26,11 +26,16 @@ TEST(LostAcknowledgementTest, WhatIsSentAgainThoughItIsOnDiskCountsOnceAlsoAfter
   const TemporaryDirectory data;
   auto daemon = std::make_unique<DaemonProcess>(data.path());
   const std::string address = daemon->address();
-  const auto channel = grpc::CreateChannel(address, grpc::InsecureChannelCredentials());
+  // The second one does not share the first one's connection, which has failed.
+  grpc::ChannelArguments alone;
+  alone.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  const auto connect = [&] {
+    return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), alone);
+  };
   v1::Hello hello = rpc::OneArmHello();
   hello.set_time_scale(200);
   {
-    rpc::TelemetryClient client(channel);
+    rpc::TelemetryClient client(connect());
     rpc::Resume(hello, client.Open(hello));
     SendAll(client);
     client.AwaitAcknowledgement(kMessageCount);
@@ -39,7 +44,7 @@ TEST(LostAcknowledgementTest, WhatIsSentAgainThoughItIsOnDiskCountsOnceAlsoAfter
   const priors::SourceState before = ReadSource(data.path(), hello.session_id());
   daemon = std::make_unique<DaemonProcess>(data.path(), address,
                                            std::vector<std::string>{"--http", "127.0.0.1:0"});
-  rpc::TelemetryClient client(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+  rpc::TelemetryClient client(connect());
   const v1::Welcome welcome = client.Open(hello);
   EXPECT_TRUE(welcome.resumed());
   EXPECT_EQ(welcome.acknowledged_sequence(), kMessageCount);

@@ -73,6 +73,7 @@ class Fields {
     EXPECT_TRUE(fields_->ParseFromString(message));
   }
 
+  int count() const { return fields_->field_count(); }
   bool Has(int number) const { return Find(number) != nullptr; }
   uint64_t Number(int number) const { return Has(number) ? Find(number)->varint() : 0; }
   std::string Bytes(int number) const {
@@ -132,6 +133,8 @@ class ScriptedStream {
     Response response;
     if (!stream_->Read(&response)) return false;
     const Fields fields(response.SerializeAsString());
+    EXPECT_TRUE(fields.count() == 1 || latest_[kWelcome].Number(20) > 1)
+        << "a game of version 1 would take the last one only";
     for (const ResponseField kind : {kWelcome, kSwitchCommand, kAcknowledgement}) {
       if (fields.Has(kind)) latest_[kind] = Fields(fields.Bytes(kind));
     }
@@ -189,7 +192,7 @@ TEST(VersionTest, ANewerGameThatSpeaksAnOldVersionPlaysWithThisDaemon) {
   hello.mutable_hello()->add_capabilities(static_cast<v1::Capability>(99));
   ScriptedStream stream(daemon);
   const Fields welcome = stream.Open(hello);
-  EXPECT_EQ(welcome.Number(20), 1u) << "protocol_version";
+  EXPECT_EQ(welcome.Number(20), 2u) << "protocol_version";
   EXPECT_FALSE(welcome.Has(21)) << "capabilities";
   stream.Send(Newer<Request>("frames"));
   Request newer;
@@ -287,11 +290,11 @@ TEST_F(GameTest, TellsWhatTheDaemonDecidesWith) {
 }
 
 TEST_F(GameTest, RefusesADaemonThatChoosesAVersionItDoesNotSpeakAndTakesItOnceItDoes) {
-  daemon_.SetScript([](FakeDaemon::Script& script) { script.welcome.set_protocol_version(2); });
+  daemon_.SetScript([](FakeDaemon::Script& script) { script.welcome.set_protocol_version(3); });
   ScriptedGame game(daemon_.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return !stats.refusal.empty(); }));
   EXPECT_EQ(game.stats().refusal, "the daemon at " + daemon_.address() +
-                                      " speaks version 2 of the protocol, this game speaks 1 to 1; "
+                                      " speaks version 3 of the protocol, this game speaks 1 to 2; "
                                       "update the older one");
   EXPECT_THAT(game.stats().last_error, StartsWith(game.stats().refusal));
   EXPECT_EQ(game.stats().connection_count, 0u);

@@ -20,7 +20,7 @@ namespace sweepstake::rpc {
 
 // The versions of the protocol that the daemon speaks.
 inline constexpr uint32_t kMinProtocolVersion = 1;
-inline constexpr uint32_t kMaxProtocolVersion = 1;
+inline constexpr uint32_t kMaxProtocolVersion = 2;
 // A message beyond one of these three limits is INVALID_ARGUMENT.
 inline constexpr uint32_t kMaxBatchFrames = 240;
 inline constexpr uint32_t kMaxBatchShadows = 64;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "server/rpc/common/error_reasons.h"
@@ -124,6 +125,7 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
 absl::Status TelemetryStream::Open(v1::Hello given) {
   hello_ = std::move(given);
   time_scale_ = std::max(1.0, hello_->time_scale());
+  protocol_version_ = hello_->protocol_version();
   if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);
   if (absl::Status status = CheckHello(*hello_, context_.options); !status.ok()) return status;
   if (absl::Status status = CheckProject(caller_, hello_->project()); !status.ok()) return status;
@@ -228,8 +230,10 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
                            {.address = transport_.peer(), .build = hello_->build()});
   ++context_.counters.connected_stream_count;
   if (resumed) ++context_.counters.resumed_count;
-  *Outbox().mutable_welcome() =
-      WelcomeOf(*session_, *hello_, resumed, streams_.all.size(), context_.options);
+  v1::Welcome& welcome = *Outbox().mutable_welcome();
+  welcome = WelcomeOf(*session_, *hello_, resumed, streams_.all.size(), context_.options);
+  decision_interval_ms_ = welcome.decision_interval_ms();
+  batch_interval_ms_ = welcome.batch_interval_ms();
   WriteNext();
   session_->Start(*hello_);
   hello_.reset();
@@ -258,6 +262,21 @@ v1::StreamTelemetryResponse& TelemetryStream::Outbox() {
   return outbox_;
 }
 
+v1::StreamTelemetryResponse TelemetryStream::TakeOutbox() {
+  v1::StreamTelemetryResponse taken;
+  has_outbox_ = false;
+  if (protocol_version_ >= 2) {
+    taken.Swap(&outbox_);
+    return taken;
+  }
+  const google::protobuf::Reflection& reflection = *outbox_.GetReflection();
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  reflection.ListFields(outbox_, &fields);  // by number, which is by urgency
+  has_outbox_ = fields.size() > 1;
+  reflection.SwapFields(&outbox_, &taken, {fields.front()});
+  return taken;
+}
+
 void TelemetryStream::ClearOutbox() {
   if (std::exchange(has_outbox_, false)) outbox_.Clear();
 }
@@ -268,7 +287,11 @@ void TelemetryStream::SendSwitch(const decision::SwitchCommand& command) {
 }
 
 void TelemetryStream::SendAcknowledgement(uint64_t sequence) {
-  Outbox().mutable_acknowledgement()->set_sequence(sequence);
+  v1::Acknowledgement& message = *Outbox().mutable_acknowledgement();
+  message.set_sequence(sequence);
+  const uint32_t interval_ms = BatchIntervalMs(decision_interval_ms_, streams_.all.size());
+  if (std::exchange(batch_interval_ms_, interval_ms) != interval_ms)
+    message.set_batch_interval_ms(interval_ms);
   WriteNext();
 }
 
@@ -294,8 +317,7 @@ void TelemetryStream::WriteNext() {
   if (writing_ || finished_) return;
   if (has_outbox_) {
     writing_ = true;
-    transport_.Write(outbox_);
-    ClearOutbox();
+    transport_.Write(TakeOutbox());
   } else if (end_) {
     finished_ = true;
     transport_.Finish(*end_);

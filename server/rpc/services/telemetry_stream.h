@@ -124,6 +124,9 @@ class TelemetryStream final : public SessionLink,
   void Reject(const absl::Status& status);
   // What the next write sends.
   v1::StreamTelemetryResponse& Outbox();
+  // Takes out what the next write sends: all of it, or the most urgent field of it for a client of
+  // version 1.
+  v1::StreamTelemetryResponse TakeOutbox();
   // Drops what is to be sent.
   void ClearOutbox();
   void WriteNext();
@@ -139,7 +142,10 @@ class TelemetryStream final : public SessionLink,
   // The Hello as received, with the policy filled in and without the id of a session that it may
   // not resume, while the session is being loaded.
   std::optional<v1::Hello> hello_;
-  double time_scale_ = 1;  // of the Hello
+  double time_scale_ = 1;          // of the Hello
+  uint32_t protocol_version_ = 1;  // the newest that the client speaks
+  uint32_t decision_interval_ms_ = 0;
+  uint32_t batch_interval_ms_ = 0;  // that the client was told
   auth::RateBucket messages_;
   uint64_t names_before_load_ = 0;  // NewScenes::stored_name_count
   // What is to be sent with the next write. Only the latest of each kind is kept, so that a client

@@ -289,6 +289,9 @@ void GameSession::Checkpoint() {
 
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
+  // The store may have had them since the commit that seemed to fail, and watched sums with it.
+  if (std::exchange(commit_failed_, !status.ok()) && status.ok())
+    context_.watch_hub.Forget(identity_.scene);
   if (!increments.empty()) {
     if (new_scene_) new_scene_->OnStored();
     context_.watch_hub.OnEvidence(identity_.scene, increments,
@@ -299,7 +302,7 @@ void GameSession::OnCommitted(const absl::Status& status,
     acknowledged_sequence_ = durable_sequence();
     link_->SendAcknowledgement(acknowledged_sequence_);
   }
-  if (!status.ok()) link_->Flush();
+  link_->Flush();
   // If the store cannot write, the client need not wait: it keeps what is not acknowledged.
   if (!status.ok() && (ended() || draining_)) return CloseLink(status);
   CloseIfSettled();

@@ -177,6 +177,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   uint64_t order_id_ = 0;                                         // of the latest order
   OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
+  bool commit_failed_ = false;     // the last one
   bool heard_ = false;             // the client has sent something since the last tick
   watch::SessionEnd end_ =
       watch::SessionEnd::kNone;  // why the session ends; its last evidence may wait

@@ -65,7 +65,7 @@ v1::Welcome WelcomeOf(const GameSession& session, const v1::Hello& hello, bool r
 
 // Returns how long a client is to collect frames: an eighth of the decision interval, 250 ms at
 // most. With more streams it is longer, as if all were to send 10,000 batches a second, but at most
-// half of the decision interval. Streams that were welcomed earlier keep theirs.
+// half of the decision interval.
 uint32_t BatchIntervalMs(uint32_t decision_interval_ms, uint64_t stream_count);
 
 }  // namespace sweepstake::rpc

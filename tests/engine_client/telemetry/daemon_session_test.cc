@@ -135,7 +135,8 @@ TEST_F(DaemonSessionTest, IntroducesItself) {
   session_->Stop();
   daemon.Kill();
   const v1::Hello& hello = daemon.hellos[0];
-  EXPECT_EQ(hello.protocol_version(), 1U);
+  EXPECT_EQ(hello.min_protocol_version(), 1U);
+  EXPECT_EQ(hello.protocol_version(), 2U);
   EXPECT_EQ(hello.project(), "game");
   EXPECT_EQ(hello.scene(), "hurricane");
   EXPECT_EQ(hello.build(), "1.2.3");
@@ -209,6 +210,17 @@ TEST_F(DaemonSessionTest, ReportsABailOutWithoutWaitingForTheBatch) {
   Frame(6'000 * kMs);
   daemon.WaitUntil(
       [](const FakeDaemon& d) { return !d.evidence.empty() && d.evidence.back().has_bail_out(); });
+}
+
+TEST_F(DaemonSessionTest, CollectsFramesForAsLongAsAnAcknowledgementSays) {
+  options_.batch_interval_ms = 10'000;
+  FakeDaemon daemon;
+  GoOnline(daemon);
+  Frame();
+  v1::StreamTelemetryResponse response;
+  response.mutable_acknowledgement()->set_batch_interval_ms(1);
+  ASSERT_TRUE(daemon.Send(response));
+  daemon.WaitUntil([](const FakeDaemon& d) { return !d.evidence.empty(); });
 }
 
 TEST_F(DaemonSessionTest, TellsAModeChangeInItsPlace) {

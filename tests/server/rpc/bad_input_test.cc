@@ -220,15 +220,15 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadHello{"NoVersion", [](auto& h) { h.clear_protocol_version(); },
                  absl::StatusCode::kFailedPrecondition},
-        BadHello{"NewerVersion", [](auto& h) { h.set_protocol_version(2); },
+        BadHello{"NewerVersion", [](auto& h) { h.set_protocol_version(3); },
                  absl::StatusCode::kFailedPrecondition},
         BadHello{"NewerOldestVersion",
                  [](auto& h) {
-                   h.set_protocol_version(3);
-                   h.set_min_protocol_version(2);
+                   h.set_protocol_version(4);
+                   h.set_min_protocol_version(3);
                  },
                  absl::StatusCode::kFailedPrecondition},
-        BadHello{"OldestAboveNewestVersion", [](auto& h) { h.set_min_protocol_version(2); },
+        BadHello{"OldestAboveNewestVersion", [](auto& h) { h.set_min_protocol_version(3); },
                  absl::StatusCode::kFailedPrecondition},
         BadHello{"NoProject", [](auto& h) { h.clear_project(); }},
         BadHello{"NoScene", [](auto& h) { h.clear_scene(); }},

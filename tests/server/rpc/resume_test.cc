@@ -35,6 +35,14 @@ TEST_F(ResumeTest, AnUnknownIdBeginsANewSession) {
   ExpectNew(hello);
 }
 
+TEST_F(ResumeTest, AGameThatComesBackAndSendsNothingIsToldTheVerdictAllTheSame) {
+  const v1::Hello hello = Learnt();
+  TelemetryClient client(channel_);
+  EXPECT_TRUE(client.Open(hello).resumed());
+  Tick();
+  client.Await(&v1::StreamTelemetryResponse::has_posterior_snapshot);
+}
+
 TEST_F(ResumeTest, AnIdWithoutItsTokenBeginsANewSession) {
   const v1::Hello hello = Learnt();
   v1::Hello stolen = hello;

@@ -40,7 +40,7 @@ template <typename Condition>
 
 inline v1::Hello HelloMessage() {
   v1::Hello hello;
-  hello.set_protocol_version(1);
+  hello.set_protocol_version(kMaxProtocolVersion);
   hello.set_project("game");
   hello.set_scene("harbour");
   for (const char* name : {"Grid", "SAP", "KDTree"}) {

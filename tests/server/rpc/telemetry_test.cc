@@ -38,7 +38,7 @@ TEST_F(TelemetryTest, TheWelcomeHasTheVersionAndTheCapabilitiesThatBothSidesHave
   hello.add_capabilities(static_cast<v1::Capability>(99));
   for (int i = 0; i < 2; ++i) hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
-  EXPECT_EQ(welcome.protocol_version(), 1u);
+  EXPECT_EQ(welcome.protocol_version(), kMaxProtocolVersion);
   EXPECT_THAT(welcome.capabilities(), ::testing::ElementsAre(v1::CAPABILITY_OPERATOR_ORDERS));
 }
 
@@ -74,84 +74,6 @@ TEST_F(TelemetryTest, ATimeScaleThatTheDaemonDoesNotAllowEndsTheStream) {
   const grpc::Status status = client.Finish();
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_TIME_SCALE);
   EXPECT_THAT(status.error_message(), HasSubstr("--max-time-scale 2"));
-}
-
-TEST_F(TelemetryTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
-  TelemetryClient client(channel_);
-  client.Open(HelloMessage());
-  client.Send(Frames(1, 30));
-  ASSERT_TRUE(Applied(1));
-  Tick();
-  const v1::PosteriorSnapshot snapshot =
-      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
-  ASSERT_EQ(snapshot.arms_size(), 3);
-  EXPECT_NEAR(snapshot.arms(0).alpha() + snapshot.arms(0).beta(), 3, 1e-12);
-  EXPECT_EQ(snapshot.arms(1).alpha() + snapshot.arms(1).beta(), 2);
-  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
-  ASSERT_EQ(Stored().arms.size(), 1u);
-  EXPECT_EQ(Stored().arms[0].name, "Grid");
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
-}
-
-TEST_F(TelemetryTest, ASnapshotSaysTheVerdictAndWhoLeads) {
-  TelemetryClient client(channel_);
-  client.Open(OneArmHello());
-  client.Send(Frames(1, 30));
-  ASSERT_TRUE(Applied(1));
-  Tick();
-  const v1::PosteriorSnapshot snapshot =
-      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
-  EXPECT_EQ(snapshot.verdict(), v1::VERDICT_STABLE);
-  EXPECT_EQ(snapshot.leader_arm(), 0u);
-  EXPECT_EQ(snapshot.leader_probability(), 1);
-}
-
-TEST_F(TelemetryTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
-  TelemetryClient client(channel_);
-  client.Open(OneArmHello());
-  client.Send(Frames(1, 30));
-  ASSERT_TRUE(Applied(1));
-  Tick();
-  client.Await(&Response::has_posterior_snapshot);
-  v1::StreamTelemetryRequest manual;
-  manual.set_sequence(2);
-  manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
-  client.Send(manual);
-  ASSERT_TRUE(Applied(2));
-  for (uint64_t sequence = 3; sequence <= 5; ++sequence) {
-    client.Send(Frames(sequence, 30, 50));
-    ASSERT_TRUE(Applied(sequence));
-    const uint64_t decision_count = server_->counters().decision_count;
-    Tick();
-    // A tick that has not run yet takes the next frames into its window.
-    ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decision_count; }));
-  }
-  const v1::PosteriorSnapshot snapshot =
-      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
-  EXPECT_EQ(snapshot.verdict(), v1::VERDICT_DEGRADED);
-  EXPECT_EQ(snapshot.arms_size(), 1);
-}
-
-TEST_F(TelemetryTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
-  TelemetryClient client(channel_);
-  client.Open(OneArmHello());
-  client.Send(Frames(1, 30));
-  ASSERT_TRUE(Applied(1));
-  store_.Hold();
-  Tick();
-  ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
-  client.Send(Frames(2, 30));
-  ASSERT_TRUE(Applied(2));
-  Tick();
-  // The posteriors of the first window have waited for its commit, and wait no more.
-  const std::optional<Response> next = client.Read();
-  EXPECT_EQ(next->posterior_snapshot().arms(0).alpha() + next->posterior_snapshot().arms(0).beta(),
-            4);
-  EXPECT_FALSE(next->has_acknowledgement());
-  EXPECT_TRUE(Stored().arms.empty());
-  store_.Release();
-  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
 }
 
 TEST_F(TelemetryTest, AReplayedMessageIsCountedAndNotAppliedAgain) {

@@ -1,0 +1,137 @@
+// What a game is told, when, and with what else in the same response.
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tests/server/rpc/rpc_test_fixture.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+using Response = v1::StreamTelemetryResponse;
+
+class ResponseTest : public RpcTest {};
+
+TEST_F(ResponseTest, AnAcknowledgementSaysHowLongToCollectFramesAmongAsManyStreamsAsThereAreNow) {
+  StopServer();
+  options_.max_time_scale = 100;
+  StartServer();
+  v1::Hello hello = HelloMessage();
+  hello.set_time_scale(100);
+  TelemetryClient first(channel_);
+  EXPECT_EQ(first.Open(hello).batch_interval_ms(), 2u);
+  std::vector<std::unique_ptr<TelemetryClient>> others;
+  while (others.size() < 39) {
+    others.push_back(std::make_unique<TelemetryClient>(channel_));
+    others.back()->Open(hello);
+  }
+  for (const uint32_t expected : {4u, 0u}) {
+    first.Send(Frames(expected == 4 ? 1 : 2, 30));
+    ASSERT_TRUE(Applied(expected == 4 ? 1 : 2));
+    Tick();
+    EXPECT_EQ(first.Await(&Response::has_acknowledgement).acknowledgement().batch_interval_ms(),
+              expected)
+        << "0 if the game knows it";
+  }
+}
+
+TEST_F(ResponseTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  const v1::PosteriorSnapshot snapshot =
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
+  ASSERT_EQ(snapshot.arms_size(), 3);
+  EXPECT_NEAR(snapshot.arms(0).alpha() + snapshot.arms(0).beta(), 3, 1e-12);
+  EXPECT_EQ(snapshot.arms(1).alpha() + snapshot.arms(1).beta(), 2);
+  EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
+  ASSERT_EQ(Stored().arms.size(), 1u);
+  EXPECT_EQ(Stored().arms[0].name, "Grid");
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
+}
+
+TEST_F(ResponseTest, AnAcknowledgementTakesThePosteriorsAlongExceptToAGameOfVersion1) {
+  for (const uint32_t version : {1u, 2u}) {
+    v1::Hello hello = OneArmHello();
+    hello.set_protocol_version(version);
+    TelemetryClient client(channel_);
+    client.Open(hello);
+    store_.Hold();
+    client.Send(Frames(1, 30));
+    ASSERT_TRUE(Applied(version));
+    Tick();
+    ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
+    store_.Release();
+    const Response response = client.Await(&Response::has_acknowledgement);
+    EXPECT_EQ(response.has_posterior_snapshot(), version == 2);
+    if (version == 1) {
+      EXPECT_FALSE(client.Await(&Response::has_posterior_snapshot).has_acknowledgement());
+    }
+  }
+}
+
+TEST_F(ResponseTest, ASnapshotSaysTheVerdictAndWhoLeads) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  const v1::PosteriorSnapshot snapshot =
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
+  EXPECT_EQ(snapshot.verdict(), v1::VERDICT_STABLE);
+  EXPECT_EQ(snapshot.leader_arm(), 0u);
+  EXPECT_EQ(snapshot.leader_probability(), 1);
+}
+
+TEST_F(ResponseTest, AVerdictThatChangesIsToldEvenWhereNothingIsLearnt) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  Tick();
+  client.Await(&Response::has_posterior_snapshot);
+  v1::StreamTelemetryRequest manual;
+  manual.set_sequence(2);
+  manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
+  client.Send(manual);
+  ASSERT_TRUE(Applied(2));
+  for (uint64_t sequence = 3; sequence <= 5; ++sequence) {
+    client.Send(Frames(sequence, 30, 50));
+    ASSERT_TRUE(Applied(sequence));
+    const uint64_t decision_count = server_->counters().decision_count;
+    Tick();
+    // A tick that has not run yet takes the next frames into its window.
+    ASSERT_TRUE(Eventually([&] { return server_->counters().decision_count > decision_count; }));
+  }
+  const v1::PosteriorSnapshot snapshot =
+      client.Await(&Response::has_posterior_snapshot).posterior_snapshot();
+  EXPECT_EQ(snapshot.verdict(), v1::VERDICT_DEGRADED);
+  EXPECT_EQ(snapshot.arms_size(), 1);
+}
+
+TEST_F(ResponseTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
+  TelemetryClient client(channel_);
+  client.Open(OneArmHello());
+  client.Send(Frames(1, 30));
+  ASSERT_TRUE(Applied(1));
+  store_.Hold();
+  Tick();
+  ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
+  client.Send(Frames(2, 30));
+  ASSERT_TRUE(Applied(2));
+  Tick();
+  // The posteriors of the first window have waited for its commit, and wait no more.
+  const std::optional<Response> next = client.Read();
+  EXPECT_EQ(next->posterior_snapshot().arms(0).alpha() + next->posterior_snapshot().arms(0).beta(),
+            4);
+  EXPECT_FALSE(next->has_acknowledgement());
+  EXPECT_TRUE(Stored().arms.empty());
+  store_.Release();
+  EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
+  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
