@@ -51,10 +51,21 @@ absl::Status CannotMake(const fs::path& path, int why) {
       absl::StrCat("cannot make ", path.string(), ": ", std::generic_category().message(why)));
 }
 
-absl::StatusOr<TokenStore> OpenStore(const fs::path& data,
-                                     TokenStore::IfLost if_lost = TokenStore::IfLost::kRefuse) {
+// New tokens may take the place of lost ones.
+absl::StatusOr<TokenStore> MakeStore(const fs::path& data) {
   if (mkdir(data.c_str(), 0700) != 0 && errno != EEXIST) return CannotMake(data, errno);
-  return TokenStore::Open(data / storage::DataDirectory::kTokensName, if_lost);
+  return TokenStore::Open(data / storage::DataDirectory::kTokensName, TokenStore::IfLost::kReplace);
+}
+
+// Makes nothing in a directory that is no daemon's.
+absl::StatusOr<TokenStore> OpenStore(const fs::path& data) {
+  std::error_code unknown;  // what cannot be examined cannot be opened either
+  if (fs::is_directory(data, unknown) && !fs::is_empty(data, unknown))
+    return TokenStore::Open(data / storage::DataDirectory::kTokensName);
+  if (unknown && unknown != std::errc::no_such_file_or_directory)
+    return absl::UnavailableError(absl::StrCat(data.string(), ": ", unknown.message()));
+  return absl::NotFoundError(absl::StrCat("there are no tokens in ", data.string(),
+                                          "; name the daemon's directory with --data"));
 }
 
 std::string_view StateOf(const StoredToken& token, int64_t now_s) {
@@ -161,8 +172,7 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const
                                 .expires_unix_s = std::nullopt,
                                 .made_by = UserName()};
   if (days_) request.expires_unix_s = now_s + *days_ * kSecondsPerDay;
-  // New tokens may take the place of lost ones.
-  auto store = OpenStore(data, TokenStore::IfLost::kReplace);
+  auto store = MakeStore(data);
   if (!store.ok()) return store.status();
   if (out_file_.empty()) {
     const auto token = store->Create(request, now_s);
@@ -176,7 +186,8 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const
   if (!file.made()) return CannotMake(out_file_, errno);
   const auto token = store->Create(request, now_s);
   if (token.ok() && file.Write(*token + '\n')) {
-    out << out_file_.string() << ": token " << math::PrintableLine(name_) << '\n';
+    out << out_file_.string() << ": token " << math::PrintableLine(name_) << " of " << data.string()
+        << '\n';
     return absl::OkStatus();
   }
   std::error_code ignored;

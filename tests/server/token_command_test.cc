@@ -56,6 +56,16 @@ TEST_F(TokenCommandTest, CreateShowsTheTokenAndNothingElseShowsIt) {
   EXPECT_EQ(fs::status(data_).permissions(), fs::perms::owner_all);
 }
 
+TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryThatIsNoDaemons) {
+  for (const auto& arguments : {std::vector<std::string>{"list"}, {"revoke", "game"}}) {
+    EXPECT_THAT(Run(arguments),
+                HasSubstr("no tokens in " + data_.string() + "; name the daemon's"));
+    EXPECT_FALSE(fs::exists(data_));
+  }
+  EXPECT_THAT(Run({"create", "game", "--role", "watch", "--out", file_}),
+              HasSubstr("token game of " + data_.string()));
+}
+
 TEST_F(TokenCommandTest, CreateWritesTheTokenToANewFileOfItsOwner) {
   EXPECT_THAT(Run({"create", "game", "--role", "watch", "--out", file_}),
               Not(HasSubstr("sweepstake_")));
