@@ -328,9 +328,12 @@ void LoadRun::AwaitAcknowledgements(int64_t end_ns) {
 
 Status LoadRun::Shortfall() {
   const std::lock_guard lock(mutex_);
-  if (result_.finished_count >= plan_.stream_count || (last_error_.ok() && stop_())) return {};
-  const std::string reason = last_error_.ok() ? "the daemon did not answer their goodbye in time"
-                                              : "the last error: " + MessageWithReason(last_error_);
+  if (result_.finished_count >= plan_.stream_count ||
+      (last_error_.ok() && lost_.empty() && stop_()))
+    return {};
+  const std::string reason = last_error_.ok()
+                                 ? "the daemon ended them, or did not answer their goodbye in time"
+                                 : "the last error: " + MessageWithReason(last_error_);
   return {StatusCode::kUnavailable, std::to_string(result_.finished_count) + " of " +
                                         std::to_string(plan_.stream_count) + " games finished; " +
                                         reason};
