@@ -73,6 +73,12 @@ std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   return log;
 }
 
+int64_t WallClockS() {
+  return std::chrono::duration_cast<std::chrono::seconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 using ResumeKey = std::array<char, 32>;
 
 // Fills a private file with random bytes.
@@ -171,6 +177,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   }
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
   StartBackups(config_);
+  StartFolding(config_);
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
   log_->info("serving on port {} ({}, {}), priors in {}", rpc_->port(),
@@ -195,13 +202,22 @@ void Daemon::StartBackups(const Config& config) {
       });
 }
 
+void Daemon::StartFolding(const Config& config) {
+  storage::FoldPlan plan;
+  plan.days = config.fold_days;
+  folding_ = std::make_unique<storage::EvidenceFolding>(
+      *store_, plan, WallClockS, [this, days = plan.days](const storage::FoldRun& run) {
+        metrics_.OnFolded(run.source_count);
+        log_->info("folded the evidence of {} sessions of more than {} days ago, {} records",
+                   run.source_count, days, run.record_count);
+        if (!run.status.ok())
+          log_->error("not all could be folded: {}", std::string(run.status.message()));
+      });
+}
+
 absl::Status Daemon::OpenTokens() {
   auth::TokenRegistryOptions options;
-  options.unix_now_s = [] {
-    return std::chrono::duration_cast<std::chrono::seconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
-  };
+  options.unix_now_s = WallClockS;
   options.on_change = [this](const std::string& text) { ReportToken(text); };
   options.on_problem = [this](const absl::Status& status) {
     log_->error("{} cannot be read, and the tokens stay as they were: {}",
@@ -331,6 +347,10 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
     backups_.reset();
     StartBackups(*config);
   }
+  if (config->fold_days != in_force_.fold_days) {
+    folding_.reset();
+    StartFolding(*config);
+  }
   in_force_ = *config;
   log_->set_level(LevelOf(config->log_level));
   log_->info("the configuration was read again; the log level is {}; in force from now on: {}",
@@ -367,6 +387,7 @@ bool Daemon::Alive(std::chrono::milliseconds patience) const {
 void Daemon::Drain(std::chrono::milliseconds patience) {
   if (draining_.exchange(true)) return;
   if (backups_ != nullptr) backups_->Stop();
+  if (folding_ != nullptr) folding_->Stop();
   if (rpc_ != nullptr) {
     log_->info("draining: clients are told to come back later");
     rpc_->Drain(patience);

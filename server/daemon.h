@@ -22,6 +22,7 @@
 #include "server/rpc/rpc_server.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
+#include "server/storage/folding/evidence_folding.h"
 #include "server/storage/store_thread.h"
 #include "server/web/http_server.h"
 
@@ -59,6 +60,7 @@ class Daemon {
   Daemon(const Config& config, storage::DataDirectory directory);
   absl::Status Open(rpc::Clock& clock);
   void StartBackups(const Config& config);
+  void StartFolding(const Config& config);
   void LimitDatabase(uint64_t bytes);
   // Runs on the store's thread.
   void ReportStore(const absl::Status& status);
@@ -86,6 +88,7 @@ class Daemon {
   std::unique_ptr<auth::TokenRegistry> tokens_;
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
+  std::unique_ptr<storage::EvidenceFolding> folding_;  // after the store, which it uses
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it takes actions
   std::atomic<bool> draining_ = false;

@@ -138,7 +138,12 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
       damaged_(AddGauge(registry_, "sweepstake_store_damaged",
                         "1 if the store lost evidence or has wrong rows since its start, else 0.")),
       max_store_bytes_(AddGauge(registry_, "sweepstake_store_max_size_bytes",
-                                "Size that the store's file may have.")) {
+                                "Size that the store's file may have.")),
+      folded_sources_(prometheus::BuildCounter()
+                          .Name("sweepstake_store_folded_sources_total")
+                          .Help("Sessions whose evidence was folded into that of their month.")
+                          .Register(registry_)
+                          .Add({})) {
   prometheus::BuildGauge()
       .Name("sweepstake_build_info")
       .Help("1, with the version of the daemon.")

@@ -2,6 +2,7 @@
 // names a scene or a client, so that the number of series does not grow.
 #pragma once
 
+#include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/histogram.h>
 #include <prometheus/metric_family.h>
@@ -36,6 +37,9 @@ class DaemonMetrics {
 
   // What of the store was lost or damaged at the start: 1 if something, else 0.
   void SetDamaged(bool damaged) { damaged_.Set(damaged ? 1 : 0); }
+  void OnFolded(uint64_t source_count) {
+    folded_sources_.Increment(static_cast<double>(source_count));
+  }
   // The size that the store's file may have.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
 
@@ -55,6 +59,7 @@ class DaemonMetrics {
   prometheus::Histogram& timer_lateness_;
   prometheus::Gauge& damaged_;
   prometheus::Gauge& max_store_bytes_;
+  prometheus::Counter& folded_sources_;
 };
 
 }  // namespace sweepstake::server

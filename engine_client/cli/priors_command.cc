@@ -31,23 +31,35 @@ int RunList(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+std::string DescribeFolded(const ExportResult& result) {
+  if (result.folded_record_count == 0) return "";
+  return std::to_string(result.folded_record_count) + " more of old sessions, with " +
+         std::to_string(result.folded_window_count) +
+         " windows, were left out: the daemon has folded them together (fold_days)\n";
+}
+
 int RunExport(const PriorsOptions& options, Terminal& terminal) {
-  const auto records = ExportPriors(options.daemon, options.project, options.scene);
-  if (!records.ok()) return FailAnswer(terminal, records.status());
+  const auto result = ExportPriors(options.daemon, options.project, options.scene);
+  if (!result.ok()) return FailAnswer(terminal, result.status());
+  const size_t count = result->records.size();
   const bool selects = !options.project.empty() || !options.scene.empty();
-  if (selects && records->empty()) {
+  if (selects && count == 0) {
     return FailAnswer(terminal, Status(StatusCode::kNotFound,
                                        "the daemon has no such records, and " + options.file +
                                            " is left as it was; `sweepstake priors list` shows "
                                            "which it has"));
   }
-  const Status written = WritePriorsFile(*records, options.file);
+  const Status written = WritePriorsFile(result->records, options.file);
   if (!written.ok()) {
     return Fail(terminal, Status(StatusCode::kInvalidArgument, written.message()));
   }
-  PrintResult(terminal, options.json,
-              {{"command", "priors export"}, {"file", options.file}, {"records", records->size()}},
-              options.file + ": " + std::to_string(records->size()) + " records\n");
+  const Json document = {{"command", "priors export"},
+                         {"file", options.file},
+                         {"records", count},
+                         {"folded_records", result->folded_record_count},
+                         {"folded_windows", result->folded_window_count}};
+  PrintResult(terminal, options.json, document,
+              options.file + ": " + std::to_string(count) + " records\n" + DescribeFolded(*result));
   return kDone;
 }
 

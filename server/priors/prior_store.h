@@ -86,8 +86,9 @@ struct SourceUpdate {
 // The state of a source in a store.
 struct SourceState {
   SourceProgress progress;
-  std::vector<KeyedEvidence> evidence;  // ordered by key
-  uint32_t audit_segment = 0;           // the last one stored, or 0
+  std::vector<KeyedEvidence> evidence;  // ordered by key; without what was folded
+  bool is_counted = false;     // is one of a scene's sources; its evidence may have been folded
+  uint32_t audit_segment = 0;  // the last one stored, or 0
   // The times of the source's first and last commit here. Those of a file from before they were
   // kept are 0.
   uint64_t created_unix_s = 0;
@@ -97,7 +98,7 @@ struct SourceState {
 // The evidence of one key, summed over its sources.
 struct PriorSum {
   Evidence evidence;
-  uint64_t source_count = 0;
+  uint64_t source_count = 0;  // those whose evidence was folded count as one per month
 };
 
 // The sums of several keys.
@@ -170,6 +171,10 @@ struct ExportPlace {
 struct ExportPage {
   std::vector<PriorRecord> records;
   ExportPlace next;  // behind the last record
+  // What of the page's keys is left out, because it was folded together from the records of many
+  // sources: a store that has one of those records would count it twice.
+  uint64_t folded_record_count = 0;
+  uint64_t folded_window_count = 0;
 };
 
 struct ImportResult {
@@ -244,6 +249,7 @@ class PriorStore : public PriorReader {
 
   // Removes exactly the source's evidence, and bars the source from later commits and imports.
   // Returns the number of records removed; it is 0 for an unknown source, which is barred too.
+  // Evidence that was folded stays.
   virtual absl::StatusOr<uint64_t> Revoke(const std::string& source_id) = 0;
 };
 

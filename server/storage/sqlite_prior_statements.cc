@@ -18,6 +18,9 @@ struct StatementText {
 // readers need not visit the sources. Counts are added by total() or up to their max, because an
 // overflow would make a scene unreadable after two imported records.
 //
+// Evidence that was folded belongs to a source per month whose name begins with a control character
+// (FoldSources). No session and no record has such a name, and all of theirs sort behind ' '.
+//
 // Whoever writes a row writes its hash (sqlite_schema.h): row_hash of the new values where the row
 // is new, and where it is changed next_hash, which leaves a wrong hash wrong.
 constexpr StatementText<PriorStatements> kStatements[] = {
@@ -126,10 +129,56 @@ constexpr StatementText<PriorStatements> kStatements[] = {
             hash = next_hash(hash, content_hash,
                              row_hash(project, scene, machine_class, reward_version,
                                       source_count - 1))
-        WHERE id IN (SELECT scene_id FROM scene_source WHERE source_id = ?1))sql"},
-    {&PriorStatements::forget_scenes, "DELETE FROM scene_source WHERE source_id = ?1"},
+        WHERE id IN (SELECT k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id
+                     WHERE source_id = ?1))sql"},
+    // A source whose evidence was folded stays counted where that is.
+    {&PriorStatements::forget_scenes, R"sql(
+        DELETE FROM scene_source
+        WHERE source_id = ?1
+          AND scene_id IN (SELECT k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id
+                           WHERE source_id = ?1))sql"},
     {&PriorStatements::delete_evidence,
      "DELETE FROM evidence WHERE source_id = ?1 RETURNING key_id"},
+    // The month is empty where the evidence is to stay as it is.
+    {&PriorStatements::next_evidence, R"sql(
+        SELECT e.source_id, e.key_id,
+               iif(is_session = 1 AND last_seen_unix_s BETWEEN 1 AND ?3 AND hash = content_hash,
+                   strftime('%Y-%m', last_seen_unix_s, 'unixepoch'), '')
+        FROM (SELECT source_id, key_id FROM evidence
+              WHERE source_id >= ?1 AND (source_id > ?1 OR key_id > ?2)
+              ORDER BY source_id, key_id LIMIT ?4) e
+             CROSS JOIN source ON id = e.source_id
+        ORDER BY 1, 2)sql"},
+    {&PriorStatements::add_folded_source, R"sql(
+        INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
+                            explored_arm_count, decision_count, frame_count, seed, hash)
+        VALUES (?1, 0, 0, 0, 0, 0, 0, 0, 0, row_hash(?1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0))
+        ON CONFLICT (name) DO UPDATE SET name = name
+        RETURNING id)sql"},
+    // A folded row's sequence is the number of rows that were added to it. What is damaged stays
+    // where it is, and nothing is added to it; nor does a row grow beyond what it may hold.
+    {&PriorStatements::fold_evidence, R"sql(
+        INSERT INTO evidence (key_id, source_id, sequence, alpha, beta, window_count,
+                              bail_out_count, hash)
+        SELECT e.key_id, ?3, 1, e.alpha, e.beta, e.window_count, e.bail_out_count,
+               row_hash(e.key_id, ?3, 1, e.alpha, e.beta, e.window_count, e.bail_out_count)
+        FROM evidence e LEFT JOIN evidence f ON f.key_id = e.key_id AND f.source_id = ?3
+        WHERE e.key_id = ?1 AND e.source_id = ?2 AND e.hash = e.content_hash
+          AND (f.key_id IS NULL
+               OR (f.hash = f.content_hash AND e.alpha + f.alpha < 1e15 AND e.beta + f.beta < 1e15
+                   AND e.window_count <= 9223372036854775807 - f.window_count
+                   AND e.bail_out_count <= 9223372036854775807 - f.bail_out_count))
+        ON CONFLICT DO UPDATE
+          SET sequence = sequence + 1, alpha = alpha + excluded.alpha,
+              beta = beta + excluded.beta, window_count = window_count + excluded.window_count,
+              bail_out_count = bail_out_count + excluded.bail_out_count,
+              hash = next_hash(hash, content_hash,
+                               row_hash(key_id, source_id, sequence + 1, alpha + excluded.alpha,
+                                        beta + excluded.beta,
+                                        window_count + excluded.window_count,
+                                        bail_out_count + excluded.bail_out_count))
+        RETURNING sequence)sql"},
+    {&PriorStatements::delete_folded, "DELETE FROM evidence WHERE key_id = ?1 AND source_id = ?2"},
 };
 
 constexpr StatementText<PriorReadStatements> kReadStatements[] = {
@@ -141,7 +190,8 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
           AND k.backend_version = ?5 AND k.machine_class = ?6 AND k.reward_version = ?7)sql"},
     {&PriorReadStatements::load_source, R"sql(
         SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
-               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash
+               frame_count, seed, created_unix_s, last_seen_unix_s, hash = content_hash,
+               EXISTS (SELECT 1 FROM scene_source WHERE source_id = id)
         FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
     {&PriorReadStatements::source_evidence, R"sql(
         SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
@@ -194,8 +244,12 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         SELECT s.id, name, sequence, alpha, beta, window_count, bail_out_count,
                e.hash = e.content_hash AND s.hash = s.content_hash
         FROM evidence e CROSS JOIN source s ON s.id = source_id
-        WHERE key_id = ?1 AND source_id > ?2
+        WHERE key_id = ?1 AND source_id > ?2 AND name >= ' '
         ORDER BY source_id LIMIT ?3)sql"},
+    {&PriorReadStatements::folded_evidence, R"sql(
+        SELECT CAST(total(sequence) AS INTEGER), CAST(total(window_count) AS INTEGER)
+        FROM source s CROSS JOIN evidence e ON key_id = ?1 AND source_id = s.id
+        WHERE name < ' ')sql"},
 };
 
 template <typename Statements, size_t kCount>

@@ -1,5 +1,6 @@
 #include "server/storage/sqlite_prior_store.h"
 
+#include <map>
 #include <unordered_set>
 #include <utility>
 
@@ -21,6 +22,16 @@ using priors::SceneFilter;
 using priors::SceneKey;
 
 using KeyIds = std::unordered_set<int64_t>;
+
+constexpr uint32_t kRowsPerFold = 200;
+
+using FoldedSources = std::map<std::string, int64_t>;  // ids, by month
+
+// A row of evidence that a fold looks at.
+struct FoldRow {
+  FoldPlace place;
+  std::string month;  // empty if it stays
+};
 
 class SqlitePriorStore final : public priors::PriorStore {
  public:
@@ -56,6 +67,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
+  absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -85,6 +97,11 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Bars the source and inserts the keys that it had evidence of into `changed`.
   absl::Status RemoveEvidence(const std::string& source_id, KeyIds& changed);
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
+  absl::StatusOr<std::vector<FoldRow>> NextToFold(const FoldPlace& after, uint64_t last_unix_s);
+  // Returns the id of the source that has the month's folded evidence. `known` is filled.
+  absl::StatusOr<int64_t> FoldedSource(const std::string& month, FoldedSources& known);
+  // Returns whether the row was folded.
+  absl::StatusOr<bool> FoldOne(const FoldRow& row, FoldedSources& known);
 
   SqliteDatabase database_;
   // Statements must be destroyed before the database, so they stand after it.
@@ -268,6 +285,68 @@ absl::Status SqlitePriorStore::RemoveEvidence(const std::string& source_id, KeyI
   return status.ok() ? RecountSums(changed) : status;
 }
 
+absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s) {
+  FoldStep step{.next = after};
+  int64_t last_source = after.source;  // was counted by the step before
+  absl::Status status = InTransaction([&] {
+    const auto rows = NextToFold(after, last_unix_s);
+    if (!rows.ok()) return rows.status();
+    step.last = rows->size() < kRowsPerFold;
+    FoldedSources known;
+    for (const FoldRow& row : *rows) {
+      step.next = row.place;
+      const auto folded = FoldOne(row, known);
+      if (!folded.ok()) return folded.status();
+      if (!*folded) continue;
+      ++step.record_count;
+      if (std::exchange(last_source, row.place.source) != row.place.source) ++step.source_count;
+    }
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  return step;
+}
+
+absl::StatusOr<std::vector<FoldRow>> SqlitePriorStore::NextToFold(const FoldPlace& after,
+                                                                  uint64_t last_unix_s) {
+  std::vector<FoldRow> rows;
+  absl::Status status = statements_.next_evidence.ForEachRow(
+      [&](const SqliteRow& row) {
+        rows.push_back({{row.Integer(0), row.Integer(1)}, row.Text(2)});
+      },
+      after.source, after.key, last_unix_s, kRowsPerFold);
+  if (!status.ok()) return status;
+  return rows;
+}
+
+absl::StatusOr<int64_t> SqlitePriorStore::FoldedSource(const std::string& month,
+                                                       FoldedSources& known) {
+  int64_t& id = known[month];
+  if (id != 0) return id;
+  const std::string name = "\nfolded " + month;
+  absl::Status status = statements_.add_folded_source.ForEachRow(
+      [&](const SqliteRow& row) { id = row.Integer(0); }, name);
+  if (!status.ok()) return status;
+  return id;
+}
+
+absl::StatusOr<bool> SqlitePriorStore::FoldOne(const FoldRow& row, FoldedSources& known) {
+  if (row.month.empty()) return false;
+  const auto target = FoldedSource(row.month, known);
+  if (!target.ok()) return target.status();
+  int64_t folded_count = 0;
+  const auto [source, key] = row.place;
+  absl::Status status = statements_.fold_evidence.ForEachRow(
+      [&](const SqliteRow& folded) { folded_count = folded.Integer(0); }, key, source, *target);
+  if (status.ok() && folded_count == 0) return false;
+  if (status.ok()) status = statements_.delete_folded.Run(key, source);
+  // One row of the key takes the place of two.
+  if (status.ok() && folded_count > 1)
+    status = statements_.add_to_sums.Run(key, 0.0, 0.0, uint64_t{0}, uint64_t{0}, int64_t{-1});
+  if (!status.ok()) return status;
+  return true;
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
@@ -288,6 +367,11 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 
 absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes) {
   return static_cast<SqlitePriorStore&>(store).LimitSize(max_bytes);
+}
+
+absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,
+                                     uint64_t last_unix_s) {
+  return static_cast<SqlitePriorStore&>(store).Fold(after, last_unix_s);
 }
 
 }  // namespace sweepstake::storage

@@ -15,6 +15,7 @@
 
 #include "server/auth/token_store.h"
 #include "server/rpc/health_probe.h"
+#include "server/storage/sqlite_prior_store.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
@@ -77,20 +78,22 @@ v1::StreamTelemetryRequest OneFrame(uint64_t sequence) {
   return request;
 }
 
-// Opens a session, teaches it one window, and returns its welcome when that is acknowledged.
-v1::Welcome RunSession(int port) {
+// Opens a session, teaches it one window with the message of that number, and returns its welcome
+// when that is acknowledged.
+v1::Welcome RunSession(int port, const v1::StreamTelemetryRequest& hello = Hello(),
+                       uint64_t sequence = 1) {
   const auto channel =
       grpc::CreateChannel("127.0.0.1:" + std::to_string(port), grpc::InsecureChannelCredentials());
   const auto stub = v1::TelemetryService::NewStub(channel);
   grpc::ClientContext context;
   const auto stream = stub->StreamTelemetry(&context);
-  stream->Write(Hello());
-  stream->Write(OneFrame(1));
+  stream->Write(hello);
+  stream->Write(OneFrame(sequence));
   v1::Welcome welcome;
   v1::StreamTelemetryResponse response;
   while (stream->Read(&response)) {
     if (response.has_welcome()) welcome = response.welcome();
-    if (response.has_acknowledgement() && response.acknowledgement().sequence() == 1) break;
+    if (response.has_acknowledgement() && response.acknowledgement().sequence() == sequence) break;
   }
   context.TryCancel();
   stream->Finish();
@@ -280,6 +283,48 @@ TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
   const auto daemon = Start();
   EXPECT_FALSE(RunSession(daemon->port()).session_id().empty()) << "acknowledged";
   EXPECT_EQ(*rpc::HealthOf(ChannelTo(*daemon), std::chrono::minutes(1)), rpc::Health::kServing);
+}
+
+// Reads what a watcher is told of the scene until that has so many windows.
+v1::ScenePosterior AwaitWindows(grpc::ClientReader<v1::WatchPosteriorsResponse>& watcher,
+                                uint64_t count) {
+  v1::WatchPosteriorsResponse event;
+  do {
+    EXPECT_TRUE(watcher.Read(&event));
+  } while (event.posterior().arms_size() == 0 || event.posterior().arms(0).window_count() < count);
+  return event.posterior();
+}
+
+TEST_F(DaemonTest, ASessionWhoseEvidenceWasFoldedGoesOnAndIsTheSameSource) {
+  const v1::Welcome first = RunSession(Start()->port());
+  {
+    const auto store = *storage::OpenSqlitePriorStore(config_.data / "priors.db");
+    ASSERT_EQ(storage::FoldSources(*store, {}, 1ull << 40)->source_count, 1u);
+  }
+  const auto daemon = Start();
+  const auto stub = v1::PosteriorsService::NewStub(ChannelTo(*daemon));
+  grpc::ClientContext context;
+  const auto watcher = stub->WatchPosteriors(&context, {});
+  RunSession(daemon->port());  // from now on the sums of the scene are kept
+  EXPECT_EQ(AwaitWindows(*watcher, 2).source_count(), 2u);
+  v1::StreamTelemetryRequest hello = Hello();
+  hello.mutable_hello()->set_session_id(first.session_id());
+  hello.mutable_hello()->set_resume_token(first.resume_token());
+  const v1::Welcome again = RunSession(daemon->port(), hello, 2);
+  EXPECT_TRUE(again.resumed());
+  EXPECT_EQ(again.acknowledged_sequence(), 1u);
+  EXPECT_NEAR(again.priors(0).alpha() + again.priors(0).beta(), 4, 1e-9);
+  EXPECT_EQ(AwaitWindows(*watcher, 3).source_count(), 2u);
+  context.TryCancel();
+  v1::GetPosteriorRequest request;
+  request.set_project("game");
+  request.set_scene("harbour");
+  request.set_reward_version(1);
+  v1::GetPosteriorResponse stored;
+  grpc::ClientContext get;
+  ASSERT_TRUE(stub->GetPosterior(&get, request, &stored).ok());
+  EXPECT_EQ(stored.scene().source_count(), 2u);
+  EXPECT_EQ(stored.scene().arms(0).window_count(), 3u);
 }
 
 class DaemonTokenTest : public DaemonTest {

@@ -23,8 +23,8 @@ uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> r
   std::set<Place> known;
   for (const auto& [project, scene] : scenes) {
     const auto theirs = ExportPriors(daemon, project, scene);
-    if (!theirs.ok()) return 0;
-    for (const PriorRecord& record : *theirs)
+    if (!theirs.ok() || theirs->folded_record_count > 0) return 0;
+    for (const PriorRecord& record : theirs->records)
       known.emplace(record.project, record.scene, record.source_id);
   }
   return static_cast<uint64_t>(
@@ -35,9 +35,8 @@ uint64_t CountAbsent(const DaemonOptions& daemon, std::span<const PriorRecord> r
 
 }  // namespace
 
-Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
-                                              const std::string& project,
-                                              const std::string& scene) {
+Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
+                                  const std::string& scene) {
   const auto channel = OpenChannel(daemon);
   if (!channel.ok()) return channel.status();
   const auto stub = v1::PriorsService::NewStub(*channel);
@@ -47,14 +46,17 @@ Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
   request.set_project(project);
   request.set_scene(scene);
   const auto reader = stub->ExportPriors(&context, request);
-  std::vector<PriorRecord> records;
+  ExportResult result;
   v1::ExportPriorsResponse part;
   while (reader->Read(&part)) {
-    for (const v1::PriorRecord& message : part.records()) records.push_back(FromProto(message));
+    for (const v1::PriorRecord& message : part.records())
+      result.records.push_back(FromProto(message));
+    result.folded_record_count += part.folded_record_count();
+    result.folded_window_count += part.folded_window_count();
   }
   const Status status = ToStatus(reader->Finish(), daemon);
   if (!status.ok()) return status;
-  return records;
+  return result;
 }
 
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon,

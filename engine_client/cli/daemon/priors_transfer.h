@@ -11,17 +11,26 @@
 
 namespace sweepstake::cli {
 
+struct ExportResult {
+  std::vector<PriorRecord> records;
+  // Records of old sessions that the daemon has folded together and leaves out, and the decision
+  // windows behind them.
+  uint64_t folded_record_count = 0;
+  uint64_t folded_window_count = 0;
+};
+
 struct ImportResult {
   uint64_t applied_count = 0;
   uint64_t unchanged_count = 0;
   // Of these, those that the daemon does not have under their project and scene: it knows their
-  // sources under others, or has revoked them. 0 as well where the daemon does not let us look.
+  // sources under others, or has revoked them. 0 as well where the daemon does not let us look,
+  // or leaves some out because it has folded them.
   uint64_t absent_count = 0;
 };
 
 // An empty `project` or `scene` selects all. Error: kUnavailable (no daemon answered).
-Result<std::vector<PriorRecord>> ExportPriors(const DaemonOptions& daemon,
-                                              const std::string& project, const std::string& scene);
+Result<ExportResult> ExportPriors(const DaemonOptions& daemon, const std::string& project,
+                                  const std::string& scene);
 // Adds all records or, on an error, none.
 Result<ImportResult> ImportPriors(const DaemonOptions& daemon,
                                   std::span<const PriorRecord> records);

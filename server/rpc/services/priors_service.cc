@@ -26,9 +26,11 @@ absl::StatusOr<ExportStream::Page> LoadRecords(priors::PriorReader& store,
   const auto stored = store.Export(filter, after, kRecordsPerMessage);
   if (!stored.ok()) return stored.status();
   ExportStream::Page page;
-  page.empty = stored->records.empty();
+  page.empty = stored->records.empty() && stored->folded_record_count == 0;
   page.last = stored->records.size() < kRecordsPerMessage;
   for (const PriorRecord& record : stored->records) ToProto(record, *page.response.add_records());
+  page.response.set_folded_record_count(stored->folded_record_count);
+  page.response.set_folded_window_count(stored->folded_window_count);
   page.next = stored->next;
   return page;
 }

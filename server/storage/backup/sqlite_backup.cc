@@ -31,9 +31,28 @@ constexpr const char* kWrongSums = R"sql(
 
 constexpr const char* kWrongCounts = R"sql(
   SELECT count(*) FROM scene LEFT JOIN
-    (SELECT scene_id, count(DISTINCT source_id) AS n
-     FROM evidence JOIN evidence_key k ON k.id = key_id GROUP BY scene_id) ON scene_id = id
+    (SELECT scene_id, count(*) AS n FROM scene_source GROUP BY scene_id) ON scene_id = id
   WHERE source_count <> ifnull(n, 0))sql";
+
+// A scene has the sources of its evidence, and sessions whose evidence was folded. Names of those
+// that have folded evidence are before ' '.
+constexpr const char* kUncountedSources = R"sql(
+  SELECT count(*) FROM
+    (SELECT source_id, k.scene_id
+     FROM evidence JOIN evidence_key k ON k.id = key_id JOIN source s ON s.id = source_id
+     WHERE s.name >= ' '
+     EXCEPT SELECT source_id, scene_id FROM scene_source))sql";
+
+constexpr const char* kSourcesOfNothing = R"sql(
+  SELECT count(*) FROM
+    (SELECT source_id, scene_id FROM scene_source
+     EXCEPT SELECT source_id, k.scene_id FROM evidence JOIN evidence_key k ON k.id = key_id) m
+    JOIN source s ON s.id = m.source_id
+  WHERE is_session = 0
+    OR m.scene_id NOT IN
+      (SELECT k.scene_id
+       FROM evidence JOIN evidence_key k ON k.id = key_id JOIN source f ON f.id = source_id
+       WHERE f.name < ' '))sql";
 
 absl::Status Corrupt(const fs::path& file, absl::string_view what) {
   return absl::DataLossError(
@@ -62,7 +81,11 @@ absl::Status CheckRows(SqliteDatabase& database, const fs::path& file, int64_t v
   }
   status = CheckNone(database, kWrongSums, file, "sums that are not those of their rows");
   if (!status.ok()) return status;
-  return CheckNone(database, kWrongCounts, file, "scenes with a wrong number of sources");
+  status = CheckNone(database, kWrongCounts, file, "scenes with a wrong number of sources");
+  if (status.ok())
+    status = CheckNone(database, kUncountedSources, file, "sources that their scene does not have");
+  if (!status.ok()) return status;
+  return CheckNone(database, kSourcesOfNothing, file, "sources of scenes without their evidence");
 }
 
 absl::StatusOr<StoreContents> Count(SqliteDatabase& database, int64_t version) {
@@ -71,7 +94,9 @@ absl::StatusOr<StoreContents> Count(SqliteDatabase& database, int64_t version) {
       {&contents.scene_count,
        "SELECT count(*) FROM (SELECT DISTINCT project, scene, machine_class, reward_version FROM "
        "evidence_key WHERE id IN (SELECT key_id FROM evidence))"},
-      {&contents.source_count, "SELECT count(DISTINCT source_id) FROM evidence"},
+      {&contents.source_count, version < kFirstVersionWithSums
+                                   ? "SELECT count(DISTINCT source_id) FROM evidence"
+                                   : "SELECT count(DISTINCT source_id) FROM scene_source"},
       {&contents.record_count, "SELECT count(*) FROM evidence"},
       {&contents.audit_row_count, version == 1 ? "SELECT 0" : "SELECT count(*) FROM audit_row"},
   };
