@@ -153,7 +153,6 @@ std::shared_ptr<GameSession> TelemetryStream::FindSession() {
 }
 
 absl::Status TelemetryStream::Load() {
-  names_before_load_ = context_.sessions.new_scenes().stored_name_count();
   DecisionLoop& loop = context_.loop;
   loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnLoadOverdue();
@@ -161,12 +160,14 @@ absl::Status TelemetryStream::Load() {
   auto load = [weak = weak_from_this(), &loop, &options = context_.options,
                wanted = *hello_](priors::PriorReader& store) {
     if (weak.expired()) return;  // Nobody waits for it any more.
-    loop.Post([weak, start = LoadStart(store, wanted, options)] {
+    // Behind the commits that it sees, which are told with PostLater, too.
+    loop.PostLater([weak, start = LoadStart(store, wanted, options)] {
       if (const auto self = weak.lock()) self->OnLoaded(start);
     });
   };
-  const bool submitted = hello_->session_id().empty() ? context_.store.Read(std::move(load))
-                                                      : context_.store.Submit(std::move(load));
+  counting_ = counting_ || !hello_->session_id().empty();
+  const bool submitted =
+      counting_ ? context_.store.Submit(std::move(load)) : context_.store.Read(std::move(load));
   if (submitted) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_STORE_BUSY,
                  "the prior store has too much to do; connect again later");
@@ -174,6 +175,7 @@ absl::Status TelemetryStream::Load() {
 
 void TelemetryStream::OnLoadOverdue() {
   if (end_ || session_) return;
+  counting_ = true;  // as well as it can be
   OnLoaded({.priors = {},
             .source = {},
             .new_scene = UnstoredScene{},
@@ -195,12 +197,10 @@ absl::Status TelemetryStream::Begin(const StoredStart& start) {
   }
   if (start.source && hello_->session_id().empty()) return Load();
   if (!start.refusal.ok()) return start.refusal;
+  if (start.new_scene && !std::exchange(counting_, true)) return Load();
   std::optional<NewScenes::Hold> hold;
   if (start.new_scene) {
-    NewScenes& scenes = context_.sessions.new_scenes();
-    UnstoredScene unstored = *start.new_scene;
-    unstored.stored.names += scenes.stored_name_count() - names_before_load_;
-    auto taken = scenes.Take(FromProto(*hello_), unstored);
+    auto taken = context_.sessions.new_scenes().Take(FromProto(*hello_), *start.new_scene);
     if (!taken.ok()) return taken.status();
     hold.emplace(*std::move(taken));
   }

@@ -147,7 +147,8 @@ class TelemetryStream final : public SessionLink,
   uint32_t decision_interval_ms_ = 0;
   uint32_t batch_interval_ms_ = 0;  // that the client was told
   auth::RateBucket messages_;
-  uint64_t names_before_load_ = 0;  // NewScenes::stored_name_count
+  // The store is read on its writing thread, since a new scene counts against its project's quota.
+  bool counting_ = false;
   // What is to be sent with the next write. Only the latest of each kind is kept, so that a client
   // that reads slowly gets the newest state and costs one response.
   v1::StreamTelemetryResponse outbox_;

@@ -47,7 +47,7 @@ void NewScenes::Release(const priors::SceneKey& scene) {
 void NewScenes::Forget(const priors::SceneKey& scene) {
   const auto project = projects_.find(scene.project);
   if (project == projects_.end()) return;
-  stored_name_count_ += project->second.names.erase(scene.scene);
+  project->second.names.erase(scene.scene);
   project->second.keys.erase(scene);
   if (project->second.keys.empty()) projects_.erase(project);
 }

@@ -15,7 +15,8 @@
 
 namespace sweepstake::rpc {
 
-// What the store says about a scene that it does not have.
+// What the store says about a scene that it does not have. Read on its writing thread, and told to
+// the loop with PostLater, it has the scenes that were forgotten here until then, and no other.
 struct UnstoredScene {
   priors::SceneCount stored;  // what it has of the project
   bool new_name = true;       // no other machine class or reward version of it is stored, either
@@ -48,9 +49,6 @@ class NewScenes {
   // Error: RESOURCE_EXHAUSTED (with this one the project would have more than it may).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
-  // How many names the store has got from holds so far. What the store said before that may not
-  // have them.
-  uint64_t stored_name_count() const { return stored_name_count_; }
   // Returns how many scenes are held, of all projects.
   size_t size() const;
 
@@ -66,7 +64,6 @@ class NewScenes {
 
   const RpcOptions& options_;
   std::map<std::string, Project> projects_;
-  uint64_t stored_name_count_ = 0;
 };
 
 }  // namespace sweepstake::rpc

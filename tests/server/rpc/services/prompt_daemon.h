@@ -4,6 +4,7 @@
 
 #include <spdlog/logger.h>
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +19,7 @@
 
 namespace sweepstake::rpc {
 
-// Answers at once, on the caller's thread.
+// Answers at once, on the caller's thread, but for reads that are held.
 class PromptStore final : public priors::AsyncPriorStore {
  public:
   void Commit(priors::SourceUpdate update, CommitCallback done) override {
@@ -29,13 +30,27 @@ class PromptStore final : public priors::AsyncPriorStore {
     return true;
   }
   bool Read(ReadJob job) override {
-    job(store);
+    if (!holds_reads_) {
+      job(store);
+    } else {
+      held_.emplace_back(store, std::move(job));
+    }
     return true;
+  }
+  // Reads that begin until EndReads see the store as it is then, and are answered at EndReads.
+  void HoldReads() { holds_reads_ = true; }
+  void EndReads() {
+    holds_reads_ = false;
+    for (auto& [state, job] : std::exchange(held_, {})) job(state);
   }
   bool healthy() const override { return true; }
   uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
 
   storage::MemoryPriorStore store;
+
+ private:
+  bool holds_reads_ = false;
+  std::deque<std::pair<storage::MemoryPriorStore, ReadJob>> held_;
 };
 
 struct PromptDaemon {

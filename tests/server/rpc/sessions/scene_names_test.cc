@@ -47,10 +47,25 @@ class SceneNamesTest : public ::testing::Test {
     ADD_FAILURE() << "none was refused";
     return streams_.size() - before;
   }
+  void Open(size_t count, const std::string& project = "game") {
+    for (; count > 0; --count) {
+      v1::Hello hello = HelloOf(next_scene_++);
+      hello.set_project(project);
+      streams_.push_back(std::make_unique<PromptStream>(daemon_));
+      EXPECT_TRUE(streams_.back()->Send(Request(hello)));
+    }
+  }
+  void Decide() {
+    daemon_.Advance(daemon_.options.decision.decision_interval_ns);
+    daemon_.Advance(daemon_.options.decision.decision_interval_ns);
+  }
   void Learn(PromptStream& stream) {
     EXPECT_TRUE(stream.Send(Frames(1, 30)));
-    daemon_.Advance(daemon_.options.decision.decision_interval_ns);
-    daemon_.Advance(daemon_.options.decision.decision_interval_ns);
+    Decide();
+  }
+  void LearnAll() {
+    for (const auto& stream : streams_) EXPECT_TRUE(stream->Send(Frames(1, 30)));
+    Decide();
   }
 
   static RpcOptions Prompt() {
@@ -86,6 +101,33 @@ TEST_F(SceneNamesTest, AStoredSceneCountsOnceAndALostSessionsGoesWithIt) {
   daemon_.Advance(70 * kSecondNs);
   daemon_.Advance(70 * kSecondNs);
   EXPECT_EQ(OpenUntilRefused(), 60u);
+}
+
+TEST_F(SceneNamesTest, OfThoseThatAreStoredWhileAHelloIsReadNoneIsMissedOrCountedTwice) {
+  Open(99);
+  daemon_.store.HoldReads();
+  PromptStream last(daemon_);
+  last.Send(Request(HelloOf(next_scene_++)));
+  PromptStream beyond(daemon_);
+  beyond.Send(Request(HelloOf(next_scene_++)));
+  LearnAll();
+  EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 99u);
+  daemon_.store.EndReads();
+  daemon_.Advance(0);
+  EXPECT_TRUE(last.welcomed());
+  ASSERT_TRUE(beyond.end());
+  EXPECT_EQ(ReasonOfRefusal(*beyond.end()), v1::ERROR_REASON_TOO_MANY_SCENES);
+}
+
+TEST_F(SceneNamesTest, ThoseOfAnotherProjectDoNotCountHowManyEverAreStoredMeanwhile) {
+  Open(100, "other");
+  daemon_.store.HoldReads();
+  PromptStream first(daemon_);
+  first.Send(Request(HelloOf(next_scene_++)));
+  LearnAll();
+  daemon_.store.EndReads();
+  daemon_.Advance(0);
+  EXPECT_TRUE(first.welcomed());
 }
 
 TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
