@@ -94,7 +94,7 @@ RpcServer::RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& 
       watchers_(context_),
       stalls_(loop_, options_.watcher_patience_ns),
       telemetry_(context_),
-      admin_(options_, loop_, store, counters_),
+      admin_(loop_, store, counters_),
       posteriors_(context_),
       priors_(context_, admin_),
       audit_(context_),
@@ -202,8 +202,7 @@ void RpcServer::UpdateHealth() {
   } else {
     context_.log.error(
         "the prior store cannot write, or a read of it does not end: decisions go on in memory, "
-        "and "
-        "nothing is acknowledged that is not on disk");
+        "and nothing is acknowledged that is not on disk");
   }
 }
 

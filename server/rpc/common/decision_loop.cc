@@ -53,11 +53,8 @@ DecisionLoop::~DecisionLoop() {
   thread_.join();
 }
 
-void DecisionLoop::Post(Task task) { Put(posted_, std::move(task)); }
-
-void DecisionLoop::PostLater(Task task) { Put(later_, std::move(task)); }
-
-void DecisionLoop::Put(std::deque<Task>& queue, Task task) {
+template <typename Queue>
+void DecisionLoop::Put(Queue& queue, Task task) {
   bool first = false;
   {
     const std::lock_guard lock(mutex_);
@@ -66,6 +63,10 @@ void DecisionLoop::Put(std::deque<Task>& queue, Task task) {
   }
   if (first) clock_.Wake();
 }
+
+void DecisionLoop::Post(Task task) { Put(posted_, std::move(task)); }
+
+void DecisionLoop::PostLater(Task task) { Put(later_, std::move(task)); }
 
 void DecisionLoop::PostAt(int64_t due_ns, Task task) {
   {
@@ -78,8 +79,7 @@ void DecisionLoop::PostAt(int64_t due_ns, Task task) {
 bool DecisionLoop::Collect(Turn& turn) {
   const int64_t now_ns = clock_.NowNs();
   const std::lock_guard lock(mutex_);
-  std::move(posted_.begin(), posted_.end(), std::back_inserter(turn.ready));
-  posted_.clear();
+  turn.ready.swap(posted_);
   const auto later_end =
       later_.begin() + static_cast<ptrdiff_t>(std::min(later_.size(), kLaterTasksPerTurn));
   std::move(later_.begin(), later_end, std::back_inserter(turn.ready));

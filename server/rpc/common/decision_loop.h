@@ -91,7 +91,8 @@ class DecisionLoop {
   };
 
   void Run();
-  void Put(std::deque<Task>& queue, Task task);
+  template <typename Queue>
+  void Put(Queue& queue, Task task);
   // Moves all that is posted into the turn, then a few of the tasks that may come later and of the
   // timers that are due. Returns false if the loop closes and nothing is left.
   bool Collect(Turn& turn);
@@ -100,11 +101,11 @@ class DecisionLoop {
   Clock& clock_;
   const OnTimer on_timer_;
   std::mutex mutex_;
-  std::deque<Task> posted_;  // guarded by mutex_
-  std::deque<Task> later_;   // guarded by mutex_
-  Timers timers_;            // guarded by mutex_
-  bool closing_ = false;     // guarded by mutex_
-  std::thread thread_;       // last: it uses the members above; none if the caller is the runner
+  std::vector<Task> posted_;  // guarded by mutex_
+  std::deque<Task> later_;    // guarded by mutex_
+  Timers timers_;             // guarded by mutex_
+  bool closing_ = false;      // guarded by mutex_
+  std::thread thread_;        // last: it uses the members above; none if the caller is the runner
 };
 
 }  // namespace sweepstake::rpc

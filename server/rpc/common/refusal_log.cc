@@ -27,12 +27,20 @@ void RefusalLog::Tell(std::string_view peer, const absl::Status& refusal) {
 
 void RefusalLog::TellLeftOut() {
   const int64_t now_ns = clock_.NowNs();
-  const std::lock_guard lock(mutex_);
-  for (size_t reason = 0; reason < lines_.size(); ++reason) {
-    Line& line = lines_.at(reason);
-    if (line.left_out_count == 0 || now_ns < line.next_ns) continue;
-    line.next_ns = now_ns + kIntervalNs;
-    log_.warn("refused {} more ({})", std::exchange(line.left_out_count, 0),
+  std::array<uint64_t, v1::ErrorReason_ARRAYSIZE> left_out_counts{};
+  {
+    const std::lock_guard lock(mutex_);
+    for (size_t reason = 0; reason < lines_.size(); ++reason) {
+      Line& line = lines_.at(reason);
+      if (line.left_out_count == 0 || now_ns < line.next_ns) continue;
+      line.next_ns = now_ns + kIntervalNs;
+      left_out_counts.at(reason) = std::exchange(line.left_out_count, 0);
+    }
+  }
+  // Writing a line may take its time, and calls wait for the lock.
+  for (size_t reason = 0; reason < left_out_counts.size(); ++reason) {
+    if (left_out_counts.at(reason) == 0) continue;
+    log_.warn("refused {} more ({})", left_out_counts.at(reason),
               std::string(NameOf(static_cast<v1::ErrorReason>(reason))));
   }
 }

@@ -27,9 +27,8 @@ class AdminLog {
   // Rows that wait while the store cannot be read; the next ones are lost, and counted.
   static constexpr size_t kMaxWaiting = 1'000;
 
-  AdminLog(const RpcOptions& options, DecisionLoop& loop, priors::AsyncPriorStore& store,
-           Counters& counters)
-      : options_(options), loop_(loop), store_(store), counters_(counters) {}
+  AdminLog(DecisionLoop& loop, priors::AsyncPriorStore& store, Counters& counters)
+      : loop_(loop), store_(store), counters_(counters) {}
 
   // `action` and `who` are lines of text.
   void Record(std::string action, std::string who);
@@ -51,7 +50,6 @@ class AdminLog {
   void Load();
   void OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>& state);
 
-  const RpcOptions& options_;
   DecisionLoop& loop_;
   priors::AsyncPriorStore& store_;
   Counters& counters_;

@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <spdlog/logger.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/ostream_sink.h>
 
+#include <functional>
+#include <memory>
 #include <sstream>
+#include <thread>
+#include <utility>
 
 #include "server/rpc/common/error_reasons.h"
 #include "tests/server/rpc/manual_clock.h"
@@ -49,6 +54,38 @@ TEST_F(RefusalLogTest, SaysOneLineOfEachReasonAndHowManyItLeftOut) {
   EXPECT_EQ(Said(), "") << "nothing was left out";
   Refuse(v1::ERROR_REASON_INVALID_MESSAGE, 1);
   EXPECT_EQ(Said(), "refused ipv4:192.0.2.7:1 (INVALID_MESSAGE): no\n");
+}
+
+// Does something while a line is written.
+class BusySink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ public:
+  std::function<void()> meanwhile;
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& /*line*/) override {
+    if (meanwhile) std::exchange(meanwhile, nullptr)();
+  }
+  void flush_() override {}
+};
+
+TEST(RefusalLogLockTest, CallsAreRefusedWhileALineIsWritten) {
+  const auto sink = std::make_shared<BusySink>();
+  spdlog::logger log("test", sink);
+  ManualClock clock;
+  RefusalLog refusals(clock, log);
+  const auto refuse = [&] {
+    refusals.Tell("ipv4:192.0.2.7:1", Refused(v1::ERROR_REASON_HELLO_OVERDUE, "no"));
+  };
+  refuse();
+  refuse();
+  clock.Advance(RefusalLog::kIntervalNs);
+  int refused_meanwhile_count = 0;
+  sink->meanwhile = [&] {
+    std::thread(refuse).join();  // waits for ever if the lock is held
+    ++refused_meanwhile_count;
+  };
+  refusals.TellLeftOut();
+  EXPECT_EQ(refused_meanwhile_count, 1);
 }
 
 }  // namespace
