@@ -22,6 +22,14 @@ SessionSetup WithPolicyNamed(SessionSetup setup, const PolicyKind& policy) {
   return setup;
 }
 
+// Ends a row that has all its other cells. `hash` is that of the segment so far.
+void AppendLogHash(std::string& row, uint64_t& hash) {
+  hash = math::Fnv1a(hash, row);
+  char digits[16];
+  const auto end = std::to_chars(digits, digits + sizeof digits, hash, 16);
+  row.append(digits, end.ptr);
+}
+
 // Makes the rows of one session and hands them to the sink. A decision's row is begun with its
 // inputs and ended with the decision, by one call of the session. The buffers are reused: nothing
 // is allocated once a row of each length has been made.
@@ -168,10 +176,7 @@ void AuditRecorder::Begin(AuditKind kind, std::optional<int64_t> now_ns) {
 
 void AuditRecorder::End() {
   std::string& row = Cell(AuditColumn::kLogHash);
-  hash_ = math::Fnv1a(hash_, row);
-  char digits[16];
-  const auto end = std::to_chars(digits, digits + sizeof digits, hash_, 16);
-  row.append(digits, end.ptr);
+  AppendLogHash(row, hash_);
   sink_.OnAuditRow(row);
 }
 
@@ -282,10 +287,8 @@ std::string AdminRows::Next(int64_t now_ns, int64_t unix_ms, std::string_view ac
   AppendEscaped(text.append(";").append(kOperatorKey), who);
   AppendCsv(row += ',', text);
   row.append(kAuditColumnNames.size() - static_cast<size_t>(AuditColumn::kSetup) - 1, ',');
-  hash_ = math::Fnv1a(hash_, row);
-  char digits[16];
-  const auto end = std::to_chars(digits, digits + sizeof digits, hash_, 16);
-  return row.append(digits, end.ptr);
+  AppendLogHash(row, hash_);
+  return row;
 }
 
 void StartAudit(DecisionSession& session, AuditSink& sink, AuditOrigin origin) {
