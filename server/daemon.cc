@@ -18,6 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "server/descriptor_limit.h"
+#include "server/priors/unix_time.h"
 #include "server/rpc/health_probe.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
@@ -71,12 +72,6 @@ std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   log->set_level(LevelOf(level));
   log->flush_on(spdlog::level::trace);
   return log;
-}
-
-int64_t WallClockS() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 using ResumeKey = std::array<char, 32>;
@@ -206,7 +201,7 @@ void Daemon::StartFolding(const Config& config) {
   storage::FoldPlan plan;
   plan.days = config.fold_days;
   folding_ = std::make_unique<storage::EvidenceFolding>(
-      *store_, plan, WallClockS, [this, days = plan.days](const storage::FoldRun& run) {
+      *store_, plan, priors::UnixNowS, [this, days = plan.days](const storage::FoldRun& run) {
         metrics_.OnFolded(run.source_count);
         log_->info("folded the evidence of {} sessions of more than {} days ago, {} records",
                    run.source_count, days, run.record_count);
@@ -217,7 +212,7 @@ void Daemon::StartFolding(const Config& config) {
 
 absl::Status Daemon::OpenTokens() {
   auth::TokenRegistryOptions options;
-  options.unix_now_s = WallClockS;
+  options.unix_now_s = priors::UnixNowS;
   options.on_change = [this](const std::string& text) { ReportToken(text); };
   options.on_problem = [this](const absl::Status& status) {
     log_->error("{} cannot be read, and the tokens stay as they were: {}",

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -17,6 +16,7 @@
 #include "absl/strings/str_join.h"
 #include "server/auth/token_store.h"
 #include "server/decision/math/names.h"
+#include "server/priors/unix_time.h"
 #include "server/storage/data_directory.h"
 
 namespace sweepstake::server {
@@ -28,12 +28,6 @@ using auth::TokenStore;
 using Json = nlohmann::ordered_json;
 
 constexpr int64_t kSecondsPerDay = 86'400;
-
-int64_t UnixNowS() {
-  return std::chrono::duration_cast<std::chrono::seconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // The name of the user who runs the command, for the record.
 std::string UserName() {
@@ -164,7 +158,7 @@ absl::Status TokenCommand::Run(const fs::path& data, std::ostream& out) const {
 }
 
 absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const {
-  const int64_t now_s = UnixNowS();
+  const int64_t now_s = priors::UnixNowS();
   const auto* const role = std::find(auth::kRoleNames.begin(), auth::kRoleNames.end(), role_);
   auth::TokenRequest request = {.name = name_,
                                 .role = static_cast<auth::Role>(role - auth::kRoleNames.begin()),
@@ -203,7 +197,7 @@ absl::Status TokenCommand::List(const fs::path& data, std::ostream& out) const {
   if (!store.ok()) return store.status();
   const auto tokens = store->Load();
   if (!tokens.ok()) return tokens.status();
-  const int64_t now_s = UnixNowS();
+  const int64_t now_s = priors::UnixNowS();
   if (json_) {
     Json list = Json::array();
     for (const StoredToken& token : *tokens) list.push_back(JsonOf(token, now_s));
@@ -227,7 +221,7 @@ absl::Status TokenCommand::List(const fs::path& data, std::ostream& out) const {
 absl::Status TokenCommand::Revoke(const fs::path& data, std::ostream& out) const {
   auto store = OpenStore(data);
   if (!store.ok()) return store.status();
-  absl::Status status = store->Revoke(name_, UserName(), UnixNowS());
+  absl::Status status = store->Revoke(name_, UserName(), priors::UnixNowS());
   if (status.ok()) {
     out << math::PrintableLine(name_) << ": revoked; a daemon that runs ends its streams within "
         << "five seconds\n";

@@ -1,10 +1,11 @@
 #include "server/watch/watch_hub.h"
 
 #include <algorithm>
-#include <chrono>
 #include <random>
 #include <tuple>
 #include <utility>
+
+#include "server/priors/unix_time.h"
 
 namespace sweepstake::watch {
 namespace {
@@ -36,10 +37,7 @@ WatchHub::WatchHub(priors::AsyncPriorStore& store, Loop loop)
       boot_(uint64_t{std::random_device()()} << 32 | std::random_device()()) {}
 
 EventStamp WatchHub::NextStamp() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return {.boot = boot_,
-          .sequence = ++last_sequence_,
-          .unix_ms = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch).count()};
+  return {.boot = boot_, .sequence = ++last_sequence_, .unix_ms = priors::UnixNowMs()};
 }
 
 void WatchHub::OnSession(const std::string& session_id, const SessionChange& change) {

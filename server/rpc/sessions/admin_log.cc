@@ -1,20 +1,15 @@
 #include "server/rpc/sessions/admin_log.h"
 
-#include <chrono>
 #include <span>
 #include <utility>
+
+#include "server/priors/unix_time.h"
 
 namespace sweepstake::rpc {
 namespace {
 
 // In the place of a project and a scene: it is about all of them.
 constexpr const char* kAll = "*";
-
-int64_t UnixNowMs() {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 }  // namespace
 
@@ -24,7 +19,8 @@ void AdminLog::Record(std::string action, std::string who) {
       ++counters_.lost_audit_row_count;
       return;
     }
-    waiting_.push_back({std::move(action), std::move(who), loop_.clock().NowNs(), UnixNowMs()});
+    waiting_.push_back(
+        {std::move(action), std::move(who), loop_.clock().NowNs(), priors::UnixNowMs()});
     Write();
   });
 }
@@ -62,7 +58,7 @@ void AdminLog::OnLoaded(const absl::StatusOr<std::optional<priors::SourceState>>
   ledger_->StartAudit({.segment = segment,
                        .project = kAll,
                        .scene = kAll,
-                       .unix_start_ms = UnixNowMs(),
+                       .unix_start_ms = priors::UnixNowMs(),
                        .rows = {}});
   rows_.emplace(segment);
   Write();

@@ -1,11 +1,11 @@
 #include "server/rpc/sessions/game_session.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "server/decision/session/arm_runs.h"
+#include "server/priors/unix_time.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/message_validation.h"
 #include "server/rpc/common/proto_conversion.h"
@@ -54,13 +54,12 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
 }
 
 void GameSession::StartAudit() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  const auto now = std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch);
+  const int64_t unix_now_ms = priors::UnixNowMs();
   const priors::SceneKey& scene = identity_.scene;
   ledger_->StartAudit({.segment = identity_.audit_segment,
                        .project = scene.project,
                        .scene = scene.scene,
-                       .unix_start_ms = now.count(),
+                       .unix_start_ms = unix_now_ms,
                        .rows = {}});
   decision::StartAudit(decisions_, *this,
                        {.session_id = identity_.id,
@@ -70,7 +69,7 @@ void GameSession::StartAudit() {
                         .machine_class = scene.machine_class,
                         .program_version = context_.options.daemon_version,
                         .backend_versions = identity_.backend_versions,
-                        .unix_start_ms = now.count()});
+                        .unix_start_ms = unix_now_ms});
 }
 
 void GameSession::Attach(SessionLink& link) {

@@ -1,20 +1,16 @@
 #include "server/rpc/sessions/session_ledger.h"
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <utility>
 
+#include "server/priors/unix_time.h"
 #include "server/rpc/common/options.h"
 
 namespace sweepstake::rpc {
 namespace {
 
-uint64_t UnixTimeS() {
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<uint64_t>(
-      std::max<int64_t>(0, std::chrono::floor<std::chrono::seconds>(since_epoch).count()));
-}
+uint64_t UnixTimeS() { return static_cast<uint64_t>(std::max<int64_t>(0, priors::UnixNowS())); }
 
 }  // namespace
 

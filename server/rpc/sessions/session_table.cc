@@ -1,11 +1,11 @@
 #include "server/rpc/sessions/session_table.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/priors/unix_time.h"
 #include "server/rpc/common/error_reasons.h"
 
 namespace sweepstake::rpc {
@@ -102,9 +102,7 @@ v1::SessionInfo SessionTable::InfoOf(const Entry& entry) const {
   const GameSession& session = *entry.session;
   const decision::DecisionSession& decisions = session.decisions();
   const auto unix_ms = [&](int64_t time_ns) {
-    const int64_t age_ns = loop_.clock().NowNs() - time_ns;
-    const auto time = std::chrono::system_clock::now() - std::chrono::nanoseconds(age_ns);
-    return std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
+    return (priors::UnixNowNs() - (loop_.clock().NowNs() - time_ns)) / 1'000'000;
   };
   v1::SessionInfo info;
   info.set_session_id(session.identity().id);

@@ -9,6 +9,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "server/priors/unix_time.h"
 #include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_reader.h"
@@ -26,7 +27,7 @@ constexpr size_t kMaxQuarantined = 2;
 
 // Returns the time (UTC) in a form whose order is that of time.
 std::string TimeText() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const std::time_t now = priors::UnixNowS();
   std::tm utc{};
   gmtime_r(&now, &utc);
   std::string text(16, '\0');

@@ -1,0 +1,20 @@
+// The wall clock, for times that people read and that outlive the process. It may jump; durations
+// and timeouts are of steady clocks.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace sweepstake::priors {
+
+// Since 1970 (UTC), rounded down.
+template <typename Unit>
+int64_t UnixNow() {
+  return std::chrono::floor<Unit>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+inline int64_t UnixNowNs() { return UnixNow<std::chrono::nanoseconds>(); }
+inline int64_t UnixNowMs() { return UnixNow<std::chrono::milliseconds>(); }
+inline int64_t UnixNowS() { return UnixNow<std::chrono::seconds>(); }
+
+}  // namespace sweepstake::priors
