@@ -33,12 +33,10 @@ class LostSessions {
     of_token_.emplace(std::pair(token_id, rank), session_id);
     all_.emplace(rank, std::move(session_id));
   }
-  // Removes the session, whatever its state is.
-  void Remove(int64_t token_id, uint64_t number) {
-    for (const auto state : {LostState::kSettled, LostState::kUnsettled, LostState::kEnding}) {
-      all_.erase({state, number});
-      of_token_.erase({token_id, {state, number}});
-    }
+  // Removes the session that was added so.
+  void Remove(int64_t token_id, LostRank rank) {
+    all_.erase(rank);
+    of_token_.erase({token_id, rank});
   }
 
   // Returns the first one, of the token if one is given.

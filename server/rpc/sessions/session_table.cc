@@ -125,7 +125,7 @@ void SessionTable::Lose(Entry& entry) {
   const int64_t now_ns = loop_.clock().NowNs();
   entry.resumable_until_ns = now_ns + options_.resume_window_ns;
   entry.session->TellChange();
-  entry.loss_number = ++last_lost_number_;
+  entry.rank.number = ++last_lost_number_;
   LookAgainAt(entry.session->settled() ? entry.resumable_until_ns : now_ns + kSweepIntervalNs,
               entry);
   ScheduleSweep();
@@ -133,17 +133,17 @@ void SessionTable::Lose(Entry& entry) {
 
 void SessionTable::Recover(Entry& entry) {
   lost_.erase(*std::exchange(entry.lost, std::nullopt));
-  leaving_.Remove(entry.session->identity().token_id, entry.loss_number);
+  leaving_.Remove(entry.session->identity().token_id, entry.rank);
 }
 
 void SessionTable::LookAgainAt(int64_t due_ns, Entry& entry) {
   const SessionIdentity& identity = entry.session->identity();
-  entry.lost = LostKey{due_ns, entry.loss_number};
+  entry.lost = LostKey{due_ns, entry.rank.number};
   lost_.emplace(*entry.lost, identity.id);
-  const LostState state = entry.session->settled() ? LostState::kSettled
-                          : entry.session->ended() ? LostState::kEnding
-                                                   : LostState::kUnsettled;
-  leaving_.Add(identity.token_id, {state, entry.loss_number}, identity.id);
+  entry.rank.state = entry.session->settled() ? LostState::kSettled
+                     : entry.session->ended() ? LostState::kEnding
+                                              : LostState::kUnsettled;
+  leaving_.Add(identity.token_id, entry.rank, identity.id);
 }
 
 void SessionTable::ScheduleSweep() {

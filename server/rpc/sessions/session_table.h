@@ -75,7 +75,7 @@ class SessionTable {
     SessionClient client;            // the latest one
     std::optional<LostKey> lost;     // absent if connected or never connected
     int64_t resumable_until_ns = 0;  // end of the resume window of a lost session
-    uint64_t loss_number = 0;        // of its latest loss
+    LostRank rank;                   // of its latest loss; in `leaving_` while it is lost
   };
 
   v1::SessionInfo InfoOf(const Entry& entry) const;

@@ -160,6 +160,25 @@ TEST_F(FullTableGoodbyeTest, ASessionThatIsTheOnlyOneToHaveItsEvidenceStays) {
   EXPECT_FALSE(third.Open(OneArmHello()).resumed());
 }
 
+TEST_F(FullTableGoodbyeTest, ASessionThatIsBackMakesNoRoomThoughItsEvidenceIsNotOnDiskYet) {
+  v1::Hello hello = OneArmHello();
+  store_.Fail(true);
+  {
+    TelemetryClient client(channel_);
+    Resume(hello, OpenWithEvidence(client));
+    const uint64_t failed = server_->counters().failed_commit_count;
+    Tick();
+    ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count > failed; }));
+    client.HalfClose();
+    EXPECT_TRUE(client.Finish().ok());
+  }
+  TelemetryClient client(channel_);
+  ASSERT_TRUE(client.Open(hello).resumed());
+  TelemetryClient second(channel_);
+  second.Send(Request(OneArmHello()));
+  EXPECT_EQ(second.Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
 TEST_F(FullTableGoodbyeTest, ALostSessionMakesRoomSinceItsClientSendsAgainWhatIsNotOnDisk) {
   v1::Hello hello = OneArmHello();
   {

@@ -13,13 +13,13 @@ TEST(LostSessionsTest, TheOneThatWasLostFirstLeavesFirstUnlessItsEvidenceIsNotOn
   sessions.Add(2, {.state = LostState::kSettled, .number = 3}, "later");
   sessions.Add(1, {.state = LostState::kSettled, .number = 2}, "first");
   EXPECT_EQ(sessions.First(std::nullopt), "first");
-  sessions.Remove(1, 2);
+  sessions.Remove(1, {.state = LostState::kSettled, .number = 2});
   EXPECT_EQ(sessions.First(std::nullopt), "later");
-  sessions.Remove(2, 3);
+  sessions.Remove(2, {.state = LostState::kSettled, .number = 3});
   EXPECT_EQ(sessions.First(std::nullopt), "unsettled");
-  sessions.Remove(1, 1);
+  sessions.Remove(1, {.state = LostState::kUnsettled, .number = 1});
   EXPECT_EQ(sessions.First(std::nullopt), "ending");
-  sessions.Remove(1, 0);
+  sessions.Remove(1, {.state = LostState::kEnding, .number = 0});
   EXPECT_FALSE(sessions.First(std::nullopt));
 }
 
@@ -31,7 +31,7 @@ TEST(LostSessionsTest, EachTokenHasItsOwn) {
   EXPECT_EQ(sessions.First(1), "of one");
   EXPECT_FALSE(sessions.First(2));
   EXPECT_FALSE(sessions.First(4));
-  sessions.Remove(3, 2);
+  sessions.Remove(3, {.state = LostState::kUnsettled, .number = 2});
   EXPECT_FALSE(sessions.First(3));
 }
 
