@@ -388,8 +388,8 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
     rpc_->Drain(patience);
   }
   if (store_ != nullptr) store_->Close();
-  backups_
-      .reset();  // a page check of a large copy is not interrupted: nothing waits for it but this
+  // A page check of a large copy is not interrupted: nothing waits for it but this.
+  backups_.reset();
   if (rpc_ != nullptr) log_->info("drained: all that was acknowledged is on disk");
 }
 
