@@ -23,8 +23,6 @@ using priors::SceneKey;
 
 using KeyIds = std::unordered_set<int64_t>;
 
-constexpr uint32_t kRowsPerFold = 200;
-
 using FoldedSources = std::map<std::string, int64_t>;  // ids, by month
 
 // A row of evidence that a fold looks at.
@@ -67,7 +65,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   }
   absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override;
   absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override;
-  absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s);
+  absl::StatusOr<FoldStep> Fold(const FoldPlace& after, uint64_t last_unix_s, uint32_t row_count);
   absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
                                                               uint64_t after,
                                                               uint32_t limit) override {
@@ -97,7 +95,8 @@ class SqlitePriorStore final : public priors::PriorStore {
   // Bars the source and inserts the keys that it had evidence of into `changed`.
   absl::Status RemoveEvidence(const std::string& source_id, KeyIds& changed);
   absl::StatusOr<StoredKey> FindOrAddKey(const EvidenceKey& key);
-  absl::StatusOr<std::vector<FoldRow>> NextToFold(const FoldPlace& after, uint64_t last_unix_s);
+  absl::StatusOr<std::vector<FoldRow>> NextToFold(const FoldPlace& after, uint64_t last_unix_s,
+                                                  uint32_t row_count);
   // Returns the id of the source that has the month's folded evidence. `known` is filled.
   absl::StatusOr<int64_t> FoldedSource(const std::string& month, FoldedSources& known);
   // Returns whether the row was folded.
@@ -285,13 +284,14 @@ absl::Status SqlitePriorStore::RemoveEvidence(const std::string& source_id, KeyI
   return status.ok() ? RecountSums(changed) : status;
 }
 
-absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s) {
+absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t last_unix_s,
+                                                uint32_t row_count) {
   FoldStep step{.next = after};
   int64_t last_source = after.source;  // was counted by the step before
   absl::Status status = InTransaction([&] {
-    const auto rows = NextToFold(after, last_unix_s);
+    const auto rows = NextToFold(after, last_unix_s, row_count);
     if (!rows.ok()) return rows.status();
-    step.last = rows->size() < kRowsPerFold;
+    step.last = rows->size() < row_count;
     FoldedSources known;
     for (const FoldRow& row : *rows) {
       step.next = row.place;
@@ -308,13 +308,14 @@ absl::StatusOr<FoldStep> SqlitePriorStore::Fold(const FoldPlace& after, uint64_t
 }
 
 absl::StatusOr<std::vector<FoldRow>> SqlitePriorStore::NextToFold(const FoldPlace& after,
-                                                                  uint64_t last_unix_s) {
+                                                                  uint64_t last_unix_s,
+                                                                  uint32_t row_count) {
   std::vector<FoldRow> rows;
   absl::Status status = statements_.next_evidence.ForEachRow(
       [&](const SqliteRow& row) {
         rows.push_back({{row.Integer(0), row.Integer(1)}, row.Text(2)});
       },
-      after.source, after.key, last_unix_s, kRowsPerFold);
+      after.source, after.key, last_unix_s, row_count);
   if (!status.ok()) return status;
   return rows;
 }
@@ -370,8 +371,8 @@ absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes) {
 }
 
 absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,
-                                     uint64_t last_unix_s) {
-  return static_cast<SqlitePriorStore&>(store).Fold(after, last_unix_s);
+                                     uint64_t last_unix_s, uint32_t row_count) {
+  return static_cast<SqlitePriorStore&>(store).Fold(after, last_unix_s, row_count);
 }
 
 }  // namespace sweepstake::storage

@@ -41,17 +41,19 @@ struct FoldStep {
   bool last = false;          // there is no evidence behind `next`
 };
 
-// Looks at the next 200 rows of evidence, which takes as long as a group of commits, and folds
-// those of sessions of this store that were last seen at `last_unix_s` or before: the row is added
-// to one for its key and the calendar month (UTC) in which the session was last seen, and removed.
-// Sums and numbers of sources stay as they are, to the bit. The session stays with its progress, so
-// that what is sent again is ignored, and what is new of it is added. Its own part can no longer be
-// exported or revoked. Rows that are damaged, and those of sessions from before their times were
-// kept, stay as they are.
+// So many rows take as long as a group of commits.
+inline constexpr uint32_t kRowsPerFold = 200;
+
+// Looks at the next `row_count` rows of evidence, and folds those of sessions of this store that
+// were last seen at `last_unix_s` or before: the row is added to one for its key and the calendar
+// month (UTC) in which the session was last seen, and removed. Sums and numbers of sources stay as
+// they are, to the bit. The session stays with its progress, so that what is sent again is ignored,
+// and what is new of it is added. Its own part can no longer be exported or revoked. Rows that are
+// damaged, and those of sessions from before their times were kept, stay as they are.
 //
 // All of a step is done or nothing. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of
-// OpenSqlitePriorStore.
+// OpenSqlitePriorStore; row_count > 0.
 absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,
-                                     uint64_t last_unix_s);
+                                     uint64_t last_unix_s, uint32_t row_count = kRowsPerFold);
 
 }  // namespace sweepstake::storage

@@ -6,6 +6,25 @@
 
 namespace sweepstake::storage {
 
+FoldWalk::FoldWalk(const FoldPlan& plan, uint64_t unix_now_s) : rows_per_step_(plan.rows_per_step) {
+  const uint64_t age_s = uint64_t{plan.days} * 86'400;
+  last_unix_s_ = unix_now_s > age_s ? unix_now_s - age_s : 0;
+}
+
+void FoldWalk::Step(priors::PriorStore& store) {
+  const auto step = FoldSources(store, place_, last_unix_s_, rows_per_step_);
+  if (!step.ok()) return Fail(step.status());
+  run_.source_count += step->source_count;
+  run_.record_count += step->record_count;
+  place_ = step->next;
+  done_ = step->last;
+}
+
+void FoldWalk::Fail(const absl::Status& status) {
+  run_.status = status;
+  done_ = true;
+}
+
 EvidenceFolding::EvidenceFolding(priors::AsyncPriorStore& store, const FoldPlan& plan,
                                  std::function<uint64_t()> unix_now_s, OnDone on_done)
     : store_(store),
@@ -41,32 +60,21 @@ void EvidenceFolding::Loop() {
 }
 
 FoldRun EvidenceFolding::RunOnce() {
-  FoldRun run;
-  const uint64_t now_s = unix_now_s_();
-  const uint64_t age_s = uint64_t{plan_.days} * 86'400;
-  const uint64_t last_unix_s = now_s > age_s ? now_s - age_s : 0;
-  FoldPlace place;
-  while (Sleep(plan_.pause)) {
-    const auto step = RunStep(place, last_unix_s);
-    run.status = step.status();
-    if (!step.ok()) break;
-    run.source_count += step->source_count;
-    run.record_count += step->record_count;
-    place = step->next;
-    if (step->last) break;
-  }
-  return run;
+  FoldWalk walk(plan_, unix_now_s_());
+  while (!walk.done() && Sleep(plan_.pause)) RunStep(walk);
+  return walk.run();
 }
 
 // A job that was taken always runs, also while the store closes.
-absl::StatusOr<FoldStep> EvidenceFolding::RunStep(const FoldPlace& after, uint64_t last_unix_s) {
-  auto result = std::make_shared<std::promise<absl::StatusOr<FoldStep>>>();
-  std::future<absl::StatusOr<FoldStep>> done = result->get_future();
-  const bool submitted = store_.Submit([result, after, last_unix_s](priors::PriorStore& store) {
-    result->set_value(FoldSources(store, after, last_unix_s));
+void EvidenceFolding::RunStep(FoldWalk& walk) {
+  auto stepped = std::make_shared<std::promise<void>>();
+  std::future<void> done = stepped->get_future();
+  const bool submitted = store_.Submit([stepped, &walk](priors::PriorStore& store) {
+    walk.Step(store);
+    stepped->set_value();
   });
-  if (!submitted) return absl::UnavailableError("the store has too much to do");
-  return done.get();
+  if (!submitted) return walk.Fail(absl::UnavailableError("the store has too much to do"));
+  done.wait();
 }
 
 }  // namespace sweepstake::storage

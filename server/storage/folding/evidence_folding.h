@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "absl/status/statusor.h"
+#include "absl/status/status.h"
 #include "server/priors/prior_store.h"
 #include "server/storage/sqlite_prior_store.h"
 
@@ -20,6 +20,7 @@ struct FoldPlan {
   std::chrono::milliseconds interval = std::chrono::hours(24);
   // Between two steps, so that folding takes little of the store's thread while it has much to do.
   std::chrono::milliseconds pause{100};
+  uint32_t rows_per_step = kRowsPerFold;
 };
 
 // What a run has done, also if it failed or was stopped half-way.
@@ -27,6 +28,29 @@ struct FoldRun {
   absl::Status status;
   uint64_t source_count = 0;  // sources whose evidence was folded
   uint64_t record_count = 0;  // rows of evidence that this took
+};
+
+// One run through all evidence, step by step. Not thread-safe; its owner lets the store's thread do
+// each step.
+class FoldWalk {
+ public:
+  // Folds what is too old for the plan at `unix_now_s`.
+  FoldWalk(const FoldPlan& plan, uint64_t unix_now_s);
+
+  // Does the next step; an error is the walk's end. REQUIRES: !done(); `store` is of
+  // OpenSqlitePriorStore.
+  void Step(priors::PriorStore& store);
+  // Ends the walk. REQUIRES: !status.ok().
+  void Fail(const absl::Status& status);
+  bool done() const { return done_; }
+  const FoldRun& run() const { return run_; }
+
+ private:
+  const uint32_t rows_per_step_;
+  uint64_t last_unix_s_;  // when sessions that are folded were last seen at the latest
+  FoldPlace place_;
+  FoldRun run_;
+  bool done_ = false;
 };
 
 // Looks through all evidence at its start and after each interval, step by step. Each step is a job
@@ -51,7 +75,7 @@ class EvidenceFolding {
  private:
   void Loop();
   FoldRun RunOnce();
-  absl::StatusOr<FoldStep> RunStep(const FoldPlace& after, uint64_t last_unix_s);
+  void RunStep(FoldWalk& walk);
   // Returns false once it is to stop.
   bool Sleep(std::chrono::milliseconds duration);
 

@@ -58,14 +58,12 @@ void PriorFiles::Make() {
   promised_.push_back(false);
 }
 
-priors::Evidence PriorFiles::Check(std::span<const PriorRecord> stored,
-                                   const std::function<void(const std::string&)>& complain) const {
-  priors::Evidence total;
+void PriorFiles::Check(std::span<const PriorRecord> stored,
+                       const std::function<void(const std::string&)>& complain) const {
   std::map<Place, uint64_t> sequences;
   std::vector<bool> applied = promised_;
   for (const PriorRecord& record : stored) {
     if (!absl::StartsWith(record.source_id, kSourcePrefix)) continue;
-    total += record.evidence;
     const size_t file = record.source_sequence - 1;
     if (!sequences.emplace(PlaceOf(record), record.source_sequence).second)
       complain("a record of a file is there twice");
@@ -82,7 +80,6 @@ priors::Evidence PriorFiles::Check(std::span<const PriorRecord> stored,
         complain(absl::StrCat("file ", file + 1, " is there in part or has got lost"));
     }
   }
-  return total;
 }
 
 }  // namespace sweepstake::simulation

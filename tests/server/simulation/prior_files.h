@@ -27,10 +27,9 @@ class PriorFiles {
   // The daemon has said that the file is imported.
   void MarkPromised(size_t file) { promised_[file] = true; }
 
-  // Takes all records of a store, sessions' included, and returns the sum of those of files.
-  // `complain` is told what is wrong.
-  priors::Evidence Check(std::span<const priors::PriorRecord> stored,
-                         const std::function<void(const std::string&)>& complain) const;
+  // Takes all records of a store, sessions' included. `complain` is told what is wrong.
+  void Check(std::span<const priors::PriorRecord> stored,
+             const std::function<void(const std::string&)>& complain) const;
 
  private:
   void Make();

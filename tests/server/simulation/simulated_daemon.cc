@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "tests/server/simulation/troubled_store.h"
+
 namespace sweepstake::simulation {
 
 SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
                                  std::unique_ptr<priors::PriorStore> store,
                                  std::unique_ptr<storage::ReadConnection> reads,
-                                 watch::WatchListener& watcher)
+                                 watch::WatchListener& watcher, Folding folding)
     : world_(world),
       options_(options),
       log_("simulation"),
+      folding_(std::move(folding)),
       loop_(world, {}, rpc::DecisionLoop::Runner::kCaller),
       store_(std::move(store), {.own_thread = false}, std::move(reads)),
       access_(options_, world, log_),
@@ -28,6 +31,7 @@ SimulatedDaemon::SimulatedDaemon(World& world, const rpc::RpcOptions& options,
   watch_hub_.Add(watchers_);
   watch_hub_.Add(watcher);
   EndRefused();
+  BeginFold();
 }
 
 SimulatedDaemon::~SimulatedDaemon() {
@@ -57,6 +61,30 @@ void SimulatedDaemon::EndRefused() {
   loop_.PostAt(world_.NowNs() + kSecondNs, [this] { EndRefused(); });
 }
 
+void SimulatedDaemon::BeginFold() {
+  if (folding_.plan.days == 0) return;
+  StepFold(std::make_shared<storage::FoldWalk>(folding_.plan, folding_.unix_now_s()));
+}
+
+void SimulatedDaemon::StepFold(const std::shared_ptr<storage::FoldWalk>& walk) {
+  if (draining_) return;
+  store_.Submit([this, walk](priors::PriorStore& store) {
+    folding_.before_step();
+    walk->Step(static_cast<TroubledStore&>(store).on_disk());
+    if (walk->done()) folding_.on_done(walk->run());
+    loop_.Post([this, walk] { AfterFoldStep(walk); });
+  });
+}
+
+void SimulatedDaemon::AfterFoldStep(const std::shared_ptr<storage::FoldWalk>& walk) {
+  const std::chrono::nanoseconds delay =
+      walk->done() ? folding_.plan.interval : folding_.plan.pause;
+  loop_.PostAt(world_.NowNs() + delay.count(), [this, walk] {
+    if (walk->done()) return BeginFold();
+    StepFold(walk);
+  });
+}
+
 void SimulatedDaemon::Run() {
   const int64_t due_ns = loop_.RunReady();
   if (due_ns < wake_ns_ || wake_ns_ <= world_.NowNs()) {
@@ -78,6 +106,7 @@ void SimulatedDaemon::RunLater(bool& busy, bool (storage::StoreThread::*run_next
 }
 
 void SimulatedDaemon::Drain() {
+  draining_ = true;
   loop_.Post([this] {
     streams_.Drain(options_);
     watch_hub_.Drain();

@@ -5,31 +5,38 @@
 #include "absl/strings/str_cat.h"
 #include "server/audit/audit_log.h"
 #include "server/audit/rederive.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "tests/server/simulation/simulation.h"
 
 namespace sweepstake::simulation {
 
 void Simulation::CheckStore(priors::PriorStore& store) {
-  priors::Evidence of_sessions;
   for (const auto& game : games_) {
     std::set<uint64_t> counted;
-    for (const auto& [id, sent] : game->sessions())
-      of_sessions += CheckSession(id, sent, *game, store, counted);
+    for (const auto& [id, sent] : game->sessions()) CheckSession(id, sent, *game, store, counted);
   }
   const auto records = store.Export({}, {}, 100'000);
   if (!records.ok()) return Complain("the records cannot be read: " + records.status().ToString());
-  const priors::Evidence of_files =
-      files_.Check(records->records, [this](const std::string& what) { Complain(what); });
+  const auto complain = [this](const std::string& what) { Complain(what); };
+  files_.Check(records->records, complain);
+  tally_.late_records += model_.Check(store, *records, folds_, complain);
   const auto scenes = store.List({}, {}, 1000);
   if (!scenes.ok()) return Complain("the scenes cannot be read: " + scenes.status().ToString());
-  priors::Evidence of_scenes;
-  for (const priors::SceneEvidence& scene : *scenes) {
-    for (const auto& arm : scene.arms) of_scenes += arm.evidence;
-  }
-  if (of_scenes.window_count != of_sessions.window_count + of_files.window_count ||
-      of_scenes.bail_out_count != of_sessions.bail_out_count)
-    Complain("the scenes have not what the sessions and files have");
   CheckProject(store, *scenes);
+}
+
+void Simulation::FoldAll(priors::PriorStore& store) {
+  folds_ = true;
+  storage::FoldWalk walk({.days = 1, .rows_per_step = 5}, uint64_t{1} << 40);
+  while (!walk.done()) walk.Step(store);
+  if (!walk.run().status.ok()) Complain("not folded: " + walk.run().status.ToString());
+  CheckStore(store);
+  const auto records = store.Export({}, {}, 100'000);
+  for (const priors::PriorRecord& record : records->records) {
+    if (model_.has_session(record.source_id)) Complain("a session's evidence was not folded");
+  }
+  const auto contents = storage::VerifyStore(directory_.path() / "priors.db");
+  if (!contents.ok()) Complain("the file is not whole: " + contents.status().ToString());
 }
 
 void Simulation::CheckProject(priors::PriorStore& store,
@@ -67,14 +74,12 @@ void Simulation::CheckWatcher(priors::PriorStore& store) {
   }
 }
 
-priors::Evidence Simulation::CheckSession(const std::string& id, const SentSession& sent,
-                                          const SimulatedGame& game, priors::PriorStore& store,
-                                          std::set<uint64_t>& counted) {
-  priors::Evidence total;
+void Simulation::CheckSession(const std::string& id, const SentSession& sent,
+                              const SimulatedGame& game, priors::PriorStore& store,
+                              std::set<uint64_t>& counted) {
   const auto source = store.LoadSource(id);
   if (!source.ok()) {
-    Complain("a session cannot be read: " + source.status().ToString());
-    return total;
+    return Complain("a session cannot be read: " + source.status().ToString());
   }
   const priors::SourceProgress progress =
       source->has_value() ? (*source)->progress : priors::SourceProgress{};
@@ -83,8 +88,7 @@ priors::Evidence Simulation::CheckSession(const std::string& id, const SentSessi
                           " was promised, on disk is ", progress.message_sequence));
   }
   if (progress.message_sequence > sent.messages.size()) {
-    Complain("the store has messages that nobody has sent");
-    return total;
+    return Complain("the store has messages that nobody has sent");
   }
   uint64_t frames = 0;
   uint64_t bail_outs = 0;
@@ -95,9 +99,7 @@ priors::Evidence Simulation::CheckSession(const std::string& id, const SentSessi
     if (message.first_frame != 0 && !counted.insert(message.first_frame).second)
       Complain(absl::StrCat("frame ", message.first_frame, " counts for two sessions"));
   }
-  if (source->has_value()) {
-    for (const auto& entry : (*source)->evidence) total += entry.evidence;
-  }
+  const priors::Evidence total = model_.OfSession(id);
   if (progress.frame_count != frames || total.bail_out_count != bail_outs) {
     Complain(absl::StrCat("session ", id, " (", game.hello().policy(), ") of ",
                           progress.message_sequence, " messages has ", progress.frame_count,
@@ -107,7 +109,6 @@ priors::Evidence Simulation::CheckSession(const std::string& id, const SentSessi
   const auto observations = static_cast<double>(total.window_count + 10 * total.bail_out_count);
   if (game.hello().policy() == "paper" && std::abs(total.alpha + total.beta - observations) > 1e-6)
     Complain(absl::StrCat("session ", id, " has other evidence than its windows and bail-outs"));
-  return total;
 }
 
 void Simulation::CheckAudit(priors::PriorStore& store) {

@@ -1,5 +1,5 @@
 // A store whose answers are lost at times, although the disk has what was asked for, and whose wall
-// clock is the simulation's.
+// clock is the simulation's. Whatever becomes of its answers, the model learns of each commit.
 #pragma once
 
 #include <functional>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/priors/prior_store.h"
+#include "tests/server/simulation/evidence_model.h"
 
 namespace sweepstake::simulation {
 
@@ -19,13 +20,17 @@ class TroubledStore final : public priors::PriorStore {
     std::function<uint64_t()> unix_now_s;
   };
 
-  TroubledStore(std::unique_ptr<priors::PriorStore> store, Troubles troubles)
-      : store_(std::move(store)), troubles_(std::move(troubles)) {}
+  TroubledStore(std::unique_ptr<priors::PriorStore> store, EvidenceModel& model, Troubles troubles)
+      : store_(std::move(store)), model_(model), troubles_(std::move(troubles)) {}
+
+  // The store of OpenSqlitePriorStore, which folding needs.
+  priors::PriorStore& on_disk() { return *store_; }
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override {
     std::vector<priors::SourceUpdate> dated(updates.begin(), updates.end());
     for (priors::SourceUpdate& update : dated) update.unix_time_s = troubles_.unix_now_s();
     absl::Status status = store_->Commit(dated);
+    model_.Commit(dated, status.ok());
     return status.ok() && troubles_.loses_answer() ? LostAnswer() : status;
   }
   absl::StatusOr<priors::ImportResult> Import(
@@ -77,6 +82,7 @@ class TroubledStore final : public priors::PriorStore {
   static absl::Status LostAnswer() { return absl::UnavailableError("the answer was lost"); }
 
   const std::unique_ptr<priors::PriorStore> store_;
+  EvidenceModel& model_;
   const Troubles troubles_;
 };
 

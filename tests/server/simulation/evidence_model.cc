@@ -1,0 +1,151 @@
+#include "tests/server/simulation/evidence_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+
+namespace sweepstake::simulation {
+namespace {
+
+using priors::Evidence;
+using priors::EvidenceKey;
+using priors::PriorRecord;
+using priors::SceneKey;
+using priors::SourceUpdate;
+
+// The order in which a store adds is not the model's.
+bool Near(double a, double b) { return std::abs(a - b) <= 1e-9 * std::max({1.0, a, b}); }
+
+bool Same(const Evidence& a, const Evidence& b) {
+  return a.window_count == b.window_count && a.bail_out_count == b.bail_out_count &&
+         Near(a.alpha, b.alpha) && Near(a.beta, b.beta);
+}
+
+SceneKey SceneOf(const EvidenceKey& key) {
+  return {.project = key.project,
+          .scene = key.scene,
+          .machine_class = key.machine_class,
+          .reward_version = key.reward_version};
+}
+
+}  // namespace
+
+void EvidenceModel::Commit(std::span<const SourceUpdate> updates, bool ok) {
+  for (const SourceUpdate& update : updates) {
+    Session& session = sessions_[update.progress.source_id];
+    if (update.progress.commit_sequence <= session.progress.commit_sequence) continue;
+    if (ok) {
+      Apply(update, session);
+    } else {
+      session.failed.push_back(update);
+    }
+  }
+}
+
+void EvidenceModel::Apply(const SourceUpdate& update, Session& session) {
+  session.progress = update.progress;
+  for (const auto& [key, evidence] : update.increments) session.evidence[key] += evidence;
+  session.failed.clear();
+}
+
+void EvidenceModel::Settle(priors::PriorReader& store, const Complain& complain) {
+  for (auto& [id, session] : sessions_) {
+    const auto stored = store.LoadSource(id);
+    if (!stored.ok()) return complain("a session cannot be read: " + stored.status().ToString());
+    const priors::SourceProgress progress =
+        stored->has_value() ? (*stored)->progress : priors::SourceProgress{};
+    const auto on_disk =
+        std::find_if(session.failed.begin(), session.failed.end(),
+                     [&](const SourceUpdate& update) { return update.progress == progress; });
+    if (on_disk != session.failed.end()) Apply(SourceUpdate(*on_disk), session);
+    if (progress != session.progress)
+      complain(absl::StrCat("session ", id, " is on disk at commit ", progress.commit_sequence,
+                            ", which it had not made or which is not its latest"));
+    session.failed.clear();
+  }
+}
+
+Evidence EvidenceModel::OfSession(const std::string& id) const {
+  Evidence total;
+  const auto session = sessions_.find(id);
+  if (session == sessions_.end()) return total;
+  for (const auto& [key, evidence] : session->second.evidence) total += evidence;
+  return total;
+}
+
+void EvidenceModel::Scene::Add(const std::string& source, const EvidenceKey& key,
+                               const Evidence& evidence) {
+  arms[{key.arm, key.backend_version}] += evidence;
+  sources.insert(source);
+}
+
+bool EvidenceModel::Scene::SameAs(const priors::SceneEvidence& stored) const {
+  return stored.source_count == sources.size() && stored.arms.size() == arms.size() &&
+         std::all_of(stored.arms.begin(), stored.arms.end(), [this](const auto& arm) {
+           const auto mine = arms.find({arm.name, arm.backend_version});
+           return mine != arms.end() && Same(mine->second, arm.evidence);
+         });
+}
+
+std::map<SceneKey, EvidenceModel::Scene> EvidenceModel::Scenes(
+    std::span<const PriorRecord> exported) const {
+  std::map<SceneKey, Scene> scenes;
+  for (const auto& [id, session] : sessions_) {
+    for (const auto& [key, evidence] : session.evidence)
+      scenes[SceneOf(key)].Add(id, key, evidence);
+  }
+  for (const PriorRecord& record : exported) {
+    if (has_session(record.source_id)) continue;
+    scenes[SceneOf(record.key)].Add(record.source_id, record.key, record.evidence);
+  }
+  return scenes;
+}
+
+uint64_t EvidenceModel::Check(priors::PriorReader& store, const priors::ExportPage& exported,
+                              bool folds, const Complain& complain) const {
+  const auto stored = store.List({}, {}, 1000);
+  if (!stored.ok()) {
+    complain("the scenes cannot be read: " + stored.status().ToString());
+    return 0;
+  }
+  const auto scenes = Scenes(exported.records);
+  uint64_t windows = exported.folded_window_count;
+  for (const PriorRecord& record : exported.records) windows += record.evidence.window_count;
+  for (const priors::SceneEvidence& scene : *stored) {
+    for (const auto& arm : scene.arms) windows -= arm.evidence.window_count;
+    const auto mine = scenes.find(scene.key);
+    if (mine == scenes.end() || !mine->second.SameAs(scene))
+      complain("scene " + scene.key.scene + " has not what its sessions and files have");
+  }
+  if (stored->size() != scenes.size()) complain("a scene has got lost");
+  if (windows != 0) complain("records and folded evidence have not what the scenes have");
+  return CheckRecords(exported.records, folds, complain);
+}
+
+uint64_t EvidenceModel::CheckRecords(std::span<const PriorRecord> records, bool folds,
+                                     const Complain& complain) const {
+  uint64_t late = 0;
+  std::map<std::string, size_t> counts;
+  for (const PriorRecord& record : records) {
+    const auto session = sessions_.find(record.source_id);
+    if (session == sessions_.end()) continue;
+    ++counts[record.source_id];
+    const auto mine = session->second.evidence.find(record.key);
+    const bool whole =
+        mine != session->second.evidence.end() && Same(mine->second, record.evidence);
+    const bool part = mine != session->second.evidence.end() &&
+                      mine->second.window_count >= record.evidence.window_count &&
+                      mine->second.bail_out_count >= record.evidence.bail_out_count;
+    if (!whole && !(folds && part))
+      complain("a record of session " + record.source_id + " has other evidence than it made");
+    late += part && !whole;
+  }
+  for (const auto& [id, session] : sessions_) {
+    if (!folds && counts[id] != session.evidence.size())
+      complain("a record of session " + id + " has got lost");
+  }
+  return late;
+}
+
+}  // namespace sweepstake::simulation
