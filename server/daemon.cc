@@ -29,6 +29,8 @@ namespace sweepstake::server {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::chrono::minutes kSavePatience{1};  // between two attempts
+
 // Formats %J as the message in the form of a JSON string.
 class JsonMessage final : public spdlog::custom_flag_formatter {
  public:
@@ -146,6 +148,8 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
+  store_options.on_misplaced = [this](priors::PriorStore& store) { SaveStore(store); };
+  store_file_ = opened->file;
   store_options.on_refusal = [this](const priors::SourceUpdate& update, const absl::Status& why) {
     log_->error("{} pieces of evidence of session {} can never be stored: {}",
                 update.increments.size(), update.progress.source_id, std::string(why.message()));
@@ -187,6 +191,7 @@ void Daemon::StartBackups(const Config& config) {
   storage::BackupPlan plan;
   plan.interval = std::chrono::hours(config.backup_hours);
   plan.count = config.backup_count;
+  plan.file = store_file_;
   backups_ = std::make_unique<storage::AutomaticBackups>(
       directory_.database(), plan, [this](const absl::StatusOr<fs::path>& made) {
         if (made.ok()) {
@@ -245,12 +250,41 @@ void Daemon::ReportStore(const absl::Status& status) {
     store_problem_ = std::string(status.message());
   }
   if (status.ok()) {
+    store_saved_ = false;
     log_->info("{} can be written again", directory_.database().string());
+  } else if (absl::IsNotFound(status)) {
+    log_->error(
+        "{}; nothing more is acknowledged. Put it back, or let the daemon run until the log "
+        "says where a copy is",
+        std::string(status.message()));
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
                 directory_.database().string(), std::string(status.message()),
                 database_bytes_ >> 20);
   }
+}
+
+void Daemon::SaveStore(priors::PriorStore& store) {
+  const auto now = std::chrono::steady_clock::now();
+  if (store_saved_ || now < next_save_) return;
+  next_save_ = now + kSavePatience;
+  const std::string path = directory_.database().string();
+  const auto saved = storage::SaveMisplacedStore(store, path);
+  if (!saved.ok()) {
+    log_->error(
+        "no copy of the prior store can be made, and what it has is lost when the daemon ends "
+        "unless {} comes back: {}; make room, and it is tried again in a minute",
+        path, std::string(saved.status().message()));
+    return;
+  }
+  store_saved_ = true;
+  const std::string what =
+      absl::StrCat("all that was acknowledged is in ", saved->string(), ": stop the daemon, move ",
+                   path, " away with its -wal and -shm, `sweepstaked restore ", saved->string(),
+                   " --data ", config_.data.string(), "`, and start it again");
+  log_->error("{}", what);
+  const std::lock_guard lock(mutex_);
+  absl::StrAppend(&store_problem_, "; ", what);
 }
 
 absl::Status Daemon::OpenHttp() {

@@ -62,8 +62,9 @@ class Daemon {
   void StartBackups(const Config& config);
   void StartFolding(const Config& config);
   void LimitDatabase(uint64_t bytes);
-  // Runs on the store's thread.
+  // These run on the store's thread. The second one copies a store that has lost its file, once.
   void ReportStore(const absl::Status& status);
+  void SaveStore(priors::PriorStore& store);
   absl::Status OpenTokens();
   // Runs on the thread of the tokens.
   void ReportToken(const std::string& change);
@@ -84,6 +85,9 @@ class Daemon {
   std::string damage_;  // what of the store was lost at the start
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
+  bool store_saved_ = false;   // used on the store's thread
+  std::chrono::steady_clock::time_point next_save_;  // likewise; not before
+  storage::FileId store_file_;
   std::atomic<uint64_t> database_bytes_;
   std::unique_ptr<auth::TokenRegistry> tokens_;
   std::unique_ptr<storage::StoreThread> store_;

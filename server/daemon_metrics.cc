@@ -161,8 +161,8 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
     families.push_back(CounterOf(name, help, static_cast<double>(counters.*value)));
   families.push_back(ErrorsOf(counters));
   families.push_back(GaugeOf("sweepstake_store_healthy",
-                             "1 while the store can write and read, 0 after a commit failed or "
-                             "while a read does not end.",
+                             "1 while the store can write and read, 0 after a commit failed, while "
+                             "its file is not in its place or while a read does not end.",
                              store.healthy ? 1 : 0));
   families.push_back(GaugeOf("sweepstake_store_queued_commits",
                              "Updates of sessions, imports among them, that wait to be written.",

@@ -2,12 +2,10 @@
 
 #include <openssl/rand.h>
 #include <openssl/sha.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <system_error>
 
 #include "absl/strings/escaping.h"
@@ -212,7 +210,7 @@ absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path, IfLost if_lost
     if (absl::Status status = CreateFile(path); !status.ok()) return status;
   }
   // Before it is opened: one that is put in its place just then is seen by IsInPlace.
-  const auto file = IdOf(path);
+  const auto file = storage::FileId::Of(path);
   if (!file.ok()) return file.status();
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return Explain(path, database.status());
@@ -220,16 +218,8 @@ absl::StatusOr<TokenStore> TokenStore::Open(const fs::path& path, IfLost if_lost
   return TokenStore(path, *file, *std::move(database));
 }
 
-absl::StatusOr<TokenStore::FileId> TokenStore::IdOf(const fs::path& path) {
-  struct stat found {};
-  if (stat(path.c_str(), &found) == 0) return FileId{found.st_dev, found.st_ino};
-  if (errno == ENOENT) return FileId{};
-  return absl::UnavailableError(
-      absl::StrCat(path.string(), ": ", std::generic_category().message(errno)));
-}
-
 absl::StatusOr<bool> TokenStore::IsInPlace() const {
-  const auto now = IdOf(path_);
+  const auto now = storage::FileId::Of(path_);
   if (!now.ok()) return now.status();
   return *now == file_;
 }

@@ -22,6 +22,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/auth/principal.h"
+#include "server/storage/private_file.h"
 #include "server/storage/sqlite_database.h"
 
 namespace sweepstake::auth {
@@ -90,21 +91,11 @@ class TokenStore {
   absl::Status Lost() const;
 
  private:
-  // A file by its device and inode, whatever its name; both 0: there is none.
-  struct FileId {
-    uint64_t device = 0;
-    uint64_t inode = 0;
-
-    friend bool operator==(const FileId&, const FileId&) = default;
-  };
-
-  TokenStore(std::filesystem::path path, FileId file, storage::SqliteDatabase database)
+  TokenStore(std::filesystem::path path, storage::FileId file, storage::SqliteDatabase database)
       : path_(std::move(path)), file_(file), database_(std::move(database)) {}
 
-  static absl::StatusOr<FileId> IdOf(const std::filesystem::path& path);
-
   std::filesystem::path path_;
-  FileId file_;  // its inode is not used again while it is open
+  storage::FileId file_;  // that the database is
   storage::SqliteDatabase database_;
 };
 

@@ -238,6 +238,11 @@ class PriorStore : public PriorReader {
   // is lost and counted; it never makes a commit fail.
   virtual absl::Status Commit(std::span<const SourceUpdate> updates) = 0;
 
+  // Returns an error if what is committed would be lost with this process: nothing more is
+  // committed then. A store on a file finds out that it was removed, or another put in its place.
+  // Errors: NOT_FOUND (so it is), UNAVAILABLE (it cannot be told).
+  virtual absl::Status CheckPlace() { return absl::OkStatus(); }
+
   // Returns how many audit rows of successful commits could not be written since the store was
   // opened.
   virtual uint64_t lost_audit_row_count() const = 0;

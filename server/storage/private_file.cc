@@ -1,6 +1,7 @@
 #include "server/storage/private_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -45,6 +46,13 @@ absl::Status PublishFile(const fs::path& unfinished, const fs::path& path) {
   if (absl::Status status = Sync(unfinished); !status.ok()) return status;
   if (std::rename(unfinished.c_str(), path.c_str()) != 0) return Unavailable(path, errno);
   return Sync(path.has_parent_path() ? path.parent_path() : fs::path("."));
+}
+
+absl::StatusOr<FileId> FileId::Of(const fs::path& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) == 0) return FileId{found.st_dev, found.st_ino};
+  if (errno == ENOENT || errno == ENOTDIR) return FileId{};
+  return Unavailable(path, errno);
 }
 
 }  // namespace sweepstake::storage

@@ -1,9 +1,12 @@
-// Files that appear whole or not at all, and that only their owner can read.
+// Files that appear whole or not at all, and that only their owner can read; and which file a name
+// means.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 
 namespace sweepstake::storage {
 
@@ -15,5 +18,16 @@ absl::Status CreatePrivateFile(const std::filesystem::path& path);
 // all. Error: UNAVAILABLE.
 absl::Status PublishFile(const std::filesystem::path& unfinished,
                          const std::filesystem::path& path);
+
+// A file by its device and inode, whatever its name; both 0: there is none. While it is open, no
+// other file has its inode.
+struct FileId {
+  uint64_t device = 0;
+  uint64_t inode = 0;
+
+  // Returns which file the name means. Error: UNAVAILABLE (it cannot be told).
+  static absl::StatusOr<FileId> Of(const std::filesystem::path& path);
+  friend bool operator==(const FileId&, const FileId&) = default;
+};
 
 }  // namespace sweepstake::storage

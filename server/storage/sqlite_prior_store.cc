@@ -4,6 +4,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+#include "server/storage/private_file.h"
 #include "server/storage/record_limits.h"
 #include "server/storage/sqlite_audit_log.h"
 #include "server/storage/sqlite_database.h"
@@ -23,6 +25,12 @@ using priors::SceneKey;
 
 using KeyIds = std::unordered_set<int64_t>;
 
+// A file that commits are written to, and which one it was when it was opened.
+struct OpenFile {
+  std::filesystem::path path;
+  FileId id;
+};
+
 using FoldedSources = std::map<std::string, int64_t>;  // ids, by month
 
 // A row of evidence that a fold looks at.
@@ -35,10 +43,13 @@ class SqlitePriorStore final : public priors::PriorStore {
  public:
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
-  absl::Status Prepare(const priors::AuditLimits& audit_limits);
+  absl::Status Prepare(const std::filesystem::path& path, const priors::AuditLimits& audit_limits);
   absl::Status LimitSize(uint64_t max_bytes) { return database_.LimitSize(max_bytes); }
 
+  absl::Status CopyTo(const std::filesystem::path& file);
+
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
+  absl::Status CheckPlace() override;
   uint64_t lost_audit_row_count() const override { return lost_audit_row_count_; }
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
     return reader_->LoadPriors(keys);
@@ -78,7 +89,10 @@ class SqlitePriorStore final : public priors::PriorStore {
   }
 
  private:
-  // Runs `body` in a transaction, which is rolled back if it fails.
+  // Remembers which file the name means.
+  absl::Status Follow(const std::filesystem::path& path);
+  // Runs `body` in a transaction, which is rolled back if it fails. Nothing runs where what it
+  // commits would be lost.
   template <typename Body>
   absl::Status InTransaction(Body body);
   // Appends the updates that were applied and have audit rows to `audited`.
@@ -108,9 +122,11 @@ class SqlitePriorStore final : public priors::PriorStore {
   std::optional<SqlitePriorReader> reader_;  // present from Prepare on
   std::optional<SqliteAuditLog> audit_;      // present from Prepare on
   uint64_t lost_audit_row_count_ = 0;
+  std::vector<OpenFile> files_;  // the database and its log
 };
 
-absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) {
+absl::Status SqlitePriorStore::Prepare(const std::filesystem::path& path,
+                                       const priors::AuditLimits& audit_limits) {
   auto statements = PriorStatements::Prepare(database_);
   if (!statements.ok()) return statements.status();
   statements_ = *std::move(statements);
@@ -120,11 +136,39 @@ absl::Status SqlitePriorStore::Prepare(const priors::AuditLimits& audit_limits) 
   auto audit = SqliteAuditLog::Open(database_, audit_limits);
   if (!audit.ok()) return audit.status();
   audit_ = *std::move(audit);
+  absl::Status status = Follow(path);
+  return status.ok() ? Follow(path.string() + "-wal") : status;
+}
+
+absl::Status SqlitePriorStore::Follow(const std::filesystem::path& path) {
+  const auto id = FileId::Of(path);
+  if (!id.ok()) return id.status();
+  files_.push_back({path, *id});
   return absl::OkStatus();
+}
+
+absl::Status SqlitePriorStore::CheckPlace() {
+  for (const OpenFile& file : files_) {
+    const auto now = FileId::Of(file.path);
+    if (!now.ok()) return now.status();
+    if (*now == file.id) continue;
+    return absl::NotFoundError(
+        absl::StrCat(file.path.string(), " was ", *now == FileId() ? "removed" : "replaced",
+                     " while it was in use, and what is committed would be lost"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SqlitePriorStore::CopyTo(const std::filesystem::path& file) {
+  // A read that does not end keeps the log where it is; the copy has what is in it all the same.
+  database_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
+  return database_.CopyTo(file.string());
 }
 
 template <typename Body>
 absl::Status SqlitePriorStore::InTransaction(Body body) {
+  if (const absl::Status place = CheckPlace(); !place.ok())
+    return absl::UnavailableError(place.message());
   SqliteTransaction transaction(database_);
   absl::Status status = transaction.begun();
   if (status.ok()) status = body();
@@ -362,12 +406,16 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     if (absl::Status status = database->TimeSyncs(std::move(on_sync)); !status.ok()) return status;
   }
   auto store = std::make_unique<SqlitePriorStore>(*std::move(database));
-  if (absl::Status status = store->Prepare(audit_limits); !status.ok()) return status;
+  if (absl::Status status = store->Prepare(path, audit_limits); !status.ok()) return status;
   return store;
 }
 
 absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes) {
   return static_cast<SqlitePriorStore&>(store).LimitSize(max_bytes);
+}
+
+absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file) {
+  return static_cast<SqlitePriorStore&>(store).CopyTo(file);
 }
 
 absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,

@@ -1,6 +1,10 @@
 // The prior store on SQLite: one file with a write-ahead log and synchronous commits. Used by one
 // thread at a time.
 //
+// Before each change it is looked whether the file and its log still are what their names mean:
+// what is written to a file without a name is lost with the process. Then nothing is written until
+// they are back.
+//
 // A commit takes one fsync, however many increments it has. Import and Revoke add the sums of the
 // keys they change anew, from one row per source. What it reads it reads as SqlitePriorReader does.
 #pragma once
@@ -27,6 +31,12 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 // Changes how large the file may grow, at least to its present size. REQUIRES: `store` is of
 // OpenSqlitePriorStore.
 absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes);
+
+// Writes all that is committed to `file`, in place of one that is there, also where the store's own
+// has no name any more; and takes the log into the store's file, so that an empty log stays beside
+// whatever has its name now. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of
+// OpenSqlitePriorStore.
+absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file);
 
 // A place in the evidence, which is ordered by source and key. By default before all.
 struct FoldPlace {

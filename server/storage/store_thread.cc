@@ -89,11 +89,23 @@ std::vector<StoreThread::PendingCommit> StoreThread::TakeGroup() {
 
 void StoreThread::Loop() {
   std::unique_lock lock(mutex_);
+  TimePoint next_check = std::chrono::steady_clock::now() + options_.check_interval;
   while (true) {
-    changed_.wait(lock, [&] { return closing_ || !commits_.empty() || !jobs_.empty(); });
-    if (commits_.empty() && jobs_.empty()) return;
-    if (!has_ready_job()) WaitForGroup(lock);
-    RunFront(lock);
+    changed_.wait_until(lock, next_check,
+                        [&] { return closing_ || !commits_.empty() || !jobs_.empty(); });
+    const bool idle = commits_.empty() && jobs_.empty();
+    const bool ends = idle && closing_;
+    if (!idle) {
+      if (!has_ready_job()) WaitForGroup(lock);
+      RunFront(lock);
+    } else {
+      lock.unlock();
+    }
+    if (ends || std::chrono::steady_clock::now() >= next_check) {
+      CheckPlace();
+      next_check = std::chrono::steady_clock::now() + options_.check_interval;
+    }
+    if (ends) return;
     lock.lock();
   }
 }
@@ -144,6 +156,8 @@ void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
     CommitOrHalve(group.first(half), updates.first(half));
     return CommitOrHalve(group.subspan(half), updates.subspan(half));
   }
+  // First, so that whoever hears of the failure can find out why.
+  if (absl::IsUnavailable(status)) CheckPlace();
   for (PendingCommit& commit : group) Finish(commit, status);
 }
 
@@ -159,12 +173,24 @@ void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
   // An invalid update says nothing about the disk.
   if (absl::IsInvalidArgument(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
-  } else if (can_write_ != status.ok()) {
-    options_.on_health(status);  // first, so that whoever sees that it is not healthy finds out why
-    can_write_ = status.ok();
+  } else {
+    SetHealth(status);
   }
   lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
   commit.done(status);
+}
+
+void StoreThread::SetHealth(const absl::Status& status) {
+  if (can_write_ == status.ok()) return;
+  options_.on_health(status);  // first, so that whoever sees that it is not healthy finds out why
+  can_write_ = status.ok();
+}
+
+void StoreThread::CheckPlace() {
+  const absl::Status status = store_->CheckPlace();
+  if (!status.ok() && !absl::IsNotFound(status)) return;  // commits find out whether the disk works
+  if (std::exchange(misplaced_, !status.ok()) == status.ok()) SetHealth(status);
+  if (misplaced_ && options_.on_misplaced) options_.on_misplaced(*store_);
 }
 
 }  // namespace sweepstake::storage

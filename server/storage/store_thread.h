@@ -8,6 +8,9 @@
 // themselves, and theirs, so that only that one is refused. While closing, a disk that fails is not
 // tried again: what is still queued fails at once, so that closing takes no longer than one commit.
 //
+// Every `check_interval`, after a commit that fails, and at the end the store is asked whether what
+// it commits would be lost (PriorStore::CheckPlace), whether anything is committed or not.
+//
 // What must be exact is read by a job. A loop gets the job's result, if it comes the same way as
 // the news of the commits, behind those of all that the job has seen and before those of all later
 // ones:
@@ -48,9 +51,13 @@ struct StoreThreadOptions {
   bool own_thread = true;
   size_t max_queued = 65'536;  // updates and jobs; beyond it they are refused, as are reads
   std::chrono::milliseconds max_read = ReadThreadOptions().max_read;
+  std::chrono::milliseconds check_interval{2'000};
   // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
-  // succeed again.
+  // succeed again. NOT_FOUND is that of PriorStore::CheckPlace.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
+  // Called on the store's thread at each check that says NOT_FOUND, behind `on_health`: may keep
+  // what the store has elsewhere. May be empty.
+  std::function<void(priors::PriorStore&)> on_misplaced = {};
   // Told on the store's thread of each update that can never be stored, and why.
   std::function<void(const priors::SourceUpdate&, const absl::Status&)> on_refusal = {};
   // Told on the store's thread how long each commit of the store took. May be empty.
@@ -118,11 +125,14 @@ class StoreThread final : public priors::AsyncPriorStore {
   void CommitOrHalve(std::span<PendingCommit> group, std::span<const priors::SourceUpdate> updates);
   absl::Status CommitNow(std::span<const priors::SourceUpdate> updates);
   void Finish(PendingCommit& commit, const absl::Status& status);
+  void SetHealth(const absl::Status& status);
+  void CheckPlace();
 
   const std::unique_ptr<priors::PriorStore> store_;
   const StoreThreadOptions options_;
   std::unique_ptr<ReadThread> reads_;  // may be null; ends before the store
   std::atomic<bool> can_write_{true};
+  bool misplaced_ = false;                         // said the latest check
   std::atomic<uint64_t> lost_audit_row_count_{0};  // the store's, after the latest commit
 
   mutable std::mutex mutex_;

@@ -1,5 +1,7 @@
 #include "server/storage/backup/automatic_backup.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <ctime>
 #include <optional>
@@ -120,7 +122,9 @@ absl::StatusOr<OpenedStore> WithReads(std::unique_ptr<priors::PriorStore> store,
                                       const fs::path& path, std::string damage) {
   auto reads = OpenSqliteReadConnection(path);
   if (!reads.ok()) return reads.status();
-  return OpenedStore{std::move(store), *std::move(reads), std::move(damage)};
+  const auto file = FileId::Of(path);
+  if (!file.ok()) return file.status();
+  return OpenedStore{std::move(store), *std::move(reads), std::move(damage), *file};
 }
 
 }  // namespace
@@ -157,6 +161,13 @@ std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
   const auto time = fs::last_write_time(backups.front(), gone);
   if (gone) return std::nullopt;
   return time;
+}
+
+absl::StatusOr<fs::path> SaveMisplacedStore(priors::PriorStore& store, const fs::path& path) {
+  mkdir(path.parent_path().c_str(), 0700);  // what fails here, the copy finds out
+  const fs::path file = absl::StrCat(path.string(), kBackup, TimeText());
+  if (absl::Status status = CopyStore(store, file); !status.ok()) return status;
+  return file;
 }
 
 AutomaticBackups::AutomaticBackups(fs::path path, const BackupPlan& plan, OnDone on_done)
@@ -202,6 +213,13 @@ std::chrono::milliseconds AutomaticBackups::FirstDelay() const {
 }
 
 absl::StatusOr<fs::path> AutomaticBackups::MakeOne() {
+  if (plan_.file != FileId()) {
+    const auto now = FileId::Of(path_);
+    if (!now.ok()) return now.status();
+    if (*now != plan_.file)
+      return absl::UnavailableError(
+          absl::StrCat(path_.string(), " is not the file that the daemon uses"));
+  }
   // A backup that fills the disk would cost the evidence its place.
   std::error_code unknown;
   std::error_code missing;

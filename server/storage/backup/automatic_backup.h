@@ -1,5 +1,5 @@
-// Backups that the daemon makes by itself, and the start with one of them where the database is
-// damaged.
+// Backups that the daemon makes by itself, the start with one of them where the database is
+// damaged, and one of a database whose file was removed or replaced while it is in use.
 //
 // They lie beside the database, NAME.backup-TIME; a damaged database is kept as
 // NAME.quarantine-TIME. Of both there are a few, and the oldest go.
@@ -18,6 +18,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/priors/prior_store.h"
+#include "server/storage/private_file.h"
 #include "server/storage/read_thread.h"
 #include "server/storage/sqlite_database.h"
 
@@ -27,6 +28,7 @@ struct OpenedStore {
   std::unique_ptr<priors::PriorStore> store;
   std::unique_ptr<ReadConnection> reads;  // of the same file; ends before the store
   std::string damage;  // what of the priors was lost, and what to do; empty if nothing
+  FileId file;         // that both have
 };
 
 // Opens the store as OpenSqlitePriorStore does. If the file is damaged, it is put into quarantine,
@@ -40,12 +42,21 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const std::filesystem::path& path,
 // Returns when the last backup was made, as the file system tells it, or nothing if there is none.
 std::optional<std::filesystem::file_time_type> LastBackupTime(const std::filesystem::path& path);
 
+// Writes all that the store has to a backup of now beside `path`, which is not its file any more;
+// makes the directory again, if that is missing, too. It has no check of the copy, since there is
+// nothing better. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of OpenStoreOrBackup.
+absl::StatusOr<std::filesystem::path> SaveMisplacedStore(priors::PriorStore& store,
+                                                         const std::filesystem::path& path);
+
 struct BackupPlan {
   std::chrono::milliseconds interval = std::chrono::hours(24);
   size_t count = 3;  // backups that are kept; 0 makes none
   // A database without a backup gets its first one after this time, or the interval if that is
   // less; after a failure the next attempt comes as soon.
   std::chrono::milliseconds patience = std::chrono::minutes(10);
+  // Of this file only: of another one that was put in its place there is no backup, which would
+  // cost one of this. By default of any.
+  FileId file = {};
 };
 
 // Makes backups on a thread of its own, with connections of its own, so that commits go on. The

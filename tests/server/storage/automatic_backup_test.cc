@@ -211,6 +211,21 @@ TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
   EXPECT_GT(*LastBackupTime(path_), long_ago);
 }
 
+TEST_F(AutomaticBackupTest, OfAnotherFileThatWasPutInItsPlaceThereIsNone) {
+  Commit(1);
+  std::promise<absl::StatusOr<std::filesystem::path>> made;
+  {
+    std::atomic<bool> told = false;
+    const FileId other = *FileId::Of(directory_.path());
+    AutomaticBackups backups(path_, {.patience = milliseconds(0), .file = other},
+                             [&](const auto& file) {
+                               if (!told.exchange(true)) made.set_value(file);
+                             });
+    EXPECT_TRUE(absl::IsUnavailable(made.get_future().get().status()));
+  }
+  EXPECT_EQ(CountFiles("backup"), 0u);
+}
+
 TEST_F(AutomaticBackupTest, ABackupThatCannotBeMadeIsToldAndLeavesNothing) {
   std::promise<absl::StatusOr<std::filesystem::path>> made;
   {

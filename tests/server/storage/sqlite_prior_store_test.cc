@@ -7,6 +7,8 @@
 
 #include <fstream>
 
+#include "server/storage/backup/automatic_backup.h"
+#include "server/storage/backup/sqlite_backup.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
@@ -53,6 +55,68 @@ TEST_F(SqlitePriorStoreTest, ACommitIsOneFsyncWhichIsTimed) {
   ASSERT_TRUE(store->Commit(std::vector{Update("a", 2, {Key("Grid")})}).ok());
   ASSERT_EQ(durations.size(), 1u);
   EXPECT_GT(durations[0].count(), 0);
+}
+
+// A store in use whose file, or the log of it, has not its name any more.
+class MisplacedStoreTest : public SqlitePriorStoreTest,
+                           public ::testing::WithParamInterface<std::pair<const char*, bool>> {
+ protected:
+  MisplacedStoreTest() : store_(*OpenSqlitePriorStore(path_)) {
+    EXPECT_TRUE(store_->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+    EXPECT_TRUE(store_->CheckPlace().ok());
+    const auto& [suffix, is_replaced] = GetParam();
+    file_ = path_.string() + suffix;
+    std::filesystem::rename(file_, moved_);
+    if (is_replaced) std::filesystem::copy(moved_, file_);
+  }
+
+  std::unique_ptr<PriorStore> store_;
+  std::filesystem::path file_;
+  std::filesystem::path moved_ = directory_.path() / "moved";
+};
+
+TEST_P(MisplacedStoreTest, TakesNothingMoreUntilItIsBack) {
+  const std::vector update{Update("a", 2, {Key("Grid")})};
+  EXPECT_TRUE(absl::IsNotFound(store_->CheckPlace()));
+  EXPECT_THAT(std::string(store_->CheckPlace().message()), HasSubstr(file_.string() + " was re"));
+  EXPECT_TRUE(absl::IsUnavailable(store_->Commit(update)));
+  EXPECT_TRUE(absl::IsUnavailable(
+      store_->Import(std::vector{Record("file", 1, Key("Grid"), 1.0)}).status()));
+  EXPECT_TRUE(absl::IsUnavailable(store_->Revoke("a").status()));
+  EXPECT_TRUE(absl::IsUnavailable(FoldSources(*store_, {}, INT64_MAX, 200).status()));
+  std::filesystem::rename(moved_, file_);
+  EXPECT_TRUE(store_->CheckPlace().ok());
+  EXPECT_TRUE(store_->Commit(update).ok());
+  EXPECT_EQ(store_->LoadPriors(std::vector{Key("Grid")})->sums[0].evidence.window_count, 2u);
+}
+
+TEST_P(MisplacedStoreTest, IsSavedBesideWithAllThatItHasAndLeavesAnEmptyLog) {
+  const auto saved = SaveMisplacedStore(*store_, path_);
+  ASSERT_TRUE(saved.ok()) << saved.status();
+  EXPECT_THAT(saved->filename().string(), ::testing::StartsWith("priors.db.backup-"));
+  EXPECT_EQ(VerifyStore(*saved)->record_count, 1);
+  const bool is_log = file_ != path_;
+  const std::filesystem::path log =
+      is_log ? moved_ : std::filesystem::path(path_.string() + "-wal");
+  EXPECT_EQ(std::filesystem::file_size(log), 0u) << "nothing that another file could get";
+  const std::filesystem::path database = is_log ? path_ : moved_;
+  store_.reset();
+  EXPECT_EQ(VerifyStore(database)->record_count, 1) << "the moved file is whole by itself";
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, MisplacedStoreTest,
+                         ::testing::Values(std::pair("", false), std::pair("", true),
+                                           std::pair("-wal", false), std::pair("-wal", true)));
+
+TEST_F(SqlitePriorStoreTest, AStoreWhoseDirectoryWasRemovedIsSavedInANewOne) {
+  const std::filesystem::path folder = directory_.path() / "data";
+  std::filesystem::create_directory(folder);
+  const auto store = *OpenSqlitePriorStore(folder / "priors.db");
+  ASSERT_TRUE(store->Commit(std::vector{Update("a", 1, {Key("Grid")})}).ok());
+  std::filesystem::remove_all(folder);
+  const auto saved = SaveMisplacedStore(*store, folder / "priors.db");
+  ASSERT_TRUE(saved.ok()) << saved.status();
+  EXPECT_EQ(VerifyStore(*saved)->record_count, 1);
 }
 
 TEST_F(SqlitePriorStoreTest, ANewFileIsMarkedAsOurs) {

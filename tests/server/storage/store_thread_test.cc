@@ -18,13 +18,16 @@ using std::chrono::milliseconds;
 // starts.
 class CountingStore final : public priors::PriorStore {
  public:
-  explicit CountingStore(std::vector<size_t>& group_sizes, bool& failing)
-      : group_sizes_(group_sizes), failing_(failing) {}
+  explicit CountingStore(std::vector<size_t>& group_sizes, bool& failing, bool& misplaced)
+      : group_sizes_(group_sizes), failing_(failing), misplaced_(misplaced) {}
 
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     if (failing_) return absl::UnavailableError("the disk is full");
     group_sizes_.push_back(updates.size());
     return memory_.Commit(updates);
+  }
+  absl::Status CheckPlace() override {
+    return misplaced_ ? absl::NotFoundError("the file is gone") : absl::OkStatus();
   }
   uint64_t lost_audit_row_count() const override { return memory_.lost_audit_row_count(); }
   absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
@@ -70,14 +73,23 @@ class CountingStore final : public priors::PriorStore {
  private:
   std::vector<size_t>& group_sizes_;
   bool& failing_;
+  bool& misplaced_;
   MemoryPriorStore memory_;
 };
 
 class StoreThreadTest : public ::testing::Test {
  protected:
   void Start(StoreThreadOptions options) {
-    thread_ = std::make_unique<StoreThread>(std::make_unique<CountingStore>(group_sizes_, failing_),
-                                            options);
+    thread_ = std::make_unique<StoreThread>(
+        std::make_unique<CountingStore>(group_sizes_, failing_, misplaced_), options);
+  }
+  void OnThread(const std::function<void()>& task) {
+    std::promise<void> done;
+    thread_->Submit([&](PriorStore&) {
+      task();
+      done.set_value();
+    });
+    done.get_future().wait();
   }
   // Keeps the thread busy until the returned promise is set.
   std::shared_ptr<std::promise<void>> Occupy() {
@@ -98,6 +110,7 @@ class StoreThreadTest : public ::testing::Test {
 
   std::vector<size_t> group_sizes_;
   bool failing_ = false;
+  bool misplaced_ = false;
   std::unique_ptr<StoreThread> thread_;
 };
 
@@ -220,18 +233,54 @@ TEST_F(StoreThreadTest, AFullDiskIsUnhealthyAndToldUntilACommitSucceeds) {
   EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
   EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
   EXPECT_FALSE(thread_->healthy());
-  std::promise<void> mended;
-  thread_->Submit([&](PriorStore&) {
-    failing_ = false;
-    mended.set_value();
-  });
-  mended.get_future().wait();
+  OnThread([&] { failing_ = false; });
   EXPECT_TRUE(Commit(Update("a", 1, {})).get().ok());
   EXPECT_TRUE(Commit(Update("a", 2, {})).get().ok());
   EXPECT_TRUE(thread_->healthy());
   ASSERT_EQ(told.size(), 2u) << "once each";
   EXPECT_EQ(told[0].message(), "the disk is full");
   EXPECT_TRUE(told[1].ok());
+}
+
+TEST_F(StoreThreadTest, AStoreThatIsMisplacedIsFoundWithoutCommitsToldOnceAndSaved) {
+  std::vector<absl::Status> told;
+  std::atomic<int> saved_count = 0;
+  Start({.check_interval = milliseconds(1),
+         .on_health = [&](const absl::Status& status) { told.push_back(status); },
+         .on_misplaced = [&](PriorStore&) { ++saved_count; }});
+  OnThread([&] { misplaced_ = true; });
+  while (saved_count < 3) std::this_thread::yield();
+  EXPECT_FALSE(thread_->healthy());
+  OnThread([&] { misplaced_ = false; });
+  while (!thread_->healthy()) std::this_thread::yield();
+  thread_->Close();
+  ASSERT_EQ(told.size(), 2u) << "once each";
+  EXPECT_TRUE(absl::IsNotFound(told[0]));
+  EXPECT_TRUE(told[1].ok());
+}
+
+TEST_F(StoreThreadTest, AMisplacedStoreIsFoundByACommitThatFailsBeforeThatIsTold) {
+  std::vector<absl::Status> told;
+  bool saved = false;
+  Start({.group_interval = milliseconds(0),
+         .check_interval = std::chrono::hours(1),
+         .on_health = [&](const absl::Status& status) { told.push_back(status); },
+         .on_misplaced = [&](PriorStore&) { saved = true; }});
+  OnThread([&] { failing_ = misplaced_ = true; });
+  EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
+  EXPECT_TRUE(saved);
+  thread_->Close();
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].message(), "the file is gone");
+}
+
+TEST_F(StoreThreadTest, AMisplacedStoreIsFoundAtTheEndAtTheLatest) {
+  bool saved = false;
+  Start({.check_interval = std::chrono::hours(1),
+         .on_misplaced = [&](PriorStore&) { saved = true; }});
+  OnThread([&] { misplaced_ = true; });
+  thread_->Close();
+  EXPECT_TRUE(saved);
 }
 
 TEST_F(StoreThreadTest, AFullQueueRefusesAtOnce) {

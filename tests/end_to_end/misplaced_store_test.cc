@@ -1,0 +1,138 @@
+// A running daemon whose database is removed or replaced loses nothing of what it acknowledged.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+
+#include "server/storage/sqlite_prior_store.h"
+#include "tests/end_to_end/store_reader.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/support/daemon_process.h"
+#include "tests/support/http_exchange.h"
+#include "tests/support/temporary_directory.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr size_t kCommittingGames = 3;
+
+size_t CountIn(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+class MisplacedDatabaseTest : public ::testing::Test {
+ protected:
+  MisplacedDatabaseTest() {
+    for (size_t i = 0; i < kCommittingGames; ++i) {
+      rpc::TelemetryClient& game = games_.emplace_back(
+          grpc::CreateChannel(daemon_.address(), grpc::InsecureChannelCredentials()));
+      v1::Hello hello = rpc::OneArmHello();
+      hello.set_time_scale(200);
+      ids_.push_back(game.Open(hello).session_id());
+    }
+    for (sequence_ = 1; sequence_ < 6; ++sequence_) {
+      for (rpc::TelemetryClient& game : games_) SendNext(game);
+      for (rpc::TelemetryClient& game : games_) game.AwaitAcknowledgement(sequence_);
+    }
+  }
+  void SendNext(rpc::TelemetryClient& game) const { game.Send(rpc::Frames(sequence_, 30)); }
+  std::string Ready() const { return Get(daemon_.http_port(), "/readyz").body; }
+  // Games go on; returns the name of the copy that the log tells of.
+  fs::path AwaitCopy() {
+    const std::regex told("acknowledged is in ([^ ]*priors\\.db\\.backup-[^ ]*): stop the daemon");
+    std::smatch match;
+    std::string log;
+    EXPECT_TRUE(rpc::Eventually([&] {
+      log = daemon_.log();
+      return std::regex_search(log, match, told);
+    }));
+    return match.empty() ? fs::path() : fs::path(match[1].str());
+  }
+  // All that the games send from now on is not acknowledged, and the daemon says so.
+  void ExpectNothingMoreIsAcknowledged() {
+    for (rpc::TelemetryClient& game : games_) {
+      SendNext(game);
+      game.Send(rpc::Goodbye());
+      const grpc::Status end = game.Finish();
+      EXPECT_EQ(end.error_code(), grpc::StatusCode::UNAVAILABLE);
+      EXPECT_THAT(end.error_message(), HasSubstr("not on disk"));
+      EXPECT_EQ(game.AwaitAcknowledgement(0), sequence_ - 1);
+    }
+    EXPECT_THAT(Ready(), HasSubstr("[-]store"));
+    EXPECT_THAT(Get(daemon_.http_port(), "/metrics").body,
+                HasSubstr("\nsweepstake_store_healthy 0\n"));
+  }
+  void ExpectAllIn(const fs::path& folder) const {
+    for (const std::string& id : ids_) {
+      const priors::SourceState source = ReadSource(folder, id);
+      EXPECT_EQ(source.progress.message_sequence, sequence_ - 1);
+      EXPECT_EQ(source.progress.frame_count, 30 * (sequence_ - 1));
+      ExpectConsistent(source);
+    }
+  }
+
+  TemporaryDirectory data_;
+  TemporaryDirectory elsewhere_;
+  const fs::path database_ = data_.path() / "priors.db";
+  DaemonProcess daemon_{data_.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"}};
+  std::deque<rpc::TelemetryClient> games_;
+  std::vector<std::string> ids_;
+  uint64_t sequence_ = 0;
+};
+
+TEST_F(MisplacedDatabaseTest, OneThatIsRemovedUnderGamesIsToldOnceAndSaved) {
+  fs::remove(database_);
+  ExpectNothingMoreIsAcknowledged();
+  const fs::path copy = AwaitCopy();
+  EXPECT_THAT(Ready(), HasSubstr("priors.db was removed while it was in use"));
+  EXPECT_THAT(Ready(), HasSubstr("restore " + copy.string()));
+  EXPECT_EQ(daemon_.Terminate(), 0);
+  EXPECT_EQ(CountIn(daemon_.log(), "nothing more is acknowledged"), 1u) << daemon_.log();
+  EXPECT_EQ(CountIn(daemon_.log(), "acknowledged is in"), 1u) << daemon_.log();
+  // As the log says.
+  for (const char* suffix : {"-wal", "-shm"}) fs::remove(database_.string() + suffix);
+  fs::rename(copy, database_);
+  ExpectAllIn(data_.path());
+  const DaemonProcess next(data_.path());
+}
+
+TEST_F(MisplacedDatabaseTest, OneThatIsReplacedUnderGamesIsToldOnceAndSaved) {
+  const fs::path other = elsewhere_.path() / "priors.db";
+  ASSERT_TRUE(storage::OpenSqlitePriorStore(other).ok());
+  fs::rename(other, database_);
+  ExpectNothingMoreIsAcknowledged();
+  const fs::path copy = AwaitCopy();
+  EXPECT_THAT(Ready(), HasSubstr("priors.db was replaced while it was in use"));
+  EXPECT_EQ(daemon_.Terminate(), 0);
+  EXPECT_EQ(CountIn(daemon_.log(), "nothing more is acknowledged"), 1u) << daemon_.log();
+  EXPECT_EQ(fs::file_size(database_.string() + "-wal"), 0u) << "the other file does not get it";
+  const fs::path restored = elsewhere_.path() / "restored";
+  fs::create_directory(restored);
+  fs::rename(copy, restored / "priors.db");
+  ExpectAllIn(restored);
+}
+
+TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayIsFoundWithoutGamesAndGoesOnWhenItIsBack) {
+  const fs::path away = elsewhere_.path() / "away";
+  for (rpc::TelemetryClient& game : games_) game.Cancel();
+  fs::rename(database_, away);
+  EXPECT_FALSE(AwaitCopy().empty());
+  EXPECT_THAT(Ready(), HasSubstr("[-]store"));
+  fs::rename(away, database_);
+  EXPECT_TRUE(rpc::Eventually([&] { return CountIn(Ready(), "[-]store") == 0; }));
+  EXPECT_EQ(daemon_.Terminate(), 0);
+  ExpectAllIn(data_.path());
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support
