@@ -51,8 +51,8 @@ bool AreSameSideOutliers(double a, double b) {
 RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponents& components)
     : arm_count_(arm_count),
       components_(components),
-      mean_(Eigen::VectorXd::Zero(2 * arm_count + 1)),
-      covariance_(Eigen::MatrixXd::Zero(2 * arm_count + 1, 2 * arm_count + 1)),
+      mean_(Eigen::VectorXd::Constant(arm_count, kFirstLevel)),
+      covariance_(Eigen::MatrixXd::Zero(arm_count, arm_count)),
       live_noise_(kFirstNoise),
       shadow_noise_(kFirstNoise),
       sweep_noise_(kFirstNoise),
@@ -60,11 +60,17 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
       level_drift_(kFirstLevelDrift),
       lane_drift_(kFirstLaneDrift),
       last_visit_(arm_count) {
-  mean_.head(arm_count).setConstant(kFirstLevel);
-  AddCommonVariance(0, kLevelVariance);
-  AddCommonVariance(bias(0), kLaneVariance);
-  covariance_.diagonal().head(arm_count).array() += kUnknownVariance;
-  covariance_.diagonal().segment(bias(0), arm_count).array() += kBiasVariance;
+  AddVariance(costs(), kLevelVariance, kUnknownVariance);
+  AddVariance(first_biases_, kLaneVariance, kBiasVariance);
+}
+
+// Begins to estimate the lane's biases, and the offset.
+void RelativeCostFilter::AddLane() {
+  const uint32_t state_count = 2 * arm_count_ + 1;
+  mean_.conservativeResizeLike(Eigen::VectorXd::Zero(state_count));
+  covariance_.conservativeResizeLike(Eigen::MatrixXd::Zero(state_count, state_count));
+  biases().setConstant(first_biases_(0, 1));
+  biases().diagonal().setConstant(first_biases_(0, 0));
 }
 
 void RelativeCostFilter::SetPrior(uint32_t arm, const NormalBelief& log_cost) {
@@ -73,20 +79,19 @@ void RelativeCostFilter::SetPrior(uint32_t arm, const NormalBelief& log_cost) {
 }
 
 void RelativeCostFilter::Advance(double intervals) {
-  AddCommonVariance(0, level_drift_ * intervals);
-  AddCommonVariance(bias(0), lane_drift_ * intervals);
-  covariance_.diagonal().head(arm_count_).array() += drift_ * intervals;
-  covariance_.diagonal().segment(bias(0), arm_count_).array() += kBiasDrift * intervals;
+  AddVariance(costs(), level_drift_ * intervals, drift_ * intervals);
+  const double lane = lane_drift_ * intervals, own = kBiasDrift * intervals;
+  has_lane() ? AddVariance(biases(), lane, own) : AddVariance(first_biases_, lane, own);
 }
 
-// Adds a variance that the states of all arms, from `first_state` on, have in common.
-void RelativeCostFilter::AddCommonVariance(uint32_t first_state, double variance) {
-  auto block = covariance_.block(first_state, first_state, arm_count_, arm_count_);
+void RelativeCostFilter::AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common,
+                                     double own) const {
   if (components_.common_mode) {
-    block.array() += variance;
+    states.array() += common;
   } else {
-    block.diagonal().array() += variance;
+    states.diagonal().array() += common;
   }
+  states.diagonal().array() += own;
 }
 
 // Moves a noise variance towards what explains innovations of this size. If the belief itself is
@@ -121,7 +126,7 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
     if (!stays) {
       covariance_(arm, arm) += Square(innovation);
     } else if (AreSameSideOutliers(last, normalised)) {
-      AddCommonVariance(0, Square(innovation));
+      AddVariance(costs(), Square(innovation), 0);
       covariance_(arm, arm) += kOwnShare * Square(innovation);
       last_live_ = 0;
     } else {
@@ -148,6 +153,7 @@ double RelativeCostFilter::VisitVariance(const Eigen::VectorXd& column, uint32_t
 }
 
 void RelativeCostFilter::ObserveShadow(uint32_t arm, uint64_t sweep, double log_cost) {
+  if (!has_lane()) AddLane();
   BeginSweep(sweep);
   const auto column = [&]() -> Eigen::VectorXd {
     return covariance_.col(arm) + covariance_.col(bias(arm)) + covariance_.col(offset());
@@ -168,7 +174,7 @@ double RelativeCostFilter::NoiseOfReferenceVisit(double innovation, double varia
   const double last = std::exchange(last_reference_, normalised);
   UpdateDrift(lane_drift_, normalised * last);
   if (std::abs(normalised) > kOutlierDeviations) {
-    AddCommonVariance(0, Square(innovation));
+    AddVariance(costs(), Square(innovation), 0);
   } else {
     UpdateNoise(sweep_noise_, innovation, variance);
   }

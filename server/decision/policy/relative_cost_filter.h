@@ -61,10 +61,15 @@ class RelativeCostFilter {
   double live_noise() const { return live_noise_; }
 
  private:
+  bool has_lane() const { return mean_.size() > arm_count_; }
   uint32_t bias(uint32_t arm) const { return arm_count_ + arm; }
   uint32_t offset() const { return 2 * arm_count_; }
 
-  void AddCommonVariance(uint32_t first_state, double variance);
+  auto costs() { return covariance_.topLeftCorner(arm_count_, arm_count_); }
+  auto biases() { return covariance_.block(bias(0), bias(0), arm_count_, arm_count_); }
+  void AddLane();
+  // Adds to states of one kind: a variance that they have in common, and each its own.
+  void AddVariance(Eigen::Ref<Eigen::MatrixXd> states, double common, double own) const;
   void UpdateNoise(double& noise, double innovation, double variance) const;
   void UpdateDrift(double& drift, double product) const;
   void BeginSweep(uint64_t sweep);
@@ -75,8 +80,11 @@ class RelativeCostFilter {
 
   uint32_t arm_count_;
   FilterComponents components_;
+  // All states; the costs alone before the lane's first visit, when nothing ties the others to
+  // them. They are four fifths of the memory, and of the time of an observation.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
+  Eigen::Matrix2d first_biases_ = Eigen::Matrix2d::Zero();  // of any two arms, until then
 
   // Estimated variances.
   double live_noise_;

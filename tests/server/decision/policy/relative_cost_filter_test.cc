@@ -121,6 +121,21 @@ TEST_F(FilterTest, WithoutALaneLiveWindowsOfEachArmTellTheDifference) {
   EXPECT_GT(Deviation(filter.Difference(2, 0)), 0.5);  // never seen
 }
 
+TEST_F(FilterTest, ALaneThatComesLateHasDriftedAsMuchAsOneThatWasThere) {
+  RelativeCostFilter early(kArms), late(kArms);
+  late.Advance(400);
+  for (RelativeCostFilter* filter : {&early, &late}) {
+    filter->ObserveShadow(0, 1, 5);
+    filter->ObserveShadow(1, 1, 5.1);
+  }
+  // Both arms' biases, and the noise of both visits.
+  EXPECT_NEAR(Deviation(early.Difference(0, 1)), std::hypot(0.04, 0.04, std::hypot(0.05, 0.05)),
+              0.01);
+  EXPECT_NEAR(Deviation(late.Difference(0, 1)),
+              std::hypot(std::hypot(0.04, 0.04), std::hypot(0.06, 0.06), std::hypot(0.05, 0.05)),
+              0.01);
+}
+
 TEST_F(FilterTest, ThePriorIsAboutDifferencesNotAboutTheLevel) {
   RelativeCostFilter filter(kArms);
   filter.SetPrior(0, {.mean = 2, .variance = 0.02});
