@@ -60,6 +60,10 @@ DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
   if (!exploring()) observation_.Start(setup_.start_ns);
 }
 
+bool DecisionSession::waits_for_frames() const {
+  return decision_count_ == 0 && !StartsFromPriors(setup_, policy_kind_);
+}
+
 void DecisionSession::ObserveFrames(std::span<const Frame> frames) {
   for (const Frame& frame : frames) ObserveFrame(frame);
 }

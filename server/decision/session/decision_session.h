@@ -118,6 +118,8 @@ class DecisionSession {
   // The next tick is due one decision interval after the last one was due or, if that has passed
   // too, after the last one.
   int64_t next_tick_ns() const { return next_tick_ns_; }
+  // Whether the first decision is still to come and waits for frames, since no priors are known.
+  bool waits_for_frames() const;
   // Updates, samples and gates. A late tick is one tick, never several.
   // REQUIRES: now_ns >= next_tick_ns().
   Decision Tick(int64_t now_ns);

@@ -47,6 +47,7 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
     loop_.Post([this, parsed] { stream_->OnMessage(parsed ? &request_ : nullptr); });
   }
   void OnWriteDone(bool ok) override {
+    write_bytes_.Clear();
     loop_.Post([this, ok] { stream_->OnWritten(ok); });
   }
   void OnCancel() override {

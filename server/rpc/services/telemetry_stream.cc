@@ -107,7 +107,8 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   if (!session_) {
     if (!request.has_hello())
       return Refused(v1::ERROR_REASON_MESSAGE_ORDER, "the first request of a stream must be Hello");
-    return Open(std::move(*request.mutable_hello()));
+    hello_.reset(request.release_hello());
+    return Open();
   }
   const absl::Status status =
       CheckRequest(request, static_cast<uint32_t>(session_->identity().arms.size()));
@@ -122,8 +123,7 @@ absl::Status TelemetryStream::Dispatch(v1::StreamTelemetryRequest& request) {
   return absl::OkStatus();
 }
 
-absl::Status TelemetryStream::Open(v1::Hello given) {
-  hello_ = std::move(given);
+absl::Status TelemetryStream::Open() {
   time_scale_ = std::max(1.0, hello_->time_scale());
   protocol_version_ = hello_->protocol_version();
   if (hello_->policy().empty()) hello_->set_policy(context_.options.decision.policy);

@@ -106,7 +106,7 @@ class TelemetryStream final : public SessionLink,
   // Error: RESOURCE_EXHAUSTED (more messages than RpcOptions::max_messages_per_s).
   absl::Status CountMessage();
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
-  absl::Status Open(v1::Hello given);
+  absl::Status Open();
   // Checks that the session of the Hello is the caller's. A Hello without its resume token forgets
   // its id.
   absl::Status CheckResumption();
@@ -141,7 +141,7 @@ class TelemetryStream final : public SessionLink,
   std::shared_ptr<GameSession> session_;
   // The Hello as received, with the policy filled in and without the id of a session that it may
   // not resume, while the session is being loaded.
-  std::optional<v1::Hello> hello_;
+  std::unique_ptr<v1::Hello> hello_;
   double time_scale_ = 1;          // of the Hello
   uint32_t protocol_version_ = 1;  // the newest that the client speaks
   uint32_t decision_interval_ms_ = 0;

@@ -35,7 +35,6 @@ std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, Sessio
                                          std::span<const priors::KeyedEvidence> increments) {
         if (const auto self = weak.lock()) self->OnCommitted(status, increments);
       });
-  if (context.options.audit.bytes > 0) session->StartAudit();
   return session;
 }
 
@@ -51,6 +50,11 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
       switch_epoch_(setup.switch_epoch),
       has_stored_evidence_(stored.has_evidence) {
   ++context_.counters.session_count;
+}
+
+void GameSession::Hear() {
+  heard_ = true;
+  if (!std::exchange(audited_, true) && context_.options.audit.bytes > 0) StartAudit();
 }
 
 void GameSession::StartAudit() {
@@ -87,11 +91,14 @@ void GameSession::Attach(SessionLink& link) {
 void GameSession::Start(const v1::Hello& hello) {
   takes_orders_ = Has(hello, v1::CAPABILITY_OPERATOR_ORDERS);
   const auto mode = FromProto(hello.mode());
-  if (mode != decisions_.mode())
-    decisions_.SetMode(mode, hello.active_arm(), context_.loop.clock().NowNs());
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  if (mode != decisions_.mode()) {
+    Hear();
+    decisions_.SetMode(mode, hello.active_arm(), now_ns);
+  }
   TellChange();
   if (unanswered_) link_->SendSwitch(*unanswered_);
-  heard_ = true;
+  if (!decisions_.waits_for_frames()) Hear();
   ScheduleTick(decisions_.next_tick_ns());
 }
 
@@ -109,7 +116,7 @@ void GameSession::Apply(const v1::StreamTelemetryRequest& request) {
     return;
   }
   applied_sequence_ = request.sequence();
-  heard_ = true;
+  Hear();
   if (IsUnknown(request)) {
     ++context_.counters.unknown_message_count;
     return;
@@ -233,6 +240,7 @@ void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) 
   AnswerOrder(order_id_, Refused(v1::ERROR_REASON_ORDER_REPLACED, "a later order took its place"));
   // An answer may come from before a restart of the daemon, which knows no number of then.
   order_id_ = std::max(order_id_ + 1, static_cast<uint64_t>(order.now_ns) / 1'000 & kOrderIdMask);
+  Hear();
   decisions_.ObserveOrder(order);
   if (!takes_orders_) return answer(TakesNoOrders());
   order_answer_ = std::move(answer);

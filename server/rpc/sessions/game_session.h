@@ -3,9 +3,9 @@
 //
 // It outlives a connection: a link is attached while a client is connected. Without a link there
 // are no ticks, since nobody could receive a command, and the window waits. Nor is there a tick if
-// the client has sent nothing since the last one: that costs no row and no commit. It is used on
-// the decision loop only and is owned by the session table and the stream of its link. The memory
-// is bounded by the number of arms.
+// the client has sent nothing since the last one, or yet, unless known priors decide at once: that
+// costs no row and no commit. It is used on the decision loop only and is owned by the session
+// table and the stream of its link. The memory is bounded by the number of arms.
 #pragma once
 
 #include <cstdint>
@@ -128,6 +128,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   GameSession(SessionContext& context, SessionIdentity identity,
               const decision::SessionSetup& setup, const StoredSession& stored);
 
+  // There is something to decide on, or to report, with the next tick. The audit log begins with
+  // the first of it, since most of what a game costs that has said hello and no more would be the
+  // log's first rows.
+  void Hear();
   void StartAudit();
   void OnAuditRow(std::string_view row) override { ledger_->AddAuditRow(row); }
 
@@ -178,7 +182,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   OrderAnswer order_answer_;       // empty if the game has answered it
   uint64_t timer_generation_ = 0;  // timers of an older generation are ignored
   bool commit_failed_ = false;     // the last one
-  bool heard_ = false;             // the client has sent something since the last tick
+  bool heard_ = false;             // the next tick has something to decide on
+  bool audited_ = false;           // the audit log has begun, if there is one
   watch::SessionEnd end_ =
       watch::SessionEnd::kNone;  // why the session ends; its last evidence may wait
   std::optional<int64_t> last_message_ns_;

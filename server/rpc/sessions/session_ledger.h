@@ -89,14 +89,14 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   uint64_t durable_sequence_;
   std::map<priors::EvidenceKey, priors::Evidence> open_;  // evidence since the checkpoint
   std::map<priors::EvidenceKey, priors::Evidence>
-      waiting_;                                  // evidence between offer and checkpoint
-  std::vector<priors::AuditRow> open_rows_;      // audit rows since the checkpoint
-  priors::AuditRows audit_;                      // rows between offer and checkpoint
-  uint64_t audit_row_count_ = 0;                 // rows of the segment, lost ones included
-  size_t audit_bytes_ = 0;                       // size of all rows held here
-  bool checkpointed_ = false;                    // `waiting_` may be offered
-  std::optional<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
-  bool in_flight_ = false;                       // the store has `offered_`
+      waiting_;                                    // evidence between offer and checkpoint
+  std::vector<priors::AuditRow> open_rows_;        // audit rows since the checkpoint
+  priors::AuditRows audit_;                        // rows between offer and checkpoint
+  uint64_t audit_row_count_ = 0;                   // rows of the segment, lost ones included
+  size_t audit_bytes_ = 0;                         // size of all rows held here
+  bool checkpointed_ = false;                      // `waiting_` may be offered
+  std::unique_ptr<priors::SourceUpdate> offered_;  // the store has not confirmed it yet
+  bool in_flight_ = false;                         // the store has `offered_`
 };
 
 }  // namespace sweepstake::rpc

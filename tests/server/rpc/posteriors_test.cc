@@ -284,10 +284,15 @@ TEST_F(PosteriorsTest, DecisionsOfOneMomentAreEncodedOnceAndAllReachWatchersThat
   Store(Evidence("a", "harbour"));
   constexpr size_t kSessions = 130;
   std::vector<std::unique_ptr<TelemetryClient>> clients;
+  v1::StreamTelemetryRequest manual;
+  manual.set_sequence(1);
+  manual.mutable_mode_change()->set_mode(v1::MODE_MANUAL);
   for (size_t i = 0; i < kSessions; ++i) {
     clients.push_back(std::make_unique<TelemetryClient>(channel_));
     clients.back()->Open(OneArmHello());
+    clients.back()->Send(manual);
   }
+  ASSERT_TRUE(Applied(kSessions));
   std::vector<grpc::ClientContext> contexts(3);
   std::vector<WatchReader> watchers;
   v1::WatchPosteriorsResponse event;
