@@ -10,12 +10,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "server/storage/sqlite_prior_store.h"
 #include "tests/end_to_end/scripted_game.h"
+#include "tests/server/storage/evidence_samples.h"
 #include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/file_text.h"
@@ -126,14 +130,51 @@ int RunShell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST(MetricsTest, PromtoolFindsNothingToSay) {
+constexpr const char* kFolded = "sweepstake_store_folded_sources_total";
+
+// Puts the evidence of a session into the store that the next daemon folds.
+void AddOldSession(const TemporaryDirectory& data) {
+  priors::SourceUpdate update = storage::Update("old", 1, {storage::Key("Grid")});
+  update.unix_time_s = 1'000'000'000;  // in 2001
+  const auto store = storage::OpenSqlitePriorStore(data.path() / "priors.db");
+  ASSERT_TRUE(store.ok()) << store.status();
+  ASSERT_TRUE((*store)->Commit({&update, 1}).ok());
+}
+
+// The names of all metrics that the daemon's sources have.
+std::set<std::string> NamesInSources() {
+  static const std::regex kName("\"((sweepstake|process)_[a-z0-9_]+)\"");
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(SERVER_SOURCES)) {
+    if (entry.path().extension() != ".cc") continue;
+    const std::string text = FileText(entry.path());
+    for (std::sregex_iterator name(text.begin(), text.end(), kName), end; name != end; ++name)
+      names.insert((*name)[1]);
+  }
+  return names;
+}
+
+// The names of the metrics of a page.
+std::set<std::string> NamesOn(const std::string& page) {
+  static const std::regex kType("# TYPE (\\w+) ");
+  std::set<std::string> names;
+  for (std::sregex_iterator name(page.begin(), page.end(), kType), end; name != end; ++name)
+    names.insert((*name)[1]);
+  return names;
+}
+
+TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   const TemporaryDirectory data;
+  AddOldSession(data);
   const DaemonProcess daemon = StartWithHttp(data);
   ScriptedGame game(daemon.address(), FastOptions());
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.command_count > 0; }));
   const std::string page = data.path() / "metrics";
   const std::string said = data.path() / "said";
-  std::ofstream(page) << Get(daemon.http_port(), "/metrics").body;
+  EXPECT_TRUE(Eventually([&] { return Metric(daemon, kFolded) == 1; }));
+  const std::string text = Get(daemon.http_port(), "/metrics").body;
+  EXPECT_EQ(NamesOn(text), NamesInSources()) << "one that comes later would not be checked";
+  std::ofstream(page) << text;
   EXPECT_EQ(RunShell("promtool check metrics <'" + page + "' >'" + said + "' 2>&1"), 0);
   EXPECT_EQ(FileText(said), "");
 }
@@ -170,6 +211,7 @@ class Prometheus {
 TEST(MetricsTest, ARealPrometheusScrapesThem) {
   const TemporaryDirectory data;
   const TemporaryDirectory folder;
+  AddOldSession(data);
   const DaemonProcess daemon = StartWithHttp(data);
   const Prometheus prometheus(folder.path(), daemon.http_port());
   std::string samples;
@@ -180,6 +222,10 @@ TEST(MetricsTest, ARealPrometheusScrapesThem) {
   EXPECT_THAT(samples, HasSubstr("version="));
   EXPECT_THAT(prometheus.Samples("up"), HasSubstr("} 1 "));
   EXPECT_THAT(prometheus.Samples("sweepstake_store_healthy"), HasSubstr("} 1 "));
+  EXPECT_TRUE(Eventually([&] {
+    samples = prometheus.Samples(kFolded);
+    return samples.find("} 1 ") != std::string::npos;
+  })) << samples;
 }
 
 }  // namespace
