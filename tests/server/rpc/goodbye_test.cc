@@ -27,6 +27,17 @@ class GoodbyeTest : public RpcTest {
   [[nodiscard]] bool Held(size_t count) {
     return Eventually([&] { return store_.held_count() == count; });
   }
+  // A session with two messages applied, whose goodbye comes while the commit of the first is held.
+  // Returns its id.
+  std::string SayGoodbyeBehindACommit(TelemetryClient& client) {
+    const std::string id = OpenWithEvidence(client).session_id();
+    store_.Hold();
+    Tick();
+    EXPECT_TRUE(Held(1));
+    client.Send(Frames(2, 30));
+    client.Send(Goodbye());
+    return id;
+  }
   // Frames of the session in the store.
   uint64_t StoredFrames(const std::string& session_id) {
     std::promise<uint64_t> frames;
@@ -57,12 +68,7 @@ TEST_F(GoodbyeTest, AHalfCloseAfterItLeavesTheStreamOpenUntilTheCommit) {
 
 TEST_F(GoodbyeTest, ACommitBehindAnotherIsAwaitedToo) {
   TelemetryClient client(channel_);
-  const std::string id = OpenWithEvidence(client).session_id();
-  store_.Hold();
-  Tick();
-  ASSERT_TRUE(Held(1));
-  client.Send(Frames(2, 30));
-  client.Send(Goodbye());
+  const std::string id = SayGoodbyeBehindACommit(client);
   client.HalfClose();
   ASSERT_TRUE(Applied(2));
   store_.Release();
@@ -73,12 +79,7 @@ TEST_F(GoodbyeTest, ACommitBehindAnotherIsAwaitedToo) {
 
 TEST_F(GoodbyeTest, AfterALostConnectionTheCommitStillReachesTheStore) {
   TelemetryClient client(channel_);
-  const std::string id = OpenWithEvidence(client).session_id();
-  store_.Hold();
-  Tick();
-  ASSERT_TRUE(Held(1));
-  client.Send(Frames(2, 30));
-  client.Send(Goodbye());
+  const std::string id = SayGoodbyeBehindACommit(client);
   ASSERT_TRUE(Eventually([&] { return server_->counters().goodbye_count == 1; }));
   client.Cancel();
   EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::CANCELLED);

@@ -226,11 +226,7 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
 
 TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
   const v1::Hello hello = ManyArmsHello();
-  grpc::ChannelArguments small_window;
-  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  const auto own_channel =
-      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
-                                grpc::InsecureChannelCredentials(), small_window);
+  const auto own_channel = SmallWindowChannel();
   grpc::ClientContext context;
   const auto idle = v1::PosteriorsService::NewStub(own_channel)->WatchPosteriors(&context, {});
   // Until its buffers are full, which shows as time that passes without dropping it.
@@ -332,11 +328,7 @@ TEST_F(PosteriorsTest, ASlowWatcherMissesDecisionsButNoSceneAndReadsTheStoreOnce
     clients.push_back(std::make_unique<TelemetryClient>(channel_));
     clients.back()->Open(hello);
   }
-  grpc::ChannelArguments small_window;
-  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  const auto own_channel =
-      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
-                                grpc::InsecureChannelCredentials(), small_window);
+  const auto own_channel = SmallWindowChannel();
   grpc::ClientContext context;
   const WatchReader watcher =
       v1::PosteriorsService::NewStub(own_channel)->WatchPosteriors(&context, {});
@@ -389,11 +381,7 @@ TEST_F(PosteriorsTest, AnExportThatNobodyReadsEnds) {
   for (int i = 0; i < 4000; ++i) {
     Store(Evidence("source " + std::to_string(i) + std::string(100, 'x'), "harbour"));
   }
-  grpc::ChannelArguments small_window;
-  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  const auto own_channel =
-      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
-                                grpc::InsecureChannelCredentials(), small_window);
+  const auto own_channel = SmallWindowChannel();
   grpc::ClientContext context;
   const auto reader = v1::PriorsService::NewStub(own_channel)->ExportPriors(&context, {});
   ASSERT_TRUE(Eventually([&] {

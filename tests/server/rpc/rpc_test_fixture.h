@@ -183,12 +183,18 @@ class RpcTest : public ::testing::Test {
   void SetUp() override { StartServer(); }
   void TearDown() override { StopServer(); }
 
+  std::string address() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  // A connection of its own, which takes little that its client does not read.
+  std::shared_ptr<grpc::Channel> SmallWindowChannel() const {
+    grpc::ChannelArguments small_window;
+    small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+    return grpc::CreateCustomChannel(address(), grpc::InsecureChannelCredentials(), small_window);
+  }
   void StartServer() {
     auto server = RpcServer::Start("127.0.0.1:0", options_, clock_, store_, log_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
-    channel_ = grpc::CreateChannel("127.0.0.1:" + std::to_string(server_->port()),
-                                   grpc::InsecureChannelCredentials());
+    channel_ = grpc::CreateChannel(address(), grpc::InsecureChannelCredentials());
   }
   // Stops the server; what is not in the store is lost, as after a crash. Whatever errors a test
   // met, each had a reason.
@@ -214,6 +220,13 @@ class RpcTest : public ::testing::Test {
     std::promise<void> done;
     thread_.Submit([&](priors::PriorStore&) { done.set_value(); });
     done.get_future().wait();
+  }
+
+  // Puts records into the store, past the server.
+  void Put(const std::vector<priors::PriorRecord>& records) {
+    thread_.Submit(
+        [&](priors::PriorStore& store) { EXPECT_TRUE(store.Import(records).status().ok()); });
+    Flush();
   }
 
   // Waits until the server has taken `count` messages with evidence since it started.

@@ -284,11 +284,7 @@ TEST_F(SessionsTest, AWatcherThatReadsSlowlyIsToldOnceWhatHasChangedMeanwhile) {
     const std::string id = client->Open(hello).session_id();
     clients.emplace(id, std::move(client));
   }
-  grpc::ChannelArguments small_window;
-  small_window.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  const auto stub = v1::SessionsService::NewStub(
-      grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(server_->port()),
-                                grpc::InsecureChannelCredentials(), small_window));
+  const auto stub = v1::SessionsService::NewStub(SmallWindowChannel());
   SessionsWatch watch(*stub);
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   const auto& [id, client] = *clients.begin();

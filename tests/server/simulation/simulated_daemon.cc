@@ -70,7 +70,7 @@ void SimulatedDaemon::StepFold(const std::shared_ptr<storage::FoldWalk>& walk) {
   if (draining_) return;
   store_.Submit([this, walk](priors::PriorStore& store) {
     folding_.before_step();
-    walk->Step(static_cast<TroubledStore&>(store).on_disk());
+    walk->Step(static_cast<TroubledStore&>(store).behind());
     if (walk->done()) folding_.on_done(walk->run());
     loop_.Post([this, walk] { AfterFoldStep(walk); });
   });

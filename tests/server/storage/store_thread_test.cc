@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 
 // Counts commits, and fails those the test wants to fail. On the store's thread, or before it
 // starts.
-class CountingStore final : public priors::PriorStore {
+class CountingStore final : public MemoryPriorStore {
  public:
   explicit CountingStore(std::vector<size_t>& group_sizes, bool& failing, bool& misplaced)
       : group_sizes_(group_sizes), failing_(failing), misplaced_(misplaced) {}
@@ -24,57 +24,16 @@ class CountingStore final : public priors::PriorStore {
   absl::Status Commit(std::span<const SourceUpdate> updates) override {
     if (failing_) return absl::UnavailableError("the disk is full");
     group_sizes_.push_back(updates.size());
-    return memory_.Commit(updates);
+    return MemoryPriorStore::Commit(updates);
   }
   absl::Status CheckPlace() override {
     return misplaced_ ? absl::NotFoundError("the file is gone") : absl::OkStatus();
-  }
-  uint64_t lost_audit_row_count() const override { return memory_.lost_audit_row_count(); }
-  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const EvidenceKey> keys) override {
-    return memory_.LoadPriors(keys);
-  }
-  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
-      const std::string& source_id) override {
-    return memory_.LoadSource(source_id);
-  }
-  absl::StatusOr<std::vector<priors::SceneEvidence>> List(const priors::SceneFilter& filter,
-                                                          const std::optional<SceneKey>& after,
-                                                          uint32_t limit) override {
-    return memory_.List(filter, after, limit);
-  }
-  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(const SceneKey& key) override {
-    return memory_.LoadScene(key);
-  }
-  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
-    return memory_.CountScenes(project);
-  }
-  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
-                                            const priors::ExportPlace& after,
-                                            uint32_t limit) override {
-    return memory_.Export(filter, after, limit);
-  }
-  absl::StatusOr<priors::ImportResult> Import(std::span<const PriorRecord> records) override {
-    return memory_.Import(records);
-  }
-  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
-    return memory_.Revoke(source_id);
-  }
-  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
-                                                              uint64_t after,
-                                                              uint32_t limit) override {
-    return memory_.ListAudit(filter, after, limit);
-  }
-  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
-                                                          uint32_t limit,
-                                                          size_t max_bytes) override {
-    return memory_.LoadAudit(segment_id, first_row, limit, max_bytes);
   }
 
  private:
   std::vector<size_t>& group_sizes_;
   bool& failing_;
   bool& misplaced_;
-  MemoryPriorStore memory_;
 };
 
 class StoreThreadTest : public ::testing::Test {

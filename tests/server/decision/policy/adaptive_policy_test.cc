@@ -45,6 +45,15 @@ class Game {
   void RunTicks(int count) {
     for (int i = 0; i < count; ++i) RunToTick();
   }
+  // The active arm takes six seconds for a frame.
+  Decision BailOut() {
+    const Frame stall{.frame_time_ns = 6'000'000'000,
+                      .detection_time_ns = 6'000'000'000,
+                      .object_count = 1'000,
+                      .arm = client.arm,
+                      .switch_epoch = client.epoch};
+    return client.session.ObserveBailOut(stall, client.now_ns);
+  }
   // Ticks of the next `count` after which this arm is active.
   int TicksOn(uint32_t arm, int count) {
     int ticks = 0;
@@ -148,12 +157,7 @@ TEST(AdaptivePolicy, LeavesAnArmThatBailsOutAtOnceForAnotherOne) {
   Game game({10'000, 12'000, 30'000});
   game.RunTicks(10);
   ASSERT_EQ(game.client.arm, 0u);
-  const Frame stall{.frame_time_ns = 6'000'000'000,
-                    .detection_time_ns = 6'000'000'000,
-                    .object_count = 1'000,
-                    .arm = 0,
-                    .switch_epoch = game.client.epoch};
-  const Decision decision = game.client.session.ObserveBailOut(stall, game.client.now_ns);
+  const Decision decision = game.BailOut();
   ASSERT_TRUE(decision.command);
   EXPECT_EQ(decision.command->arm, 1u);
   EXPECT_EQ(decision.increment->bail_out_count, 1u);
@@ -164,12 +168,7 @@ TEST(AdaptivePolicy, ABailOutWeighsAsTenWindowsInWhatIsStored) {
   game.RunTicks(10);
   const auto window = game.RunToTick().increment;
   ASSERT_TRUE(window);
-  const Frame stall{.frame_time_ns = 6'000'000'000,
-                    .detection_time_ns = 6'000'000'000,
-                    .object_count = 1'000,
-                    .arm = game.client.arm,
-                    .switch_epoch = game.client.epoch};
-  const Decision decision = game.client.session.ObserveBailOut(stall, game.client.now_ns);
+  const Decision decision = game.BailOut();
   EXPECT_EQ(decision.increment->alpha, 0);
   EXPECT_GT(window->alpha + window->beta, 1000);
   EXPECT_NEAR(decision.increment->beta / (window->alpha + window->beta), 10, 0.5);
@@ -179,12 +178,7 @@ TEST(AdaptivePolicy, ABailOutLeavesForAnArmThatIsNotSafeEither) {
   Game game({4'000'000, 4'500'000});
   game.RunTicks(10);
   ASSERT_EQ(game.client.arm, 0u);
-  const Frame stall{.frame_time_ns = 6'000'000'000,
-                    .detection_time_ns = 6'000'000'000,
-                    .object_count = 1'000,
-                    .arm = 0,
-                    .switch_epoch = game.client.epoch};
-  EXPECT_TRUE(game.client.session.ObserveBailOut(stall, game.client.now_ns).command);
+  EXPECT_TRUE(game.BailOut().command);
 }
 
 TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {

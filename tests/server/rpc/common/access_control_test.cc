@@ -304,9 +304,7 @@ TEST_F(AccessTest, AnExportWhoseTokenIsRevokedMeanwhileEndsBeforeItsNextPage) {
     records[i].source_sequence = 1;
     records[i].evidence.alpha = 1;
   }
-  thread_.Submit(
-      [&](priors::PriorStore& store) { EXPECT_TRUE(store.Import(records).status().ok()); });
-  Flush();
+  Put(records);
   std::promise<void> release;
   thread_.Submit([&](priors::PriorStore&) { release.get_future().wait(); });
   const size_t before = store_.submit_count();

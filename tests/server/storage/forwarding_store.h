@@ -1,0 +1,73 @@
+// A store that hands everything on to another one, for tests that want a part of it otherwise.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/priors/prior_store.h"
+
+namespace sweepstake::storage {
+
+class ForwardingStore : public priors::PriorStore {
+ public:
+  explicit ForwardingStore(std::unique_ptr<priors::PriorStore> store) : store_(std::move(store)) {}
+
+  // The store that it hands on to.
+  priors::PriorStore& behind() { return *store_; }
+
+  absl::Status Commit(std::span<const priors::SourceUpdate> updates) override {
+    return store_->Commit(updates);
+  }
+  absl::Status CheckPlace() override { return store_->CheckPlace(); }
+  uint64_t lost_audit_row_count() const override { return store_->lost_audit_row_count(); }
+  absl::StatusOr<priors::PriorSums> LoadPriors(std::span<const priors::EvidenceKey> keys) override {
+    return store_->LoadPriors(keys);
+  }
+  absl::StatusOr<std::optional<priors::SourceState>> LoadSource(
+      const std::string& source_id) override {
+    return store_->LoadSource(source_id);
+  }
+  absl::StatusOr<std::vector<priors::SceneEvidence>> List(
+      const priors::SceneFilter& filter, const std::optional<priors::SceneKey>& after,
+      uint32_t limit) override {
+    return store_->List(filter, after, limit);
+  }
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
+      const priors::SceneKey& key) override {
+    return store_->LoadScene(key);
+  }
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
+    return store_->CountScenes(project);
+  }
+  absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
+                                            const priors::ExportPlace& after,
+                                            uint32_t limit) override {
+    return store_->Export(filter, after, limit);
+  }
+  absl::StatusOr<priors::ImportResult> Import(
+      std::span<const priors::PriorRecord> records) override {
+    return store_->Import(records);
+  }
+  absl::StatusOr<uint64_t> Revoke(const std::string& source_id) override {
+    return store_->Revoke(source_id);
+  }
+  absl::StatusOr<std::vector<priors::AuditSegment>> ListAudit(const priors::AuditFilter& filter,
+                                                              uint64_t after,
+                                                              uint32_t limit) override {
+    return store_->ListAudit(filter, after, limit);
+  }
+  absl::StatusOr<std::vector<priors::AuditRow>> LoadAudit(uint64_t segment_id, uint64_t first_row,
+                                                          uint32_t limit,
+                                                          size_t max_bytes) override {
+    return store_->LoadAudit(segment_id, first_row, limit, max_bytes);
+  }
+
+ private:
+  const std::unique_ptr<priors::PriorStore> store_;
+};
+
+}  // namespace sweepstake::storage
