@@ -5,6 +5,7 @@
 // not serve, a copy could not be made, verified or put back, or a token not made or revoked; 2 bad
 // usage or configuration; 3 the daemon could not start; 4 it did not end within nine seconds after
 // a signal.
+#include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -226,6 +227,8 @@ int Run(const Config& config, const CommandLine& line) {
   std::signal(SIGPIPE, SIG_IGN);
   // gRPC's own lines on stderr are not JSON; its failures are reported in the log anyway.
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
+  // Nor are protobuf's, and a stranger can cause as many as they like, by text that is not UTF-8.
+  google::protobuf::SetLogHandler(nullptr);
   // Some builds of gRPC's locks look for deadlocks by default, under one lock of all threads.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   std::optional<sweepstake::server::ExitGuard> guard;  // outlives the daemon

@@ -1,4 +1,5 @@
 // What strangers do to a real daemon's listeners, and that games do not notice it.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -11,6 +12,7 @@
 
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/server/rpc/http2_frames.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
@@ -25,10 +27,11 @@ class AttackTest : public ::testing::Test {
                                                     "/fd");
     return static_cast<size_t>(std::distance(begin(files), end(files)));
   }
+  // The largest that it has been.
   size_t ResidentKib() const {
     std::ifstream status("/proc/" + std::to_string(daemon_.pid()) + "/status");
     std::string word;
-    while (status >> word && word != "VmRSS:") {
+    while (status >> word && word != "VmHWM:") {
     }
     size_t kib = 0;
     status >> kib;
@@ -47,6 +50,18 @@ class AttackTest : public ::testing::Test {
 };
 
 bool Learns(const SessionStats& stats) { return stats.acknowledged_sequence > 0; }
+
+TEST_F(AttackTest, TextThatIsNotUtf8AddsNothingToTheLogButItsRefusal) {
+  const auto channel = grpc::CreateChannel(daemon_.address(), grpc::InsecureChannelCredentials());
+  v1::Hello hello = rpc::OneArmHello();
+  hello.set_scene("\xff");
+  rpc::TelemetryClient client(channel);
+  client.Send(rpc::Request(hello));
+  EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_MALFORMED_MESSAGE);
+  while (daemon_.log().find("MALFORMED_MESSAGE") == std::string::npos) {
+  }
+  EXPECT_THAT(daemon_.log(), ::testing::Not(::testing::HasSubstr("UTF-8 data")));
+}
 
 TEST_F(AttackTest, TwoThousandHalfOpenConnectionsBlockNoGame) {
   constexpr size_t kCount = 2'000;
