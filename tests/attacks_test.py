@@ -15,7 +15,7 @@ MESSAGE = re.compile(r"^message (\w+) \{(.*?)^\}", re.MULTILINE | re.DOTALL)
 FIELD = re.compile(r"^\s*(?:repeated |optional )?([\w.]+) (\w+) = \d+", re.MULTILINE)
 TIME_OF_DAY = re.compile(r"(?:^|_)(?:unix|utc|wall|date)(?:_|$)")
 # Where decisions are made. The wall clock dates sessions, rows and events, for people.
-WALL_CLOCK = re.compile(r"system_clock|\btime\(|gettimeofday|CLOCK_REALTIME")
+WALL_CLOCK = re.compile(r"system_clock|\btime\(|gettimeofday|CLOCK_REALTIME|unix_time\.h|UnixNow")
 STEADY_FOLDERS = ("server/decision", "server/rpc/common", "server/rpc/services")
 
 

@@ -133,6 +133,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   raw.Send(Request(hello).SerializeAsString());
   raw.Send("\xff\xff\xff not a message");
   const grpc::Status status = raw.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_MALFORMED_MESSAGE);
   EXPECT_THAT(status.error_message(), HasSubstr("does not parse"));
   EXPECT_EQ(server_->counters().malformed_message_count, 1u);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/auth/failure_limit.h"
+#include "server/rpc/common/refusal_log.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -51,11 +52,14 @@ TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
   EXPECT_EQ(options.handshake_patience, std::chrono::seconds(10));
   EXPECT_EQ(options.hello_patience_ns, 10 * kSecondNs);
   EXPECT_EQ(options.watcher_patience_ns, 20 * kSecondNs);
+  EXPECT_EQ(options.transfer_patience_ns, 1'800 * kSecondNs);
+  EXPECT_EQ(RefusalLog::kIntervalNs, 10 * kSecondNs);
   EXPECT_EQ(options.max_streams_per_connection, 100u);
   EXPECT_EQ(options.max_scenes, 1'000u);
   EXPECT_EQ(options.memory_quota_bytes, uint64_t{64} << 20);
   EXPECT_EQ(kMaxMessageBytes, 256u * 1024);
   EXPECT_EQ(kMaxBatchFrames, 240u);
+  EXPECT_EQ(kMaxImportRecords, 200'000u);
   EXPECT_EQ(kMaxStreamsWithoutSession, 1'000u);
   EXPECT_EQ(auth::FailureLimit::kMaxFailures, 10u);
   EXPECT_EQ(auth::FailureLimit::kIntervalNs, 60 * kSecondNs);
@@ -68,6 +72,7 @@ TEST_F(StreamBoundsTest, OneWithoutAHelloIsClosedInTime) {
   ASSERT_TRUE(StreamsOpen(2));
   clock_.Advance(options_.hello_patience_ns);
   const grpc::Status status = silent.Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_HELLO_OVERDUE);
   EXPECT_THAT(status.error_message(), HasSubstr("Hello"));
   ASSERT_TRUE(StreamsOpen(1)) << "that with a session stays";

@@ -8,7 +8,25 @@ namespace {
 using Response = v1::StreamTelemetryResponse;
 using ::testing::HasSubstr;
 
-class TelemetryTest : public RpcTest {};
+class TelemetryTest : public RpcTest {
+ protected:
+  // Puts into the store what games of OneArmHello() have learnt in some three hours.
+  void LearnForHours() {
+    const v1::Hello hello = OneArmHello();
+    const priors::PriorRecord record{
+        .key = {.project = hello.project(),
+                .scene = hello.scene(),
+                .context_bucket = "",
+                .arm = hello.arms(0).name(),
+                .backend_version = hello.arms(0).backend_version(),
+                .machine_class = hello.machine_class(),
+                .reward_version = 1},
+        .source_id = "others",
+        .source_sequence = 1,
+        .evidence = {.alpha = 9'000, .beta = 1'000, .window_count = 10'000, .bail_out_count = 0}};
+    Put({record});
+  }
+};
 
 TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcomeThatSaysHowToGoOn) {
   TelemetryClient client(channel_);
@@ -239,6 +257,12 @@ TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
 }
 
 TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFrom) {
+  const auto mean_at_start = [this] {
+    const v1::Welcome welcome = TelemetryClient(channel_).Open(OneArmHello());
+    return welcome.priors(0).alpha() / (welcome.priors(0).alpha() + welcome.priors(0).beta());
+  };
+  LearnForHours();
+  const double before = mean_at_start();
   TelemetryClient client(channel_);
   client.Open(OneArmHello());
   const auto believed = static_cast<uint64_t>(decision::BailOutBudget::kBurst);
@@ -251,6 +275,8 @@ TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFro
   Tick();
   client.AwaitAcknowledgement(10 * believed);
   EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, believed);
+  EXPECT_GT(before, mean_at_start());
+  EXPECT_LT(before, mean_at_start() + 0.05);
 }
 
 TEST_F(TelemetryTest, ASwitchCommandThatWasLostIsSentAgain) {

@@ -89,7 +89,8 @@ TEST(HttpServerTest, AnUnknownPathIsAnsweredWithThePaths) {
 
 TEST(HttpServerTest, OnlyGetAndHeadAreValid) {
   const auto server = StartServer();
-  for (const std::string method : {"PUT", "DELETE", "OPTIONS", "TRACE", "PATCH", "FROBNICATE"}) {
+  for (const std::string method :
+       {"POST", "PUT", "DELETE", "OPTIONS", "TRACE", "PATCH", "FROBNICATE"}) {
     const HttpAnswer answer =
         Exchange(server->port(), method + " /hello HTTP/1.1\r\nConnection: close\r\n\r\n");
     EXPECT_EQ(answer.status, 405) << method;

@@ -101,6 +101,18 @@ class TransferQuotaTest : public TokenReadQuotaTest {
     options_.max_transfers = 3;
     options_.max_transfers_per_token = 2;
   }
+  // Puts so many records into the store.
+  void Fill(size_t count) {
+    std::vector<priors::PriorRecord> records(count);
+    for (size_t i = 0; i < count; ++i) {
+      records[i].key.project = "game";
+      records[i].key.scene = "harbour";
+      records[i].key.arm = "Grid";
+      records[i].source_id = "source " + std::to_string(i) + std::string(100, 'x');
+      records[i].source_sequence = 1;
+    }
+    Put(records);
+  }
   // An import that has begun and goes on.
   struct OpenImport {
     std::unique_ptr<grpc::ClientContext> context;
@@ -159,6 +171,39 @@ TEST_F(TransferQuotaTest, AnImportThatNeverEndsIsEndedThoughItGoesOn) {
   }
   EXPECT_FALSE(goes_on);
   EXPECT_EQ(import->writer->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
+TEST_F(TransferQuotaTest, AnExportThatIsReadTooSlowlyIsEndedThoughItGoesOn) {
+  constexpr int kPages = 100;
+  Fill(kPages * kRecordsPerMessage);
+  options_.transfer_patience_ns = 30 * kSecondNs;
+  RestartServer();
+  const auto context = Call("ann-token");
+  const auto reader =
+      v1::PriorsService::NewStub(SmallWindowChannel())->ExportPriors(context.get(), {});
+  int pages = 0;
+  for (v1::ExportPriorsResponse part; reader->Read(&part); ++pages) clock_.Advance(kSecondNs);
+  EXPECT_LT(pages, kPages);
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
+TEST_F(TransferQuotaTest, AnImportOfMoreRecordsThanOneMayHoldIsEnded) {
+  v1::PriorRecord record;
+  record.set_project("game");
+  record.set_scene("harbour");
+  record.set_arm("Grid");
+  record.set_backend_version(1);
+  record.set_reward_version(1);
+  record.set_source_id("a");
+  record.set_source_sequence(1);
+  v1::ImportPriorsRequest request;
+  for (uint32_t i = 0; i < kRecordsPerMessage; ++i) *request.add_records() = record;
+  const auto import = Begin("ann-token");
+  for (uint32_t sent = 0; sent <= kMaxImportRecords; sent += kRecordsPerMessage)
+    import->writer->Write(request);
+  const grpc::Status status = import->writer->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_IMPORT_TOO_LARGE);
 }
 
 }  // namespace
