@@ -164,6 +164,9 @@ std::vector<Setting> DaemonSettings() {
           [](Config & c) -> auto& { return c.rpc.max_streams_per_address; },
           "games' streams from one address that is not the daemon's own machine")),
       Live(Whole(
+          "max_projects", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_projects; },
+          "projects; games and imports name them")),
+      Live(Whole(
           "max_scenes", 1, 1'000'000, 1, [](Config & c) -> auto& { return c.rpc.max_scenes; },
           "scenes of a project, by name")),
       Live(Whole(

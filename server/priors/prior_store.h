@@ -205,6 +205,9 @@ class PriorReader {
 
   virtual absl::StatusOr<SceneCount> CountScenes(const std::string& project) = 0;
 
+  // Returns how many projects have evidence. The cost does not depend on how many scenes they have.
+  virtual absl::StatusOr<uint64_t> CountProjects() = 0;
+
   // Returns the next records behind `after`: `limit` of them, or all if there are fewer. They are
   // ordered by key, and those of a key by the sources' numbers, in which new sources come last. The
   // cost of a page does not depend on how many records come before or after it. REQUIRES: limit >

@@ -161,6 +161,7 @@ void RpcServer::Adjust(const RpcOptions& options) {
   options_.max_sessions = options.max_sessions;
   options_.max_sessions_per_token = options.max_sessions_per_token;
   options_.max_streams_per_address = options.max_streams_per_address;
+  options_.max_projects = options.max_projects;
   options_.max_scenes = options.max_scenes;
   options_.max_messages_per_s = options.max_messages_per_s;
   options_.max_reads_per_s = options.max_reads_per_s;

@@ -274,6 +274,12 @@ absl::StatusOr<priors::SceneCount> MemoryPriorStore::CountScenes(const std::stri
   return priors::SceneCount{names.size(), keys.size()};
 }
 
+absl::StatusOr<uint64_t> MemoryPriorStore::CountProjects() {
+  std::set<std::string> projects;
+  for (const auto& [key, entries] : evidence_) projects.insert(key.project);
+  return projects.size();
+}
+
 absl::StatusOr<priors::ExportPage> MemoryPriorStore::Export(const SceneFilter& filter,
                                                             const priors::ExportPlace& after,
                                                             uint32_t limit) {

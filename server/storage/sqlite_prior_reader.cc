@@ -178,6 +178,14 @@ absl::StatusOr<priors::SceneCount> SqlitePriorReader::CountScenes(const std::str
   return count;
 }
 
+absl::StatusOr<uint64_t> SqlitePriorReader::CountProjects() {
+  uint64_t count = 0;
+  absl::Status status =
+      statements_.count_projects.ForEachRow([&](const SqliteRow& row) { count = row.Unsigned(0); });
+  if (!status.ok()) return status;
+  return count;
+}
+
 absl::StatusOr<SqlitePriorReader::ExportKey> SqlitePriorReader::NextKey(
     const SceneFilter& filter, const EvidenceKey& first, int64_t first_reward_version) {
   ExportKey next;

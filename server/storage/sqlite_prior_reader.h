@@ -50,6 +50,7 @@ class SqlitePriorReader final : public priors::PriorReader {
   absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
       const priors::SceneKey& key) override;
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
+  absl::StatusOr<uint64_t> CountProjects() override;
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
                                             const priors::ExportPlace& after,
                                             uint32_t limit) override;

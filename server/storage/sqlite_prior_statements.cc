@@ -216,6 +216,16 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
     {&PriorReadStatements::count_scenes, R"sql(
         SELECT count(DISTINCT scene), count(*) FROM scene
         WHERE project = ?1 AND source_count > 0)sql"},
+    // It jumps from one project to the next in the index, however many scenes they have.
+    {&PriorReadStatements::count_projects, R"sql(
+        WITH RECURSIVE known(project) AS (
+          SELECT min(project) FROM scene
+          UNION ALL
+          SELECT (SELECT min(project) FROM scene WHERE project > known.project)
+          FROM known WHERE project IS NOT NULL)
+        SELECT count(*) FROM known
+        WHERE EXISTS (SELECT 1 FROM scene
+                      WHERE project = known.project AND source_count > 0))sql"},
     {&PriorReadStatements::find_scene, R"sql(
         SELECT id, source_count,
                hash = content_hash

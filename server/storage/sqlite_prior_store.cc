@@ -69,6 +69,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     return reader_->CountScenes(project);
   }
+  absl::StatusOr<uint64_t> CountProjects() override { return reader_->CountProjects(); }
   absl::StatusOr<priors::ExportPage> Export(const SceneFilter& filter,
                                             const priors::ExportPlace& after,
                                             uint32_t limit) override {

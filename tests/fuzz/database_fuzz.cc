@@ -116,6 +116,7 @@ void Read(PriorStore& store) {
   (void)store.LoadSource("c");
   (void)store.LoadSource("old");
   (void)store.CountScenes("game");
+  (void)store.CountProjects();
   const std::vector<priors::EvidenceKey> keys = {Update("", 1).increments[0].key};
   (void)store.LoadPriors(keys);
   if (const auto segments = store.ListAudit({}, 0, kPage); segments.ok()) {

@@ -36,6 +36,7 @@ absl::StatusCode CodeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_TOO_MANY_ARMS:
     case v1::ERROR_REASON_TOO_MANY_MESSAGES:
     case v1::ERROR_REASON_TOO_MANY_READS:
+    case v1::ERROR_REASON_TOO_MANY_PROJECTS:
       return absl::StatusCode::kResourceExhausted;
     case v1::ERROR_REASON_TOKEN_MISSING:
     case v1::ERROR_REASON_TOKEN_REFUSED:

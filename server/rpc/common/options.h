@@ -70,6 +70,9 @@ struct RpcOptions {
   // half of the daemon to the others.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
   Adjustable<uint32_t> max_streams_per_address = 2'000;
+  // The maximum number of projects, those included that only sessions in memory have; one more, in a
+  // Hello or an import, is RESOURCE_EXHAUSTED.
+  Adjustable<uint32_t> max_projects = 100;
   // The maximum number of scenes of a project, by name, those included that only sessions in memory
   // have; one more, in a Hello or an import, is RESOURCE_EXHAUSTED.
   Adjustable<uint32_t> max_scenes = 1'000;

@@ -1,5 +1,7 @@
 #include "server/rpc/sessions/new_scenes.h"
 
+#include <algorithm>
+
 #include "server/rpc/sessions/scene_quota.h"
 
 namespace sweepstake::rpc {
@@ -13,8 +15,17 @@ void ReleaseOne(Counts& counts, const Key& key) {
 
 }  // namespace
 
+absl::Status NewScenes::CheckProject(const std::string& project,
+                                     const UnstoredScene& unstored) const {
+  if (!unstored.project_count || projects_.contains(project)) return absl::OkStatus();
+  const auto held = std::count_if(projects_.begin(), projects_.end(),
+                                  [](const auto& entry) { return !entry.second.stored; });
+  return CheckProjectCount(*unstored.project_count + static_cast<uint64_t>(held) + 1, options_);
+}
+
 absl::StatusOr<NewScenes::Hold> NewScenes::Take(const priors::SceneKey& scene,
                                                 const UnstoredScene& unstored) {
+  if (absl::Status status = CheckProject(scene.project, unstored); !status.ok()) return status;
   const auto project = projects_.find(scene.project);
   priors::SceneCount count = unstored.stored;
   bool adds_name = unstored.new_name;
@@ -31,6 +42,7 @@ absl::StatusOr<NewScenes::Hold> NewScenes::Take(const priors::SceneKey& scene,
     if (absl::Status status = CheckSceneCount(count, options_); !status.ok()) return status;
   }
   Project& held = projects_[scene.project];
+  held.stored = !unstored.project_count;
   if (unstored.new_name) ++held.names[scene.scene];
   ++held.keys[scene];
   return Hold(*this, scene);
@@ -47,6 +59,7 @@ void NewScenes::Release(const priors::SceneKey& scene) {
 void NewScenes::Forget(const priors::SceneKey& scene) {
   const auto project = projects_.find(scene.project);
   if (project == projects_.end()) return;
+  project->second.stored = true;
   project->second.names.erase(scene.scene);
   project->second.keys.erase(scene);
   if (project->second.keys.empty()) projects_.erase(project);

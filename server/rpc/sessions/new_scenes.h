@@ -1,11 +1,12 @@
-// The scenes of sessions in memory that the store does not have yet. It gets them with their first
-// evidence, so that they count against a project's quota from the Hello on.
+// The scenes of sessions in memory that the store does not have yet, and the projects of these. It
+// gets them with their first evidence, so that they count against the quotas from the Hello on.
 //
 // Used on the decision loop only. It outlives its holds.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,7 @@ namespace sweepstake::rpc {
 struct UnstoredScene {
   priors::SceneCount stored;  // what it has of the project
   bool new_name = true;       // no other machine class or reward version of it is stored, either
+  std::optional<uint64_t> project_count;  // present if it has nothing of the project
 };
 
 class NewScenes {
@@ -46,18 +48,22 @@ class NewScenes {
     priors::SceneKey scene_;
   };
 
-  // Error: RESOURCE_EXHAUSTED (with this one the project would have more than it may).
+  // Error: RESOURCE_EXHAUSTED (with this one the project would have more scenes than it may, or the
+  // store more projects).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
   // Returns how many scenes are held, of all projects.
   size_t size() const;
 
  private:
-  // How many sessions hold each.
   struct Project {
+    bool stored = false;  // the store has other scenes of it
+    // How many sessions hold each.
     std::map<std::string, uint32_t> names;
     std::map<priors::SceneKey, uint32_t> keys;
   };
+
+  absl::Status CheckProject(const std::string& project, const UnstoredScene& unstored) const;
 
   void Release(const priors::SceneKey& scene);
   void Forget(const priors::SceneKey& scene);

@@ -6,6 +6,15 @@
 
 namespace sweepstake::rpc {
 
+absl::Status CheckProjectCount(uint64_t count, const RpcOptions& options) {
+  const uint32_t max_projects = options.max_projects;
+  if (count <= max_projects) return absl::OkStatus();
+  return Refused(v1::ERROR_REASON_TOO_MANY_PROJECTS,
+                 absl::StrCat("this daemon has ", max_projects,
+                              " projects (max_projects); name the project alike in every session, "
+                              "or raise --max-projects"));
+}
+
 absl::Status CheckSceneCount(const priors::SceneCount& count, const RpcOptions& options) {
   const uint32_t max_scenes = options.max_scenes;
   if (count.names <= max_scenes && count.keys <= uint64_t{max_scenes} * SceneQuota::kKeysPerScene)
@@ -49,20 +58,31 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
     }
     return absl::OkStatus();
   }
-  auto count = projects_.find(scene.project);
-  if (count == projects_.end()) {
-    count = projects_
-                .emplace(scene.project,
-                         store_.CountScenes(scene.project).value_or(priors::SceneCount{}))
-                .first;
-  }
+  Project& project = FindProject(scene.project);
   // Another machine class of a known name adds no name.
   const auto named = store_.List({scene.project, scene.scene}, std::nullopt, 1);
-  unstored_ = {.stored = count->second, .new_name = !named.ok() || named->empty()};
-  ++count->second.keys;
+  unstored_ = {.stored = project.count,
+               .new_name = !named.ok() || named->empty(),
+               .project_count = project.project_count};
+  ++project.count.keys;
   if (unstored_->new_name && new_names_.emplace(scene.project, scene.scene).second)
-    ++count->second.names;
-  return CheckSceneCount(count->second, options_);
+    ++project.count.names;
+  absl::Status status = CheckSceneCount(project.count, options_);
+  if (status.ok() && project.project_count)
+    status = CheckProjectCount(*project.project_count + new_project_count_, options_);
+  return status;
+}
+
+SceneQuota::Project& SceneQuota::FindProject(const std::string& name) {
+  const auto [found, is_unknown] = projects_.try_emplace(name);
+  Project& project = found->second;
+  if (!is_unknown) return project;
+  project.count = store_.CountScenes(name).value_or(priors::SceneCount{});
+  if (project.count.keys == 0) {
+    project.project_count = store_.CountProjects().value_or(0);
+    ++new_project_count_;
+  }
+  return project;
 }
 
 }  // namespace sweepstake::rpc

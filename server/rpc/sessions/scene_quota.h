@@ -1,5 +1,5 @@
-// How much of the store a project may fill: scenes, and arms of each scene. A client names both, so
-// that without bounds one client could make any number of them.
+// How much of the store clients may fill: projects, scenes of each, and arms of each scene. A
+// client names all three, so that without bounds one client could make any number of them.
 //
 // Used on a thread of the store, for one Hello or one import.
 #pragma once
@@ -28,6 +28,8 @@ struct ArmKey {
   friend auto operator<=>(const ArmKey&, const ArmKey&) = default;
 };
 
+// Error: RESOURCE_EXHAUSTED (there may not be so many projects).
+absl::Status CheckProjectCount(uint64_t count, const RpcOptions& options);
 // Error: RESOURCE_EXHAUSTED (a project with so many scenes has more than it may).
 absl::Status CheckSceneCount(const priors::SceneCount& count, const RpcOptions& options);
 
@@ -55,11 +57,19 @@ class SceneQuota {
     std::set<ArmKey> versions;
   };
 
+  // What is known of a project.
+  struct Project {
+    priors::SceneCount count;               // stored, and added here
+    std::optional<uint64_t> project_count;  // those stored, where this one is not
+  };
+
   absl::Status AddScene(const priors::SceneKey& scene);
+  Project& FindProject(const std::string& name);
 
   priors::PriorReader& store_;
   const RpcOptions& options_;
-  std::map<std::string, priors::SceneCount> projects_;       // stored, and added here
+  std::map<std::string, Project> projects_;
+  uint64_t new_project_count_ = 0;                           // of these
   std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene
   std::map<priors::SceneKey, Scene> scenes_;
   std::optional<UnstoredScene> unstored_;

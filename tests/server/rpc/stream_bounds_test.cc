@@ -55,6 +55,7 @@ TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
   EXPECT_EQ(options.transfer_patience_ns, 1'800 * kSecondNs);
   EXPECT_EQ(RefusalLog::kIntervalNs, 10 * kSecondNs);
   EXPECT_EQ(options.max_streams_per_connection, 100u);
+  EXPECT_EQ(options.max_projects, 100u);
   EXPECT_EQ(options.max_scenes, 1'000u);
   EXPECT_EQ(options.memory_quota_bytes, uint64_t{64} << 20);
   EXPECT_EQ(kMaxMessageBytes, 256u * 1024);

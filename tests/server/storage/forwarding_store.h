@@ -43,6 +43,7 @@ class ForwardingStore : public priors::PriorStore {
   absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
     return store_->CountScenes(project);
   }
+  absl::StatusOr<uint64_t> CountProjects() override { return store_->CountProjects(); }
   absl::StatusOr<priors::ExportPage> Export(const priors::SceneFilter& filter,
                                             const priors::ExportPlace& after,
                                             uint32_t limit) override {

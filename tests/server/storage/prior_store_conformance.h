@@ -204,6 +204,7 @@ TEST_P(PriorStoreConformance, SeveralProjectsAreListedExportedAndTheirScenesCoun
   EXPECT_EQ(store_->CountScenes("c")->names, 2u);
   EXPECT_EQ(store_->CountScenes("c")->keys, 3u);
   EXPECT_EQ(store_->CountScenes("none")->names, 0u);
+  EXPECT_EQ(*store_->CountProjects(), 4u);
 }
 
 TEST_P(PriorStoreConformance, AnUnknownSceneIsAbsent) {

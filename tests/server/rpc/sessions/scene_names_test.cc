@@ -130,6 +130,26 @@ TEST_F(SceneNamesTest, ThoseOfAnotherProjectDoNotCountHowManyEverAreStoredMeanwh
   EXPECT_TRUE(first.welcomed());
 }
 
+TEST_F(SceneNamesTest, ProjectsOfSessionsThatHaveSentNothingCountToo) {
+  daemon_.options.max_projects = 2;
+  const auto opens = [&](const std::string& project) {
+    v1::Hello hello = HelloOf(next_scene_++);
+    hello.set_project(project);
+    PromptStream stream(daemon_);
+    return stream.Send(Request(hello));
+  };
+  Open(2, "a");
+  Open(1, "b");
+  EXPECT_TRUE(opens("a")) << "another scene of a project that counts already";
+  EXPECT_FALSE(opens("c"));
+  LearnAll();
+  EXPECT_EQ(*daemon_.store.store.CountProjects(), 2u);
+  EXPECT_TRUE(opens("b"));
+  EXPECT_FALSE(opens("c"));
+  daemon_.options.max_projects = 3;
+  EXPECT_TRUE(opens("c")) << "each of the stored ones counts once";
+}
+
 TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
   const uint64_t count = test_support::FromEnvironment("TEST_NAMES", 20'000);
   EXPECT_EQ(OpenUntilRefused(), 100u);

@@ -13,7 +13,15 @@ using ::testing::HasSubstr;
 
 class SceneQuotaTest : public RpcTest {
  protected:
-  SceneQuotaTest() { options_.max_scenes = 3; }
+  SceneQuotaTest() {
+    options_.max_scenes = 3;
+    options_.max_projects = 3;
+  }
+  static v1::Hello HelloOf(const std::string& project) {
+    v1::Hello hello = OneArmHello();
+    hello.set_project(project);
+    return hello;
+  }
 
   // Teaches the scene one window, or returns why it may not begin.
   grpc::Status Play(v1::Hello hello, const std::string& scene) {
@@ -29,7 +37,8 @@ class SceneQuotaTest : public RpcTest {
     client.Send(Goodbye());
     return client.Finish();
   }
-  grpc::Status Import(const std::vector<std::pair<std::string, std::string>>& scenes_and_arms) {
+  grpc::Status Import(const std::vector<std::pair<std::string, std::string>>& scenes_and_arms,
+                      const std::string& project = "game") {
     const auto stub = v1::PriorsService::NewStub(channel_);
     grpc::ClientContext context;
     v1::ImportPriorsResponse response;
@@ -37,7 +46,7 @@ class SceneQuotaTest : public RpcTest {
     v1::ImportPriorsRequest request;
     for (const auto& [scene, arm] : scenes_and_arms) {
       v1::PriorRecord& record = *request.add_records();
-      record.set_project("game");
+      record.set_project(project);
       record.set_scene(scene);
       record.set_arm(arm);
       record.set_backend_version(1);
@@ -66,9 +75,31 @@ TEST_F(SceneQuotaTest, AHelloForOneSceneTooManyIsRefusedAndKnownScenesGoOn) {
   v1::Hello laptop = OneArmHello();
   laptop.set_machine_class("laptop");
   EXPECT_TRUE(Play(laptop, "b").ok()) << "another class of a known name";
-  v1::Hello other = OneArmHello();
-  other.set_project("other");
-  EXPECT_TRUE(Play(other, "a").ok()) << "each project has its own quota";
+  EXPECT_TRUE(Play(HelloOf("other"), "a").ok()) << "each project has its own quota";
+}
+
+TEST_F(SceneQuotaTest, AHelloForOneProjectTooManyIsRefusedAndKnownProjectsGoOn) {
+  for (const char* project : {"a", "b"}) EXPECT_TRUE(Play(HelloOf(project), "s").ok());
+  EXPECT_TRUE(Import({{"s", "x"}}, "c").ok());
+  for (int i = 0; i < 100; ++i) {
+    const grpc::Status status = Play(HelloOf("project " + std::to_string(i)), "s");
+    ASSERT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+    ASSERT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_PROJECTS);
+    ASSERT_THAT(status.error_message(), HasSubstr("--max-projects"));
+  }
+  for (const char* project : {"a", "b", "c"})
+    EXPECT_TRUE(Play(HelloOf(project), "another").ok()) << "a new scene of a known project";
+  options_.max_projects = 4;
+  server_->Adjust(options_);
+  EXPECT_TRUE(Play(HelloOf("d"), "s").ok());
+}
+
+TEST_F(SceneQuotaTest, AnImportOfOneProjectTooManyImportsNothing) {
+  EXPECT_TRUE(Import({{"s", "x"}}, "a").ok());
+  EXPECT_TRUE(Import({{"s", "x"}}, "b").ok());
+  EXPECT_TRUE(Import({{"s", "x"}, {"t", "x"}}, "c").ok());
+  EXPECT_EQ(ReasonOf(Import({{"s", "x"}}, "d")), v1::ERROR_REASON_TOO_MANY_PROJECTS);
+  EXPECT_TRUE(Import({{"s", "x"}, {"t", "y"}}, "b").ok());
 }
 
 TEST_F(SceneQuotaTest, AnArmTooManyIsRefused) {
