@@ -164,6 +164,7 @@ void RpcServer::Adjust(const RpcOptions& options) {
   options_.max_projects = options.max_projects;
   options_.max_scenes = options.max_scenes;
   options_.max_messages_per_s = options.max_messages_per_s;
+  options_.max_hellos_per_s = options.max_hellos_per_s;
   options_.max_reads_per_s = options.max_reads_per_s;
   options_.max_transfers = options.max_transfers;
   options_.max_transfers_per_token = options.max_transfers_per_token;

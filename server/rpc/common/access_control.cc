@@ -70,15 +70,30 @@ absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call,
                  "TOKEN of another program); `sweepstaked token create` makes one");
 }
 
+std::string AccessControl::Count(auth::RateLimit& limit, uint32_t per_s, const std::string& address,
+                                 int64_t token_id) {
+  const int64_t now_ns = clock_.NowNs();
+  if (!limit.Take(address, per_s, now_ns)) return absl::StrCat("the address ", address);
+  const bool allowed = token_id == 0 || limit.Take(absl::StrCat("token ", token_id), per_s, now_ns);
+  return allowed ? "" : "this token";
+}
+
+absl::Status AccessControl::BeginHello(const std::string& address, int64_t token_id) {
+  const uint32_t per_s = options_.max_hellos_per_s;
+  const std::string who = Count(hellos_, per_s, address, token_id);
+  if (who.empty()) return absl::OkStatus();
+  return Refused(
+      v1::ERROR_REASON_TOO_MANY_HELLOS,
+      absl::StrCat(who, " begins more than ", per_s,
+                   " streams a second, and ten times as many at once "
+                   "(max_hellos_per_s); connect again in ten seconds, or raise it on the "
+                   "daemon"));
+}
+
 absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_id) {
   const uint32_t per_s = options_.max_reads_per_s;
-  std::string who = absl::StrCat("the address ", address);
-  bool allowed = reads_.Take(address, per_s, clock_.NowNs());
-  if (allowed && token_id != 0) {
-    who = "this token";
-    allowed = reads_.Take(absl::StrCat("token ", token_id), per_s, clock_.NowNs());
-  }
-  if (allowed) return absl::OkStatus();
+  const std::string who = Count(reads_, per_s, address, token_id);
+  if (who.empty()) return absl::OkStatus();
   return Refused(v1::ERROR_REASON_TOO_MANY_READS,
                  absl::StrCat(who, " reads more often than ", per_s,
                               " times a second (max_reads_per_s); ask again in a second"));

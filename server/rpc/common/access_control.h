@@ -2,8 +2,8 @@
 // in C++, and its AuthMetadataProcessor does not run without TLS.
 //
 // A call brings its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
-// tokens everybody may do everything. How often somebody may read is counted here, too, and how
-// many exports and imports are under way. Thread-safe.
+// tokens everybody may do everything. How often somebody may read or begin a stream is counted
+// here, too, and how many exports and imports are under way. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -51,6 +51,9 @@ class AccessControl {
   // RESOURCE_EXHAUSTED.
   absl::Status BeginRead(const std::string& address, int64_t token_id);
 
+  // Counts a Hello likewise.
+  absl::Status BeginHello(const std::string& address, int64_t token_id);
+
   // An export or import that is under way as long as this lives. It may outlive the server.
   using Transfer = std::shared_ptr<void>;
   // Error: RESOURCE_EXHAUSTED (the daemon or the token has as many as it may); its reason is
@@ -68,6 +71,10 @@ class AccessControl {
   };
 
   absl::StatusOr<auth::Principal> Identify(const grpc::ServerContextBase& call, Rpc rpc);
+  // Counts what the token (0: none) at the address does. Returns who does it too often; empty if
+  // neither does.
+  std::string Count(auth::RateLimit& limit, uint32_t per_s, const std::string& address,
+                    int64_t token_id);
   absl::Status Unauthenticated(const grpc::ServerContextBase& call, bool has_token);
 
   const RpcOptions& options_;
@@ -75,6 +82,7 @@ class AccessControl {
   const Clock& clock_;
   auth::FailureLimit failures_;
   auth::RateLimit reads_;
+  auth::RateLimit hellos_;
   RefusalLog refusals_;
   const std::shared_ptr<Transfers> transfers_ = std::make_shared<Transfers>();
 };

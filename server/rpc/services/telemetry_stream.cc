@@ -82,7 +82,7 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
     return Reject(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE,
                           "a message does not parse as sweepstake.v1.StreamTelemetryRequest"));
   }
-  if (const absl::Status status = CountMessage(); !status.ok()) return Reject(status);
+  if (const absl::Status status = CountMessage(*request); !status.ok()) return Reject(status);
   const absl::Status status = Dispatch(*request);
   if (!status.ok()) {
     ++context_.counters.invalid_message_count;
@@ -93,9 +93,13 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
   if (session_ && !session_->ended() && !end_) transport_.Read();
 }
 
-absl::Status TelemetryStream::CountMessage() {
+absl::Status TelemetryStream::CountMessage(const v1::StreamTelemetryRequest& request) {
   const uint32_t per_s = context_.options.max_messages_per_s;
-  if (messages_.Take(per_s * time_scale_, context_.loop.clock().NowNs())) return absl::OkStatus();
+  if (messages_.Take(per_s * time_scale_, context_.loop.clock().NowNs())) {
+    return request.has_hello()
+               ? context_.access.BeginHello(AddressOf(transport_.peer()), caller_.token_id)
+               : absl::OkStatus();
+  }
   return Refused(v1::ERROR_REASON_TOO_MANY_MESSAGES,
                  absl::StrCat("more than ", per_s,
                               " messages a second, and ten times as many at "

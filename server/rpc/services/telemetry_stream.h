@@ -103,8 +103,9 @@ class TelemetryStream final : public SessionLink,
   // Counts the stream among those of its address. Error: RESOURCE_EXHAUSTED.
   absl::Status CountAddress();
   void OnHelloOverdue();
-  // Error: RESOURCE_EXHAUSTED (more messages than RpcOptions::max_messages_per_s).
-  absl::Status CountMessage();
+  // Error: RESOURCE_EXHAUSTED (more messages of the stream than RpcOptions::max_messages_per_s, or
+  // Hellos of its token or address than max_hellos_per_s).
+  absl::Status CountMessage(const v1::StreamTelemetryRequest& request);
   absl::Status Dispatch(v1::StreamTelemetryRequest& request);
   absl::Status Open();
   // Checks that the session of the Hello is the caller's. A Hello without its resume token forgets

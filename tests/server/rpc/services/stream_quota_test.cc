@@ -1,4 +1,5 @@
-// How many streams an address may have, and how many messages a stream may send.
+// How many streams an address may have and how often it may begin one, and how many messages a
+// stream may send.
 #include <memory>
 #include <vector>
 
@@ -51,6 +52,53 @@ TEST_F(AddressQuotaTest, OfIpv6TheNetworkCountsAndTheOwnMachineDoesNot) {
   streams_.clear();
   Open("ipv4:127.0.0.1", 10);
   for (const auto& stream : streams_) EXPECT_FALSE(stream->end());
+}
+
+class HelloQuotaTest : public ::testing::Test {
+ protected:
+  // Opens streams and drops each once it has its answer; returns how many got a welcome.
+  int OpenAndDrop(int count, const std::string& address, int64_t token_id = 0) {
+    auth::Principal caller;
+    caller.token_id = token_id;
+    int welcome_count = 0;
+    for (int i = 0; i < count; ++i) {
+      PromptStream stream(daemon_, address + ":" + std::to_string(1'000 + i), caller);
+      stream.Send(Request(OneArmHello()));
+      welcome_count += stream.welcomed() ? 1 : 0;
+      if (stream.end()) {
+        EXPECT_TRUE(absl::IsResourceExhausted(*stream.end()));
+        EXPECT_EQ(EndOf(stream), v1::ERROR_REASON_TOO_MANY_HELLOS);
+        EXPECT_THAT(std::string(stream.end()->message()), HasSubstr("max_hellos_per_s"));
+      }
+    }
+    return welcome_count;
+  }
+
+  PromptDaemon daemon_;
+};
+
+TEST_F(HelloQuotaTest, WhoOpensAndDropsStreamsIsRefusedBeyondItsRateAndOthersAreNot) {
+  daemon_.options.max_hellos_per_s = 2;
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 20);
+  EXPECT_EQ(daemon_.counters.invalid_message_count, 0u);
+  EXPECT_EQ(OpenAndDrop(20, "ipv4:192.0.2.8"), 20);
+  daemon_.Advance(kSecondNs);
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 2);
+  daemon_.options.max_hellos_per_s = 1'000;
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:192.0.2.7"), 100);
+}
+
+TEST_F(HelloQuotaTest, ATokenHasItsRateFromWhereverItComes) {
+  daemon_.options.max_hellos_per_s = 2;
+  int welcome_count = 0;
+  for (int host = 0; host < 50; ++host)
+    welcome_count += OpenAndDrop(1, "ipv4:192.0.2." + std::to_string(host), 7);
+  EXPECT_EQ(welcome_count, 20);
+  EXPECT_EQ(OpenAndDrop(1, "ipv4:192.0.2.99", 8), 1);
+}
+
+TEST_F(HelloQuotaTest, TenThousandGamesOfOneAddressAndTokenComeBackAtOnce) {
+  EXPECT_EQ(OpenAndDrop(10'000, "ipv4:192.0.2.7", 7), 10'000);
 }
 
 class MessageQuotaTest : public ::testing::Test {
