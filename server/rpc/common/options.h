@@ -70,11 +70,10 @@ struct RpcOptions {
   // half of the daemon to the others.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
   Adjustable<uint32_t> max_streams_per_address = 2'000;
-  // The maximum number of projects, those included that only sessions in memory have; one more, in a
-  // Hello or an import, is RESOURCE_EXHAUSTED.
+  // The maximum number of projects; one more, in a Hello or an import, is RESOURCE_EXHAUSTED. For a
+  // Hello those count, too, that only sessions in memory have.
   Adjustable<uint32_t> max_projects = 100;
-  // The maximum number of scenes of a project, by name, those included that only sessions in memory
-  // have; one more, in a Hello or an import, is RESOURCE_EXHAUSTED.
+  // The maximum number of scenes of a project, by name, likewise.
   Adjustable<uint32_t> max_scenes = 1'000;
   // The maximum messages in a second of a stream, times its time scale, and as many as in ten
   // seconds at once; beyond it the stream ends with RESOURCE_EXHAUSTED. Welcome's batch interval
@@ -82,8 +81,8 @@ struct RpcOptions {
   // was not acknowledged.
   Adjustable<uint32_t> max_messages_per_s = 200;
   // The maximum Hellos in a second of a token, and of an address, and as many as in ten seconds at
-  // once; one more is RESOURCE_EXHAUSTED. Each may cost a read of the store. 10,000 games behind one
-  // address, which come back after a restart, fit into what it may have at once.
+  // once; one more is RESOURCE_EXHAUSTED. Each may cost a read of the store. 10,000 games behind
+  // one address, which come back after a restart, fit into what it may have at once.
   Adjustable<uint32_t> max_hellos_per_s = 1'000;
   // The maximum calls in a second of a token, and of an address, that list, export or begin to
   // watch, and as many as in ten seconds at once; one more is RESOURCE_EXHAUSTED.

@@ -13,6 +13,7 @@
 #include "server/rpc/services/page_stream.h"
 #include "server/rpc/sessions/admin_log.h"
 #include "server/rpc/sessions/scene_quota.h"
+#include "server/rpc/sessions/session_table.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -97,25 +98,29 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
     const bool submitted = context_.store.Submit([this](priors::PriorStore& store) {
       if (const absl::Status allowed = CheckQuota(store); !allowed.ok())
         return context_.loop.Post([this, allowed] { End(allowed); });
-      context_.loop.Post([this, result = store.Import(records_)] { OnImported(result); });
+      // Behind what was read before of the store, as commits are.
+      context_.loop.PostLater([this, result = store.Import(records_)] { OnImported(result); });
     });
     if (!submitted)
       End(Refused(v1::ERROR_REASON_STORE_BUSY,
                   "the prior store has too much to do; import again later"));
   }
 
-  absl::Status CheckQuota(priors::PriorStore& store) const {
+  absl::Status CheckQuota(priors::PriorStore& store) {
     SceneQuota quota(store, context_.options);
     for (const auto& [key, source_id, sequence, evidence] : records_) {
       const priors::SceneKey scene{key.project, key.scene, key.machine_class, key.reward_version};
       absl::Status status = quota.Add(scene, {key.arm, key.backend_version});
       if (!status.ok()) return status;
     }
+    new_scenes_ = quota.new_scenes();
     return absl::OkStatus();
   }
 
   void OnImported(const absl::StatusOr<priors::ImportResult>& result) {
     if (!result.ok()) return End(StoreFailed(result.status()));
+    // Sessions that hold them would otherwise count them a second time.
+    for (const priors::SceneKey& scene : new_scenes_) context_.sessions.new_scenes().Forget(scene);
     v1::ImportPriorsResponse answer;
     answer.set_applied_count(result->applied_count);
     answer.set_unchanged_count(result->unchanged_count);
@@ -178,6 +183,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   grpc::ByteBuffer bytes_;
   v1::ImportPriorsRequest request_;
   std::vector<PriorRecord> records_;
+  std::vector<priors::SceneKey> new_scenes_;  // that the store gets; used by its job, then the loop
 };
 
 }  // namespace

@@ -52,6 +52,8 @@ class NewScenes {
   // store more projects).
   absl::StatusOr<Hold> Take(const priors::SceneKey& scene, const UnstoredScene& unstored);
 
+  // The store has the scene now, whoever holds it.
+  void Forget(const priors::SceneKey& scene);
   // Returns how many scenes are held, of all projects.
   size_t size() const;
 
@@ -66,7 +68,6 @@ class NewScenes {
   absl::Status CheckProject(const std::string& project, const UnstoredScene& unstored) const;
 
   void Release(const priors::SceneKey& scene);
-  void Forget(const priors::SceneKey& scene);
 
   const RpcOptions& options_;
   std::map<std::string, Project> projects_;

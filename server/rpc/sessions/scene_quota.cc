@@ -58,6 +58,7 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
     }
     return absl::OkStatus();
   }
+  new_scenes_.push_back(scene);
   Project& project = FindProject(scene.project);
   // Another machine class of a known name adds no name.
   const auto named = store_.List({scene.project, scene.scene}, std::nullopt, 1);

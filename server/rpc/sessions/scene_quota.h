@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "server/priors/prior_store.h"
@@ -50,6 +51,8 @@ class SceneQuota {
 
   // What the store said about the scene that was added last; absent if it has that scene.
   const std::optional<UnstoredScene>& unstored() const { return unstored_; }
+  // What was added of what the store does not have.
+  const std::vector<priors::SceneKey>& new_scenes() const { return new_scenes_; }
 
  private:
   struct Scene {
@@ -72,6 +75,7 @@ class SceneQuota {
   uint64_t new_project_count_ = 0;                           // of these
   std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene
   std::map<priors::SceneKey, Scene> scenes_;
+  std::vector<priors::SceneKey> new_scenes_;
   std::optional<UnstoredScene> unstored_;
 };
 

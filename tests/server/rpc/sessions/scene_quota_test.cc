@@ -94,6 +94,23 @@ TEST_F(SceneQuotaTest, AHelloForOneProjectTooManyIsRefusedAndKnownProjectsGoOn) 
   EXPECT_TRUE(Play(HelloOf("d"), "s").ok());
 }
 
+TEST_F(SceneQuotaTest, AnImportHoldsNothingThatIsRefusedAndWhatItStoresCountsOnce) {
+  const auto opens = [&](TelemetryClient& game, const std::string& scene) {
+    v1::Hello hello = OneArmHello();
+    hello.set_scene(scene);
+    game.Send(Request(hello));
+    return game.Read().has_value();
+  };
+  TelemetryClient first(channel_), second(channel_), third(channel_), fourth(channel_);
+  ASSERT_TRUE(opens(first, "a"));
+  EXPECT_EQ(ReasonOf(Import({{"w", "x"}, {"x", "x"}, {"y", "x"}, {"z", "x"}})),
+            v1::ERROR_REASON_TOO_MANY_SCENES);
+  EXPECT_TRUE(opens(second, "b"));
+  EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}}).ok()) << "the sessions have sent nothing yet";
+  EXPECT_TRUE(opens(third, "c"));
+  EXPECT_FALSE(opens(fourth, "d"));
+}
+
 TEST_F(SceneQuotaTest, AnImportOfOneProjectTooManyImportsNothing) {
   EXPECT_TRUE(Import({{"s", "x"}}, "a").ok());
   EXPECT_TRUE(Import({{"s", "x"}}, "b").ok());
