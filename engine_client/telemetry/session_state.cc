@@ -120,8 +120,9 @@ void SessionState::MarkSent() {
 }
 
 void SessionState::Disconnect(bool unknown_session, bool refused) {
-  if (online_ && refused) counts_.discarded_frame_count += buffer_.DiscardSent();
-  if (unknown_session || (refused && !online_)) session_id_.clear();
+  if (refused && online_) counts_.discarded_frame_count += buffer_.DiscardSent();
+  if (refused && !online_) ForgetSession();
+  if (unknown_session) session_id_.clear();
   online_ = false;
 }
 

@@ -8,7 +8,9 @@
 // under the same numbers, in order. When the daemon no longer knows the session (a welcome that
 // does not resume), a new session begins: the remaining messages were never durable, so they get
 // new numbers from 1 and count for the new session. A Hello that is refused with NOT_FOUND or
-// INVALID_ARGUMENT may have been refused for its session, so the next one does not name it.
+// INVALID_ARGUMENT may have been refused for its session, so the next one does not name it. With
+// INVALID_ARGUMENT the daemon has not said what of the session is on disk: what was sent is
+// discarded, since it could count twice in another session.
 //
 // Not thread-safe.
 #pragma once
@@ -108,7 +110,7 @@ class SessionState {
   void MarkSent();
 
   // Notes that the connection has ended: with NOT_FOUND if `unknown_session`; with INVALID_ARGUMENT
-  // if `refused`, so that one of the messages sent on it would be refused forever.
+  // if `refused`, so that one of the messages sent on it, or its Hello, would be refused forever.
   void Disconnect(bool unknown_session, bool refused);
   // Gives the session up. What was sent may be in the store under it, and would count twice in
   // another one, so it is discarded.

@@ -114,16 +114,19 @@ TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOl
   EXPECT_EQ(state_.counts().sent_sequence, 2U);
 }
 
-TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWith) {
+TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWithNorSendsItsEvidenceTwice) {
   Begin();
   state_.Append(Batch());
+  state_.Append(Batch());
   SendAll();
+  state_.Append(Batch());
   state_.Disconnect(false, false);
   EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "a");
   state_.Disconnect(false, /*refused=*/true);
   EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "");
+  EXPECT_EQ(state_.counts().discarded_frame_count, 2U) << "the store may have them under a";
   state_.OnWelcome(WelcomeTo("b"));
-  EXPECT_EQ(SendAll(), Sequences{1}) << "no message was refused";
+  EXPECT_EQ(SendAll(), Sequences{1}) << "what was never sent";
 }
 
 TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOneCannotBeRead) {
@@ -191,11 +194,8 @@ TEST_F(SessionStateTest, ThatIsSomebodyElsesNowSendsNothingTwice) {
   EXPECT_EQ(SendAll(), Sequences{1}) << "what was never sent, with a new number";
 }
 
-TEST_F(SessionStateTest, KeepsItsEvidenceWhenHelloIsRefused) {
-  Begin();
+TEST_F(SessionStateTest, KeepsItsEvidenceWhenItsFirstHelloIsRefused) {
   state_.Append(Batch());
-  SendAll();
-  state_.Disconnect(false, false);
   state_.Connect(kPosition);
   state_.Disconnect(false, /*refused=*/true);
   state_.Connect(kPosition);
