@@ -25,6 +25,11 @@ void RefusalLog::Tell(std::string_view peer, const absl::Status& refusal) {
             std::string(refusal.message()));
 }
 
+void RefusalLog::TellEnd(std::string_view peer, const absl::Status& end) {
+  if (end.ok() || absl::IsCancelled(end)) return;
+  if (ReasonOfRefusal(end) != v1::ERROR_REASON_UNKNOWN_SCENE) Tell(peer, end);
+}
+
 void RefusalLog::TellLeftOut() {
   const int64_t now_ns = clock_.NowNs();
   std::array<uint64_t, v1::ErrorReason_ARRAYSIZE> left_out_counts{};

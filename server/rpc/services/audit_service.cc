@@ -1,6 +1,7 @@
 #include "server/rpc/services/audit_service.h"
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -89,13 +90,16 @@ absl::StatusOr<RowStream::Page> LoadRows(priors::PriorReader& store, const Audit
   return page;
 }
 
-// Returns what of the request the caller may see.
+// Returns what of the request the caller may see. A refusal is told in the log.
 template <typename Request>
 absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& caller,
-                                     const Request& request) {
+                                     const Request& request, const std::string& peer,
+                                     RefusalLog& refusals) {
   if (!caller.ok()) return caller.status();
   AuditFilter filter{request.session_id(), request.project(), request.scene()};
-  if (absl::Status status = Narrow(*caller, filter); !status.ok()) return status;
+  absl::Status status = Narrow(*caller, filter);
+  refusals.TellEnd(peer, status);
+  if (!status.ok()) return status;
   return filter;
 }
 
@@ -104,7 +108,7 @@ absl::StatusOr<AuditFilter> FilterOf(const absl::StatusOr<auth::Principal>& call
 grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAuditSegments(
     grpc::CallbackServerContext* call, const v1::ListAuditSegmentsRequest* request) {
   const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ListAuditSegments"));
-  const auto filter = FilterOf(caller, *request);
+  const auto filter = FilterOf(caller, *request, call->peer(), context_.access.refusals());
   if (!filter.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>>(
         ToGrpc(filter.status(), context_.counters));
@@ -118,7 +122,7 @@ grpc::ServerWriteReactor<v1::ListAuditSegmentsResponse>* AuditService::ListAudit
 grpc::ServerWriteReactor<v1::ExportDecisionsResponse>* AuditService::ExportDecisions(
     grpc::CallbackServerContext* call, const v1::ExportDecisionsRequest* request) {
   const auto caller = context_.access.Authorize(*call, RpcOf("AuditService/ExportDecisions"));
-  const auto filter = FilterOf(caller, *request);
+  const auto filter = FilterOf(caller, *request, call->peer(), context_.access.refusals());
   if (!filter.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportDecisionsResponse>>(
         ToGrpc(filter.status(), context_.counters));

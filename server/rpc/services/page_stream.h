@@ -110,6 +110,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
 
   void End(const absl::Status& status) {
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
+    context_.access.refusals().TellEnd(call_.peer(), status);
     this->Finish(ToGrpc(status, context_.counters));
   }
 

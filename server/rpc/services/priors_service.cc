@@ -136,6 +136,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
 
   void End(const absl::Status& status) {
     context_.stalls.Remove(*this);  // gRPC frees the call once it is finished
+    context_.access.refusals().TellEnd(call_.peer(), status);
     Finish(ToGrpc(status, context_.counters));
   }
 
@@ -193,7 +194,10 @@ grpc::ServerWriteReactor<v1::ExportPriorsResponse>* PriorsService::ExportPriors(
   priors::SceneFilter filter{request->project(), request->scene()};
   const auto caller = context_.access.Authorize(*call, RpcOf("PriorsService/ExportPriors"));
   absl::Status allowed = caller.status();
-  if (allowed.ok()) allowed = Narrow(*caller, filter);
+  if (allowed.ok()) {
+    allowed = Narrow(*caller, filter);
+    context_.access.refusals().TellEnd(call->peer(), allowed);
+  }
   if (!allowed.ok()) {
     return new RefusedCall<grpc::ServerWriteReactor<v1::ExportPriorsResponse>>(
         ToGrpc(allowed, context_.counters));

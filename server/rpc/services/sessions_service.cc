@@ -131,22 +131,31 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       if (!order.ok()) return end(order.status());
       order->operator_name = who;
       order->now_ns = context_.loop.clock().NowNs();
-      const std::string& id = session->identity().id;
-      const std::string& mode = v1::Mode_Name(request->mode());
-      context_.log.info("{} orders session {}: {} {}", who, id, mode, request->arm());
-      // The session's own log has it, too, once its next decision is on disk.
-      admin_.Record(
-          absl::StrCat("action=order session=", id, " mode=", mode, " arm=", request->arm()), who);
-      session->Order(
-          *order, [response, end, &decisions = session->decisions()](const absl::Status& status) {
-            if (status.ok()) {
-              response->set_mode(static_cast<v1::Mode>(decisions.mode()));
-              response->set_active_arm(decisions.arms()[decisions.active_arm()]);
-            }
-            end(status);
-          });
+      session->Order(*order, [this, request, response, who, end, id = session->identity().id,
+                              &decisions = session->decisions()](const absl::Status& status) {
+        RecordOrder(*request, id, who, status);
+        if (status.ok()) {
+          response->set_mode(static_cast<v1::Mode>(decisions.mode()));
+          response->set_active_arm(decisions.arms()[decisions.active_arm()]);
+        }
+        end(status);
+      });
     });
   });
+}
+
+void SessionsService::RecordOrder(const v1::OrderSessionRequest& order, const std::string& id,
+                                  const std::string& who, const absl::Status& answer) {
+  const std::string& mode = v1::Mode_Name(order.mode());
+  if (answer.ok()) {
+    context_.log.info("{} ordered session {}: {}{}", who, id, mode,
+                      order.arm().empty() ? "" : " " + order.arm());
+  }
+  // The session's own log has it, too, once its next decision is on disk.
+  admin_.Record(absl::StrCat("action=order session=", id, " mode=", mode,
+                             " answer=", answer.ok() ? "OK" : NameOf(ReasonOfRefusal(answer)),
+                             " arm=", order.arm()),
+                who);
 }
 
 void SessionsService::OnSessions(const watch::SessionChanges& changes) {

@@ -26,11 +26,11 @@ void TelemetryStream::Accept() {
   context_.counters.open_stream_count = streams_.all.size();
   if (streams_.draining) return Drain(context_.options.reconnect_delay_ms);
   if (streams_.all.size() > size_t{context_.options.max_sessions} + kMaxStreamsWithoutSession) {
-    return Close(
+    return Reject(
         Refused(v1::ERROR_REASON_TOO_MANY_STREAMS,
                 "this daemon has as many streams as it may; try again later, or use another"));
   }
-  if (absl::Status status = CountAddress(); !status.ok()) return Close(status);
+  if (absl::Status status = CountAddress(); !status.ok()) return Reject(status);
   transport_.Read();
   DecisionLoop& loop = context_.loop;
   loop.PostAt(loop.clock().NowNs() + context_.options.hello_patience_ns, [weak = weak_from_this()] {

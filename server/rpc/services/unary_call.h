@@ -1,5 +1,5 @@
 // How a call with one answer is served: who calls is checked first, and whatever the end is, it
-// goes to the client with its reason.
+// goes to the client with its reason. A refusal is told in the log.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -21,13 +21,13 @@ template <typename Handle>
 grpc::ServerUnaryReactor* ServeUnary(ServiceContext& context, grpc::CallbackServerContext& call,
                                      Rpc rpc, Handle handle) {
   grpc::ServerUnaryReactor* reactor = call.DefaultReactor();
-  EndCall end = [reactor, &counters = context.counters](const absl::Status& status) {
-    reactor->Finish(ToGrpc(status, counters));
-  };
   if (auto caller = context.access.Authorize(call, rpc); caller.ok()) {
-    handle(*std::move(caller), std::move(end));
+    handle(*std::move(caller), [reactor, &context, peer = call.peer()](const absl::Status& status) {
+      context.access.refusals().TellEnd(peer, status);
+      reactor->Finish(ToGrpc(status, context.counters));
+    });
   } else {
-    end(caller.status());
+    reactor->Finish(ToGrpc(caller.status(), context.counters));
   }
   return reactor;
 }

@@ -15,7 +15,10 @@ void Watcher::Begin(priors::SceneFilter wanted) {
 }
 
 void Watcher::EndIfRefused() {
-  if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok()) Close(still);
+  const absl::Status still = context_.access.CheckStill(caller_);
+  if (still.ok()) return;
+  context_.access.refusals().Tell(call_.peer(), still);
+  Close(still);
 }
 
 void Watcher::OnStalled() {

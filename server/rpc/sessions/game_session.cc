@@ -240,9 +240,9 @@ void GameSession::Order(const decision::OrderReport& order, OrderAnswer answer) 
   AnswerOrder(order_id_, Refused(v1::ERROR_REASON_ORDER_REPLACED, "a later order took its place"));
   // An answer may come from before a restart of the daemon, which knows no number of then.
   order_id_ = std::max(order_id_ + 1, static_cast<uint64_t>(order.now_ns) / 1'000 & kOrderIdMask);
+  if (!takes_orders_) return answer(TakesNoOrders());
   Hear();
   decisions_.ObserveOrder(order);
-  if (!takes_orders_) return answer(TakesNoOrders());
   order_answer_ = std::move(answer);
   link_->SendOrder(order_id_, order);
   context_.loop.PostAt(order.now_ns + kOrderPatienceNs, [weak = weak_from_this(), id = order_id_] {

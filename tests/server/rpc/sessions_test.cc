@@ -34,6 +34,16 @@ class SessionsTest : public RpcTest {
     return sessions_->KickSession(&context, request, &response);
   }
 
+  grpc::Status Order(const std::string& session_id, v1::Mode mode, const std::string& arm) {
+    v1::OrderSessionRequest request;
+    request.set_session_id(session_id);
+    request.set_mode(mode);
+    request.set_arm(arm);
+    grpc::ClientContext context;
+    v1::OrderSessionResponse response;
+    return sessions_->OrderSession(&context, request, &response);
+  }
+
   // Waits until what a kicked session sent is on disk, and lets the time pass after which it then
   // leaves memory.
   [[nodiscard]] bool Leaves(uint64_t count) {
@@ -328,24 +338,49 @@ TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
 TEST_F(SessionsTest, AnOrderNeedsASessionAModeAndAnArmThatThereAre) {
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();
-  const auto order = [this](const std::string& session_id, v1::Mode mode, const std::string& arm) {
-    v1::OrderSessionRequest request;
-    request.set_session_id(session_id);
-    request.set_mode(mode);
-    request.set_arm(arm);
-    grpc::ClientContext context;
-    v1::OrderSessionResponse response;
-    return sessions_->OrderSession(&context, request, &response);
-  };
   using grpc::StatusCode;
-  EXPECT_EQ(order("nobody", v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
-  EXPECT_EQ(order(id, v1::MODE_UNSPECIFIED, "").error_code(), StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(order(id, v1::MODE_AI, "SAP").error_code(), StatusCode::INVALID_ARGUMENT);
-  EXPECT_THAT(order(id, v1::MODE_MANUAL, "SAB").error_message(),
+  EXPECT_EQ(Order("nobody", v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(Order(id, v1::MODE_UNSPECIFIED, "").error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(Order(id, v1::MODE_AI, "SAP").error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(Order(id, v1::MODE_MANUAL, "SAB").error_message(),
               HasSubstr("unknown arm 'SAB', must be one of SAP, Grid, KDTree"));
   client.Send(Goodbye());
   EXPECT_TRUE(client.Finish().ok());
-  EXPECT_EQ(order(id, v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(Order(id, v1::MODE_AI, "").error_code(), StatusCode::NOT_FOUND);
+}
+
+TEST_F(SessionsTest, AnOrderOrKickThatIsRefusedIsToldInTheLogAsARefusalAndNotAsGiven) {
+  const auto text = std::make_shared<std::ostringstream>();
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(*text));
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(HelloMessage()).session_id();  // takes no orders
+  EXPECT_EQ(ReasonOf(Order(id, v1::MODE_AI, "")), v1::ERROR_REASON_ORDER_REFUSED);
+  EXPECT_EQ(ReasonOf(Kick("nobody", false)), v1::ERROR_REASON_UNKNOWN_SESSION);
+  EXPECT_THAT(text->str(), HasSubstr("(ORDER_REFUSED): this game takes no orders"));
+  EXPECT_THAT(text->str(), HasSubstr("(UNKNOWN_SESSION)"));
+  EXPECT_THAT(text->str(), Not(HasSubstr("ordered")));
+  log_.sinks().clear();
+}
+
+TEST_F(SessionsTest, AnOrderThatIsObeyedIsToldInTheLog) {
+  const auto text = std::make_shared<std::ostringstream>();
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(*text));
+  v1::Hello hello = HelloMessage();
+  hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+  TelemetryClient client(channel_);
+  const std::string id = client.Open(hello).session_id();
+  std::thread game([&] {
+    std::optional<v1::StreamTelemetryResponse> response = client.Read();
+    while (response && !response->has_operator_order()) response = client.Read();
+    if (!response) return;
+    v1::StreamTelemetryRequest answer = ModeChange(1, v1::MODE_AI);
+    answer.mutable_mode_change()->set_order_id(response->operator_order().order_id());
+    client.Send(answer);
+  });
+  EXPECT_TRUE(Order(id, v1::MODE_AI, "").ok());
+  game.join();
+  EXPECT_THAT(text->str(), HasSubstr("ordered session " + id + ": MODE_AI\n"));
+  log_.sinks().clear();
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 // Tokens: who is let in, what a token's projects show and hide, whose session is whose.
 #include <spdlog/sinks/ostream_sink.h>
 
+#include <functional>
 #include <sstream>
 
 #include "engine_client/telemetry/error_reason.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -167,6 +169,58 @@ TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
         project));
   }
   EXPECT_EQ(answers.size(), 1u) << ::testing::PrintToString(answers);
+}
+
+TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
+  std::ostringstream text;
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
+  const auto audit = v1::AuditService::NewStub(channel_);
+  const auto priors = v1::PriorsService::NewStub(channel_);
+  const auto sessions = v1::SessionsService::NewStub(channel_);
+  const auto ask = [&](auto request, auto call) {
+    request.set_project("theirs");
+    const auto context = Mine();
+    return call(context.get(), request);
+  };
+  const std::function<grpc::Status()> calls[] = {
+      [&] { return List("mine-token", "theirs"); },
+      [&] {
+        return ask(v1::GetPosteriorRequest(), [&](auto* context, const auto& request) {
+          v1::GetPosteriorResponse response;
+          return posteriors()->GetPosterior(context, request, &response);
+        });
+      },
+      [&] {
+        return ask(v1::ListSessionsRequest(), [&](auto* context, const auto& request) {
+          v1::ListSessionsResponse response;
+          return sessions->ListSessions(context, request, &response);
+        });
+      },
+      [&] {
+        return ask(v1::ExportDecisionsRequest(), [&](auto* context, const auto& request) {
+          return audit->ExportDecisions(context, request)->Finish();
+        });
+      },
+      [&] {
+        return ask(v1::ListAuditSegmentsRequest(), [&](auto* context, const auto& request) {
+          return audit->ListAuditSegments(context, request)->Finish();
+        });
+      },
+      [&] {
+        return ask(v1::ExportPriorsRequest(), [&](auto* context, const auto& request) {
+          return priors->ExportPriors(context, request)->Finish();
+        });
+      },
+      [&] { return Import({"theirs"}); },
+  };
+  for (const auto& call : calls) {
+    text.str("");
+    EXPECT_EQ(ReasonOf(call()), v1::ERROR_REASON_NOT_ALLOWED);
+    EXPECT_THAT(text.str(), HasSubstr("(NOT_ALLOWED): this token is not for the project theirs"))
+        << "call " << &call - calls;
+    clock_.Advance(RefusalLog::kIntervalNs);
+  }
+  log_.sinks().clear();
 }
 
 TEST_F(AccessTest, AWatcherIsToldOfTheTokensProjectsOnly) {

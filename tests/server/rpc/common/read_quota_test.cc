@@ -147,11 +147,16 @@ TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveSoManyAtATime) {
   EXPECT_TRUE(begin(2).ok()) << "the one before has ended";
 }
 
-TEST_F(TransferQuotaTest, AnExportAndAnImportTooManyAreRefused) {
+TEST_F(TransferQuotaTest, AnExportAndAnImportTooManyAreRefusedAndToldInTheLog) {
+  std::ostringstream text;
+  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   options_.max_transfers = 0;
   server_->Adjust(options_);
   EXPECT_EQ(ReasonOf(Export("ann-token")), v1::ERROR_REASON_TOO_MANY_READS);
   EXPECT_EQ(ReasonOf(Begin("ann-token")->writer->Finish()), v1::ERROR_REASON_TOO_MANY_IMPORTS);
+  EXPECT_THAT(text.str(), HasSubstr("(TOO_MANY_READS): 0 exports and imports"));
+  EXPECT_THAT(text.str(), HasSubstr("(TOO_MANY_IMPORTS): 0 exports and imports"));
+  log_.sinks().clear();
   options_.max_transfers = 1;
   server_->Adjust(options_);
   for (int i = 0; i < 10; ++i)

@@ -82,16 +82,16 @@ TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
   Order(id);
   Kick(id);
   ASSERT_TRUE(LogHas(3)) << "and no decision was taken";
-  EXPECT_THAT(
-      Log(),
-      ElementsAre(
-          AllOf(HasSubstr("admin,1,1,admin,"), HasSubstr("action=import records=0 applied=0"),
-                HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
-          AllOf(HasSubstr("admin,1,2,admin,"),
-                HasSubstr("action=order session=" + id + " mode=MODE_MANUAL arm=Grid"),
-                HasSubstr("token ben")),
-          AllOf(HasSubstr("admin,1,3,admin,"), HasSubstr("action=kick session=" + id),
-                HasSubstr("token ann"))));
+  EXPECT_THAT(Log(),
+              ElementsAre(AllOf(HasSubstr("admin,1,1,admin,"),
+                                HasSubstr("action=import records=0 applied=0"),
+                                HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
+                          AllOf(HasSubstr("admin,1,2,admin,"),
+                                HasSubstr("action=order session=" + id +
+                                          " mode=MODE_MANUAL answer=GAME_AWAY arm=Grid"),
+                                HasSubstr("token ben")),
+                          AllOf(HasSubstr("admin,1,3,admin,"),
+                                HasSubstr("action=kick session=" + id), HasSubstr("token ann"))));
   EXPECT_THAT(Log("ben"), ElementsAre()) << "it is about all projects";
 }
 
