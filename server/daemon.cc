@@ -30,6 +30,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::minutes kSavePatience{1};  // between two attempts
+constexpr int64_t kDayS = 86'400;
 
 // Formats %J as the message in the form of a JSON string.
 class JsonMessage final : public spdlog::custom_flag_formatter {
@@ -177,6 +178,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (absl::Status status = OpenHttp(); !status.ok()) return status;
   StartBackups(config_);
   StartFolding(config_);
+  FollowTls();
   if (absl::Status status = WritePortFile(); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
   log_->info("serving on port {} ({}, {}), priors in {}", rpc_->port(),
@@ -213,6 +215,39 @@ void Daemon::StartFolding(const Config& config) {
         if (!run.status.ok())
           log_->error("not all could be folded: {}", std::string(run.status.message()));
       });
+}
+
+void Daemon::FollowTls() {
+  const tls::Files& files = config_.rpc.tls;
+  if (files.cert.empty()) return;
+  const auto expiry = [path = files.cert.string()](int64_t expires_unix_s) {
+    const int64_t days = (expires_unix_s - priors::UnixNowS()) / kDayS;
+    return expires_unix_s > priors::UnixNowS()
+               ? absl::StrCat("the certificate ", path, " expires in ", days, " days")
+               : absl::StrCat("the certificate ", path, " expired ", -days, " days ago");
+  };
+  tls::FilesWatchOptions options;
+  options.unix_now_s = priors::UnixNowS;
+  options.on_change = [this, expiry](const absl::Status& status, int64_t expires_unix_s) {
+    metrics_.SetTls(status.ok(), expires_unix_s);
+    {
+      const std::lock_guard lock(mutex_);
+      tls_problem_ = std::string(status.message());
+    }
+    if (status.ok()) {
+      log_->info("the files of TLS were read; {}", expiry(expires_unix_s));
+    } else {
+      log_->error("the files of TLS cannot be used, and connections that begin may fail: {}",
+                  std::string(status.message()));
+    }
+  };
+  options.on_expiry = [this, expiry](int64_t expires_unix_s) {
+    log_->warn(
+        "{}: clients refuse one that has expired; replace it and its key, which needs no "
+        "restart",
+        expiry(expires_unix_s));
+  };
+  tls_watch_ = std::make_unique<tls::FilesWatch>(files, std::move(options));
 }
 
 absl::Status Daemon::OpenTokens() {
@@ -293,6 +328,7 @@ absl::Status Daemon::OpenHttp() {
   const std::vector<web::HealthCheck> ready = {
       live.front(),
       {"store", [this] { return StoreProblem(); }, damage_},
+      {"tls", [this] { return TlsProblem(); }},
       {"shutdown", [this] { return ShutdownProblem(); }}};
   web::PageTable pages;
   pages["/livez"] = [live](std::string_view query) { return HealthPage("livez", live, query); };
@@ -323,6 +359,12 @@ std::optional<std::string> Daemon::StoreProblem() const {
   }
   const std::lock_guard lock(mutex_);
   return "the prior store cannot write; decisions go on in memory: " + store_problem_;
+}
+
+std::optional<std::string> Daemon::TlsProblem() const {
+  const std::lock_guard lock(mutex_);
+  if (tls_problem_.empty()) return std::nullopt;
+  return "connections that begin may fail: " + tls_problem_;
 }
 
 std::optional<std::string> Daemon::ShutdownProblem() const {

@@ -24,6 +24,7 @@
 #include "server/storage/data_directory.h"
 #include "server/storage/folding/evidence_folding.h"
 #include "server/storage/store_thread.h"
+#include "server/tls/files_watch.h"
 #include "server/web/http_server.h"
 
 namespace spdlog {
@@ -69,9 +70,11 @@ class Daemon {
   // Runs on the thread of the tokens.
   void ReportToken(const std::string& change);
   absl::Status OpenHttp();
+  void FollowTls();
   // What the checks of /livez and /readyz say; nothing if all is well.
   std::optional<std::string> LoopProblem() const;
   std::optional<std::string> StoreProblem() const;
+  std::optional<std::string> TlsProblem() const;
   std::optional<std::string> ShutdownProblem() const;
   absl::Status WritePortFile() const;
   // Removes the file of an earlier daemon, which a waiting process must not read.
@@ -85,6 +88,7 @@ class Daemon {
   std::string damage_;  // what of the store was lost at the start
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
+  std::string tls_problem_;    // guarded by mutex_; why the files of TLS cannot be used
   bool store_saved_ = false;   // used on the store's thread
   std::chrono::steady_clock::time_point next_save_;  // likewise; not before
   storage::FileId store_file_;
@@ -92,6 +96,7 @@ class Daemon {
   std::unique_ptr<auth::TokenRegistry> tokens_;
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;
+  std::unique_ptr<tls::FilesWatch> tls_watch_;         // null without TLS
   std::unique_ptr<storage::EvidenceFolding> folding_;  // after the store, which it uses
   std::unique_ptr<rpc::RpcServer> rpc_;
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it takes actions

@@ -152,6 +152,16 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
       .Set(1);
 }
 
+void DaemonMetrics::SetTls(bool could_be_used, int64_t expires_unix_s) {
+  AddGauge(registry_, "sweepstake_tls_last_reload_successful",
+           "1 if the files of TLS could be used when they were read last, else 0.")
+      .Set(could_be_used ? 1 : 0);
+  AddGauge(
+      registry_, "sweepstake_tls_certificate_expiry_timestamp_seconds",
+      "Unix time at which the daemon's certificate, or one of its issuers' beside it, expires.")
+      .Set(static_cast<double>(expires_unix_s));
+}
+
 std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters& counters,
                                                              const StoreState& store) const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();

@@ -43,6 +43,10 @@ class DaemonMetrics {
   // The size that the store's file may have.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
 
+  // Whether the files of TLS could be used when they were read last, and when the certificate in
+  // use expires. Without TLS there are no such metrics.
+  void SetTls(bool could_be_used, int64_t expires_unix_s);
+
   // Returns everything that /metrics shows.
   std::vector<prometheus::MetricFamily> Collect(const rpc::Counters& counters,
                                                 const StoreState& store) const;

@@ -5,9 +5,12 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <ctime>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <system_error>
 
@@ -111,6 +114,18 @@ absl::StatusOr<Texts> Read(const Files& files) {
   }
   if (!files.ca.empty() && FirstCertificate(texts.ca) == nullptr) return NoCertificate(files.ca);
   return texts;
+}
+
+int64_t EarliestExpiryUnixS(const std::string& certificates) {
+  const Bio reader = Reader(certificates);
+  int64_t earliest = std::numeric_limits<int64_t>::max();
+  while (const Certificate next{PEM_read_bio_X509(reader.get(), nullptr, nullptr, nullptr)}) {
+    std::tm end{};
+    if (ASN1_TIME_to_tm(X509_get0_notAfter(next.get()), &end) == 1)
+      earliest = std::min<int64_t>(earliest, timegm(&end));
+  }
+  ERR_clear_error();
+  return earliest;
 }
 
 }  // namespace sweepstake::tls

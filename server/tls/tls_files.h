@@ -4,6 +4,7 @@
 // Thread-safe. Files are PEM, of at most 1 MiB each.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -29,5 +30,9 @@ struct Texts {
 // form or does not belong to the other one, and says what to do. REQUIRES: `cert` and `key` are
 // both given or both empty.
 absl::StatusOr<Texts> Read(const Files& files);
+
+// Returns when the first of these certificates expires, in seconds since 1970. REQUIRES: they are
+// Texts::cert that Read has returned.
+int64_t EarliestExpiryUnixS(const std::string& certificates);
 
 }  // namespace sweepstake::tls

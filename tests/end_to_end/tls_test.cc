@@ -5,10 +5,13 @@
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
+#include <chrono>
+#include <fstream>
 #include <optional>
 
 #include "tests/end_to_end/scripted_game.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/test_authority.h"
 
@@ -153,6 +156,41 @@ TEST_F(TlsTest, AReplacedCertificateIsServedAndNoRunningStreamIsLost) {
   // The old certificate is not served any more.
   tls_.ca_file = authority_.cert();
   EXPECT_THAT(Play(daemon.address(), tls_), HasSubstr("name the one that signed it"));
+}
+
+TEST_F(TlsTest, FilesThatBreakAreToldOnceAndNoRunningStreamIsLost) {
+  auto flags = Flags();
+  flags.insert(flags.end(), {"--http", "127.0.0.1:0"});
+  const DaemonProcess daemon(data_.path(), "127.0.0.1:0", flags);
+  const auto reloads = [&](int successful) {
+    const std::string line =
+        "\nsweepstake_tls_last_reload_successful " + std::to_string(successful) + "\n";
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    std::string metrics;
+    while (metrics.find(line) == std::string::npos && std::chrono::steady_clock::now() < deadline)
+      metrics = Get(daemon.http_port(), "/metrics").body;
+    return metrics;
+  };
+  EXPECT_THAT(reloads(1), HasSubstr("\nsweepstake_tls_certificate_expiry_timestamp_seconds 1"));
+  ScriptedGame running(daemon.address(), With(tls_));
+  ASSERT_TRUE(running.RunUntil(IsConnected));
+  EXPECT_THAT(daemon.log(), HasSubstr("days: clients refuse"));
+  std::ofstream(server_.key) << "-----BEGIN PRIVATE KEY-----\nhalf of i";
+  EXPECT_THAT(reloads(0), HasSubstr("sweepstake_tls_certificate_expiry_timestamp_seconds 1"));
+  EXPECT_THAT(Get(daemon.http_port(), "/readyz").body,
+              HasSubstr("[-]tls failed: connections that begin may fail: " + server_.key.string()));
+  const uint64_t acknowledged = running.stats().acknowledged_sequence;
+  EXPECT_TRUE(running.RunUntil(
+      [&](const SessionStats& stats) { return stats.acknowledged_sequence > acknowledged; }));
+  authority_.Issue("IP:127.0.0.1", server_);
+  reloads(1);
+  EXPECT_EQ(Get(daemon.http_port(), "/readyz").body, "ok\n");
+  EXPECT_EQ(Play(daemon.address(), tls_), "");
+  EXPECT_EQ(running.stats().connection_count, 1u);
+  const std::string log = daemon.log();
+  const size_t told = log.find(server_.key.string() + " holds no private key");
+  ASSERT_NE(told, std::string::npos) << log;
+  EXPECT_EQ(log.find("cannot be used", told), std::string::npos) << "told again";
 }
 
 TEST_F(TlsTest, AReplacedClientAuthorityLetsInWhomItSignedAndNoRunningStreamIsLost) {

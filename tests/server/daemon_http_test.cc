@@ -107,7 +107,7 @@ TEST_F(DaemonHttpTest, ADaemonThatServesIsLiveAndReady) {
   const auto daemon = Start();
   EXPECT_EQ(Get(daemon->http_port(), "/livez").status, 200);
   EXPECT_EQ(Get(daemon->http_port(), "/readyz?verbose").body,
-            "[+]decision-loop ok\n[+]store ok\n[+]shutdown ok\nreadyz check passed\n");
+            "[+]decision-loop ok\n[+]store ok\n[+]tls ok\n[+]shutdown ok\nreadyz check passed\n");
 }
 
 TEST_F(DaemonHttpTest, ADrainedDaemonIsLiveAndNotReady) {
