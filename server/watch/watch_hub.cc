@@ -84,19 +84,32 @@ void WatchHub::Load(const SceneKey& key) {
   const bool submitted = store_.Submit([this, key](priors::PriorStore& store) {
     loop_.post([this, key, loaded = store.LoadScene(key)] { OnLoaded(key, loaded); });
   });
-  // The store's queue is full; the scene's next evidence tries again.
-  if (!submitted) scenes_.erase(key);
+  if (!submitted) LoadLater(scenes_.at(key));  // the store's queue is full
+}
+
+void WatchHub::LoadLater(Scene& scene) {
+  scene.unread = true;
+  ScheduleTick();
+}
+
+void WatchHub::Reload(const SceneKey& key) {
+  if (draining_ || !Watches(key)) return Forget(key);
+  scenes_.try_emplace(key);
+  Load(key);
 }
 
 void WatchHub::OnLoaded(const SceneKey& key,
                         const absl::StatusOr<std::optional<SceneEvidence>>& loaded) {
   const auto found = scenes_.find(key);
   if (found == scenes_.end()) return;
+  if (absl::IsUnavailable(loaded.status())) return LoadLater(found->second);
+  // What is damaged is not read again and again, but at the scene's next evidence.
   if (!loaded.ok() || !loaded->has_value()) {
     scenes_.erase(found);
     return;
   }
   found->second.sums = *loaded;
+  found->second.changed = true;
   ScheduleTick();
 }
 
@@ -109,6 +122,7 @@ void WatchHub::Tick() {
   tick_scheduled_ = false;
   TellSessions();
   for (WatchListener* listener : listeners_) listener->OnTick();
+  LoadUnread();
   for (auto& [key, scene] : scenes_) {
     if (!scene.sums || !std::exchange(scene.changed, false)) continue;
     for (WatchListener* listener : listeners_) {
@@ -117,6 +131,18 @@ void WatchHub::Tick() {
   }
   if (scenes_.size() <= kMaxScenes) return;
   std::erase_if(scenes_, [](const auto& entry) { return !entry.second.changed; });
+}
+
+void WatchHub::LoadUnread() {
+  std::erase_if(scenes_,
+                [this](const auto& entry) { return entry.second.unread && !Watches(entry.first); });
+  size_t read_count = 0;
+  for (auto& [key, scene] : scenes_) {
+    if (!scene.unread) continue;
+    if (++read_count > kReadsPerTick) return ScheduleTick();
+    scene.unread = false;
+    Load(key);
+  }
 }
 
 void WatchHub::TellSessions() {

@@ -73,6 +73,8 @@ class WatchListener {
 class WatchHub {
  public:
   static constexpr int64_t kIntervalNs = 250'000'000;
+  // Of the scenes that could not be read, so many are tried again at a tick.
+  static constexpr size_t kReadsPerTick = 100;
   // Beyond it, scenes that are not changing are dropped and read again at their next change.
   static constexpr size_t kMaxScenes = 10'000;
 
@@ -103,6 +105,9 @@ class WatchHub {
   // Called when it is not known whether the scene's sums have the next increments already: they are
   // read again with those.
   void Forget(const priors::SceneKey& scene) { scenes_.erase(scene); }
+  // Called when the disk may have, or get, increments of the scene that nobody is going to tell of:
+  // its sums are read again, and told.
+  void Reload(const priors::SceneKey& scene);
   // Called when evidence was imported or revoked: forgets all sums.
   void Reset();
   // Tells no more posteriors and asks the store for nothing any more.
@@ -112,9 +117,13 @@ class WatchHub {
   struct Scene {
     std::optional<priors::SceneEvidence> sums;  // absent while the store reads them
     bool changed = false;                       // since the last tick
+    bool unread = false;                        // the store could not read them: try again
   };
 
   void Load(const priors::SceneKey& key);
+  // Reads the scene at the next tick, or at one after it.
+  void LoadLater(Scene& scene);
+  void LoadUnread();
   void OnLoaded(const priors::SceneKey& key,
                 const absl::StatusOr<std::optional<priors::SceneEvidence>>& loaded);
   void ScheduleTick();

@@ -118,6 +118,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   }
 
   void OnImported(const absl::StatusOr<priors::ImportResult>& result) {
+    if (absl::IsUnavailable(result.status())) context_.watch_hub.Reset();  // it may have them
     if (!result.ok()) return End(StoreFailed(result.status()));
     // Sessions that hold them would otherwise count them a second time.
     for (const priors::SceneKey& scene : new_scenes_) context_.sessions.new_scenes().Forget(scene);

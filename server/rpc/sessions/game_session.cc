@@ -351,6 +351,12 @@ void GameSession::TellChange(watch::SessionEnd end) const {
   context_.watch_hub.OnSession(identity_.id, {.scene = identity_.scene, .end = end});
 }
 
+void GameSession::TellEnd() const {
+  TellChange(ended() ? end_ : watch::SessionEnd::kForgotten);
+  // The store may have, or get, a commit whose answer nobody is going to hear.
+  if (!settled()) context_.watch_hub.Reload(identity_.scene);
+}
+
 void GameSession::End() {
   end_ = watch::SessionEnd::kGoodbye;
   ++context_.counters.goodbye_count;

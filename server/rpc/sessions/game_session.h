@@ -101,6 +101,8 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   // Tells those who watch sessions that this one has changed; `end` is why it is not there any
   // more.
   void TellChange(watch::SessionEnd end = watch::SessionEnd::kNone) const;
+  // Called when the session leaves memory: tells those who watch.
+  void TellEnd() const;
   watch::SessionEnd end() const { return end_; }
   // Tells the client to reconnect after `delay_ms`, and closes the link once all pending writes are
   // done.

@@ -182,8 +182,7 @@ void SessionTable::Remove(const std::string& id) {
   if (found->second.lost) Recover(found->second);
   const auto count = token_counts_.find(found->second.session->identity().token_id);
   if (--count->second == 0) token_counts_.erase(count);
-  const GameSession& session = *found->second.session;
-  session.TellChange(session.ended() ? session.end() : watch::SessionEnd::kForgotten);
+  found->second.session->TellEnd();
   entries_.erase(found);
 }
 

@@ -58,8 +58,6 @@ void Simulation::CheckProject(priors::PriorStore& store,
 }
 
 void Simulation::CheckWatcher(priors::PriorStore& store) {
-  // Nobody is told of a commit whose answer is lost if its session is gone before it tries again.
-  if (lost_answer_ratio_ > 0) return;
   for (const auto& [key, told] : watcher_.latest()) {
     ++tally_.watched_scenes;
     const auto stored = store.LoadScene(key);

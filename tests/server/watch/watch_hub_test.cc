@@ -41,9 +41,23 @@ class ManualStore final : public priors::AsyncPriorStore {
 
   size_t submit_count = 0;
   bool full = false;
+  absl::Status read_status;
 
  private:
-  storage::MemoryPriorStore store_;
+  // Reads a scene only if the test lets it.
+  class Store final : public storage::MemoryPriorStore {
+   public:
+    explicit Store(const absl::Status& read_status) : read_status_(read_status) {}
+    absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override {
+      if (!read_status_.ok()) return read_status_;
+      return storage::MemoryPriorStore::LoadScene(key);
+    }
+
+   private:
+    const absl::Status& read_status_;
+  };
+
+  Store store_{read_status};
   std::deque<Job> jobs_;
 };
 
@@ -174,15 +188,80 @@ TEST_F(WatchHubTest, AResetForgetsTheSumsAndIsTold) {
   EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
 }
 
-TEST_F(WatchHubTest, AFullStoreIsAskedAgainAtTheNextEvidence) {
+TEST_F(WatchHubTest, AFullStoreIsAskedAgainAtTheNextTick) {
   store_.full = true;
   Commit("a", "s", 1);
+  EXPECT_EQ(Tick(), 1U);
+  EXPECT_EQ(store_.submit_count, 2U);
   store_.full = false;
+  Tick();
+  store_.RunJobs();
+  Tick();
+  EXPECT_EQ(store_.submit_count, 3U);
+  EXPECT_EQ(listener_.posteriors.size(), 1U);
+  EXPECT_EQ(Tick(), 0U);
+}
+
+TEST_F(WatchHubTest, ASceneThatTheDiskCannotReadIsReadAgainAtTheNextTickWithoutEvidence) {
+  store_.read_status = absl::UnavailableError("the disk cannot read");
+  Commit("a", "s", 1);
+  for (int i = 0; i < 3; ++i) {
+    store_.RunJobs();
+    EXPECT_EQ(Tick(), 1U);
+  }
+  EXPECT_THAT(listener_.posteriors, IsEmpty());
+  store_.read_status = absl::OkStatus();
+  store_.RunJobs();
+  Tick();
+  ASSERT_EQ(listener_.posteriors.size(), 1U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 1U);
+  EXPECT_EQ(Tick(), 0U);
+}
+
+TEST_F(WatchHubTest, ADamagedSceneIsReadAgainAtItsNextEvidenceOnly) {
+  store_.read_status = absl::DataLossError("damaged");
+  Commit("a", "s", 1);
+  store_.RunJobs();
+  EXPECT_EQ(Tick(), 0U);
+  store_.read_status = absl::OkStatus();
   Commit("a", "s", 2);
   store_.RunJobs();
   Tick();
-  EXPECT_EQ(store_.submit_count, 2U);
-  EXPECT_EQ(listener_.posteriors.size(), 1U);
+  ASSERT_EQ(listener_.posteriors.size(), 1U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
+}
+
+TEST_F(WatchHubTest, OfManyScenesThatCouldNotBeReadSomeAreReadAtEachTick) {
+  store_.full = true;
+  const size_t count = WatchHub::kReadsPerTick + 1;
+  for (size_t i = 0; i < count; ++i) Commit(std::to_string(i), "s" + std::to_string(i));
+  store_.full = false;
+  store_.submit_count = 0;
+  Tick();
+  EXPECT_EQ(store_.submit_count, WatchHub::kReadsPerTick);
+  Tick();
+  EXPECT_EQ(store_.submit_count, count);
+}
+
+TEST_F(WatchHubTest, WhatNobodyTellsOfIsReadAndTold) {
+  Commit("a", "s", 1);
+  store_.RunJobs();
+  Tick();
+  priors::SourceUpdate lost;
+  lost.progress.source_id = "lost";
+  lost.progress.commit_sequence = 1;
+  lost.increments.push_back(
+      {{.project = "game", .scene = "a", .context_bucket = {}, .arm = "Grid", .machine_class = {}},
+       {.alpha = 0.75, .beta = 0.25, .window_count = 1, .bail_out_count = 0}});
+  store_.Commit(lost, [](const absl::Status&) {});
+  hub_.Reload(Scene("a"));
+  Commit("a", "s", 2);  // while it is read
+  Tick();
+  store_.RunJobs();
+  Tick();
+  const SceneEvidence& last = listener_.posteriors.back();
+  EXPECT_EQ(last.source_count, 2U);
+  EXPECT_EQ(last.arms[0].evidence.window_count, 3U);
 }
 
 TEST_F(WatchHubTest, ADrainingHubAsksTheStoreForNothing) {
