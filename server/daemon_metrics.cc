@@ -70,12 +70,8 @@ constexpr CounterRow kCounters[] = {
      "Messages that were applied."},
     {&Counters::accepted_frame_count, "sweepstake_accepted_frames_total",
      "Frames that were learnt from or waited to be."},
-    {&Counters::rejected_frame_count, "sweepstake_rejected_frames_total",
-     "Frames with values that cannot be."},
     {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
      "Shadow visits that were learnt from or waited to be."},
-    {&Counters::rejected_shadow_count, "sweepstake_rejected_shadow_samples_total",
-     "Shadow visits with values that cannot be."},
     {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",
      "Bail-outs that were answered but are no evidence, because a game cannot have so many."},
     {&Counters::dropped_frame_count, "sweepstake_dropped_frames_total",
@@ -105,6 +101,21 @@ prometheus::MetricFamily ErrorsOf(const Counters& counters) {
     const auto reason = static_cast<v1::ErrorReason>(number);
     metric.label.push_back({"reason", std::string(rpc::NameOf(reason))});
     metric.counter.value = static_cast<double>(counters.error_counts.at(reason));
+  }
+  return family;
+}
+
+// The labels are the values that cannot have been measured.
+prometheus::MetricFamily RejectionsOf(const char* name, const char* help,
+                                      const rpc::RejectionCounts& counts) {
+  prometheus::MetricFamily family;
+  family.name = name;
+  family.help = help;
+  family.type = prometheus::MetricType::Counter;
+  for (size_t i = 0; i < counts.size(); ++i) {
+    prometheus::ClientMetric& metric = family.metric.emplace_back();
+    metric.label.push_back({"reason", std::string(rpc::kRejectionReasonNames.at(i))});
+    metric.counter.value = static_cast<double>(counts.at(i));
   }
   return family;
 }
@@ -169,6 +180,12 @@ std::vector<prometheus::MetricFamily> DaemonMetrics::Collect(const rpc::Counters
     families.push_back(GaugeOf(name, help, static_cast<double>(counters.*value)));
   for (const auto& [value, name, help] : kCounters)
     families.push_back(CounterOf(name, help, static_cast<double>(counters.*value)));
+  families.push_back(RejectionsOf("sweepstake_rejected_frames_total",
+                                  "Frames with a value that cannot be, by which it is.",
+                                  counters.rejected_frame_counts));
+  families.push_back(RejectionsOf("sweepstake_rejected_shadow_samples_total",
+                                  "Shadow visits with a value that cannot be, by which it is.",
+                                  counters.rejected_shadow_counts));
   families.push_back(ErrorsOf(counters));
   families.push_back(GaugeOf("sweepstake_store_healthy",
                              "1 while the store can write and read, 0 after a commit failed, while "

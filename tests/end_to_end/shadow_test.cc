@@ -53,7 +53,7 @@ TEST_F(ShadowTest, MovesTheGameOffTheSlowestArmThoughNoOtherWasEverActive) {
   }
   ASSERT_EQ(adaptive_->arms()[adaptive_->active_arm()], "BruteForce");
   ASSERT_TRUE(PlayUntil([&] { return server_->counters().accepted_shadow_count >= 7; }));
-  EXPECT_EQ(server_->counters().rejected_shadow_count, 0u);
+  for (const auto& count : server_->counters().rejected_shadow_counts) EXPECT_EQ(count, 0u);
   EXPECT_EQ(server_->counters().invalid_message_count, 0u);
   ASSERT_TRUE(PlayUntil([&] {
     Tick();

@@ -153,6 +153,12 @@ absl::Status CheckSequence(const v1::StreamTelemetryRequest& request) {
   return Invalid("sequence must be 1 to 2^63 - 1 in every message but Hello and Goodbye");
 }
 
+std::optional<RejectionReason> RejectionOfCounts(uint64_t check_count, uint64_t native_bytes) {
+  if (check_count >= kMaxChecks) return RejectionReason::kCheckCount;
+  if (native_bytes >= kMaxNativeBytes) return RejectionReason::kNativeBytes;
+  return std::nullopt;
+}
+
 }  // namespace
 
 absl::Status CheckHello(const v1::Hello& hello, const RpcOptions& options) {
@@ -198,16 +204,18 @@ bool IsUnknown(const v1::StreamTelemetryRequest& request) {
   }
 }
 
-bool IsPlausible(const decision::Frame& frame) {
-  if (frame.frame_time_ns < kMinFrameNs || frame.frame_time_ns > kMaxFrameNs) return false;
+std::optional<RejectionReason> RejectionOf(const decision::Frame& frame) {
+  if (frame.frame_time_ns < kMinFrameNs || frame.frame_time_ns > kMaxFrameNs)
+    return RejectionReason::kFrameTime;
   if (frame.detection_time_ns > frame.frame_time_ns + frame.frame_time_ns / 100 + 1'000'000)
-    return false;
-  return frame.aabb_check_count < kMaxChecks && frame.native_bytes < kMaxNativeBytes;
+    return RejectionReason::kDetectionTime;
+  return RejectionOfCounts(frame.aabb_check_count, frame.native_bytes);
 }
 
-bool IsPlausible(const decision::ShadowSample& sample) {
-  return sample.detection_time_ns <= kMaxFrameNs && sample.build_time_ns <= kMaxFrameNs &&
-         sample.aabb_check_count < kMaxChecks && sample.native_bytes < kMaxNativeBytes;
+std::optional<RejectionReason> RejectionOf(const decision::ShadowSample& sample) {
+  if (sample.detection_time_ns > kMaxFrameNs) return RejectionReason::kDetectionTime;
+  if (sample.build_time_ns > kMaxFrameNs) return RejectionReason::kBuildTime;
+  return RejectionOfCounts(sample.aabb_check_count, sample.native_bytes);
 }
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record) {

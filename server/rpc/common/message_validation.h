@@ -8,6 +8,8 @@
 // it is counted and not applied.
 #pragma once
 
+#include <optional>
+
 #include "absl/status/status.h"
 #include "server/decision/types.h"
 #include "server/rpc/common/options.h"
@@ -27,13 +29,13 @@ absl::Status CheckRequest(const v1::StreamTelemetryRequest& request, uint32_t ar
 // that only a newer one has.
 bool IsUnknown(const v1::StreamTelemetryRequest& request);
 
-// Returns whether a game can have measured this frame. A frame lasts 1 µs (a million FPS) to an
+// Returns why no game can have measured this frame, if so. A frame lasts 1 µs (a million FPS) to an
 // hour. Detection is part of the frame, within 1 % and 1 ms of clock error. Checks are below 2^60,
 // native bytes below 2^46.
-bool IsPlausible(const decision::Frame& frame);
-// Returns whether a shadow lane can have measured this sample. The times are at most an hour; the
-// other bounds are those of a frame.
-bool IsPlausible(const decision::ShadowSample& sample);
+std::optional<RejectionReason> RejectionOf(const decision::Frame& frame);
+// Returns why no shadow lane can have measured this sample, if so. The times are at most an hour;
+// the other bounds are those of a frame.
+std::optional<RejectionReason> RejectionOf(const decision::ShadowSample& sample);
 
 absl::Status CheckPriorRecord(const v1::PriorRecord& record);
 

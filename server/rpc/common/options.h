@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include "server/auth/principal.h"
 #include "server/decision/options.h"
@@ -146,6 +147,18 @@ struct RpcOptions {
   std::function<void(std::chrono::nanoseconds)> on_timer;
 };
 
+// The value of a frame or shadow visit that nobody can have measured (message_validation.h).
+enum class RejectionReason : size_t {
+  kFrameTime,
+  kDetectionTime,
+  kBuildTime,
+  kCheckCount,
+  kNativeBytes,
+};
+inline constexpr std::array<std::string_view, 5> kRejectionReasonNames = {
+    "frame_time", "detection_time", "build_time", "check_count", "native_bytes"};
+using RejectionCounts = std::array<std::atomic<uint64_t>, kRejectionReasonNames.size()>;
+
 // Counts of events since the daemon's start, and of what is open now. The services' threads write
 // them and any thread may read them. Each counter is exact, but several are not read at one moment.
 struct Counters {
@@ -166,11 +179,12 @@ struct Counters {
   // Messages whose sequence number was applied before.
   std::atomic<uint64_t> replayed_message_count{0};
   std::atomic<uint64_t> applied_message_count{0};
-  // Frames and shadow visits; rejected ones fail IsPlausible (message_validation.h).
+  // Frames and shadow visits; those that are rejected by what is wrong with them, a
+  // RejectionReason.
   std::atomic<uint64_t> accepted_frame_count{0};
-  std::atomic<uint64_t> rejected_frame_count{0};
+  RejectionCounts rejected_frame_counts{};
   std::atomic<uint64_t> accepted_shadow_count{0};
-  std::atomic<uint64_t> rejected_shadow_count{0};
+  RejectionCounts rejected_shadow_counts{};
   // Bail-outs beyond what a game can have: they were answered, and are no evidence.
   std::atomic<uint64_t> surplus_bail_out_count{0};
   std::atomic<uint64_t> dropped_frame_count{0};  // the clients report what their queues dropped

@@ -22,6 +22,18 @@ absl::Status TakesNoOrders() {
                  "this game takes no orders; build it with allow_operator_orders");
 }
 
+void Count(RejectionReason reason, RejectionCounts& counts) {
+  ++counts.at(static_cast<size_t>(reason));
+}
+
+// Returns whether the sample cannot have been measured, and counts it then.
+template <typename Sample>
+bool IsRejected(const Sample& sample, RejectionCounts& counts) {
+  const std::optional<RejectionReason> reason = RejectionOf(sample);
+  if (reason) Count(*reason, counts);
+  return reason.has_value();
+}
+
 }  // namespace
 
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
@@ -148,12 +160,10 @@ void GameSession::ApplyFrames(const v1::FrameBatch& batch) {
     decision::Frame frame = FrameFromProto(batch, i);
     // The flag is the client's word; only the time makes a bail-out.
     if (!IsOverLimit(frame)) frame.flags &= ~decision::kFrameBailOut;
-    if (IsPlausible(frame)) frames_.push_back(frame);
+    if (!IsRejected(frame, context_.counters.rejected_frame_counts)) frames_.push_back(frame);
   }
-  const auto received = static_cast<uint64_t>(batch.frame_time_ns_size());
-  frame_count_ += received;
+  frame_count_ += static_cast<uint64_t>(batch.frame_time_ns_size());
   context_.counters.accepted_frame_count += frames_.size();
-  context_.counters.rejected_frame_count += received - frames_.size();
   context_.counters.dropped_frame_count += batch.dropped_frame_count();
   dropped_frame_count_ += batch.dropped_frame_count();
   decisions_.ObserveFrames(frames_);
@@ -175,11 +185,9 @@ void GameSession::ApplyShadows(const v1::FrameBatch& batch) {
   shadows_.clear();
   for (const v1::ShadowSample& message : batch.shadow_samples()) {
     const decision::ShadowSample sample = FromProto(message);
-    if (IsPlausible(sample)) shadows_.push_back(sample);
+    if (!IsRejected(sample, context_.counters.rejected_shadow_counts)) shadows_.push_back(sample);
   }
-  const auto received = static_cast<uint64_t>(batch.shadow_samples_size());
   context_.counters.accepted_shadow_count += shadows_.size();
-  context_.counters.rejected_shadow_count += received - shadows_.size();
   decisions_.ObserveShadow(shadows_);
 }
 
@@ -201,8 +209,9 @@ void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
   if (last_bail_out_frame_ && bail_out.frame_index() <= *last_bail_out_frame_) return;
   last_bail_out_frame_ = bail_out.frame_index();
   const decision::Frame frame = FromProto(bail_out);
-  if (!IsPlausible(frame) || !IsOverLimit(frame)) {
-    ++context_.counters.rejected_frame_count;
+  if (IsRejected(frame, context_.counters.rejected_frame_counts)) return;
+  if (!IsOverLimit(frame)) {
+    Count(RejectionReason::kFrameTime, context_.counters.rejected_frame_counts);
     return;
   }
   // The evidence of the bail-out goes to disk with the next tick, not now: its sequence number
