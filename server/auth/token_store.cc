@@ -19,6 +19,7 @@ namespace sweepstake::auth {
 namespace {
 
 namespace fs = std::filesystem;
+using storage::Explain;
 using storage::SqliteDatabase;
 using storage::SqliteRow;
 using storage::SqliteTransaction;
@@ -51,19 +52,6 @@ constexpr const char* kSchema = R"sql(
   ) STRICT;
 )sql";
 
-absl::Status Explain(const fs::path& path, const absl::Status& status) {
-  return {status.code(), absl::StrCat(path.string(), ": ", status.message())};
-}
-
-absl::Status Configure(SqliteDatabase& database) {
-  return database.Execute(R"sql(
-    PRAGMA busy_timeout = 2000;
-    PRAGMA trusted_schema = OFF;
-    PRAGMA cell_size_check = ON;
-    PRAGMA synchronous = FULL;
-  )sql");
-}
-
 // A name of this process' own, since others may be making the same file.
 fs::path UnfinishedName(const fs::path& path) {
   return absl::StrCat(path.string(), ".new-", getpid());
@@ -93,7 +81,7 @@ absl::Status CreateFile(const fs::path& path) {
   {
     auto database = SqliteDatabase::Open(unfinished.string(), SqliteDatabase::OpenMode::kCreate);
     status = database.status();
-    if (status.ok()) status = Configure(*database);
+    if (status.ok()) status = database->Configure();
     if (status.ok())
       status =
           database->Execute(absl::StrCat("PRAGMA application_id = ", kApplicationId,
@@ -113,7 +101,7 @@ absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {
     return absl::DataLossError(absl::StrCat(
         path.string(), " ", what, "; put a copy in its place, or remove it and make new tokens"));
   };
-  if (absl::Status status = Configure(database); !status.ok() && !absl::IsDataLoss(status))
+  if (absl::Status status = database.Configure(); !status.ok() && !absl::IsDataLoss(status))
     return Explain(path, status);
   auto id = database.QueryInteger("PRAGMA application_id");
   if (!id.ok() && !absl::IsDataLoss(id.status())) return Explain(path, id.status());

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -121,6 +120,10 @@ absl::Status SqliteStatement::Error(int code) const {
   return ToStatus(code, sqlite3_errmsg(sqlite3_db_handle(statement_.get())));
 }
 
+absl::Status Explain(const std::filesystem::path& path, const absl::Status& status) {
+  return {status.code(), absl::StrCat(path.string(), ": ", status.message())};
+}
+
 // The functions of an open file, with a clock around the one that syncs.
 struct SqliteDatabase::TimedFile {
   sqlite3_io_methods methods{};  // first, so that Sync finds the rest
@@ -154,6 +157,16 @@ absl::StatusOr<SqliteDatabase> SqliteDatabase::Open(const std::string& path, Ope
 
 absl::Status SqliteDatabase::Error(int code) const {
   return ToStatus(code, sqlite3_errmsg(database_.get()));
+}
+
+absl::Status SqliteDatabase::Configure() {
+  return Execute(R"sql(
+    PRAGMA busy_timeout = 2000;
+    PRAGMA foreign_keys = ON;
+    PRAGMA trusted_schema = OFF;
+    PRAGMA cell_size_check = ON;
+    PRAGMA synchronous = FULL;
+  )sql");
 }
 
 absl::StatusOr<SqliteStatement> SqliteDatabase::Prepare(std::string_view sql) {
@@ -218,7 +231,7 @@ absl::Status SqliteDatabase::CopyTo(const std::string& path) {
   if (status.ok()) return PublishFile(unfinished, path);
   std::error_code ignored;
   std::filesystem::remove(unfinished, ignored);
-  return {status.code(), absl::StrCat(unfinished, ": ", status.message())};
+  return Explain(unfinished, status);
 }
 
 void SqliteDatabase::StopWhen(const std::atomic<bool>& flag) {

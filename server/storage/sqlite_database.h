@@ -16,6 +16,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -95,6 +96,9 @@ class SqliteStatement {
   std::unique_ptr<sqlite3_stmt, Finalizer> statement_;
 };
 
+// Returns the error with the file that it is about.
+absl::Status Explain(const std::filesystem::path& path, const absl::Status& status);
+
 // Told how long an fsync took.
 using OnSync = std::function<void(std::chrono::nanoseconds)>;
 
@@ -109,6 +113,9 @@ class SqliteDatabase {
   // If the file exists, it is not read before the first statement.
   static absl::StatusOr<SqliteDatabase> Open(const std::string& path, OpenMode mode);
 
+  // Reads the schema, and sets what holds for every connection that writes: how long it waits for
+  // others, how it checks what it reads, and that a commit is on disk when it ends.
+  absl::Status Configure();
   absl::StatusOr<SqliteStatement> Prepare(std::string_view sql);
   // Runs several statements that have no arguments and no rows.
   absl::Status Execute(const std::string& sql);

@@ -181,20 +181,6 @@ constexpr std::array<const char*, 7> kMigrations = {R"sql(
   UPDATE evidence SET hash = content_hash;
 )sql"};
 
-absl::Status Explain(const fs::path& path, const absl::Status& status) {
-  return {status.code(), absl::StrCat(path.string(), ": ", status.message())};
-}
-
-absl::Status Configure(SqliteDatabase& database) {
-  return database.Execute(R"sql(
-    PRAGMA busy_timeout = 2000;
-    PRAGMA foreign_keys = ON;
-    PRAGMA trusted_schema = OFF;
-    PRAGMA cell_size_check = ON;
-    PRAGMA synchronous = FULL;
-  )sql");
-}
-
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {
   auto mode = database.QueryText("PRAGMA journal_mode = WAL");
   if (!mode.ok()) return mode.status();
@@ -267,7 +253,7 @@ absl::Status CreateFile(const fs::path& path) {
   {
     auto database = SqliteDatabase::Open(unfinished.string(), SqliteDatabase::OpenMode::kCreate);
     if (!database.ok()) return Explain(unfinished, database.status());
-    absl::Status status = Configure(*database);
+    absl::Status status = database->Configure();
     if (status.ok())
       status = database->Execute(absl::StrCat("PRAGMA application_id = ", kSqliteApplicationId));
     if (status.ok()) status = Migrate(*database, 0);
@@ -362,7 +348,7 @@ absl::Status SyncLogIfAny(SqliteDatabase& database) {
 absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
   auto version = CheckPriorDatabase(database, path);
   if (!version.ok()) return version.status();
-  absl::Status status = Configure(database);
+  absl::Status status = database.Configure();
   if (status.ok()) status = SyncLogIfAny(database);
   if (!status.ok()) return Explain(path, status);
   if (status = CheckPages(database, path); !status.ok()) return status;
@@ -408,7 +394,7 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
 absl::StatusOr<SqliteDatabase> OpenPriorDatabaseToRead(const fs::path& path) {
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kReadOnly);
   if (!database.ok()) return Explain(path, database.status());
-  absl::Status status = Configure(*database);
+  absl::Status status = database->Configure();
   if (status.ok()) status = database->EnableDefensive();
   if (!status.ok()) return Explain(path, status);
   return database;

@@ -120,8 +120,8 @@ absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
   absl::Status status = database.status();
   if (status.ok())
     status = database->Execute("PRAGMA busy_timeout = 2000; PRAGMA trusted_schema = OFF");
-  if (status.ok()) return database;
-  return absl::Status(status.code(), absl::StrCat(file.string(), ": ", status.message()));
+  if (!status.ok()) return Explain(file, status);
+  return database;
 }
 
 }  // namespace
