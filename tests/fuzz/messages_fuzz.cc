@@ -1,23 +1,16 @@
 // What a game sends, from its bytes to its session, decisions, evidence and audit log, by the
 // daemon's own stream. Every decision can be derived again from its log, and what is stored is
 // valid.
-#include <spdlog/logger.h>
-
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "server/audit/audit_log.h"
 #include "server/audit/rederive.h"
-#include "server/rpc/services/stall_sweep.h"
-#include "server/rpc/services/telemetry_stream.h"
-#include "server/rpc/services/watcher_set.h"
-#include "server/rpc/sessions/session_table.h"
-#include "server/storage/memory_prior_store.h"
 #include "server/storage/record_limits.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/fuzz/input.h"
-#include "tests/server/rpc/manual_clock.h"
+#include "tests/server/rpc/services/prompt_daemon.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -27,26 +20,6 @@ using fuzz::Require;
 
 constexpr uint32_t kAll = 1'000'000;
 constexpr int64_t kTenthOfSecondNs = 100'000'000;
-
-// Answers at once, on the caller's thread.
-class PromptStore final : public priors::AsyncPriorStore {
- public:
-  void Commit(priors::SourceUpdate update, CommitCallback done) override {
-    done(store.Commit({&update, 1}));
-  }
-  bool Submit(Job job) override {
-    job(store);
-    return true;
-  }
-  bool Read(ReadJob job) override {
-    job(store);
-    return true;
-  }
-  bool healthy() const override { return true; }
-  uint64_t lost_audit_row_count() const override { return store.lost_audit_row_count(); }
-
-  storage::MemoryPriorStore store;
-};
 
 class WatcherOfAll final : public watch::WatchListener {
  public:
@@ -60,15 +33,13 @@ class WatcherOfAll final : public watch::WatchListener {
 RpcOptions Options() {
   RpcOptions options;
   options.max_time_scale = kMaxTimeScale;
-  options.daemon_version = "fuzz";
-  options.resume_secret = std::string(32, 's');
   return options;
 }
 
 // A daemon and the connection of its one client, on the thread of the fuzzer.
 class Daemon final : public TelemetryTransport {
  public:
-  Daemon() { hub_.Add(watcher_); }
+  Daemon() { daemon_.hub.Add(watcher_); }
   ~Daemon() override { LoseConnection(); }
 
   void Take(std::string_view bytes) {
@@ -77,26 +48,23 @@ class Daemon final : public TelemetryTransport {
     const bool parsed = request_.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
     if (parsed && request_.has_hello()) Complete(*request_.mutable_hello());
     stream_->OnMessage(parsed ? &request_ : nullptr);
-    loop_.RunReady();
+    daemon_.loop.RunReady();
   }
-  void Advance(int64_t by_ns) {
-    clock_.Advance(by_ns);
-    loop_.RunReady();
-  }
+  void Advance(int64_t by_ns) { daemon_.Advance(by_ns); }
   void LoseConnection() {
     if (stream_ == nullptr) return;
     Cancel(absl::OkStatus());
-    loop_.RunReady();
+    daemon_.loop.RunReady();
     Require(stream_ == nullptr, "a lost connection ends its stream");
   }
 
   void Check() {
-    Require(storage::CheckRecords(store_.store.Export({}, {}, kAll)->records).ok(),
+    Require(storage::CheckRecords(daemon_.store.store.Export({}, {}, kAll)->records).ok(),
             "what is stored is valid");
     std::string log = decision::AuditHeader() + '\n';
-    const auto segments = store_.store.ListAudit({}, 0, kAll);
+    const auto segments = daemon_.store.store.ListAudit({}, 0, kAll);
     for (const priors::AuditSegment& segment : *segments) {
-      const auto rows = store_.store.LoadAudit(segment.id, 1, kAll, SIZE_MAX);
+      const auto rows = daemon_.store.store.LoadAudit(segment.id, 1, kAll, SIZE_MAX);
       for (const priors::AuditRow& row : *rows) log += row.text + '\n';
     }
     const decision::AuditReport report = decision::Rederive(log);
@@ -107,7 +75,8 @@ class Daemon final : public TelemetryTransport {
   void Connect() {
     reading_ = false;
     acknowledged_ = 0;
-    stream_ = std::make_shared<TelemetryStream>(context_, streams_, *this, auth::Principal{});
+    stream_ = std::make_shared<TelemetryStream>(daemon_.context, daemon_.streams, *this,
+                                                auth::Principal{});
     stream_->Accept();
   }
   // Adds what no input can know: the session's id and token. An input always does the same.
@@ -119,7 +88,7 @@ class Daemon final : public TelemetryTransport {
   }
   template <typename Event>
   void Post(Event event) {
-    loop_.Post([this, event] {
+    daemon_.loop.Post([this, event] {
       if (stream_ != nullptr) event();
     });
   }
@@ -153,21 +122,8 @@ class Daemon final : public TelemetryTransport {
   }
   std::string peer() const override { return "fuzzer"; }
 
-  const RpcOptions options_ = Options();
-  ManualClock clock_;
-  PromptStore store_;
-  Counters counters_;
   WatcherOfAll watcher_;
-  spdlog::logger log_{"fuzz"};
-  DecisionLoop loop_{clock_, {}, DecisionLoop::Runner::kCaller};
-  SessionTable sessions_{options_, loop_};
-  watch::WatchHub hub_{store_, HubLoop(loop_)};
-  StallSweep stalls_{loop_, options_.watcher_patience_ns};
-  AccessControl access_{options_, clock_, log_};
-  ServiceContext context_{
-      {options_, loop_, store_, counters_, hub_}, sessions_, watchers_, stalls_, access_, log_};
-  WatcherSet watchers_{context_};
-  TelemetryStreams streams_;
+  PromptDaemon daemon_{Options()};
   std::shared_ptr<TelemetryStream> stream_;
   bool reading_ = false;
   v1::StreamTelemetryRequest request_;
