@@ -218,7 +218,7 @@ absl::Status Validate(const Config& config) {
                      " can be reached by others, and there is no TLS; name --tls-cert and "
                      "--tls-key, listen on 127.0.0.1, or say --insecure"));
   }
-  if (config.database_bytes < 2 * config.rpc.audit.bytes) {
+  if (config.database_bytes < 2 * config.audit.bytes) {
     return absl::InvalidArgumentError(
         "database_mb: the audit log is a part of it; allow at least twice audit_mb");
   }

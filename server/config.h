@@ -17,6 +17,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "server/priors/audit_rows.h"
 #include "server/rpc/common/options.h"
 
 namespace sweepstake::server {
@@ -30,6 +31,7 @@ struct Config {
   bool require_tokens = false;           // does not start without a token, wherever it listens
   bool insecure = false;                 // allows plain text on addresses other than loopback
   uint64_t database_bytes = 4ull << 30;  // priors.db does not grow beyond it
+  priors::AuditLimits audit;             // of the rows of priors.db
   size_t backup_count = 3;               // automatic backups that are kept; 0 makes none
   uint32_t backup_hours = 24;            // from one to the next
   // Sessions that were last seen longer ago are folded together; 0 folds none. A year, so that what

@@ -215,13 +215,13 @@ std::vector<Setting> DaemonSettings() {
           "fold_days", 0, 36'500, 1, [](Config & c) -> auto& { return c.fold_days; },
           "time after which the evidence of a session is folded into that of its month, which "
           "exports leave out; 0 folds none")),
-      Whole(
-          "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.rpc.audit.bytes; },
+      Live(Whole(
+          "audit_mb", 0, 1 << 20, 1 << 20, [](Config & c) -> auto& { return c.audit.bytes; },
           "text of the audit log; beyond it the oldest rows go; 0 keeps none but the "
-          "administrators'"),
-      Whole(
-          "audit_days", 1, 36'500, 86'400, [](Config & c) -> auto& { return c.rpc.audit.age_s; },
-          "age at which rows of the audit log go"),
+          "administrators'")),
+      Live(Whole(
+          "audit_days", 1, 36'500, 86'400, [](Config & c) -> auto& { return c.audit.age_s; },
+          "age at which rows of the audit log go")),
   };
 }
 

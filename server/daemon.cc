@@ -77,6 +77,12 @@ std::shared_ptr<spdlog::logger> MakeLog(const std::string& level) {
   return log;
 }
 
+rpc::RpcOptions RpcOptionsOf(const Config& config) {
+  rpc::RpcOptions options = config.rpc;
+  options.keeps_audit = config.audit.bytes > 0;
+  return options;
+}
+
 using ResumeKey = std::array<char, 32>;
 
 // Fills a private file with random bytes.
@@ -129,7 +135,8 @@ Daemon::Daemon(const Config& config, storage::DataDirectory directory)
       log_(MakeLog(config.log_level)),
       directory_(std::move(directory)),
       metrics_(SWEEPSTAKE_VERSION),
-      database_bytes_(config.database_bytes) {}
+      database_bytes_(config.database_bytes),
+      audit_limits_(config.audit) {}
 
 absl::Status Daemon::Open(rpc::Clock& clock) {
   if (directory_.open_to_others()) {
@@ -140,7 +147,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   if (const auto shortage = DescriptorShortage(RaiseDescriptorLimit(), config_.rpc))
     log_->warn("{}", *shortage);
   auto opened =
-      storage::OpenStoreOrBackup(directory_.database(), config_.rpc.audit, config_.database_bytes,
+      storage::OpenStoreOrBackup(directory_.database(), config_.audit, config_.database_bytes,
                                  [this](auto duration) { metrics_.OnSync(duration); });
   if (!opened.ok()) return opened.status();
   damage_ = std::move(opened->damage);
@@ -163,7 +170,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   auto key = ReadResumeKey(directory_.resume_key());
   if (!key.ok()) return key.status();
   if (absl::Status status = OpenTokens(); !status.ok()) return status;
-  rpc::RpcOptions options = config_.rpc;
+  rpc::RpcOptions options = RpcOptionsOf(config_);
   options.tokens = tokens_.get();
   options.resume_secret = *std::move(key);
   options.daemon_version = SWEEPSTAKE_VERSION;
@@ -411,8 +418,8 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
   for (const std::string& key : ChangedSettings(config_, *config).fixed)
     log_->warn("{} has changed: restart the daemon to take it over", key);
   const std::vector<std::string> changed = ChangedSettings(in_force_, *config).live;
-  LimitDatabase(config->database_bytes);
-  rpc_->Adjust(config->rpc);
+  LimitStore(*config);
+  rpc_->Adjust(RpcOptionsOf(*config));
   if (config->backup_count != in_force_.backup_count ||
       config->backup_hours != in_force_.backup_hours) {
     backups_.reset();
@@ -428,16 +435,19 @@ void Daemon::Reload(const absl::StatusOr<Config>& config) {
              config->log_level, changed.empty() ? "what was before" : absl::StrJoin(changed, ", "));
 }
 
-void Daemon::LimitDatabase(uint64_t bytes) {
-  if (bytes == database_bytes_) return;
-  const auto limit = [bytes](priors::PriorStore& store) {
-    storage::LimitStoreSize(store, bytes).IgnoreError();  // what a commit meets then is told
+void Daemon::LimitStore(const Config& config) {
+  if (config.database_bytes == database_bytes_ && config.audit == audit_limits_) return;
+  const auto limit = [audit = config.audit, bytes = config.database_bytes](auto& store) {
+    storage::LimitStore(store, audit, bytes).IgnoreError();  // what a commit meets then is told
   };
   if (store_->Submit(limit)) {
-    database_bytes_ = bytes;
-    metrics_.SetMaxStoreBytes(bytes);
+    database_bytes_ = config.database_bytes;
+    audit_limits_ = config.audit;
+    metrics_.SetMaxStoreBytes(config.database_bytes);
   } else {
-    log_->error("database_mb stays as it is: the store has too much to do; send SIGHUP again");
+    log_->error(
+        "database_mb, audit_mb and audit_days stay as they are: the store has too much to do; send "
+        "SIGHUP again");
   }
 }
 

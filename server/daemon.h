@@ -62,7 +62,7 @@ class Daemon {
   absl::Status Open(rpc::Clock& clock);
   void StartBackups(const Config& config);
   void StartFolding(const Config& config);
-  void LimitDatabase(uint64_t bytes);
+  void LimitStore(const Config& config);
   // These run on the store's thread. The second one copies a store that has lost its file, once.
   void ReportStore(const absl::Status& status);
   void SaveStore(priors::PriorStore& store);
@@ -92,7 +92,8 @@ class Daemon {
   bool store_saved_ = false;   // used on the store's thread
   std::chrono::steady_clock::time_point next_save_;  // likewise; not before
   storage::FileId store_file_;
-  std::atomic<uint64_t> database_bytes_;
+  std::atomic<uint64_t> database_bytes_;  // in force
+  priors::AuditLimits audit_limits_;      // in force
   std::unique_ptr<auth::TokenRegistry> tokens_;
   std::unique_ptr<storage::StoreThread> store_;
   std::unique_ptr<storage::AutomaticBackups> backups_;

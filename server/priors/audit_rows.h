@@ -34,6 +34,8 @@ struct AuditLimits {
   // The latest rows of kAdminSession, some 200 bytes each. They stay whatever the other limits are,
   // since games would push them out.
   uint64_t admin_row_count = 50'000;
+
+  friend bool operator==(const AuditLimits&, const AuditLimits&) = default;
 };
 
 struct AuditSegment {

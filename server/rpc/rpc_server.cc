@@ -157,6 +157,7 @@ RpcServer::~RpcServer() {
 }
 
 void RpcServer::Adjust(const RpcOptions& options) {
+  options_.keeps_audit = options.keeps_audit;
   options_.max_time_scale = options.max_time_scale;
   options_.max_sessions = options.max_sessions;
   options_.max_sessions_per_token = options.max_sessions_per_token;

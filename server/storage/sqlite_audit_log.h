@@ -38,6 +38,11 @@ class SqliteAuditLog {
   static absl::StatusOr<SqliteAuditLog> Open(SqliteDatabase& database,
                                              const priors::AuditLimits& limits);
 
+  // Changes the limits. What is beyond them goes with Trim, or when rows are appended.
+  void Limit(const priors::AuditLimits& limits) { limits_ = limits; }
+  // Removes what is beyond the limits at that time, inside the caller's transaction.
+  absl::Status Trim(uint64_t unix_now_s);
+
   // Appends the rows of the updates inside the caller's transaction, and returns how many of them
   // could not be written: those that are invalid or, after an error, all; then the transaction is
   // as before, or SQLite has ended it.
@@ -59,7 +64,6 @@ class SqliteAuditLog {
   absl::StatusOr<int64_t> Add(const std::string& session_id, const priors::AuditRows& rows);
   // Adds to the bytes of the latest chunk, or of a new one if that is full.
   absl::Status GrowChunk(uint64_t bytes, uint64_t unix_now_s);
-  absl::Status Trim(uint64_t unix_now_s);
   absl::Status TrimAdmin();
   absl::Status RemoveChunk(int64_t first_row_id);
   // Runs a statement that returns the segments of the rows that it has removed, and removes those

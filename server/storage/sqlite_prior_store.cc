@@ -44,7 +44,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   explicit SqlitePriorStore(SqliteDatabase database) : database_(std::move(database)) {}
 
   absl::Status Prepare(const std::filesystem::path& path, const priors::AuditLimits& audit_limits);
-  absl::Status LimitSize(uint64_t max_bytes) { return database_.LimitSize(max_bytes); }
+  absl::Status Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes);
 
   absl::Status CopyTo(const std::filesystem::path& file);
 
@@ -174,6 +174,14 @@ absl::Status SqlitePriorStore::InTransaction(Body body) {
   absl::Status status = transaction.begun();
   if (status.ok()) status = body();
   if (status.ok()) status = transaction.Commit();
+  return status;
+}
+
+absl::Status SqlitePriorStore::Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes) {
+  absl::Status status = database_.LimitSize(max_bytes);
+  audit_->Limit(audit_limits);
+  // Where the disk does not allow it now, the rows go with a later commit.
+  InTransaction([&] { return audit_->Trim(/*unix_now_s=*/0); }).IgnoreError();
   return status;
 }
 
@@ -411,8 +419,9 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
   return store;
 }
 
-absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes) {
-  return static_cast<SqlitePriorStore&>(store).LimitSize(max_bytes);
+absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
+                        uint64_t max_bytes) {
+  return static_cast<SqlitePriorStore&>(store).Limit(audit_limits, max_bytes);
 }
 
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file) {

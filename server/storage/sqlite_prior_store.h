@@ -28,9 +28,10 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
     const std::filesystem::path& path, const priors::AuditLimits& audit_limits = {},
     uint64_t max_bytes = 0, std::function<void(std::chrono::nanoseconds)> on_sync = {});
 
-// Changes how large the file may grow, at least to its present size. REQUIRES: `store` is of
-// OpenSqlitePriorStore.
-absl::Status LimitStoreSize(priors::PriorStore& store, uint64_t max_bytes);
+// Changes the limits of the audit log, whose rows beyond them are removed, and how large the file
+// may grow, at least to its present size. REQUIRES: `store` is of OpenSqlitePriorStore.
+absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
+                        uint64_t max_bytes);
 
 // Writes all that is committed to `file`, in place of one that is there, also where the store's own
 // has no name any more; and takes the log into the store's file, so that an empty log stays beside

@@ -53,8 +53,8 @@ TEST_F(ConfigTest, AFileSetsWhatItNames) {
   ASSERT_TRUE(config.ok()) << config.status();
   EXPECT_EQ(config->listen, "127.0.0.1:0");
   EXPECT_EQ(config->database_bytes, 9u << 20);
-  EXPECT_EQ(config->rpc.audit.bytes, 2u << 20);
-  EXPECT_EQ(config->rpc.audit.age_s, 3u * 86'400);
+  EXPECT_EQ(config->audit.bytes, 2u << 20);
+  EXPECT_EQ(config->audit.age_s, 3u * 86'400);
   EXPECT_EQ(config->rpc.decision.cooldown_ns, 1'500'000'000);
   EXPECT_FALSE(config->rpc.decision.explore);
   EXPECT_EQ(config->rpc.decision.weights.fps, 1);

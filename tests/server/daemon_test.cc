@@ -248,7 +248,7 @@ TEST_F(DaemonTest, DecidesOnAndAcknowledgesNothingWhileTheDiskFails) {
 }
 
 TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
-  config_.rpc.audit.bytes = 0;
+  config_.audit.bytes = 0;
   config_.database_bytes = 1;
   {
     const auto daemon = Start();
@@ -283,6 +283,36 @@ TEST_F(DaemonTest, WhoseDatabaseMayNotGrowDoesNotServeUntilItMay) {
   const auto daemon = Start();
   EXPECT_FALSE(RunSession(daemon->port()).session_id().empty()) << "acknowledged";
   EXPECT_EQ(*rpc::HealthOf(ChannelTo(*daemon), std::chrono::minutes(1)), rpc::Health::kServing);
+}
+
+// Waits until that many sessions have rows in the audit log.
+void AwaitAudited(const Daemon& daemon, int count) {
+  const auto stub = v1::AuditService::NewStub(ChannelTo(daemon));
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  v1::ListAuditSegmentsResponse listed;
+  do {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    grpc::ClientContext context;
+    const auto reader = stub->ListAuditSegments(&context, {});
+    v1::ListAuditSegmentsResponse page;
+    for (listed.Clear(); reader->Read(&page);) listed.MergeFrom(page);
+    ASSERT_TRUE(reader->Finish().ok());
+  } while (listed.segments_size() != count);
+}
+
+TEST_F(DaemonTest, ReloadTakesOverWhatTheAuditLogKeeps) {
+  config_.rpc.max_reads_per_s = 1'000'000;
+  config_.audit.bytes = 0;
+  const auto daemon = Start();
+  RunSession(daemon->port());
+  AwaitAudited(*daemon, 0);
+  Config some = config_;
+  some.audit.bytes = 1 << 20;
+  daemon->Reload(some);
+  RunSession(daemon->port());
+  AwaitAudited(*daemon, 1);
+  daemon->Reload(config_);
+  AwaitAudited(*daemon, 0);
 }
 
 // Reads what a watcher is told of the scene until that has so many windows.

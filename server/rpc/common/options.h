@@ -12,7 +12,6 @@
 
 #include "server/auth/principal.h"
 #include "server/decision/options.h"
-#include "server/priors/audit_rows.h"
 #include "server/rpc/common/adjustable.h"
 #include "server/tls/tls_files.h"
 #include "sweepstake/v1/errors.pb.h"
@@ -57,7 +56,8 @@ struct RpcOptions {
   // The policy in it is that of sessions that name none.
   decision::DecisionOptions decision;
   std::string daemon_version;  // of the program, as in Welcome and the audit log
-  priors::AuditLimits audit;   // the store's limits; no rows are made if it keeps 0
+  // Whether the sessions that begin make rows of the audit log.
+  Adjustable<bool> keeps_audit = true;
 
   // The largest time scale that a Hello may ask for, 1 to kMaxTimeScale; a larger one is
   // INVALID_ARGUMENT. A session decides, commits and learns that many times as often.

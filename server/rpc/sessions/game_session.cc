@@ -66,7 +66,7 @@ GameSession::GameSession(SessionContext& context, SessionIdentity identity,
 
 void GameSession::Hear() {
   heard_ = true;
-  if (!std::exchange(audited_, true) && context_.options.audit.bytes > 0) StartAudit();
+  if (!std::exchange(audited_, true) && context_.options.keeps_audit) StartAudit();
 }
 
 void GameSession::StartAudit() {

@@ -257,7 +257,7 @@ TEST_F(SmallAuditTest, OfALiveSessionLosesItsBeginningAndSaysSo) {
 
 class WithoutAuditTest : public AuditTest {
  protected:
-  WithoutAuditTest() { options_.audit.bytes = 0; }
+  WithoutAuditTest() { options_.keeps_audit = false; }
 };
 
 TEST_F(WithoutAuditTest, NothingIsKeptWhereNothingIsWanted) {

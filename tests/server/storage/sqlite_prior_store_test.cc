@@ -254,6 +254,20 @@ TEST_F(SqlitePriorStoreTest, TheBoundsOfTheAuditLogHoldAfterReopening) {
   EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_segment"), 1);
 }
 
+TEST_F(SqlitePriorStoreTest, AnotherMaxAgeOfAuditRowsHoldsFromTheNextCommitOn) {
+  const auto at = [](SourceUpdate update, uint64_t unix_s) {
+    update.unix_time_s = unix_s;
+    return std::vector{std::move(update)};
+  };
+  auto store = *OpenSqlitePriorStore(path_, {.age_s = 1'000});
+  ASSERT_TRUE(store->Commit(at(Audited("a", 1, 1, 5), 1'000)).ok());
+  ASSERT_TRUE(store->Commit(at(Audited("b", 1, 1, 3), 1'300)).ok());
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 8);
+  ASSERT_TRUE(LimitStore(*store, {.age_s = 200}, /*max_bytes=*/1 << 30).ok());
+  ASSERT_TRUE(store->Commit(at(Audited("b", 2, 4, 1), 1'301)).ok());
+  EXPECT_EQ(QueryInteger("SELECT count(*) FROM audit_row"), 4);
+}
+
 TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesNoNewEvidenceUntilItMay) {
   uint64_t stored = 0;
   absl::Status status;
@@ -319,9 +333,14 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowHasRoomAgainWhenItsAuditLogGetsL
     while (stored < 1'000 && store->Commit(nth(stored)).ok()) ++stored;
     ASSERT_LT(stored, 1'000u);
   }
-  auto store = *OpenSqlitePriorStore(path_, {.bytes = 10'000}, /*max_bytes=*/1);
-  const absl::Status status = store->Commit(nth(stored));
+  auto store = *OpenSqlitePriorStore(path_, {.bytes = 50'000}, /*max_bytes=*/1);
+  absl::Status status = store->Commit(nth(stored));
   EXPECT_TRUE(status.ok()) << status;
+  while (stored < 1'000 && store->Commit(nth(stored)).ok()) ++stored;
+  ASSERT_LT(stored, 1'000u);
+  ASSERT_TRUE(LimitStore(*store, {.bytes = 10'000}, /*max_bytes=*/1).ok());
+  status = store->Commit(nth(stored));
+  EXPECT_TRUE(status.ok()) << "while it runs: " << status;
 }
 
 TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {

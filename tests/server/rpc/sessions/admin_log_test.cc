@@ -111,7 +111,7 @@ TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
 
 class AdminLogAloneTest : public AdminLogTest {
  protected:
-  AdminLogAloneTest() { options_.audit.bytes = 0; }
+  AdminLogAloneTest() { options_.keeps_audit = false; }
 };
 
 TEST_F(AdminLogAloneTest, IsKeptWhereNoDecisionsAre) {
