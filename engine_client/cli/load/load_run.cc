@@ -25,8 +25,6 @@ namespace {
 
 constexpr int64_t kSecondNs = 1'000'000'000;
 constexpr int64_t kPatienceNs = 10 * kSecondNs;
-// A daemon acknowledges every two seconds.
-constexpr int64_t kCommitPatienceNs = 5 * kSecondNs / 2;
 constexpr double kMaxHellosPerSecond = 2000;
 constexpr double kLongestSpreadS = 10;
 
@@ -316,7 +314,7 @@ void LoadRun::Measure() {
   const std::optional<double> own_after_s = CpuSeconds(getpid());
   if (cpu_before_s && cpu_after_s) result_.server_cpu_s = *cpu_after_s - *cpu_before_s;
   if (own_before_s && own_after_s) result_.generator_cpu_s = *own_after_s - *own_before_s;
-  AwaitAcknowledgements(NowNs() + kCommitPatienceNs);
+  AwaitAcknowledgements(NowNs() + static_cast<int64_t>(plan_.commit_patience_ns));
 }
 
 void LoadRun::AwaitAcknowledgements(int64_t end_ns) {

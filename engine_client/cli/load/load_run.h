@@ -27,8 +27,10 @@ struct LoadPlan {
   double batches_per_second = 1;
   uint32_t batch_frames = 60;
   uint64_t duration_ns = 30'000'000'000;  // from the moment when all streams have begun
-  double bail_out_share = 0.01;           // of the batches
-  int64_t server_pid = 0;                 // of the daemon, where it runs here; 0: unknown
+  // How long the last acknowledgements are waited for: a daemon gives one every two seconds.
+  uint64_t commit_patience_ns = 2'500'000'000;
+  double bail_out_share = 0.01;  // of the batches
+  int64_t server_pid = 0;        // of the daemon, where it runs here; 0: unknown
 };
 
 struct LoadResult {
