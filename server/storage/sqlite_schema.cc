@@ -204,23 +204,21 @@ absl::Status Migrate(SqliteDatabase& database, int64_t from) {
   return absl::OkStatus();
 }
 
-fs::path IdFile(const fs::path& path) { return path.parent_path() / "store-id"; }
-
 // Returns an empty text if there is no such file.
 std::string ReadId(const fs::path& path) {
   std::string id;
-  std::ifstream(IdFile(path)) >> id;
+  std::ifstream(StoreIdFile(path)) >> id;
   return id;
 }
 
 absl::Status WriteId(const fs::path& path, const std::string& id) {
-  const fs::path unfinished = IdFile(path).string() + ".new";
+  const fs::path unfinished = StoreIdFile(path).string() + ".new";
   if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
   std::ofstream file(unfinished);
   file << id << '\n';
   file.close();
   if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", unfinished.string()));
-  return PublishFile(unfinished, IdFile(path));
+  return PublishFile(unfinished, StoreIdFile(path));
 }
 
 // Compares the database with the one that the directory had at the last start.
@@ -230,23 +228,21 @@ absl::Status CheckId(SqliteDatabase& database, const fs::path& path) {
   if (!id.ok()) return Explain(path, id.status());
   if (expected.empty()) return WriteId(path, *id);
   if (*id == expected) return absl::OkStatus();
-  return absl::DataLossError(
-      absl::StrCat(path.string(), " is not the database that was here (", IdFile(path).string(),
-                   " has another id); put that one back, or delete store-id to use this one"));
+  return absl::FailedPreconditionError(absl::StrCat(
+      path.string(), " is not the database that was here (", StoreIdFile(path).string(),
+      " has another id); put that one back, or delete store-id to use this one"));
 }
 
 absl::Status CreateFile(const fs::path& path) {
   if (!ReadId(path).empty()) {
-    return absl::DataLossError(
-        absl::StrCat(path.string(), " is missing but was here, as ", IdFile(path).string(),
-                     " says; restore it from a backup, or delete store-id to begin anew"));
+    return absl::DataLossError(absl::StrCat(path.string(), " is missing but was here, as ",
+                                            StoreIdFile(path).string(), " says"));
   }
   const fs::path log = path.string() + "-wal";
   std::error_code error;
   if (fs::exists(log, error)) {
-    return absl::DataLossError(
-        absl::StrCat(path.string(), " is missing but its log ", log.filename().string(),
-                     " is there; restore the file, or move the log away to start anew"));
+    return absl::DataLossError(absl::StrCat(path.string(), " is missing but its log ",
+                                            log.filename().string(), " is there"));
   }
   const fs::path unfinished = path.string() + ".new";
   if (absl::Status status = CreatePrivateFile(unfinished); !status.ok()) return status;
@@ -268,16 +264,12 @@ absl::Status CheckOwner(SqliteDatabase& database, const fs::path& path) {
   if (id.ok() && *id == kSqliteApplicationId) return absl::OkStatus();
   if (!id.ok() && id.status().code() != absl::StatusCode::kDataLoss)
     return Explain(path, id.status());
-  return absl::DataLossError(
-      absl::StrCat(path.string(),
-                   " is not a Sweepstake database; move it away, or name another data directory"));
+  return absl::DataLossError(absl::StrCat(path.string(), " is not a Sweepstake database"));
 }
 
 absl::Status CheckVersion(int64_t version, const fs::path& path) {
   if (version >= 1 && version <= SqliteSchemaVersion()) return absl::OkStatus();
-  if (version < 1)
-    return absl::DataLossError(
-        absl::StrCat(path.string(), " has no schema; restore it from a backup"));
+  if (version < 1) return absl::DataLossError(absl::StrCat(path.string(), " has no schema"));
   return absl::FailedPreconditionError(absl::StrCat(
       path.string(), " was written by a newer daemon (schema ", version, ", this one knows ",
       SqliteSchemaVersion(), "); use that daemon, or another data directory"));
@@ -305,8 +297,7 @@ absl::Status Judge(const absl::StatusOr<std::string>& verdict, const fs::path& p
     return absl::UnavailableError(
         absl::StrCat(path.string(), " cannot be read (", *verdict, "); look at the disk"));
   }
-  return absl::DataLossError(absl::StrCat(path.string(), " is corrupt (", *verdict,
-                                          "); restore it from a backup, or move it away"));
+  return absl::DataLossError(absl::StrCat(path.string(), " is corrupt (", *verdict, ")"));
 }
 
 }  // namespace
@@ -361,6 +352,8 @@ absl::Status PrepareExisting(SqliteDatabase& database, const fs::path& path) {
 
 }  // namespace
 
+fs::path StoreIdFile(const fs::path& path) { return path.parent_path() / "store-id"; }
+
 int64_t SqliteSchemaVersion() { return static_cast<int64_t>(kMigrations.size()); }
 
 absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database) {
@@ -379,9 +372,7 @@ absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const fs::path& path) {
   if (!fs::exists(path, error)) {
     if (absl::Status status = CreateFile(path); !status.ok()) return status;
   } else if (fs::file_size(path, error) == 0) {
-    return absl::DataLossError(
-        absl::StrCat(path.string(),
-                     " exists but is empty; restore it from a backup, or delete it to start anew"));
+    return absl::DataLossError(absl::StrCat(path.string(), " exists but is empty"));
   }
   auto database = SqliteDatabase::Open(path.string(), SqliteDatabase::OpenMode::kExisting);
   if (!database.ok()) return Explain(path, database.status());

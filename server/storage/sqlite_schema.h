@@ -2,7 +2,7 @@
 // and every other one is refused.
 //
 // The file store-id beside it says which database was there at the last start: if that one is
-// missing, or another is in its place, both are left alone and the error says what to do.
+// missing, or another is in its place, both are left alone.
 //
 // Each row of the evidence has a hash of its values (row_hash of sqlite_database.h), because
 // SQLite's own checks miss a value that was changed on the disk. `content_hash` is derived from the
@@ -25,6 +25,9 @@ namespace sweepstake::storage {
 
 inline constexpr int64_t kSqliteApplicationId = 0x53575031;  // "SWP1"
 
+// The file that says which database was there.
+std::filesystem::path StoreIdFile(const std::filesystem::path& path);
+
 // The version of the schema that this program writes.
 int64_t SqliteSchemaVersion();
 
@@ -43,7 +46,8 @@ inline constexpr int64_t kFirstVersionWithHashes = 7;
 absl::StatusOr<int64_t> CountDamagedRows(SqliteDatabase& database);
 
 // Returns a connection with every pragma set. Errors: UNAVAILABLE (cannot create, open or write),
-// DATA_LOSS (empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version). It reads
+// DATA_LOSS (lost, empty, foreign or corrupt), FAILED_PRECONDITION (written by a newer version, or
+// not the one that was here; the message says what to do). It reads
 // the whole file once (CheckPages), after what an earlier process has left in the log is durable.
 absl::StatusOr<SqliteDatabase> OpenPriorDatabase(const std::filesystem::path& path);
 

@@ -186,7 +186,7 @@ TEST_F(DaemonTest, ADatabaseThatWasDeletedIsNotReplacedByAnEmptyOne) {
   std::filesystem::remove(config_.data / "priors.db");
   const absl::Status status = Daemon::Start(config_, clock_).status();
   EXPECT_TRUE(absl::IsDataLoss(status));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("delete store-id to begin anew"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("store-id, too, to begin anew"));
   EXPECT_FALSE(std::filesystem::exists(config_.data / "priors.db"));
   std::filesystem::remove(config_.data / "store-id");
   EXPECT_NE(Start(), nullptr);
@@ -200,7 +200,7 @@ TEST_F(DaemonTest, ADatabaseOfAnotherDirectoryIsRefused) {
   std::filesystem::copy_file(here, config_.data / "priors.db",
                              std::filesystem::copy_options::overwrite_existing);
   const absl::Status status = Daemon::Start(config_, clock_).status();
-  EXPECT_TRUE(absl::IsDataLoss(status));
+  EXPECT_TRUE(absl::IsFailedPrecondition(status));
   EXPECT_THAT(std::string(status.message()), HasSubstr("is not the database that was here"));
 }
 

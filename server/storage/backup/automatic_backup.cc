@@ -118,6 +118,17 @@ std::string DescribeDamagedRows(const fs::path& path) {
       "not resumed; look at the disk, and restore a backup");
 }
 
+// What can be done where there is no database to go on with.
+absl::Status WithAdvice(const absl::Status& problem, const fs::path& path, bool damaged) {
+  const std::string name = path.filename().string();
+  std::string text(problem.message());
+  if (damaged) absl::StrAppend(&text, ", and no whole ", name, kBackup, "TIME is beside it");
+  absl::StrAppend(&text, "; move away what is there of ", name, ", ", name, "-wal and ", name,
+                  "-shm, and then put a backup in its place with `sweepstaked restore`, or delete ",
+                  StoreIdFile(path).string(), ", too, to begin anew");
+  return {problem.code(), text};
+}
+
 absl::StatusOr<OpenedStore> WithReads(std::unique_ptr<priors::PriorStore> store,
                                       const fs::path& path, std::string damage) {
   auto reads = OpenSqliteReadConnection(path);
@@ -135,13 +146,10 @@ absl::StatusOr<OpenedStore> OpenStoreOrBackup(const fs::path& path,
   auto store = OpenSqlitePriorStore(path, audit_limits, max_bytes, on_sync);
   if (store.ok()) return WithReads(*std::move(store), path, DescribeDamagedRows(path));
   const absl::Status problem = store.status();
-  if (!absl::IsDataLoss(problem) || !IsDamaged(path)) return problem;
-  const std::optional<fs::path> backup = LastWholeBackup(path);
-  if (!backup) {
-    return absl::DataLossError(absl::StrCat(problem.message(), "; no whole ",
-                                            path.filename().string(), kBackup,
-                                            "TIME is beside it, which would have been used"));
-  }
+  if (!absl::IsDataLoss(problem)) return problem;
+  const bool damaged = IsDamaged(path);
+  const std::optional<fs::path> backup = damaged ? LastWholeBackup(path) : std::nullopt;
+  if (!backup) return WithAdvice(problem, path, damaged);
   const fs::path kept = absl::StrCat(path.string(), kQuarantine, TimeText());
   if (absl::Status status = Replace(path, *backup, kept); !status.ok()) return status;
   RemoveOldest(path, kQuarantine, kMaxQuarantined);

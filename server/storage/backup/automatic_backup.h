@@ -32,9 +32,9 @@ struct OpenedStore {
 };
 
 // Opens the store as OpenSqlitePriorStore does. If the file is damaged, it is put into quarantine,
-// and a copy of the last whole backup opened in its place; without one the error is as there, and
-// nothing is changed. The connection that reads is opened last, so that both have the same file.
-// It reads the rows of the evidence once, for their hashes.
+// and a copy of the last whole backup opened in its place; without one the error is as there, with
+// what to do, and nothing is changed. The connection that reads is opened last, so that both have
+// the same file. It reads the rows of the evidence once, for their hashes.
 absl::StatusOr<OpenedStore> OpenStoreOrBackup(const std::filesystem::path& path,
                                               const priors::AuditLimits& audit_limits = {},
                                               uint64_t max_bytes = 0, OnSync on_sync = {});

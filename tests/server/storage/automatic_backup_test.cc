@@ -177,6 +177,51 @@ TEST_F(AutomaticBackupTest, AFileThatIsMissingOrAnothersIsLeftAlone) {
   EXPECT_EQ(CountFiles("quarantine"), 0u);
 }
 
+// The advice for a file that is lost, empty, damaged or of another program is followed.
+class LostStoreTest : public AutomaticBackupTest, public ::testing::WithParamInterface<int> {
+ protected:
+  void Lose() {
+    if (GetParam() == 0) std::filesystem::remove(path_);
+    if (GetParam() == 1) std::filesystem::resize_file(path_, 0);
+    if (GetParam() == 2) Damage(path_);
+    if (GetParam() == 3) std::ofstream(path_) << std::string(5'000, 'x');
+  }
+  void MoveAway() {
+    for (const char* end : {"", "-wal", "-shm"}) {
+      const auto file = path_.string() + end;
+      if (std::filesystem::exists(file)) std::filesystem::rename(file, file + ".away");
+    }
+  }
+};
+
+TEST_P(LostStoreTest, TheAdviceLeadsToABackupOrToABeginning) {
+  Commit(1);
+  const auto copy = directory_.path() / "copy.db";
+  ASSERT_TRUE(BackUpStore(directory_.path(), copy).ok());
+  for (const bool restores : {true, false}) {
+    Lose();
+    const absl::Status status = OpenStoreOrBackup(path_).status();
+    EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+    const std::string advice(status.message());
+    EXPECT_THAT(advice, HasSubstr("; move away what is there of priors.db, priors.db-wal and"));
+    EXPECT_THAT(advice, HasSubstr("then put a backup in its place with `sweepstaked restore`, or"));
+    EXPECT_THAT(advice, HasSubstr("/store-id, too, to begin anew"));
+    MoveAway();
+    EXPECT_FALSE(OpenStoreOrBackup(path_).ok());
+    if (restores) {
+      ASSERT_TRUE(RestoreStore(copy, directory_.path()).ok());
+    } else {
+      std::filesystem::remove(directory_.path() / "store-id");
+    }
+    const auto opened = OpenStoreOrBackup(path_);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    EXPECT_EQ(opened->damage, "");
+    EXPECT_EQ(opened->store->List({}, std::nullopt, 9)->size(), restores ? 1u : 0u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Losses, LostStoreTest, ::testing::Range(0, 4));
+
 TEST_F(AutomaticBackupTest, RowsThatAreNotWhatWasWrittenAreTold) {
   Commit(1);
   EXPECT_EQ(OpenStoreOrBackup(path_)->damage, "");
