@@ -7,8 +7,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -488,23 +486,6 @@ Daemon::~Daemon() {
   }
   // The store's last callbacks have run. The gRPC side must end before the store that it refers to.
   rpc_.reset();
-}
-
-ExitGuard::ExitGuard(std::chrono::milliseconds patience, int code, std::string message)
-    : thread_([this, patience, code, text = std::move(message)] {
-        std::unique_lock lock(mutex_);
-        if (changed_.wait_for(lock, patience, [this] { return disarmed_; })) return;
-        std::fprintf(stderr, "%s\n", text.c_str());
-        std::_Exit(code);
-      }) {}
-
-ExitGuard::~ExitGuard() {
-  {
-    const std::lock_guard lock(mutex_);
-    disarmed_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
 }
 
 }  // namespace sweepstake::server

@@ -7,12 +7,10 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 
 #include "absl/status/statusor.h"
 #include "server/auth/token_registry.h"
@@ -103,26 +101,6 @@ class Daemon {
   rpc::RpcServer* serving_ = nullptr;  // guarded by mutex_; rpc_ while it takes actions
   std::atomic<bool> draining_ = false;
   std::unique_ptr<web::HttpServer> web_;  // its pages use the members above; null without --http
-};
-
-// Ends the process if its orderly end takes too long, so that a disk that never answers cannot keep
-// the daemon alive.
-//
-// No acknowledged evidence is lost, because it is on disk; clients send the rest again. The guard
-// owns one thread, which the destructor disarms and ends.
-class ExitGuard {
- public:
-  // After `patience` writes `message` to stderr and exits with `code`, without running destructors.
-  ExitGuard(std::chrono::milliseconds patience, int code, std::string message);
-  ~ExitGuard();
-  ExitGuard(const ExitGuard&) = delete;
-  ExitGuard& operator=(const ExitGuard&) = delete;
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool disarmed_ = false;  // guarded by mutex_
-  std::thread thread_;     // last: it uses the members above
 };
 
 }  // namespace sweepstake::server

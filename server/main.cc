@@ -25,6 +25,7 @@
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/decision/math/names.h"
+#include "server/exit_guard.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/health_probe.h"
 #include "server/service_manager.h"

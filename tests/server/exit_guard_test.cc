@@ -1,4 +1,4 @@
-#include "server/daemon.h"
+#include "server/exit_guard.h"
 
 #include <gtest/gtest.h>
 

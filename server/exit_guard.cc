@@ -1,0 +1,26 @@
+#include "server/exit_guard.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+namespace sweepstake::server {
+
+ExitGuard::ExitGuard(std::chrono::milliseconds patience, int code, std::string message)
+    : thread_([this, patience, code, text = std::move(message)] {
+        std::unique_lock lock(mutex_);
+        if (changed_.wait_for(lock, patience, [this] { return disarmed_; })) return;
+        std::fprintf(stderr, "%s\n", text.c_str());
+        std::_Exit(code);
+      }) {}
+
+ExitGuard::~ExitGuard() {
+  {
+    const std::lock_guard lock(mutex_);
+    disarmed_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+}  // namespace sweepstake::server
