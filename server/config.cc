@@ -9,6 +9,8 @@
 #include <toml++/toml.h>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "server/config_settings.h"
 #include "server/decision/math/names.h"
 #include "server/decision/session/session_setup.h"
@@ -58,52 +60,101 @@ std::optional<std::string> ScalarText(const toml::node& node) {
   return std::nullopt;
 }
 
-absl::Status Flatten(const toml::table& table, const std::string& prefix,
-                     Assignments& assignments) {
+// All that is wrong, a line for each.
+class Problems {
+ public:
+  void Add(const std::string& line) { lines_.push_back(line); }
+  // Adds the lines of the status, each behind the prefix.
+  void Add(const absl::Status& status, const std::string& prefix = "") {
+    if (status.ok()) return;
+    for (const absl::string_view line : absl::StrSplit(status.message(), '\n'))
+      lines_.push_back(absl::StrCat(prefix, line));
+  }
+  absl::Status Sum() const {
+    if (lines_.empty()) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrJoin(lines_, "\n"));
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+void Flatten(const toml::table& table, const std::string& prefix, Assignments& assignments,
+             Problems& problems) {
   for (const auto& [name, node] : table) {
     const std::string key = prefix + std::string(name.str());
     if (const auto* inner = node.as_table()) {
-      if (absl::Status status = Flatten(*inner, key + ".", assignments); !status.ok())
-        return status;
+      Flatten(*inner, key + ".", assignments, problems);
     } else if (std::optional<std::string> value = ScalarText(node)) {
       assignments[key] = *std::move(value);
     } else {
-      return absl::InvalidArgumentError(
-          absl::StrCat(key, ": expected a text, a number, true or false"));
+      problems.Add(absl::StrCat(key, ": expected a text, a number, true or false"));
     }
   }
-  return absl::OkStatus();
 }
 
-// Checks a listener's address. `key` is its setting.
-absl::Status CheckListen(std::string_view key, const std::string& listen) {
+// Checks a listener's address. `name` is its setting's.
+absl::Status CheckListen(const std::string& name, const std::string& listen) {
   const size_t colon = listen.rfind(':');
   int port = -1;
   if (colon == std::string::npos || colon == 0 || !ParseNumber(listen.substr(colon + 1), port) ||
       port < 0 || port > 65535) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        std::string(key), ": expected HOST:PORT with a port from 0 to 65535, not ", listen));
+    return absl::InvalidArgumentError(
+        absl::StrCat(name, ": expected HOST:PORT with a port from 0 to 65535, not ", listen));
   }
   const std::string host = listen.substr(0, colon);
   if (host.find(':') != std::string::npos && !(host.starts_with('[') && host.ends_with(']'))) {
-    return absl::InvalidArgumentError(absl::StrCat(std::string(key), ": an IPv6 address stands in ",
-                                                   "brackets: expected [", host, "]",
-                                                   listen.substr(colon), ", not ", listen));
+    return absl::InvalidArgumentError(
+        absl::StrCat(name, ": an IPv6 address stands in brackets: expected [", host, "]",
+                     listen.substr(colon), ", not ", listen));
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckTls(const tls::Files& files) {
-  if (files.cert.empty() != files.key.empty()) {
-    return absl::InvalidArgumentError("tls_cert and tls_key go together: name both, or neither");
-  }
+void CheckTls(const tls::Files& files, const SettingNames& names, Problems& problems) {
+  const std::string cert = names.Of("tls_cert");
+  const std::string key = names.Of("tls_key");
+  if (files.cert.empty() != files.key.empty())
+    problems.Add(absl::StrCat(cert, " and ", key, " go together: name both, or neither"));
   if (files.cert.empty() && !files.ca.empty()) {
-    return absl::InvalidArgumentError("tls_client_ca needs TLS: name tls_cert and tls_key, too");
+    problems.Add(
+        absl::StrCat(names.Of("tls_client_ca"), " needs TLS: name ", cert, " and ", key, ", too"));
   }
-  return absl::OkStatus();
+}
+
+void CheckReach(const Config& config, const SettingNames& names, Problems& problems) {
+  if (config.insecure) return;
+  if (config.rpc.tls.cert.empty() && !tls::IsLoopback(config.listen)) {
+    problems.Add(absl::StrCat(names.Of("listen"), ": ", config.listen,
+                              " can be reached by others, and there is no TLS; name --tls-cert and "
+                              "--tls-key, listen on 127.0.0.1, or say --insecure"));
+  }
+  if (!config.http.empty() && !tls::IsLoopback(config.http)) {
+    problems.Add(absl::StrCat(names.Of("http"), ": ", config.http,
+                              " can be reached by others, and HTTP is plain text; listen on "
+                              "127.0.0.1, or say --insecure"));
+  }
 }
 
 }  // namespace
+
+void SettingNames::AddKeys(const Assignments& assignments) {
+  for (const auto& [key, value] : assignments) names_[key] = key;
+}
+
+void SettingNames::AddVariables(const Assignments& assignments) {
+  for (const auto& [key, value] : assignments) names_[key] = VariableOf(key);
+}
+
+void SettingNames::AddFlags(const Assignments& assignments) {
+  for (const auto& [key, value] : assignments) names_[key] = FlagOf(key);
+  has_flags_ = has_flags_ || !assignments.empty();
+}
+
+std::string SettingNames::Of(const std::string& key) const {
+  if (const auto found = names_.find(key); found != names_.end()) return found->second;
+  return has_flags_ ? FlagOf(key) : key;
+}
 
 std::vector<SettingDescription> DescribeSettings() {
   std::vector<SettingDescription> descriptions;
@@ -129,9 +180,11 @@ absl::StatusOr<Assignments> ReadConfigFile(const std::filesystem::path& path) {
                                                    ": ", std::string(error.description())));
   }
   Assignments assignments;
-  if (absl::Status status = Flatten(table, "", assignments); !status.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(path.string(), ": ", status.message()));
-  }
+  Problems found;
+  Flatten(table, "", assignments, found);
+  Problems problems;
+  problems.Add(found.Sum(), path.string() + ": ");
+  if (absl::Status status = problems.Sum(); !status.ok()) return status;
   return assignments;
 }
 
@@ -186,7 +239,9 @@ absl::Status CheckSwitches(std::span<const std::string> words) {
   return absl::OkStatus();
 }
 
-absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config) {
+absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config,
+                    const SettingNames& names) {
+  Problems problems;
   const std::vector<Setting> settings = Settings();
   std::vector<std::string> keys;
   keys.reserve(settings.size());
@@ -198,56 +253,59 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
             ? UnknownName("setting", key, keys)
             : settings[static_cast<size_t>(found - keys.begin())].set(config, value);
     if (status.ok()) continue;
-    const std::string what = found == keys.end() ? "" : absl::StrCat(key, ": ");
-    return absl::InvalidArgumentError(
-        absl::StrCat(std::string(origin), ": ", what, status.message(),
-                     found == keys.end() ? "" : absl::StrCat(", not ", value)));
+    const std::string what = found == keys.end() ? "" : absl::StrCat(names.Of(key), ": ");
+    problems.Add(absl::StrCat(std::string(origin), ": ", what, status.message(),
+                              found == keys.end() ? "" : absl::StrCat(", not ", value)));
   }
-  return absl::OkStatus();
+  return problems.Sum();
 }
 
-absl::Status Validate(const Config& config) {
-  const tls::Files& files = config.rpc.tls;
-  absl::Status status = CheckListen("listen", config.listen);
-  if (status.ok() && !config.http.empty()) status = CheckListen("http", config.http);
-  if (status.ok()) status = CheckTls(files);
-  if (!status.ok()) return status;
-  if (!config.insecure && files.cert.empty() && !tls::IsLoopback(config.listen)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("listen: ", config.listen,
-                     " can be reached by others, and there is no TLS; name --tls-cert and "
-                     "--tls-key, listen on 127.0.0.1, or say --insecure"));
-  }
+absl::Status Validate(const Config& config, const SettingNames& names) {
+  Problems problems;
+  Problems listeners;
+  listeners.Add(CheckListen(names.Of("listen"), config.listen));
+  if (!config.http.empty()) listeners.Add(CheckListen(names.Of("http"), config.http));
+  problems.Add(listeners.Sum());
+  CheckTls(config.rpc.tls, names, problems);
+  // Of an address that is none nobody can say who reaches it.
+  if (listeners.Sum().ok()) CheckReach(config, names, problems);
   if (config.database_bytes < 2 * config.audit.bytes) {
-    return absl::InvalidArgumentError(
-        "database_mb: the audit log is a part of it; allow at least twice audit_mb");
+    problems.Add(absl::StrCat(names.Of("database_mb"),
+                              ": the audit log is a part of it; allow at least twice ",
+                              names.Of("audit_mb")));
   }
-  if (!config.insecure && !config.http.empty() && !tls::IsLoopback(config.http)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("http: ", config.http,
-                     " can be reached by others, and HTTP is plain text; listen on 127.0.0.1, or "
-                     "say --insecure"));
-  }
-  if (config.data.empty()) return absl::InvalidArgumentError("data: name a directory");
-  if (const auto problem = decision::Validate(config.rpc.decision)) {
-    return absl::InvalidArgumentError(absl::StrCat("decision: ", *problem));
-  }
-  return absl::OkStatus();
+  if (config.data.empty()) problems.Add(names.Of("data") + ": name a directory");
+  if (const auto problem = decision::Validate(config.rpc.decision))
+    problems.Add(absl::StrCat("decision: ", *problem));
+  return problems.Sum();
 }
 
 absl::Status CheckFiles(const Config& config) {
+  Problems problems;
   const std::pair<std::string_view, const std::filesystem::path&> made[] = {
       {"data", config.data}, {"port_file", config.port_file}};
   for (const auto& [key, path] : made) {
     std::error_code unknown;  // what cannot be examined is treated as missing
     const std::filesystem::path parent = path.parent_path();
     if (!parent.empty() && !std::filesystem::is_directory(parent, unknown)) {
-      return absl::NotFoundError(
+      problems.Add(
           absl::StrCat(std::string(key), ": ", parent.string(), " is no directory; make it first"));
     }
   }
-  if (config.rpc.tls.cert.empty()) return absl::OkStatus();
-  return tls::Read(config.rpc.tls).status();
+  const tls::Files& files = config.rpc.tls;
+  if (!files.cert.empty() && !files.key.empty()) problems.Add(tls::Read(files).status());
+  return problems.Sum();
+}
+
+absl::Status CheckConfigFile(const std::filesystem::path& path) {
+  const auto assignments = ReadConfigFile(path);
+  if (!assignments.ok()) return assignments.status();
+  Config config;
+  Problems problems;
+  problems.Add(Assign(*assignments, path.string(), config));
+  problems.Add(Validate(config), path.string() + ": ");
+  problems.Add(CheckFiles(config), path.string() + ": ");
+  return problems.Sum();
 }
 
 bool NeedsToken(const Config& config) {

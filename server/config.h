@@ -4,8 +4,8 @@
 // One table (config_settings.cc) names every setting once. Its names in the file
 // (`decision.cooldown_ms`), in the environment (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag
 // (`--decision-cooldown-ms`) follow from it. An unknown name is an error that lists the valid ones,
-// the nearest first. Values are checked one by one, then together. All functions except
-// ReadConfigFile are pure.
+// the nearest first. Values are checked one by one, then together. All functions are pure but for
+// those that read files.
 #pragma once
 
 #include <filesystem>
@@ -65,17 +65,35 @@ absl::StatusOr<Assignments> ReadEnvironment(std::span<const std::string> environ
 // true or false (--insecure=false), its negation none, and both together are an error.
 absl::Status CheckSwitches(std::span<const std::string> words);
 
-// Sets the assigned values. `origin` is used in messages: "config.toml", "environment", "command
-// line".
-absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config);
+// What messages call a setting: what its last source calls it. One that no source has assigned has
+// its name as a flag where there are flags, else its key.
+class SettingNames {
+ public:
+  void AddKeys(const Assignments& assignments);
+  void AddVariables(const Assignments& assignments);
+  void AddFlags(const Assignments& assignments);
+  std::string Of(const std::string& key) const;
+
+ private:
+  std::map<std::string, std::string> names_;  // by key
+  bool has_flags_ = false;
+};
+
+// The next four say all that is wrong in one status, a line for each.
+
+// Sets the assigned values, but for wrong ones. `origin` is used in messages: "config.toml",
+// "environment", "command line".
+absl::Status Assign(const Assignments& assignments, std::string_view origin, Config& config,
+                    const SettingNames& names = {});
 
 // Checks the rules for several settings together: other addresses than loopback need TLS or
 // --insecure, and the weights sum to 1. The files of TLS are not read.
-absl::Status Validate(const Config& config);
+absl::Status Validate(const Config& config, const SettingNames& names = {});
 // Checks what the configuration names on this machine, and makes nothing: the files of TLS, which
 // must belong together, and the directories that `data` and `port_file` are to be made in.
-// REQUIRES: the configuration is valid.
 absl::Status CheckFiles(const Config& config);
+// Does all three for a TOML file, whose name begins each line.
+absl::Status CheckConfigFile(const std::filesystem::path& path);
 
 // Returns whether the daemon must not start without a token: the configuration says so, or others
 // can reach it, and neither clients' certificates nor --insecure say who may. REQUIRES: the

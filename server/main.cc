@@ -17,6 +17,7 @@
 #include <fstream>
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -102,21 +103,11 @@ void AddOptions(CLI::App& app, CommandLine& line) {
   app.allow_extras();
 }
 
+// The message may have several lines.
 int Fail(int code, std::string_view message) {
-  std::cerr << "sweepstaked: " << message << '\n';
+  std::istringstream lines{std::string(message)};
+  for (std::string line; std::getline(lines, line);) std::cerr << "sweepstaked: " << line << '\n';
   return code;
-}
-
-absl::StatusOr<Config> Check(const std::string& file) {
-  Config config;
-  auto assignments = sweepstake::server::ReadConfigFile(file);
-  if (!assignments.ok()) return assignments.status();
-  absl::Status status = Assign(*assignments, file, config);
-  if (!status.ok()) return status;
-  status = Validate(config);
-  if (status.ok()) status = sweepstake::server::CheckFiles(config);
-  if (status.ok()) return config;
-  return absl::Status(status.code(), file + ": " + std::string(status.message()));
 }
 
 std::vector<std::string> Environment() {
@@ -127,24 +118,28 @@ std::vector<std::string> Environment() {
 
 absl::StatusOr<Config> Load(const CommandLine& line) {
   Config config;
+  sweepstake::server::SettingNames names;
   if (!line.config_file.empty()) {
     auto assignments = sweepstake::server::ReadConfigFile(line.config_file);
     if (!assignments.ok()) return assignments.status();
     if (absl::Status status = Assign(*assignments, line.config_file, config); !status.ok())
       return status;
+    names.AddKeys(*assignments);
   }
   auto environment = sweepstake::server::ReadEnvironment(Environment());
   if (!environment.ok()) return environment.status();
-  absl::Status status = Assign(*environment, "environment", config);
-  if (status.ok()) status = Assign(line.flags, "command line", config);
-  if (status.ok()) status = Validate(config);
+  names.AddVariables(*environment);
+  absl::Status status = Assign(*environment, "environment", config, names);
+  names.AddFlags(line.flags);
+  if (status.ok()) status = Assign(line.flags, "command line", config, names);
+  if (status.ok()) status = Validate(config, names);
   if (!status.ok()) return status;
   return config;
 }
 
 int CheckConfig(const std::string& file) {
-  const auto config = Check(file);
-  if (!config.ok()) return Fail(kCheckFailed, std::string(config.status().message()));
+  const absl::Status status = sweepstake::server::CheckConfigFile(file);
+  if (!status.ok()) return Fail(kCheckFailed, std::string(status.message()));
   std::cout << file << ": ok\n";
   return kDone;
 }
@@ -268,6 +263,11 @@ int main(int argc, char** argv) {
   if (!switches.ok()) return Fail(kBadUsage, std::string(switches.message()));
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    // What was misspelt may be what is missing.
+    if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownFlag(app));
+    app.exit(error);
+    return kBadUsage;
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? kDone : kBadUsage;

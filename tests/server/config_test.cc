@@ -4,7 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+
+#include "absl/strings/str_split.h"
 
 namespace sweepstake::server {
 namespace {
@@ -125,6 +128,47 @@ TEST_F(ConfigTest, WhatItNamesOnTheMachineMustBeThere) {
   EXPECT_THAT(said("port_file = '/nonexistent/port'\n"), HasSubstr("port_file: /nonexistent is"));
   EXPECT_THAT(said("tls_cert = 'nowhere.pem'\ntls_key = 'nowhere-key.pem'\n"),
               HasSubstr("cannot read nowhere.pem"));
+}
+
+TEST_F(ConfigTest, AllThatIsWrongInAFileIsSaidAtOnceALineForEach) {
+  std::ofstream(path_) << "lissten = 'x'\nmax_scenes = 0\nhttp = '7434'\ntls_cert = 'c.pem'\n"
+                          "database_mb = 20\naudit_mb = 11\nport_file = '/nonexistent/port'\n"
+                          "[decision]\nweight_fps = 0.9\n";
+  const std::string said(CheckConfigFile(path_).message());
+  for (const char* wrong :
+       {"unknown setting 'lissten'", "max_scenes: expected", "http: expected HOST:PORT",
+        "tls_cert and tls_key go together", "at least twice audit_mb",
+        "port_file: /nonexistent is no directory", "decision: "}) {
+    EXPECT_THAT(said, HasSubstr(wrong));
+  }
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 6) << said;
+  for (const auto line : absl::StrSplit(said, '\n'))
+    EXPECT_EQ(std::string(line).rfind(path_.string() + ": ", 0), 0u) << line;
+  std::ofstream(path_) << "listen = [1]\nhttp = [2]\n";
+  EXPECT_THAT(std::string(CheckConfigFile(path_).message()),
+              AllOf(HasSubstr("listen: expected a text"), HasSubstr("http: expected a text")));
+  std::ofstream(path_) << "max_scenes = 7\n";
+  EXPECT_TRUE(CheckConfigFile(path_).ok());
+}
+
+TEST_F(ConfigTest, AMessageCallsASettingWhatItsSourceCallsIt) {
+  const Assignments cert = {{"tls_cert", "c.pem"}};
+  const auto said = [&](auto add) {
+    SettingNames names;
+    (names.*add)(cert);
+    Config config;
+    EXPECT_TRUE(Assign(cert, "somewhere", config, names).ok());
+    return std::string(Validate(config, names).message());
+  };
+  EXPECT_THAT(said(&SettingNames::AddKeys), HasSubstr("tls_cert and tls_key go together"));
+  EXPECT_THAT(said(&SettingNames::AddFlags), HasSubstr("--tls-cert and --tls-key go together"));
+  EXPECT_THAT(said(&SettingNames::AddVariables),
+              HasSubstr("SWEEPSTAKE_TLS_CERT and tls_key go together"));
+  SettingNames names;
+  names.AddFlags({{"max_scenes", "0"}});
+  Config config;
+  EXPECT_THAT(std::string(Assign({{"max_scenes", "0"}}, "command line", config, names).message()),
+              HasSubstr("command line: --max-scenes: expected"));
 }
 
 TEST_F(ConfigTest, ADirectoryIsNoFile) {

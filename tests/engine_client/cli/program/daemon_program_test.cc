@@ -91,6 +91,26 @@ TEST(DaemonProgram, AnUnknownOptionOfASubcommandGetsTheNearestOneFirst) {
   EXPECT_THAT(run.err, HasSubstr("unknown argument '--jsn', must be one of --json"));
 }
 
+TEST(DaemonProgram, AMisspeltOptionIsSaidBeforeWhatIsMissing) {
+  const ProgramRun create = RunDaemonProgram("token create game --rol ingest");
+  EXPECT_EQ(create.exit_code, 2);
+  EXPECT_THAT(create.err, HasSubstr("unknown argument '--rol', must be one of --role"));
+  const ProgramRun backup = RunDaemonProgram("backup --dta");
+  EXPECT_EQ(backup.exit_code, 2);
+  EXPECT_THAT(backup.err, HasSubstr("unknown argument '--dta', must be one of --data"));
+  EXPECT_THAT(RunDaemonProgram("backup").err, HasSubstr("file is required"));
+}
+
+TEST(DaemonProgram, EachLineThatIsWrongInAFileIsSaid) {
+  const TemporaryDirectory folder;
+  const std::string path = (folder.path() / "daemon.toml").string();
+  std::ofstream(path) << "lissten = 'x'\nmax_scenes = 0\n";
+  const ProgramRun checked = RunDaemonProgram("check-config " + path);
+  EXPECT_EQ(checked.exit_code, 1);
+  EXPECT_THAT(checked.err, HasSubstr("sweepstaked: " + path + ": unknown setting 'lissten'"));
+  EXPECT_THAT(checked.err, HasSubstr("\nsweepstaked: " + path + ": max_scenes: expected"));
+}
+
 TEST(DaemonProgram, ADirectoryIsNoConfiguration) {
   const TemporaryDirectory folder;
   const std::string path = folder.path().string();

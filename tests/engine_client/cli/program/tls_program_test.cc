@@ -120,8 +120,8 @@ TEST(DaemonTlsProgram, FilesThatCannotBeUsedEndTheStartAndAreNamed) {
     int exit_code;
     const char* said;
   } cases[] = {
-      {cert, 2, "tls_cert and tls_key go together"},
-      {" --tls-client-ca " + authority.cert().string(), 2, "tls_client_ca needs TLS"},
+      {cert, 2, "--tls-cert and --tls-key go together"},
+      {" --tls-client-ca " + authority.cert().string(), 2, "--tls-client-ca needs TLS"},
       {cert + " --tls-key nowhere.pem", 3, "cannot read nowhere.pem"},
       {cert + " --tls-key " + two.key.string(), 3, "name the key of this certificate"},
       {cert + " --tls-key " + one.key.string() + " --tls-client-ca " + two.key.string(), 3,
