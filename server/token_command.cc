@@ -51,13 +51,13 @@ absl::StatusOr<TokenStore> MakeStore(const fs::path& data) {
   return TokenStore::Open(data / storage::DataDirectory::kTokensName, TokenStore::IfLost::kReplace);
 }
 
-// Makes nothing in a directory that is no daemon's.
+// Makes nothing in a directory that has no tokens: it may be no daemon's.
 absl::StatusOr<TokenStore> OpenStore(const fs::path& data) {
-  std::error_code unknown;  // what cannot be examined cannot be opened either
-  if (fs::is_directory(data, unknown) && !fs::is_empty(data, unknown))
-    return TokenStore::Open(data / storage::DataDirectory::kTokensName);
-  if (unknown && unknown != std::errc::no_such_file_or_directory)
-    return absl::UnavailableError(absl::StrCat(data.string(), ": ", unknown.message()));
+  const fs::path tokens = data / storage::DataDirectory::kTokensName;
+  if (TokenStore::IsKnown(tokens)) return TokenStore::Open(tokens);
+  std::error_code unknown;
+  if (!fs::exists(tokens, unknown) && unknown)
+    return absl::UnavailableError(absl::StrCat(tokens.string(), ": ", unknown.message()));
   return absl::NotFoundError(absl::StrCat("there are no tokens in ", data.string(),
                                           "; name the daemon's directory with --data"));
 }

@@ -212,6 +212,8 @@ absl::StatusOr<bool> TokenStore::IsInPlace() const {
   return *now == file_;
 }
 
+bool TokenStore::IsKnown(const fs::path& path) { return Exists(path) || Exists(NoteBeside(path)); }
+
 bool TokenStore::WereMade() const { return Exists(NoteBeside(path_)); }
 
 absl::Status TokenStore::NoteMade() const {

@@ -66,6 +66,9 @@ class TokenStore {
   static absl::StatusOr<TokenStore> Open(const std::filesystem::path& path,
                                          IfLost if_lost = IfLost::kRefuse);
 
+  // Returns whether there is such a file, or has been one with tokens.
+  static bool IsKnown(const std::filesystem::path& path);
+
   // Makes a token and returns it; it cannot be read again. Errors: INVALID_ARGUMENT (a name or
   // project is none, or it has expired), ALREADY_EXISTS, RESOURCE_EXHAUSTED (kMaxTokens),
   // UNAVAILABLE.
