@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/storage/private_file.h"
 
 namespace sweepstake::storage {
 namespace fs = std::filesystem;
@@ -44,7 +45,7 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
                                                "--data"));
   }
   const fs::path lock_path = path / "lock";
-  const int lock = open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const int lock = open(lock_path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (lock < 0) {
     const std::string why = std::system_category().message(errno);
     return absl::UnavailableError(absl::StrCat("cannot write to the data directory ", path.string(),
@@ -52,6 +53,7 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
                                                "; make it writable, or name another with --data"));
   }
   DataDirectory directory(path, lock);
+  GiveToOwner(lock, lock_path);
   if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
     return absl::UnavailableError(absl::StrCat("another daemon uses the data directory ",
                                                path.string(),

@@ -30,7 +30,20 @@ absl::Status Sync(const fs::path& path) {
   return synced ? absl::OkStatus() : Unavailable(path, why);
 }
 
+fs::path ParentOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
 }  // namespace
+
+void GiveToOwner(int file, const fs::path& path) {
+  struct stat made {};
+  struct stat parent {};
+  if (geteuid() != 0 || stat(ParentOf(path).c_str(), &parent) != 0) return;
+  // Whoever has the directory may have put a link to another file there.
+  if (fstat(file, &made) != 0 || made.st_nlink != 1) return;
+  [[maybe_unused]] const int given = fchown(file, parent.st_uid, parent.st_gid);
+}
 
 absl::Status CreatePrivateFile(const fs::path& path) {
   std::error_code ignored;
@@ -38,6 +51,7 @@ absl::Status CreatePrivateFile(const fs::path& path) {
     fs::remove(path.string() + suffix, ignored);
   const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file < 0) return Unavailable(path, errno);
+  GiveToOwner(file, path);
   close(file);
   return absl::OkStatus();
 }
@@ -45,7 +59,7 @@ absl::Status CreatePrivateFile(const fs::path& path) {
 absl::Status PublishFile(const fs::path& unfinished, const fs::path& path) {
   if (absl::Status status = Sync(unfinished); !status.ok()) return status;
   if (std::rename(unfinished.c_str(), path.c_str()) != 0) return Unavailable(path, errno);
-  return Sync(path.has_parent_path() ? path.parent_path() : fs::path("."));
+  return Sync(ParentOf(path));
 }
 
 absl::StatusOr<FileId> FileId::Of(const fs::path& path) {

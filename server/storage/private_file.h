@@ -10,6 +10,12 @@
 
 namespace sweepstake::storage {
 
+// Gives a new file that root has made to the owner of the directory that it is in, so that a daemon
+// which runs as that user can use what an administrator has made for it. What cannot be given, as
+// where root may not, stays as it is, and so does what other users make. `path` names the open
+// file.
+void GiveToOwner(int file, const std::filesystem::path& path);
+
 // Makes an empty file, in place of one that an earlier attempt left with the logs of SQLite beside
 // it. Error: UNAVAILABLE.
 absl::Status CreatePrivateFile(const std::filesystem::path& path);

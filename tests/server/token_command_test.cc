@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "server/auth/token_store.h"
@@ -64,6 +67,32 @@ TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryThatIsNoDaemons) {
   }
   EXPECT_THAT(Run({"create", "game", "--role", "watch", "--out", file_}),
               HasSubstr("token game of " + data_.string()));
+}
+
+TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryOfSomethingElse) {
+  fs::create_directory(data_);
+  std::ofstream(data_ / "letter.txt") << "Dear reader";
+  for (const auto& arguments : {std::vector<std::string>{"list"}, {"revoke", "game"}}) {
+    EXPECT_THAT(Run(arguments), HasSubstr("no tokens in " + data_.string()));
+    EXPECT_EQ(std::distance(fs::directory_iterator(data_), {}), 1);
+  }
+  std::ofstream(data_ / "tokens-made") << "";
+  EXPECT_THAT(Run({"list"}), Not(HasSubstr("no tokens in"))) << "they were lost";
+  EXPECT_FALSE(fs::exists(data_ / "tokens.db"));
+}
+
+TEST_F(TokenCommandTest, WhatRootMakesInADirectoryOfAnotherIsThatOnes) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root makes files of others";
+  fs::create_directory(data_);
+  ASSERT_EQ(chown(data_.c_str(), 65534, 65534), 0);
+  Run({"create", "game", "--role", "watch"});
+  EXPECT_EQ(Stored().size(), 1u);
+  for (const auto& entry : fs::directory_iterator(data_)) {
+    struct stat made {};
+    ASSERT_EQ(stat(entry.path().c_str(), &made), 0);
+    EXPECT_EQ(made.st_uid, 65534u) << entry.path();
+    EXPECT_EQ(made.st_gid, 65534u) << entry.path();
+  }
 }
 
 TEST_F(TokenCommandTest, CreateWritesTheTokenToANewFileOfItsOwner) {

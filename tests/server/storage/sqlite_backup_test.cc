@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -76,6 +78,20 @@ TEST_F(SqliteBackupTest, WhatWasBackedUpIsThereAfterTheRestore) {
   EXPECT_EQ(contents->record_count, 3);
   EXPECT_EQ(Records(empty_).size(), 3u);
   EXPECT_EQ(Records(data_).size(), 4u);
+}
+
+TEST_F(SqliteBackupTest, WhatRootMakesInADirectoryOfAnotherIsThatOnes) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root makes files of others";
+  std::filesystem::create_directory(empty_);
+  ASSERT_EQ(chown(empty_.c_str(), 65534, 65534), 0);
+  ASSERT_TRUE(BackUpStore(data_, empty_ / "copy.db").ok());
+  ASSERT_TRUE(RestoreStore(empty_ / "copy.db", empty_).ok());
+  for (const char* name : {"copy.db", "priors.db", "lock"}) {
+    struct stat made {};
+    ASSERT_EQ(stat((empty_ / name).c_str(), &made), 0);
+    EXPECT_EQ(made.st_uid, 65534u) << name;
+    EXPECT_EQ(made.st_gid, 65534u) << name;
+  }
 }
 
 TEST_F(SqliteBackupTest, ADirectoryThatHasADatabaseOrADaemonIsNotRestoredInto) {
