@@ -81,6 +81,14 @@ rpc::RpcOptions RpcOptionsOf(const Config& config) {
   return options;
 }
 
+// Returns whether the files of TLS can be why the daemon's own listener gives no answer. A restart
+// would not mend them; it would cost the streams that run, and the daemon would not start.
+bool TlsKeepsOut(const tls::Files& files) {
+  if (files.cert.empty()) return false;
+  const auto texts = tls::Read(files);
+  return !texts.ok() || tls::EarliestExpiryUnixS(texts->cert) <= priors::UnixNowS();
+}
+
 using ResumeKey = std::array<char, 32>;
 
 // Fills a private file with random bytes.
@@ -455,7 +463,7 @@ bool Daemon::Alive(std::chrono::milliseconds patience) const {
   const std::string address = absl::StrCat(host, ":", rpc_->port());
   if (!problem) {
     const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
-    if (!health.ok())
+    if (!health.ok() && !TlsKeepsOut(config_.rpc.tls))
       problem =
           absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
   }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -98,6 +99,20 @@ TEST_F(TlsProbeTest, ADaemonWithTlsProbesItselfWhateverItsCertificateSays) {
     while (!manager.ReceiveNow().empty()) {
     }
   }
+}
+
+TEST_F(TlsProbeTest, FilesThatBreakDoNotMakeTheServiceManagerEndADaemonThatServes) {
+  NotifySocket manager(folder_.path(), std::chrono::seconds(12));
+  const DaemonProcess daemon(data_.path(), "127.0.0.1:0", Flags(nullptr));
+  const auto receive_alive = [&] {
+    std::string next = manager.Receive();
+    while (next == "READY=1") next = manager.Receive();
+    return next;
+  };
+  EXPECT_EQ(receive_alive(), "WATCHDOG=1");
+  std::ofstream(server_.key) << "half of a key";
+  EXPECT_EQ(receive_alive(), "WATCHDOG=1") << "a probe that had begun before, perhaps";
+  EXPECT_EQ(receive_alive(), "WATCHDOG=1");
 }
 
 TEST_F(TlsProbeTest, AProbeWithoutAnAnswerSaysWhatMayBeWrong) {
