@@ -25,6 +25,7 @@
 #include "tests/support/file_text.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
+#include "tests/support/test_authority.h"
 
 namespace sweepstake::test_support {
 namespace {
@@ -33,8 +34,11 @@ using ::testing::Gt;
 using ::testing::HasSubstr;
 using ::testing::Lt;
 
-DaemonProcess StartWithHttp(const TemporaryDirectory& data) {
-  return DaemonProcess(data.path(), "127.0.0.1:0", {"--http", "127.0.0.1:0"});
+DaemonProcess StartWithHttp(const TemporaryDirectory& data,
+                            const std::vector<std::string>& more_arguments = {}) {
+  std::vector<std::string> arguments = {"--http", "127.0.0.1:0"};
+  arguments.insert(arguments.end(), more_arguments.begin(), more_arguments.end());
+  return DaemonProcess(data.path(), "127.0.0.1:0", arguments);
 }
 
 // The value of a series in Prometheus' text, or -1.
@@ -165,12 +169,20 @@ std::set<std::string> NamesOn(const std::string& page) {
 
 TEST(MetricsTest, PromtoolFindsNothingToSayOfAnyThatThereIs) {
   const TemporaryDirectory data;
+  const TemporaryDirectory folder;
   AddOldSession(data);
-  const DaemonProcess daemon = StartWithHttp(data);
-  ScriptedGame game(daemon.address(), FastOptions());
+  // Some are there with TLS only.
+  const TestAuthority authority(folder.path() / "ca.pem");
+  const CertificateFiles server{folder.path() / "server.pem", folder.path() / "server-key.pem"};
+  authority.Issue("IP:127.0.0.1", server);
+  const DaemonProcess daemon =
+      StartWithHttp(data, {"--tls-cert", server.cert, "--tls-key", server.key});
+  SessionOptions options = FastOptions();
+  options.tls.emplace().ca_file = authority.cert();
+  ScriptedGame game(daemon.address(), options);
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.command_count > 0; }));
-  const std::string page = data.path() / "metrics";
-  const std::string said = data.path() / "said";
+  const std::string page = folder.path() / "metrics";
+  const std::string said = folder.path() / "said";
   EXPECT_TRUE(Eventually([&] { return Metric(daemon, kFolded) == 1; }));
   const std::string text = Get(daemon.http_port(), "/metrics").body;
   EXPECT_EQ(NamesOn(text), NamesInSources()) << "one that comes later would not be checked";
