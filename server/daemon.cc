@@ -242,11 +242,11 @@ void Daemon::FollowTls() {
   tls::FilesWatchOptions options;
   options.unix_now_s = priors::UnixNowS;
   options.on_change = [this, expiry](const absl::Status& status, int64_t expires_unix_s) {
-    metrics_.SetTls(status.ok(), expires_unix_s);
     {
       const std::lock_guard lock(mutex_);
       tls_problem_ = std::string(status.message());
     }
+    metrics_.SetTls(status.ok(), expires_unix_s);  // who sees it sees the above at /readyz, too
     if (status.ok()) {
       log_->info("the files of TLS were read; {}", expiry(expires_unix_s));
     } else {
