@@ -73,14 +73,17 @@ absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call,
 std::string AccessControl::Count(auth::RateLimit& limit, uint32_t per_s, const std::string& address,
                                  int64_t token_id) {
   const int64_t now_ns = clock_.NowNs();
-  if (!limit.Take(address, per_s, now_ns)) return absl::StrCat("the address ", address);
+  if (!address.empty() && !limit.Take(address, per_s, now_ns))
+    return absl::StrCat("the address ", address);
   const bool allowed = token_id == 0 || limit.Take(absl::StrCat("token ", token_id), per_s, now_ns);
   return allowed ? "" : "this token";
 }
 
 absl::Status AccessControl::BeginHello(const std::string& address, int64_t token_id) {
   const uint32_t per_s = options_.max_hellos_per_s;
-  const std::string who = Count(hellos_, per_s, address, token_id);
+  // All games of a proxy on this machine have this address.
+  const bool is_own = IsLoopbackAddress(address);
+  const std::string who = Count(hellos_, per_s, is_own ? "" : address, token_id);
   if (who.empty()) return absl::OkStatus();
   return Refused(
       v1::ERROR_REASON_TOO_MANY_HELLOS,

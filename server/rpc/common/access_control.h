@@ -51,7 +51,7 @@ class AccessControl {
   // RESOURCE_EXHAUSTED.
   absl::Status BeginRead(const std::string& address, int64_t token_id);
 
-  // Counts a Hello likewise.
+  // Counts a Hello likewise, but no address of the daemon's own machine.
   absl::Status BeginHello(const std::string& address, int64_t token_id);
 
   // An export or import that is under way as long as this lives. It may outlive the server.
@@ -71,8 +71,8 @@ class AccessControl {
   };
 
   absl::StatusOr<auth::Principal> Identify(const grpc::ServerContextBase& call, Rpc rpc);
-  // Counts what the token (0: none) at the address does. Returns who does it too often; empty if
-  // neither does.
+  // Counts what the token (0: none) at the address (empty: not counted) does. Returns who does it
+  // too often; empty if neither does.
   std::string Count(auth::RateLimit& limit, uint32_t per_s, const std::string& address,
                     int64_t token_id);
   absl::Status Unauthenticated(const grpc::ServerContextBase& call, bool has_token);

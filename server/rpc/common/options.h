@@ -81,9 +81,10 @@ struct RpcOptions {
   // asks for four, a game of 10,000 frames/s needs 42, and one that has come back sends again what
   // was not acknowledged.
   Adjustable<uint32_t> max_messages_per_s = 200;
-  // The maximum Hellos in a second of a token, and of an address, and as many as in ten seconds at
-  // once; one more is RESOURCE_EXHAUSTED. Each may cost a read of the store. 10,000 games behind
-  // one address, which come back after a restart, fit into what it may have at once.
+  // The maximum Hellos in a second of a token, and of an address that is not the daemon's own
+  // machine, and as many as in ten seconds at once; one more is RESOURCE_EXHAUSTED. Each may cost a
+  // read of the store. 10,000 games behind one address, which come back after a restart, fit into
+  // what it may have at once.
   Adjustable<uint32_t> max_hellos_per_s = 1'000;
   // The maximum calls in a second of a token, and of an address, that list, export or begin to
   // watch, and as many as in ten seconds at once; one more is RESOURCE_EXHAUSTED.

@@ -108,6 +108,13 @@ TEST_F(HelloQuotaTest, ATokenHasItsRateFromWhereverItComes) {
   EXPECT_EQ(OpenAndDrop(1, "ipv4:192.0.2.99", 8), 1);
 }
 
+TEST_F(HelloQuotaTest, TheOwnMachineHasNoneSinceAProxyOnItHasThatOfAllItsGames) {
+  daemon_.options.max_hellos_per_s = 2;
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:127.0.0.1", 7), 20) << "of the token";
+  EXPECT_EQ(OpenAndDrop(100, "ipv4:127.0.0.1"), 100);
+  EXPECT_EQ(OpenAndDrop(100, "ipv6:%5B::1%5D"), 100);
+}
+
 TEST_F(HelloQuotaTest, TenThousandGamesOfOneAddressAndTokenComeBackAtOnce) {
   EXPECT_EQ(OpenAndDrop(10'000, "ipv4:192.0.2.7", 7), 10'000);
 }
