@@ -162,7 +162,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
-  store_options.on_misplaced = [this](priors::PriorStore& store) { SaveStore(store); };
+  store_options.on_misplaced = [this](auto& store, bool last) { SaveStore(store, last); };
   store_file_ = opened->file;
   store_options.on_refusal = [this](const priors::SourceUpdate& update, const absl::Status& why) {
     log_->error("{} pieces of evidence of session {} can never be stored: {}",
@@ -297,13 +297,12 @@ void Daemon::ReportStore(const absl::Status& status) {
     const std::lock_guard lock(mutex_);
     store_problem_ = std::string(status.message());
   }
+  if (!absl::IsNotFound(status)) save_ = {};
   if (status.ok()) {
-    store_saved_ = false;
     log_->info("{} can be written again", directory_.database().string());
   } else if (absl::IsNotFound(status)) {
     log_->error(
-        "{}; nothing more is acknowledged. Put it back, or let the daemon run until the log "
-        "says where a copy is",
+        "{}; nothing more is acknowledged. Put it back, or wait until the log tells of a copy",
         std::string(status.message()));
   } else {
     log_->error("{} cannot be written: {}; make room on the disk, or raise database_mb ({} now)",
@@ -312,12 +311,14 @@ void Daemon::ReportStore(const absl::Status& status) {
   }
 }
 
-void Daemon::SaveStore(priors::PriorStore& store) {
+void Daemon::SaveStore(priors::PriorStore& store, bool last) {
   const auto now = std::chrono::steady_clock::now();
-  if (store_saved_ || now < next_save_) return;
-  next_save_ = now + kSavePatience;
+  if (save_.done || (now < save_.next && !last)) return;
+  save_.next = now + kSavePatience;
   const std::string path = directory_.database().string();
+  *saving_ = true;
   const auto saved = storage::SaveMisplacedStore(store, path);
+  *saving_ = false;
   if (!saved.ok()) {
     log_->error(
         "no copy of the prior store can be made, and what it has is lost when the daemon ends "
@@ -325,7 +326,7 @@ void Daemon::SaveStore(priors::PriorStore& store) {
         path, std::string(saved.status().message()));
     return;
   }
-  store_saved_ = true;
+  save_.done = true;
   const std::string what =
       absl::StrCat("all that was acknowledged is in ", saved->string(), ": stop the daemon, move ",
                    path, " away with its -wal and -shm, `sweepstaked restore ", saved->string(),

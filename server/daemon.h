@@ -51,8 +51,12 @@ class Daemon {
   // decisions are made. A store that cannot write is no reason to be restarted.
   bool Alive(std::chrono::milliseconds patience) const;
 
+  // Whether what was acknowledged is being copied from a database that is gone, and would be lost
+  // if the process ended now. It lives on when the daemon ends.
+  std::shared_ptr<const std::atomic<bool>> saving() const { return saving_; }
+
   // Sets health to NOT_SERVING, tells clients to reconnect later, and waits for pending writes, all
-  // within `patience` plus the time of one commit. Idempotent.
+  // within `patience` plus the time of one commit, or of saving() where that must be. Idempotent.
   void Drain(std::chrono::milliseconds patience = std::chrono::seconds(5));
 
  private:
@@ -61,9 +65,10 @@ class Daemon {
   void StartBackups(const Config& config);
   void StartFolding(const Config& config);
   void LimitStore(const Config& config);
-  // These run on the store's thread. The second one copies a store that has lost its file, once.
+  // These run on the store's thread. The second one copies a store that has lost its file, once;
+  // where that fails it is tried again after a while, and without waiting at the last chance.
   void ReportStore(const absl::Status& status);
-  void SaveStore(priors::PriorStore& store);
+  void SaveStore(priors::PriorStore& store, bool last);
   absl::Status OpenTokens();
   // Runs on the thread of the tokens.
   void ReportToken(const std::string& change);
@@ -87,8 +92,11 @@ class Daemon {
   mutable std::mutex mutex_;
   std::string store_problem_;  // guarded by mutex_; why the store cannot write
   std::string tls_problem_;    // guarded by mutex_; why the files of TLS cannot be used
-  bool store_saved_ = false;   // used on the store's thread
-  std::chrono::steady_clock::time_point next_save_;  // likewise; not before
+  const std::shared_ptr<std::atomic<bool>> saving_ = std::make_shared<std::atomic<bool>>(false);
+  struct {
+    bool done = false;
+    std::chrono::steady_clock::time_point next;  // not before
+  } save_;                                       // used on the store's thread
   storage::FileId store_file_;
   std::atomic<uint64_t> database_bytes_;  // in force
   priors::AuditLimits audit_limits_;      // in force

@@ -6,10 +6,13 @@
 
 namespace sweepstake::server {
 
-ExitGuard::ExitGuard(std::chrono::milliseconds patience, int code, std::string message)
-    : thread_([this, patience, code, text = std::move(message)] {
+ExitGuard::ExitGuard(std::chrono::milliseconds patience, int code, std::string message,
+                     std::function<bool()> must_wait)
+    : thread_([this, patience, code, text = std::move(message), wait = std::move(must_wait)] {
         std::unique_lock lock(mutex_);
-        if (changed_.wait_for(lock, patience, [this] { return disarmed_; })) return;
+        do {
+          if (changed_.wait_for(lock, patience, [this] { return disarmed_; })) return;
+        } while (wait());
         std::fprintf(stderr, "%s\n", text.c_str());
         std::_Exit(code);
       }) {}

@@ -4,7 +4,7 @@
 // Exit codes: 0 done; 1 the configuration to be checked is not valid, the daemon to be probed does
 // not serve, a copy could not be made, verified or put back, or a token not made or revoked; 2 bad
 // usage or configuration; 3 the daemon could not start; 4 it did not end within nine seconds after
-// a signal.
+// a signal, or after a copy of a database that is gone.
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <pthread.h>
@@ -238,10 +238,15 @@ int Run(const Config& config, const CommandLine& line) {
   sweepstake::server::NotifyReady();
   AwaitEnd(signals, line, **daemon);
   sweepstake::server::NotifyStopping();
+  const auto must_wait = [saving = (*daemon)->saving()] {
+    if (*saving) sweepstake::server::NotifyStoppingTakes(2 * kEndPatience);
+    return saving->load();
+  };
   guard.emplace(kEndPatience, kDidNotEnd,
                 "sweepstaked: did not end in time: the disk does not answer, or clients flood the "
                 "daemon with calls; ended without waiting. What clients were not told to be on "
-                "disk, they send again");
+                "disk, they send again",
+                must_wait);
   (*daemon)->Drain();
   return kDone;
 }

@@ -3,6 +3,7 @@
 #include <systemd/sd-daemon.h>
 
 #include <cstdint>
+#include <string>
 #include <utility>
 
 namespace sweepstake::server {
@@ -10,6 +11,11 @@ namespace sweepstake::server {
 void NotifyReady() { sd_notify(/*unset_environment=*/0, "READY=1"); }
 
 void NotifyStopping() { sd_notify(/*unset_environment=*/0, "STOPPING=1"); }
+
+void NotifyStoppingTakes(std::chrono::microseconds time) {
+  const std::string message = "EXTEND_TIMEOUT_USEC=" + std::to_string(time.count());
+  sd_notify(/*unset_environment=*/0, message.c_str());
+}
 
 std::optional<std::chrono::milliseconds> WatchdogInterval() {
   uint64_t limit_us = 0;

@@ -13,6 +13,8 @@ namespace sweepstake::server {
 
 void NotifyReady();
 void NotifyStopping();
+// The end takes up to `time` from now, however long it may.
+void NotifyStoppingTakes(std::chrono::microseconds time);
 
 // Returns how often the service manager wants to hear that the daemon is alive: a quarter of the
 // time in WATCHDOG_USEC, after which it restarts a daemon that it has not heard of. Returns nothing

@@ -102,7 +102,7 @@ void StoreThread::Loop() {
       lock.unlock();
     }
     if (ends || std::chrono::steady_clock::now() >= next_check) {
-      CheckPlace();
+      CheckPlace(ends);
       next_check = std::chrono::steady_clock::now() + options_.check_interval;
     }
     if (ends) return;
@@ -157,7 +157,7 @@ void StoreThread::CommitOrHalve(std::span<PendingCommit> group,
     return CommitOrHalve(group.subspan(half), updates.subspan(half));
   }
   // First, so that whoever hears of the failure can find out why.
-  if (absl::IsUnavailable(status)) CheckPlace();
+  if (absl::IsUnavailable(status)) CheckPlace(/*last=*/false);
   for (PendingCommit& commit : group) Finish(commit, status);
 }
 
@@ -186,11 +186,11 @@ void StoreThread::SetHealth(const absl::Status& status) {
   can_write_ = status.ok();
 }
 
-void StoreThread::CheckPlace() {
+void StoreThread::CheckPlace(bool last) {
   const absl::Status status = store_->CheckPlace();
   if (!status.ok() && !absl::IsNotFound(status)) return;  // commits find out whether the disk works
   if (std::exchange(misplaced_, !status.ok()) == status.ok()) SetHealth(status);
-  if (misplaced_ && options_.on_misplaced) options_.on_misplaced(*store_);
+  if (misplaced_ && options_.on_misplaced) options_.on_misplaced(*store_, last);
 }
 
 }  // namespace sweepstake::storage

@@ -56,8 +56,9 @@ struct StoreThreadOptions {
   // succeed again. NOT_FOUND is that of PriorStore::CheckPlace.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
   // Called on the store's thread at each check that says NOT_FOUND, behind `on_health`: may keep
-  // what the store has elsewhere. May be empty.
-  std::function<void(priors::PriorStore&)> on_misplaced = {};
+  // what the store has elsewhere. No other call comes behind the `last`, that of the check at the
+  // end. May be empty.
+  std::function<void(priors::PriorStore&, bool last)> on_misplaced = {};
   // Told on the store's thread of each update that can never be stored, and why.
   std::function<void(const priors::SourceUpdate&, const absl::Status&)> on_refusal = {};
   // Told on the store's thread how long each commit of the store took. May be empty.
@@ -126,7 +127,8 @@ class StoreThread final : public priors::AsyncPriorStore {
   absl::Status CommitNow(std::span<const priors::SourceUpdate> updates);
   void Finish(PendingCommit& commit, const absl::Status& status);
   void SetHealth(const absl::Status& status);
-  void CheckPlace();
+  // `last`: at the end.
+  void CheckPlace(bool last);
 
   const std::unique_ptr<priors::PriorStore> store_;
   const StoreThreadOptions options_;

@@ -13,6 +13,7 @@
 #include "tests/end_to_end/store_reader.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/daemon_process.h"
+#include "tests/support/file_text.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
 
@@ -28,6 +29,16 @@ size_t CountIn(const std::string& text, const std::string& part) {
   size_t count = 0;
   for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
+}
+
+// The copies that the log tells of.
+std::vector<fs::path> CopiesIn(const std::string& log) {
+  const std::regex told("acknowledged is in ([^ ]*priors\\.db\\.backup-[^ ]*): stop the daemon");
+  std::vector<fs::path> copies;
+  for (std::sregex_iterator match(log.begin(), log.end(), told); match != std::sregex_iterator();
+       ++match)
+    copies.emplace_back((*match)[1].str());
+  return copies;
 }
 
 class MisplacedDatabaseTest : public ::testing::Test {
@@ -49,14 +60,8 @@ class MisplacedDatabaseTest : public ::testing::Test {
   std::string Ready() const { return Get(daemon_.http_port(), "/readyz").body; }
   // Games go on; returns the name of the copy that the log tells of.
   fs::path AwaitCopy() {
-    const std::regex told("acknowledged is in ([^ ]*priors\\.db\\.backup-[^ ]*): stop the daemon");
-    std::smatch match;
-    std::string log;
-    EXPECT_TRUE(rpc::Eventually([&] {
-      log = daemon_.log();
-      return std::regex_search(log, match, told);
-    }));
-    return match.empty() ? fs::path() : fs::path(match[1].str());
+    EXPECT_TRUE(rpc::Eventually([&] { return !CopiesIn(daemon_.log()).empty(); }));
+    return CopiesIn(daemon_.log()).front();
   }
   // All that the games send from now on is not acknowledged, and the daemon says so.
   void ExpectNothingMoreIsAcknowledged() {
@@ -132,6 +137,37 @@ TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayIsFoundWithoutGamesAndGoesOnWhen
   EXPECT_TRUE(rpc::Eventually([&] { return CountIn(Ready(), "[-]store") == 0; }));
   EXPECT_EQ(daemon_.Terminate(), 0);
   ExpectAllIn(data_.path());
+}
+
+TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayAgainIsSavedAgainWithWhatCameMeanwhile) {
+  const fs::path away = elsewhere_.path() / "away";
+  fs::rename(database_, away);
+  AwaitCopy();
+  fs::rename(away, database_);
+  EXPECT_TRUE(rpc::Eventually([&] { return CountIn(Ready(), "[-]store") == 0; }));
+  for (rpc::TelemetryClient& game : games_) SendNext(game);
+  for (rpc::TelemetryClient& game : games_) game.AwaitAcknowledgement(sequence_);
+  ++sequence_;
+  fs::rename(database_, away);
+  EXPECT_EQ(daemon_.Terminate(), 0);
+  const std::vector<fs::path> copies = CopiesIn(daemon_.log());
+  ASSERT_EQ(copies.size(), 2u) << daemon_.log();
+  fs::rename(copies.back(), database_);
+  ExpectAllIn(data_.path());
+}
+
+TEST(MisplacedDirectoryTest, WhereNoCopyCouldBeMadeOneIsTriedAtTheEndWithoutWaiting) {
+  const TemporaryDirectory folder;
+  const fs::path above = folder.path() / "above";
+  fs::create_directories(above / "data");
+  DaemonProcess daemon(above / "data");
+  fs::rename(above, folder.path() / "away");
+  const auto log = [&] { return FileText(folder.path() / "away" / "data" / "log"); };
+  EXPECT_TRUE(rpc::Eventually([&] { return CountIn(log(), "no copy") == 1; }));
+  fs::create_directory(above);
+  EXPECT_EQ(daemon.Terminate(), 0);
+  ASSERT_EQ(CopiesIn(log()).size(), 1u) << log();
+  EXPECT_TRUE(fs::exists(CopiesIn(log()).front()));
 }
 
 }  // namespace

@@ -66,13 +66,15 @@ TEST(WatchdogTest, NobodyIsAskedWhereNoServiceManagerWantsToKnow) {
   NotifyStopping();
 }
 
-TEST(ServiceManagerTest, HearsWhenTheDaemonIsReadyAndWhenItStops) {
+TEST(ServiceManagerTest, HearsWhenTheDaemonIsReadyWhenItStopsAndHowLongThatTakes) {
   const test_support::TemporaryDirectory folder;
   test_support::NotifySocket manager(folder.path(), std::chrono::hours(1));
   NotifyReady();
   EXPECT_EQ(manager.Receive(), "READY=1");
   NotifyStopping();
   EXPECT_EQ(manager.Receive(), "STOPPING=1");
+  NotifyStoppingTakes(std::chrono::seconds(18));
+  EXPECT_EQ(manager.Receive(), "EXTEND_TIMEOUT_USEC=18000000");
 }
 
 }  // namespace

@@ -206,7 +206,7 @@ TEST_F(StoreThreadTest, AStoreThatIsMisplacedIsFoundWithoutCommitsToldOnceAndSav
   std::atomic<int> saved_count = 0;
   Start({.check_interval = milliseconds(1),
          .on_health = [&](const absl::Status& status) { told.push_back(status); },
-         .on_misplaced = [&](PriorStore&) { ++saved_count; }});
+         .on_misplaced = [&](PriorStore&, bool /*last*/) { ++saved_count; }});
   OnThread([&] { misplaced_ = true; });
   while (saved_count < 3) std::this_thread::yield();
   EXPECT_FALSE(thread_->healthy());
@@ -224,7 +224,7 @@ TEST_F(StoreThreadTest, AMisplacedStoreIsFoundByACommitThatFailsBeforeThatIsTold
   Start({.group_interval = milliseconds(0),
          .check_interval = std::chrono::hours(1),
          .on_health = [&](const absl::Status& status) { told.push_back(status); },
-         .on_misplaced = [&](PriorStore&) { saved = true; }});
+         .on_misplaced = [&](PriorStore&, bool last) { saved = !last; }});
   OnThread([&] { failing_ = misplaced_ = true; });
   EXPECT_TRUE(absl::IsUnavailable(Commit(Update("a", 1, {})).get()));
   EXPECT_TRUE(saved);
@@ -236,7 +236,7 @@ TEST_F(StoreThreadTest, AMisplacedStoreIsFoundByACommitThatFailsBeforeThatIsTold
 TEST_F(StoreThreadTest, AMisplacedStoreIsFoundAtTheEndAtTheLatest) {
   bool saved = false;
   Start({.check_interval = std::chrono::hours(1),
-         .on_misplaced = [&](PriorStore&) { saved = true; }});
+         .on_misplaced = [&](PriorStore&, bool last) { saved = last; }});
   OnThread([&] { misplaced_ = true; });
   thread_->Close();
   EXPECT_TRUE(saved);
