@@ -174,14 +174,20 @@ void StoreThread::Finish(PendingCommit& commit, const absl::Status& status) {
   if (absl::IsInvalidArgument(status)) {
     if (options_.on_refusal) options_.on_refusal(commit.update, status);
   } else {
-    SetHealth(status);
+    // One that succeeds finds the place right; one that fails where that is wrong says nothing
+    // about the disk.
+    if (status.ok()) place_ = absl::OkStatus();
+    if (place_.ok()) disk_ = status;
+    TellHealth();
   }
   lost_audit_row_count_.store(store_->lost_audit_row_count(), std::memory_order_relaxed);
   commit.done(status);
 }
 
-void StoreThread::SetHealth(const absl::Status& status) {
-  if (can_write_ == status.ok()) return;
+void StoreThread::TellHealth() {
+  const absl::Status& status = place_.ok() ? disk_ : place_;
+  if (status.ok() == told_.ok() && absl::IsNotFound(status) == absl::IsNotFound(told_)) return;
+  told_ = status;
   options_.on_health(status);  // first, so that whoever sees that it is not healthy finds out why
   can_write_ = status.ok();
 }
@@ -189,8 +195,9 @@ void StoreThread::SetHealth(const absl::Status& status) {
 void StoreThread::CheckPlace(bool last) {
   const absl::Status status = store_->CheckPlace();
   if (!status.ok() && !absl::IsNotFound(status)) return;  // commits find out whether the disk works
-  if (std::exchange(misplaced_, !status.ok()) == status.ok()) SetHealth(status);
-  if (misplaced_ && options_.on_misplaced) options_.on_misplaced(*store_, last);
+  place_ = status;
+  TellHealth();
+  if (!place_.ok() && options_.on_misplaced) options_.on_misplaced(*store_, last);
 }
 
 }  // namespace sweepstake::storage

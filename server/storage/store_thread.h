@@ -53,7 +53,8 @@ struct StoreThreadOptions {
   std::chrono::milliseconds max_read = ReadThreadOptions().max_read;
   std::chrono::milliseconds check_interval{2'000};
   // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
-  // succeed again. NOT_FOUND is that of PriorStore::CheckPlace.
+  // succeed again. NOT_FOUND is that of PriorStore::CheckPlace, and is told whether commits fail
+  // already or not; when that is over and the disk failed too, the disk's error is told again.
   std::function<void(const absl::Status&)> on_health = [](const absl::Status&) {};
   // Called on the store's thread at each check that says NOT_FOUND, behind `on_health`: may keep
   // what the store has elsewhere. No other call comes behind the `last`, that of the check at the
@@ -126,7 +127,8 @@ class StoreThread final : public priors::AsyncPriorStore {
   void CommitOrHalve(std::span<PendingCommit> group, std::span<const priors::SourceUpdate> updates);
   absl::Status CommitNow(std::span<const priors::SourceUpdate> updates);
   void Finish(PendingCommit& commit, const absl::Status& status);
-  void SetHealth(const absl::Status& status);
+  // Tells of a change of what commits are kept by: by the place, else by the disk.
+  void TellHealth();
   // `last`: at the end.
   void CheckPlace(bool last);
 
@@ -134,7 +136,10 @@ class StoreThread final : public priors::AsyncPriorStore {
   const StoreThreadOptions options_;
   std::unique_ptr<ReadThread> reads_;  // may be null; ends before the store
   std::atomic<bool> can_write_{true};
-  bool misplaced_ = false;                         // said the latest check
+  // These are used on the store's thread.
+  absl::Status place_;  // said the latest check, or the commit that succeeded since
+  absl::Status disk_;   // said the latest commit that was not kept by the place
+  absl::Status told_;   // was told last
   std::atomic<uint64_t> lost_audit_row_count_{0};  // the store's, after the latest commit
 
   mutable std::mutex mutex_;

@@ -233,6 +233,48 @@ TEST_F(StoreThreadTest, AMisplacedStoreIsFoundByACommitThatFailsBeforeThatIsTold
   EXPECT_EQ(told[0].message(), "the file is gone");
 }
 
+TEST_F(StoreThreadTest, AStoreThatIsMisplacedWhileTheDiskFailsIsToldAndIsNotWellWhenItIsBack) {
+  std::vector<absl::StatusCode> told;
+  std::atomic<int> told_count = 0;
+  Start({.group_interval = milliseconds(0),
+         .check_interval = milliseconds(1),
+         .on_health = [&](const absl::Status& status) {
+           told.push_back(status.code());
+           ++told_count;
+         }});
+  const auto set = [&](bool misplaced, int count) {
+    OnThread([&] { misplaced_ = misplaced; });
+    while (told_count < count) std::this_thread::yield();
+    EXPECT_FALSE(thread_->healthy());
+  };
+  OnThread([&] { failing_ = true; });
+  EXPECT_FALSE(Commit(Update("a", 1, {})).get().ok());
+  set(true, 2);
+  EXPECT_FALSE(Commit(Update("a", 1, {})).get().ok());
+  set(false, 3);
+  OnThread([&] { failing_ = false; });
+  EXPECT_TRUE(Commit(Update("a", 1, {})).get().ok());
+  EXPECT_TRUE(thread_->healthy());
+  thread_->Close();
+  using enum absl::StatusCode;
+  EXPECT_THAT(told, ::testing::ElementsAre(kUnavailable, kNotFound, kUnavailable, kOk));
+}
+
+TEST_F(StoreThreadTest, AStoreThatIsMisplacedAgainBehindACommitIsToldAgain) {
+  std::vector<absl::StatusCode> told;
+  Start({.group_interval = milliseconds(0),
+         .check_interval = std::chrono::hours(1),
+         .on_health = [&](const absl::Status& status) { told.push_back(status.code()); }});
+  for (const bool misplaced : {true, false, true}) {
+    OnThread([&] { failing_ = misplaced_ = misplaced; });
+    EXPECT_EQ(Commit(Update("a", told.size() + 1, {})).get().ok(), !misplaced);
+    EXPECT_EQ(thread_->healthy(), !misplaced);
+  }
+  thread_->Close();
+  using enum absl::StatusCode;
+  EXPECT_THAT(told, ::testing::ElementsAre(kNotFound, kOk, kNotFound));
+}
+
 TEST_F(StoreThreadTest, AMisplacedStoreIsFoundAtTheEndAtTheLatest) {
   bool saved = false;
   Start({.check_interval = std::chrono::hours(1),
