@@ -182,7 +182,7 @@ void TelemetryStream::OnLoadOverdue() {
   counting_ = true;  // as well as it can be
   OnLoaded({.priors = {},
             .source = {},
-            .new_scene = UnstoredScene{},
+            .new_scene = UnstoredScene{.project_count = 0},
             .refusal = {},
             .status = Refused(v1::ERROR_REASON_STORE_BUSY, "no answer")});
 }

@@ -42,7 +42,7 @@ absl::StatusOr<NewScenes::Hold> NewScenes::Take(const priors::SceneKey& scene,
     if (absl::Status status = CheckSceneCount(count, options_); !status.ok()) return status;
   }
   Project& held = projects_[scene.project];
-  held.stored = !unstored.project_count;
+  held.stored = held.stored || !unstored.project_count;
   if (unstored.new_name) ++held.names[scene.scene];
   ++held.keys[scene];
   return Hold(*this, scene);

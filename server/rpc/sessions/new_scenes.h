@@ -19,9 +19,11 @@ namespace sweepstake::rpc {
 // What the store says about a scene that it does not have. Read on its writing thread, and told to
 // the loop with PostLater, it has the scenes that were forgotten here until then, and no other.
 struct UnstoredScene {
-  priors::SceneCount stored;  // what it has of the project
-  bool new_name = true;       // no other machine class or reward version of it is stored, either
-  std::optional<uint64_t> project_count;  // present if it has nothing of the project
+  priors::SceneCount stored = {};  // what it has of the project
+  bool new_name = true;  // no other machine class or reward version of it is stored, either
+  // Present if it has nothing of the project, as far as is known: where the store cannot say, 0, so
+  // that the projects that are held count at least.
+  std::optional<uint64_t> project_count;
 };
 
 class NewScenes {

@@ -49,6 +49,8 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
   unstored_.reset();
   if (!stored.ok()) {
     unstored_.emplace();
+    // A damaged scene is there, and so is its project.
+    if (!absl::IsDataLoss(stored.status())) unstored_->project_count = 0;
     return absl::OkStatus();
   }
   if (stored->has_value()) {

@@ -150,6 +150,33 @@ TEST_F(SceneNamesTest, ProjectsOfSessionsThatHaveSentNothingCountToo) {
   EXPECT_TRUE(opens("c")) << "each of the stored ones counts once";
 }
 
+TEST_F(SceneNamesTest, ProjectsCountAlsoWhereTheStoreIsTooSlowToSayWhichItHas) {
+  daemon_.options.max_projects = 2;
+  const auto opens_slowly = [&](const std::string& project) {
+    v1::Hello hello = HelloOf(next_scene_++);
+    hello.set_project(project);
+    streams_.push_back(std::make_unique<PromptStream>(daemon_));
+    streams_.back()->Send(Request(hello));
+    daemon_.Advance(daemon_.options.load_patience_ns);
+    return streams_.back()->welcomed();
+  };
+  Open(2, "a");
+  Learn(*streams_[0]);
+  daemon_.store.HoldReads();
+  EXPECT_TRUE(opens_slowly("a"));
+  daemon_.store.EndReads();
+  Open(1, "b");
+  EXPECT_EQ(*daemon_.store.store.CountProjects(), 1u) << "which does not count as held, too";
+  daemon_.store.HoldReads();
+  EXPECT_TRUE(opens_slowly("b"));
+  EXPECT_TRUE(opens_slowly("c")) << "the store may have them or not";
+  EXPECT_FALSE(opens_slowly("d"));
+  const auto& refusal = streams_.back()->end();
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(ReasonOfRefusal(*refusal), v1::ERROR_REASON_TOO_MANY_PROJECTS);
+  daemon_.store.EndReads();
+}
+
 TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
   const uint64_t count = test_support::FromEnvironment("TEST_NAMES", 20'000);
   EXPECT_EQ(OpenUntilRefused(), 100u);

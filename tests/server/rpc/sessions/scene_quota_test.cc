@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 
 #include "engine_client/telemetry/error_reason.h"
+#include "server/storage/memory_prior_store.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/storage/forwarding_store.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -145,6 +147,31 @@ TEST_F(SceneQuotaTest, AnImportBeyondTheQuotaImportsNothing) {
   EXPECT_TRUE(Stored("a").arms.empty());
   EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}, {"c", "x"}}).ok());
   EXPECT_TRUE(Import({{"a", "x"}, {"a", "y"}}).ok());
+}
+
+// Answers each question about a scene with an error.
+class UnreadableStore final : public storage::ForwardingStore {
+ public:
+  explicit UnreadableStore(absl::Status error)
+      : ForwardingStore(std::make_unique<storage::MemoryPriorStore>()), error_(std::move(error)) {}
+  absl::StatusOr<std::optional<priors::SceneEvidence>> LoadScene(
+      const priors::SceneKey& /*key*/) override {
+    return error_;
+  }
+
+ private:
+  const absl::Status error_;
+};
+
+TEST_F(SceneQuotaTest, TheProjectOfASceneThatCannotBeReadIsKnownOnlyWhereTheSceneIsDamaged) {
+  const auto project_count = [&](const absl::Status& error) {
+    UnreadableStore store(error);
+    SceneQuota quota(store, options_);
+    EXPECT_TRUE(quota.Add({"game", "a", "desktop", 1}, {"Grid", 1}).ok());
+    return quota.unstored()->project_count;
+  };
+  EXPECT_EQ(project_count(absl::UnavailableError("the disk does not answer")), 0u);
+  EXPECT_EQ(project_count(absl::DataLossError("a row is wrong")), std::nullopt);
 }
 
 }  // namespace
