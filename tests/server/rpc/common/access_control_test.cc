@@ -337,6 +337,20 @@ TEST_F(AccessTest, AnImportWhoseTokenIsRevokedMeanwhileImportsNothing) {
   EXPECT_EQ(listed_.scenes_size(), 0);
 }
 
+TEST_F(AccessTest, AnImportWhoseTokenIsRevokedAfterItsLastMessageIsRefused) {
+  options_.max_transfers = 1;
+  server_->Adjust(options_);
+  const auto stub = v1::PriorsService::NewStub(channel_);
+  const auto context = Mine();
+  v1::ImportPriorsResponse response;
+  const auto writer = stub->ImportPriors(context.get(), &response);
+  ASSERT_TRUE(Eventually([&] { return ReasonOf(Import({})) == v1::ERROR_REASON_TOO_MANY_IMPORTS; }))
+      << "it has begun, and waits for a message or the end";
+  tokens_.Revoke("mine");
+  writer->WritesDone();
+  EXPECT_EQ(ReasonOf(writer->Finish()), v1::ERROR_REASON_TOKEN_REFUSED);
+}
+
 TEST_F(AccessTest, AnImportWhoseTokenIsRevokedEndsThoughItsClientGoesOn) {
   const auto stub = v1::PriorsService::NewStub(channel_);
   const auto context = Mine();
