@@ -179,8 +179,7 @@ std::vector<Setting> DaemonSettings() {
           [](Config & c) -> auto& { return c.rpc.max_hellos_per_s; },
           "streams that a token, and an address that is not the daemon's own machine, begins in a "
           "second; at once, as many as in ten seconds, so that 10,000 games behind one address "
-          "come "
-          "back unhindered after a restart")),
+          "come back unhindered after a restart")),
       Live(Whole(
           "max_reads_per_s", 1, 1'000'000, 1,
           [](Config & c) -> auto& { return c.rpc.max_reads_per_s; },

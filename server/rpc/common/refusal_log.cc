@@ -27,7 +27,9 @@ void RefusalLog::Tell(std::string_view peer, const absl::Status& refusal) {
 
 void RefusalLog::TellEnd(std::string_view peer, const absl::Status& end) {
   if (end.ok() || absl::IsCancelled(end)) return;
-  if (ReasonOfRefusal(end) != v1::ERROR_REASON_UNKNOWN_SCENE) Tell(peer, end);
+  const v1::ErrorReason reason = ReasonOfRefusal(end);
+  if (reason != v1::ERROR_REASON_UNKNOWN_SCENE && reason != v1::ERROR_REASON_DRAINING)
+    Tell(peer, end);
 }
 
 void RefusalLog::TellLeftOut() {

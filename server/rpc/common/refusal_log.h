@@ -27,7 +27,7 @@ class RefusalLog {
   // `peer` is whose call or stream was refused.
   void Tell(std::string_view peer, const absl::Status& refusal);
   // As Tell, of whatever ended a call: what is no refusal is left out, which are success, a client
-  // that has gone, and that nothing is known of what was asked for.
+  // that has gone, the daemon's own end, and that nothing is known of what was asked for.
   void TellEnd(std::string_view peer, const absl::Status& end);
   // Says what was left out, once that is due. To be called every second or so.
   void TellLeftOut();

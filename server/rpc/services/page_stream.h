@@ -63,9 +63,11 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   int64_t deadline_ns() const override { return deadline_ns_; }
   void OnStalled() override {
     context_.stalls.Remove(*this);
-    Cancel(call_, ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED,
-                                 "the answer was not read, or not in time; ask again, for less"),
-                         context_.counters));
+    const absl::Status stalled =
+        Refused(v1::ERROR_REASON_CALL_STALLED,
+                "the answer was not read, or not in time; ask again, for less");
+    context_.access.refusals().TellEnd(call_.peer(), stalled);
+    Cancel(call_, ToGrpc(stalled, context_.counters));
   }
 
  private:

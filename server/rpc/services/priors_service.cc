@@ -64,9 +64,10 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   int64_t deadline_ns() const override { return deadline_ns_; }
   void OnStalled() override {
     context_.stalls.Remove(*this);
-    Cancel(call_, ToGrpc(Refused(v1::ERROR_REASON_CALL_STALLED,
-                                 "no records came, or not all in time; nothing was imported"),
-                         context_.counters));
+    const absl::Status stalled = Refused(
+        v1::ERROR_REASON_CALL_STALLED, "no records came, or not all in time; nothing was imported");
+    context_.access.refusals().TellEnd(call_.peer(), stalled);
+    Cancel(call_, ToGrpc(stalled, context_.counters));
   }
 
  private:

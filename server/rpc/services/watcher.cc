@@ -6,19 +6,13 @@ void Watcher::Begin(priors::SceneFilter wanted) {
   filter_ = std::move(wanted);
   absl::Status allowed = Narrow(caller_, filter_);
   if (allowed.ok()) allowed = Join();
-  if (!allowed.ok()) {
-    context_.access.refusals().Tell(call_.peer(), allowed);
-    return Close(allowed);
-  }
+  if (!allowed.ok()) return Close(allowed);
   context_.stalls.Add(*this);
   WriteNext();
 }
 
 void Watcher::EndIfRefused() {
-  const absl::Status still = context_.access.CheckStill(caller_);
-  if (still.ok()) return;
-  context_.access.refusals().Tell(call_.peer(), still);
-  Close(still);
+  if (const absl::Status still = context_.access.CheckStill(caller_); !still.ok()) Close(still);
 }
 
 void Watcher::OnStalled() {
@@ -48,6 +42,7 @@ void Watcher::OnWritten(bool ok) {
 void Watcher::Close(const absl::Status& status) {
   if (end_) return;
   end_ = status;
+  context_.access.refusals().TellEnd(call_.peer(), status);
   Forget();
   Leave();
   context_.stalls.Remove(*this);

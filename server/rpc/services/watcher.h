@@ -47,6 +47,7 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   const priors::SceneFilter& filter() const { return filter_; }
   // Closes the stream if the caller's token is not valid any more.
   void EndIfRefused();
+  // Ends the stream. The log tells of a refusal.
   void Close(const absl::Status& status);
   int64_t waiting_since_ns() const override { return writing_ ? write_start_ns_ : Clock::kNever; }
   void OnStalled() override;

@@ -4,6 +4,7 @@
 
 #include <grpcpp/impl/codegen/client_context.h>
 #include <grpcpp/impl/codegen/sync_stream.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <cmath>
 #include <functional>
@@ -23,9 +24,9 @@ using ::testing::HasSubstr;
 // Sends bytes that no generated stub would.
 class RawClient {
  public:
-  explicit RawClient(const std::shared_ptr<grpc::Channel>& channel)
-      : method_("/sweepstake.v1.TelemetryService/StreamTelemetry",
-                grpc::internal::RpcMethod::BIDI_STREAMING, channel),
+  explicit RawClient(const std::shared_ptr<grpc::Channel>& channel,
+                     const char* method = "/sweepstake.v1.TelemetryService/StreamTelemetry")
+      : method_(method, grpc::internal::RpcMethod::BIDI_STREAMING, channel),
         stream_(
             grpc::internal::ClientReaderWriterFactory<grpc::ByteBuffer, grpc::ByteBuffer>::Create(
                 channel.get(), method_, &context_)) {}
@@ -175,6 +176,15 @@ TEST_F(BadInputTest, ATruncatedMessageIsInvalid) {
   RawClient raw(channel_);
   raw.Send(whole.substr(0, whole.size() - 3));
   EXPECT_EQ(ReasonOf(raw.Finish()), v1::ERROR_REASON_MALFORMED_MESSAGE);
+}
+
+TEST_F(BadInputTest, AWatchersBytesThatDoNotParseAreToldInTheLog) {
+  const auto lines = std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(10);
+  log_.sinks().push_back(lines);
+  RawClient raw(channel_, "/sweepstake.v1.PosteriorsService/WatchPosteriors");
+  raw.Send("\xff\xff\xff not a message");
+  EXPECT_EQ(ReasonOf(raw.Finish()), v1::ERROR_REASON_MALFORMED_MESSAGE);
+  EXPECT_THAT(lines->last_formatted(), ::testing::ElementsAre(HasSubstr("(MALFORMED_MESSAGE)")));
 }
 
 TEST_F(BadInputTest, AMessageOverTheLimitExhaustsResources) {

@@ -6,6 +6,7 @@
 
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/sqlite_database.h"
+#include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/temporary_directory.h"
 
@@ -126,6 +127,22 @@ TEST_F(DamagedStoreTest, TheLogSaysItOnceAMinute) {
   TelemetryClient(channel_).Open(HelloMessage());
   ASSERT_EQ(log_lines_->last_formatted().size(), 2u);
   EXPECT_THAT(log_lines_->last_formatted()[1], HasSubstr("3 so far"));
+}
+
+TEST_F(DamagedStoreTest, ThatItKeepsAWatcherOutIsToldInTheLogAsThatItIsBusyIs) {
+  Learnt();
+  const auto end_of_watch = [&] {
+    grpc::ClientContext context;
+    return ReasonOf(
+        v1::PosteriorsService::NewStub(channel_)->WatchPosteriors(&context, {})->Finish());
+  };
+  store_.Close(true);
+  EXPECT_EQ(end_of_watch(), v1::ERROR_REASON_STORE_BUSY);
+  store_.Close(false);
+  Damage("evidence_key");
+  EXPECT_EQ(end_of_watch(), v1::ERROR_REASON_STORE_FAILED);
+  EXPECT_THAT(log_lines_->last_formatted(),
+              ::testing::ElementsAre(HasSubstr("(STORE_BUSY)"), HasSubstr("(STORE_FAILED)")));
 }
 
 TEST_F(DamagedStoreTest, AStoreThatDoesNotAnswerIsNotWaitedForAndTheEvidenceReachesItLater) {

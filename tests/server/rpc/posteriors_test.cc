@@ -3,6 +3,7 @@
 
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <spdlog/sinks/ringbuffer_sink.h>
 
 #include <memory>
 #include <set>
@@ -46,6 +47,7 @@ v1::Hello ManyArmsHello() {
 class PosteriorsTest : public RpcTest {
  protected:
   void SetUp() override {
+    log_.sinks().push_back(log_lines_);
     RpcTest::SetUp();
     posteriors_ = v1::PosteriorsService::NewStub(channel_);
     priors_ = v1::PriorsService::NewStub(channel_);
@@ -89,6 +91,12 @@ class PosteriorsTest : public RpcTest {
     clock_.Advance(watch::WatchHub::kIntervalNs);
   }
 
+  void ExpectTold(const std::string& refusal) const {
+    EXPECT_THAT(log_lines_->last_formatted(), ::testing::Contains(HasSubstr(refusal)));
+  }
+
+  const std::shared_ptr<spdlog::sinks::ringbuffer_sink_mt> log_lines_ =
+      std::make_shared<spdlog::sinks::ringbuffer_sink_mt>(100);
   std::unique_ptr<v1::PosteriorsService::Stub> posteriors_;
   std::unique_ptr<v1::PriorsService::Stub> priors_;
 };
@@ -245,6 +253,7 @@ TEST_F(PosteriorsTest, AWatcherThatDoesNotReadIsDroppedAndOthersAreNot) {
   while (idle->Read(&event)) {
   }
   EXPECT_EQ(idle->Finish().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  ExpectTold("(WATCHER_STALLED): the watcher did not read");
   client.Send(Frames(601, 30));
   ASSERT_TRUE(Applied(601));
   Tick();
@@ -374,6 +383,7 @@ TEST_F(PosteriorsTest, AnImportThatStopsHalfwayEndsAndImportsNothing) {
   const int64_t start_ns = clock_.NowNs();
   EXPECT_EQ(EndOfStalled(clock_, *writer).error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_GE(clock_.NowNs() - start_ns, options_.watcher_patience_ns);
+  ExpectTold("(CALL_STALLED): no records came");
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
@@ -392,6 +402,7 @@ TEST_F(PosteriorsTest, AnExportThatNobodyReadsEnds) {
   while (reader->Read(&part)) {
   }
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+  ExpectTold("(CALL_STALLED): the answer was not read");
 }
 
 TEST_F(PosteriorsTest, ExportedPriorsGiveAnotherDaemonTheSamePosteriors) {

@@ -332,6 +332,7 @@ TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
   EXPECT_THAT(text.str(), ::testing::HasSubstr("TOO_MANY_WATCHERS"));
   server_->Drain(std::chrono::seconds(10));
   EXPECT_EQ(ReasonOf(watch.Finish()), v1::ERROR_REASON_DRAINING);
+  EXPECT_THAT(text.str(), ::testing::Not(::testing::HasSubstr("DRAINING"))) << "no refusal";
   EXPECT_EQ(server_->counters().open_watcher_count, 0u);
 }
 
