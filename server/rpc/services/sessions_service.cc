@@ -131,10 +131,15 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
       if (!order.ok()) return end(order.status());
       order->operator_name = who;
       order->now_ns = context_.loop.clock().NowNs();
+      // Not with the answer, which may never come: the game may obey, and the daemon end first.
+      RecordOrder("order", *request, session->identity().id, who);
       session->Order(*order, [this, request, response, who, end, id = session->identity().id,
                               &decisions = session->decisions()](const absl::Status& status) {
-        RecordOrder(*request, id, who, status);
+        RecordOrder(absl::StrCat("order-answer answer=",
+                                 status.ok() ? "OK" : NameOf(ReasonOfRefusal(status))),
+                    *request, id, who);
         if (status.ok()) {
+          LogOrder(*request, id, who);
           response->set_mode(static_cast<v1::Mode>(decisions.mode()));
           response->set_active_arm(decisions.arms()[decisions.active_arm()]);
         }
@@ -144,17 +149,17 @@ grpc::ServerUnaryReactor* SessionsService::OrderSession(grpc::CallbackServerCont
   });
 }
 
-void SessionsService::RecordOrder(const v1::OrderSessionRequest& order, const std::string& id,
-                                  const std::string& who, const absl::Status& answer) {
-  const std::string& mode = v1::Mode_Name(order.mode());
-  if (answer.ok()) {
-    context_.log.info("{} ordered session {}: {}{}", who, id, mode,
-                      order.arm().empty() ? "" : " " + order.arm());
-  }
-  // The session's own log has it, too, once its next decision is on disk.
-  admin_.Record(absl::StrCat("action=order session=", id, " mode=", mode,
-                             " answer=", answer.ok() ? "OK" : NameOf(ReasonOfRefusal(answer)),
-                             " arm=", order.arm()),
+void SessionsService::LogOrder(const v1::OrderSessionRequest& order, const std::string& id,
+                               const std::string& who) {
+  context_.log.info("{} ordered session {}: {}{}", who, id, v1::Mode_Name(order.mode()),
+                    order.arm().empty() ? "" : " " + order.arm());
+}
+
+// The session's own log has it, too, once its next decision is on disk.
+void SessionsService::RecordOrder(const std::string& action, const v1::OrderSessionRequest& order,
+                                  const std::string& id, const std::string& who) {
+  admin_.Record(absl::StrCat("action=", action, " session=", id,
+                             " mode=", v1::Mode_Name(order.mode()), " arm=", order.arm()),
                 who);
 }
 

@@ -1,6 +1,8 @@
 // What administrators do is in the audit log, on disk without waiting for a decision.
 #include "server/rpc/sessions/admin_log.h"
 
+#include <thread>
+
 #include "server/audit/rederive.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -12,6 +14,7 @@ namespace sweepstake::rpc {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -81,18 +84,36 @@ TEST_F(AdminLogTest, SaysWhoKickedOrderedAndImported) {
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   Order(id);
   Kick(id);
-  ASSERT_TRUE(LogHas(3)) << "and no decision was taken";
-  EXPECT_THAT(Log(),
-              ElementsAre(AllOf(HasSubstr("admin,1,1,admin,"),
-                                HasSubstr("action=import records=0 applied=0"),
-                                HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
-                          AllOf(HasSubstr("admin,1,2,admin,"),
-                                HasSubstr("action=order session=" + id +
-                                          " mode=MODE_MANUAL answer=GAME_AWAY arm=Grid"),
-                                HasSubstr("token ben")),
-                          AllOf(HasSubstr("admin,1,3,admin,"),
-                                HasSubstr("action=kick session=" + id), HasSubstr("token ann"))));
+  ASSERT_TRUE(LogHas(4)) << "and no decision was taken";
+  EXPECT_THAT(
+      Log(),
+      ElementsAre(
+          AllOf(HasSubstr("admin,1,1,admin,"), HasSubstr("action=import records=0 applied=0"),
+                HasSubstr("operator=token ben at ipv4:127.0.0.1:")),
+          AllOf(HasSubstr("admin,1,2,admin,"),
+                HasSubstr("action=order session=" + id + " mode=MODE_MANUAL arm=Grid"),
+                HasSubstr("token ben")),
+          AllOf(HasSubstr("admin,1,3,admin,"),
+                HasSubstr("action=order-answer answer=GAME_AWAY session=" + id +
+                          " mode=MODE_MANUAL arm=Grid"),
+                HasSubstr("token ben")),
+          AllOf(HasSubstr("admin,1,4,admin,"), HasSubstr("action=kick session=" + id),
+                HasSubstr("token ann"))));
   EXPECT_THAT(Log("ben"), ElementsAre()) << "it is about all projects";
+}
+
+TEST_F(AdminLogTest, SaysWhoGaveAnOrderThatIsNotAnsweredYet) {
+  v1::Hello hello = OneArmHello();
+  hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
+  TelemetryClient client(channel_, "ann-token");
+  const std::string id = client.Open(hello).session_id();
+  std::thread ben([&] { Order(id); });
+  client.Await(&v1::StreamTelemetryResponse::has_operator_order);
+  EXPECT_TRUE(LogHas(1));
+  EXPECT_THAT(Log(), ElementsAre(AllOf(HasSubstr("action=order session=" + id),
+                                       HasSubstr("operator=token ben at "))));
+  client.Cancel();
+  ben.join();
 }
 
 TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
@@ -104,9 +125,9 @@ TEST_F(AdminLogTest, ANameCannotForgeAFieldOfItsRow) {
   client.Cancel();
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_stream_count == 0; }));
   Order(id, arm);
-  ASSERT_TRUE(LogHas(1));
-  EXPECT_THAT(Log()[0], AllOf(HasSubstr(R"(arm=x\;operator=token ann)"),
-                              HasSubstr(";operator=token ben at ")));
+  ASSERT_TRUE(LogHas(2));
+  EXPECT_THAT(Log(), Each(AllOf(HasSubstr(R"(arm=x\;operator=token ann)"),
+                                HasSubstr(";operator=token ben at "))));
 }
 
 class AdminLogAloneTest : public AdminLogTest {
