@@ -58,8 +58,8 @@ TEST_F(AttackTest, TextThatIsNotUtf8AddsNothingToTheLogButItsRefusal) {
   rpc::TelemetryClient client(channel);
   client.Send(rpc::Request(hello));
   EXPECT_EQ(ReasonOf(client.Finish()), v1::ERROR_REASON_MALFORMED_MESSAGE);
-  while (daemon_.log().find("MALFORMED_MESSAGE") == std::string::npos) {
-  }
+  ASSERT_TRUE(rpc::Eventually(
+      [&] { return daemon_.log().find("MALFORMED_MESSAGE") != std::string::npos; }));
   EXPECT_THAT(daemon_.log(), ::testing::Not(::testing::HasSubstr("UTF-8 data")));
 }
 
@@ -84,8 +84,7 @@ TEST_F(AttackTest, DescriptorsThatRanOutLetGamesInOnceThereAreSome) {
   limit.rlim_cur = before + kLeft;
   ASSERT_EQ(prlimit(daemon_.pid(), RLIMIT_NOFILE, &limit, nullptr), 0);
   auto strangers = Connect(port(), 2 * kLeft);
-  while (DescriptorCount() < limit.rlim_cur) {
-  }
+  ASSERT_TRUE(rpc::Eventually([&] { return DescriptorCount() >= limit.rlim_cur; }));
   // It waits in the system's queue until the strangers are gone.
   ScriptedGame game(daemon_.address(), FastOptions());
   strangers.clear();
