@@ -178,6 +178,15 @@ absl::StatusOr<priors::SceneCount> SqlitePriorReader::CountScenes(const std::str
   return count;
 }
 
+absl::StatusOr<bool> SqlitePriorReader::HasOtherKeys(const std::string& project,
+                                                     const std::string& scene, int64_t scene_id) {
+  bool has = false;
+  absl::Status status = statements_.other_keys_of_name.ForEachRow(
+      [&](const SqliteRow&) { has = true; }, project, scene, scene_id);
+  if (!status.ok()) return status;
+  return has;
+}
+
 absl::StatusOr<uint64_t> SqlitePriorReader::CountProjects() {
   uint64_t count = 0;
   absl::Status status =

@@ -38,6 +38,10 @@ class SqlitePriorReader final : public priors::PriorReader {
  public:
   static absl::StatusOr<SqlitePriorReader> Prepare(SqliteDatabase& database);
 
+  // Whether the project's scene of that name has evidence in another row than that one, as of
+  // another machine class.
+  absl::StatusOr<bool> HasOtherKeys(const std::string& project, const std::string& scene,
+                                    int64_t scene_id);
   // If there is no such key, its id is 0.
   absl::StatusOr<StoredKey> FindKey(const priors::EvidenceKey& key);
 

@@ -96,7 +96,8 @@ constexpr StatementText<PriorStatements> kStatements[] = {
             hash = next_hash(hash, content_hash,
                              row_hash(project, scene, machine_class, reward_version,
                                       source_count + 1))
-        WHERE id = ?1)sql"},
+        WHERE id = ?1
+        RETURNING project, scene, source_count)sql"},
     {&PriorStatements::import_source, R"sql(
         INSERT INTO source (name, is_session, revoked, commit_sequence, message_sequence,
                             explored_arm_count, decision_count, frame_count, seed, hash)
@@ -201,11 +202,11 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         WHERE source_id = ?1
         ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
                  reward_version)sql"},
-    // The index is read from the row value up to the project, if there is one; a blob is after
-    // every text.
+    // The index is read from the row value up to the project and the scene, if there are these; a
+    // blob is after every text.
     {&PriorReadStatements::list_scenes, R"sql(
         SELECT id, source_count, project, scene, machine_class, reward_version FROM scene
-        WHERE project <= iif(?1 = '', x'', ?1)
+        WHERE (project, scene) <= (iif(?1 = '', x'', ?1), iif(?2 = '', x'', ?2))
           AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (project, scene, machine_class, reward_version) > (?3, ?4, ?5, ?6)
           AND source_count > 0 AND hash = content_hash
@@ -216,6 +217,9 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
     {&PriorReadStatements::count_scenes, R"sql(
         SELECT count(DISTINCT scene), count(*) FROM scene
         WHERE project = ?1 AND source_count > 0)sql"},
+    {&PriorReadStatements::other_keys_of_name, R"sql(
+        SELECT 1 FROM scene
+        WHERE project = ?1 AND scene = ?2 AND source_count > 0 AND id <> ?3 LIMIT 1)sql"},
     // It jumps from one project to the next in the index, however many scenes they have.
     {&PriorReadStatements::count_projects, R"sql(
         WITH RECURSIVE known(project) AS (

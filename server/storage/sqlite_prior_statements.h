@@ -19,8 +19,9 @@ struct PriorStatements {
 struct PriorReadStatements {
   static absl::StatusOr<PriorReadStatements> Prepare(SqliteDatabase& database);
 
-  SqliteStatement find_key, load_source, source_evidence, list_scenes, count_scenes, count_projects,
-      find_scene, scene_arms, next_key, key_evidence, folded_evidence;
+  SqliteStatement find_key, load_source, source_evidence, list_scenes, count_scenes,
+      other_keys_of_name, count_projects, find_scene, scene_arms, next_key, key_evidence,
+      folded_evidence;
 };
 
 }  // namespace sweepstake::storage

@@ -31,7 +31,8 @@ struct OpenFile {
   FileId id;
 };
 
-using FoldedSources = std::map<std::string, int64_t>;  // ids, by month
+using SceneCounts = std::map<std::string, priors::SceneCount>;  // by project
+using FoldedSources = std::map<std::string, int64_t>;           // ids, by month
 
 // A row of evidence that a fold looks at.
 struct FoldRow {
@@ -66,9 +67,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::StatusOr<std::optional<SceneEvidence>> LoadScene(const SceneKey& key) override {
     return reader_->LoadScene(key);
   }
-  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
-    return reader_->CountScenes(project);
-  }
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override;
   absl::StatusOr<uint64_t> CountProjects() override { return reader_->CountProjects(); }
   absl::StatusOr<priors::ExportPage> Export(const SceneFilter& filter,
                                             const priors::ExportPlace& after,
@@ -104,8 +103,9 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status Add(int64_t source, uint64_t sequence, const priors::KeyedEvidence& increment);
   // Inserts the key of an applied record into `changed`.
   absl::Status ImportOne(const PriorRecord& record, priors::ImportResult& result, KeyIds& changed);
-  // Counts the source in the scene, once.
+  // Counts the source in the scene, once, and the scene if this is its first.
   absl::Status JoinScene(int64_t source, int64_t scene);
+  absl::Status CountSource(int64_t scene);
   absl::Status RecountSums(const KeyIds& keys);
   // Bars the source and inserts the keys that it had evidence of into `changed`.
   absl::Status RemoveEvidence(const std::string& source_id, KeyIds& changed);
@@ -123,6 +123,9 @@ class SqlitePriorStore final : public priors::PriorStore {
   std::optional<SqlitePriorReader> reader_;  // present from Prepare on
   std::optional<SqliteAuditLog> audit_;      // present from Prepare on
   uint64_t lost_audit_row_count_ = 0;
+  // By project: those that have scenes and were asked for, so that a count visits the rows once.
+  SceneCounts scene_counts_;
+  SceneCounts added_counts_;     // by the transaction that runs
   std::vector<OpenFile> files_;  // the database and its log
 };
 
@@ -170,11 +173,28 @@ template <typename Body>
 absl::Status SqlitePriorStore::InTransaction(Body body) {
   if (const absl::Status place = CheckPlace(); !place.ok())
     return absl::UnavailableError(place.message());
+  added_counts_.clear();
   SqliteTransaction transaction(database_);
   absl::Status status = transaction.begun();
   if (status.ok()) status = body();
   if (status.ok()) status = transaction.Commit();
+  if (!status.ok()) return status;
+  for (const auto& [project, added] : added_counts_) {
+    const auto known = scene_counts_.find(project);
+    if (known == scene_counts_.end()) continue;
+    known->second.names += added.names;
+    known->second.keys += added.keys;
+  }
   return status;
+}
+
+absl::StatusOr<priors::SceneCount> SqlitePriorStore::CountScenes(const std::string& project) {
+  if (const auto known = scene_counts_.find(project); known != scene_counts_.end())
+    return known->second;
+  auto count = reader_->CountScenes(project);
+  // Clients ask for projects that there are not, too, as many as they like.
+  if (count.ok() && count->keys > 0) scene_counts_.emplace(project, *count);
+  return count;
 }
 
 absl::Status SqlitePriorStore::Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes) {
@@ -257,7 +277,27 @@ absl::Status SqlitePriorStore::JoinScene(int64_t source, int64_t scene) {
   bool joined = false;
   absl::Status status =
       statements_.join_scene.ForEachRow([&](const SqliteRow&) { joined = true; }, source, scene);
-  return status.ok() && joined ? statements_.count_source.Run(scene) : status;
+  return status.ok() && joined ? CountSource(scene) : status;
+}
+
+absl::Status SqlitePriorStore::CountSource(int64_t scene) {
+  std::string project;
+  std::string name;
+  uint64_t source_count = 0;
+  absl::Status status = statements_.count_source.ForEachRow(
+      [&](const SqliteRow& row) {
+        project = row.Text(0);
+        name = row.Text(1);
+        source_count = row.Unsigned(2);
+      },
+      scene);
+  if (!status.ok() || source_count != 1) return status;
+  const auto known_name = reader_->HasOtherKeys(project, name, scene);
+  if (!known_name.ok()) return known_name.status();
+  priors::SceneCount& added = added_counts_[project];
+  ++added.keys;
+  added.names += *known_name ? 0 : 1;
+  return absl::OkStatus();
 }
 
 absl::Status SqlitePriorStore::RecountSums(const KeyIds& keys) {
@@ -320,6 +360,7 @@ absl::StatusOr<priors::ImportResult> SqlitePriorStore::Import(
 
 absl::StatusOr<uint64_t> SqlitePriorStore::Revoke(const std::string& source_id) {
   KeyIds changed;
+  scene_counts_.clear();  // fewer may have evidence then
   absl::Status status = InTransaction([&] { return RemoveEvidence(source_id, changed); });
   if (!status.ok()) return status;
   return changed.size();

@@ -17,10 +17,13 @@
 // - a session that is resumed. Its last commit may still be queued when its client comes back,
 //   and one that began from an older state would count its messages twice, or give its next commit
 //   a number that is taken;
+// - a fresh session of a scene that is not stored, which counts against the quotas: what was
+//   committed must count once, there or among the scenes in memory (rpc/sessions/new_scenes.h);
 // - the sums to which the increments of later commits are added (watch/watch_hub.h);
 // - the quota of an import, which the import itself follows.
-// The rest is read beside: what a fresh session begins from, listings, exports, the audit log. Each
-// is some state of the store that has all that was acknowledged before the request.
+// The rest is read beside: whether a fresh session's scene is stored and what it begins from then,
+// listings, exports, the audit log. Each is some state of the store that has all that was
+// acknowledged before the request.
 //
 // Closing: both threads run what they have. Commits are waited for first, so that a read that
 // hangs holds up none; the connection that reads ends before the store, which alone can put the

@@ -161,15 +161,15 @@ absl::Status TelemetryStream::Load() {
   loop.PostAt(loop.clock().NowNs() + context_.options.load_patience_ns, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->OnLoadOverdue();
   });
-  auto load = [weak = weak_from_this(), &loop, &options = context_.options,
-               wanted = *hello_](priors::PriorReader& store) {
+  counting_ = counting_ || !hello_->session_id().empty();
+  auto load = [weak = weak_from_this(), &loop, &options = context_.options, wanted = *hello_,
+               counts = counting_](priors::PriorReader& store) {
     if (weak.expired()) return;  // Nobody waits for it any more.
     // Behind the commits that it sees, which are told with PostLater, too.
-    loop.PostLater([weak, start = LoadStart(store, wanted, options)] {
+    loop.PostLater([weak, start = LoadStart(store, wanted, options, counts)] {
       if (const auto self = weak.lock()) self->OnLoaded(start);
     });
   };
-  counting_ = counting_ || !hello_->session_id().empty();
   const bool submitted =
       counting_ ? context_.store.Submit(std::move(load)) : context_.store.Read(std::move(load));
   if (submitted) return absl::OkStatus();

@@ -60,6 +60,10 @@ absl::Status SceneQuota::AddScene(const priors::SceneKey& scene) {
     }
     return absl::OkStatus();
   }
+  if (!counts_) {
+    unstored_.emplace();
+    return absl::OkStatus();
+  }
   new_scenes_.push_back(scene);
   Project& project = FindProject(scene.project);
   // Another machine class of a known name adds no name.

@@ -41,8 +41,10 @@ class SceneQuota {
   static constexpr uint32_t kKeysPerScene = 32;
   static constexpr uint32_t kVersionsPerArm = 32;
 
-  SceneQuota(priors::PriorReader& store, const RpcOptions& options)
-      : store_(store), options_(options) {}
+  // Without `counts`, a scene that is not stored is not counted and allowed, since another look
+  // will follow that counts it.
+  SceneQuota(priors::PriorReader& store, const RpcOptions& options, bool counts = true)
+      : store_(store), options_(options), counts_(counts) {}
 
   // Checks that the scene and its arm may be stored, beside what is there and what was added here
   // before. Error: RESOURCE_EXHAUSTED names the limit. A store that cannot be read allows it: what
@@ -71,6 +73,7 @@ class SceneQuota {
 
   priors::PriorReader& store_;
   const RpcOptions& options_;
+  const bool counts_;
   std::map<std::string, Project> projects_;
   uint64_t new_project_count_ = 0;                           // of these
   std::set<std::pair<std::string, std::string>> new_names_;  // of project and scene

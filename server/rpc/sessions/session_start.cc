@@ -134,15 +134,16 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
 
 }  // namespace
 
-StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello,
-                      const RpcOptions& options) {
+StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const RpcOptions& options,
+                      bool counts) {
   StoredStart start;
-  SceneQuota quota(store, options);
+  SceneQuota quota(store, options, counts);
   for (const v1::Arm& arm : hello.arms()) {
     start.refusal = quota.Add(FromProto(hello), {arm.name(), arm.backend_version()});
     if (!start.refusal.ok()) return start;
   }
   start.new_scene = quota.unstored();
+  if (start.new_scene && !counts) return start;
   if (!hello.session_id().empty()) {
     auto source = store.LoadSource(hello.session_id());
     if (!source.ok()) {

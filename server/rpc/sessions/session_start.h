@@ -40,9 +40,11 @@ struct StoredStart {
 };
 
 // Reads the store, on one of its threads: on the writing one if a session is to be resumed, since
-// its latest commit may wait in the queue.
-StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello,
-                      const RpcOptions& options);
+// its latest commit may wait in the queue, or if the scene is not stored, since it `counts` against
+// the quotas then. Elsewhere nothing is counted, and of such a scene nothing else is read: it is to
+// be read again there.
+StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const RpcOptions& options,
+                      bool counts);
 
 // Makes the session of a checked Hello for the caller's token. Error: INVALID_ARGUMENT (the setup
 // is not valid).

@@ -13,6 +13,7 @@
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_schema.h"
 #include "tests/server/storage/evidence_samples.h"
+#include "tests/server/storage/instruction_counter.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::storage {
@@ -361,35 +362,6 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoAuditRow) {
   EXPECT_FALSE(database.Execute("INSERT INTO audit_chunk VALUES (1, -1, 0)").ok());
   EXPECT_FALSE(database.Execute("INSERT INTO audit_chunk VALUES (1, 0, -1)").ok());
 }
-
-// Counts the instructions of SQLite's machine on every connection that is opened while it lives; a
-// row that is visited takes several.
-class InstructionCounter {
- public:
-  InstructionCounter() {
-    count_ = 0;
-    sqlite3_auto_extension(reinterpret_cast<void (*)()>(&Attach));
-  }
-  ~InstructionCounter() { sqlite3_reset_auto_extension(); }
-
-  template <typename Body>
-  uint64_t During(Body body) {
-    const uint64_t before = count_;
-    body();
-    return count_ - before;
-  }
-
- private:
-  static int Attach(sqlite3* database, char** /*error*/, const sqlite3_api_routines* /*api*/) {
-    const auto count = [](void*) {
-      ++count_;
-      return 0;
-    };
-    sqlite3_progress_handler(database, 1, count, nullptr);
-    return SQLITE_OK;
-  }
-  static inline uint64_t count_ = 0;
-};
 
 TEST_F(SqlitePriorStoreTest, AHelloVisitsNoMoreRowsWithTenThousandSourcesThanWithTen) {
   InstructionCounter counter;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include "engine_client/telemetry/error_reason.h"
+#include "server/rpc/common/error_reasons.h"
+#include "server/rpc/sessions/session_start.h"
 #include "server/storage/memory_prior_store.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -147,6 +149,32 @@ TEST_F(SceneQuotaTest, AnImportBeyondTheQuotaImportsNothing) {
   EXPECT_TRUE(Stored("a").arms.empty());
   EXPECT_TRUE(Import({{"a", "x"}, {"b", "x"}, {"c", "x"}}).ok());
   EXPECT_TRUE(Import({{"a", "x"}, {"a", "y"}}).ok());
+}
+
+// Counts how often it is asked to count.
+class CountedStore final : public storage::ForwardingStore {
+ public:
+  CountedStore() : ForwardingStore(std::make_unique<storage::MemoryPriorStore>()) {}
+  absl::StatusOr<priors::SceneCount> CountScenes(const std::string& project) override {
+    ++count_;
+    return ForwardingStore::CountScenes(project);
+  }
+  int count() const { return count_; }
+
+ private:
+  int count_ = 0;
+};
+
+TEST_F(SceneQuotaTest, ANewSceneIsCountedOnceWhereItsHelloIsReadExactlyAndNowhereElse) {
+  CountedStore store;
+  options_.max_scenes = 0;
+  const StoredStart beside = LoadStart(store, OneArmHello(), options_, /*counts=*/false);
+  EXPECT_TRUE(beside.new_scene);
+  EXPECT_TRUE(beside.refusal.ok());
+  EXPECT_EQ(store.count(), 0);
+  const StoredStart exact = LoadStart(store, OneArmHello(), options_, /*counts=*/true);
+  EXPECT_EQ(ReasonOfRefusal(exact.refusal), v1::ERROR_REASON_TOO_MANY_SCENES);
+  EXPECT_EQ(store.count(), 1);
 }
 
 // Answers each question about a scene with an error.
