@@ -351,8 +351,7 @@ Result<LoadResult> LoadRun::Run() {
   ScheduleStarts();
   const int64_t last_start_ns = timers_.rbegin()->first;
   RunUntil(last_start_ns + kPatienceNs, [this] { return AllUpOrRefused(); });
-  if (UpCount() == 0) {
-    const std::lock_guard lock(mutex_);
+  if (const std::lock_guard lock(mutex_); result_.welcome_count == 0) {
     if (last_error_.ok()) last_error_ = {grpc::StatusCode::UNAVAILABLE, "no answer in time"};
     return ToStatus(last_error_, plan_.daemon);
   }
