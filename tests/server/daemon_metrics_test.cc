@@ -59,15 +59,19 @@ TEST_F(DaemonMetricsTest, EveryCounterIsShownOnce) {
 }
 
 TEST_F(DaemonMetricsTest, NamesFollowTheConventions) {
+  const std::map<std::string, size_t> series_counts = {
+      {"sweepstake_errors_total", static_cast<size_t>(v1::ErrorReason_descriptor()->value_count())},
+      {"sweepstake_rejected_frames_total", rpc::kRejectionReasonNames.size()},
+      {"sweepstake_rejected_shadow_samples_total", rpc::kRejectionReasonNames.size()}};
   for (const auto& family : metrics_.Collect(counters_, {.database = database_})) {
     const bool is_of_process = family.name.starts_with("process_");
     const bool is_counter = family.type == prometheus::MetricType::Counter;
     EXPECT_THAT(family.name, StartsWith(is_of_process ? "process_" : "sweepstake_"));
     EXPECT_THAT(family.name, EndsWith(is_counter ? "_total" : ""));
     EXPECT_THAT(family.help, EndsWith("."));
-    const auto reason_count = static_cast<size_t>(v1::ErrorReason_descriptor()->value_count());
-    const size_t count = family.name == "sweepstake_errors_total" ? reason_count : 1;
-    EXPECT_EQ(family.metric.size(), count) << "no label may make series of it";
+    const auto count = series_counts.find(family.name);
+    EXPECT_EQ(family.metric.size(), count == series_counts.end() ? 1 : count->second)
+        << family.name << ": no label may make more series of it";
   }
 }
 
