@@ -1,9 +1,15 @@
 #include "server/storage/store_thread.h"
 
+#include <sys/resource.h>
+
 #include <utility>
 
 namespace sweepstake::storage {
 namespace {
+
+// A commit may take milliseconds of a processor. Where all are busy, the threads that answer games
+// go first: acknowledgements can wait, decisions cannot.
+constexpr int kNiceness = 10;
 
 // Returns the number of rows that an update writes: its own and one per increment.
 size_t RowCount(const priors::SourceUpdate& update) { return 1 + update.increments.size(); }
@@ -88,6 +94,7 @@ std::vector<StoreThread::PendingCommit> StoreThread::TakeGroup() {
 }
 
 void StoreThread::Loop() {
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // on Linux that of this thread
   std::unique_lock lock(mutex_);
   TimePoint next_check = std::chrono::steady_clock::now() + options_.check_interval;
   while (true) {

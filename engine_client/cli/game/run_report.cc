@@ -51,6 +51,13 @@ std::string ArmTable(const RunSummary& summary) {
   return table.Text();
 }
 
+// A decider that has no evidence reports Beta(1,1), as well as none.
+bool IsNothingKnown(std::span<const ArmRow> arms) {
+  return std::all_of(arms.begin(), arms.end(), [](const ArmRow& row) {
+    return row.belief.alpha == 1 && row.belief.beta == 1;
+  });
+}
+
 // Returns "3 switches: 2 policy, 1 bail-out".
 std::string SwitchCountsText(const RunSummary& summary) {
   const size_t switch_count = summary.switches.size();
@@ -239,7 +246,7 @@ std::string RunReportText(const RunSummary& summary) {
   std::string text = "\nPosteriors learnt in " + scene.name + " with " +
                      std::to_string(scene.object_count) + " objects (" +
                      PriorsText(summary.setup, summary.session) + ")\n" + ArmTable(summary);
-  if (summary.session.beliefs.empty()) text += "Nothing was learnt yet: these are Beta(1,1)\n";
+  if (IsNothingKnown(summary.arms)) text += "Nothing was learnt yet: these are Beta(1,1)\n";
   return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
          " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
          DroppedText(summary.session.dropped_frame_count, summary.frame_count, is_lost) + '\n' +

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <future>
 
@@ -72,6 +73,13 @@ class StoreThreadTest : public ::testing::Test {
   bool misplaced_ = false;
   std::unique_ptr<StoreThread> thread_;
 };
+
+TEST_F(StoreThreadTest, ItsOwnThreadGivesWayToThoseThatAnswerGames) {
+  Start({});
+  int niceness = 0;
+  OnThread([&] { niceness = getpriority(PRIO_PROCESS, 0); });
+  EXPECT_GT(niceness, getpriority(PRIO_PROCESS, 0));
+}
 
 TEST_F(StoreThreadTest, UpdatesThatComeTogetherShareACommit) {
   Start({.group_interval = milliseconds(0)});

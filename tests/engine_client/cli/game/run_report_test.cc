@@ -87,13 +87,18 @@ TEST(RunReportText, SaysWhyASessionWasLost) {
   EXPECT_THAT(text, HasSubstr("(the daemon was lost)"));
 }
 
-TEST(RunReportText, SaysWhenNothingWasLearnt) {
+TEST(RunReportText, SaysWhenNothingWasLearntWhetherTheDeciderHasSaidSoOrNot) {
+  const char* const nothing = "Nothing was learnt yet: these are Beta(1,1)\n";
   RunSummary summary = SomeSummary();
-  summary.session.beliefs.clear();
+  for (ArmRow& row : summary.arms) row.belief = {row.arm};
+  summary.session.beliefs = {summary.arms[0].belief, summary.arms[1].belief};
   summary.verdict = {};
-  const std::string text = RunReportText(summary);
-  EXPECT_THAT(text, HasSubstr("Nothing was learnt yet: these are Beta(1,1)\n"));
-  EXPECT_THAT(text, HasSubstr("Verdict: unknown\n"));
+  EXPECT_THAT(RunReportText(summary), HasSubstr(nothing));
+  EXPECT_THAT(RunReportText(summary), HasSubstr("Verdict: unknown\n"));
+  summary.session.beliefs.clear();
+  EXPECT_THAT(RunReportText(summary), HasSubstr(nothing));
+  summary.arms[1].belief.beta = 1.02;  // of old or discounted evidence little is left
+  EXPECT_THAT(RunReportText(summary), Not(HasSubstr(nothing)));
 }
 
 TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
