@@ -173,6 +173,7 @@ class DaemonSession final : public SessionBase {
   uint32_t DelayMs(const grpc::Status& status, const Link& link, uint64_t now_ns);
   bool Disconnect(uint64_t now_ns, bool queue_empty);
   void HalfClose(uint64_t now_ns);
+  void GiveUp();
   void Publish();
 
   const std::string address_;
@@ -397,8 +398,7 @@ uint32_t DaemonSession::DelayMs(const grpc::Status& status, const Link& link, ui
 bool DaemonSession::Disconnect(uint64_t now_ns, bool queue_empty) {
   if (!link_) return false;
   if (now_ns >= stop_deadline_ns()) {
-    link_->stream->Cancel();
-    link_.reset();
+    GiveUp();
     return false;
   }
   if (queue_empty && !intake_->batch_empty()) {
@@ -418,6 +418,23 @@ bool DaemonSession::Disconnect(uint64_t now_ns, bool queue_empty) {
   return true;
 }
 
+// Ends the connection at the deadline of Stop, and says what the daemon owes until then.
+void DaemonSession::GiveUp() {
+  link_->stream->Cancel();
+  link_.reset();
+  const std::string daemon = "the daemon at " + address_;
+  if (!state_->online()) {
+    if (last_error_.empty()) last_error_ = daemon + " has not answered";
+    return;
+  }
+  const uint64_t unacknowledged_count =
+      state_->counts().sent_sequence - state_->counts().acknowledged_sequence;
+  last_error_ = daemon + " did not confirm the session's end in time";
+  if (unacknowledged_count == 0) return;
+  last_error_ += ": it has not acknowledged the last " + std::to_string(unacknowledged_count) +
+                 " messages; its log and /readyz may say why";
+}
+
 void DaemonSession::Publish() {
   const SessionState::Counts& counts = state_->counts();
   UpdateStats([&](SessionStats& stats) {
@@ -431,6 +448,7 @@ void DaemonSession::Publish() {
     stats.dropped_frame_count = counts.discarded_frame_count;
     stats.acknowledged_sequence = counts.acknowledged_sequence;
     stats.sent_sequence = counts.sent_sequence;
+    stats.awaits_acknowledgement = state_->online() && state_->full();
     stats.connection_count = counts.connection_count;
     stats.resumed_count = counts.resumed_count;
     stats.resent_message_count = counts.resent_message_count;

@@ -58,6 +58,16 @@ bool IsNothingKnown(std::span<const ArmRow> arms) {
   });
 }
 
+// A welcome clears the error.
+bool IsLost(const SessionStats& session) {
+  return session.connection_count > 0 && !session.last_error.empty();
+}
+
+std::string DropCause(const SessionStats& session) {
+  if (session.awaits_acknowledgement) return "the daemon has not acknowledged what was sent";
+  return IsLost(session) ? "the daemon was lost" : "frames come faster than they are sent";
+}
+
 // Returns "3 switches: 2 policy, 1 bail-out".
 std::string SwitchCountsText(const RunSummary& summary) {
   const size_t switch_count = summary.switches.size();
@@ -231,27 +241,25 @@ std::string ShadowText(const RunSummary& summary) {
          std::to_string(shadow.cold_switch_count) + " cold switches";
 }
 
-std::string DroppedText(uint64_t dropped_count, uint64_t frame_count, bool is_lost) {
-  if (dropped_count == 0) return "no samples dropped";
-  return std::to_string(dropped_count) + " of " + std::to_string(frame_count) +
-         " samples were dropped because the queue was full (" +
-         (is_lost ? "the daemon was lost" : "frames come faster than they are sent") +
+std::string DroppedText(const SessionStats& session, uint64_t frame_count) {
+  if (session.dropped_frame_count == 0) return "no samples dropped";
+  return std::to_string(session.dropped_frame_count) + " of " + std::to_string(frame_count) +
+         " samples were dropped because the queue was full (" + DropCause(session) +
          "): the evidence is thinner, the frames themselves were not affected";
 }
 
 std::string RunReportText(const RunSummary& summary) {
   const SceneChoice& scene = summary.setup.scene;
-  // A welcome clears the error.
-  const bool is_lost = summary.session.connection_count > 0 && !summary.session.last_error.empty();
   std::string text = "\nPosteriors learnt in " + scene.name + " with " +
                      std::to_string(scene.object_count) + " objects (" +
                      PriorsText(summary.setup, summary.session) + ")\n" + ArmTable(summary);
   if (IsNothingKnown(summary.arms)) text += "Nothing was learnt yet: these are Beta(1,1)\n";
   return text + std::to_string(summary.frame_count) + " frames in " + Fixed(summary.active_s(), 1) +
          " s, " + Fixed(summary.fps(), 0) + " frames/s\n" +
-         DroppedText(summary.session.dropped_frame_count, summary.frame_count, is_lost) + '\n' +
-         (is_lost ? "The session did not end as it should: " + summary.session.last_error + '\n'
-                  : "") +
+         DroppedText(summary.session, summary.frame_count) + '\n' +
+         (IsLost(summary.session)
+              ? "The session did not end as it should: " + summary.session.last_error + '\n'
+              : "") +
          SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' +
          "Verdict: " + VerdictText(summary.verdict) + '\n';
 }

@@ -25,9 +25,9 @@ std::string VerdictChangeText(const VerdictChangeRow& row);
 std::string BeliefsText(std::span<const ArmBelief> beliefs);
 // Returns the work and the cost of the shadow lane, or why there is none.
 std::string ShadowText(const RunSummary& summary);
-// Returns how many samples the full queue dropped, why, and the consequence. `is_lost`: the daemon
-// was not there at the end.
-std::string DroppedText(uint64_t dropped_count, uint64_t frame_count, bool is_lost);
+// Returns how many samples the full queue dropped, why as far as the end of the session tells, and
+// the consequence.
+std::string DroppedText(const SessionStats& session, uint64_t frame_count);
 
 // Returns the report at the end: a table of the arms and some lines.
 std::string RunReportText(const RunSummary& summary);

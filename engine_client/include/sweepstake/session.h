@@ -42,6 +42,9 @@ struct SessionStats {
   uint64_t dropped_frame_count = 0;  // because the queue was full, or the daemon refused them
   uint64_t acknowledged_sequence = 0;
   uint64_t sent_sequence = 0;
+  // Nothing more is sent until the daemon acknowledges: SessionOptions::unacknowledged_messages are
+  // with it. After Stop: it was so to the end.
+  bool awaits_acknowledgement = false;
   uint64_t connection_count = 0;  // welcomes received
   uint64_t resumed_count = 0;     // of those, resumed
   uint64_t resent_message_count = 0;
@@ -121,7 +124,8 @@ class Session {
   // the frame thread; it does not wait.
   virtual void OnModeChange() = 0;
   // Sends the content of the queue and a goodbye within `deadline_ms`, and ends the thread. If the
-  // daemon could not put the last evidence on disk, stats().last_error says so. Idempotent.
+  // daemon could not put the last evidence on disk, or did not say in time that it has,
+  // stats().last_error says so. Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
   virtual ~Session() = default;

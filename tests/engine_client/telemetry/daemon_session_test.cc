@@ -177,6 +177,16 @@ TEST_F(DaemonSessionTest, SaysThatItsLastEvidenceIsNotOnDisk) {
   EXPECT_THAT(session_->stats().last_error, HasSubstr("did not confirm the session's end: full"));
 }
 
+TEST_F(DaemonSessionTest, SaysAtItsEndWhatTheDaemonHasNotAcknowledged) {
+  options_.unacknowledged_messages = 1;
+  FakeDaemon daemon;
+  daemon.SetScript([](auto& script) { script.acknowledges = false; });
+  GoOnline(daemon);
+  RunUntil([&] { return session_->stats().awaits_acknowledgement; });
+  session_->Stop(20);
+  EXPECT_THAT(session_->stats().last_error, HasSubstr("in time: it has not acknowledged the last"));
+}
+
 TEST_F(DaemonSessionTest, BringsACommandToTheFrameThreadAndItsOutcomeBack) {
   FakeDaemon daemon;
   GoOnline(daemon);
@@ -408,6 +418,7 @@ TEST_F(DaemonSessionTest, StopsInTimeWhateverTheDaemonDoes) {
     for (int i = 0; i < 100; ++i) Frame();
     session_->Stop(20);
     EXPECT_EQ(session_->stats().state, ConnectionState::kClosed);
+    EXPECT_THAT(session_->stats().last_error, HasSubstr(answers_hello ? "confirm" : "answered"));
     session_->Stop(20);
   }
   Make("127.0.0.1:1");
@@ -478,8 +489,7 @@ TEST_F(DaemonSessionTest, StartsOnce) {
 }
 
 TEST(MakeDaemonSession, RefusesBadAddressesAndOptions) {
-  EXPECT_EQ(MakeDaemonSession("nowhere", SessionOptions()).status().code(),
-            StatusCode::kInvalidArgument);
+  EXPECT_EQ(MakeDaemonSession("nowhere", {}).status().code(), StatusCode::kInvalidArgument);
   SessionOptions options;
   options.scene.clear();
   EXPECT_EQ(MakeDaemonSession("localhost:1", options).status().code(),

@@ -207,13 +207,19 @@ TEST(BeliefsText, ListsTheArmsBestFirst) {
   EXPECT_EQ(BeliefsText({}), "");
 }
 
-TEST(DroppedText, SaysWhatALossMeans) {
-  EXPECT_EQ(DroppedText(0, 10, true), "no samples dropped");
-  const std::string text = DroppedText(3, 10, /*is_lost=*/false);
-  EXPECT_THAT(text, HasSubstr("3 of 10 samples"));
-  EXPECT_THAT(text, HasSubstr("frames come faster than they are sent"));
-  EXPECT_THAT(text, HasSubstr("frames themselves were not affected"));
-  EXPECT_THAT(DroppedText(3, 10, /*is_lost=*/true), HasSubstr("(the daemon was lost)"));
+TEST(DroppedText, SaysWhatALossMeansAndWhyThereIsOne) {
+  SessionStats session;
+  session.connection_count = 1;
+  EXPECT_EQ(DroppedText(session, 10), "no samples dropped");
+  session.dropped_frame_count = 3;
+  EXPECT_THAT(DroppedText(session, 10), HasSubstr("3 of 10 samples"));
+  EXPECT_THAT(DroppedText(session, 10), HasSubstr("(frames come faster than they are sent)"));
+  EXPECT_THAT(DroppedText(session, 10), HasSubstr("frames themselves were not affected"));
+  session.last_error = "no connection";
+  EXPECT_THAT(DroppedText(session, 10), HasSubstr("(the daemon was lost)"));
+  session.awaits_acknowledgement = true;
+  EXPECT_THAT(DroppedText(session, 10),
+              HasSubstr("(the daemon has not acknowledged what was sent)"));
 }
 
 }  // namespace
