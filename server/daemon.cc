@@ -3,22 +3,17 @@
 #include <spdlog/logger.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
-#include <unistd.h>
 
-#include <array>
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "server/daemon_files.h"
 #include "server/descriptor_limit.h"
 #include "server/priors/unix_time.h"
 #include "server/rpc/health_probe.h"
-#include "server/storage/private_file.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "server/web/health_page.h"
 #include "server/web/metrics_page.h"
@@ -89,41 +84,6 @@ bool TlsKeepsOut(const tls::Files& files) {
   return !texts.ok() || tls::EarliestExpiryUnixS(texts->cert) <= priors::UnixNowS();
 }
 
-using ResumeKey = std::array<char, 32>;
-
-// Fills a private file with random bytes.
-absl::Status WriteRandomKey(const fs::path& path) {
-  if (absl::Status status = storage::CreatePrivateFile(path); !status.ok()) return status;
-  ResumeKey key;
-  if (getentropy(key.data(), key.size()) == 0 &&
-      std::ofstream(path, std::ios::binary).write(key.data(), key.size()).flush())
-    return absl::OkStatus();
-  return absl::UnavailableError(
-      absl::StrCat(path.string(), ": ", std::generic_category().message(errno)));
-}
-
-absl::Status MakeResumeKey(const fs::path& path) {
-  const fs::path unfinished = path.string() + ".new";
-  absl::Status status = WriteRandomKey(unfinished);
-  if (status.ok()) status = storage::PublishFile(unfinished, path);
-  if (status.ok()) return status;
-  return absl::UnavailableError(
-      absl::StrCat("cannot make ", status.message(), "; make the data directory writable"));
-}
-
-// Returns the secret of the data directory's sessions, which is made at the first start.
-absl::StatusOr<std::string> ReadResumeKey(const fs::path& path) {
-  std::error_code unknown;  // a file that cannot be examined cannot be read either
-  if (!fs::exists(path, unknown)) {
-    if (absl::Status status = MakeResumeKey(path); !status.ok()) return status;
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string key(std::istreambuf_iterator<char>(file), {});
-  if (key.size() == std::tuple_size_v<ResumeKey>) return key;
-  return absl::DataLossError(absl::StrCat(
-      path.string(), " cannot be read or is damaged; remove it, and games begin new sessions"));
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Daemon>> Daemon::Start(const Config& config, rpc::Clock& clock) {
@@ -172,7 +132,8 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   store_options.on_read = [this](auto duration) { metrics_.OnRead(duration); };
   store_ = std::make_unique<storage::StoreThread>(
       std::move(opened->store), std::move(store_options), std::move(opened->reads));
-  if (absl::Status status = RemovePortFile(); !status.ok()) return status;
+  const PortFile port_file(config_.port_file);
+  if (absl::Status status = port_file.Remove(); !status.ok()) return status;
   auto key = ReadResumeKey(directory_.resume_key());
   if (!key.ok()) return key.status();
   if (absl::Status status = OpenTokens(); !status.ok()) return status;
@@ -192,7 +153,8 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   StartBackups(config_);
   StartFolding(config_);
   FollowTls();
-  if (absl::Status status = WritePortFile(); !status.ok()) return status;
+  const std::optional<int> http_port = web_ ? std::optional(web_->port()) : std::nullopt;
+  if (absl::Status status = port_file.Write(rpc_->port(), http_port); !status.ok()) return status;
   const auto& tls = config_.rpc.tls;
   log_->info("serving on port {} ({}, {}), priors in {}", rpc_->port(),
              tls.cert.empty() ? "plain text"
@@ -327,10 +289,12 @@ void Daemon::SaveStore(priors::PriorStore& store, bool last) {
     return;
   }
   save_.done = true;
-  const std::string what =
-      absl::StrCat("all that was acknowledged is in ", saved->string(), ": stop the daemon, move ",
-                   path, " away with its -wal and -shm, `sweepstaked restore ", saved->string(),
-                   " --data ", config_.data.string(), "`, and start it again");
+  const std::string what = absl::StrCat(
+      "all that was acknowledged is in ", saved->string(), ": stop the daemon, move away those of ",
+      path, ", ", path, "-wal and ", path, "-shm that are there, `sweepstaked restore ",
+      saved->string(), " --data ", config_.data.string(),
+      "`, and start it again. What games hand over meanwhile is lost at the stop, unless the file "
+      "comes back before, or the game is still there and sends it again");
   log_->error("{}", what);
   const std::lock_guard lock(mutex_);
   absl::StrAppend(&store_problem_, "; ", what);
@@ -384,37 +348,6 @@ std::optional<std::string> Daemon::TlsProblem() const {
 std::optional<std::string> Daemon::ShutdownProblem() const {
   if (!draining_) return std::nullopt;
   return "the daemon is draining";
-}
-
-// The file appears whole, so that a process that waits for it never reads a part of it.
-absl::Status Daemon::WritePortFile() const {
-  if (config_.port_file.empty()) return absl::OkStatus();
-  const fs::path unfinished = config_.port_file.string() + ".new";
-  std::ofstream file(unfinished);
-  file << rpc_->port() << '\n';
-  if (web_ != nullptr) file << web_->port() << '\n';
-  file.close();
-  std::error_code error;
-  if (!file) {
-    error = std::error_code(errno, std::generic_category());
-  } else {
-    fs::rename(unfinished, config_.port_file, error);
-  }
-  if (file && !error) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat("cannot write the port file ",
-                                             config_.port_file.string(), ": ", error.message(),
-                                             "; name another with --port-file"));
-}
-
-// A port file of an earlier start would name a port that nobody serves.
-absl::Status Daemon::RemovePortFile() const {
-  std::error_code ignored;
-  if (config_.port_file.empty() || !fs::exists(config_.port_file, ignored)) return absl::OkStatus();
-  if (!fs::is_regular_file(config_.port_file, ignored))
-    return absl::UnavailableError(
-        absl::StrCat(config_.port_file.string(), " is no file; name another with --port-file"));
-  fs::remove(config_.port_file, ignored);
-  return absl::OkStatus();
 }
 
 void Daemon::Reload(const absl::StatusOr<Config>& config) {
@@ -483,7 +416,17 @@ void Daemon::Drain(std::chrono::milliseconds patience) {
   if (store_ != nullptr) store_->Close();
   // A page check of a large copy is not interrupted: nothing waits for it but this.
   backups_.reset();
-  if (rpc_ != nullptr) log_->info("drained: all that was acknowledged is on disk");
+  if (rpc_ != nullptr) ReportDrained();
+}
+
+void Daemon::ReportDrained() {
+  const rpc::HeldEvidence held = rpc_->CountHeld();
+  if (held.session_count == 0) return log_->info("drained: all that was acknowledged is on disk");
+  log_->warn(
+      "drained: all that was acknowledged is on disk, and what {} sessions have handed over since "
+      "is not: games that are still there send it again; {} of the sessions have ended, and theirs "
+      "is lost",
+      held.session_count, held.ended_session_count);
 }
 
 Daemon::~Daemon() {

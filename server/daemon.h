@@ -79,9 +79,8 @@ class Daemon {
   std::optional<std::string> StoreProblem() const;
   std::optional<std::string> TlsProblem() const;
   std::optional<std::string> ShutdownProblem() const;
-  absl::Status WritePortFile() const;
-  // Removes the file of an earlier daemon, which a waiting process must not read.
-  absl::Status RemovePortFile() const;
+  // Says what is on disk at the end, and what is not. REQUIRES: the store is closed.
+  void ReportDrained();
 
   const Config config_;
   Config in_force_;  // as it was read last; of it, what is live

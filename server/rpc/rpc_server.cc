@@ -243,6 +243,13 @@ void RpcServer::Drain(std::chrono::milliseconds patience) {
   AwaitCommits(deadline);
 }
 
+HeldEvidence RpcServer::CountHeld() {
+  std::promise<HeldEvidence> held;
+  // The store's answers are posted so, too, and come before.
+  loop_.PostLater([&] { held.set_value(sessions_.CountHeld()); });
+  return held.get_future().get();
+}
+
 void RpcServer::RunOnLoop(const std::function<void()>& task) {
   std::promise<void> done;
   loop_.Post([&] {

@@ -61,6 +61,8 @@ class RpcServer {
   // Refuses new streams, tells clients to reconnect later, waits for pending writes, and ends.
   // Calls that are not done within `patience` are cancelled. Idempotent.
   void Drain(std::chrono::milliseconds patience);
+  // Returns what is not on disk, as the store's answers so far say. Must not be called on the loop.
+  HeldEvidence CountHeld();
 
  private:
   RpcServer(RpcOptions options, Clock& clock, priors::AsyncPriorStore& store, spdlog::logger& log);

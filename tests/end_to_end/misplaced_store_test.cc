@@ -62,16 +62,16 @@ class MisplacedDatabaseTest : public ::testing::Test {
   void FollowAdvice() const {
     const std::string log = daemon_.log();
     std::smatch advice;
-    ASSERT_TRUE(
-        std::regex_search(log, advice,
-                          std::regex("stop the daemon, move ([^ ]+) away with its -wal and -shm, "
-                                     "`sweepstaked (restore [^`]+)`, and start it again")))
+    ASSERT_TRUE(std::regex_search(
+        log, advice,
+        std::regex("stop the daemon, move away those of ([^ ]+), ([^ ]+) and ([^ ]+) that are "
+                   "there, `sweepstaked (restore [^`]+)`, and start it again")))
         << log;
-    for (const char* suffix : {"", "-wal", "-shm"}) {
-      const fs::path file = advice[1].str() + suffix;
+    for (size_t i = 1; i <= 3; ++i) {
+      const fs::path file = advice[i].str();
       if (fs::exists(file)) fs::rename(file, elsewhere_.path() / file.filename());
     }
-    const std::string restore = SWEEPSTAKED_PATH " " + advice[2].str();
+    const std::string restore = SWEEPSTAKED_PATH " " + advice[4].str();
     EXPECT_EQ(std::system(restore.c_str()), 0) << restore;
   }
   std::string Ready() const { return Get(daemon_.http_port(), "/readyz").body; }
@@ -121,6 +121,9 @@ TEST_F(MisplacedDatabaseTest, OneThatIsRemovedUnderGamesIsToldOnceAndSaved) {
   EXPECT_EQ(daemon_.Terminate(), 0);
   EXPECT_EQ(CountIn(daemon_.log(), "nothing more is acknowledged"), 1u) << daemon_.log();
   EXPECT_EQ(CountIn(daemon_.log(), "acknowledged is in"), 1u) << daemon_.log();
+  EXPECT_THAT(daemon_.log(), HasSubstr("What games hand over meanwhile is lost at the stop"));
+  EXPECT_THAT(daemon_.log(), HasSubstr("what 3 sessions have handed over since is not"));
+  EXPECT_THAT(daemon_.log(), HasSubstr("3 of the sessions have ended, and theirs is lost"));
   FollowAdvice();
   ExpectAllIn(data_.path());
   const DaemonProcess next(data_.path());
@@ -149,6 +152,7 @@ TEST_F(MisplacedDatabaseTest, OneThatIsMovedAwayIsFoundWithoutGamesAndGoesOnWhen
   fs::rename(away, database_);
   EXPECT_TRUE(rpc::Eventually([&] { return CountIn(Ready(), "[-]store") == 0; }));
   EXPECT_EQ(daemon_.Terminate(), 0);
+  EXPECT_THAT(daemon_.log(), HasSubstr("drained: all that was acknowledged is on disk\""));
   ExpectAllIn(data_.path());
 }
 

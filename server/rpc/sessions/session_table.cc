@@ -197,6 +197,16 @@ bool SessionTable::committing() const {
                      [](const auto& entry) { return entry.second.session->committing(); });
 }
 
+HeldEvidence SessionTable::CountHeld() const {
+  HeldEvidence held;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.session->settled()) continue;
+    ++held.session_count;
+    if (entry.session->ended()) ++held.ended_session_count;
+  }
+  return held;
+}
+
 uint32_t SessionTable::ActiveCount(const priors::SceneKey& scene) const {
   const auto found = active_counts_.find(scene);
   return found == active_counts_.end() ? 0 : found->second;

@@ -7,6 +7,7 @@
 // would send its evidence again. The clients of the others still have what was not acknowledged.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -27,6 +28,12 @@ namespace sweepstake::rpc {
 struct SessionClient {
   std::string address;
   std::string build;
+};
+
+// Sessions with evidence that the store does not have.
+struct HeldEvidence {
+  size_t session_count = 0;
+  size_t ended_session_count = 0;  // of these, those whose clients will not send it again
 };
 
 class SessionTable {
@@ -60,6 +67,7 @@ class SessionTable {
   void RetryCommits();
   // Returns whether the store has yet to answer for any session.
   bool committing() const;
+  HeldEvidence CountHeld() const;
 
   uint32_t ActiveCount(const priors::SceneKey& scene) const;
   size_t size() const { return entries_.size(); }

@@ -123,6 +123,25 @@ TEST_F(GoodbyeTest, ADrainWithADiskThatFailsLetsClientsGoAtOnce) {
   EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
+TEST_F(GoodbyeTest, BehindADrainItIsKnownWhatADiskRefusedAndWhoSendsItAgain) {
+  TelemetryClient stored(channel_);
+  LearnOneWindow(stored, OneArmHello());
+  TelemetryClient ended(channel_);
+  OpenWithEvidence(ended);
+  TelemetryClient back_later(channel_);
+  OpenWithEvidence(back_later);
+  store_.Fail(true);
+  const uint64_t failed = server_->counters().failed_commit_count;
+  Tick();
+  ASSERT_TRUE(Eventually([&] { return server_->counters().failed_commit_count == failed + 2; }));
+  ended.Send(Goodbye());
+  ExpectRefusal(ended);
+  server_->Drain(std::chrono::minutes(10));
+  const HeldEvidence held = server_->CountHeld();
+  EXPECT_EQ(held.session_count, 2u);
+  EXPECT_EQ(held.ended_session_count, 1u);
+}
+
 TEST_F(GoodbyeTest, AMessageAfterItIsNotTakenForItsEvidence) {
   TelemetryClient client(channel_);
   const std::string id = OpenWithEvidence(client).session_id();
