@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "engine_client/cli/commands.h"
+#include "engine_client/cli/daemon/daemon_client.h"
 #include "engine_client/cli/game/frame_log.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/game/machine_class.h"
@@ -16,6 +17,7 @@
 #include "engine_client/cli/io/stop_signal.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/io/whole_file.h"
+#include "engine_client/telemetry/daemon_session.h"
 #include "server/audit/audit_log.h"
 #include "sweepstake/session.h"
 
@@ -67,7 +69,8 @@ Result<std::unique_ptr<Session>> MakeSession(const RunOptions& options,
   session.allow_operator_orders = options.allow_orders;
   session.tls = options.daemon.tls;
   session.token = options.daemon.token;
-  if (!options.embedded) return MakeDaemonSession(options.daemon.address, session);
+  if (!options.embedded)
+    return MakeDaemonSession(options.daemon.address, session, TlsOptionNames());
   EmbeddedOptions embedded;
   if (!options.policy.empty()) embedded.policy = options.policy;
   embedded.project = options.project;

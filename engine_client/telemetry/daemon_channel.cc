@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "engine_client/telemetry/common/validation.h"
 #include "server/tls/loopback.h"
 #include "server/tls/tls_files.h"
 
@@ -104,18 +103,19 @@ bool IsHungUp(const std::string& reason) {
 Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& address,
                                                          const std::optional<TlsOptions>& tls,
                                                          const ClientToken& token,
+                                                         const TlsNames& names,
                                                          grpc::ChannelArguments arguments) {
   if (Status status = ValidateDaemonAddress(address); !status.ok()) return status;
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   const Result<std::string> text = TokenText(token);
   if (!text.ok()) return text.status();
   if (!tls && !text->empty() && !tls::IsLoopback(address)) {
-    return Status(StatusCode::kInvalidArgument,
-                  "the token would cross the network to " + address +
-                      " in plain text; connect with TLS (--tls, ca_file)");
+    return Status(StatusCode::kInvalidArgument, "the token would cross the network to " + address +
+                                                    " in plain text; connect with TLS (" +
+                                                    names.tls + ")");
   }
   if (!tls) return MakeChannel(address, grpc::InsecureChannelCredentials(), arguments, *text);
-  if (Status status = ValidateTlsOptions(*tls); !status.ok()) return status;
+  if (Status status = ValidateTlsOptions(*tls, names); !status.ok()) return status;
   const auto texts = tls::Read({.cert = tls->cert_file, .key = tls->key_file, .ca = tls->ca_file});
   if (!texts.ok()) {
     return Status(StatusCode::kInvalidArgument, std::string(texts.status().message()));
@@ -129,24 +129,28 @@ Result<std::shared_ptr<grpc::Channel>> MakeDaemonChannel(const std::string& addr
 }
 
 // The words are those of gRPC 1.51 and of OpenSSL 3; with others there is no advice.
-std::string ConnectionAdvice(const std::string& reason, bool with_tls) {
+std::string ConnectionAdvice(const std::string& reason, bool with_tls, const TlsNames& names) {
   if (Has(reason, "certificate verify failed")) {
     return "the daemon's certificate has expired, or is not signed by a known authority: name the "
-           "one that signed it (--tls-ca, ca_file)";
+           "one that signed it (" +
+           names.ca + ")";
   }
   if (Has(reason, "is not in peer certificate")) {
-    return "the daemon's certificate is for another host: connect to that one, or say its name "
-           "(--tls-server-name, server_name)";
+    return "the daemon's certificate is for another host: connect to that one, or say its name (" +
+           names.server_name + ")";
   }
   if (Has(reason, "wrong version number")) {
     return "the daemon speaks plain text: start it with --tls-cert and --tls-key, or connect "
            "without TLS";
   }
   if (!Has(reason, "failed to connect") || !IsHungUp(reason)) return "";
-  return with_tls ? "the daemon may ask for a certificate of yours: name one that its authority "
-                    "signed (--tls-cert and --tls-key, cert_file and key_file)"
-                  : "the daemon may speak TLS only: name the authority that signed its certificate "
-                    "(--tls-ca, ca_file)";
+  if (!with_tls) {
+    return "the daemon may speak TLS only: name the authority that signed its certificate (" +
+           names.ca + ")";
+  }
+  return "the daemon may ask for a certificate of yours: name one that its authority signed (" +
+         names.cert + " and " + names.key +
+         "), or its own TLS files are broken; see its log or /readyz";
 }
 
 }  // namespace sweepstake

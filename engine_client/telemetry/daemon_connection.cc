@@ -14,14 +14,15 @@ constexpr int kMaxMessageBytes = 256 * 1024;
 }  // namespace
 
 Result<std::shared_ptr<grpc::Channel>> DaemonConnection::MakeChannel(
-    const std::string& address, const std::optional<TlsOptions>& tls, const ClientToken& token) {
+    const std::string& address, const std::optional<TlsOptions>& tls, const ClientToken& token,
+    const TlsNames& names) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepAliveIntervalMs);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepAliveTimeoutMs);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  return MakeDaemonChannel(address, tls, token, std::move(arguments));
+  return MakeDaemonChannel(address, tls, token, names, std::move(arguments));
 }
 
 DaemonConnection::DaemonConnection(std::shared_ptr<grpc::Channel> channel,

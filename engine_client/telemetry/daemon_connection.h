@@ -37,7 +37,8 @@ class DaemonConnection final
   // Returns a channel for one connection. Errors: those of MakeDaemonChannel.
   static Result<std::shared_ptr<grpc::Channel>> MakeChannel(const std::string& address,
                                                             const std::optional<TlsOptions>& tls,
-                                                            const ClientToken& token);
+                                                            const ClientToken& token,
+                                                            const TlsNames& names);
 
   // Begins to connect over a channel of MakeChannel that nobody else has. `wake` is called from
   // gRPC's threads whenever there is something to look at, until the destructor returns; it must

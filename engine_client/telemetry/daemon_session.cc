@@ -3,6 +3,8 @@
 // Each step empties the queue, reads the daemon's responses, sends the messages that are due, and
 // connects or disconnects if necessary. The frame thread never wakes it, so it polls; gRPC's
 // threads and Stop wake it.
+#include "engine_client/telemetry/daemon_session.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include <utility>
 
 #include "engine_client/telemetry/common/session_base.h"
-#include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/daemon_connection.h"
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/error_reason.h"
@@ -115,14 +116,15 @@ std::string TryingAgain(uint32_t delay_ms) {
   return "; trying again in " + std::to_string(delay_ms) + " ms";
 }
 
-std::string Describe(const grpc::Status& status, const std::string& address, bool with_tls) {
+std::string Describe(const grpc::Status& status, const std::string& address, bool with_tls,
+                     const TlsNames& names) {
   std::string what = "the daemon at " + address + " ended the connection";
   // With a reason it is the daemon that says so.
   if (status.error_code() == grpc::StatusCode::UNAVAILABLE && status.error_details().empty())
     what = "no connection to " + address;
   if (IsLasting(status.error_code())) what = "the daemon at " + address + " refuses the session";
   if (!status.error_message().empty()) what += ": " + MessageWithReason(status);
-  const std::string advice = ConnectionAdvice(status.error_message(), with_tls);
+  const std::string advice = ConnectionAdvice(status.error_message(), with_tls, names);
   return advice.empty() ? what : what + "; " + advice;
 }
 
@@ -146,10 +148,11 @@ struct Link {
 
 class DaemonSession final : public SessionBase {
  public:
-  DaemonSession(std::string address, const SessionOptions& options)
+  DaemonSession(std::string address, const SessionOptions& options, TlsNames names)
       : SessionBase(options.queue_frames),
         address_(std::move(address)),
         options_(options),
+        names_(std::move(names)),
         backoff_(options.backoff_min_ms, options.backoff_max_ms, JitterSeed()) {}
   ~DaemonSession() override { Stop(0); }
 
@@ -178,6 +181,7 @@ class DaemonSession final : public SessionBase {
 
   const std::string address_;
   const SessionOptions options_;
+  const TlsNames names_;
 
   // On the sender thread, from Prepare on.
   std::optional<SessionState> state_;
@@ -220,7 +224,7 @@ bool DaemonSession::Step(bool stopping) {
 }
 
 void DaemonSession::Connect(uint64_t now_ns) {
-  auto channel = DaemonConnection::MakeChannel(address_, options_.tls, options_.token);
+  auto channel = DaemonConnection::MakeChannel(address_, options_.tls, options_.token, names_);
   if (!channel.ok()) return OnUnusableFiles(channel.status(), now_ns);
   link_.emplace();
   link_->deadline_ns = now_ns + kAnswerTimeoutNs;
@@ -373,7 +377,7 @@ void DaemonSession::OnClosed(const grpc::Status& status, uint64_t now_ns) {
     last_error_ = "the daemon at " + address_ +
                   " did not confirm the session's end: " + MessageWithReason(status);
   } else {
-    last_error_ = Describe(status, address_, options_.tls.has_value());
+    last_error_ = Describe(status, address_, options_.tls.has_value(), names_);
     if (!kicked) last_error_ += TryingAgain(delay_ms);
   }
 }
@@ -467,11 +471,18 @@ void DaemonSession::Publish() {
 }  // namespace
 
 Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
-                                                   const SessionOptions& options) {
-  if (Status status = ValidateSessionOptions(options); !status.ok()) return status;
-  const auto channel = DaemonConnection::MakeChannel(address, options.tls, options.token);
+                                                   const SessionOptions& options,
+                                                   const TlsNames& names) {
+  if (Status status = ValidateSessionOptions(options, names); !status.ok()) return status;
+  const auto channel = DaemonConnection::MakeChannel(address, options.tls, options.token, names);
   if (!channel.ok()) return channel.status();
-  return std::unique_ptr<Session>(std::make_unique<DaemonSession>(std::move(address), options));
+  return std::unique_ptr<Session>(
+      std::make_unique<DaemonSession>(std::move(address), options, names));
+}
+
+Result<std::unique_ptr<Session>> MakeDaemonSession(std::string address,
+                                                   const SessionOptions& options) {
+  return MakeDaemonSession(std::move(address), options, {});
 }
 
 }  // namespace sweepstake

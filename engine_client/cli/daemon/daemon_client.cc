@@ -37,11 +37,16 @@ StatusCode ToCode(grpc::StatusCode code) {
 
 }  // namespace
 
+TlsNames TlsOptionNames() {
+  return {"--tls", "--tls-ca", "--tls-cert", "--tls-key", "--tls-server-name"};
+}
+
 Result<std::shared_ptr<grpc::Channel>> OpenChannel(const DaemonOptions& daemon,
                                                    bool own_connection) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, own_connection ? 1 : 0);
-  return MakeDaemonChannel(daemon.address, daemon.tls, daemon.token, std::move(arguments));
+  return MakeDaemonChannel(daemon.address, daemon.tls, daemon.token, TlsOptionNames(),
+                           std::move(arguments));
 }
 
 void SetDeadline(grpc::ClientContext& context) {
@@ -54,7 +59,8 @@ Status ToStatus(const grpc::Status& status, const DaemonOptions& daemon) {
   // With a reason it is the daemon that says so.
   if (code != StatusCode::kUnavailable || !status.error_details().empty())
     return {code, MessageWithReason(status)};
-  const std::string advice = ConnectionAdvice(status.error_message(), daemon.tls.has_value());
+  const std::string advice =
+      ConnectionAdvice(status.error_message(), daemon.tls.has_value(), TlsOptionNames());
   if (!advice.empty()) {
     return {code,
             "no connection to " + daemon.address + " (" + status.error_message() + "); " + advice};

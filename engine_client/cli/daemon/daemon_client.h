@@ -11,9 +11,13 @@
 #include <thread>
 
 #include "engine_client/cli/daemon/daemon_options.h"
+#include "engine_client/telemetry/common/validation.h"
 #include "sweepstake/status.h"
 
 namespace sweepstake::cli {
+
+// What messages call the options of AddDaemonOptions.
+TlsNames TlsOptionNames();
 
 // Returns a channel to the daemon, which connects at its first call. Error: kInvalidArgument (the
 // address is not HOST:PORT, or the files of TLS cannot be used). Channels to one address share a

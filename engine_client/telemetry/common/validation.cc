@@ -77,20 +77,21 @@ Status ValidateDaemonAddress(std::string_view address) {
               "' is not an address; write HOST:PORT, as 127.0.0.1:7433"};
 }
 
-Status ValidateTlsOptions(const TlsOptions& options) {
+Status ValidateTlsOptions(const TlsOptions& options, const TlsNames& names) {
+  const std::string pair = names.cert + " and " + names.key;
   if (!IsPath(options.ca_file) || !IsPath(options.cert_file) || !IsPath(options.key_file)) {
-    return Invalid("ca_file, cert_file and key_file", "paths of at most 4096 bytes");
+    return Invalid(names.ca + ", " + pair, "paths of at most 4096 bytes");
   }
   if (options.cert_file.empty() != options.key_file.empty()) {
-    return Invalid("a client's certificate and its key", "given both, or neither");
+    return Invalid(pair, "given both, or neither");
   }
   if (!options.server_name.empty() && !IsHost(options.server_name)) {
-    return Invalid("server_name", "a host name of at most 253 bytes");
+    return Invalid(names.server_name, "a host name of at most 253 bytes");
   }
   return {};
 }
 
-Status ValidateSessionOptions(const SessionOptions& options) {
+Status ValidateSessionOptions(const SessionOptions& options, const TlsNames& names) {
   if (Status status = ValidateNames(options); !status.ok()) return status;
   if (Status status = ValidateBatching(options); !status.ok()) return status;
   if (!(options.time_scale >= 1 && options.time_scale <= 1000)) {
@@ -107,7 +108,7 @@ Status ValidateSessionOptions(const SessionOptions& options) {
       options.backoff_max_ms > 3'600'000) {
     return Invalid("backoff_min_ms and backoff_max_ms", "1 <= min <= max <= 3600000");
   }
-  return options.tls ? ValidateTlsOptions(*options.tls) : Status();
+  return options.tls ? ValidateTlsOptions(*options.tls, names) : Status();
 }
 
 }  // namespace sweepstake

@@ -87,17 +87,22 @@ TEST_F(TlsProgram, WhereItFailsItSaysWhatToDo) {
     int exit_code;
     const char* said;
   } cases[] = {
-      {Daemon(), 3, "may speak TLS only"},
-      {Daemon() + " --tls", 3, "name the one that signed it"},
-      {Daemon() + " --tls-ca " + authority_.cert().string(), 3, "--tls-server-name"},
-      {Trusting(), 3, "may ask for a certificate of yours"},
+      {Daemon(), 3,
+       "may speak TLS only: name the authority that signed its certificate (--tls-ca)"},
+      {Daemon() + " --tls", 3, "name the one that signed it (--tls-ca)"},
+      {Daemon() + " --tls-ca " + authority_.cert().string(), 3, "say its name (--tls-server-name)"},
+      {Trusting(), 3,
+       "may ask for a certificate of yours: name one that its authority signed (--tls-cert and "
+       "--tls-key), or its own TLS files are broken; see its log or /readyz"},
       {Daemon() + " --tls-ca nowhere.pem", 2, "cannot read nowhere.pem"},
-      {Daemon() + " --tls-cert " + client_.cert.string(), 2, "given both, or neither"},
-      {Daemon() + " --tls-server-name 'a b'", 2, "server_name must be a host name"},
+      {Daemon() + " --tls-cert " + client_.cert.string(), 2,
+       "--tls-cert and --tls-key must be given both, or neither"},
+      {Daemon() + " --tls-server-name 'a b'", 2, "--tls-server-name must be a host name"},
   };
   for (const auto& [options, exit_code, said] : cases) {
     for (const std::string command :
-         {"watch --once", "load --streams 1 --duration 100ms", "priors list"}) {
+         {"watch --once", "load --streams 1 --duration 100ms", "priors list",
+          "run --scene suite-b --objects 10 --duration 2s"}) {
       const ProgramRun run = RunProgram(command + options);
       EXPECT_EQ(run.exit_code, exit_code) << command << options << '\n' << run.err;
       EXPECT_THAT(run.err, HasSubstr(said)) << command << options;

@@ -39,10 +39,8 @@ TEST(SessionOptions, NamesTheOptionThatIsWrong) {
 
 TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
   const auto message = [](auto change) {
-    TlsOptions tls;
-    change(tls);
     SessionOptions options;
-    options.tls = tls;
+    change(options.tls.emplace());
     return ValidateSessionOptions(options).message();
   };
   using ::testing::HasSubstr;
@@ -51,11 +49,23 @@ TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
   EXPECT_EQ(message([](auto& o) { o.server_name = "daemon-1.studio.example"; }), "");
   EXPECT_THAT(message([](auto& o) { o.ca_file = std::string(4097, 'x'); }), HasSubstr("ca_file"));
   EXPECT_THAT(message([](auto& o) { o.ca_file = std::string("a\0b", 3); }), HasSubstr("ca_file"));
-  EXPECT_THAT(message([](auto& o) { o.cert_file = "c"; }), HasSubstr("its key"));
-  EXPECT_THAT(message([](auto& o) { o.key_file = "k"; }), HasSubstr("its key"));
+  EXPECT_THAT(message([](auto& o) { o.cert_file = "c"; }), HasSubstr("cert_file and key_file"));
+  EXPECT_THAT(message([](auto& o) { o.key_file = "k"; }), HasSubstr("cert_file and key_file"));
   EXPECT_THAT(message([](auto& o) { o.server_name = "a b"; }), HasSubstr("server_name"));
   EXPECT_THAT(message([](auto& o) { o.server_name = std::string(254, 'x'); }),
               HasSubstr("server_name"));
+}
+
+TEST(TlsOptionsTest, CallsItByTheNameThatTheCallerGives) {
+  const TlsNames names{"--tls", "--ca", "--cert", "--key", "--name"};
+  TlsOptions tls;
+  tls.server_name = "a b";
+  using ::testing::StartsWith;
+  EXPECT_THAT(ValidateTlsOptions(tls, names).message(), StartsWith("--name must be a host name"));
+  tls.cert_file = "c";
+  EXPECT_THAT(ValidateTlsOptions(tls, names).message(), StartsWith("--cert and --key must be "));
+  tls.ca_file = std::string(4097, 'x');
+  EXPECT_THAT(ValidateTlsOptions(tls, names).message(), StartsWith("--ca, --cert and --key must "));
 }
 
 TEST(DaemonAddress, TakesHostNamesAndBothKindsOfIpAddresses) {
