@@ -39,7 +39,7 @@ std::string FlagOf(const std::string& key) {
 absl::Status UnknownName(std::string_view what, std::string_view name,
                          std::span<const std::string> known) {
   const std::vector<std::string_view> names(known.begin(), known.end());
-  return absl::InvalidArgumentError(math::UnknownName(what, name, names));
+  return absl::InvalidArgumentError(math::UnknownNameOfMany(what, name, names));
 }
 
 // Returns whether Kubernetes sets such a variable in every container beside a service whose name

@@ -3,8 +3,8 @@
 //
 // One table (config_settings.cc) names every setting once. Its names in the file
 // (`decision.cooldown_ms`), in the environment (`SWEEPSTAKE_DECISION_COOLDOWN_MS`) and as a flag
-// (`--decision-cooldown-ms`) follow from it. An unknown name is an error that lists the valid ones,
-// the nearest first. Values are checked one by one, then together. All functions are pure but for
+// (`--decision-cooldown-ms`) follow from it. An unknown name is an error that says which one is
+// nearest. Values are checked one by one, then together. All functions are pure but for
 // those that read files.
 #pragma once
 

@@ -177,26 +177,39 @@ int Probe(const Config& config) {
   return kDone;
 }
 
-// The names of the options of the subcommands that were given.
-void AddOptionNames(const CLI::App& app, std::vector<std::string>& names) {
-  for (const CLI::App* command : app.get_subcommands()) {
+// Returns the given commands, each behind the one that it belongs to; the first is the program.
+std::vector<const CLI::App*> GivenCommands(const CLI::App& app) {
+  std::vector<const CLI::App*> given = {&app};
+  while (!given.back()->get_subcommands().empty())
+    given.push_back(given.back()->get_subcommands().front());
+  return given;
+}
+
+std::string UnknownOption(const std::vector<const CLI::App*>& given, std::string_view word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : given) {
     for (const CLI::Option* option : command->get_options()) {
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
     }
-    AddOptionNames(*command, names);
   }
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  return sweepstake::math::UnknownNameOfMany("option", word.substr(0, word.find('=')), known);
 }
 
-std::string UnknownFlag(const CLI::App& app) {
-  const auto settings = sweepstake::server::DescribeSettings();
-  std::vector<std::string_view> known = {"--config",  "--print-config", "--help",
-                                         "--version", "check-config",   "backup",
-                                         "restore",   "probe",          "token"};
-  for (const auto& setting : settings) known.push_back(setting.flag);
-  std::vector<std::string> of_commands;
-  AddOptionNames(app, of_commands);
-  known.insert(known.end(), of_commands.begin(), of_commands.end());
-  return sweepstake::math::UnknownName("argument", app.remaining(/*recurse=*/true).front(), known);
+// Returns what to say of the first word that nothing takes.
+std::string UnknownWord(const CLI::App& app) {
+  const std::string word = app.remaining(/*recurse=*/true).front();
+  const std::vector<const CLI::App*> given = GivenCommands(app);
+  if (word.starts_with('-')) return UnknownOption(given, word);
+  const CLI::App& command = *given.back();
+  std::vector<std::string> names;
+  for (const CLI::App* each : command.get_subcommands({})) names.push_back(each->get_name());
+  if (names.empty()) {
+    return command.get_name() + ": nothing takes '" + sweepstake::math::PrintableLine(word) +
+           "'; --help says what it takes";
+  }
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  return sweepstake::math::UnknownName("command of " + command.get_name(), word, known);
 }
 
 // Blocks the signals before any thread starts, so that only sigwait receives them.
@@ -270,14 +283,14 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::RequiredError& error) {
     // What was misspelt may be what is missing.
-    if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownFlag(app));
+    if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownWord(app));
     app.exit(error);
     return kBadUsage;
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? kDone : kBadUsage;
   }
-  if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownFlag(app));
+  if (!app.remaining(/*recurse=*/true).empty()) return Fail(kBadUsage, UnknownWord(app));
   if (app.got_subcommand("check-config")) return CheckConfig(line.file);
   const auto config = Load(line);
   if (!config.ok()) return Fail(kBadUsage, std::string(config.status().message()));

@@ -10,6 +10,7 @@ namespace sweepstake::math {
 namespace {
 
 constexpr size_t kMaxLineBytes = 200;
+constexpr size_t kMaxNearest = 3;
 
 // Returns the Levenshtein distance. It fills the table of distances between all prefixes row by
 // row.
@@ -97,6 +98,22 @@ std::string UnknownName(std::string_view kind, std::string_view name,
     if (each != nearest) message.append(", ").append(each);
   }
   return message;
+}
+
+std::string UnknownNameOfMany(std::string_view kind, std::string_view name,
+                              std::span<const std::string_view> valid) {
+  const std::string shown = PrintableLine(name);
+  const size_t distance = EditDistance(shown, NearestName(shown, valid));
+  std::string nearest;
+  size_t count = 0;
+  for (const std::string_view each : valid) {
+    if (count == kMaxNearest || EditDistance(shown, each) != distance) continue;
+    nearest.append(count++ == 0 ? "" : ", ").append(each);
+  }
+  std::string message = "unknown ";
+  message.append(kind).append(" '").append(shown).append("', the nearest ");
+  message.append(count == 1 ? "is " : "are ").append(nearest);
+  return message.append("; --help lists all");
 }
 
 }  // namespace sweepstake::math

@@ -34,4 +34,9 @@ std::string_view NearestName(std::string_view name, std::span<const std::string_
 std::string UnknownName(std::string_view kind, std::string_view name,
                         std::span<const std::string_view> valid);
 
+// Returns the same for a list that is too long to be read: "unknown KIND 'NAME', the nearest is A;
+// --help lists all". It names up to three that are equally near, in their own order.
+std::string UnknownNameOfMany(std::string_view kind, std::string_view name,
+                              std::span<const std::string_view> valid);
+
 }  // namespace sweepstake::math

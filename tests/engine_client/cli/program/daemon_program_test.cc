@@ -85,19 +85,32 @@ TEST(DaemonProgram, ASwitchWithoutSenseEndsTheDaemonWithTwo) {
   EXPECT_THAT(run.out, HasSubstr("explore = false"));
 }
 
-TEST(DaemonProgram, AnUnknownOptionOfASubcommandGetsTheNearestOneFirst) {
-  const ProgramRun run = RunDaemonProgram("token list --jsn");
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("unknown argument '--jsn', must be one of --json"));
+TEST(DaemonProgram, AnUnknownWordGetsWhatIsNearInOneShortLine) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"token list --jsn", "unknown option '--jsn', the nearest is --json; --help lists all\n"},
+      {"--lissten=x", "unknown option '--lissten', the nearest is --listen; --help lists all\n"},
+      {"token lst", "unknown command of token 'lst', must be one of list, create, revoke\n"},
+      {"token creat x --role watch", "unknown command of token 'creat', must be one of create, "},
+      {"chek-config a",
+       "unknown command of sweepstaked 'chek-config', must be one of check-config"},
+      {"--insecure maybe", "unknown command of sweepstaked 'maybe', must be one of "},
+      {"backup a b c", "backup: nothing takes 'b'; --help says what it takes\n"},
+  };
+  for (const auto& [arguments, said] : cases) {
+    const ProgramRun run = RunDaemonProgram(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_THAT(run.err, HasSubstr(said)) << arguments;
+    EXPECT_LT(run.err.size(), 130u) << run.err;
+  }
 }
 
 TEST(DaemonProgram, AMisspeltOptionIsSaidBeforeWhatIsMissing) {
   const ProgramRun create = RunDaemonProgram("token create game --rol ingest");
   EXPECT_EQ(create.exit_code, 2);
-  EXPECT_THAT(create.err, HasSubstr("unknown argument '--rol', must be one of --role"));
+  EXPECT_THAT(create.err, HasSubstr("unknown option '--rol', the nearest is --role"));
   const ProgramRun backup = RunDaemonProgram("backup --dta");
   EXPECT_EQ(backup.exit_code, 2);
-  EXPECT_THAT(backup.err, HasSubstr("unknown argument '--dta', must be one of --data"));
+  EXPECT_THAT(backup.err, HasSubstr("unknown option '--dta', the nearest is --data"));
   EXPECT_THAT(RunDaemonProgram("backup").err, HasSubstr("file is required"));
 }
 

@@ -50,6 +50,14 @@ TEST(Names, AnUnknownNameListsTheNearestFirstAndEveryOtherOnce) {
             "unknown fruit 'peach?', must be one of peach, apple, banana, pear");
 }
 
+TEST(Names, OfManyNamesOnlyTheNearestAreSaid) {
+  EXPECT_EQ(UnknownNameOfMany("fruit", "peach\n", kFruits),
+            "unknown fruit 'peach?', the nearest is peach; --help lists all");
+  constexpr std::string_view kNear[] = {"bat", "boat", "cat", "hat", "rat"};
+  EXPECT_EQ(UnknownNameOfMany("animal", "xat", kNear),
+            "unknown animal 'xat', the nearest are bat, cat, hat; --help lists all");
+}
+
 TEST(Names, AMessageOfOneLineHoldsNoControlCharacterAndAtMost200Bytes) {
   EXPECT_EQ(PrintableLine("a\tb\x7f\xc3"), "a?b??");
   EXPECT_EQ(PrintableLine(std::string(1000, 'x')), std::string(200, 'x'));
