@@ -230,8 +230,8 @@ absl::Status Daemon::OpenTokens() {
   options.unix_now_s = priors::UnixNowS;
   options.on_change = [this](const std::string& text) { ReportToken(text); };
   options.on_problem = [this](const absl::Status& status) {
-    log_->error("{} cannot be read, and the tokens stay as they were: {}",
-                directory_.tokens().string(), std::string(status.message()));
+    log_->error("the tokens stay as they were, since their file cannot be used: {}",
+                std::string(status.message()));
   };
   auto tokens = auth::TokenRegistry::Open(directory_.tokens(), std::move(options));
   if (!tokens.ok()) return tokens.status();

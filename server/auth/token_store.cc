@@ -64,13 +64,15 @@ bool Exists(const fs::path& path) {
   return fs::exists(path, unknown);
 }
 
+// A file without the tokens that there have been.
 absl::Status LostFile(const fs::path& path) {
   return absl::FailedPreconditionError(absl::StrCat(
       path.string(),
-      " has no token, though there have been some: without it a daemon on loopback "
-      "would let in everybody; put a copy in its place, make a token with `sweepstaked token "
-      "create`, or remove ",
-      NoteBeside(path).string(), " to have none"));
+      Exists(path) ? " has no token, though there have been some"
+                   : " is missing, though there have been tokens",
+      ": put a copy in its place; `sweepstaked token create` makes tokens in a file without the "
+      "others, which ends those; to have none, stop the daemon and remove ",
+      Exists(path) ? absl::StrCat(path.string(), " and ") : "", NoteBeside(path).string()));
 }
 
 // The file appears complete. One that another process has made meanwhile stays.

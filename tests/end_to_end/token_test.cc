@@ -15,6 +15,7 @@
 
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "tests/end_to_end/scripted_game.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
@@ -98,6 +99,19 @@ TEST_F(TokenTest, AGameWhoseTokenIsRevokedIsToldAndGoesOnWithItsNextOne) {
   ASSERT_TRUE(game.RunUntil([](const SessionStats& stats) { return stats.connection_count == 2; },
                             UINT64_MAX));
   EXPECT_NE(game.stats().session_id, session) << "that one belongs to the first token";
+}
+
+TEST_F(TokenTest, AFileThatIsGoneUnderADaemonIsSaidToBeMissingAndWhatANewOneEnds) {
+  MakeToken("game", "--role ingest");
+  DaemonProcess daemon(data_.path());
+  const std::filesystem::path tokens = data_.path() / "tokens.db";
+  std::filesystem::remove(tokens);
+  EXPECT_TRUE(rpc::Eventually([&] {
+    return daemon.log().find("the tokens stay as they were, since their file cannot be used: " +
+                             tokens.string() + " is missing, though") != std::string::npos;
+  }));
+  EXPECT_THAT(daemon.log(), HasSubstr("in a file without the others, which ends those"));
+  EXPECT_EQ(daemon.Terminate(), 0);
 }
 
 TEST_F(TokenTest, ATokenThatCannotBeUsedIsRefusedBeforeTheFirstConnectionAndNotShown) {
