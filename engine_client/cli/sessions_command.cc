@@ -148,7 +148,7 @@ int RunKick(const SessionsOptions& options, Terminal& terminal) {
                {"session_id", options.session_id},
                {"may_return", options.may_return}},
               options.session_id +
-                  (options.may_return ? " is disconnected and may return\n" : " has ended\n"));
+                  (options.may_return ? " is disconnected and may return\n" : " is being ended\n"));
   return kDone;
 }
 

@@ -103,7 +103,10 @@ class LoadRun final : public LoadEvents {
   Status Shortfall();
   void SayGoodbye();
   uint64_t UpCount();
-  // Returns whether every stream has its welcome, or none ever had one and all have failed.
+  // Returns whether every stream has its welcome, or was kicked, so that it does not come back.
+  // REQUIRES: mutex_ is held.
+  bool AllThere() const { return up_count_ + kicked_count_ == plan_.stream_count; }
+  // Returns whether all are there, or none ever had a welcome and all have failed.
   bool AllUpOrRefused();
   // Waits until no connection is open, also when the run was told to stop.
   void AwaitEnd(int64_t end_ns);
@@ -125,6 +128,7 @@ class LoadRun final : public LoadEvents {
   LoadResult result_;
   std::vector<std::pair<int64_t, LoadStream*>> lost_;  // when each may connect again
   uint64_t up_count_ = 0;                              // streams with a welcome
+  uint64_t kicked_count_ = 0;                          // streams
   int64_t lost_since_ns_ = 0;                          // 0: no stream is lost
   bool ending_ = false;
   grpc::Status last_error_;
@@ -143,7 +147,8 @@ void LoadRun::OnWelcome(int64_t latency_ns) {
   const std::lock_guard lock(mutex_);
   ++result_.welcome_count;
   result_.hello_latency_ms.push_back(static_cast<double>(latency_ns) * 1e-6);
-  if (++up_count_ < plan_.stream_count || lost_since_ns_ == 0) return;
+  ++up_count_;
+  if (!AllThere() || lost_since_ns_ == 0) return;
   const double seconds = static_cast<double>(NowNs() - std::exchange(lost_since_ns_, 0)) * 1e-9;
   result_.reconnect_s = std::max(result_.reconnect_s.value_or(0), seconds);
 }
@@ -167,6 +172,10 @@ void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
   }
   const int64_t now_ns = NowNs();
   if (status.error_code() != grpc::StatusCode::UNAVAILABLE) ++result_.rejected_count;
+  if (ReasonOf(status) == v1::ERROR_REASON_SESSION_KICKED) {
+    ++kicked_count_;
+    return;
+  }
   if (was_up && lost_since_ns_ == 0) lost_since_ns_ = now_ns;
   const int64_t min_ns = int64_t{1'000'000} * std::max(delay_ms, 500U);
   std::uniform_int_distribution<int64_t> jitter_ns(0, min_ns);
@@ -281,8 +290,7 @@ uint64_t LoadRun::UpCount() {
 
 bool LoadRun::AllUpOrRefused() {
   const std::lock_guard lock(mutex_);
-  return up_count_ == plan_.stream_count ||
-         (result_.welcome_count == 0 && lost_.size() == plan_.stream_count);
+  return AllThere() || (result_.welcome_count == 0 && lost_.size() == plan_.stream_count);
 }
 
 void LoadRun::AwaitEnd(int64_t end_ns) {

@@ -144,7 +144,8 @@ absl::Status TelemetryStream::Open() {
 absl::Status TelemetryStream::CheckResumption() {
   const auto token_id = TokenOfSession(*hello_, context_.options);
   if (!token_id) hello_->clear_session_id();
-  if (!token_id || *token_id == caller_.token_id) return absl::OkStatus();
+  if (!token_id || *token_id == caller_.token_id)
+    return context_.sessions.CheckKicked(hello_->session_id());
   return Refused(v1::ERROR_REASON_FOREIGN_SESSION,
                  "this session began with another token; begin a new one");
 }
@@ -194,7 +195,10 @@ void TelemetryStream::OnLoaded(const StoredStart& start) {
 }
 
 absl::Status TelemetryStream::Begin(const StoredStart& start) {
-  // Another connection may have resumed the same session in the meantime, possibly with other arms.
+  // Another connection may have resumed the same session in the meantime, possibly with other arms,
+  // and an operator may have ended it since.
+  if (absl::Status kicked = context_.sessions.CheckKicked(hello_->session_id()); !kicked.ok())
+    return kicked;
   if (std::shared_ptr<GameSession> session = FindSession()) {
     Enter(std::move(session), /*resumed=*/true);
     return absl::OkStatus();

@@ -36,6 +36,11 @@ bool IsRejected(const Sample& sample, RejectionCounts& counts) {
 
 }  // namespace
 
+absl::Status SessionKicked() {
+  return Refused(v1::ERROR_REASON_SESSION_KICKED,
+                 "an operator ended the session; do not come back");
+}
+
 std::shared_ptr<GameSession> GameSession::Create(SessionContext& context, SessionIdentity identity,
                                                  const decision::SessionSetup& setup,
                                                  const StoredSession& stored) {
@@ -352,8 +357,7 @@ void GameSession::Kick(bool may_return) {
   SessionLink* link = std::exchange(link_, nullptr);
   link->Close(may_return ? Refused(v1::ERROR_REASON_CONNECTION_KICKED,
                                    "an operator ended the connection; connect again")
-                         : Refused(v1::ERROR_REASON_SESSION_KICKED,
-                                   "an operator ended the session; do not come back"));
+                         : SessionKicked());
 }
 
 void GameSession::TellChange(watch::SessionEnd end) const {

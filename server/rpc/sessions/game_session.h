@@ -72,6 +72,9 @@ struct StoredSession {
   std::optional<uint64_t> prior_source_count;  // absent if the store could not be read
 };
 
+// SESSION_KICKED: what the client of a kicked session is told, also where it comes back.
+absl::Status SessionKicked();
+
 class GameSession : public std::enable_shared_from_this<GameSession>, private decision::AuditSink {
  public:
   static std::shared_ptr<GameSession> Create(SessionContext& context, SessionIdentity identity,

@@ -75,10 +75,23 @@ void SessionTable::Detach(GameSession& session, SessionLink& link) {
 void SessionTable::Kick(GameSession& session, bool may_return) {
   // Ending the stream may remove the session from the table.
   const std::shared_ptr<GameSession> kept = session.shared_from_this();
+  if (!may_return) RememberKick(session.identity().id);
   session.Kick(may_return);
   const auto found = entries_.find(session.identity().id);
   // That of a lost one would otherwise stay until nobody may resume it any more.
   if (!may_return && found != entries_.end() && found->second.lost) LookAt(kept->identity().id);
+}
+
+void SessionTable::RememberKick(const std::string& id) {
+  if (!kicked_.insert(id).second) return;
+  kicks_.push_back(id);
+  if (kicks_.size() <= kMaxKicked) return;
+  kicked_.erase(kicks_.front());
+  kicks_.pop_front();
+}
+
+absl::Status SessionTable::CheckKicked(const std::string& id) const {
+  return kicked_.contains(id) ? SessionKicked() : absl::OkStatus();
 }
 
 std::optional<v1::SessionInfo> SessionTable::Describe(const std::string& id) const {

@@ -9,9 +9,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +40,8 @@ struct HeldEvidence {
 
 class SessionTable {
  public:
+  static constexpr size_t kMaxKicked = 10'000;  // ids of 32 bytes
+
   explicit SessionTable(const RpcOptions& options, DecisionLoop& loop)
       : options_(options), loop_(loop), new_scenes_(options) {}
 
@@ -62,6 +66,9 @@ class SessionTable {
   // Ends the session's stream, and the session too unless its client may return. REQUIRES: it is in
   // memory.
   void Kick(GameSession& session, bool may_return);
+  // Error: SESSION_KICKED (the session of that id was; of the latest kMaxKicked ones since the
+  // daemon began). The store, which knows every session, would resume it.
+  absl::Status CheckKicked(const std::string& id) const;
 
   // Offers the store again what it has failed to write.
   void RetryCommits();
@@ -98,6 +105,7 @@ class SessionTable {
   void Sweep();
   void LookAt(const std::string& id);
   void Remove(const std::string& id);
+  void RememberKick(const std::string& id);
 
   const RpcOptions& options_;
   DecisionLoop& loop_;
@@ -107,6 +115,8 @@ class SessionTable {
   LostSessions leaving_;  // the same, in the order in which they leave where there is no room
   std::map<priors::SceneKey, uint32_t> active_counts_;
   std::map<int64_t, uint32_t> token_counts_;  // sessions in the table, by the token's id
+  std::set<std::string> kicked_;
+  std::deque<std::string> kicks_;  // the same, the oldest first
   uint64_t last_lost_number_ = 0;
   bool sweep_scheduled_ = false;  // one timer, however many sessions come and go
 };

@@ -156,6 +156,11 @@ TEST_F(SessionsTest, AKickedOneHasEndedAndWhatItSentIsOnDisk) {
   EXPECT_EQ(List().sessions_size(), 0);
   EXPECT_GE(server_->counters().stored_commit_count, 1u);
   EXPECT_EQ(ReasonOf(Kick(hello.session_id(), false)), v1::ERROR_REASON_UNKNOWN_SESSION);
+  // The store still knows it, and its client has a token to resume it.
+  TelemetryClient second(channel_);
+  second.Send(Request(hello));
+  EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_SESSION_KICKED);
+  EXPECT_EQ(List().sessions_size(), 0);
 }
 
 TEST_F(SessionsTest, OneThatMayReturnGoesOn) {
@@ -182,7 +187,8 @@ TEST_F(SessionsTest, ALostOneThatIsKickedCannotBeResumed) {
   EXPECT_TRUE(Kick(hello.session_id(), /*may_return=*/false).ok());
   EXPECT_EQ(List().sessions_size(), 0);
   TelemetryClient second(channel_);
-  EXPECT_FALSE(second.Open(hello).resumed());
+  second.Send(Request(hello));
+  EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_SESSION_KICKED);
 }
 
 TEST_F(SessionsTest, AKickIsToldInTheLogWithWhoDidIt) {

@@ -371,6 +371,8 @@ TEST(SessionsCommand, KicksAndSaysWhyNot) {
   EXPECT_EQ(run.out, "one is disconnected and may return\n");
   EXPECT_EQ(daemon.sessions.kick_request.get().session_id(), "one");
   EXPECT_TRUE(daemon.sessions.kick_request.get().may_return());
+  EXPECT_EQ(RunCommand("sessions kick one --daemon " + daemon.address()).out,
+            "one is being ended\n");
   daemon.sessions.kick_status =
       grpc::Status(grpc::StatusCode::NOT_FOUND, "there is no such session");
   EXPECT_EQ(KickSession({daemon.address()}, "two", false).code(), StatusCode::kNotFound);

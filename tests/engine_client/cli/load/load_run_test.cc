@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "engine_client/cli/daemon/sessions_transfer.h"
 #include "server/rpc/rpc_server.h"
 #include "server/storage/memory_prior_store.h"
 #include "server/storage/store_thread.h"
@@ -150,6 +151,27 @@ TEST_F(LoadRunTest, ADaemonThatDoesNotComeBackIsAShortfall) {
   EXPECT_EQ(ended->finished_count, 0U);
   EXPECT_EQ(ended->shortfall.code(), StatusCode::kUnavailable);
   EXPECT_THAT(ended->shortfall.message(), testing::StartsWith("0 of 50 games finished; the "));
+}
+
+TEST_F(LoadRunTest, AKickedGameDoesNotComeBack) {
+  int progress_count = 0;  // since the kick; used by the run alone
+  std::atomic<bool> kicked{false};
+  auto result = std::async(std::launch::async, [&] {
+    // One that comes back does so within a second, which is the interval of the progress.
+    return Run([&] { return progress_count == 3; },
+               [&](const std::string&) { progress_count += kicked ? 1 : 0; });
+  });
+  AwaitStreams();
+  const auto sessions = ListSessions(plan_.daemon, plan_.project, "");
+  ASSERT_TRUE(sessions.ok()) << sessions.status().message();
+  EXPECT_TRUE(KickSession(plan_.daemon, sessions->front().session_id(), false).ok());
+  kicked = true;
+  const auto ended = result.get();
+  ASSERT_TRUE(ended.ok()) << ended.status().message();
+  EXPECT_EQ(ended->rejected_count, 1U) << "it has tried once";
+  EXPECT_EQ(ended->welcome_count, 50U);
+  EXPECT_EQ(ended->finished_count, 49U);
+  EXPECT_THAT(ended->shortfall.message(), testing::HasSubstr("(SESSION_KICKED)"));
 }
 
 TEST_F(LoadRunTest, NobodyThereIsAnErrorAtOnce) {
