@@ -50,6 +50,11 @@ std::optional<double> CpuSeconds(int64_t pid) {
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+// Many refusals of tokens bring it about: the first of them says why.
+bool IsFollowUp(const grpc::Status& status) {
+  return ReasonOf(status) == v1::ERROR_REASON_TOO_MANY_FAILURES;
+}
+
 v1::FrameBatch MakeBatch(uint32_t frame_count) {
   v1::FrameBatch batch;
   for (uint32_t i = 0; i < frame_count; ++i) {
@@ -165,7 +170,7 @@ void LoadRun::OnEnd(LoadStream& stream, const grpc::Status& status, bool was_up,
   const std::lock_guard lock(mutex_);
   --open_count_;  // the destructor, which waits for it, then waits for the lock
   if (was_up) --up_count_;
-  if (!status.ok()) last_error_ = status;
+  if (!status.ok() && (last_error_.ok() || !IsFollowUp(status))) last_error_ = status;
   if (ending_) {
     if (status.ok()) ++result_.finished_count;
     return;
@@ -361,7 +366,9 @@ Result<LoadResult> LoadRun::Run() {
   RunUntil(last_start_ns + kPatienceNs, [this] { return AllUpOrRefused(); });
   if (const std::lock_guard lock(mutex_); result_.welcome_count == 0) {
     if (last_error_.ok()) last_error_ = {grpc::StatusCode::UNAVAILABLE, "no answer in time"};
-    return ToStatus(last_error_, plan_.daemon);
+    const Status status = ToStatus(last_error_, plan_.daemon);
+    if (status.code() == StatusCode::kInvalidArgument) return status;
+    return Status(StatusCode::kUnavailable, status.message());
   }
   Measure();
   SayGoodbye();

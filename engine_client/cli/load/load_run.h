@@ -57,7 +57,8 @@ struct LoadResult {
   Status shortfall;
 };
 
-// Errors: kUnavailable (nobody answered), or as the daemon refused every stream.
+// Errors: kInvalidArgument (an option, or the daemon says that one is not valid), kUnavailable
+// (nobody answered, or the daemon refused every stream).
 // `progress` is called about once a second.
 Result<LoadResult> RunLoad(const LoadPlan& plan, const std::function<bool()>& stop,
                            const std::function<void(const std::string&)>& progress);
