@@ -269,14 +269,18 @@ absl::Status Validate(const Config& config, const SettingNames& names) {
   CheckTls(config.rpc.tls, names, problems);
   // Of an address that is none nobody can say who reaches it.
   if (listeners.Sum().ok()) CheckReach(config, names, problems);
+  if (config.http == config.listen && !config.listen.ends_with(":0")) {
+    problems.Add(absl::StrCat(names.Of("http"), ": ", config.http, " is that of ",
+                              names.Of("listen"), ", too; give it a port of its own"));
+  }
   if (config.database_bytes < 2 * config.audit.bytes) {
     problems.Add(absl::StrCat(names.Of("database_mb"),
                               ": the audit log is a part of it; allow at least twice ",
                               names.Of("audit_mb")));
   }
   if (config.data.empty()) problems.Add(names.Of("data") + ": name a directory");
-  if (const auto problem = decision::Validate(config.rpc.decision))
-    problems.Add(absl::StrCat("decision: ", *problem));
+  for (const std::string& problem : decision::Problems(config.rpc.decision))
+    problems.Add(absl::StrCat("decision: ", problem));
   return problems.Sum();
 }
 
@@ -292,8 +296,17 @@ absl::Status CheckFiles(const Config& config) {
           absl::StrCat(std::string(key), ": ", parent.string(), " is no directory; make it first"));
     }
   }
-  const tls::Files& files = config.rpc.tls;
-  if (!files.cert.empty() && !files.key.empty()) problems.Add(tls::Read(files).status());
+  std::error_code unknown;
+  if (std::filesystem::exists(config.data, unknown) &&
+      !std::filesystem::is_directory(config.data, unknown)) {
+    problems.Add(absl::StrCat("data: ", config.data.string(),
+                              " is no directory; name another, or move it away"));
+  }
+  if (std::filesystem::is_directory(config.port_file, unknown)) {
+    problems.Add(
+        absl::StrCat("port_file: ", config.port_file.string(), " is a directory; name a file"));
+  }
+  for (const absl::Status& status : tls::Check(config.rpc.tls)) problems.Add(status);
   return problems.Sum();
 }
 

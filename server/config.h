@@ -87,10 +87,12 @@ absl::Status Assign(const Assignments& assignments, std::string_view origin, Con
                     const SettingNames& names = {});
 
 // Checks the rules for several settings together: other addresses than loopback need TLS or
-// --insecure, and the weights sum to 1. The files of TLS are not read.
+// --insecure, each listener has an address of its own, and the weights sum to 1. The files of TLS
+// are not read.
 absl::Status Validate(const Config& config, const SettingNames& names = {});
 // Checks what the configuration names on this machine, and makes nothing: the files of TLS, which
-// must belong together, and the directories that `data` and `port_file` are to be made in.
+// must belong together, the directories that `data` and `port_file` are to be made in, and what is
+// there already in their place.
 absl::Status CheckFiles(const Config& config);
 // Does all three for a TOML file, whose name begins each line.
 absl::Status CheckConfigFile(const std::filesystem::path& path);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace sweepstake::decision {
 namespace {
@@ -40,7 +42,7 @@ Problem CheckInterval(const char* name, int64_t value_ns, int64_t min_ns) {
   return std::nullopt;
 }
 
-Problem CheckIntervals(const DecisionOptions& options) {
+void CheckIntervals(const DecisionOptions& options, std::vector<std::string>& problems) {
   const struct {
     const char* name;
     int64_t value_ns;
@@ -55,9 +57,8 @@ Problem CheckIntervals(const DecisionOptions& options) {
   };
   for (const auto& interval : intervals) {
     if (Problem problem = CheckInterval(interval.name, interval.value_ns, interval.min_ns))
-      return problem;
+      problems.push_back(*std::move(problem));
   }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -73,15 +74,17 @@ DecisionOptions DecisionOptions::Scaled(double time_scale) const {
   return scaled;
 }
 
-std::optional<std::string> ValidateNumbers(const DecisionOptions& options) {
-  if (Problem problem = CheckWeights(options.weights)) return problem;
-  if (Problem problem = CheckIntervals(options)) return problem;
+std::vector<std::string> NumberProblems(const DecisionOptions& options) {
+  std::vector<std::string> problems;
+  if (Problem problem = CheckWeights(options.weights)) problems.push_back(*std::move(problem));
+  CheckIntervals(options, problems);
   if (!(options.bail_out_penalty >= 0 && options.bail_out_penalty <= kMaxPenalty)) {
-    return "bail_out_penalty is negative, not finite or huge; use a number from 0 to 1000000";
+    problems.emplace_back(
+        "bail_out_penalty is negative, not finite or huge; use a number from 0 to 1000000");
   }
   if (!(options.fps_floor >= 0 && options.fps_floor <= kLargestFpsFloor))
-    return "fps_floor is negative, not finite or huge; use a number from 0 to 1000";
-  return std::nullopt;
+    problems.emplace_back("fps_floor is negative, not finite or huge; use a number from 0 to 1000");
+  return problems;
 }
 
 }  // namespace sweepstake::decision

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
+#include <vector>
 
 namespace sweepstake::decision {
 
@@ -41,8 +41,8 @@ inline constexpr int64_t kMaxIntervalNs = 8'640'000'000'000'000;  // 100 days
 inline constexpr double kMaxPenalty = 1e6;
 inline constexpr double kLargestFpsFloor = 1000;
 
-// Returns which number is wrong and how to correct it, in one line, or nothing if all are valid.
-// The policy's name is not checked here (session/session_setup.h).
-std::optional<std::string> ValidateNumbers(const DecisionOptions& options);
+// Returns which numbers are wrong and how to correct them, a line for each; nothing if all are
+// valid. The policy's name is not checked here (session/session_setup.h).
+std::vector<std::string> NumberProblems(const DecisionOptions& options);
 
 }  // namespace sweepstake::decision

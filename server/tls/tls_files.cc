@@ -13,6 +13,7 @@
 #include <limits>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -82,6 +83,7 @@ int NoPassphrase(char* /*buffer*/, int /*size*/, int /*writing*/, void* /*data*/
 absl::Status CheckPair(const Files& files, const Texts& texts) {
   const Certificate certificate = FirstCertificate(texts.cert);
   if (certificate == nullptr) return NoCertificate(files.cert);
+  if (files.key.empty()) return absl::OkStatus();
   const Key key(PEM_read_bio_PrivateKey(Reader(texts.key).get(), nullptr, NoPassphrase, nullptr));
   ERR_clear_error();
   if (key == nullptr) {
@@ -98,22 +100,42 @@ absl::Status CheckPair(const Files& files, const Texts& texts) {
       " cannot be used together (", TakeError(), "); name the key of this certificate"));
 }
 
+// Returns what can be read; adds what is wrong with each file, and then with those that could be
+// read.
+Texts ReadAll(const Files& files, std::vector<absl::Status>& problems) {
+  const auto add = [&](absl::Status status) {
+    const bool is_ok = status.ok();
+    if (!is_ok) problems.push_back(std::move(status));
+    return is_ok;
+  };
+  Texts texts;
+  const auto read = [&](const std::filesystem::path& path, std::string& text) {
+    absl::StatusOr<std::string> whole = ReadFile(path);
+    const bool is_read = add(whole.status());
+    if (is_read) text = *std::move(whole);
+    return is_read && !path.empty();
+  };
+  const bool has_cert = read(files.cert, texts.cert);
+  const bool has_key = read(files.key, texts.key) || files.key.empty();
+  const bool has_ca = read(files.ca, texts.ca);
+  if (has_cert && has_key) add(CheckPair(files, texts));
+  if (has_ca && FirstCertificate(texts.ca) == nullptr) add(NoCertificate(files.ca));
+  return texts;
+}
+
 }  // namespace
 
 absl::StatusOr<Texts> Read(const Files& files) {
-  Texts texts;
-  for (const auto& [path, text] :
-       {std::pair(&files.cert, &texts.cert), std::pair(&files.key, &texts.key),
-        std::pair(&files.ca, &texts.ca)}) {
-    absl::StatusOr<std::string> read = ReadFile(*path);
-    if (!read.ok()) return read.status();
-    *text = *std::move(read);
-  }
-  if (!files.cert.empty()) {
-    if (absl::Status status = CheckPair(files, texts); !status.ok()) return status;
-  }
-  if (!files.ca.empty() && FirstCertificate(texts.ca) == nullptr) return NoCertificate(files.ca);
+  std::vector<absl::Status> problems;
+  Texts texts = ReadAll(files, problems);
+  if (!problems.empty()) return problems.front();
   return texts;
+}
+
+std::vector<absl::Status> Check(const Files& files) {
+  std::vector<absl::Status> problems;
+  ReadAll(files, problems);
+  return problems;
 }
 
 int64_t EarliestExpiryUnixS(const std::string& certificates) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
@@ -30,6 +31,10 @@ struct Texts {
 // form or does not belong to the other one, and says what to do. REQUIRES: `cert` and `key` are
 // both given or both empty.
 absl::StatusOr<Texts> Read(const Files& files);
+
+// Returns all errors that Read could have for these files, one after the other. A certificate or a
+// key without the other is checked alone.
+std::vector<absl::Status> Check(const Files& files);
 
 // Returns when the first of these certificates expires, in seconds since 1970. REQUIRES: they are
 // Texts::cert that Read has returned.

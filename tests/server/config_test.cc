@@ -128,22 +128,37 @@ TEST_F(ConfigTest, WhatItNamesOnTheMachineMustBeThere) {
   EXPECT_THAT(said("data = '/nonexistent/sweepstake/data'\n"),
               HasSubstr("data: /nonexistent/sweepstake is no directory"));
   EXPECT_THAT(said("port_file = '/nonexistent/port'\n"), HasSubstr("port_file: /nonexistent is"));
-  EXPECT_THAT(said("tls_cert = 'nowhere.pem'\ntls_key = 'nowhere-key.pem'\n"),
-              HasSubstr("cannot read nowhere.pem"));
+  EXPECT_THAT(said("tls_cert = 'no.pem'\ntls_key = 'no-key.pem'\ntls_client_ca = 'no-ca.pem'\n"),
+              AllOf(HasSubstr("cannot read no.pem"), HasSubstr("\ncannot read no-key.pem"),
+                    HasSubstr("\ncannot read no-ca.pem")));
+  std::ofstream(path_) << "";
+  EXPECT_THAT(said("data = '" + path_.string() + "'\n"),
+              HasSubstr("data: " + path_.string() + " is no directory; name another"));
+  EXPECT_THAT(said("port_file = '" + ::testing::TempDir() + "'\n"),
+              HasSubstr("port_file: " + ::testing::TempDir() + " is a directory; name a file"));
+}
+
+TEST_F(ConfigTest, TwoListenersNeedTwoAddresses) {
+  EXPECT_THAT(Error("listen = '127.0.0.1:7433'\nhttp = '127.0.0.1:7433'\n"),
+              HasSubstr("http: 127.0.0.1:7433 is that of listen, too"));
+  EXPECT_TRUE(FromFile("listen = '127.0.0.1:0'\nhttp = '127.0.0.1:0'\n").ok());
 }
 
 TEST_F(ConfigTest, AllThatIsWrongInAFileIsSaidAtOnceALineForEach) {
-  std::ofstream(path_) << "lissten = 'x'\nmax_scenes = 0\nhttp = '7434'\ntls_cert = 'c.pem'\n"
-                          "database_mb = 20\naudit_mb = 11\nport_file = '/nonexistent/port'\n"
-                          "[decision]\nweight_fps = 0.9\n";
+  std::ofstream(path_)
+      << "lissten = 'x'\nmax_scenes = 0\nhttp = '7434'\ntls_cert = 'c.pem'\n"
+         "database_mb = 20\naudit_mb = 11\nport_file = '/nonexistent/port'\n"
+         "[decision]\nweight_fps = 0.9\npolicy = 'x'\ninterval_ms = 0\nfps_floor = -1\n";
   const std::string said(CheckConfigFile(path_).message());
   for (const char* wrong :
        {"unknown setting 'lissten'", "max_scenes: expected", "http: expected HOST:PORT",
         "tls_cert and tls_key go together", "at least twice audit_mb",
-        "port_file: /nonexistent is no directory", "decision: "}) {
+        "port_file: /nonexistent is no directory", "cannot read c.pem", "decision: unknown policy",
+        "decision: the reward weights sum to", "decision: decision_interval_ns is 0",
+        "decision: fps_floor is negative"}) {
     EXPECT_THAT(said, HasSubstr(wrong));
   }
-  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 6) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 10) << said;
   for (const auto line : absl::StrSplit(said, '\n'))
     EXPECT_EQ(std::string(line).rfind(path_.string() + ": ", 0), 0u) << line;
   std::ofstream(path_) << "listen = [1]\nhttp = [2]\n";

@@ -45,11 +45,19 @@ Problem CheckPriors(const SessionSetup& setup) {
 
 }  // namespace
 
-std::optional<std::string> Validate(const DecisionOptions& options, PolicyRegistry policies) {
+std::vector<std::string> Problems(const DecisionOptions& options, PolicyRegistry policies) {
+  std::vector<std::string> problems = NumberProblems(options);
   if (FindPolicy(options.policy, policies) == nullptr) {
-    return math::UnknownName("policy", options.policy, PolicyNames(policies));
+    problems.insert(problems.begin(),
+                    math::UnknownName("policy", options.policy, PolicyNames(policies)));
   }
-  return ValidateNumbers(options);
+  return problems;
+}
+
+std::optional<std::string> Validate(const DecisionOptions& options, PolicyRegistry policies) {
+  const std::vector<std::string> problems = Problems(options, policies);
+  if (problems.empty()) return std::nullopt;
+  return problems.front();
 }
 
 std::optional<std::string> Validate(const SessionSetup& setup, PolicyRegistry policies) {

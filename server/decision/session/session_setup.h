@@ -30,8 +30,12 @@ struct SessionSetup {
   uint64_t decision_count = 0;
 };
 
-// Validate returns what is wrong and how to correct it, in one line, or nothing if all is valid. It
-// looks up policy names in `policies`.
+// Returns all that is wrong and how to correct it, a line for each. It looks up the policy's name
+// in `policies`.
+std::vector<std::string> Problems(const DecisionOptions& options,
+                                  PolicyRegistry policies = ShippedPolicies());
+// Validate returns the first thing that is wrong and how to correct it, in one line, or nothing if
+// all is valid. It looks up policy names in `policies`.
 std::optional<std::string> Validate(const DecisionOptions& options,
                                     PolicyRegistry policies = ShippedPolicies());
 std::optional<std::string> Validate(const SessionSetup& setup,

@@ -69,6 +69,17 @@ TEST_F(TlsFilesTest, AFileThatCannotBeReadIsNamedWithTheReason) {
   EXPECT_THAT(Error(), HasSubstr("too large"));
 }
 
+TEST_F(TlsFilesTest, AllThatIsWrongIsSaidAlsoOfACertificateAlone) {
+  EXPECT_TRUE(Check(files_).empty());
+  const Files missing{.cert = Path("a.pem"), .key = Path("b.pem"), .ca = Path("c.pem")};
+  EXPECT_EQ(Check(missing).size(), 3u);
+  const Files wrong{.cert = Write("text.pem", "hello"), .key = files_.key, .ca = Path("text.pem")};
+  EXPECT_EQ(Check(wrong).size(), 2u);
+  EXPECT_EQ(Check({.cert = Path("a.pem"), .key = {}, .ca = {}}).size(), 1u);
+  EXPECT_EQ(Check({.cert = Path("text.pem"), .key = {}, .ca = {}}).size(), 1u);
+  EXPECT_TRUE(Check({.cert = files_.cert, .key = {}, .ca = {}}).empty());
+}
+
 TEST_F(TlsFilesTest, AKeyOfAnotherCertificateIsRefused) {
   authority_.Issue("IP:127.0.0.1", {Path("other-cert.pem"), Path("other-key.pem")});
   files_.key = Path("other-key.pem");
