@@ -31,6 +31,12 @@ std::string Quoted(std::string_view word) {
   return quoted + '\'';
 }
 
+// However large, and with a sign or without.
+bool IsWhole(std::string_view text) {
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 TlsOptions& Tls(DaemonOptions& daemon) { return daemon.tls ? *daemon.tls : daemon.tls.emplace(); }
 
 // The variable of --tls-ca is SWEEPSTAKE_CLIENT_TLS_CA. `daemon` must outlive the command.
@@ -48,7 +54,12 @@ void AddTlsOption(CLI::App& command, const std::string& name, std::string TlsOpt
 
 }  // namespace
 
-CLI::Validator WholeFrom(uint64_t min, uint64_t max) { return CLI::Range(min, max); }
+CLI::Validator WholeFrom(uint64_t min, uint64_t max) {
+  CLI::Validator range = CLI::Range(min, max);
+  return {
+      [=](std::string& text) { return IsWhole(text) ? range(text) : text + " is no whole number"; },
+      range.get_description()};
+}
 
 CLI::Validator WholeUpTo(uint64_t max) { return WholeFrom(0, max); }
 
@@ -56,8 +67,8 @@ CLI::Validator RealFrom(double min, double max) {
   CLI::Validator range = CLI::Range(min, max);
   return {[=](std::string& text) {
             double value = 0;
-            const bool is_number = CLI::detail::lexical_cast(text, value);
-            return is_number && std::isnan(value) ? text + " is no number" : range(text);
+            const bool is_number = CLI::detail::lexical_cast(text, value) && !std::isnan(value);
+            return is_number ? range(text) : text + " is no number";
           },
           range.get_description()};
 }

@@ -360,6 +360,11 @@ void LoadRun::SayGoodbye() {
 }
 
 Result<LoadResult> LoadRun::Run() {
+  if (plan_.server_pid != 0 && !CpuSeconds(plan_.server_pid)) {
+    return Status(StatusCode::kInvalidArgument,
+                  "no process of this machine has the id " + std::to_string(plan_.server_pid) +
+                      "; give --server-pid that of the daemon, or leave it out");
+  }
   if (Status status = OpenStreams(); !status.ok()) return status;
   ScheduleStarts();
   const int64_t last_start_ns = timers_.rbegin()->first;

@@ -124,10 +124,14 @@ TEST(Commands, ANumberOutOfRangeIsNamedWithItsOption) {
       {"check --scene suite-b --frames=-1", "--frames"},
       {"check --scene suite-b --seed=-1", "--seed: -1 is negative"},
       {"check --scene suite-b --objects many", "--objects"},
+      {"check --scene suite-b --frames many", "--frames: many is no whole number"},
+      {"check --scene suite-b --frames 1.5", "--frames: 1.5 is no whole number"},
+      {"check --scene suite-b --frames 99999999999999999999", "not in range 0 to 1000000"},
       {"pairs --scene suite-b --arm SAP --frame=-3", "--frame"},
       {"record --scene suite-b --out x.aabbs --frames 2147483648", "--frames"},
       {"run --scene suite-b --embedded --time-scale nan", "--time-scale: nan is no number"},
       {"run --scene suite-b --embedded --time-scale 1001", "--time-scale"},
+      {"run --scene suite-b --embedded --time-scale x", "--time-scale: x is no number"},
       {"run --scene suite-b --embedded --time-scale 0.5", "--time-scale"},
   });
 }

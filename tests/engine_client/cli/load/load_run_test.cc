@@ -174,6 +174,13 @@ TEST_F(LoadRunTest, AKickedGameDoesNotComeBack) {
   EXPECT_THAT(ended->shortfall.message(), testing::HasSubstr("(SESSION_KICKED)"));
 }
 
+TEST_F(LoadRunTest, ADaemonsProcessThatIsNotThereIsAnErrorAtOnce) {
+  plan_.server_pid = 1 << 30;  // Linux gives at most 4,194,304
+  const Status status = Run().status();
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), testing::HasSubstr("--server-pid"));
+}
+
 TEST_F(LoadRunTest, NobodyThereIsAnErrorAtOnce) {
   plan_.daemon.address = "127.0.0.1:1";
   EXPECT_EQ(Run().status().code(), StatusCode::kUnavailable);
