@@ -136,7 +136,7 @@ int RunWatch(const SessionsOptions& options, Terminal& terminal) {
   const Status status = WatchSessions(
       options.daemon, options.project, options.scene, StopRequested,
       [&](const v1::WatchSessionsResponse& event) { PrintChanges(event, options.json, terminal); },
-      [&](const Status& lost) { SayRetry(terminal, lost); });
+      [&](const Status& connection) { SayConnection(terminal, connection); });
   return status.ok() ? kDone : FailAnswer(terminal, status);
 }
 

@@ -47,7 +47,7 @@ int WatchLive(const WatchOptions& options, Terminal& terminal) {
         if (!options.json) return screen.Show(event);
         PrintEvent(event, terminal.out);
       },
-      [&](const Status& lost) { SayRetry(terminal, lost); });
+      [&](const Status& connection) { SayConnection(terminal, connection); });
   return status.ok() ? kDone : FailAnswer(terminal, status);
 }
 

@@ -83,7 +83,7 @@ Canceller::~Canceller() {
 }
 
 Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
-                    const std::function<void(const Status&)>& on_lost, const Watch& watch) {
+                    const std::function<void(const Status&)>& on_connection, const Watch& watch) {
   bool was_reached = false;
   milliseconds delay = kMinDelay;
   while (true) {
@@ -91,17 +91,19 @@ Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is
     if (!channel.ok()) return channel.status();
     std::atomic<bool> is_reached = false;
     const auto look = [&] {
-      if ((*channel)->GetState(false) == GRPC_CHANNEL_READY) is_reached = true;
+      if ((*channel)->GetState(false) != GRPC_CHANNEL_READY || is_reached.exchange(true)) return;
+      if (was_reached) on_connection({});
     };
     const Status status = watch(*channel, [&] {
       look();
       return is_stopped();
     });
-    look();  // it may have ended between two looks
+    // It may have ended between two looks.
+    if (status.code() == StatusCode::kUnavailable) look();
     if (is_reached) delay = kMinDelay;
     was_reached = was_reached || is_reached;
     if (status.ok() || status.code() != StatusCode::kUnavailable || !was_reached) return status;
-    on_lost(status);
+    on_connection(status);
     const auto end = std::chrono::steady_clock::now() + delay;
     while (std::chrono::steady_clock::now() < end) {
       if (is_stopped()) return {};

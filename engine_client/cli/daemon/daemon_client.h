@@ -68,10 +68,11 @@ Status ReadEvents(grpc::ClientContext& context, grpc::ClientReader<Event>& reade
 using Watch = std::function<Status(const std::shared_ptr<grpc::Channel>& channel,
                                    const std::function<bool()>& is_stopped)>;
 
-// Watches until `is_stopped`: where the daemon was reached and is then lost, it says so with
-// `on_lost` and watches again on a new connection, with back-off. Returns the error of a daemon
+// Watches until `is_stopped`: where the daemon was reached and is then lost, it tells
+// `on_connection` why and watches again on a new connection, with back-off; it tells it OK when
+// that one is there, maybe on the thread that calls `is_stopped`. Returns the error of a daemon
 // that was never reached, or that refuses the watch.
 Status KeepWatching(const DaemonOptions& daemon, const std::function<bool()>& is_stopped,
-                    const std::function<void(const Status&)>& on_lost, const Watch& watch);
+                    const std::function<void(const Status&)>& on_connection, const Watch& watch);
 
 }  // namespace sweepstake::cli

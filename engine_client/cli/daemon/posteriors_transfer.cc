@@ -29,12 +29,12 @@ Result<std::vector<v1::ScenePosterior>> ListPosteriors(const DaemonOptions& daem
 Status WatchPosteriors(const DaemonOptions& daemon, const std::string& project,
                        const std::string& scene, const std::function<bool()>& is_stopped,
                        const std::function<void(const v1::WatchPosteriorsResponse&)>& on_event,
-                       const std::function<void(const Status&)>& on_lost) {
+                       const std::function<void(const Status&)>& on_connection) {
   v1::WatchPosteriorsRequest request;
   request.set_project(project);
   request.set_scene(scene);
   return KeepWatching(
-      daemon, is_stopped, on_lost,
+      daemon, is_stopped, on_connection,
       [&](const std::shared_ptr<grpc::Channel>& channel, const std::function<bool()>& ends) {
         const auto stub = v1::PosteriorsService::NewStub(channel);
         grpc::ClientContext context;

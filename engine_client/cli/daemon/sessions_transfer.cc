@@ -32,12 +32,12 @@ Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
 Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
                      const std::string& scene, const std::function<bool()>& is_stopped,
                      const std::function<void(const v1::WatchSessionsResponse&)>& on_event,
-                     const std::function<void(const Status&)>& on_lost) {
+                     const std::function<void(const Status&)>& on_connection) {
   v1::WatchSessionsRequest request;
   request.set_project(project);
   request.set_scene(scene);
   return KeepWatching(
-      daemon, is_stopped, on_lost,
+      daemon, is_stopped, on_connection,
       [&](const std::shared_ptr<grpc::Channel>& channel, const std::function<bool()>& ends) {
         const auto stub = v1::SessionsService::NewStub(channel);
         grpc::ClientContext context;

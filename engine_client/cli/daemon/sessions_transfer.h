@@ -21,7 +21,7 @@ Result<std::vector<v1::SessionInfo>> ListSessions(const DaemonOptions& daemon,
 Status WatchSessions(const DaemonOptions& daemon, const std::string& project,
                      const std::string& scene, const std::function<bool()>& is_stopped,
                      const std::function<void(const v1::WatchSessionsResponse&)>& on_event,
-                     const std::function<void(const Status&)>& on_lost);
+                     const std::function<void(const Status&)>& on_connection);
 
 // Ends a session's stream, and the session too unless its client may return. Error: kNotFound.
 Status KickSession(const DaemonOptions& daemon, const std::string& session_id, bool may_return);

@@ -18,8 +18,11 @@ constexpr char kLegend[] =
 void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   if (event.has_posterior()) ShowPosterior(event.posterior());
   const std::string time = UtcText(event.stamp().unix_ms()) + " ";
-  for (const v1::DecisionEvent& decision : event.decisions())
-    ShowDecision(time + DecisionText(decision));
+  for (const v1::DecisionEvent& decision : event.decisions()) {
+    // A terminal has no room for it.
+    const std::string session = redraws_ ? "" : decision.session_id() + " of ";
+    ShowDecision(time + session + DecisionText(decision));
+  }
   if (!redraws_) out_ << std::flush;
   const auto now = std::chrono::steady_clock::now();
   if (!redraws_ || now - drawn_at_ < kRedrawInterval) return;

@@ -16,7 +16,7 @@ namespace sweepstake::cli {
 class WatchScreen {
  public:
   // With `redraws` (for a terminal) the screen is drawn anew at most five times per second. Without
-  // it, each event is printed when it arrives.
+  // it, each event is printed when it arrives, a decision with its session.
   WatchScreen(std::ostream& out, bool redraws) : out_(out), redraws_(redraws) {}
 
   void Show(const v1::WatchPosteriorsResponse& event);

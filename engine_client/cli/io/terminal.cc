@@ -33,8 +33,9 @@ int FailAnswer(Terminal& terminal, const Status& status) {
                                                                                  : exit_code;
 }
 
-void SayRetry(Terminal& terminal, const Status& status) {
-  terminal.err << "sweepstake: " << status.message() << "; trying again" << std::endl;
+void SayConnection(Terminal& terminal, const Status& status) {
+  const std::string text = status.ok() ? "connected again" : status.message() + "; trying again";
+  terminal.err << "sweepstake: " << text << std::endl;
 }
 
 std::string CutToColumns(const std::string& text, size_t columns) {

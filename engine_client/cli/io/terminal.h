@@ -32,8 +32,8 @@ int Fail(Terminal& terminal, const Status& status);
 // understood and refused.
 int FailAnswer(Terminal& terminal, const Status& status);
 
-// Prints "sweepstake: MESSAGE; trying again", and nothing else happens.
-void SayRetry(Terminal& terminal, const Status& status);
+// Prints "sweepstake: MESSAGE; trying again", or of OK that it is connected again.
+void SayConnection(Terminal& terminal, const Status& status);
 
 // Returns the beginning of `text` (UTF-8) that fits into `columns`, where each character takes one
 // column.

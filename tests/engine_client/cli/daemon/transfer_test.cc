@@ -69,18 +69,24 @@ TEST(WatchPosteriors, HandsOnEachEventAndGoesOnWhereTheDaemonIsLostUntilItRefuse
   daemon.posteriors.events = {DecisionOf(1), DecisionOf(2), DecisionOf(3)};
   std::vector<uint64_t> seen;
   int loss_count = 0;
+  std::atomic<int> return_count = 0;
   const Status status = WatchPosteriors(
       {daemon.address()}, "p", "s", [] { return false; },
       [&](const v1::WatchPosteriorsResponse& event) {
         seen.push_back(event.decisions(0).decision_id());
       },
       [&](const Status& loss) {
+        if (loss.ok()) {
+          ++return_count;
+          return;
+        }
         EXPECT_EQ(loss.code(), StatusCode::kUnavailable);
         EXPECT_THAT(loss.message(), HasSubstr("ended the watch"));
         ++loss_count;
       });
   EXPECT_THAT(seen, ElementsAre(1, 2, 3, 1, 2, 3));
   EXPECT_EQ(loss_count, 2);
+  EXPECT_GE(return_count, 1) << "and once more if it is seen before the refusal";
   EXPECT_EQ(status.code(), StatusCode::kFailedPrecondition);
   EXPECT_EQ(status.message(), "not any more");
   EXPECT_EQ(daemon.posteriors.watched_scene.get(), "s");
@@ -94,7 +100,7 @@ TEST(WatchPosteriors, EndsWithoutAnErrorWhenItIsStopped) {
   const Status status = WatchPosteriors(
       {daemon.address()}, "", "", [&] { return stopped.load(); },
       [&](const v1::WatchPosteriorsResponse&) { stopped = true; },
-      [](const Status& loss) { ADD_FAILURE() << loss.message(); });
+      [](const Status& connection) { ADD_FAILURE() << connection.message(); });
   EXPECT_TRUE(status.ok()) << status.message();
 }
 
@@ -108,6 +114,13 @@ TEST(WatchCommand, PrintsEventsAsTheyComeAndSaysWhenTheDaemonIsLost) {
   EXPECT_THAT(run.out, HasSubstr("s: decision 7, SAP"));
   EXPECT_THAT(run.out, HasSubstr(" / arena"));
   EXPECT_THAT(run.err, HasSubstr("ended the watch; trying again\n"));
+}
+
+TEST(WatchCommand, SaysWhenTheDaemonIsBack) {
+  FakeDaemonServices daemon;
+  daemon.posteriors.events = {DecisionOf(7)};
+  const CommandRun run = RunCommand("watch --daemon " + daemon.address());
+  EXPECT_THAT(run.err, HasSubstr("trying again\nsweepstake: connected again\n"));
 }
 
 TEST(WatchCommand, FollowsInJsonWithADocumentPerLine) {

@@ -23,6 +23,7 @@ v1::WatchPosteriorsResponse PosteriorOf(const std::string& scene, uint64_t sourc
 v1::WatchPosteriorsResponse ShownDecision(uint64_t id) {
   v1::WatchPosteriorsResponse event;
   v1::DecisionEvent& decision = *event.add_decisions();
+  decision.set_session_id("0af3");
   decision.set_scene("arena");
   decision.set_decision_id(id);
   decision.set_active_arm("SAP");
@@ -36,7 +37,7 @@ TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
   screen.Show(PosteriorOf("arena", 1));
   screen.Show(ShownDecision(5));
   EXPECT_THAT(out.str(), StartsWith("p / arena"));
-  EXPECT_THAT(out.str(), HasSubstr("2023-11-14 22:13:20 arena: decision 5, SAP"));
+  EXPECT_THAT(out.str(), HasSubstr("2023-11-14 22:13:20 0af3 of arena: decision 5, SAP"));
   EXPECT_THAT(out.str(), Not(HasSubstr("\x1b")));
   out.str("");
   screen.Show(PosteriorOf("desert", 1));
