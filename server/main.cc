@@ -300,7 +300,7 @@ int main(int argc, char** argv) {
   }
   if (app.got_subcommand("probe")) return Probe(*config);
   if (app.got_subcommand("token")) {
-    const absl::Status status = line.token.Run(config->data, std::cout);
+    const absl::Status status = line.token.Run(config->data, std::cout, std::cerr);
     return status.ok() ? kDone : Fail(kCheckFailed, std::string(status.message()));
   }
   if (app.got_subcommand("backup"))

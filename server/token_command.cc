@@ -56,6 +56,10 @@ absl::StatusOr<TokenStore> OpenStore(const fs::path& data) {
   const fs::path tokens = data / storage::DataDirectory::kTokensName;
   if (TokenStore::IsKnown(tokens)) return TokenStore::Open(tokens);
   std::error_code unknown;
+  if (!fs::exists(data, unknown) && !unknown) {
+    return absl::NotFoundError(absl::StrCat("there is no directory ", data.string(),
+                                            "; name the daemon's directory with --data"));
+  }
   if (!fs::exists(tokens, unknown) && unknown)
     return absl::UnavailableError(absl::StrCat(tokens.string(), ": ", unknown.message()));
   return absl::NotFoundError(absl::StrCat("there are no tokens in ", data.string(),
@@ -152,12 +156,13 @@ void TokenCommand::AddTo(CLI::App& app) {
   revoke->footer("Example: sweepstaked token revoke arcade --data /var/lib/sweepstake");
 }
 
-absl::Status TokenCommand::Run(const fs::path& data, std::ostream& out) const {
-  if (create_->parsed()) return Create(data, out);
+absl::Status TokenCommand::Run(const fs::path& data, std::ostream& out, std::ostream& notes) const {
+  if (create_->parsed()) return Create(data, out, notes);
   return list_->parsed() ? List(data, out) : Revoke(data, out);
 }
 
-absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const {
+absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out,
+                                  std::ostream& notes) const {
   const int64_t now_s = priors::UnixNowS();
   const auto* const role = std::find(auth::kRoleNames.begin(), auth::kRoleNames.end(), role_);
   auth::TokenRequest request = {.name = name_,
@@ -172,6 +177,12 @@ absl::Status TokenCommand::Create(const fs::path& data, std::ostream& out) const
     const auto token = store->Create(request, now_s);
     if (!token.ok()) return token.status();
     out << *token << '\n' << std::flush;
+    std::error_code unknown;  // a path that cannot be told whole is told as it was given
+    fs::path whole = fs::absolute(data, unknown);
+    if (unknown) whole = data;
+    notes << "token " << math::PrintableLine(name_) << " is in "
+          << (whole / storage::DataDirectory::kTokensName).string()
+          << "; it is shown this once, and the daemon of that directory takes it\n";
     if (out) return absl::OkStatus();
     return absl::UnavailableError(
         "cannot show the token; revoke it, since nobody has it, and make another one");

@@ -20,12 +20,14 @@ class TokenCommand {
   void AddTo(CLI::App& app);
 
   // Runs what the command line asked for, on the tokens of the directory `data`. A token is shown
-  // on `out`, or written to the file that was named, and nowhere else. Errors: those of TokenStore,
-  // and UNAVAILABLE (a file or directory cannot be made).
-  absl::Status Run(const std::filesystem::path& data, std::ostream& out) const;
+  // on `out`, or written to the file that was named, and nowhere else; what else there is to say of
+  // one that is shown goes to `notes`. Errors: those of TokenStore, NOT_FOUND (there is no such
+  // directory, or there are no tokens in it) and UNAVAILABLE (a file or directory cannot be made).
+  absl::Status Run(const std::filesystem::path& data, std::ostream& out, std::ostream& notes) const;
 
  private:
-  absl::Status Create(const std::filesystem::path& data, std::ostream& out) const;
+  absl::Status Create(const std::filesystem::path& data, std::ostream& out,
+                      std::ostream& notes) const;
   absl::Status List(const std::filesystem::path& data, std::ostream& out) const;
   absl::Status Revoke(const std::filesystem::path& data, std::ostream& out) const;
 

@@ -31,6 +31,18 @@ bool MakePrivate(const fs::path& file) {
   return !error;
 }
 
+absl::Status CannotCreate(const fs::path& path, const std::error_code& why) {
+  const auto text = [&](const std::string& reason, const std::string& advice) {
+    return absl::UnavailableError(absl::StrCat("cannot create the data directory ", path.string(),
+                                               ": ", reason, "; ", advice,
+                                               ", or name another with --data"));
+  };
+  if (why == std::errc::file_exists) return text("it is not a directory", "move it away");
+  if (why == std::errc::no_such_file_or_directory)
+    return text(why.message(), absl::StrCat("make ", path.parent_path().string(), " first"));
+  return text(why.message(), "make its parent writable");
+}
+
 }  // namespace
 
 absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
@@ -38,11 +50,7 @@ absl::StatusOr<DataDirectory> DataDirectory::Open(const fs::path& path) {
   if (mkdir(path.c_str(), 0700) != 0) error = std::error_code(errno, std::system_category());
   std::error_code unknown;  // a failure here too counts as no directory
   if (!fs::is_directory(path, unknown)) {
-    return absl::UnavailableError(absl::StrCat("cannot create the data directory ", path.string(),
-                                               ": ",
-                                               error ? error.message() : "it is not a directory",
-                                               "; make its parent writable, or name another with "
-                                               "--data"));
+    return CannotCreate(path, error);
   }
   const fs::path lock_path = path / "lock";
   const int lock = open(lock_path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);

@@ -36,13 +36,15 @@ class TokenCommandTest : public ::testing::Test {
       app.exit(error, out, out);
       return out.str();
     }
-    const absl::Status status = command.Run(data_, out);
+    notes_.str("");
+    const absl::Status status = command.Run(data_, out, notes_);
     return status.ok() ? out.str() : std::string(status.message());
   }
   std::vector<auth::StoredToken> Stored() const {
     return auth::TokenStore::Open(data_ / "tokens.db").value().Load().value();
   }
 
+  std::ostringstream notes_;  // of the latest command
   test_support::TemporaryDirectory directory_;
   const fs::path data_ = directory_.path() / "data";
   const fs::path file_ = directory_.path() / "game.token";
@@ -51,6 +53,8 @@ class TokenCommandTest : public ::testing::Test {
 TEST_F(TokenCommandTest, CreateShowsTheTokenAndNothingElseShowsIt) {
   const std::string line = Run({"create", "game", "--role", "ingest", "--project", "arcade"});
   ASSERT_EQ(Stored().size(), 1u);
+  EXPECT_THAT(notes_.str(), HasSubstr("token game is in " + (data_ / "tokens.db").string()));
+  EXPECT_THAT(notes_.str(), Not(HasSubstr("sweepstake_")));
   EXPECT_EQ(auth::DigestOf(line.substr(0, line.size() - 1)), Stored()[0].digest);
   EXPECT_EQ(Stored()[0].request.projects, std::vector<std::string>{"arcade"});
   EXPECT_THAT(Run({"list"}), HasSubstr("game"));
@@ -62,7 +66,7 @@ TEST_F(TokenCommandTest, CreateShowsTheTokenAndNothingElseShowsIt) {
 TEST_F(TokenCommandTest, ListAndRevokeMakeNothingInADirectoryThatIsNoDaemons) {
   for (const auto& arguments : {std::vector<std::string>{"list"}, {"revoke", "game"}}) {
     EXPECT_THAT(Run(arguments),
-                HasSubstr("no tokens in " + data_.string() + "; name the daemon's"));
+                HasSubstr("no directory " + data_.string() + "; name the daemon's"));
     EXPECT_FALSE(fs::exists(data_));
   }
   EXPECT_THAT(Run({"create", "game", "--role", "watch", "--out", file_}),

@@ -116,6 +116,9 @@ absl::Status CheckAbsent(const fs::path& file, absl::string_view what_to_do) {
 
 // Returns a connection that has not read the file yet.
 absl::StatusOr<SqliteDatabase> OpenToRead(const fs::path& file) {
+  std::error_code unknown;  // what cannot be examined cannot be opened either, and that says why
+  if (!fs::exists(file, unknown) && !unknown)
+    return absl::NotFoundError(absl::StrCat(file.string(), ": there is no such file"));
   auto database = SqliteDatabase::Open(file.string(), SqliteDatabase::OpenMode::kReadOnly);
   absl::Status status = database.status();
   if (status.ok())

@@ -18,9 +18,10 @@ struct StoreContents {
   int64_t audit_row_count = 0;
 };
 
-// Reads all of a database and changes nothing. Errors: UNAVAILABLE (cannot open it), DATA_LOSS (not
-// a whole database of ours, its rows are not what was written, or its sums are not those of its
-// rows), FAILED_PRECONDITION (written by a newer version).
+// Reads all of a database and changes nothing. Errors: NOT_FOUND (there is no such file),
+// UNAVAILABLE (cannot open it), DATA_LOSS (not a whole database of ours, its rows are not what was
+// written, or its sums are not those of its rows), FAILED_PRECONDITION (written by a newer
+// version).
 absl::StatusOr<StoreContents> VerifyStore(const std::filesystem::path& file,
                                           const std::atomic<bool>* stop = nullptr);
 

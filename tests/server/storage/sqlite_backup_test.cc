@@ -151,7 +151,9 @@ TEST_F(SqliteBackupTest, RowsThatReferToNoneAreTold) {
 TEST_F(SqliteBackupTest, AFileOfSomethingElseIsNoBackup) {
   std::ofstream(file_) << std::string(5000, 'x');
   EXPECT_TRUE(absl::IsDataLoss(VerifyStore(file_).status()));
-  EXPECT_TRUE(absl::IsUnavailable(VerifyStore(directory_.path() / "nowhere").status()));
+  const absl::Status missing = VerifyStore(directory_.path() / "nowhere").status();
+  EXPECT_TRUE(absl::IsNotFound(missing)) << missing;
+  EXPECT_THAT(std::string(missing.message()), HasSubstr("nowhere: there is no such file"));
 }
 
 }  // namespace

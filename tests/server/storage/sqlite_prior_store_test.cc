@@ -452,6 +452,12 @@ TEST(DataDirectoryTest, AFileInItsPlaceIsAnError) {
   const test_support::TemporaryDirectory temporary;
   std::ofstream(temporary.path() / "data") << "x";
   EXPECT_TRUE(absl::IsUnavailable(DataDirectory::Open(temporary.path() / "data").status()));
+  const auto said = [](const std::filesystem::path& path) {
+    return std::string(DataDirectory::Open(path).status().message());
+  };
+  EXPECT_THAT(said(temporary.path() / "data"), HasSubstr("not a directory; move it away, or name"));
+  EXPECT_THAT(said(temporary.path() / "nope" / "data"),
+              HasSubstr("; make " + (temporary.path() / "nope").string() + " first, or name"));
 }
 
 }  // namespace
