@@ -181,7 +181,7 @@ TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
   const uint64_t count = test_support::FromEnvironment("TEST_NAMES", 20'000);
   EXPECT_EQ(OpenUntilRefused(), 100u);
   for (const auto& stream : streams_) Learn(*stream);
-  const uint64_t before = ResidentBytes();
+  [[maybe_unused]] const uint64_t before = ResidentBytes();
   for (uint64_t i = 0; i < count; ++i) {
     PromptStream stream(daemon_);
     stream.Send(Request(HelloOf(next_scene_++)));
@@ -190,7 +190,9 @@ TEST_F(SceneNamesTest, AMillionOfThemCostNoMemory) {
     if (i % 1'000 == 0) daemon_.Advance(kSecondNs);
   }
   daemon_.Advance(daemon_.options.hello_patience_ns);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep what is freed
   EXPECT_LT(ResidentBytes(), before + kMaxGrowthBytes);
+#endif
   EXPECT_EQ(daemon_.sessions.size(), 100u);
   EXPECT_EQ(daemon_.sessions.new_scenes().size(), 0u);
   EXPECT_EQ(daemon_.store.store.CountScenes("game")->names, 100u);
