@@ -14,24 +14,16 @@ constexpr int64_t kSoonS = 7 * kDayS;
 FilesWatch::FilesWatch(Files files, FilesWatchOptions options)
     : files_(std::move(files)), options_(std::move(options)) {
   Look();
-  if (options_.own_thread) thread_ = std::thread([this] { Loop(); });
+  if (options_.own_thread)
+    thread_ = std::jthread([this](const std::stop_token& stop) { Loop(stop); });
 }
 
-FilesWatch::~FilesWatch() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
-}
-
-void FilesWatch::Loop() {
+void FilesWatch::Loop(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (!changed_.wait_for(lock, options_.interval, [this] { return ending_; })) {
-    lock.unlock();
+  while (true) {
+    sleep_.wait_for(lock, stop, options_.interval, [] { return false; });
+    if (stop.stop_requested()) return;
     Look();
-    lock.lock();
   }
 }
 

@@ -12,6 +12,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 
@@ -35,7 +36,7 @@ struct FilesWatchOptions {
 class FilesWatch {
  public:
   FilesWatch(Files files, FilesWatchOptions options);
-  ~FilesWatch();
+  ~FilesWatch() = default;
   FilesWatch(const FilesWatch&) = delete;
   FilesWatch& operator=(const FilesWatch&) = delete;
 
@@ -43,7 +44,7 @@ class FilesWatch {
   void Look();
 
  private:
-  void Loop();
+  void Loop(const std::stop_token& stop);
   void OnProblem(const absl::Status& status);
   void OnRead(const Texts& texts);
   void TellExpiry();
@@ -57,10 +58,9 @@ class FilesWatch {
   int64_t expires_unix_s_ = 0;
   std::optional<int64_t> expiry_told_unix_s_;
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool ending_ = false;  // guarded by mutex_
-  std::thread thread_;   // the last member, because it uses the others
+  std::mutex mutex_;  // of the sleep alone
+  std::condition_variable_any sleep_;
+  std::jthread thread_;  // the last member, because it uses the others
 };
 
 }  // namespace sweepstake::tls

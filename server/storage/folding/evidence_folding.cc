@@ -31,37 +31,25 @@ EvidenceFolding::EvidenceFolding(priors::AsyncPriorStore& store, const FoldPlan&
       plan_(plan),
       unix_now_s_(std::move(unix_now_s)),
       on_done_(std::move(on_done)),
-      thread_([this] { Loop(); }) {}
+      thread_([this](const std::stop_token& stop) { Loop(stop); }) {}
 
-EvidenceFolding::~EvidenceFolding() {
-  Stop();
-  thread_.join();
-}
-
-void EvidenceFolding::Stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-}
-
-bool EvidenceFolding::Sleep(std::chrono::milliseconds duration) {
+bool EvidenceFolding::Sleep(const std::stop_token& stop, std::chrono::milliseconds duration) {
   std::unique_lock lock(mutex_);
-  return !changed_.wait_for(lock, duration, [this] { return stopping_; });
+  sleep_.wait_for(lock, stop, duration, [] { return false; });
+  return !stop.stop_requested();
 }
 
-void EvidenceFolding::Loop() {
+void EvidenceFolding::Loop(const std::stop_token& stop) {
   if (plan_.days == 0) return;
   while (true) {
-    on_done_(RunOnce());
-    if (!Sleep(plan_.interval)) return;
+    on_done_(RunOnce(stop));
+    if (!Sleep(stop, plan_.interval)) return;
   }
 }
 
-FoldRun EvidenceFolding::RunOnce() {
+FoldRun EvidenceFolding::RunOnce(const std::stop_token& stop) {
   FoldWalk walk(plan_, unix_now_s_());
-  while (!walk.done() && Sleep(plan_.pause)) RunStep(walk);
+  while (!walk.done() && Sleep(stop, plan_.pause)) RunStep(walk);
   return walk.run();
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "absl/status/status.h"
@@ -65,28 +66,27 @@ class EvidenceFolding {
   EvidenceFolding(priors::AsyncPriorStore& store, const FoldPlan& plan,
                   std::function<uint64_t()> unix_now_s, OnDone on_done);
   // Waits for the step that is under way.
-  ~EvidenceFolding();
+  ~EvidenceFolding() = default;
   EvidenceFolding(const EvidenceFolding&) = delete;
   EvidenceFolding& operator=(const EvidenceFolding&) = delete;
 
   // Begins no further step; does not wait.
-  void Stop();
+  void Stop() { thread_.request_stop(); }
 
  private:
-  void Loop();
-  FoldRun RunOnce();
+  void Loop(const std::stop_token& stop);
+  FoldRun RunOnce(const std::stop_token& stop);
   void RunStep(FoldWalk& walk);
   // Returns false once it is to stop.
-  bool Sleep(std::chrono::milliseconds duration);
+  bool Sleep(const std::stop_token& stop, std::chrono::milliseconds duration);
 
   priors::AsyncPriorStore& store_;
   const FoldPlan plan_;
   const std::function<uint64_t()> unix_now_s_;
   const OnDone on_done_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool stopping_ = false;  // guarded by mutex_
-  std::thread thread_;     // last: it uses the others
+  std::mutex mutex_;  // of the sleep alone
+  std::condition_variable_any sleep_;
+  std::jthread thread_;  // last: it uses the others
 };
 
 }  // namespace sweepstake::storage
