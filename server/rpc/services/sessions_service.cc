@@ -109,7 +109,7 @@ grpc::ServerUnaryReactor* SessionsService::KickSession(grpc::CallbackServerConte
           context_.sessions.Kick(*session, may_return);
           context_.log.warn("{} kicked session {} of {}/{}, which {}", who, identity.id,
                             identity.scene.project, identity.scene.scene,
-                            may_return ? "may return" : "has ended");
+                            may_return ? "may return" : "may not return");
           admin_.Record(
               absl::StrCat("action=kick session=", identity.id, " may_return=", may_return), who);
           end(absl::OkStatus());
