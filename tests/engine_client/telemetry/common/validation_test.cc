@@ -39,8 +39,10 @@ TEST(SessionOptions, NamesTheOptionThatIsWrong) {
 
 TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
   const auto message = [](auto change) {
+    TlsOptions tls;
+    change(tls);
     SessionOptions options;
-    change(options.tls.emplace());
+    options.tls = tls;
     return ValidateSessionOptions(options).message();
   };
   using ::testing::HasSubstr;
