@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -14,7 +15,7 @@ TEST(SessionOptions, DefaultsAreValid) {
 }
 
 TEST(SessionOptions, NamesTheOptionThatIsWrong) {
-  const auto wrong_option = [](auto change) {
+  const auto wrong_option = [](const std::function<void(SessionOptions&)>& change) {
     SessionOptions options;
     change(options);
     const Status status = ValidateSessionOptions(options);
@@ -35,15 +36,14 @@ TEST(SessionOptions, NamesTheOptionThatIsWrong) {
   EXPECT_EQ(wrong_option([](auto& o) { o.unacknowledged_messages = 0; }),
             "unacknowledged_messages");
   EXPECT_EQ(wrong_option([](auto& o) { o.backoff_max_ms = 1; }), "backoff_min_ms");
+  EXPECT_EQ(wrong_option([](auto& o) { o.tls.emplace().server_name = "a b"; }), "server_name");
 }
 
 TEST(TlsOptionsTest, NamesTheOptionThatIsWrong) {
   const auto message = [](auto change) {
     TlsOptions tls;
     change(tls);
-    SessionOptions options;
-    options.tls = tls;
-    return ValidateSessionOptions(options).message();
+    return ValidateTlsOptions(tls).message();
   };
   using ::testing::HasSubstr;
   EXPECT_EQ(message([](auto&) {}), "");
