@@ -182,7 +182,7 @@ def measure_watchers(daemon, streams, watchers, options):
 
 def measure_hello(daemon, sources, options):
     """Welcomes of a scene that so many sessions have taught."""
-    records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 1,
+    records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 2,
                 "source_id": f"{number:032x}", "source_sequence": 1, "alpha_increment": 1, "beta_increment": 1,
                 "window_count": 2} for number in range(sources)]
     path = daemon.data / "sources.json"
@@ -192,7 +192,16 @@ def measure_hello(daemon, sources, options):
     if imported.returncode != 0:
         raise Failure("cannot import the sources: " + imported.stderr.strip())
     figures = run_load(daemon.load(2000, 0.1, 60, options.seconds, scenes=1))  # 200 Hellos a second
+    check_taught(daemon, sources)
     return {"sources": sources, **{name: figures[name] for name in figures if name.startswith("hello")}}
+
+
+def check_taught(daemon, sources):
+    """The games of the load have added to what was imported, and so have started from it."""
+    listed = subprocess.run(daemon.sweepstake("priors", "list", "--json"), capture_output=True, text=True, check=True)
+    taught = [scene["sources"] for scene in json.loads(listed.stdout)["scenes"]]
+    if len(taught) != 1 or taught[0] <= sources:
+        raise Failure(f"the games did not start from the imported sources, but from a scene of their own: {taught}")
 
 
 def plan(options):
