@@ -393,16 +393,25 @@ void Daemon::LimitStore(const Config& config) {
 
 bool Daemon::Alive(std::chrono::milliseconds patience) const {
   std::optional<std::string> problem = LoopProblem();
-  const std::string host = config_.listen.substr(0, config_.listen.rfind(':'));
-  const std::string address = absl::StrCat(host, ":", rpc_->port());
-  if (!problem) {
-    const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
-    if (!health.ok() && !TlsKeepsOut(config_.rpc.tls))
-      problem =
-          absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
-  }
+  if (!problem) problem = ListenerProblem(patience);
   if (problem && !draining_) log_->error("not alive: {}", *problem);
   return !problem;
+}
+
+std::optional<std::string> Daemon::ListenerProblem(std::chrono::milliseconds patience) const {
+  const std::string host = config_.listen.substr(0, config_.listen.rfind(':'));
+  const std::string address = absl::StrCat(host, ":", rpc_->port());
+  const auto health = rpc::ProbeHealth(address, config_.rpc.tls, patience);
+  if (health.ok()) return std::nullopt;
+  if (DescriptorsRanOut()) {
+    // The games that are connected are served, and a restart would cost them their streams.
+    log_->warn(
+        "no descriptors are free, and whoever connects waits until there are some: raise the limit "
+        "of open files (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
+    return std::nullopt;
+  }
+  if (TlsKeepsOut(config_.rpc.tls)) return std::nullopt;
+  return absl::StrCat("the daemon's own listener gives no answer: ", health.status().message());
 }
 
 void Daemon::Drain(std::chrono::milliseconds patience) {

@@ -48,7 +48,8 @@ class Daemon {
   void Reload(const absl::StatusOr<Config>& config);
 
   // Returns whether the daemon's own listener answers over a new connection within `patience`, and
-  // decisions are made. A store that cannot write is no reason to be restarted.
+  // decisions are made. A store that cannot write is no reason to be restarted, nor are descriptors
+  // that have run out, without which nobody gets an answer over a new connection.
   bool Alive(std::chrono::milliseconds patience) const;
 
   // Whether what was acknowledged is being copied from a database that is gone, and would be lost
@@ -76,6 +77,7 @@ class Daemon {
   void FollowTls();
   // What the checks of /livez and /readyz say; nothing if all is well.
   std::optional<std::string> LoopProblem() const;
+  std::optional<std::string> ListenerProblem(std::chrono::milliseconds patience) const;
   std::optional<std::string> StoreProblem() const;
   std::optional<std::string> TlsProblem() const;
   std::optional<std::string> ShutdownProblem() const;

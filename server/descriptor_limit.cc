@@ -1,6 +1,11 @@
 #include "server/descriptor_limit.h"
 
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
 
 #include "absl/strings/str_cat.h"
 
@@ -9,6 +14,8 @@ namespace {
 
 // Of the daemon itself: its files, threads, listeners and HTTP connections.
 constexpr uint64_t kOwnDescriptors = 512;
+// Of a connection to itself: its two ends, and the files that a host's name is looked up in.
+constexpr size_t kProbeDescriptors = 4;
 
 }  // namespace
 
@@ -26,6 +33,19 @@ std::optional<std::string> DescriptorShortage(uint64_t limit, const rpc::RpcOpti
   return absl::StrCat("the limit of open files is ", limit, ", and ",
                       uint32_t{options.max_sessions}, " sessions may need ", needed,
                       "; raise it (LimitNOFILE of systemd, ulimit -n), or lower --max-sessions");
+}
+
+bool DescriptorsRanOut() {
+  std::array<int, kProbeDescriptors> files{};
+  bool ran_out = false;
+  for (int& file : files) {
+    file = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    ran_out = ran_out || (file < 0 && (errno == EMFILE || errno == ENFILE));
+  }
+  for (const int file : files) {
+    if (file >= 0) close(file);
+  }
+  return ran_out;
 }
 
 }  // namespace sweepstake::server

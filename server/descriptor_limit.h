@@ -16,4 +16,7 @@ uint64_t RaiseDescriptorLimit();
 // Says what to do if the limit is too low for what the options allow; else returns nothing.
 std::optional<std::string> DescriptorShortage(uint64_t limit, const rpc::RpcOptions& options);
 
+// Returns whether so few descriptors are free that the process cannot connect to itself.
+bool DescriptorsRanOut();
+
 }  // namespace sweepstake::server

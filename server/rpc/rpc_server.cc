@@ -57,6 +57,7 @@ void SetLimits(grpc::ServerBuilder& builder, const RpcOptions& options) {
   add(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, options.keepalive_patience);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10 * kSecond);
+  add(GRPC_ARG_MAX_CONNECTION_IDLE_MS, options.connection_idle_patience);
   add(GRPC_ARG_MAX_CONNECTION_AGE_MS, options.connection_age);
   add(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, options.connection_age_grace);
 }

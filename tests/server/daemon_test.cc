@@ -19,6 +19,7 @@
 #include "sweepstake/v1/audit.grpc.pb.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
+#include "tests/server/no_descriptors.h"
 #include "tests/server/storage/failing_disk.h"
 #include "tests/support/http_exchange.h"
 #include "tests/support/temporary_directory.h"
@@ -211,6 +212,19 @@ TEST_F(DaemonTest, HealthIsServingUntilItDrains) {
   EXPECT_TRUE(daemon->Alive(std::chrono::minutes(1)));
   daemon->Drain();
   EXPECT_FALSE(rpc::ProbeHealth(address, {}, std::chrono::minutes(1)).ok());
+  EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
+}
+
+TEST_F(DaemonTest, IsAliveWhileDescriptorsHaveRunOutAndFoundOutWhenItsListenerDies) {
+  const auto daemon = Start();
+  {
+    test_support::NoDescriptors exhausted;
+    EXPECT_TRUE(daemon->Alive(std::chrono::minutes(1))) << "it cannot connect";
+    exhausted.FreeOne();
+    EXPECT_TRUE(daemon->Alive(std::chrono::milliseconds(200))) << "its listener cannot accept";
+  }
+  EXPECT_TRUE(daemon->Alive(std::chrono::minutes(1)));
+  daemon->Drain();
   EXPECT_FALSE(daemon->Alive(std::chrono::minutes(1)));
 }
 

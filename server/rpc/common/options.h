@@ -121,6 +121,9 @@ struct RpcOptions {
   // certificate or authority is no longer valid does not stay; its calls have the grace to end.
   std::chrono::milliseconds connection_age = std::chrono::minutes(30);
   std::chrono::milliseconds connection_age_grace = std::chrono::minutes(1);
+  // A connection that has had no call for so long is asked to end, since whoever makes one needs no
+  // token; clients that wait between two calls connect again by themselves.
+  std::chrono::milliseconds connection_idle_patience = std::chrono::minutes(1);
   // A connection on which nothing comes is asked for a sign of life in this interval, and closed
   // without one after the patience.
   std::chrono::milliseconds keepalive_interval = std::chrono::minutes(1);

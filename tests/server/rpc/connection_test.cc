@@ -63,6 +63,18 @@ TEST_F(ConnectionTest, OneThatIsOldIsAskedToEndAndThenEnds) {
   socket.ReadAll();
 }
 
+TEST_F(ConnectionTest, OneWithoutACallIsClosedInTimeAndOneWithAStreamStays) {
+  options_.connection_idle_patience = std::chrono::milliseconds(100);
+  RestartServer();
+  TelemetryClient client(channel_);
+  client.Open(HelloMessage());
+  HttpSocket idle(server_->port());
+  idle.Send(Http2Preface());
+  idle.ReadAll();
+  client.Send(Frames(1, 30));
+  EXPECT_TRUE(Applied(1));
+}
+
 TEST_F(ConnectionTest, OneThatGivesNoSignOfLifeIsClosed) {
   options_.keepalive_interval = std::chrono::milliseconds(100);
   options_.keepalive_patience = std::chrono::milliseconds(100);

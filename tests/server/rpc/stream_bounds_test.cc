@@ -50,6 +50,7 @@ class StreamBoundsTest : public LoadCount, public RpcTest {
 TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
   const RpcOptions options;
   EXPECT_EQ(options.handshake_patience, std::chrono::seconds(10));
+  EXPECT_EQ(options.connection_idle_patience, std::chrono::minutes(1));
   EXPECT_EQ(options.hello_patience_ns, 10 * kSecondNs);
   EXPECT_EQ(options.watcher_patience_ns, 20 * kSecondNs);
   EXPECT_EQ(options.transfer_patience_ns, 1'800 * kSecondNs);

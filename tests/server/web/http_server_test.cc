@@ -1,11 +1,8 @@
 // The HTTP listener over real sockets: its pages, what it says to wrong requests, and its bounds.
 #include "server/web/http_server.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <memory>
@@ -13,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/server/no_descriptors.h"
 #include "tests/support/http_exchange.h"
 
 namespace sweepstake::web {
@@ -22,6 +20,7 @@ using test_support::Exchange;
 using test_support::Get;
 using test_support::HttpAnswer;
 using test_support::HttpSocket;
+using test_support::NoDescriptors;
 using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -157,33 +156,6 @@ TEST(HttpServerTest, BeyondTheBoundAConnectionWaitsUntilAnotherEnds) {
   first.reset();
   EXPECT_THAT(third.ReadAnswer(), EndsWith("hello third\n"));
 }
-
-// Takes all descriptors that the process may have.
-class NoDescriptors {
- public:
-  NoDescriptors() {
-    getrlimit(RLIMIT_NOFILE, &before_);
-    const rlimit low{.rlim_cur = 64, .rlim_max = before_.rlim_max};
-    setrlimit(RLIMIT_NOFILE, &low);
-    for (int file = open("/dev/null", O_RDONLY); file >= 0; file = open("/dev/null", O_RDONLY))
-      taken_.push_back(file);
-  }
-  // Leaves one descriptor for the caller.
-  void FreeOne() {
-    close(taken_.back());
-    taken_.pop_back();
-  }
-  ~NoDescriptors() {
-    for (const int file : taken_) close(file);
-    setrlimit(RLIMIT_NOFILE, &before_);
-  }
-  NoDescriptors(const NoDescriptors&) = delete;
-  NoDescriptors& operator=(const NoDescriptors&) = delete;
-
- private:
-  rlimit before_{};
-  std::vector<int> taken_;
-};
 
 TEST(HttpServerTest, ATimeWithoutDescriptorsPasses) {
   EXPECT_LE(HttpLimits().accept_retry, std::chrono::seconds(1));
