@@ -308,6 +308,10 @@ void GameSession::Checkpoint() {
                        .frame_count = frame_count_});
 }
 
+void GameSession::KeepOpenEvidence() {
+  if (ledger_->open()) Checkpoint();
+}
+
 void GameSession::OnCommitted(const absl::Status& status,
                               std::span<const priors::KeyedEvidence> increments) {
   // The store may have had them since the commit that seemed to fail, and watched sums with it.

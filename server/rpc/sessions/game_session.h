@@ -95,6 +95,10 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
 
   // Applies a request that has passed CheckRequest, or counts it as a replay.
   void Apply(const v1::StreamTelemetryRequest& request);
+  // Called when the client has stayed away, or the daemon stops: offers the store what was learnt
+  // since the last tick, a bail-out, which the client may not be there to send again. The frames
+  // around it count as taken with it, and the window that they began is given up.
+  void KeepOpenEvidence();
   // Called at the client's goodbye: closes the link once everything is on disk.
   void End();
   // Called when somebody who runs the daemon wants its client gone: ends the stream, and the

@@ -67,6 +67,8 @@ class SessionLedger : public std::enable_shared_from_this<SessionLedger> {
   void Retry() { CommitNext(); }
 
   uint64_t durable_sequence() const { return durable_sequence_; }
+  // Returns whether there is evidence since the checkpoint.
+  bool open() const { return !open_.empty(); }
   // Returns whether nothing waits for the disk.
   bool settled() const { return !offered_ && !checkpointed_; }
   // Returns whether the store has an update that it has not answered yet.

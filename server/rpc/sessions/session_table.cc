@@ -43,8 +43,9 @@ absl::Status SessionTable::Add(std::shared_ptr<GameSession> session) {
 bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
   const std::optional<std::string> first = leaving_.First(token_id);
   if (!first) return false;
-  const GameSession& session = *entries_.at(*first).session;
+  GameSession& session = *entries_.at(*first).session;
   if (session.ended() && !session.settled()) return false;
+  session.KeepOpenEvidence();  // the store writes it without the session
   Remove(*first);
   return true;
 }
@@ -182,8 +183,10 @@ void SessionTable::Sweep() {
 void SessionTable::LookAt(const std::string& id) {
   Entry& entry = entries_.at(id);
   const int64_t now_ns = loop_.clock().NowNs();
+  const bool over = now_ns >= entry.resumable_until_ns;
+  if (over) entry.session->KeepOpenEvidence();
   const bool settled = entry.session->settled();
-  if (settled && (entry.session->ended() || now_ns >= entry.resumable_until_ns)) return Remove(id);
+  if (settled && (entry.session->ended() || over)) return Remove(id);
   Recover(entry);
   LookAgainAt(settled ? entry.resumable_until_ns : now_ns + kSweepIntervalNs, entry);
   // The store could not be written, so this evidence is only in memory.
@@ -201,6 +204,7 @@ void SessionTable::Remove(const std::string& id) {
 
 void SessionTable::RetryCommits() {
   for (const auto& [id, entry] : entries_) {
+    if (entry.lost) entry.session->KeepOpenEvidence();
     if (!entry.session->settled()) entry.session->RetryCommit();
   }
 }

@@ -4,7 +4,10 @@
 // It is bounded by RpcOptions::max_sessions and resume_window_ns; the store knows every session
 // that has left. The evidence of a lost session that is not on disk is offered to the store again
 // every two seconds. A session that has said goodbye stays until that has succeeded, since nobody
-// would send its evidence again. The clients of the others still have what was not acknowledged.
+// would send its evidence again. The clients of the others still have what was not acknowledged,
+// if they live. For those that do not, the bail-outs since the last tick go to the store before
+// their session leaves: at the end of the window it stays until they are there; where it makes
+// room, or the daemon drains, they are offered once.
 #pragma once
 
 #include <cstddef>
@@ -70,7 +73,7 @@ class SessionTable {
   // daemon began). The store, which knows every session, would resume it.
   absl::Status CheckKicked(const std::string& id) const;
 
-  // Offers the store again what it has failed to write.
+  // Offers the store again what it has failed to write, and what lost sessions have not offered.
   void RetryCommits();
   // Returns whether the store has yet to answer for any session.
   bool committing() const;
