@@ -73,7 +73,8 @@ constexpr CounterRow kCounters[] = {
     {&Counters::accepted_shadow_count, "sweepstake_accepted_shadow_samples_total",
      "Shadow visits that were learnt from or waited to be."},
     {&Counters::surplus_bail_out_count, "sweepstake_surplus_bail_outs_total",
-     "Bail-outs that were answered but are no evidence, because a game cannot have so many."},
+     "Bail-outs that were answered but are no evidence, because a game, or the games of a token or "
+     "an address, cannot have so many."},
     {&Counters::dropped_frame_count, "sweepstake_dropped_frames_total",
      "Frames that the clients' queues dropped."},
     {&Counters::decision_count, "sweepstake_decisions_total", "Decisions that were taken."},

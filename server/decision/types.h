@@ -16,12 +16,15 @@
 
 namespace sweepstake::decision {
 
-// The bits of Frame::flags have the values of sweepstake.v1.FrameFlag.
+// The bits of Frame::flags have the values of sweepstake.v1.FrameFlag; the last one is the daemon's
+// own and never comes from a client: a bail-out that is answered without being evidence, since
+// there were too many of its client's token or address.
 enum FrameFlag : uint32_t {
   kFrameRebuild = 1,
   kFramePaused = 2,
   kFrameLoading = 4,
-  kFrameBailOut = 8
+  kFrameBailOut = 8,
+  kFrameNoEvidence = uint32_t{1} << 31
 };
 
 // The cost of one frame (paper §4: FPS, DET, MEM, CHK).

@@ -343,7 +343,7 @@ Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
   decision.record.outcome = exploring() ? Outcome::kExploring : Outcome::kKept;
   if (mode_ == Mode::kManual) {
     decision.record.outcome = Outcome::kManual;
-  } else if (frame.arm < setup_.arms.size() && BlamesArm(frame, setup_.options.bail_out_ns)) {
+  } else if (IsCharged(frame)) {
     Blame(frame, decision);
   } else {
     ++counts_.excused_bail_out_count;
@@ -353,11 +353,17 @@ Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
   return Close(std::move(decision));
 }
 
+bool DecisionSession::IsCharged(const Frame& frame) const {
+  return mode_ == Mode::kAi && frame.arm < setup_.arms.size() &&
+         BlamesArm(frame, setup_.options.bail_out_ns);
+}
+
 void DecisionSession::Blame(const Frame& frame, Decision& decision) {
   ++counts_.charged_bail_out_count;
   // The session itself always learns: whatever the report is worth, its game leaves the arm.
   const Increment increment = policy_->LearnBailOut(frame.arm);
-  if (bail_out_budget_.Spend(decision.record.time_ns)) {
+  const bool may_be_evidence = (frame.flags & kFrameNoEvidence) == 0;
+  if (may_be_evidence && bail_out_budget_.Spend(decision.record.time_ns)) {
     decision.increment = increment;
   } else {
     ++counts_.surplus_bail_out_count;

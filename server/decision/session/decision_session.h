@@ -34,8 +34,8 @@
 //   draw decides; if it falls on the same arm, that arm stays. A bail-out of an earlier epoch is
 //   charged to its arm and commands nothing. Frames over the limit are never in a window, since
 //   they are charged with the penalty, or with nothing if the arm is excused. Those beyond what a
-//   game can have (BailOutBudget in safeguards.h) move the session like others, but have no
-//   increment.
+//   game can have (BailOutBudget in safeguards.h), and those that the caller says are no evidence
+//   (kFrameNoEvidence), move the session like others, but have no increment.
 // - Policies differ in what they learn, how they choose and which cooldown they ask for (policy.h);
 //   all rules above hold for each of them. A policy that does not explore begins with an ordinary
 //   tick; one that starts from priors takes its first decision at start_ns.
@@ -88,6 +88,11 @@ class DecisionSession {
   // it is neither over options.bail_out_ns nor flagged kFrameBailOut. The frame may also come
   // through ObserveFrames. REQUIRES: called at most once per frame index.
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
+  // Returns whether a bail-out with this frame, at this time, is evidence unless the caller says
+  // that it is none.
+  bool IsEvidence(const Frame& frame, int64_t now_ns) const {
+    return IsCharged(frame) && bail_out_budget_.HasRoom(now_ns);
+  }
 
   // Takes what the shadow lane measured, to be learnt at the next tick in AI mode. The latest
   // kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or without a
@@ -175,6 +180,7 @@ class DecisionSession {
   void EndSlot(int64_t now_ns);
 
   // Bail-outs.
+  bool IsCharged(const Frame& frame) const;
   void Blame(const Frame& frame, Decision& decision);
   void Resample(Decision& decision);
 

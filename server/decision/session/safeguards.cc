@@ -28,11 +28,14 @@ bool BlamesArm(const Frame& frame, int64_t bail_out_ns) {
   return detection_ns >= frame.frame_time_ns - detection_ns;
 }
 
-bool BailOutBudget::Spend(int64_t now_ns) {
-  const int64_t from_ns = std::max(spent_until_ns_, now_ns);
+bool BailOutBudget::HasRoom(int64_t now_ns) const {
   const int64_t max_ahead_ns = (kBurst - 1) * bail_out_ns_;
-  if (HasPassed(max_ahead_ns + 1, now_ns, from_ns)) return false;
-  spent_until_ns_ = SaturatingSum(from_ns, bail_out_ns_);
+  return !HasPassed(max_ahead_ns + 1, now_ns, std::max(spent_until_ns_, now_ns));
+}
+
+bool BailOutBudget::Spend(int64_t now_ns) {
+  if (!HasRoom(now_ns)) return false;
+  spent_until_ns_ = SaturatingSum(std::max(spent_until_ns_, now_ns), bail_out_ns_);
   return true;
 }
 

@@ -33,7 +33,9 @@ class BailOutBudget {
   BailOutBudget(int64_t bail_out_ns, int64_t start_ns)
       : bail_out_ns_(bail_out_ns), spent_until_ns_(start_ns) {}
 
-  // Returns whether a bail-out at this time is evidence, and if so spends a part of the budget.
+  // Returns whether a bail-out at this time is evidence.
+  bool HasRoom(int64_t now_ns) const;
+  // As HasRoom, and if so spends a part of the budget.
   bool Spend(int64_t now_ns);
 
  private:

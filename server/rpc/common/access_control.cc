@@ -1,5 +1,6 @@
 #include "server/rpc/common/access_control.h"
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 
@@ -70,7 +71,7 @@ absl::Status AccessControl::Unauthenticated(const grpc::ServerContextBase& call,
                  "TOKEN of another program); `sweepstaked token create` makes one");
 }
 
-std::string AccessControl::Count(auth::RateLimit& limit, uint32_t per_s, const std::string& address,
+std::string AccessControl::Count(auth::RateLimit& limit, double per_s, const std::string& address,
                                  int64_t token_id) {
   const int64_t now_ns = clock_.NowNs();
   if (!address.empty() && !limit.Take(address, per_s, now_ns))
@@ -79,11 +80,20 @@ std::string AccessControl::Count(auth::RateLimit& limit, uint32_t per_s, const s
   return allowed ? "" : "this token";
 }
 
+std::string AccessControl::CountGame(auth::RateLimit& limit, double per_s,
+                                     const std::string& address, int64_t token_id) {
+  return Count(limit, per_s, IsLoopbackAddress(address) ? "" : address, token_id);
+}
+
+bool AccessControl::SpendBailOut(const std::string& address, int64_t token_id) {
+  const double per_s_of_game = 1e9 / static_cast<double>(options_.decision.bail_out_ns);
+  const double per_s = std::max(kMinBailOutsPerS, kBailingOutGames * per_s_of_game);
+  return CountGame(bail_outs_, per_s, address, token_id).empty();
+}
+
 absl::Status AccessControl::BeginHello(const std::string& address, int64_t token_id) {
   const uint32_t per_s = options_.max_hellos_per_s;
-  // All games of a proxy on this machine have this address.
-  const bool is_own = IsLoopbackAddress(address);
-  const std::string who = Count(hellos_, per_s, is_own ? "" : address, token_id);
+  const std::string who = CountGame(hellos_, per_s, address, token_id);
   if (who.empty()) return absl::OkStatus();
   return Refused(
       v1::ERROR_REASON_TOO_MANY_HELLOS,

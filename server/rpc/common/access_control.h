@@ -3,7 +3,8 @@
 //
 // A call brings its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
 // tokens everybody may do everything. How often somebody may read or begin a stream is counted
-// here, too, and how many exports and imports are under way. Thread-safe.
+// here, too, how often a bail-out is evidence, and how many exports and imports are under way.
+// Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -54,6 +55,10 @@ class AccessControl {
   // Counts a Hello likewise, but no address of the daemon's own machine.
   absl::Status BeginHello(const std::string& address, int64_t token_id);
 
+  // Counts a bail-out as a Hello is counted. Returns whether it is evidence: a client that begins
+  // one session after the other has no more of them than kBailingOutGames.
+  bool SpendBailOut(const std::string& address, int64_t token_id);
+
   // An export or import that is under way as long as this lives. It may outlive the server.
   using Transfer = std::shared_ptr<void>;
   // Error: RESOURCE_EXHAUSTED (the daemon or the token has as many as it may); its reason is
@@ -73,8 +78,12 @@ class AccessControl {
   absl::StatusOr<auth::Principal> Identify(const grpc::ServerContextBase& call, Rpc rpc);
   // Counts what the token (0: none) at the address (empty: not counted) does. Returns who does it
   // too often; empty if neither does.
-  std::string Count(auth::RateLimit& limit, uint32_t per_s, const std::string& address,
+  std::string Count(auth::RateLimit& limit, double per_s, const std::string& address,
                     int64_t token_id);
+  // As Count, but an address of the daemon's own machine is not counted: all games of a proxy on it
+  // have this one.
+  std::string CountGame(auth::RateLimit& limit, double per_s, const std::string& address,
+                        int64_t token_id);
   absl::Status Unauthenticated(const grpc::ServerContextBase& call, bool has_token);
 
   const RpcOptions& options_;
@@ -83,6 +92,7 @@ class AccessControl {
   auth::FailureLimit failures_;
   auth::RateLimit reads_;
   auth::RateLimit hellos_;
+  auth::RateLimit bail_outs_;
   RefusalLog refusals_;
   const std::shared_ptr<Transfers> transfers_ = std::make_shared<Transfers>();
 };

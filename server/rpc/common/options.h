@@ -41,6 +41,13 @@ inline constexpr size_t kAuditBytesPerMessage = 128 * 1024;
 // are two minutes) and of all. A row beyond them is lost.
 inline constexpr size_t kMaxWaitingAuditBytesOfSession = 64 * 1024;
 inline constexpr size_t kMaxWaitingAuditBytes = 64 * 1024 * 1024;
+// The bail-outs of a token, and of an address that is not the daemon's own machine, are evidence as
+// often as those of so many games that have nothing else, one in each DecisionOptions::bail_out_ns,
+// and at least so often in a second; as many as in ten seconds at once, which is more than one
+// session may have (decision::BailOutBudget). However many sessions there are, those beyond it are
+// answered, and are no evidence.
+inline constexpr double kBailingOutGames = 10;
+inline constexpr double kMinBailOutsPerS = 2;
 // Streams that have no session, beside those of max_sessions. The next stream is
 // RESOURCE_EXHAUSTED.
 inline constexpr uint32_t kMaxStreamsWithoutSession = 1'000;
@@ -189,7 +196,8 @@ struct Counters {
   RejectionCounts rejected_frame_counts{};
   std::atomic<uint64_t> accepted_shadow_count{0};
   RejectionCounts rejected_shadow_counts{};
-  // Bail-outs beyond what a game can have: they were answered, and are no evidence.
+  // Bail-outs beyond what a game, or the games of a token or address, can have: they were answered,
+  // and are no evidence.
   std::atomic<uint64_t> surplus_bail_out_count{0};
   std::atomic<uint64_t> dropped_frame_count{0};  // the clients report what their queues dropped
   std::atomic<uint64_t> decision_count{0};

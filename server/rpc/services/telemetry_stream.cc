@@ -321,6 +321,10 @@ void TelemetryStream::SendOrder(uint64_t order_id, const decision::OrderReport& 
   WriteNext();
 }
 
+bool TelemetryStream::SpendBailOut() {
+  return context_.access.SpendBailOut(AddressOf(transport_.peer()), caller_.token_id);
+}
+
 void TelemetryStream::WriteNext() {
   if (writing_ || finished_) return;
   if (has_outbox_) {

@@ -213,16 +213,20 @@ void GameSession::ApplySwitchOutcome(const v1::SwitchOutcome& outcome) {
 void GameSession::ApplyBailOut(const v1::BailOut& bail_out) {
   if (last_bail_out_frame_ && bail_out.frame_index() <= *last_bail_out_frame_) return;
   last_bail_out_frame_ = bail_out.frame_index();
-  const decision::Frame frame = FromProto(bail_out);
+  decision::Frame frame = FromProto(bail_out);
   if (IsRejected(frame, context_.counters.rejected_frame_counts)) return;
   if (!IsOverLimit(frame)) {
     Count(RejectionReason::kFrameTime, context_.counters.rejected_frame_counts);
     return;
   }
+  const int64_t now_ns = context_.loop.clock().NowNs();
+  // What the session itself does not believe spends nothing of the others'.
+  if (decisions_.IsEvidence(frame, now_ns) && link_ != nullptr && !link_->SpendBailOut())
+    frame.flags |= decision::kFrameNoEvidence;
   // The evidence of the bail-out goes to disk with the next tick, not now: its sequence number
   // would also acknowledge the frames before it, which are only in memory until then.
   const uint64_t surplus_count = decisions_.counts().surplus_bail_out_count;
-  SendDecision(decisions_.ObserveBailOut(frame, context_.loop.clock().NowNs()));
+  SendDecision(decisions_.ObserveBailOut(frame, now_ns));
   if (link_ != nullptr) link_->Flush();
   context_.counters.surplus_bail_out_count +=
       decisions_.counts().surplus_bail_out_count - surplus_count;

@@ -34,7 +34,7 @@
 
 namespace sweepstake::rpc {
 
-// The interface through which a session sends messages to its client.
+// The interface through which a session sends messages to its client, and knows it.
 //
 // Used on the decision loop only. Nothing here waits; only the latest message of each kind is kept
 // until it can be written.
@@ -50,6 +50,8 @@ class SessionLink {
   virtual void Flush() = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;
+  // Counts a bail-out of the client's token and address. Returns whether it is evidence.
+  virtual bool SpendBailOut() = 0;
   // Ends the stream after all messages are written. The session has released the link before.
   virtual void Close(const absl::Status& status) = 0;
   // Ends the stream at once.

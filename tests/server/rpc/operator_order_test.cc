@@ -23,6 +23,7 @@ class RecordingLink final : public SessionLink {
     order_ids.push_back(order_id);
     orders.push_back(order);
   }
+  bool SpendBailOut() override { return true; }
   void Close(const absl::Status& /*status*/) override {}
   void Abort(const absl::Status& /*status*/) override {}
 

@@ -113,6 +113,21 @@ TEST(BailOut, BeyondWhatAGameCanHaveIsAnsweredAndIsNoEvidence) {
   EXPECT_FALSE(client.session.ObserveBailOut(LongFrame(client), later_ns).increment);
 }
 
+TEST(BailOut, ThatTheCallerDoesNotBelieveIsAnsweredAndSpendsNothing) {
+  ScriptedClient client(SetupThatWantsArmOne());
+  Frame frame = LongFrame(client);
+  frame.flags |= kFrameNoEvidence;
+  const BetaPosterior before = client.session.posteriors()[0];
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(client.session.IsEvidence(frame, client.now_ns));
+    const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
+    EXPECT_FALSE(decision.increment);
+    EXPECT_EQ(decision.command->arm, 1u);
+  }
+  EXPECT_EQ(client.session.posteriors()[0].beta, before.beta + 200);
+  EXPECT_EQ(client.session.counts().surplus_bail_out_count, 20u);
+}
+
 TEST(BailOut, OfAGameThatHasOneAfterTheOtherIsAlwaysEvidence) {
   BailOutBudget budget(5, -100);
   for (int64_t now_ns = 0; now_ns < 5'000; now_ns += 5) EXPECT_TRUE(budget.Spend(now_ns));

@@ -1,0 +1,138 @@
+// How many bail-outs of a token and of an address are evidence, however many sessions they begin.
+#include <string>
+
+#include "server/audit/rederive.h"
+#include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/rpc/services/prompt_daemon.h"
+
+namespace sweepstake::rpc {
+namespace {
+
+constexpr uint64_t kOfASession = decision::BailOutBudget::kBurst;
+constexpr uint64_t kAtOnce = 20;
+
+class BailOutQuotaTest : public ::testing::Test {
+ protected:
+  // Begins sessions one after the other, each with as many bail-outs as one may have at once.
+  void BailOutOfSessions(int count, const std::string& address, int64_t token_id,
+                         const v1::Hello& hello = OneArmHello()) {
+    for (int i = 0; i < count; ++i) {
+      PromptStream stream(daemon_, address + ":1", CallerOf(token_id));
+      stream.Send(Request(hello));
+      for (uint64_t sequence = 1; sequence <= kOfASession; ++sequence)
+        EXPECT_TRUE(stream.Send(BailOut(sequence, sequence)));
+      stream.Send(Goodbye());
+    }
+  }
+  static auth::Principal CallerOf(int64_t token_id) {
+    auth::Principal caller;
+    caller.token_id = token_id;
+    return caller;
+  }
+  priors::Evidence Stored() {
+    const auto scene = *daemon_.store.store.LoadScene({"game", "harbour", "", 1});
+    return scene ? scene->arms.at(0).evidence : priors::Evidence{};
+  }
+  std::string AuditLog() {
+    std::string csv = decision::AuditHeader() + "\n";
+    const auto segments = *daemon_.store.store.ListAudit({}, 0, 1'000);
+    for (const priors::AuditSegment& segment : segments) {
+      const auto rows = *daemon_.store.store.LoadAudit(segment.id, 1, 1'000, 1 << 20);
+      for (const priors::AuditRow& row : rows) csv += row.text + "\n";
+    }
+    return csv;
+  }
+
+  PromptDaemon daemon_;
+};
+
+TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyMovesWhatOthersStartFrom) {
+  const v1::Hello hello = OneArmHello();
+  const priors::PriorRecord others{
+      .key = {.project = hello.project(),
+              .scene = hello.scene(),
+              .context_bucket = "",
+              .arm = hello.arms(0).name(),
+              .backend_version = hello.arms(0).backend_version(),
+              .machine_class = hello.machine_class(),
+              .reward_version = 1},
+      .source_id = "others",
+      .source_sequence = 1,
+      .evidence = {.alpha = 9'000, .beta = 1'000, .window_count = 10'000, .bail_out_count = 0}};
+  ASSERT_TRUE(daemon_.store.store.Import({&others, 1}).status().ok());
+  for (int host = 0; host < 100; ++host)
+    BailOutOfSessions(1, "ipv4:192.0.2." + std::to_string(host), 7);
+  const priors::Evidence stored = Stored();
+  EXPECT_EQ(stored.bail_out_count, kAtOnce);
+  EXPECT_GT(stored.alpha / (stored.alpha + stored.beta), 0.88);
+  EXPECT_EQ(daemon_.counters.decision_count, 100 * kOfASession);
+  EXPECT_EQ(daemon_.counters.surplus_bail_out_count, 100 * kOfASession - kAtOnce);
+}
+
+TEST_F(BailOutQuotaTest, AnAddressHasAsManyWithWhateverTokensAndOthersAreNotHeldUp) {
+  for (int64_t token = 1; token <= 10; ++token) BailOutOfSessions(1, "ipv4:192.0.2.7", token);
+  EXPECT_EQ(Stored().bail_out_count, kAtOnce);
+  BailOutOfSessions(10, "ipv4:192.0.2.8", 0);
+  EXPECT_EQ(Stored().bail_out_count, 2 * kAtOnce);
+  BailOutOfSessions(1, "ipv4:192.0.2.9", 11);
+  EXPECT_EQ(Stored().bail_out_count, 2 * kAtOnce + kOfASession);
+}
+
+TEST_F(BailOutQuotaTest, TheOwnMachineHasNoneSinceAProxyOnItHasThatOfAllItsGames) {
+  BailOutOfSessions(10, "ipv4:127.0.0.1", 0);
+  EXPECT_EQ(Stored().bail_out_count, 10 * kOfASession);
+  BailOutOfSessions(10, "ipv4:127.0.0.1", 7);
+  EXPECT_EQ(Stored().bail_out_count, 10 * kOfASession + kAtOnce) << "the token has one";
+}
+
+TEST_F(BailOutQuotaTest, ItComesBackWithTime) {
+  BailOutOfSessions(2, "ipv4:192.0.2.7", 7);
+  EXPECT_EQ(Stored().bail_out_count, kAtOnce);
+  daemon_.Advance(kSecondNs);
+  BailOutOfSessions(2, "ipv4:192.0.2.7", 7);
+  EXPECT_EQ(Stored().bail_out_count, kAtOnce + 2);
+}
+
+TEST_F(BailOutQuotaTest, AGameThatBailsOutWithoutEndIsBelievedAtAnyLimit) {
+  uint64_t count = 0;
+  for (const int64_t bail_out_ns : {kSecondNs / 10, 5 * kSecondNs, 60 * kSecondNs}) {
+    daemon_.options.decision.bail_out_ns = bail_out_ns;
+    PromptStream stream(daemon_, "ipv4:192.0.2.7:1", CallerOf(7));
+    stream.Send(Request(OneArmHello()));
+    for (uint64_t sequence = 1; sequence <= 100; ++sequence) {
+      if (sequence > kOfASession) daemon_.Advance(bail_out_ns);
+      v1::StreamTelemetryRequest request = BailOut(sequence, sequence);
+      request.mutable_bail_out()->set_frame_time_ns(61 * kSecondNs);
+      request.mutable_bail_out()->set_detection_time_ns(60 * kSecondNs);
+      ASSERT_TRUE(stream.Send(request));
+    }
+    stream.Send(Goodbye());
+    EXPECT_EQ(Stored().bail_out_count, count += 100);
+    daemon_.Advance(60 * kSecondNs);
+  }
+}
+
+TEST_F(BailOutQuotaTest, WhatASessionItselfIsNotBelievedSpendsNothing) {
+  PromptStream stream(daemon_, "ipv4:192.0.2.7:1", CallerOf(7));
+  stream.Send(Request(OneArmHello()));
+  for (uint64_t sequence = 1; sequence <= 10 * kOfASession; ++sequence)
+    ASSERT_TRUE(stream.Send(BailOut(sequence, sequence)));
+  stream.Send(Goodbye());
+  EXPECT_EQ(Stored().bail_out_count, kOfASession);
+  BailOutOfSessions(1, "ipv4:192.0.2.8", 7);
+  EXPECT_EQ(Stored().bail_out_count, kAtOnce);
+}
+
+TEST_F(BailOutQuotaTest, BeyondItAGameIsAnsweredAndTheAuditLogSaysThatItIsNoEvidence) {
+  BailOutOfSessions(2, "ipv4:192.0.2.7", 7);
+  const uint64_t before = daemon_.counters.switch_command_count;
+  BailOutOfSessions(2, "ipv4:192.0.2.7", 7, HelloMessage());
+  EXPECT_GE(daemon_.counters.switch_command_count, before + 2);
+  EXPECT_EQ(Stored().bail_out_count, kAtOnce);
+  const decision::AuditReport report = decision::Rederive(AuditLog());
+  EXPECT_FALSE(report.difference) << report.difference->Text();
+  EXPECT_EQ(report.decision_count, 4 * kOfASession);
+}
+
+}  // namespace
+}  // namespace sweepstake::rpc
