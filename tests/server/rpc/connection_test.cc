@@ -65,6 +65,7 @@ TEST_F(ConnectionTest, OneThatIsOldIsAskedToEndAndThenEnds) {
 
 TEST_F(ConnectionTest, OneWithoutACallIsClosedInTimeAndOneWithAStreamStays) {
   options_.connection_idle_patience = std::chrono::milliseconds(100);
+  options_.keepalive_interval = std::chrono::hours(1);  // so that it is not this that ends one
   RestartServer();
   TelemetryClient client(channel_);
   client.Open(HelloMessage());
