@@ -194,7 +194,7 @@ std::vector<Setting> DaemonSettings() {
           "of these, those of one token")),
       Live(Whole(
           "max_watchers", 1, 100'000, 1, [](Config & c) -> auto& { return c.rpc.max_watchers; },
-          "watchers at a time")),
+          "watchers at a time; a token, and an address, may have half of them")),
       Live(Whole(
           "resume_window_ms", 0, kYearMs, kNsPerMs,
           [](Config & c) -> auto& { return c.rpc.resume_window_ns; },

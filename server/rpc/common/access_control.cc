@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -23,6 +25,9 @@ std::optional<std::string_view> TokenOf(const grpc::ServerContextBase& call) {
   if (!absl::StartsWithIgnoreCase({value.data(), value.size()}, kScheme)) return std::nullopt;
   return value.substr(kScheme.size());
 }
+
+// Returns what a token is counted by, beside addresses.
+std::string HolderOf(int64_t token_id) { return absl::StrCat("token ", token_id); }
 
 }  // namespace
 
@@ -76,7 +81,7 @@ std::string AccessControl::Count(auth::RateLimit& limit, double per_s, const std
   const int64_t now_ns = clock_.NowNs();
   if (!address.empty() && !limit.Take(address, per_s, now_ns))
     return absl::StrCat("the address ", address);
-  const bool allowed = token_id == 0 || limit.Take(absl::StrCat("token ", token_id), per_s, now_ns);
+  const bool allowed = token_id == 0 || limit.Take(HolderOf(token_id), per_s, now_ns);
   return allowed ? "" : "this token";
 }
 
@@ -112,11 +117,30 @@ absl::Status AccessControl::BeginRead(const std::string& address, int64_t token_
                               " times a second (max_reads_per_s); ask again in a second"));
 }
 
-absl::StatusOr<AccessControl::Transfer> AccessControl::BeginTransfer(const auth::Principal& caller,
-                                                                     v1::ErrorReason refusal) {
+AccessControl::Share AccessControl::Shares::Take(const std::shared_ptr<Shares>& shares,
+                                                 std::vector<std::string> holders) {
+  ++shares->count;
+  for (const std::string& holder : holders) ++shares->counts[holder];
+  return Share(nullptr, [shares, holders = std::move(holders)](void*) {
+    const std::lock_guard ending(shares->mutex);
+    --shares->count;
+    for (const std::string& holder : holders) {
+      if (--shares->counts.at(holder) == 0) shares->counts.erase(holder);
+    }
+  });
+}
+
+uint32_t AccessControl::Shares::Of(const std::string& holder) const {
+  const auto found = counts.find(holder);
+  return found == counts.end() ? 0 : found->second;
+}
+
+absl::StatusOr<AccessControl::Share> AccessControl::BeginTransfer(const auth::Principal& caller,
+                                                                  v1::ErrorReason refusal) {
+  std::vector<std::string> holders;
+  if (caller.token_id != 0) holders.push_back(HolderOf(caller.token_id));
   const std::lock_guard lock(transfers_->mutex);
-  const auto own = transfers_->counts.find(caller.token_id);
-  const uint32_t own_count = own == transfers_->counts.end() ? 0 : own->second;
+  const uint32_t own_count = holders.empty() ? 0 : transfers_->Of(holders.front());
   if (transfers_->count >= options_.max_transfers ||
       (caller.token_id != 0 && own_count >= options_.max_transfers_per_token)) {
     return Refused(
@@ -124,13 +148,26 @@ absl::StatusOr<AccessControl::Transfer> AccessControl::BeginTransfer(const auth:
                               " of this token, which is as many as there may be "
                               "(max_transfers, max_transfers_per_token); try again later"));
   }
-  ++transfers_->count;
-  ++transfers_->counts[caller.token_id];
-  return Transfer(nullptr, [counted = transfers_, id = caller.token_id](void*) {
-    const std::lock_guard ending(counted->mutex);
-    --counted->count;
-    if (--counted->counts.at(id) == 0) counted->counts.erase(id);
-  });
+  return Shares::Take(transfers_, std::move(holders));
+}
+
+absl::StatusOr<AccessControl::Share> AccessControl::BeginWatch(const auth::Principal& caller,
+                                                               const std::string& address) {
+  std::vector<std::string> holders;
+  if (caller.token_id != 0) holders.push_back(HolderOf(caller.token_id));
+  // All who watch through a proxy on this machine have this address.
+  if (!address.empty() && !IsLoopbackAddress(address)) holders.push_back(address);
+  const uint32_t most = (options_.max_watchers + 1) / 2;
+  const std::lock_guard lock(watchers_->mutex);
+  for (const std::string& holder : holders) {
+    if (const uint32_t held = watchers_->Of(holder); held >= most) {
+      return Refused(v1::ERROR_REASON_TOO_MANY_WATCHERS,
+                     absl::StrCat(holder == address ? "this address" : "this token", " has ", held,
+                                  " watchers, half of what the daemon may have (max_watchers); "
+                                  "end some, or raise it on the daemon"));
+    }
+  }
+  return Shares::Take(watchers_, std::move(holders));
 }
 
 absl::Status AccessControl::CheckStill(const auth::Principal& caller) const {

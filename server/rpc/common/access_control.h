@@ -3,8 +3,8 @@
 //
 // A call brings its token as metadata: `authorization: Bearer TOKEN`. While the daemon has no
 // tokens everybody may do everything. How often somebody may read or begin a stream is counted
-// here, too, how often a bail-out is evidence, and how many exports and imports are under way.
-// Thread-safe.
+// here, too, how often a bail-out is evidence, and how many exports, imports and watchers there
+// are. Thread-safe.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -16,6 +16,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -59,20 +60,26 @@ class AccessControl {
   // one session after the other has no more of them than kBailingOutGames.
   bool SpendBailOut(const std::string& address, int64_t token_id);
 
-  // An export or import that is under way as long as this lives. It may outlive the server.
-  using Transfer = std::shared_ptr<void>;
-  // Error: RESOURCE_EXHAUSTED (the daemon or the token has as many as it may); its reason is
-  // `refusal`.
-  absl::StatusOr<Transfer> BeginTransfer(const auth::Principal& caller, v1::ErrorReason refusal);
+  // What is counted as long as this lives. It may outlive the server.
+  using Share = std::shared_ptr<void>;
+  // Counts an export or import. Error: RESOURCE_EXHAUSTED (the daemon or the token has as many as
+  // it may); its reason is `refusal`.
+  absl::StatusOr<Share> BeginTransfer(const auth::Principal& caller, v1::ErrorReason refusal);
+  // Counts one who watches, at an address. Error: RESOURCE_EXHAUSTED (the token, or the address
+  // unless it is of the daemon's own machine, has half of RpcOptions::max_watchers, rounded up).
+  absl::StatusOr<Share> BeginWatch(const auth::Principal& caller, const std::string& address);
 
   RefusalLog& refusals() { return refusals_; }
 
  private:
-  // By the token's id.
-  struct Transfers {
+  struct Shares {
+    // Counts one for each of the holders until what it returns ends. REQUIRES: mutex is locked.
+    static Share Take(const std::shared_ptr<Shares>& shares, std::vector<std::string> holders);
+    uint32_t Of(const std::string& holder) const;  // REQUIRES: mutex is locked
+
     std::mutex mutex;  // guards what follows
     uint32_t count = 0;
-    std::map<int64_t, uint32_t> counts;
+    std::map<std::string, uint32_t> counts;  // of those that have any
   };
 
   absl::StatusOr<auth::Principal> Identify(const grpc::ServerContextBase& call, Rpc rpc);
@@ -94,7 +101,8 @@ class AccessControl {
   auth::RateLimit hellos_;
   auth::RateLimit bail_outs_;
   RefusalLog refusals_;
-  const std::shared_ptr<Transfers> transfers_ = std::make_shared<Transfers>();
+  const std::shared_ptr<Shares> transfers_ = std::make_shared<Shares>();
+  const std::shared_ptr<Shares> watchers_ = std::make_shared<Shares>();
 };
 
 // Error: PERMISSION_DENIED (the caller's token is not for this project), whether the project exists

@@ -113,7 +113,8 @@ struct RpcOptions {
   };
   // A lost session leaves memory after this time; from then on it is resumed from the store.
   Adjustable<int64_t> resume_window_ns = 600'000'000'000;
-  // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED.
+  // The maximum number of watchers at a time; the next one is RESOURCE_EXHAUSTED. A token, and an
+  // address that is not the daemon's own machine, may have half of them, rounded up.
   Adjustable<uint32_t> max_watchers = 256;
   // A watcher that does not read for this long is dropped with RESOURCE_EXHAUSTED; an export or
   // import that makes no progress for so long ends with DEADLINE_EXCEEDED.

@@ -122,7 +122,7 @@ class PageStream final : public grpc::ServerWriteReactor<Response>,
   const Load load_;
   std::shared_ptr<PageStream> self_;  // keeps this object alive until OnDone
   Page page_;                         // the latest page
-  AccessControl::Transfer transfer_;
+  AccessControl::Share transfer_;
   int64_t last_progress_ns_ = 0;
   int64_t deadline_ns_ = Clock::kNever;
 };

@@ -180,7 +180,7 @@ class PriorImport final : public grpc::ServerReadReactor<grpc::ByteBuffer>, publ
   grpc::CallbackServerContext& call_;
   grpc::ByteBuffer& response_;
   const auth::Principal caller_;
-  AccessControl::Transfer transfer_;  // used on the loop, as the next two
+  AccessControl::Share transfer_;  // used on the loop, as the next two
   int64_t last_progress_ns_ = 0;
   int64_t deadline_ns_ = Clock::kNever;
   grpc::ByteBuffer bytes_;

@@ -1,14 +1,23 @@
 #include "server/rpc/services/watcher.h"
 
+#include "server/rpc/common/peer_address.h"
+
 namespace sweepstake::rpc {
 
 void Watcher::Begin(priors::SceneFilter wanted) {
   filter_ = std::move(wanted);
   absl::Status allowed = Narrow(caller_, filter_);
   if (allowed.ok()) allowed = Join();
+  if (allowed.ok()) allowed = TakeShare();
   if (!allowed.ok()) return Close(allowed);
   context_.stalls.Add(*this);
   WriteNext();
+}
+
+absl::Status Watcher::TakeShare() {
+  auto share = context_.access.BeginWatch(caller_, AddressOf(call_.peer()));
+  if (share.ok()) share_ = *std::move(share);
+  return share.status();
 }
 
 void Watcher::EndIfRefused() {
@@ -45,6 +54,7 @@ void Watcher::Close(const absl::Status& status) {
   context_.access.refusals().TellEnd(call_.peer(), status);
   Forget();
   Leave();
+  share_.reset();
   context_.stalls.Remove(*this);
   if (writing_) {
     Cancel(call_, ToGrpc(status, context_.counters));  // OnWritten continues from there

@@ -75,6 +75,7 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
 
  private:
   void Begin(priors::SceneFilter wanted);
+  absl::Status TakeShare();
   void OnWritten(bool ok);
 
   ServiceContext& context_;
@@ -82,6 +83,7 @@ class Watcher : public grpc::ServerWriteReactor<grpc::ByteBuffer>,
   const auth::Principal caller_;
   std::shared_ptr<Watcher> self_;  // keeps this object alive until OnDone
   priors::SceneFilter filter_;
+  AccessControl::Share share_;  // while it is in its group
   grpc::ByteBuffer write_bytes_;
   bool writing_ = false;
   int64_t write_start_ns_ = 0;

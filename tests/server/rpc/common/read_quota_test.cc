@@ -1,5 +1,5 @@
-// How often somebody may list, export and begin to watch, and how many exports and imports there
-// may be at a time.
+// How often somebody may list, export and begin to watch, and how many exports, imports and
+// watchers there may be at a time.
 #include <spdlog/sinks/ostream_sink.h>
 
 #include <sstream>
@@ -7,6 +7,7 @@
 #include "engine_client/telemetry/error_reason.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
+#include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/common/scripted_tokens.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
@@ -209,6 +210,56 @@ TEST_F(TransferQuotaTest, AnImportOfMoreRecordsThanOneMayHoldIsEnded) {
   const grpc::Status status = import->writer->Finish();
   EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_IMPORT_TOO_LARGE);
+}
+
+class WatcherQuotaTest : public TokenReadQuotaTest {
+ protected:
+  WatcherQuotaTest() {
+    options_.max_reads_per_s = 1'000'000;
+    options_.max_watchers = 4;
+  }
+};
+
+TEST_F(WatcherQuotaTest, ATokenHasHalfOfThemWhateverItWatchesAndOneThatEndsMakesRoom) {
+  const auto posteriors = v1::PosteriorsService::NewStub(channel_);
+  const auto sessions = v1::SessionsService::NewStub(channel_);
+  const auto& open = server_->counters().open_watcher_count;
+  const auto first = Call("ann-token");
+  const auto watch = posteriors->WatchPosteriors(first.get(), {});
+  const auto second = Call("ann-token");
+  const auto other_watch = sessions->WatchSessions(second.get(), {});
+  ASSERT_TRUE(Eventually([&] { return open == 2; }));
+  const auto refused = Call("ann-token");
+  const grpc::Status status = sessions->WatchSessions(refused.get(), {})->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_TOO_MANY_WATCHERS);
+  EXPECT_THAT(status.error_message(), HasSubstr("this token has 2 watchers"));
+  const auto bobs = Call("bob-token");
+  const auto bobs_watch = posteriors->WatchPosteriors(bobs.get(), {});
+  EXPECT_TRUE(Eventually([&] { return open == 3; })) << "half is left to the others";
+  first->TryCancel();
+  EXPECT_TRUE(Eventually([&] { return open == 2; }));
+  const auto third = Call("ann-token");
+  const auto third_watch = posteriors->WatchPosteriors(third.get(), {});
+  EXPECT_TRUE(Eventually([&] { return open == 3; }));
+  for (const auto* call : {&second, &bobs, &third}) (*call)->TryCancel();
+}
+
+TEST_F(WatcherQuotaTest, AnAddressHasHalfOfThemAndTheOwnMachineAll) {
+  AccessControl access(options_, clock_, log_);
+  std::vector<AccessControl::Share> shares;
+  const auto begin = [&](const std::string& address) {
+    auto share = access.BeginWatch({}, address);
+    if (share.ok()) shares.push_back(*share);
+    return share.ok();
+  };
+  EXPECT_TRUE(begin("ipv4:192.0.2.7"));
+  EXPECT_TRUE(begin("ipv4:192.0.2.7"));
+  EXPECT_FALSE(begin("ipv4:192.0.2.7"));
+  EXPECT_TRUE(begin("ipv4:192.0.2.8")) << "another address";
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(begin("ipv4:127.0.0.1"));
+  shares.clear();
+  EXPECT_TRUE(begin("ipv4:192.0.2.7"));
 }
 
 }  // namespace
