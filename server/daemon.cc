@@ -170,12 +170,15 @@ void Daemon::StartBackups(const Config& config) {
   plan.count = config.backup_count;
   plan.file = store_file_;
   backups_ = std::make_unique<storage::AutomaticBackups>(
-      directory_.database(), plan, [this](const absl::StatusOr<fs::path>& made) {
-        if (made.ok()) {
-          log_->info("backed up to {}", made->string());
-        } else {
-          log_->error("no backup was made: {}", std::string(made.status().message()));
-        }
+      directory_.database(), plan, [this](const absl::StatusOr<storage::MadeBackup>& made) {
+        if (!made.ok())
+          return log_->error("no backup was made: {}", std::string(made.status().message()));
+        log_->info("backed up to {}", made->file.string());
+        if (made->damaged_row_count > 0)
+          log_->error(
+              "{} rows of {} are not what was written, and left out of the backup: look at the "
+              "disk, and `sweepstaked restore` a backup, so that their scenes have priors again",
+              made->damaged_row_count, directory_.database().string());
       });
 }
 

@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "server/config.h"
 #include "server/daemon.h"
@@ -151,7 +152,11 @@ int ReportContents(const std::string& file,
             << contents->source_count << " sources about " << contents->scene_count << " scenes, "
             << contents->audit_row_count << " rows of the audit log, schema "
             << contents->schema_version << '\n';
-  return kDone;
+  if (contents->damaged_row_count == 0) return kDone;
+  return Fail(kCheckFailed,
+              absl::StrCat(contents->damaged_row_count,
+                           " rows of the database are not what was written, and left out of ", file,
+                           ": look at the disk, and put that or an earlier backup in its place"));
 }
 
 // Returns the address that the daemon of this configuration listens on.

@@ -220,13 +220,14 @@ absl::Status SqliteDatabase::CopyPagesTo(SqliteDatabase& copy) {
   return copy.QueryText("PRAGMA journal_mode = DELETE").status();
 }
 
-absl::Status SqliteDatabase::CopyTo(const std::string& path) {
+absl::Status SqliteDatabase::CopyTo(const std::string& path, const Edit& edit) {
   const std::string unfinished = path + ".new";
   absl::Status status = CreatePrivateFile(unfinished);
   if (!status.ok()) return status;
   {
     auto copy = Open(unfinished, OpenMode::kExisting);
     status = copy.ok() ? CopyPagesTo(*copy) : copy.status();
+    if (status.ok() && edit) edit(*copy);
   }
   if (status.ok()) return PublishFile(unfinished, path);
   std::error_code ignored;

@@ -123,8 +123,10 @@ class SqliteDatabase {
   absl::StatusOr<int64_t> QueryInteger(std::string_view sql);
   absl::StatusOr<std::string> QueryText(std::string_view sql);
   // Writes all that is committed to a new file at `path`, in place of one that is there. Others may
-  // write meanwhile; the whole database is read once. The file appears whole or not at all.
-  absl::Status CopyTo(const std::string& path);
+  // write meanwhile; the whole database is read once. The file appears whole or not at all, and
+  // after `edit`, if any, has changed it.
+  using Edit = std::function<void(SqliteDatabase&)>;
+  absl::Status CopyTo(const std::string& path, const Edit& edit = {});
   // Lets statements and copies end with CANCELLED soon after the flag is set, which must outlive
   // the connection.
   void StopWhen(const std::atomic<bool>& flag);

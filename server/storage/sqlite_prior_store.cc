@@ -47,7 +47,7 @@ class SqlitePriorStore final : public priors::PriorStore {
   absl::Status Prepare(const std::filesystem::path& path, const priors::AuditLimits& audit_limits);
   absl::Status Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes);
 
-  absl::Status CopyTo(const std::filesystem::path& file);
+  absl::Status CopyTo(const std::filesystem::path& file, const SqliteDatabase::Edit& edit);
 
   absl::Status Commit(std::span<const priors::SourceUpdate> updates) override;
   absl::Status CheckPlace() override;
@@ -163,10 +163,11 @@ absl::Status SqlitePriorStore::CheckPlace() {
   return absl::OkStatus();
 }
 
-absl::Status SqlitePriorStore::CopyTo(const std::filesystem::path& file) {
+absl::Status SqlitePriorStore::CopyTo(const std::filesystem::path& file,
+                                      const SqliteDatabase::Edit& edit) {
   // A read that does not end keeps the log where it is; the copy has what is in it all the same.
   database_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
-  return database_.CopyTo(file.string());
+  return database_.CopyTo(file.string(), edit);
 }
 
 template <typename Body>
@@ -465,8 +466,9 @@ absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& au
   return static_cast<SqlitePriorStore&>(store).Limit(audit_limits, max_bytes);
 }
 
-absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file) {
-  return static_cast<SqlitePriorStore&>(store).CopyTo(file);
+absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
+                       const SqliteDatabase::Edit& edit) {
+  return static_cast<SqlitePriorStore&>(store).CopyTo(file, edit);
 }
 
 absl::StatusOr<FoldStep> FoldSources(priors::PriorStore& store, const FoldPlace& after,

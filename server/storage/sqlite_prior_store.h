@@ -18,6 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "server/priors/prior_store.h"
+#include "server/storage/sqlite_database.h"
 
 namespace sweepstake::storage {
 
@@ -35,9 +36,10 @@ absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& au
 
 // Writes all that is committed to `file`, in place of one that is there, also where the store's own
 // has no name any more; and takes the log into the store's file, so that an empty log stays beside
-// whatever has its name now. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of
-// OpenSqlitePriorStore.
-absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file);
+// whatever has its name now. The file appears after `edit`. Errors: UNAVAILABLE, DATA_LOSS.
+// REQUIRES: `store` is of OpenSqlitePriorStore.
+absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,
+                       const SqliteDatabase::Edit& edit);
 
 // A place in the evidence, which is ordered by source and key. By default before all.
 struct FoldPlace {

@@ -174,7 +174,9 @@ std::optional<fs::file_time_type> LastBackupTime(const fs::path& path) {
 absl::StatusOr<fs::path> SaveMisplacedStore(priors::PriorStore& store, const fs::path& path) {
   mkdir(path.parent_path().c_str(), 0700);  // what fails here, the copy finds out
   const fs::path file = absl::StrCat(path.string(), kBackup, TimeText());
-  if (absl::Status status = CopyStore(store, file); !status.ok()) return status;
+  absl::Status status =
+      CopyStore(store, file, [](SqliteDatabase& copy) { LeaveOutDamagedRows(copy); });
+  if (!status.ok()) return status;
   return file;
 }
 
@@ -220,7 +222,7 @@ std::chrono::milliseconds AutomaticBackups::FirstDelay() const {
   return std::clamp(plan_.interval - age, std::chrono::milliseconds(0), plan_.interval);
 }
 
-absl::StatusOr<fs::path> AutomaticBackups::MakeOne() {
+absl::StatusOr<MadeBackup> AutomaticBackups::MakeOne() {
   if (plan_.file != FileId()) {
     const auto now = FileId::Of(path_);
     if (!now.ok()) return now.status();
@@ -240,7 +242,7 @@ absl::StatusOr<fs::path> AutomaticBackups::MakeOne() {
   }
   const fs::path file = absl::StrCat(path_.string(), kBackup, TimeText());
   const auto contents = BackUpStore(path_.parent_path(), file, &stopping_);
-  if (contents.ok()) return file;
+  if (contents.ok()) return MadeBackup{file, contents->damaged_row_count};
   if (!absl::IsAlreadyExists(contents.status())) fs::remove(file, unknown);
   return contents.status();
 }

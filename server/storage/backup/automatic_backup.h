@@ -1,8 +1,8 @@
 // Backups that the daemon makes by itself, the start with one of them where the database is
 // damaged, and one of a database whose file was removed or replaced while it is in use.
 //
-// They lie beside the database, NAME.backup-TIME; a damaged database is kept as
-// NAME.quarantine-TIME. Of both there are a few, and the oldest go.
+// They lie beside the database, NAME.backup-TIME, and have no rows that are not what was written; a
+// damaged database is kept as NAME.quarantine-TIME. Of both there are a few, and the oldest go.
 #pragma once
 
 #include <atomic>
@@ -44,9 +44,15 @@ std::optional<std::filesystem::file_time_type> LastBackupTime(const std::filesys
 
 // Writes all that the store has to a backup of now beside `path`, which is not its file any more;
 // makes the directory again, if that is missing, too. It has no check of the copy, since there is
-// nothing better. Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of OpenStoreOrBackup.
+// nothing better, but what `restore` would refuse for wrong rows is without them. Errors:
+// UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of OpenStoreOrBackup.
 absl::StatusOr<std::filesystem::path> SaveMisplacedStore(priors::PriorStore& store,
                                                          const std::filesystem::path& path);
+
+struct MadeBackup {
+  std::filesystem::path file;
+  int64_t damaged_row_count = 0;  // rows of the database that it is without
+};
 
 struct BackupPlan {
   std::chrono::milliseconds interval = std::chrono::hours(24);
@@ -64,7 +70,7 @@ struct BackupPlan {
 class AutomaticBackups {
  public:
   // `on_done` is told on that thread of each backup or why there is none.
-  using OnDone = std::function<void(const absl::StatusOr<std::filesystem::path>&)>;
+  using OnDone = std::function<void(const absl::StatusOr<MadeBackup>&)>;
 
   // Backs up the database `path`.
   AutomaticBackups(std::filesystem::path path, const BackupPlan& plan, OnDone on_done);
@@ -79,7 +85,7 @@ class AutomaticBackups {
  private:
   void Loop();
   std::chrono::milliseconds FirstDelay() const;
-  absl::StatusOr<std::filesystem::path> MakeOne();
+  absl::StatusOr<MadeBackup> MakeOne();
 
   const std::filesystem::path path_;
   const BackupPlan plan_;

@@ -243,13 +243,14 @@ TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
   std::filesystem::last_write_time(path_.string() + ".backup-20260103T000000Z", long_ago);
   for (const char* end : {".new", ".new-journal"})
     std::ofstream(path_.string() + ".backup-20260104T000000Z" + end) << "of a killed daemon";
-  std::promise<absl::StatusOr<std::filesystem::path>> made;
+  std::promise<absl::StatusOr<MadeBackup>> made;
   {
     AutomaticBackups backups(path_, {.interval = std::chrono::hours(24), .count = 2},
                              [&](const auto& file) { made.set_value(file); });
     const auto file = made.get_future().get();
     ASSERT_TRUE(file.ok()) << file.status();
-    EXPECT_EQ(VerifyStore(*file)->record_count, 1);
+    EXPECT_EQ(VerifyStore(file->file)->record_count, 1);
+    EXPECT_EQ(file->damaged_row_count, 0);
   }
   EXPECT_EQ(CountFiles(".backup-"), 2u);
   EXPECT_TRUE(std::filesystem::exists(path_.string() + ".backup-20260103T000000Z"));
@@ -258,7 +259,7 @@ TEST_F(AutomaticBackupTest, ABackupIsMadeWhileTheStoreIsInUseAndTheOldestGo) {
 
 TEST_F(AutomaticBackupTest, OfAnotherFileThatWasPutInItsPlaceThereIsNone) {
   Commit(1);
-  std::promise<absl::StatusOr<std::filesystem::path>> made;
+  std::promise<absl::StatusOr<MadeBackup>> made;
   {
     std::atomic<bool> told = false;
     const FileId other = *FileId::Of(directory_.path());
@@ -272,7 +273,7 @@ TEST_F(AutomaticBackupTest, OfAnotherFileThatWasPutInItsPlaceThereIsNone) {
 }
 
 TEST_F(AutomaticBackupTest, ABackupThatCannotBeMadeIsToldAndLeavesNothing) {
-  std::promise<absl::StatusOr<std::filesystem::path>> made;
+  std::promise<absl::StatusOr<MadeBackup>> made;
   {
     std::atomic<bool> told = false;
     AutomaticBackups backups(path_, {.patience = milliseconds(0)}, [&](const auto& file) {

@@ -6,7 +6,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "server/storage/sqlite_database.h"
+#include "server/storage/sqlite_prior_store.h"
 #include "tests/engine_client/cli/program/program.h"
+#include "tests/server/storage/evidence_samples.h"
 #include "tests/support/child_process.h"
 #include "tests/support/daemon_process.h"
 #include "tests/support/temporary_directory.h"
@@ -160,6 +163,28 @@ TEST(DaemonProgram, ABackupOfARunningDaemonBeginsAnotherOne) {
     return json::parse(RunProgram("priors list --json --daemon " + of.address()).out)["scenes"];
   };
   EXPECT_EQ(list(next), list(daemon));
+}
+
+TEST(DaemonProgram, ABackupWithoutTheRowsThatADiskChangedIsKeptAndTold) {
+  const TemporaryDirectory folder;
+  const TemporaryDirectory data;
+  const std::string file = (folder.path() / "monday.db").string();
+  const auto path = data.path() / "priors.db";
+  ASSERT_TRUE((*storage::OpenSqlitePriorStore(path))
+                  ->Commit(std::vector{storage::Update("a", 1, {storage::Key("Grid")}),
+                                       storage::Update("b", 1, {storage::Key("Grid")})})
+                  .ok());
+  ASSERT_TRUE(
+      storage::SqliteDatabase::Open(path.string(), storage::SqliteDatabase::OpenMode::kExisting)
+          ->Execute("UPDATE evidence SET alpha = 1000 WHERE source_id = 1")
+          .ok());
+  const ProgramRun backup = RunDaemonProgram("backup " + file + " --data " + data.path().string());
+  EXPECT_EQ(backup.exit_code, 1);
+  EXPECT_THAT(backup.out, HasSubstr("monday.db: whole; 1 records of 1 sources"));
+  EXPECT_THAT(backup.err, HasSubstr("1 rows of the database are not what was written, and left out "
+                                    "of " +
+                                    file));
+  EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").exit_code, 0);
 }
 
 TEST(DaemonProgram, ABackupThatIsDamagedIsToldByRestore) {
