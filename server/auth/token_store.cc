@@ -1,11 +1,14 @@
 #include "server/auth/token_store.h"
 
+#include <fcntl.h>
 #include <openssl/rand.h>
 #include <openssl/sha.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdio>
 #include <system_error>
 
 #include "absl/strings/escaping.h"
@@ -75,6 +78,17 @@ absl::Status LostFile(const fs::path& path) {
       Exists(path) ? absl::StrCat(path.string(), " and ") : "", NoteBeside(path).string()));
 }
 
+// Gives a file its name unless there is one of that name. Not every file system has hard links
+// (FAT), nor every one a rename that replaces nothing (NFS). Returns 0 or the error's number.
+int NameUnlessThere(const fs::path& unfinished, const fs::path& path) {
+  if (link(unfinished.c_str(), path.c_str()) == 0) return 0;
+  const int why = errno;
+  if (why == EEXIST) return why;
+  if (renameat2(AT_FDCWD, unfinished.c_str(), AT_FDCWD, path.c_str(), RENAME_NOREPLACE) == 0)
+    return 0;
+  return errno == EEXIST ? EEXIST : why;
+}
+
 // The file appears complete. One that another process has made meanwhile stays.
 absl::Status CreateFile(const fs::path& path) {
   const fs::path unfinished = UnfinishedName(path);
@@ -90,12 +104,12 @@ absl::Status CreateFile(const fs::path& path) {
                                          "; PRAGMA user_version = ", kSchemaVersion, ";", kSchema));
     if (!status.ok()) return Explain(unfinished, status);
   }
-  std::error_code error;
-  fs::create_hard_link(unfinished, path, error);
+  const int problem = NameUnlessThere(unfinished, path);
   std::error_code ignored;
   fs::remove(unfinished, ignored);
-  if (!error || error == std::errc::file_exists) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat(path.string(), ": ", error.message()));
+  if (problem == 0 || problem == EEXIST) return absl::OkStatus();
+  return absl::UnavailableError(
+      absl::StrCat(path.string(), ": ", std::system_category().message(problem)));
 }
 
 absl::Status CheckFile(SqliteDatabase& database, const fs::path& path) {

@@ -85,6 +85,20 @@ std::optional<fs::path> LastWholeBackup(const fs::path& path) {
   return std::nullopt;
 }
 
+// Gives the file another name, too. On a file system without hard links (FAT) that is a copy.
+absl::Status Keep(const fs::path& path, const fs::path& kept) {
+  std::error_code error;
+  fs::create_hard_link(path, kept, error);
+  if (!error) return absl::OkStatus();
+  const fs::path unfinished = path.string() + ".quarantined";
+  if (error != std::errc::file_exists)
+    fs::copy_file(path, unfinished, fs::copy_options::overwrite_existing, error);
+  if (!error) return PublishFile(unfinished, kept);
+  std::error_code ignored;
+  fs::remove(unfinished, ignored);
+  return absl::UnavailableError(absl::StrCat("cannot keep ", kept.string(), ": ", error.message()));
+}
+
 // Puts a copy of the backup in the place of the database, which is kept. After a crash in between
 // the damaged file is still there, and the next start begins anew.
 absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::path& kept) {
@@ -92,11 +106,8 @@ absl::Status Replace(const fs::path& path, const fs::path& backup, const fs::pat
   auto source = SqliteDatabase::Open(backup.string(), SqliteDatabase::OpenMode::kReadOnly);
   if (!source.ok()) return source.status();
   if (absl::Status status = source->CopyTo(unfinished); !status.ok()) return status;
+  if (absl::Status status = Keep(path, kept); !status.ok()) return status;
   std::error_code error;
-  fs::create_hard_link(path, kept, error);
-  if (error)
-    return absl::UnavailableError(
-        absl::StrCat("cannot keep ", kept.string(), ": ", error.message()));
   // The log of one database must not be replayed onto another.
   fs::rename(path.string() + "-wal", kept.string() + "-wal", error);
   if (error && error != std::errc::no_such_file_or_directory)

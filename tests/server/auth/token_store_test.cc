@@ -7,6 +7,7 @@
 #include <iterator>
 #include <set>
 
+#include "tests/server/storage/without_links.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sweepstake::auth {
@@ -55,6 +56,14 @@ TEST(PrincipalTest, OneWithoutProjectsMayUseAll) {
   EXPECT_TRUE(scoped.MayUse("y"));
   EXPECT_FALSE(scoped.MayUse("z"));
   EXPECT_FALSE(scoped.MayUse(""));
+}
+
+TEST_F(TokenStoreTest, TheFirstTokenIsMadeWhereThereAreNoHardLinks) {
+  const auto made = storage::WithoutLinks([&] { return Open().Create(Named("game"), 1'000).ok(); });
+  if (!made) GTEST_SKIP() << "links cannot be taken away here";
+  EXPECT_TRUE(*made);
+  EXPECT_EQ(Open().Load()->size(), 1u);
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_.path()), {}), 2) << "and tokens-made";
 }
 
 TEST_F(TokenStoreTest, TheFileHasTheDigestAndNotTheToken) {

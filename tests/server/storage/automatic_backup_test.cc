@@ -15,6 +15,7 @@
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
 #include "tests/server/storage/evidence_samples.h"
+#include "tests/server/storage/without_links.h"
 #include "tests/support/file_text.h"
 #include "tests/support/temporary_directory.h"
 
@@ -137,6 +138,25 @@ TEST_F(AutomaticBackupTest, TheDamagedFileIsKeptAsItWasBeforeTheBackupTakesItsPl
   EXPECT_LT(kept, published) << "a crash in between must not lose it";
   EXPECT_THAT(names, ::testing::Not(::testing::Contains("-priors.db")));
   EXPECT_EQ(test_support::FileText(directory_.path() / kept->substr(1)), damaged);
+}
+
+TEST_F(AutomaticBackupTest, WithoutHardLinksTheDamagedFileIsKeptAsACopy) {
+  Commit(1);
+  BackUp("20260101T000000Z");
+  Damage(path_);
+  const std::string damaged = test_support::FileText(path_);
+  const auto opened = WithoutLinks([&] {
+    const auto store = OpenStoreOrBackup(path_);
+    return store.ok() && CommitOf(*store->store) == 1;
+  });
+  if (!opened) GTEST_SKIP() << "links cannot be taken away here";
+  EXPECT_TRUE(*opened);
+  EXPECT_EQ(CountFiles(".quarantined"), 0u);
+  size_t kept = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(directory_.path()))
+    kept += entry.path().filename().string().starts_with("priors.db.quarantine-") &&
+            test_support::FileText(entry.path()) == damaged;
+  EXPECT_EQ(kept, 1u);
 }
 
 TEST_F(AutomaticBackupTest, AnEmptyFileAndOneThatIsNoDatabaseAreReplacedToo) {
