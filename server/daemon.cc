@@ -121,6 +121,7 @@ absl::Status Daemon::Open(rpc::Clock& clock) {
   metrics_.SetDamaged(!damage_.empty());
   metrics_.SetMaxStoreBytes(config_.database_bytes);
   storage::StoreThreadOptions store_options;
+  store_options.on_check = [this](auto& store) { LookAtSpace(store); };
   store_options.on_health = [this](const absl::Status& status) { ReportStore(status); };
   store_options.on_misplaced = [this](auto& store, bool last) { SaveStore(store, last); };
   store_file_ = opened->file;
@@ -255,6 +256,15 @@ void Daemon::ReportToken(const std::string& change) {
   log_->info("{}", change);
   const std::lock_guard lock(mutex_);
   if (serving_ != nullptr) serving_->RecordAction("action=token", change);
+}
+
+void Daemon::LookAtSpace(priors::PriorStore& store) {
+  const auto used_bytes = storage::UsedBytes(store);
+  if (!used_bytes.ok()) return;  // a commit tells of it
+  metrics_.SetUsedStoreBytes(*used_bytes);
+  const auto warning =
+      space_warning_.Look(*used_bytes, database_bytes_, std::chrono::steady_clock::now());
+  if (warning) log_->warn("{}: {}", directory_.database().string(), *warning);
 }
 
 void Daemon::ReportStore(const absl::Status& status) {

@@ -18,6 +18,7 @@
 #include "server/daemon_metrics.h"
 #include "server/rpc/common/decision_loop.h"
 #include "server/rpc/rpc_server.h"
+#include "server/space_warning.h"
 #include "server/storage/backup/automatic_backup.h"
 #include "server/storage/data_directory.h"
 #include "server/storage/folding/evidence_folding.h"
@@ -66,8 +67,9 @@ class Daemon {
   void StartBackups(const Config& config);
   void StartFolding(const Config& config);
   void LimitStore(const Config& config);
-  // These run on the store's thread. The second one copies a store that has lost its file, once;
+  // These run on the store's thread. The last one copies a store that has lost its file, once;
   // where that fails it is tried again after a while, and without waiting at the last chance.
+  void LookAtSpace(priors::PriorStore& store);
   void ReportStore(const absl::Status& status);
   void SaveStore(priors::PriorStore& store, bool last);
   absl::Status OpenTokens();
@@ -98,6 +100,7 @@ class Daemon {
     bool done = false;
     std::chrono::steady_clock::time_point next;  // not before
   } save_;                                       // used on the store's thread
+  SpaceWarning space_warning_;                   // used on the store's thread
   storage::FileId store_file_;
   std::atomic<uint64_t> database_bytes_;  // in force
   priors::AuditLimits audit_limits_;      // in force

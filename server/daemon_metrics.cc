@@ -151,6 +151,9 @@ DaemonMetrics::DaemonMetrics(const std::string& version)
                         "1 if the store lost evidence or has wrong rows since its start, else 0.")),
       max_store_bytes_(AddGauge(registry_, "sweepstake_store_max_size_bytes",
                                 "Size that the store's file may have.")),
+      used_store_bytes_(AddGauge(registry_, "sweepstake_store_used_size_bytes",
+                                 "Bytes of the store's file that are in use; the others of it are "
+                                 "used before it grows.")),
       folded_sources_(prometheus::BuildCounter()
                           .Name("sweepstake_store_folded_sources_total")
                           .Help("Sessions whose evidence was folded into that of their month.")

@@ -40,8 +40,9 @@ class DaemonMetrics {
   void OnFolded(uint64_t source_count) {
     folded_sources_.Increment(static_cast<double>(source_count));
   }
-  // The size that the store's file may have.
+  // The size that the store's file may have, and how much of it is in use.
   void SetMaxStoreBytes(uint64_t bytes) { max_store_bytes_.Set(static_cast<double>(bytes)); }
+  void SetUsedStoreBytes(uint64_t bytes) { used_store_bytes_.Set(static_cast<double>(bytes)); }
 
   // Whether the files of TLS could be used when they were read last, and when the certificate in
   // use expires. Without TLS there are no such metrics.
@@ -63,6 +64,7 @@ class DaemonMetrics {
   prometheus::Histogram& timer_lateness_;
   prometheus::Gauge& damaged_;
   prometheus::Gauge& max_store_bytes_;
+  prometheus::Gauge& used_store_bytes_;
   prometheus::Counter& folded_sources_;
 };
 

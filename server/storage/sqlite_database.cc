@@ -253,6 +253,16 @@ absl::Status SqliteDatabase::LimitSize(uint64_t max_bytes) {
       .status();
 }
 
+absl::StatusOr<uint64_t> SqliteDatabase::UsedBytes() {
+  const auto page_bytes = QueryInteger("PRAGMA page_size");
+  if (!page_bytes.ok()) return page_bytes.status();
+  const auto pages = QueryInteger("PRAGMA page_count");
+  if (!pages.ok()) return pages.status();
+  const auto free_pages = QueryInteger("PRAGMA freelist_count");
+  if (!free_pages.ok()) return free_pages.status();
+  return static_cast<uint64_t>((*pages - *free_pages) * *page_bytes);
+}
+
 absl::Status SqliteDatabase::EnableDefensive() {
   const int code = sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   return code == SQLITE_OK ? absl::OkStatus() : Error(code);

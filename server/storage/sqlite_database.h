@@ -135,6 +135,9 @@ class SqliteDatabase {
   // Lets the file grow to so many bytes, or not at all if it is as large; then writes that need
   // more fail as if the disk were full.
   absl::Status LimitSize(uint64_t max_bytes);
+  // Returns the bytes that are in use, those in the log included: what LimitSize bounds, since the
+  // others of the file are used before it grows.
+  absl::StatusOr<uint64_t> UsedBytes();
   // Forbids statements that write the schema's own tables or could corrupt the file.
   absl::Status EnableDefensive();
   // Makes everything durable that a reader can see, whoever wrote it. A process that was killed may

@@ -46,6 +46,7 @@ class SqlitePriorStore final : public priors::PriorStore {
 
   absl::Status Prepare(const std::filesystem::path& path, const priors::AuditLimits& audit_limits);
   absl::Status Limit(const priors::AuditLimits& audit_limits, uint64_t max_bytes);
+  absl::StatusOr<uint64_t> UsedBytes() { return database_.UsedBytes(); }
 
   absl::Status CopyTo(const std::filesystem::path& file, const SqliteDatabase::Edit& edit);
 
@@ -464,6 +465,10 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes) {
   return static_cast<SqlitePriorStore&>(store).Limit(audit_limits, max_bytes);
+}
+
+absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store) {
+  return static_cast<SqlitePriorStore&>(store).UsedBytes();
 }
 
 absl::Status CopyStore(priors::PriorStore& store, const std::filesystem::path& file,

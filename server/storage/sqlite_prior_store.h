@@ -34,6 +34,10 @@ absl::StatusOr<std::unique_ptr<priors::PriorStore>> OpenSqlitePriorStore(
 absl::Status LimitStore(priors::PriorStore& store, const priors::AuditLimits& audit_limits,
                         uint64_t max_bytes);
 
+// Returns how many bytes of what the file may grow to are in use; what was removed is used again.
+// Errors: UNAVAILABLE, DATA_LOSS. REQUIRES: `store` is of OpenSqlitePriorStore.
+absl::StatusOr<uint64_t> UsedBytes(priors::PriorStore& store);
+
 // Writes all that is committed to `file`, in place of one that is there, also where the store's own
 // has no name any more; and takes the log into the store's file, so that an empty log stays beside
 // whatever has its name now. The file appears after `edit`. Errors: UNAVAILABLE, DATA_LOSS.

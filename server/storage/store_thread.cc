@@ -110,6 +110,7 @@ void StoreThread::Loop() {
     }
     if (ends || std::chrono::steady_clock::now() >= next_check) {
       CheckPlace(ends);
+      if (options_.on_check) options_.on_check(*store_);
       next_check = std::chrono::steady_clock::now() + options_.check_interval;
     }
     if (ends) return;

@@ -55,6 +55,8 @@ struct StoreThreadOptions {
   size_t max_queued = 65'536;  // updates and jobs; beyond it they are refused, as are reads
   std::chrono::milliseconds max_read = ReadThreadOptions().max_read;
   std::chrono::milliseconds check_interval{2'000};
+  // Called on the store's thread every `check_interval`, and at the end. May be empty.
+  std::function<void(priors::PriorStore&)> on_check = {};
   // Is told, on the store's thread, that commits begin to fail and why, and with OK that they
   // succeed again. NOT_FOUND is that of PriorStore::CheckPlace, and is told whether commits fail
   // already or not; when that is over and the disk failed too, the disk's error is told again.

@@ -101,6 +101,13 @@ TEST_F(DaemonMetricsTest, TheStoreAndItsLogAreShown) {
   EXPECT_EQ(Collect().at("sweepstake_store_queued_reads").gauge.value, 9);
 }
 
+TEST_F(DaemonMetricsTest, HowMuchOfTheStoreIsInUseIsShown) {
+  metrics_.SetMaxStoreBytes(4'096);
+  metrics_.SetUsedStoreBytes(3'072);
+  EXPECT_EQ(Collect().at("sweepstake_store_max_size_bytes").gauge.value, 4'096);
+  EXPECT_EQ(Collect().at("sweepstake_store_used_size_bytes").gauge.value, 3'072);
+}
+
 TEST_F(DaemonMetricsTest, SessionsThatWereFoldedAreCounted) {
   EXPECT_EQ(Collect().at("sweepstake_store_folded_sources_total").counter.value, 0);
   metrics_.OnFolded(3);

@@ -290,6 +290,19 @@ TEST_F(SqlitePriorStoreTest, AFileThatMayNotGrowTakesNoNewEvidenceUntilItMay) {
   EXPECT_EQ(store->List({}, std::nullopt, 20'000)->size(), stored + 1);
 }
 
+TEST_F(SqlitePriorStoreTest, WhatWasRemovedIsNotInUseThoughTheFileStaysAsLarge) {
+  auto store = *OpenSqlitePriorStore(path_, {.bytes = 1 << 20});
+  const uint64_t empty_bytes = *UsedBytes(*store);
+  SourceUpdate update = Audited("a", 1, 1, 500);
+  for (auto& row : update.audit.rows) row.text.assign(1'000, 'x');
+  ASSERT_TRUE(store->Commit(std::vector{update}).ok());
+  EXPECT_GT(*UsedBytes(*store), empty_bytes + 500'000) << "in the log already";
+  ASSERT_TRUE(LimitStore(*store, {.bytes = 1'000}, /*max_bytes=*/1 << 30).ok());
+  EXPECT_LT(*UsedBytes(*store), empty_bytes + 100'000);
+  store.reset();
+  EXPECT_GT(std::filesystem::file_size(path_), 500'000u);
+}
+
 SourceUpdate WithLongRow(uint64_t n) {
   SourceUpdate update = Audited("a", n, n, 1);
   update.audit.rows[0].text.assign(1'000, 'x');

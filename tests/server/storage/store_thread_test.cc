@@ -292,6 +292,19 @@ TEST_F(StoreThreadTest, AMisplacedStoreIsFoundAtTheEndAtTheLatest) {
   EXPECT_TRUE(saved);
 }
 
+TEST_F(StoreThreadTest, TheStoreIsLookedAtWithoutCommitsAndAtTheEnd) {
+  std::atomic<int> look_count = 0;
+  const auto look = [&](PriorStore&) { ++look_count; };
+  Start({.check_interval = milliseconds(1), .on_check = look});
+  while (look_count < 3) std::this_thread::yield();
+  thread_->Close();
+  look_count = 0;
+  Start({.check_interval = std::chrono::hours(1), .on_check = look});
+  EXPECT_EQ(look_count, 0);
+  thread_->Close();
+  EXPECT_EQ(look_count, 1);
+}
+
 TEST_F(StoreThreadTest, AFullQueueRefusesAtOnce) {
   Start({.group_interval = milliseconds(0), .max_queued = 1});
   const auto release = Occupy();
