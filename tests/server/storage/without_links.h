@@ -1,7 +1,6 @@
 // Makes hard links fail as they do on file systems that have none.
 #pragma once
 
-#include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <sys/prctl.h>
