@@ -68,6 +68,7 @@ PUBLIC_HEADERS = {
     "broad_phase.h": "engine_client/broad_phase",
     "executor.h": "engine_client/broad_phase",
     "pair_buffer.h": "engine_client/broad_phase",
+    "simd.h": "engine_client/broad_phase",
     "pair_sorter.h": "engine_client/broad_phase",
     "proxy_set.h": "engine_client/broad_phase",
     "status.h": "engine_client/broad_phase",

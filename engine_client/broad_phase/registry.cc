@@ -10,6 +10,7 @@
 #include "engine_client/broad_phase/tracy/tracy.h"
 #include "server/decision/math/names.h"
 #include "sweepstake/broad_phase.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake {
 namespace {
@@ -38,6 +39,7 @@ std::span<const std::string_view> BroadPhaseNames() { return kNames; }
 
 Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                    const BroadPhaseOptions& options) {
+  if (Status simd = UseSimdTargetOfEnvironment(); !simd.ok()) return simd;
   for (const Family& family : kFamilies) {
     if (family.name == name) return family.make(options);
   }

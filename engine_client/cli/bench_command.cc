@@ -8,6 +8,7 @@
 #include "engine_client/cli/bench/bench_run.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/report_file.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -19,6 +20,9 @@ Status WriteReport(const BenchReport& report, ReportFile& file, Terminal& termin
 }
 
 int Bench(const BenchOptions& options, Terminal& terminal) {
+  if (!options.simd.empty()) {
+    if (Status status = UseSimdTarget(options.simd); !status.ok()) return Fail(terminal, status);
+  }
   std::unique_ptr<ReportFile> file;
   if (options.report_file) {
     auto created = ReportFile::Create(*options.report_file);
@@ -64,6 +68,9 @@ void Declare(CLI::App& command, BenchOptions& options) {
       ->delimiter(',')
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
+  command.add_option("--simd", options.simd,
+                     "Instruction set of the arms, as avx512, avx2 or sse4; peers have their own. "
+                     "SWEEPSTAKE_CLIENT_SIMD does the same for every command");
   command.add_flag("--peers", options.peers,
                    "Time the broad phases of other libraries too, and compare");
   command
@@ -86,6 +93,7 @@ void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& comma
       "  sweepstake bench --scene hurricane --objects 3000 --arms SAP,KDTree --json\n"
       "  sweepstake bench --scene nearly-resting,beams --objects 10000 --threads 1,2\n"
       "  sweepstake bench --scene suite-b --objects 1000,10000 --peers --report out.html\n"
+      "  sweepstake bench --scene suite-b --objects 10000 --simd avx2\n"
       "Milliseconds per frame; pairs and AABB checks are means per frame, bytes the most held.\n" +
           SceneHelp(),
       exit_code, Declare, [&terminal, command_line](const BenchOptions& options) {

@@ -4,6 +4,7 @@
 
 #include "engine_client/cli/game/scene_choice.h"
 #include "server/decision/math/names.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -97,6 +98,7 @@ int RunCommandLine(std::span<char* const> words, Terminal& terminal) {
   const auto arguments = words.empty() ? words : words.subspan(1);
   Status status = CheckCommandName(app, arguments);
   if (status.ok()) status = CheckOptionNames(app, arguments);
+  if (status.ok()) status = UseSimdTargetOfEnvironment();
   if (!status.ok()) return Fail(terminal, status);
   try {
     app.parse(static_cast<int>(words.size()), words.data());

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/pair_cursor.h"
 #include "engine_client/broad_phase/common/soa_boxes.h"
 #include "hwy/highway.h"
@@ -78,7 +79,7 @@ template <class D>
 HWY_INLINE size_t StoreHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* ids,
                             OverlapPair* out) {
   const hn::RebindToUnsigned<D> du;
-  const auto others = hn::Compress(hn::LoadU(du, ids), hn::RebindMask(du, hits));
+  const auto others = CompressLanes(hn::LoadU(du, ids), hn::RebindMask(du, hits));
   const auto self = hn::Set(du, id);
   hn::StoreInterleaved2(hn::Min(self, others), hn::Max(self, others), du, &out->a);
   return hn::CountTrue(d, hits);

@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/dbvt/dbvt_query.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "hwy/cache_control.h"
@@ -32,7 +33,7 @@ HWY_INLINE size_t CollectChildren(const Aabb& box, const DbvtNode& node, uint32_
   size_t count = 0;
   for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
     const auto hits = hn::And(SlotsFrom(d, first, at), Hits(d, box, lanes, at));
-    hn::StoreU(hn::Compress(hn::Load(du, node.child + at), hn::RebindMask(du, hits)), du,
+    hn::StoreU(CompressLanes(hn::Load(du, node.child + at), hn::RebindMask(du, hits)), du,
                found + count);
     count += hn::CountTrue(d, hits);
   }
@@ -50,7 +51,7 @@ HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t 
   for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
     const auto hits = Hits(d, box, lanes, at);
     const auto slots = NumbersFrom(du, leaf * kWidth + at);
-    hn::StoreU(hn::Compress(slots, hn::RebindMask(du, hits)), du, found + count);
+    hn::StoreU(CompressLanes(slots, hn::RebindMask(du, hits)), du, found + count);
     count += hn::CountTrue(d, hits);
   }
   return count;

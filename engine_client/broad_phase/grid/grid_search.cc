@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid/grid_search.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
@@ -169,7 +170,7 @@ HWY_INLINE size_t StoreFewHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_
   const hn::RebindToUnsigned<D> du;
   const hn::Half<decltype(du)> dh;
   const hn::RepartitionToWide<decltype(du)> dw;
-  const auto others = hn::Compress(hn::LoadU(du, ids), hn::RebindMask(du, hits));
+  const auto others = CompressLanes(hn::LoadU(du, ids), hn::RebindMask(du, hits));
   const auto self = hn::Set(du, id);
   const auto a = hn::Min(self, others);
   const auto b = hn::Max(self, others);

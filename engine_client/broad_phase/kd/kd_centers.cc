@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/kd/kd_centers.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,11 +31,11 @@ size_t Collect(std::span<const LeafBlock> leaves, const KdColumns& centers,
         const auto max = hn::LoadU(d, leaf.max[axis] + at);
         // The halves are added, since the sum of two finite floats need not be finite.
         const auto center = hn::Add(hn::Mul(min, half), hn::Mul(max, half));
-        hn::StoreU(hn::Compress(center, valid), d, centers.center[axis] + count);
-        hn::StoreU(hn::Compress(hn::Sub(max, min), valid), d, extents.center[axis] + count);
+        hn::StoreU(CompressLanes(center, valid), d, centers.center[axis] + count);
+        hn::StoreU(CompressLanes(hn::Sub(max, min), valid), d, extents.center[axis] + count);
       }
       const auto id = hn::LoadU(du, leaf.id + at);
-      hn::StoreU(hn::Compress(id, hn::RebindMask(du, valid)), du, centers.box + count);
+      hn::StoreU(CompressLanes(id, hn::RebindMask(du, valid)), du, centers.box + count);
       count += hn::CountTrue(d, valid);
     }
   }

@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/kd/kd_split.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -156,10 +157,10 @@ HWY_INLINE size_t AppendChosen(D d, hn::Mask<D> chosen, const KdColumns& from, s
   const auto center1 = hn::LoadU(d, from.center[1] + source);
   const auto center2 = hn::LoadU(d, from.center[2] + source);
   const auto box = hn::LoadU(du, from.box + source);
-  StoreFirst(d, hn::Compress(center0, chosen), count, to.center[0] + target, whole);
-  StoreFirst(d, hn::Compress(center1, chosen), count, to.center[1] + target, whole);
-  StoreFirst(d, hn::Compress(center2, chosen), count, to.center[2] + target, whole);
-  StoreFirst(du, hn::Compress(box, hn::RebindMask(du, chosen)), count, to.box + target, whole);
+  StoreFirst(d, CompressLanes(center0, chosen), count, to.center[0] + target, whole);
+  StoreFirst(d, CompressLanes(center1, chosen), count, to.center[1] + target, whole);
+  StoreFirst(d, CompressLanes(center2, chosen), count, to.center[2] + target, whole);
+  StoreFirst(du, CompressLanes(box, hn::RebindMask(du, chosen)), count, to.box + target, whole);
   return count;
 }
 

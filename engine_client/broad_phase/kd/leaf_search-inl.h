@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
@@ -65,13 +66,13 @@ class LeafSearch {
     for (size_t at = first; at < first + kWidth; at += hn::Lanes(d)) {
       const auto hits = Hits(d, bounds, leaves, at);
       for (size_t axis = 0; axis < 3; ++axis) {
-        hn::StoreU(hn::Compress(hn::LoadU(d, leaves.min[axis] + at), hits), d,
+        hn::StoreU(CompressLanes(hn::LoadU(d, leaves.min[axis] + at), hits), d,
                    near_min_[axis] + near_count_);
-        hn::StoreU(hn::Compress(hn::LoadU(d, leaves.max[axis] + at), hits), d,
+        hn::StoreU(CompressLanes(hn::LoadU(d, leaves.max[axis] + at), hits), d,
                    near_max_[axis] + near_count_);
       }
       const auto index = NumbersFrom(du, at);
-      hn::StoreU(hn::Compress(index, hn::RebindMask(du, hits)), du, near_leaf_ + near_count_);
+      hn::StoreU(CompressLanes(index, hn::RebindMask(du, hits)), du, near_leaf_ + near_count_);
       near_count_ += hn::CountTrue(d, hits);
     }
     if (!kWithinOne || first != begin_) Prefetch(before);
@@ -135,7 +136,7 @@ class LeafSearch {
       if constexpr (kWithinOne) {
         hits = hn::And(hn::Gt(index, hn::Set(du, static_cast<uint32_t>(leaf))), hits);
       }
-      hn::StoreU(hn::Compress(index, hits), du, leaves_ + count);
+      hn::StoreU(CompressLanes(index, hits), du, leaves_ + count);
       count += hn::CountTrue(du, hits);
     }
     checks_ += near_count_;
@@ -153,7 +154,7 @@ class LeafSearch {
       for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
         const auto hits = hn::RebindMask(du, Hits(d, bounds, boxes, at));
         const auto place = NumbersFrom(du, first + at);
-        hn::StoreU(hn::Compress(place, hits), du, found_ + count);
+        hn::StoreU(CompressLanes(place, hits), du, found_ + count);
         count += hn::CountTrue(du, hits);
       }
     }
@@ -222,7 +223,7 @@ class LeafSearch {
     const auto own = hn::LoadU(du, ids);
     for (size_t k = 0; k < count; ++k) {
       const auto hits = hn::RebindMask(du, hn::LoadMaskBits(d, hit_lanes_ + k * kMaskBytes));
-      const auto partners = hn::Compress(own, hits);
+      const auto partners = CompressLanes(own, hits);
       const uint32_t id = others_[0].id[hit_place_[k]];
       const auto self = hn::Set(du, kWithinOne ? id : other_bit_ | id);
       const size_t hit_count = hn::CountTrue(du, hits);

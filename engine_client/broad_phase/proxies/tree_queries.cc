@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/proxies/tree_queries.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/proxies/tree_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -83,7 +84,7 @@ HWY_INLINE void CollectEntered(const Ray& ray, float limit, const BoxLanes& lane
   for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
     hn::Mask<Lanes16> hits;
     const auto enter = EnterLanes(d, ray, limit, lanes, at, hits);
-    hn::StoreU(hn::Compress(enter, hits), d, group.distance + group.found.count);
+    hn::StoreU(CompressLanes(enter, hits), d, group.distance + group.found.count);
     AppendHits(d, hits, at, group.found);
   }
 }

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
@@ -27,7 +28,7 @@ struct FoundGroup {
 HWY_INLINE void AppendHits(Lanes16 d, hn::Mask<Lanes16> hits, size_t at, FoundGroup& found) {
   const hn::RebindToUnsigned<Lanes16> du;
   const auto index = NumbersFrom(du, at);
-  hn::StoreU(hn::Compress(index, hn::RebindMask(du, hits)), du, found.entry + found.count);
+  hn::StoreU(CompressLanes(index, hn::RebindMask(du, hits)), du, found.entry + found.count);
   found.count += hn::CountTrue(d, hits);
 }
 

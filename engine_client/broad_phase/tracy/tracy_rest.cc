@@ -9,6 +9,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/tracy/tracy_rest.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -51,7 +52,7 @@ size_t ListOutside(std::span<const Aabb> boxes, const Aabb* margins, uint32_t* o
     if (hn::AllFalse(d, listed)) return;
     // Lists the indices of the boxes that have left.
     const auto index = hn::Iota(du, static_cast<uint32_t>(at));
-    hn::StoreU(hn::Compress(index, hn::RebindMask(du, listed)), du, outside + count);
+    hn::StoreU(CompressLanes(index, hn::RebindMask(du, listed)), du, outside + count);
     count += hn::CountTrue(d, listed);
   });
   return count;

@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/tracy/tracy_rows.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 // What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -70,8 +71,8 @@ size_t Moved(std::span<const Aabb> boxes, const RowGrids& rows, const uint32_t* 
     // Lists the boxes whose row has changed, with their new rows.
     const auto index = hn::Iota(du, static_cast<uint32_t>(at));
     const auto mask = hn::RebindMask(du, changed);
-    hn::StoreU(hn::Compress(index, mask), du, moved + count);
-    hn::StoreU(hn::Compress(hn::BitCast(du, row), mask), du, new_rows + count);
+    hn::StoreU(CompressLanes(index, mask), du, moved + count);
+    hn::StoreU(CompressLanes(hn::BitCast(du, row), mask), du, new_rows + count);
     count += hn::CountTrue(du, mask);
   });
   return count;

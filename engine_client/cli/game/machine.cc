@@ -1,13 +1,14 @@
 #include "engine_client/cli/game/machine.h"
 
 #include <hwy/highway.h>
-#include <hwy/targets.h>
 #include <sys/utsname.h>
 
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -46,12 +47,6 @@ std::string CompilerName() {
 #else
   return "unknown";
 #endif
-}
-
-// Among the targets that are both compiled and supported, the best one has the lowest bit.
-std::string SimdTarget() {
-  const int64_t usable = hwy::SupportedTargets() & int64_t{HWY_TARGETS};
-  return hwy::TargetName(usable & -usable);
 }
 
 }  // namespace

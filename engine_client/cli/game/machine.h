@@ -21,7 +21,7 @@ struct Machine {
   uint32_t core_count = 0;  // hardware threads
   std::string system;       // kernel and architecture
   std::string compiler;
-  std::string simd_target;                // the target that Highway chose on this machine
+  std::string simd_target;                // SimdTarget() (simd.h)
   std::vector<LibraryVersion> libraries;  // Highway's, then those of the peers that were run
   std::vector<std::string> absent_peers;  // per peer left out: library and its package
 };

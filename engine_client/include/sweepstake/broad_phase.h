@@ -62,7 +62,8 @@ struct BroadPhaseOptions {
   Executor* executor = nullptr;
 };
 
-// Returns kNotFound for an unknown name, with a message that lists the valid ones.
+// Returns kNotFound for an unknown name, with a message that lists the valid ones, and
+// kInvalidArgument if SWEEPSTAKE_CLIENT_SIMD (simd.h) names no instruction set of this machine.
 Result<std::unique_ptr<BroadPhase>> MakeBroadPhase(std::string_view name,
                                                    const BroadPhaseOptions& options = {});
 

@@ -7,10 +7,10 @@
 #include <memory>
 
 #include "engine_client/scene/box_scenes.h"
-#include "hwy/highway.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/proxy_set.h"
+#include "tests/engine_client/broad_phase/each_simd_target.h"
 #include "tests/engine_client/broad_phase/proxies/proxy_game.h"
 #include "tests/support/allocation_counter.h"
 
@@ -166,18 +166,15 @@ TEST(ProxiesInALargeScene, HaveTheSamePairsInTheSameOrderForAnyNumberOfThreads) 
 }
 
 TEST(ProxiesOnEachInstructionSet, HaveThePairsOfTheDefinition) {
-  for (int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    hwy::SetSupportedTargetsForTest(left & -left);
+  test_support::OnEachSimdTarget([] {
     ProxyGame game({.pair_events = true}, 8);
     Judge judge(game);
     Frames frames("SAP");
     game.AddSome(200, 150);
-    for (int frame = 0; frame < 10; ++frame, game.Step()) {
+    for (int frame = 0; frame < 10 && !HasFatalFailure(); ++frame, game.Step()) {
       judge.ExpectRight(game.proxies.Resolve(frames.Find(game.proxies.moving_boxes())));
-      if (HasFatalFailure()) FAIL() << "on " << hwy::TargetName(left & -left);
     }
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
 }
 
 constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine_client/broad_phase/proxies/ray_slabs.h"
-#include "hwy/highway.h"
 #include "sweepstake/proxy_set.h"
+#include "tests/engine_client/broad_phase/each_simd_target.h"
 #include "tests/engine_client/broad_phase/proxies/proxy_game.h"
 
 namespace sweepstake {
@@ -99,14 +99,11 @@ TEST(Queries, FindWhatAScanFindsInALargeScene) {
 }
 
 TEST(Queries, FindTheSameOnEachInstructionSet) {
-  for (int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    hwy::SetSupportedTargetsForTest(left & -left);
+  test_support::OnEachSimdTarget([] {
     ProxyGame game({}, 19);
     game.AddSome(300, 300);
     ExpectRightAnswers(game, 200);
-    if (HasFatalFailure()) FAIL() << "on " << hwy::TargetName(left & -left);
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
 }
 
 TEST(Queries, FindNothingAmongNothing) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "sweepstake/simd.h"
 #include "tests/engine_client/cli/program/program.h"
 
 namespace sweepstake::cli {
@@ -30,6 +31,34 @@ TEST(BenchProgram, PrintsARowPerSceneCountAndArmWithTheContractsColumns) {
   }
   EXPECT_EQ(rows[0]["pairs_mean"], rows[1]["pairs_mean"]);
   EXPECT_EQ(rows[0]["frames"], 10);
+}
+
+ProgramRun RunWithSimdVariable(const std::string& command, const std::string& value) {
+  setenv("SWEEPSTAKE_CLIENT_SIMD", value.c_str(), 1);
+  ProgramRun run = RunProgram(command);
+  unsetenv("SWEEPSTAKE_CLIENT_SIMD");
+  return run;
+}
+
+TEST(BenchProgram, RunsWithTheInstructionSetAskedForAndSaysWhich) {
+  const std::string command = "bench --scene suite-b --objects 100 --frames 2 --arms SAP --json";
+  const auto simd = [](const ProgramRun& run) {
+    return json::parse(run.out)["machine"]["simd"].get<std::string>();
+  };
+  EXPECT_EQ(simd(RunProgram(command)), SimdTargets().front());
+  const std::string least(SimdTargets().back());
+  EXPECT_EQ(simd(RunProgram(command + " --simd " + least)), least);
+  EXPECT_EQ(simd(RunWithSimdVariable(command, least)), least);
+}
+
+TEST(BenchProgram, RefusesAnInstructionSetThatTheMachineHasNot) {
+  const std::string command = "bench --scene suite-b --objects 100 --frames 2 --arms SAP";
+  for (const ProgramRun& run :
+       {RunProgram(command + " --simd mmx"), RunWithSimdVariable(command, "mmx")}) {
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err,
+                HasSubstr("unknown instruction set of this machine 'mmx', must be one of"));
+  }
 }
 
 TEST(BenchProgram, PrintsARowPerCountOfThreads) {

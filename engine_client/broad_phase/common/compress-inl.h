@@ -1,0 +1,53 @@
+// Moves the lanes that a mask has to the front of a register, for every target of Highway. Include
+// after hwy/foreach_target.h.
+//
+// AVX-512 and SVE have an instruction for it. Elsewhere it is a shuffle, whose indices are looked
+// up: hn::Compress of Highway 1.0 does that too, but in a table which gcc 12 copies to the stack, 1
+// KiB of it, in every call. That took more than half of a search.
+#if defined(SWEEPSTAKE_COMPRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SWEEPSTAKE_COMPRESS_INL_H_
+#undef SWEEPSTAKE_COMPRESS_INL_H_
+#else
+#define SWEEPSTAKE_COMPRESS_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include "engine_client/broad_phase/common/compress_table.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Returns the lanes of `values` that the mask has, in their order; those behind them are any.
+// REQUIRES: lanes of 32 bits.
+template <class V, class M>
+HWY_INLINE V CompressLanes(V values, M mask) {
+  using D = hn::DFromV<V>;
+  static_assert(sizeof(hn::TFromD<D>) == 4);
+#if HWY_TARGET == HWY_AVX2
+  const D d;
+  const hn::RebindToUnsigned<D> du;
+  uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  const hn::Rebind<uint8_t, D> bytes;
+  const auto lanes = hn::PromoteTo(du, hn::LoadU(bytes, kCompressTable.of8[bits[0]].data()));
+  return hn::TableLookupLanes(values, hn::IndicesFromVec(d, lanes));
+#elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
+  const D d;
+  const hn::Repartition<uint8_t, D> bytes;
+  uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  const auto places = hn::Load(bytes, kCompressTable.bytes_of4[bits[0]].data());
+  return hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(bytes, values), places));
+#else
+  return hn::Compress(values, mask);
+#endif
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,82 @@
+// Each kernel is compiled for several instruction sets: all must find what the scalar definition
+// says.
+#include "sweepstake/simd.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine_client/broad_phase/common/compress_table.h"
+#include "engine_client/scene/box_scenes.h"
+#include "tests/engine_client/broad_phase/backend_under_test.h"
+#include "tests/engine_client/broad_phase/each_simd_target.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::FindPairsError;
+using test_support::MakeOrThrow;
+using test_support::OnEachSimdTarget;
+
+class OnEachInstructionSet : public testing::TestWithParam<std::string_view> {
+ protected:
+  // Describes the first scene with an error.
+  std::string Verdict() {
+    for (const std::string_view name : SceneNames(SceneGroup::kDegenerate)) {
+      const auto scene = MakeDegenerateScene(name, 333, 6);
+      const auto backend = MakeOrThrow(GetParam());
+      backend->Build(scene->aabbs());
+      for (int frame = 0; frame < 6; ++frame) {
+        const std::string verdict = FindPairsError(*backend, scene->aabbs(), pairs_);
+        if (!verdict.empty()) return std::string(name) + ": " + verdict;
+        scene->Step();
+        backend->Update(scene->aabbs());
+      }
+    }
+    return "";
+  }
+
+  PairBuffer pairs_;
+};
+
+TEST_P(OnEachInstructionSet, FindsTheSamePairs) {
+  OnEachSimdTarget([this] { EXPECT_EQ(Verdict(), ""); });
+}
+
+INSTANTIATE_TEST_SUITE_P(, OnEachInstructionSet,
+                         testing::ValuesIn(BroadPhaseNames().begin(), BroadPhaseNames().end()),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(CompressTable, HasTheLanesOfEachMaskInTheirOrder) {
+  for (size_t mask = 0; mask < kCompressTable.of8.size(); ++mask) {
+    size_t at = 0;
+    for (size_t lane = 0; lane < 8; ++lane) {
+      if ((mask & size_t{1} << lane) == 0) continue;
+      EXPECT_EQ(kCompressTable.of8[mask][at], lane) << mask;
+      for (size_t byte = 0; mask < 16 && byte < 4; ++byte)
+        EXPECT_EQ(kCompressTable.bytes_of4[mask][4 * at + byte], 4 * lane + byte) << mask;
+      ++at;
+    }
+  }
+}
+
+TEST(SimdTargets, AreNamedOnceAndTheBestRunsFirst) {
+  ASSERT_FALSE(SimdTargets().empty());
+  EXPECT_EQ(SimdTarget(), SimdTargets().front());
+  for (const std::string_view name : SimdTargets())
+    EXPECT_EQ(std::ranges::count(SimdTargets(), name), 1) << name;
+}
+
+TEST(SimdTargets, AnUnknownOneIsRefusedWithTheValidOnesAndChangesNothing) {
+  const std::string_view before = SimdTarget();
+  for (const std::string_view name : {"", "AVX2", "avx3", "mmx"}) {
+    const Status status = UseSimdTarget(name);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), testing::HasSubstr(std::string(SimdTargets().back())));
+    EXPECT_EQ(SimdTarget(), before);
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake
