@@ -22,9 +22,11 @@ using SendPatience = boost::asio::detail::socket_option::integer<IPPROTO_TCP, TC
 
 ConnectionListener::ConnectionListener(
     std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc,
-    std::shared_ptr<ConnectionCalls> calls)
+    std::shared_ptr<ConnectionCalls> calls, OpenConnections open, RefusalLog& refusals)
     : grpc_(std::move(grpc)),
       calls_(std::move(calls)),
+      open_(std::move(open)),
+      refusals_(refusals),
       acceptor_(io_, kAcceptRetry,
                 [this](tcp::socket connection) { HandOver(std::move(connection)); }) {}
 
@@ -40,6 +42,8 @@ absl::Status ConnectionListener::Listen(const std::string& address) {
 }
 
 void ConnectionListener::HandOver(tcp::socket connection) {
+  if (const absl::Status admitted = open_.Add(connection.native_handle()); !admitted.ok())
+    return refusals_.Tell(PeerOf(connection.native_handle()), admitted);
   // A connection that has ended already refuses these; gRPC notices that by itself.
   boost::system::error_code ignored;
   connection.native_non_blocking(true, ignored);

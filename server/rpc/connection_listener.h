@@ -14,16 +14,20 @@
 
 #include "absl/status/status.h"
 #include "server/net/tcp_acceptor.h"
+#include "server/rpc/common/refusal_log.h"
 #include "server/rpc/connection_calls.h"
+#include "server/rpc/open_connections.h"
 
 namespace sweepstake::rpc {
 
 class ConnectionListener {
  public:
   // `grpc` takes the connections from Listen on; its server has been started by then.
-  // `calls` is told of each connection.
+  // `calls` is told of each connection. One that `open` refuses is closed, and told in `refusals`,
+  // which is borrowed.
   ConnectionListener(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc,
-                     std::shared_ptr<ConnectionCalls> calls);
+                     std::shared_ptr<ConnectionCalls> calls, OpenConnections open,
+                     RefusalLog& refusals);
   ~ConnectionListener();
   ConnectionListener(const ConnectionListener&) = delete;
   ConnectionListener& operator=(const ConnectionListener&) = delete;
@@ -37,6 +41,8 @@ class ConnectionListener {
 
   const std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> grpc_;
   const std::shared_ptr<ConnectionCalls> calls_;
+  OpenConnections open_;  // used on thread_
+  RefusalLog& refusals_;
   boost::asio::io_context io_{1};
   net::TcpAcceptor acceptor_;
   std::thread thread_;  // last: it uses the members above

@@ -125,7 +125,7 @@ void RpcServer::BindListener(grpc::ServerBuilder& builder,
   listener_ = std::make_unique<ConnectionListener>(
       connections.AddExternalConnectionAcceptor(
           grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD, credentials),
-      calls);
+      calls, OpenConnections(options_, loop_.clock()), access_.refusals());
 }
 
 absl::Status RpcServer::Listen(const std::string& address) {

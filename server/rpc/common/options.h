@@ -75,7 +75,8 @@ struct RpcOptions {
   Adjustable<uint32_t> max_sessions = 20'000;
   // The same of the sessions of one token, and of the streams from one address that is not the
   // daemon's own machine; beyond them a new one is RESOURCE_EXHAUSTED. A token alone thus leaves
-  // half of the daemon to the others.
+  // half of the daemon to the others. Of connections such an address may have open_connections.h's
+  // kSpare more; one beyond is closed.
   Adjustable<uint32_t> max_sessions_per_token = 10'000;
   Adjustable<uint32_t> max_streams_per_address = 2'000;
   // The maximum number of projects; one more, in a Hello or an import, is RESOURCE_EXHAUSTED. For a

@@ -4,6 +4,7 @@
 
 #include "server/auth/failure_limit.h"
 #include "server/rpc/common/refusal_log.h"
+#include "server/rpc/open_connections.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
 
 namespace sweepstake::rpc {
@@ -63,6 +64,7 @@ TEST(AttackBoundsTest, AreThoseThatTheListOfAttacksNames) {
   EXPECT_EQ(kMaxBatchFrames, 240u);
   EXPECT_EQ(kMaxImportRecords, 200'000u);
   EXPECT_EQ(kMaxStreamsWithoutSession, 1'000u);
+  EXPECT_EQ(OpenConnections::kSpare, 1'000u);
   EXPECT_EQ(auth::FailureLimit::kMaxFailures, 10u);
   EXPECT_EQ(auth::FailureLimit::kIntervalNs, 60 * kSecondNs);
 }
