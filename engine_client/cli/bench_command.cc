@@ -68,6 +68,8 @@ void Declare(CLI::App& command, BenchOptions& options) {
       ->delimiter(',')
       ->check(CLI::Range(uint32_t{1}, uint32_t{256}))
       ->capture_default_str();
+  command.add_flag("--cold", options.cold,
+                   "Evict the caches before each frame by touching 32 MiB, for arms and peers");
   command.add_option("--simd", options.simd,
                      "Instruction set of the arms, as avx512, avx2 or sse4; peers have their own. "
                      "SWEEPSTAKE_CLIENT_SIMD does the same for every command");

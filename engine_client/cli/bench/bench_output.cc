@@ -119,9 +119,11 @@ void PrintNotes(const BenchReport& report, std::ostream& out) {
   }
 }
 
-void PrintMachine(const Machine& machine, std::ostream& out) {
+void PrintMachine(const BenchReport& report, std::ostream& out) {
+  const Machine& machine = report.machine;
   out << machine.cpu << ", " << machine.core_count << " cores, " << machine.compiler << ", "
-      << machine.simd_target << ", " << machine.date_utc << '\n';
+      << machine.simd_target << (report.options.cold ? ", cold caches, " : ", ") << machine.date_utc
+      << '\n';
   for (const LibraryVersion& library : machine.libraries) {
     out << library.name << ' ' << library.version
         << (&library == &machine.libraries.back() ? "\n" : ", ");
@@ -154,6 +156,7 @@ void PrintBenchJson(const BenchReport& report, std::ostream& out) {
                    {"frames", options.frames},
                    {"warmup", options.warmup},
                    {"seed", options.seed},
+                   {"cold", options.cold},
                    {"threads", options.thread_counts},
                    {"peers", options.peers},
                    {"peer_cap_s", options.peer_cap_s},
@@ -186,10 +189,8 @@ void PrintBenchTables(const BenchReport& report, std::ostream& out) {
     out << '\n';
     RatioTable(report).Print(out);
   }
-  if (report.options.peers) {
-    out << '\n';
-    PrintMachine(report.machine, out);
-  }
+  out << '\n';
+  PrintMachine(report, out);
 }
 
 }  // namespace sweepstake::cli

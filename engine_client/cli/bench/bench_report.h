@@ -24,7 +24,8 @@ struct BenchOptions {
   uint64_t seed = 1;
   std::vector<std::string> arms{"all"};
   std::vector<uint32_t> thread_counts{1};
-  std::string simd;  // one of SimdTargets() (simd.h), or empty for the best one
+  bool cold = false;  // caches are evicted before each frame (scene_timing.h)
+  std::string simd;   // one of SimdTargets() (simd.h), or empty for the best one
   bool peers = false;
   double peer_cap_s = 5;  // maximum of a peer's own time in a cell
   bool json = false;

@@ -30,11 +30,6 @@ class ThreadPools {
   std::map<uint32_t, std::unique_ptr<Executor>> pools_;
 };
 
-struct Frames {
-  uint64_t warmup;
-  uint64_t measured;
-};
-
 // Runs one cell. Row i holds the result of contestant i.
 class CellRun {
  public:
@@ -63,7 +58,7 @@ class CellRun {
 
   void Measure(Scene& scene, const std::function<void(const std::string& name)>& on_step) {
     const BenchOptions& options = report_.options;
-    auto timings = TimeScene(scene, contestants_, options.warmup, options.frames,
+    auto timings = TimeScene(scene, contestants_, {options.warmup, options.frames, options.cold},
                              [&](size_t index, uint64_t) { on_step(rows_[index].name); });
     for (size_t i = 0; i < rows_.size(); ++i) {
       FillRow(timings[i], rows_[i]);

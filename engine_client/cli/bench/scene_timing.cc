@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include "engine_client/cli/game/frame_block.h"
@@ -35,6 +36,18 @@ class ShownBoxes {
  private:
   std::vector<Aabb> boxes_;
   std::vector<uint32_t> ids_;  // empty if all boxes are shown
+};
+
+// Takes the place of everything else in the caches.
+class CacheFiller {
+ public:
+  void Fill() {
+    constexpr size_t kCacheLine = 64;
+    for (size_t at = 0; at < bytes_.size(); at += kCacheLine) ++bytes_[at];
+  }
+
+ private:
+  std::vector<uint8_t> bytes_ = std::vector<uint8_t>(size_t{32} << 20);
 };
 
 double MillisecondsSince(steady_clock::time_point start) {
@@ -117,8 +130,9 @@ class Run {
 };
 
 void RunBlock(const FrameBlock& block, uint64_t first_step, uint64_t warmup, Run& run,
-              const std::function<void(uint64_t)>& on_step) {
+              CacheFiller* caches, const std::function<void(uint64_t)>& on_step) {
   for (size_t i = 0; i < block.step_count() && run.active(); ++i) {
+    if (caches != nullptr) caches->Fill();
     run.Step(block.BoxesOf(i), first_step + i > warmup);
     on_step(first_step + i);
   }
@@ -127,17 +141,21 @@ void RunBlock(const FrameBlock& block, uint64_t first_step, uint64_t warmup, Run
 }  // namespace
 
 std::vector<ContestantTiming> TimeScene(Scene& scene, std::span<const Contestant> contestants,
-                                        uint64_t warmup, uint64_t frames,
+                                        const TimingPlan& plan,
                                         const std::function<void(size_t, uint64_t)>& on_step) {
   std::vector<Run> runs(contestants.begin(), contestants.end());
   for (Run& run : runs) run.Build(scene.aabbs());
+  std::optional<CacheFiller> caches;
+  if (plan.cold) caches.emplace();
   FrameBlock block;
   size_t turn = 0;
-  for (uint64_t done = 0; done < warmup + frames; done += block.step_count(), ++turn) {
-    block.Fill(scene, warmup + frames - done);
+  const uint64_t steps = plan.warmup + plan.frames;
+  for (uint64_t done = 0; done < steps; done += block.step_count(), ++turn) {
+    block.Fill(scene, steps - done);
     for (size_t i = 0; i < runs.size(); ++i) {
       const size_t index = (turn + i) % runs.size();
-      RunBlock(block, done + 1, warmup, runs[index], [&](uint64_t step) { on_step(index, step); });
+      RunBlock(block, done + 1, plan.warmup, runs[index], caches ? &*caches : nullptr,
+               [&](uint64_t step) { on_step(index, step); });
     }
   }
   std::vector<ContestantTiming> timings;

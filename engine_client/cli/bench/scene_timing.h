@@ -4,7 +4,9 @@
 // and the order rotates from block to block. A disturbance of the machine therefore affects all of
 // them alike, and each still runs with the warm caches that it would have alone. Before each
 // measured call the boxes are written to memory and the threads of the executor are woken, as in a
-// game that has just moved its objects in parallel jobs.
+// game that has just moved its objects in parallel jobs. A cold run reads and writes 32 MiB before
+// that, as the rest of a game's frame might: what a broad phase keeps is then no longer in the
+// caches of one core.
 //
 // Not thread-safe. Times in milliseconds of the steady clock. Memory: up to 32 MiB of boxes, and
 // 32 bytes per frame and broad phase.
@@ -44,12 +46,17 @@ struct ContestantTiming {
   uint64_t bytes_with_pairs = 0;  // `bytes` plus the pair buffer
 };
 
-// Builds on the scene's current frame, takes `warmup` unmeasured steps and then `frames` measured
-// ones. If the cap stops a contestant within the warm-up, all its steps count as measured. Outside
-// of the measured time `on_step` is called with the contestant and the number of steps it has
-// taken. REQUIRES: frames > 0.
+struct TimingPlan {
+  uint64_t warmup = 0;  // unmeasured steps before the measured ones
+  uint64_t frames = 1;  // measured steps, at least 1
+  bool cold = false;    // caches are evicted before each step
+};
+
+// Builds on the scene's current frame and takes the steps of the plan. If the cap stops a
+// contestant within the warm-up, all its steps count as measured. Outside of the measured time
+// `on_step` is called with the contestant and the number of steps it has taken.
 std::vector<ContestantTiming> TimeScene(
-    Scene& scene, std::span<const Contestant> contestants, uint64_t warmup, uint64_t frames,
+    Scene& scene, std::span<const Contestant> contestants, const TimingPlan& plan,
     const std::function<void(size_t contestant, uint64_t step)>& on_step);
 
 }  // namespace sweepstake::cli

@@ -30,7 +30,7 @@ TEST(TimeScene, MeasuresTheFramesAfterTheWarmUpAndTheirPairs) {
   const auto scene = std::move(*OpenScene({"suite-b", 1000, 1}));
   const auto contestants = ContestantsOf({"BruteForce", "SAP"});
   uint64_t steps[2] = {0, 0};
-  const auto timings = TimeScene(*scene, contestants, 20, 120,
+  const auto timings = TimeScene(*scene, contestants, {.warmup = 20, .frames = 120},
                                  [&](size_t index, uint64_t step) { steps[index] = step; });
   EXPECT_EQ(scene->frame_index(), 140U);
   ASSERT_EQ(timings.size(), 2U);
@@ -48,11 +48,25 @@ TEST(TimeScene, MeasuresTheFramesAfterTheWarmUpAndTheirPairs) {
   EXPECT_EQ(timings[0].step_pairs, timings[1].step_pairs);
 }
 
+TEST(TimeScene, FindsTheSameWithColdCaches) {
+  const auto timings = [](bool cold) {
+    const auto scene = std::move(*OpenScene({"suite-b", 300, 1}));
+    return TimeScene(*scene, ContestantsOf({"KDTree", "SAP"}), {.frames = 5, .cold = cold},
+                     [](size_t, uint64_t) {});
+  };
+  const auto warm = timings(false), cold = timings(true);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(cold[i].step_pairs, warm[i].step_pairs);
+    EXPECT_EQ(cold[i].step_ms.size(), 5U);
+  }
+}
+
 TEST(TimeScene, StopsAContestantAtItsCapAndMeasuresWhatItDid) {
   const auto scene = std::move(*OpenScene({"suite-b", 300, 1}));
   auto contestants = ContestantsOf({"SAP", "SAP"});
   contestants[1].cap_s = 0;
-  const auto timings = TimeScene(*scene, contestants, 5, 5, [](size_t, uint64_t) {});
+  const auto timings =
+      TimeScene(*scene, contestants, {.warmup = 5, .frames = 5}, [](size_t, uint64_t) {});
   EXPECT_FALSE(timings[0].capped);
   EXPECT_EQ(timings[0].measured_count, 5U);
   EXPECT_TRUE(timings[1].capped);
@@ -65,7 +79,7 @@ TEST(TimeScene, HidesBrokenBoxesFromThoseWhoCannotTakeThemAndRestoresTheIds) {
   const auto scene = std::move(*OpenScene({"broken-boxes", 300, 1}));
   auto contestants = ContestantsOf({"SAP", "SAP"});
   contestants[1].valid_boxes_only = true;
-  const auto timings = TimeScene(*scene, contestants, 0, 30, [](size_t, uint64_t) {});
+  const auto timings = TimeScene(*scene, contestants, {.frames = 30}, [](size_t, uint64_t) {});
   EXPECT_GT(timings[0].step_pairs.back().count, 0U);
   EXPECT_EQ(timings[0].step_pairs, timings[1].step_pairs);
   EXPECT_GT(timings[0].aabb_checks_mean, 0);
