@@ -7,11 +7,27 @@
 #include <cstdlib>
 #include <string>
 
-#include "hwy/highway.h"
 #include "server/decision/math/names.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine_client/broad_phase/simd.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// What follows must come after foreach_target.h.
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+int64_t TargetOfKernels() { return HWY_TARGET; }
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace sweepstake {
 namespace {
+
+HWY_EXPORT(TargetOfKernels);
 
 struct Level {
   std::string_view name;
@@ -29,32 +45,38 @@ constexpr std::array kLevels = {
     Level{"scalar", HWY_EMU128 | HWY_SCALAR},
 };
 
+// What the machine has and kernels are compiled for.
 class Usable {
  public:
   Usable() {
-    const int64_t usable = hwy::SupportedTargets() & int64_t{HWY_TARGETS};
     for (const Level& level : kLevels) {
-      if ((usable & level.targets) == 0) continue;
+      if ((targets_ & level.targets) == 0) continue;
       names_[count_] = level.name;
       ++count_;
     }
   }
 
   std::span<const std::string_view> names() const { return {names_.data(), count_}; }
+  // Returns Highway's targets without those that are better than the level of this name.
+  int64_t NoBetterThan(std::string_view name) const {
+    int64_t targets = targets_;
+    for (const Level& level : kLevels) {
+      if (level.name == name) break;
+      targets &= ~level.targets;
+    }
+    return targets;
+  }
 
  private:
+  const int64_t targets_ = hwy::SupportedTargets() & int64_t{HWY_TARGETS};
   std::array<std::string_view, kLevels.size()> names_;
   size_t count_ = 0;
 };
 
-// Returns Highway's targets that are better than the level of this name.
-int64_t BetterThan(std::string_view name) {
-  int64_t better = 0;
-  for (const Level& level : kLevels) {
-    if (level.name == name) break;
-    better |= level.targets;
-  }
-  return better;
+// The first call must come before any target is ruled out.
+const Usable& UsableTargets() {
+  static const Usable usable;
+  return usable;
 }
 
 constexpr const char* kVariable = "SWEEPSTAKE_CLIENT_SIMD";
@@ -72,18 +94,14 @@ Status ReadEnvironment() {
 
 }  // namespace
 
-std::span<const std::string_view> SimdTargets() {
-  // Read before any is disabled.
-  static const Usable usable;
-  return usable.names();
-}
+std::span<const std::string_view> SimdTargets() { return UsableTargets().names(); }
 
 std::string_view SimdTarget() {
   // A wrong variable is told by who makes a broad phase.
   (void)UseSimdTargetOfEnvironment();
-  const int64_t left = hwy::SupportedTargets() & int64_t{HWY_TARGETS};
+  const int64_t target = HWY_DYNAMIC_DISPATCH(TargetOfKernels)();
   for (const Level& level : kLevels) {
-    if ((left & level.targets) != 0) return level.name;
+    if ((target & level.targets) != 0) return level.name;
   }
   return "unknown";
 }
@@ -92,7 +110,8 @@ Status UseSimdTarget(std::string_view name) {
   for (const std::string_view usable : SimdTargets()) {
     if (usable != name) continue;
     is_chosen = true;
-    hwy::DisableTargets(BetterThan(name));
+    // DisableTargets of Highway 1.0 is undone by whoever asks for the supported targets next.
+    hwy::SetSupportedTargetsForTest(UsableTargets().NoBetterThan(name));
     return {};
   }
   return {StatusCode::kInvalidArgument,
@@ -105,3 +124,4 @@ Status UseSimdTargetOfEnvironment() {
 }
 
 }  // namespace sweepstake
+#endif  // HWY_ONCE
