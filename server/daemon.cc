@@ -177,8 +177,10 @@ void Daemon::StartBackups(const Config& config) {
         log_->info("backed up to {}", made->file.string());
         if (made->damaged_row_count > 0)
           log_->error(
-              "{} rows of {} are not what was written, and left out of the backup: look at the "
-              "disk, and `sweepstaked restore` a backup, so that their scenes have priors again",
+              "{} rows of {} are not what was written, and the backup is without what they said: "
+              "look at "
+              "the disk, and `sweepstaked restore` a backup, so that their scenes have priors "
+              "again",
               made->damaged_row_count, directory_.database().string());
       });
 }

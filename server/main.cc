@@ -155,8 +155,9 @@ int ReportContents(const std::string& file,
   if (contents->damaged_row_count == 0) return kDone;
   return Fail(kCheckFailed,
               absl::StrCat(contents->damaged_row_count,
-                           " rows of the database are not what was written, and left out of ", file,
-                           ": look at the disk, and put that or an earlier backup in its place"));
+                           " rows of the database are not what was written, and ", file,
+                           " is without what they said: look at the disk, and put that or an "
+                           "earlier backup in its place"));
 }
 
 // Returns the address that the daemon of this configuration listens on.

@@ -57,14 +57,14 @@ class Usable {
   }
 
   std::span<const std::string_view> names() const { return {names_.data(), count_}; }
-  // Returns Highway's targets without those that are better than the level of this name.
+  // Returns Highway's targets without those that are better than the level of this name: the better
+  // one has the lower bit. A later Highway may have targets that no level names.
   int64_t NoBetterThan(std::string_view name) const {
-    int64_t targets = targets_;
     for (const Level& level : kLevels) {
-      if (level.name == name) break;
-      targets &= ~level.targets;
+      const int64_t named = targets_ & level.targets;
+      if (level.name == name) return targets_ & ~((named & -named) - 1);
     }
-    return targets;
+    return targets_;
   }
 
  private:

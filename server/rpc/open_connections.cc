@@ -12,8 +12,8 @@ absl::Status OpenConnections::Add(int descriptor) {
   Forget(descriptor);
   std::string name = name_of_(descriptor);
   std::string address = AddressOf(name);
-  // All games of a proxy on this machine have its address.
-  if (address.empty() || IsLoopbackAddress(address)) return absl::OkStatus();
+  // All games of a proxy on this machine have its address; the daemon's own probe has it too.
+  if (address.empty() || IsLoopbackAddress(address) || is_own_(descriptor)) return absl::OkStatus();
   const size_t most = size_t{options_.max_streams_per_address} + kSpare;
   const auto known = addresses_.find(address);
   if (known != addresses_.end() && known->second.descriptors.size() >= most) {

@@ -23,6 +23,7 @@ namespace sweepstake::rpc {
 class OpenConnections {
  public:
   using NameOf = std::function<std::string(int)>;
+  using IsOwn = std::function<bool(int)>;
 
   // Beyond the streams that an address may have: those who watch, and connections that are lost
   // without the daemon's knowledge yet.
@@ -30,9 +31,14 @@ class OpenConnections {
   // The least time between two looks at the descriptors of one address.
   static constexpr int64_t kLookIntervalNs = 1'000'000'000;
 
-  // It borrows the first two. `name_of` returns who is at the other end of a descriptor.
-  OpenConnections(const RpcOptions& options, const Clock& clock, NameOf name_of = PeerOf)
-      : options_(options), clock_(clock), name_of_(std::move(name_of)) {}
+  // It borrows the first two. `name_of` returns who is at the other end of a descriptor, `is_own`
+  // whether that is the daemon's own machine, at whichever of its addresses.
+  OpenConnections(const RpcOptions& options, const Clock& clock, NameOf name_of = PeerOf,
+                  IsOwn is_own = ConnectsItself)
+      : options_(options),
+        clock_(clock),
+        name_of_(std::move(name_of)),
+        is_own_(std::move(is_own)) {}
 
   // Takes notice of a connection that is accepted. Error: RESOURCE_EXHAUSTED (its address, which is
   // not of the daemon's own machine, has kSpare more than RpcOptions::max_streams_per_address
@@ -57,6 +63,7 @@ class OpenConnections {
   const RpcOptions& options_;
   const Clock& clock_;
   const NameOf name_of_;
+  const IsOwn is_own_;
   std::unordered_map<int, Connection> connections_;
   std::unordered_map<std::string, Address> addresses_;  // of those in connections_
 };

@@ -16,12 +16,13 @@ namespace {
 constexpr std::string_view kIpv6 = "ipv6:";
 constexpr size_t kNetworkBytes = 8;
 
-}  // namespace
+using NameOfSocket = int (*)(int descriptor, sockaddr* address, socklen_t* size);
 
-std::string PeerOf(int descriptor) {
+// In gRPC's form, or nothing.
+std::string NameFrom(NameOfSocket name_of, int descriptor) {
   sockaddr_in6 address{};  // an IPv4 one is smaller
   socklen_t size = sizeof address;
-  if (getpeername(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
+  if (name_of(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
   std::array<char, INET6_ADDRSTRLEN> text{};
   const uint16_t port = ntohs(address.sin6_port);  // in the same place in both
   if (address.sin6_family == AF_INET) {
@@ -35,6 +36,17 @@ std::string PeerOf(int descriptor) {
   }
   inet_ntop(AF_INET6, &address.sin6_addr, text.data(), text.size());
   return absl::StrCat("ipv6:%5B", text.data(), "%5D:", port);
+}
+
+std::string_view WithoutPort(std::string_view name) { return name.substr(0, name.rfind(':')); }
+
+}  // namespace
+
+std::string PeerOf(int descriptor) { return NameFrom(getpeername, descriptor); }
+
+bool ConnectsItself(int descriptor) {
+  const std::string peer = PeerOf(descriptor);
+  return !peer.empty() && WithoutPort(peer) == WithoutPort(NameFrom(getsockname, descriptor));
 }
 
 std::string AddressOf(std::string_view peer) {

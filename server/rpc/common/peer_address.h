@@ -10,6 +10,10 @@ namespace sweepstake::rpc {
 // nothing if that cannot be told.
 std::string PeerOf(int descriptor);
 
+// Returns whether both ends of a connected socket have the same IP address, as they have where a
+// program connects to an address of its own machine.
+bool ConnectsItself(int descriptor);
+
 // Returns the address in gRPC's name of a peer, without the port. Of IPv6 it is the network of 64
 // bits, since one machine may have all of its addresses.
 std::string AddressOf(std::string_view peer);

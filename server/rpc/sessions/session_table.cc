@@ -45,7 +45,7 @@ bool SessionTable::MakeRoom(std::optional<int64_t> token_id) {
   if (!first) return false;
   GameSession& session = *entries_.at(*first).session;
   if (session.ended() && !session.settled()) return false;
-  session.KeepOpenEvidence();  // the store writes it without the session
+  session.KeepOpenEvidence();  // a store that is free writes it without the session
   Remove(*first);
   return true;
 }

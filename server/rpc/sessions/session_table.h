@@ -7,7 +7,7 @@
 // would send its evidence again. The clients of the others still have what was not acknowledged,
 // if they live. For those that do not, the bail-outs since the last tick go to the store before
 // their session leaves: at the end of the window it stays until they are there; where it makes
-// room, or the daemon drains, they are offered once.
+// room, or the daemon drains, they are offered once, unless a commit of the session is under way.
 #pragma once
 
 #include <cstddef>

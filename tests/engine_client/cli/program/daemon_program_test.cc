@@ -181,9 +181,8 @@ TEST(DaemonProgram, ABackupWithoutTheRowsThatADiskChangedIsKeptAndTold) {
   const ProgramRun backup = RunDaemonProgram("backup " + file + " --data " + data.path().string());
   EXPECT_EQ(backup.exit_code, 1);
   EXPECT_THAT(backup.out, HasSubstr("monday.db: whole; 1 records of 1 sources"));
-  EXPECT_THAT(backup.err, HasSubstr("1 rows of the database are not what was written, and left out "
-                                    "of " +
-                                    file));
+  EXPECT_THAT(backup.err, HasSubstr("1 rows of the database are not what was written, and " + file +
+                                    " is without what they said"));
   EXPECT_EQ(RunDaemonProgram("restore " + file + " --verify").exit_code, 0);
 }
 

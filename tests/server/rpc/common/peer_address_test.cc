@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/asio.hpp>
+
 namespace sweepstake::rpc {
 namespace {
 
@@ -24,6 +26,25 @@ TEST(PeerAddressTest, LoopbackIsKnown) {
   EXPECT_TRUE(IsLoopbackAddress(AddressOf("unix:/run/s")));
   EXPECT_FALSE(IsLoopbackAddress(AddressOf("ipv4:128.0.0.1:5123")));
   EXPECT_FALSE(IsLoopbackAddress(AddressOf("ipv6:[::2]:80")));
+}
+
+TEST(PeerAddressTest, ASocketThatConnectsItsOwnAddressIsKnown) {
+  using boost::asio::ip::tcp;
+  boost::asio::io_context io;
+  const auto at = [](const char* host) {
+    return tcp::endpoint(boost::asio::ip::make_address(host), 0);
+  };
+  tcp::acceptor acceptor(io, at("127.0.0.1"));
+  const auto connects_itself = [&](const char* from) {
+    tcp::socket client(io);
+    client.open(tcp::v4());
+    client.bind(at(from));
+    client.connect(acceptor.local_endpoint());
+    return ConnectsItself(acceptor.accept().native_handle());
+  };
+  EXPECT_TRUE(connects_itself("127.0.0.1"));
+  EXPECT_FALSE(connects_itself("127.0.0.2"));
+  EXPECT_FALSE(ConnectsItself(-1));
 }
 
 }  // namespace

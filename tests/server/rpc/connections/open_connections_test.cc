@@ -43,11 +43,15 @@ class OpenConnectionsTest : public ::testing::Test {
 
   RpcOptions options_;
   ManualClock clock_;
-  std::map<int, std::string> names_;  // of the descriptors that are open
-  OpenConnections connections_{options_, clock_, [this](int descriptor) {
-                                 const auto found = names_.find(descriptor);
-                                 return found == names_.end() ? "" : found->second;
-                               }};
+  std::map<int, std::string> names_;     // of the descriptors that are open
+  std::string own_ = "ipv4:192.0.2.1:";  // what names of this machine begin with
+  OpenConnections connections_{
+      options_, clock_,
+      [this](int descriptor) {
+        const auto found = names_.find(descriptor);
+        return found == names_.end() ? "" : found->second;
+      },
+      [this](int descriptor) { return names_.at(descriptor).starts_with(own_); }};
 };
 
 TEST_F(OpenConnectionsTest, AnAddressHasSoManyAndOthersHaveTheirs) {
@@ -59,6 +63,7 @@ TEST_F(OpenConnectionsTest, AnAddressHasSoManyAndOthersHaveTheirs) {
 
 TEST_F(OpenConnectionsTest, TheOwnMachineHasAnyNumber) {
   EXPECT_EQ(Open("ipv4:127.0.0.1", 100, 2 * kMost), 2 * kMost);
+  EXPECT_EQ(Open("ipv4:192.0.2.1", 10'000, 2 * kMost), 2 * kMost) << "at its own other address";
 }
 
 TEST_F(OpenConnectionsTest, ThoseThatCloseMakeRoomWithinASecond) {
@@ -96,9 +101,9 @@ TEST(ConnectionListenerTest, ClosesAConnectionTooManyOfAnAddressAndSaysSo) {
   RpcOptions options;
   options.max_streams_per_address = 1;
   ManualClock clock;
-  OpenConnections connections(options, clock, [](int descriptor) {
-    return "ipv4:192.0.2.7:" + std::to_string(descriptor);
-  });
+  OpenConnections connections(
+      options, clock, [](int descriptor) { return "ipv4:192.0.2.7:" + std::to_string(descriptor); },
+      [](int) { return false; });
   for (uint32_t i = 0; i < OpenConnections::kSpare; ++i)
     ASSERT_TRUE(connections.Add(static_cast<int>(1'000'000 + i)).ok());
   std::ostringstream text;
