@@ -178,9 +178,8 @@ void Daemon::StartBackups(const Config& config) {
         if (made->damaged_row_count > 0)
           log_->error(
               "{} rows of {} are not what was written, and the backup is without what they said: "
-              "look at "
-              "the disk, and `sweepstaked restore` a backup, so that their scenes have priors "
-              "again",
+              "look at the disk, and `sweepstaked restore` a backup, so that their scenes have "
+              "priors again",
               made->damaged_row_count, directory_.database().string());
       });
 }

@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "engine_client/broad_phase/common/compress_table.h"
+#include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,17 +31,14 @@ HWY_INLINE V CompressLanes(V values, M mask) {
 #if HWY_TARGET == HWY_AVX2
   const D d;
   const hn::RebindToUnsigned<D> du;
-  uint8_t bits[8] = {};
-  hn::StoreMaskBits(d, mask, bits);
   const hn::Rebind<uint8_t, D> bytes;
-  const auto lanes = hn::PromoteTo(du, hn::LoadU(bytes, kCompressTable.of8[bits[0]].data()));
+  const auto& of8 = kCompressTable.of8[BitsOfMask(d, mask)];
+  const auto lanes = hn::PromoteTo(du, hn::LoadU(bytes, of8.data()));
   return hn::TableLookupLanes(values, hn::IndicesFromVec(d, lanes));
 #elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
   const D d;
   const hn::Repartition<uint8_t, D> bytes;
-  uint8_t bits[8] = {};
-  hn::StoreMaskBits(d, mask, bits);
-  const auto places = hn::Load(bytes, kCompressTable.bytes_of4[bits[0]].data());
+  const auto places = hn::Load(bytes, kCompressTable.bytes_of4[BitsOfMask(d, mask)].data());
   return hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(bytes, values), places));
 #else
   return hn::Compress(values, mask);

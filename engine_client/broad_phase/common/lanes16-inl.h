@@ -43,8 +43,9 @@ HWY_INLINE hn::Vec<DU> NumbersFrom(DU du, size_t first) {
   return hn::Add(hn::Iota(du, 0), hn::Set(du, static_cast<uint32_t>(first)));
 }
 
-// Returns the mask as bits, of which bit k is lane k.
-HWY_INLINE uint32_t BitsOfMask(Lanes16 d, hn::Mask<Lanes16> mask) {
+// Returns the mask as bits, of which bit k is lane k. REQUIRES: sixteen lanes or less.
+template <class D>
+HWY_INLINE uint32_t BitsOfMask(D d, hn::Mask<D> mask) {
   uint8_t bits[8] = {};
   hn::StoreMaskBits(d, mask, bits);
   return bits[0] | uint32_t{bits[1]} << 8;

@@ -61,6 +61,21 @@ inline v1::Hello OneArmHello() {
   return hello;
 }
 
+// What games of OneArmHello() have learnt in some three hours.
+inline priors::PriorRecord LearntInHours() {
+  const v1::Hello hello = OneArmHello();
+  return {.key = {.project = hello.project(),
+                  .scene = hello.scene(),
+                  .context_bucket = "",
+                  .arm = hello.arms(0).name(),
+                  .backend_version = hello.arms(0).backend_version(),
+                  .machine_class = hello.machine_class(),
+                  .reward_version = 1},
+          .source_id = "others",
+          .source_sequence = 1,
+          .evidence = {.alpha = 9'000, .beta = 1'000, .window_count = 10'000, .bail_out_count = 0}};
+}
+
 // Makes the Hello one that resumes the session.
 inline void Resume(v1::Hello& hello, const v1::Welcome& session) {
   hello.set_session_id(session.session_id());

@@ -12,25 +12,7 @@ std::vector<uint64_t> ValuesOf(const RejectionCounts& counts) {
   return {counts.begin(), counts.end()};
 }
 
-class TelemetryTest : public RpcTest {
- protected:
-  // Puts into the store what games of OneArmHello() have learnt in some three hours.
-  void LearnForHours() {
-    const v1::Hello hello = OneArmHello();
-    const priors::PriorRecord record{
-        .key = {.project = hello.project(),
-                .scene = hello.scene(),
-                .context_bucket = "",
-                .arm = hello.arms(0).name(),
-                .backend_version = hello.arms(0).backend_version(),
-                .machine_class = hello.machine_class(),
-                .reward_version = 1},
-        .source_id = "others",
-        .source_sequence = 1,
-        .evidence = {.alpha = 9'000, .beta = 1'000, .window_count = 10'000, .bail_out_count = 0}};
-    Put({record});
-  }
-};
+class TelemetryTest : public RpcTest {};
 
 TEST_F(TelemetryTest, HelloIsAnsweredWithAWelcomeThatSaysHowToGoOn) {
   TelemetryClient client(channel_);
@@ -266,7 +248,7 @@ TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFro
     const v1::Welcome welcome = TelemetryClient(channel_).Open(OneArmHello());
     return welcome.priors(0).alpha() / (welcome.priors(0).alpha() + welcome.priors(0).beta());
   };
-  LearnForHours();
+  Put({LearntInHours()});
   const double before = mean_at_start();
   TelemetryClient client(channel_);
   client.Open(OneArmHello());

@@ -47,18 +47,7 @@ class BailOutQuotaTest : public ::testing::Test {
 };
 
 TEST_F(BailOutQuotaTest, ATokenWithManyShortSessionsHardlyMovesWhatOthersStartFrom) {
-  const v1::Hello hello = OneArmHello();
-  const priors::PriorRecord others{
-      .key = {.project = hello.project(),
-              .scene = hello.scene(),
-              .context_bucket = "",
-              .arm = hello.arms(0).name(),
-              .backend_version = hello.arms(0).backend_version(),
-              .machine_class = hello.machine_class(),
-              .reward_version = 1},
-      .source_id = "others",
-      .source_sequence = 1,
-      .evidence = {.alpha = 9'000, .beta = 1'000, .window_count = 10'000, .bail_out_count = 0}};
+  const priors::PriorRecord others = LearntInHours();
   ASSERT_TRUE(daemon_.store.store.Import({&others, 1}).status().ok());
   for (int host = 0; host < 100; ++host)
     BailOutOfSessions(1, "ipv4:192.0.2." + std::to_string(host), 7);
