@@ -44,7 +44,8 @@ class Daemon final : public TelemetryTransport {
 
   void Take(std::string_view bytes) {
     if (stream_ == nullptr) Connect();
-    if (!std::exchange(reading_, false)) return;
+    if (pending_reads_ == 0) return;
+    --pending_reads_;
     const bool parsed = request_.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
     if (parsed && request_.has_hello()) Complete(*request_.mutable_hello());
     stream_->OnMessage(parsed ? &request_ : nullptr);
@@ -73,7 +74,7 @@ class Daemon final : public TelemetryTransport {
 
  private:
   void Connect() {
-    reading_ = false;
+    pending_reads_ = 0;
     acknowledged_ = 0;
     stream_ = std::make_shared<TelemetryStream>(daemon_.context, daemon_.streams, *this,
                                                 auth::Principal{});
@@ -93,7 +94,7 @@ class Daemon final : public TelemetryTransport {
     });
   }
 
-  void Read() override { reading_ = true; }
+  void Read() override { ++pending_reads_; }
   void Write(const v1::StreamTelemetryResponse& response) override {
     if (response.has_welcome()) {
       welcome_ = response.welcome();
@@ -110,14 +111,14 @@ class Daemon final : public TelemetryTransport {
     Post([this] { stream_->OnWritten(true); });
   }
   void Finish(const absl::Status&) override {
-    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    if (std::exchange(pending_reads_, 0) > 0) Post([this] { stream_->OnHalfClose(); });
     Post([this] {
       stream_->OnDone();
       stream_.reset();
     });
   }
   void Cancel(const absl::Status&) override {
-    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    if (std::exchange(pending_reads_, 0) > 0) Post([this] { stream_->OnHalfClose(); });
     Post([this] { stream_->OnCancelled(); });
   }
   std::string peer() const override { return "fuzzer"; }
@@ -125,7 +126,7 @@ class Daemon final : public TelemetryTransport {
   WatcherOfAll watcher_;
   PromptDaemon daemon_{Options()};
   std::shared_ptr<TelemetryStream> stream_;
-  bool reading_ = false;
+  uint32_t pending_reads_ = 0;
   v1::StreamTelemetryRequest request_;
   v1::Welcome welcome_;
   uint64_t acknowledged_ = 0;

@@ -1,5 +1,7 @@
 #include "server/rpc/services/telemetry_service.h"
 
+#include <array>
+#include <atomic>
 #include <memory>
 #include <string>
 #include <utility>
@@ -28,7 +30,9 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
     loop_.Post([this] { stream_->Accept(); });
   }
 
-  void Read() override { StartRead(&read_bytes_); }
+  void Read() override {
+    if (wanted_reads_.fetch_add(1) == 0) StartRead(&read_bytes_);
+  }
   void Write(const v1::StreamTelemetryResponse& response) override {
     write_bytes_ = Serialize(response);
     StartWrite(&write_bytes_);
@@ -43,8 +47,10 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
 
   void OnReadDone(bool ok) override {
     if (!ok) return loop_.Post([this] { stream_->OnHalfClose(); });
-    const bool parsed = Parse(read_bytes_, request_);
-    loop_.Post([this, parsed] { stream_->OnMessage(parsed ? &request_ : nullptr); });
+    v1::StreamTelemetryRequest& request = requests_[read_count_++ % requests_.size()];
+    const bool parsed = Parse(read_bytes_, request);
+    loop_.Post([this, &request, parsed] { stream_->OnMessage(parsed ? &request : nullptr); });
+    if (wanted_reads_.fetch_sub(1) > 1) StartRead(&read_bytes_);
   }
   void OnWriteDone(bool ok) override {
     write_bytes_.Clear();
@@ -69,9 +75,12 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   grpc::CallbackServerContext& call_;
   const std::shared_ptr<TelemetryStream> stream_;
 
-  // gRPC's callback uses these while a read is pending, the loop otherwise.
-  grpc::ByteBuffer read_bytes_;
-  v1::StreamTelemetryRequest request_;
+  // Read() calls whose message has not come; a read is pending while there are some.
+  std::atomic<uint32_t> wanted_reads_{0};
+  grpc::ByteBuffer read_bytes_;  // these two are used by gRPC's callback
+  uint64_t read_count_ = 0;
+  // Taken in turn: the callback fills one while the loop applies the other.
+  std::array<v1::StreamTelemetryRequest, TelemetryTransport::kMaxReads> requests_;
   grpc::ByteBuffer write_bytes_;  // used on the loop, and by gRPC while a write is pending
 };
 

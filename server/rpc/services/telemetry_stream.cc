@@ -76,7 +76,7 @@ void TelemetryStream::OnDone() {
 }
 
 void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
-  if (end_) return;
+  if (end_ || SaidGoodbye()) return;
   if (request == nullptr) {
     ++context_.counters.malformed_message_count;
     return Reject(Refused(v1::ERROR_REASON_MALFORMED_MESSAGE,
@@ -88,10 +88,12 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // Nothing is read while a session is being loaded, nor after a goodbye: the session then ends the
-  // stream itself once everything is on disk.
-  if (session_ && !session_->ended() && !end_) transport_.Read();
+  // Nothing more is read while a session is being loaded, nor after a goodbye: the session then
+  // ends the stream itself once everything is on disk.
+  if (session_ && !SaidGoodbye() && !end_) transport_.Read();
 }
+
+bool TelemetryStream::SaidGoodbye() const { return session_ && session_->ended(); }
 
 absl::Status TelemetryStream::CountMessage(const v1::StreamTelemetryRequest& request) {
   const uint32_t per_s = context_.options.max_messages_per_s;
@@ -245,10 +247,12 @@ void TelemetryStream::Enter(std::shared_ptr<GameSession> session, bool resumed) 
   WriteNext();
   session_->Start(*hello_);
   hello_.reset();
+  transport_.Read();  // ahead of the message that OnMessage or OnLoaded reads
   context_.log.debug("session {} {}", session_->identity().id, resumed ? "resumed" : "began");
 }
 
 void TelemetryStream::OnHalfClose() {
+  if (SaidGoodbye()) return;
   LeaveSession();
   if (!end_) Close(absl::OkStatus());
 }

@@ -44,7 +44,9 @@ class TelemetryTransport {
  public:
   virtual ~TelemetryTransport() = default;
 
-  // Leads to one OnMessage or OnHalfClose. At most one read is pending.
+  static constexpr size_t kMaxReads = 2;
+
+  // Leads to one OnMessage or OnHalfClose. At most kMaxReads have not led to one yet.
   virtual void Read() = 0;
   // Leads to one OnWritten. At most one write is pending.
   virtual void Write(const v1::StreamTelemetryResponse& response) = 0;
@@ -58,10 +60,10 @@ class TelemetryTransport {
 
 // One connection of one session: it passes messages to the session, and sends the session's.
 //
-// Only one message at a time is between the transport and the session: the next read starts after
-// the session has applied the last message, so that a flood waits in the client's own buffers. At
-// most one write is pending, and the outbox behind it is bounded. Finish is called exactly once,
-// whatever ends the stream.
+// While the session applies one message the next is read, so that a bail-out is there with the
+// batch before it; no more are, so that a flood waits in the client's own buffers. At most one
+// write is pending, and the outbox behind it is bounded. Finish is called exactly once, whatever
+// ends the stream.
 class TelemetryStream final : public SessionLink,
                               public std::enable_shared_from_this<TelemetryStream> {
  public:
@@ -133,6 +135,8 @@ class TelemetryStream final : public SessionLink,
   void ClearOutbox();
   void WriteNext();
   void LeaveSession();
+  // Whatever the client sends now is of no more use: what came before goes to the disk.
+  bool SaidGoodbye() const;
 
   ServiceContext& context_;
   TelemetryStreams& streams_;

@@ -77,6 +77,17 @@ TEST_F(GoodbyeTest, ACommitBehindAnotherIsAwaitedToo) {
   EXPECT_EQ(StoredFrames(id), 60u);
 }
 
+TEST_F(GoodbyeTest, WhatComesAfterItIsNotApplied) {
+  TelemetryClient client(channel_);
+  const std::string id = SayGoodbyeBehindACommit(client);
+  client.Send(Frames(3, 30));
+  client.Send(Goodbye());
+  ASSERT_TRUE(Eventually([&] { return server_->counters().goodbye_count == 1; }));
+  store_.Release();
+  EXPECT_TRUE(client.Finish().ok());
+  EXPECT_EQ(StoredFrames(id), 60u);
+}
+
 TEST_F(GoodbyeTest, AfterALostConnectionTheCommitStillReachesTheStore) {
   TelemetryClient client(channel_);
   const std::string id = SayGoodbyeBehindACommit(client);

@@ -89,17 +89,17 @@ void Connection::Die() {
 }
 
 void Connection::Read() {
-  reading_ = true;
+  ++pending_reads_;
   Deliver();
 }
 
 void Connection::Deliver() {
-  if (!reading_ || (arrived_.empty() && !ended_)) return;
-  reading_ = false;
-  if (arrived_.empty()) return Post([](Connection& self) { self.stream_->OnHalfClose(); });
-  read_ = std::move(arrived_.front());
-  arrived_.pop_front();
-  Post([](Connection& self) { self.stream_->OnMessage(&self.read_); });
+  for (; pending_reads_ > 0 && !arrived_.empty(); --pending_reads_) {
+    Post([read = arrived_.front()](Connection& self) mutable { self.stream_->OnMessage(&read); });
+    arrived_.pop_front();
+  }
+  if (!ended_ || std::exchange(pending_reads_, 0) == 0) return;
+  Post([](Connection& self) { self.stream_->OnHalfClose(); });
 }
 
 void Connection::Write(const v1::StreamTelemetryResponse& response) {

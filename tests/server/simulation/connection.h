@@ -72,8 +72,7 @@ class Connection final : public rpc::TelemetryTransport,
   rpc::DecisionLoop* loop_ = nullptr;
   std::shared_ptr<rpc::TelemetryStream> stream_;
   std::deque<v1::StreamTelemetryRequest> arrived_;
-  v1::StreamTelemetryRequest read_;  // the latest
-  bool reading_ = false;
+  uint32_t pending_reads_ = 0;
   bool writing_ = false;
   bool ended_ = false;  // the daemon can read no more than has arrived
   bool lost_ = false;   // the daemon knows that the connection is lost

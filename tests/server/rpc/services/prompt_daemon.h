@@ -94,7 +94,8 @@ class PromptStream final : public TelemetryTransport {
 
   // Returns whether the stream still stands.
   bool Send(v1::StreamTelemetryRequest request) {
-    if (stream_ == nullptr || !std::exchange(reading_, false)) return false;
+    if (stream_ == nullptr || pending_reads_ == 0) return false;
+    --pending_reads_;
     stream_->OnMessage(&request);
     daemon_.loop.RunReady();
     return stream_ != nullptr;
@@ -104,24 +105,25 @@ class PromptStream final : public TelemetryTransport {
     daemon_.loop.RunReady();
   }
   bool welcomed() const { return welcomed_; }
+  uint32_t pending_reads() const { return pending_reads_; }
   // What the daemon has ended it with.
   const std::optional<absl::Status>& end() const { return end_; }
 
-  void Read() override { reading_ = true; }
+  void Read() override { ++pending_reads_; }
   void Write(const v1::StreamTelemetryResponse& response) override {
     welcomed_ = welcomed_ || response.has_welcome();
     Post([this] { stream_->OnWritten(true); });
   }
   void Finish(const absl::Status& status) override {
     end_ = status;
-    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    if (std::exchange(pending_reads_, 0) > 0) Post([this] { stream_->OnHalfClose(); });
     Post([this] {
       stream_->OnDone();
       stream_.reset();
     });
   }
   void Cancel(const absl::Status& /*status*/) override {
-    if (std::exchange(reading_, false)) Post([this] { stream_->OnHalfClose(); });
+    if (std::exchange(pending_reads_, 0) > 0) Post([this] { stream_->OnHalfClose(); });
     Post([this] { stream_->OnCancelled(); });
   }
   std::string peer() const override { return peer_; }
@@ -137,7 +139,7 @@ class PromptStream final : public TelemetryTransport {
   PromptDaemon& daemon_;
   const std::string peer_;
   std::shared_ptr<TelemetryStream> stream_;
-  bool reading_ = false;
+  uint32_t pending_reads_ = 0;
   bool welcomed_ = false;
   std::optional<absl::Status> end_;
 };

@@ -1,5 +1,5 @@
 // How many streams an address may have and how often it may begin one, and how many messages a
-// stream may send.
+// stream may send and has read ahead.
 #include <spdlog/sinks/ostream_sink.h>
 
 #include <memory>
@@ -17,6 +17,21 @@ using ::testing::HasSubstr;
 
 v1::ErrorReason EndOf(const PromptStream& stream) {
   return stream.end() ? ReasonOfRefusal(*stream.end()) : v1::ERROR_REASON_UNSPECIFIED;
+}
+
+TEST(ReadAheadTest, OneMessageIsReadWhileAnotherIsAppliedAndNoneDuringALoad) {
+  PromptDaemon daemon;
+  PromptStream stream(daemon);
+  EXPECT_EQ(stream.pending_reads(), 1u);
+  daemon.store.HoldReads();
+  ASSERT_TRUE(stream.Send(Request(OneArmHello())));
+  EXPECT_EQ(stream.pending_reads(), 0u);
+  daemon.store.EndReads();
+  daemon.Advance(0);
+  ASSERT_TRUE(stream.welcomed());
+  EXPECT_EQ(stream.pending_reads(), 2u);
+  ASSERT_TRUE(stream.Send(Frames(1, 30)));
+  EXPECT_EQ(stream.pending_reads(), 2u);
 }
 
 class AddressQuotaTest : public ::testing::Test {
