@@ -256,10 +256,12 @@ void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
     ++open_count_;
     return stream.Connect();
   }
-  // Every n-th batch of a stream has one, and the streams take turns.
+  // Every n-th batch of a stream has one, and the streams take turns, those too that send at the
+  // same moment of every second.
   const double share = plan_.bail_out_share;
   const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
-  const bool with_bail_out = period > 0 && (timer.batch + timer.stream) % period == 0;
+  const bool with_bail_out =
+      period > 0 && (timer.batch + timer.stream + timer.stream / period) % period == 0;
   const bool sent = stream.SendBatch(batch_, with_bail_out);
   const std::lock_guard lock(mutex_);
   if (measuring_) result_.tick_lateness_ms.push_back(static_cast<double>(NowNs() - due_ns) * 1e-6);
