@@ -68,7 +68,8 @@ class TelemetryCall final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
   }
 
  private:
-  ~TelemetryCall() override = default;
+  // Behind the end of OnReadDone, as gRPC has it.
+  ~TelemetryCall() override { wanted_reads_.load(); }
 
   DecisionLoop& loop_;
   Counters& counters_;

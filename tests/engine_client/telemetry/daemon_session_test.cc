@@ -415,6 +415,7 @@ TEST_F(DaemonSessionTest, StopsInTimeWhateverTheDaemonDoes) {
     });
     StartAgainst(daemon);
     daemon.WaitUntil([](const FakeDaemon& d) { return !d.hellos.empty(); });
+    if (answers_hello) RunUntilState(ConnectionState::kOnline);
     for (int i = 0; i < 100; ++i) Frame();
     session_->Stop(20);
     EXPECT_EQ(session_->stats().state, ConnectionState::kClosed);

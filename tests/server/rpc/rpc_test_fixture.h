@@ -21,6 +21,7 @@
 #include "server/storage/store_thread.h"
 #include "sweepstake/v1/telemetry.grpc.pb.h"
 #include "tests/server/rpc/holding_store.h"
+#include "tests/server/rpc/log_text.h"
 #include "tests/server/rpc/manual_clock.h"
 
 namespace sweepstake::rpc {
@@ -272,7 +273,8 @@ class RpcTest : public ::testing::Test {
 
   RpcOptions options_;
   ManualClock clock_;
-  spdlog::logger log_{"test"};
+  const std::shared_ptr<LogText> logged_ = std::make_shared<LogText>();
+  spdlog::logger log_{"test", logged_};
   storage::StoreThread thread_;
   HoldingStore store_{thread_};
   std::unique_ptr<RpcServer> server_;

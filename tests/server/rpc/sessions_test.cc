@@ -1,8 +1,6 @@
 // SessionsService: who is connected, what becomes of the sessions, and how one is ended.
-#include <spdlog/sinks/ostream_sink.h>
 
 #include <map>
-#include <sstream>
 
 #include "sweepstake/v1/sessions.grpc.pb.h"
 #include "tests/server/rpc/rpc_test_fixture.h"
@@ -192,14 +190,11 @@ TEST_F(SessionsTest, ALostOneThatIsKickedCannotBeResumed) {
 }
 
 TEST_F(SessionsTest, AKickIsToldInTheLogWithWhoDidIt) {
-  const auto text = std::make_shared<std::ostringstream>();
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(*text));
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();
   EXPECT_TRUE(Kick(id, false).ok());
-  EXPECT_THAT(text->str(), HasSubstr("127.0.0.1"));
-  EXPECT_THAT(text->str(), HasSubstr("kicked session " + id + " of game/harbour"));
-  log_.sinks().clear();
+  EXPECT_THAT(logged_->text(), HasSubstr("127.0.0.1"));
+  EXPECT_THAT(logged_->text(), HasSubstr("kicked session " + id + " of game/harbour"));
 }
 
 TEST_F(SessionsTest, AWatcherSeesWhatThereIsAndThenWhatChanges) {
@@ -329,16 +324,14 @@ class FewWatchersTest : public SessionsTest {
 };
 
 TEST_F(FewWatchersTest, WatchersAreBoundedAndADrainEndsThem) {
-  std::ostringstream text;
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   SessionsWatch watch(*sessions_);
   ASSERT_TRUE(Eventually([&] { return server_->counters().open_watcher_count == 1; }));
   SessionsWatch second(*sessions_);
   EXPECT_EQ(ReasonOf(second.Finish()), v1::ERROR_REASON_TOO_MANY_WATCHERS);
-  EXPECT_THAT(text.str(), ::testing::HasSubstr("TOO_MANY_WATCHERS"));
+  EXPECT_THAT(logged_->text(), ::testing::HasSubstr("TOO_MANY_WATCHERS"));
   server_->Drain(std::chrono::seconds(10));
   EXPECT_EQ(ReasonOf(watch.Finish()), v1::ERROR_REASON_DRAINING);
-  EXPECT_THAT(text.str(), ::testing::Not(::testing::HasSubstr("DRAINING"))) << "no refusal";
+  EXPECT_THAT(logged_->text(), ::testing::Not(::testing::HasSubstr("DRAINING"))) << "no refusal";
   EXPECT_EQ(server_->counters().open_watcher_count, 0u);
 }
 
@@ -357,21 +350,16 @@ TEST_F(SessionsTest, AnOrderNeedsASessionAModeAndAnArmThatThereAre) {
 }
 
 TEST_F(SessionsTest, AnOrderOrKickThatIsRefusedIsToldInTheLogAsARefusalAndNotAsGiven) {
-  const auto text = std::make_shared<std::ostringstream>();
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(*text));
   TelemetryClient client(channel_);
   const std::string id = client.Open(HelloMessage()).session_id();  // takes no orders
   EXPECT_EQ(ReasonOf(Order(id, v1::MODE_AI, "")), v1::ERROR_REASON_ORDER_REFUSED);
   EXPECT_EQ(ReasonOf(Kick("nobody", false)), v1::ERROR_REASON_UNKNOWN_SESSION);
-  EXPECT_THAT(text->str(), HasSubstr("(ORDER_REFUSED): this game takes no orders"));
-  EXPECT_THAT(text->str(), HasSubstr("(UNKNOWN_SESSION)"));
-  EXPECT_THAT(text->str(), Not(HasSubstr("ordered")));
-  log_.sinks().clear();
+  EXPECT_THAT(logged_->text(), HasSubstr("(ORDER_REFUSED): this game takes no orders"));
+  EXPECT_THAT(logged_->text(), HasSubstr("(UNKNOWN_SESSION)"));
+  EXPECT_THAT(logged_->text(), Not(HasSubstr("ordered")));
 }
 
 TEST_F(SessionsTest, AnOrderThatIsObeyedIsToldInTheLog) {
-  const auto text = std::make_shared<std::ostringstream>();
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(*text));
   v1::Hello hello = HelloMessage();
   hello.add_capabilities(v1::CAPABILITY_OPERATOR_ORDERS);
   TelemetryClient client(channel_);
@@ -386,8 +374,7 @@ TEST_F(SessionsTest, AnOrderThatIsObeyedIsToldInTheLog) {
   });
   EXPECT_TRUE(Order(id, v1::MODE_AI, "").ok());
   game.join();
-  EXPECT_THAT(text->str(), HasSubstr("ordered session " + id + ": MODE_AI\n"));
-  log_.sinks().clear();
+  EXPECT_THAT(logged_->text(), HasSubstr("ordered session " + id + ": MODE_AI\n"));
 }
 
 }  // namespace

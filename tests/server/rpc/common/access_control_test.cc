@@ -1,8 +1,6 @@
 // Tokens: who is let in, what a token's projects show and hide, whose session is whose.
-#include <spdlog/sinks/ostream_sink.h>
 
 #include <functional>
-#include <sstream>
 
 #include "engine_client/telemetry/error_reason.h"
 #include "sweepstake/v1/audit.grpc.pb.h"
@@ -172,8 +170,6 @@ TEST_F(AccessTest, AnotherProjectIsDeniedWhetherItIsThereOrNot) {
 }
 
 TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
-  std::ostringstream text;
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   const auto audit = v1::AuditService::NewStub(channel_);
   const auto priors = v1::PriorsService::NewStub(channel_);
   const auto sessions = v1::SessionsService::NewStub(channel_);
@@ -214,13 +210,13 @@ TEST_F(AccessTest, ARefusalForAnotherProjectIsToldInTheLogWhateverTheCall) {
       [&] { return Import({"theirs"}); },
   };
   for (const auto& call : calls) {
-    text.str("");
+    logged_->Clear();
     EXPECT_EQ(ReasonOf(call()), v1::ERROR_REASON_NOT_ALLOWED);
-    EXPECT_THAT(text.str(), HasSubstr("(NOT_ALLOWED): this token is not for the project theirs"))
+    EXPECT_THAT(logged_->text(),
+                HasSubstr("(NOT_ALLOWED): this token is not for the project theirs"))
         << "call " << &call - calls;
     clock_.Advance(RefusalLog::kIntervalNs);
   }
-  log_.sinks().clear();
 }
 
 TEST_F(AccessTest, AWatcherIsToldOfTheTokensProjectsOnly) {
@@ -246,15 +242,11 @@ TEST_F(AccessTest, AnImportForAnotherProjectImportsNothing) {
 }
 
 TEST_F(AccessTest, TheLogSaysWhoImported) {
-  std::ostringstream text;
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   EXPECT_TRUE(Import({"mine", "game"}).ok());
-  EXPECT_THAT(text.str(), HasSubstr("token mine imported 2 records, 2 of them new or newer"));
+  EXPECT_THAT(logged_->text(), HasSubstr("token mine imported 2 records, 2 of them new or newer"));
 }
 
 TEST_F(AccessTest, ARefusedCallIsALineInTheLog) {
-  std::ostringstream text;
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   EXPECT_FALSE(List("unknown").ok());
   EXPECT_FALSE(List("game-token").ok());
   grpc::ClientContext none;
@@ -262,8 +254,8 @@ TEST_F(AccessTest, ARefusedCallIsALineInTheLog) {
   EXPECT_THAT(posteriors()->ListPosteriors(&none, {}, &response).error_message(),
               HasSubstr("--token-file"));
   for (const char* reason : {"TOKEN_REFUSED", "NOT_ALLOWED", "TOKEN_MISSING"})
-    EXPECT_THAT(text.str(), HasSubstr(reason));
-  EXPECT_THAT(text.str(), HasSubstr("refused ipv4:127.0.0.1:"));
+    EXPECT_THAT(logged_->text(), HasSubstr(reason));
+  EXPECT_THAT(logged_->text(), HasSubstr("refused ipv4:127.0.0.1:"));
 }
 
 TEST_F(AccessTest, ASessionIsResumedByTheTokenItBeganWithAlone) {

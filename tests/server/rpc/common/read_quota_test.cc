@@ -1,9 +1,5 @@
 // How often somebody may list, export and begin to watch, and how many exports, imports and
 // watchers there may be at a time.
-#include <spdlog/sinks/ostream_sink.h>
-
-#include <sstream>
-
 #include "engine_client/telemetry/error_reason.h"
 #include "sweepstake/v1/posteriors.grpc.pb.h"
 #include "sweepstake/v1/priors.grpc.pb.h"
@@ -41,8 +37,6 @@ class ReadQuotaTest : public RpcTest {
 };
 
 TEST_F(ReadQuotaTest, AnAddressReadsSoOftenAndPlaysOn) {
-  std::ostringstream text;
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   for (int i = 0; i < 10; ++i) {
     EXPECT_TRUE(List().ok());
     EXPECT_TRUE(Export().ok());
@@ -59,7 +53,7 @@ TEST_F(ReadQuotaTest, AnAddressReadsSoOftenAndPlaysOn) {
           v1::PosteriorsService::NewStub(channel_)->WatchPosteriors(watch.get(), {})->Finish()),
       v1::ERROR_REASON_TOO_MANY_READS);
   TelemetryClient(channel_).Open(OneArmHello());
-  EXPECT_THAT(text.str(), HasSubstr("TOO_MANY_READS"));
+  EXPECT_THAT(logged_->text(), HasSubstr("TOO_MANY_READS"));
   clock_.Advance(kSecondNs);
   EXPECT_TRUE(List().ok());
   EXPECT_TRUE(List().ok());
@@ -149,15 +143,12 @@ TEST_F(TransferQuotaTest, TheDaemonAndATokenHaveSoManyAtATime) {
 }
 
 TEST_F(TransferQuotaTest, AnExportAndAnImportTooManyAreRefusedAndToldInTheLog) {
-  std::ostringstream text;
-  log_.sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text));
   options_.max_transfers = 0;
   server_->Adjust(options_);
   EXPECT_EQ(ReasonOf(Export("ann-token")), v1::ERROR_REASON_TOO_MANY_READS);
   EXPECT_EQ(ReasonOf(Begin("ann-token")->writer->Finish()), v1::ERROR_REASON_TOO_MANY_IMPORTS);
-  EXPECT_THAT(text.str(), HasSubstr("(TOO_MANY_READS): 0 exports and imports"));
-  EXPECT_THAT(text.str(), HasSubstr("(TOO_MANY_IMPORTS): 0 exports and imports"));
-  log_.sinks().clear();
+  EXPECT_THAT(logged_->text(), HasSubstr("(TOO_MANY_READS): 0 exports and imports"));
+  EXPECT_THAT(logged_->text(), HasSubstr("(TOO_MANY_IMPORTS): 0 exports and imports"));
   options_.max_transfers = 1;
   server_->Adjust(options_);
   for (int i = 0; i < 10; ++i)

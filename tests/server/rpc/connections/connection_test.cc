@@ -56,7 +56,7 @@ TEST_F(ConnectionTest, OneThatIsOldIsAskedToEndAndThenEnds) {
   options_.connection_age_grace = std::chrono::milliseconds(100);
   RestartServer();
   TelemetryClient client(channel_);
-  client.Open(OneArmHello());
+  client.Send(Request(OneArmHello()));
   EXPECT_EQ(client.Finish().error_code(), grpc::StatusCode::UNAVAILABLE);
   HttpSocket socket(server_->port());
   socket.Send(Http2Preface());

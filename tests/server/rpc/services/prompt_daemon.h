@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/rpc/services/stall_sweep.h"
 #include "server/rpc/services/telemetry_stream.h"
@@ -104,14 +105,15 @@ class PromptStream final : public TelemetryTransport {
     if (stream_ != nullptr) Cancel(absl::OkStatus());
     daemon_.loop.RunReady();
   }
-  bool welcomed() const { return welcomed_; }
+  bool welcomed() const { return !written_.empty() && written_.front().has_welcome(); }
+  const std::vector<v1::StreamTelemetryResponse>& written() const { return written_; }
   uint32_t pending_reads() const { return pending_reads_; }
   // What the daemon has ended it with.
   const std::optional<absl::Status>& end() const { return end_; }
 
   void Read() override { ++pending_reads_; }
   void Write(const v1::StreamTelemetryResponse& response) override {
-    welcomed_ = welcomed_ || response.has_welcome();
+    written_.push_back(response);
     Post([this] { stream_->OnWritten(true); });
   }
   void Finish(const absl::Status& status) override {
@@ -140,7 +142,7 @@ class PromptStream final : public TelemetryTransport {
   const std::string peer_;
   std::shared_ptr<TelemetryStream> stream_;
   uint32_t pending_reads_ = 0;
-  bool welcomed_ = false;
+  std::vector<v1::StreamTelemetryResponse> written_;
   std::optional<absl::Status> end_;
 };
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/server/rpc/rpc_test_fixture.h"
+#include "tests/server/rpc/services/prompt_daemon.h"
 
 namespace sweepstake::rpc {
 namespace {
@@ -54,21 +55,17 @@ TEST_F(ResponseTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
 
 TEST_F(ResponseTest, AnAcknowledgementTakesThePosteriorsAlongExceptToAGameOfVersion1) {
   for (const uint32_t version : {1u, 2u}) {
+    PromptDaemon daemon(options_);
+    PromptStream stream(daemon);
     v1::Hello hello = OneArmHello();
     hello.set_protocol_version(version);
-    TelemetryClient client(channel_);
-    client.Open(hello);
-    store_.Hold();
-    client.Send(Frames(1, 30));
-    ASSERT_TRUE(Applied(version));
-    Tick();
-    ASSERT_TRUE(Eventually([&] { return store_.held_count() == 1; }));
-    store_.Release();
-    const Response response = client.Await(&Response::has_acknowledgement);
-    EXPECT_EQ(response.has_posterior_snapshot(), version == 2);
-    if (version == 1) {
-      EXPECT_FALSE(client.Await(&Response::has_posterior_snapshot).has_acknowledgement());
-    }
+    ASSERT_TRUE(stream.Send(Request(hello)));
+    ASSERT_TRUE(stream.Send(Frames(1, 30)));
+    daemon.Advance(options_.decision.decision_interval_ns);
+    ASSERT_EQ(stream.written().size(), version == 1 ? 3u : 2u);
+    EXPECT_TRUE(stream.written()[1].has_acknowledgement());
+    EXPECT_EQ(stream.written()[1].has_posterior_snapshot(), version == 2);
+    EXPECT_TRUE(stream.written().back().has_posterior_snapshot());
   }
 }
 
