@@ -42,14 +42,18 @@ class CountedCall final : public grpc::experimental::Interceptor {
 
 class CallCounter final : public grpc::experimental::ServerInterceptorFactoryInterface {
  public:
-  explicit CallCounter(std::shared_ptr<ConnectionCalls> calls) : calls_(std::move(calls)) {}
+  explicit CallCounter(std::shared_ptr<ConnectionCalls> calls) : calls_(std::move(calls)) {
+    made_.store(true, std::memory_order_release);
+  }
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
+    made_.load(std::memory_order_acquire);
     return new CountedCall(calls_, info->server_context()->peer());
   }
 
  private:
   const std::shared_ptr<ConnectionCalls> calls_;
+  std::atomic<bool> made_{false};  // as in CountedCall
 };
 
 }  // namespace

@@ -94,7 +94,7 @@ class Daemon final : public TelemetryTransport {
     });
   }
 
-  void Read() override { ++pending_reads_; }
+  void Read() override { Require(++pending_reads_ <= kMaxReads, "few messages are read ahead"); }
   void Write(const v1::StreamTelemetryResponse& response) override {
     if (response.has_welcome()) {
       welcome_ = response.welcome();

@@ -256,8 +256,8 @@ void LoadRun::Fire(const Timer& timer, int64_t due_ns) {
     ++open_count_;
     return stream.Connect();
   }
-  // Every n-th batch of a stream has one, and the streams take turns, those too that send at the
-  // same moment of every second.
+  // Every n-th batch of a stream has one, and the streams take turns. Those that are n apart
+  // differ, too, since many of them send at the same moment.
   const double share = plan_.bail_out_share;
   const uint64_t period = share > 0 ? std::max<uint64_t>(1, std::llround(1 / share)) : 0;
   const bool with_bail_out =

@@ -88,7 +88,7 @@ void TelemetryStream::OnMessage(v1::StreamTelemetryRequest* request) {
     ++context_.counters.invalid_message_count;
     return Reject(status);
   }
-  // Nothing more is read while a session is being loaded, nor after a goodbye: the session then
+  // Nothing is asked for while a session is being loaded, nor after a goodbye: the session then
   // ends the stream itself once everything is on disk.
   if (session_ && !SaidGoodbye() && !end_) transport_.Read();
 }

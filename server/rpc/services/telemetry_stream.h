@@ -46,7 +46,9 @@ class TelemetryTransport {
 
   static constexpr size_t kMaxReads = 2;
 
-  // Leads to one OnMessage or OnHalfClose. At most kMaxReads have not led to one yet.
+  // Leads to one OnMessage, or with the others that are pending to OnHalfClose, behind which
+  // nothing comes. At most kMaxReads are pending, or one while OnMessage uses a request: it asks
+  // for more when it needs that no longer.
   virtual void Read() = 0;
   // Leads to one OnWritten. At most one write is pending.
   virtual void Write(const v1::StreamTelemetryResponse& response) = 0;

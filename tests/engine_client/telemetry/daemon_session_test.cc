@@ -44,10 +44,8 @@ class DaemonSessionTest : public ::testing::Test {
     session_ = std::move(*made);
     std::vector<std::unique_ptr<BroadPhase>> backends;
     for (const char* name : {"A", "B", "C"}) {
-      ArmScript script;
-      script.name = name;
-      script.version = 7;
-      auto backend = std::make_unique<ScriptedBroadPhase>(script, clock_);
+      auto backend =
+          std::make_unique<ScriptedBroadPhase>(ArmScript{.name = name, .version = 7}, clock_);
       arms_.push_back(backend.get());
       backends.push_back(std::move(backend));
     }

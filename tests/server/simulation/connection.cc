@@ -89,16 +89,18 @@ void Connection::Die() {
 }
 
 void Connection::Read() {
-  ++pending_reads_;
+  if (++pending_reads_ > kMaxReads) std::abort();
   Deliver();
 }
 
 void Connection::Deliver() {
   for (; pending_reads_ > 0 && !arrived_.empty(); --pending_reads_) {
-    Post([read = arrived_.front()](Connection& self) mutable { self.stream_->OnMessage(&read); });
+    Post([read = std::move(arrived_.front())](Connection& self) mutable {
+      self.stream_->OnMessage(&read);
+    });
     arrived_.pop_front();
   }
-  if (!ended_ || std::exchange(pending_reads_, 0) == 0) return;
+  if (!ended_ || pending_reads_ == 0 || std::exchange(told_end_, true)) return;
   Post([](Connection& self) { self.stream_->OnHalfClose(); });
 }
 

@@ -75,7 +75,8 @@ class Connection final : public rpc::TelemetryTransport,
   uint32_t pending_reads_ = 0;
   bool writing_ = false;
   bool ended_ = false;  // the daemon can read no more than has arrived
-  bool lost_ = false;   // the daemon knows that the connection is lost
+  bool told_end_ = false;
+  bool lost_ = false;  // the daemon knows that the connection is lost
 };
 
 }  // namespace sweepstake::simulation

@@ -4,6 +4,7 @@
 
 #include <spdlog/logger.h>
 
+#include <cstdlib>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -111,7 +112,9 @@ class PromptStream final : public TelemetryTransport {
   // What the daemon has ended it with.
   const std::optional<absl::Status>& end() const { return end_; }
 
-  void Read() override { ++pending_reads_; }
+  void Read() override {
+    if (++pending_reads_ > kMaxReads) std::abort();
+  }
   void Write(const v1::StreamTelemetryResponse& response) override {
     written_.push_back(response);
     Post([this] { stream_->OnWritten(true); });

@@ -32,6 +32,11 @@ TEST(ReadAheadTest, OneMessageIsReadWhileAnotherIsAppliedAndNoneDuringALoad) {
   EXPECT_EQ(stream.pending_reads(), 2u);
   ASSERT_TRUE(stream.Send(Frames(1, 30)));
   EXPECT_EQ(stream.pending_reads(), 2u);
+  PromptStream again(daemon);
+  v1::Hello hello = OneArmHello();
+  Resume(hello, stream.written().front().welcome());
+  ASSERT_TRUE(again.Send(Request(hello)));
+  EXPECT_EQ(again.pending_reads(), 2u);
 }
 
 class AddressQuotaTest : public ::testing::Test {
