@@ -1,5 +1,4 @@
 // SessionsService: who is connected, what becomes of the sessions, and how one is ended.
-
 #include <map>
 
 #include "sweepstake/v1/sessions.grpc.pb.h"

@@ -1,5 +1,4 @@
 // Tokens: who is let in, what a token's projects show and hide, whose session is whose.
-
 #include <functional>
 
 #include "engine_client/telemetry/error_reason.h"
