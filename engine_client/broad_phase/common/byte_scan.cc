@@ -100,18 +100,28 @@ HWY_INLINE uint64_t Compare(Bytes d, const RowBytes& row, const ByteLanes& lanes
   return BitsOf(d, hn::Eq(gap, hn::Zero(d)));
 }
 
+// As Compare, of `step` slots, which are some registers.
+template <bool kSwept>
+HWY_INLINE uint64_t CompareStep(Bytes d, const RowBytes& row, const ByteLanes& lanes, size_t at,
+                                size_t step) {
+  uint64_t bits = Compare<kSwept>(d, row, lanes, at);
+  for (size_t next = hn::Lanes(d); next < step; next += hn::Lanes(d))
+    bits |= Compare<kSwept>(d, row, lanes, at + next) << next;
+  return bits;
+}
+
 // Returns the bits of the slots behind `row`, where bit 0 is slot `at`.
 HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   if (row < at) return ~uint64_t{0};
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;
 }
 
-// Scans all tiles of kRowsPerTile rows in [begin, end).
-template <bool kSwept, bool kById>
+// Scans all tiles of kRowsPerTile rows in [begin, end), kRegisters registers of slots at a time.
+template <bool kSwept, bool kById, size_t kRegisters>
 HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_t end,
                               PairBuffer& out) {
   const Bytes d;
-  const size_t step = hn::Lanes(d);
+  const size_t step = std::min(kRegisters * hn::Lanes(d), ByteBoxes::kGranule);
   const ByteLanes lanes = shared_lanes;
   PairCursor cursor(out);
   Candidates candidates[kCandidatesRoom + 2] = {};
@@ -130,15 +140,15 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
     float tile_end = 0;
     if constexpr (kSwept)
       tile_end = *std::max_element(lanes.end + row, lanes.end + row + kRowsPerTile);
-    // Compares them with a register of slots at a time, from the one that holds the first row.
+    // Compares them with a step of slots at a time, from the one that holds the first row.
     const size_t first = row / step * step;
     size_t at = first;
     for (; at < lanes.count; at += step) {
       if (kSwept && lanes.begin[at] > tile_end) break;
-      uint64_t bits0 = Compare<kSwept>(d, row0, lanes, at);
-      uint64_t bits1 = Compare<kSwept>(d, row1, lanes, at);
-      uint64_t bits2 = Compare<kSwept>(d, row2, lanes, at);
-      uint64_t bits3 = Compare<kSwept>(d, row3, lanes, at);
+      uint64_t bits0 = CompareStep<kSwept>(d, row0, lanes, at, step);
+      uint64_t bits1 = CompareStep<kSwept>(d, row1, lanes, at, step);
+      uint64_t bits2 = CompareStep<kSwept>(d, row2, lanes, at, step);
+      uint64_t bits3 = CompareStep<kSwept>(d, row3, lanes, at, step);
       // Drops the rows themselves and earlier slots.
       if (at < row + kRowsPerTile) {
         bits0 &= BitsBehind(row, at);
@@ -164,13 +174,20 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
   return checks;
 }
 
+// The fewer the boxes, the more of the steps have candidates: whether one has cannot be predicted
+// then, so that half as many steps are faster, though a step costs more than two of one register.
+constexpr size_t kFewBoxes = 4096;
+
 uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
-  return ScanTiles<false, false>(lanes, begin, end, out);
+#if HWY_MAX_BYTES != 64  // a register there is a granule, and a step
+  if (lanes.count < kFewBoxes) return ScanTiles<false, false, 2>(lanes, begin, end, out);
+#endif
+  return ScanTiles<false, false, 1>(lanes, begin, end, out);
 }
 
 uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
-  if (lanes.records_by_id) return ScanTiles<true, true>(lanes, begin, end, out);
-  return ScanTiles<true, false>(lanes, begin, end, out);
+  if (lanes.records_by_id) return ScanTiles<true, true, 1>(lanes, begin, end, out);
+  return ScanTiles<true, false, 1>(lanes, begin, end, out);
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE
