@@ -22,24 +22,32 @@ HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns the lanes of `values` that the mask has, in their order; those behind them are any.
-// REQUIRES: lanes of 32 bits.
-template <class V, class M>
-HWY_INLINE V CompressLanes(V values, M mask) {
+// Returns the lanes of `values` whose bits are set (BitsOfMask), in their order; those behind them
+// are any. REQUIRES: lanes of 32 bits.
+template <class V>
+HWY_INLINE V CompressBits(V values, uint32_t bits) {
   using D = hn::DFromV<V>;
   static_assert(sizeof(hn::TFromD<D>) == 4);
-#if HWY_TARGET == HWY_AVX2
   const D d;
+#if HWY_TARGET == HWY_AVX2
   const hn::RebindToUnsigned<D> du;
   const hn::Rebind<uint8_t, D> bytes;
-  const auto& of8 = kCompressTable.of8[BitsOfMask(d, mask)];
-  const auto lanes = hn::PromoteTo(du, hn::LoadU(bytes, of8.data()));
+  const auto lanes = hn::PromoteTo(du, hn::LoadU(bytes, kCompressTable.of8[bits].data()));
   return hn::TableLookupLanes(values, hn::IndicesFromVec(d, lanes));
 #elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
-  const D d;
   const hn::Repartition<uint8_t, D> bytes;
-  const auto places = hn::Load(bytes, kCompressTable.bytes_of4[BitsOfMask(d, mask)].data());
+  const auto places = hn::Load(bytes, kCompressTable.bytes_of4[bits].data());
   return hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(bytes, values), places));
+#else
+  return hn::Compress(values, MaskOfBits(d, bits));
+#endif
+}
+
+// As CompressBits, of a mask.
+template <class V, class M>
+HWY_INLINE V CompressLanes(V values, M mask) {
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_NEON
+  return CompressBits(values, BitsOfMask(hn::DFromV<V>(), mask));
 #else
   return hn::Compress(values, mask);
 #endif

@@ -45,10 +45,26 @@ HWY_INLINE hn::Vec<DU> NumbersFrom(DU du, size_t first) {
 
 // Returns the mask as bits, of which bit k is lane k. REQUIRES: sixteen lanes or less.
 template <class D>
-HWY_INLINE uint32_t BitsOfMask(D d, hn::Mask<D> mask) {
+HWY_INLINE uint32_t BitsOfMask([[maybe_unused]] D d, hn::Mask<D> mask) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  return mask.raw;
+#else
   uint8_t bits[8] = {};
   hn::StoreMaskBits(d, mask, bits);
   return bits[0] | uint32_t{bits[1]} << 8;
+#endif
+}
+
+// Returns the mask that has these bits.
+template <class D>
+HWY_INLINE hn::Mask<D> MaskOfBits([[maybe_unused]] D d, uint32_t bits) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+  using M = hn::Mask<D>;
+  return M{static_cast<decltype(M::raw)>(bits)};
+#else
+  const uint8_t stored[8] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8)};
+  return hn::LoadMaskBits(d, stored);
+#endif
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

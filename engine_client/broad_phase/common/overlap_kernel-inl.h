@@ -59,11 +59,11 @@ template <size_t kStride, class D, class V>
 HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
                                 const float* min, const float* max) {
   const auto begins =
-      hn::And(hn::And(hn::Le(min0, hn::Set(d, max[0])), hn::Le(min1, hn::Set(d, max[kStride]))),
-              hn::Le(min2, hn::Set(d, max[2 * kStride])));
+      Both(Both(hn::Le(min0, hn::Set(d, max[0])), hn::Le(min1, hn::Set(d, max[kStride]))),
+           hn::Le(min2, hn::Set(d, max[2 * kStride])));
   const auto ends =
-      hn::And(hn::And(hn::Ge(max0, hn::Set(d, min[0])), hn::Ge(max1, hn::Set(d, min[kStride]))),
-              hn::Ge(max2, hn::Set(d, min[2 * kStride])));
+      Both(Both(hn::Ge(max0, hn::Set(d, min[0])), hn::Ge(max1, hn::Set(d, min[kStride]))),
+           hn::Ge(max2, hn::Set(d, min[2 * kStride])));
   return hn::And(begins, ends);
 }
 
@@ -73,6 +73,43 @@ HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
   return hn::Not(hn::FirstN(d, first > at ? first - at : 0));
 }
 
+// Stores (self, partner) with a < b of the partners in the first `count` lanes: half a register of
+// pairs, and the other half where they need it or kAlways. Always is faster where they often do.
+template <bool kAlways, class V>
+HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, OverlapPair* out) {
+  const hn::DFromV<V> du;
+#if HWY_TARGET == HWY_SCALAR || HWY_HAVE_SCALABLE
+  hn::StoreInterleaved2(hn::Min(self, partners), hn::Max(self, partners), du, &out->a);
+#else
+  const size_t half = hn::Lanes(du) / 2;
+#if HWY_MAX_BYTES == 64
+  // Every partner twice, of which the left one gives way to the lesser id, the right one to the
+  // greater. Interleaving takes twice as many instructions.
+  const auto pairs_from = [&](size_t first) HWY_ATTR {
+    const auto lanes = hn::ShiftRight<1>(NumbersFrom(du, 2 * first));
+    const auto twice = hn::TableLookupLanes(partners, hn::IndicesFromVec(du, lanes));
+    return hn::OddEven(hn::Max(self, twice), hn::Min(self, twice));
+  };
+  hn::StoreU(pairs_from(0), du, &out->a);
+  if (!kAlways && HWY_LIKELY(count <= half)) return;
+  hn::StoreU(pairs_from(half), du, &out[half].a);
+#else
+  const auto min = hn::Min(self, partners);
+  const auto max = hn::Max(self, partners);
+  auto lower = hn::InterleaveLower(du, min, max);
+  auto upper = hn::InterleaveUpper(du, min, max);
+#if HWY_MAX_BYTES == 32
+  const auto lower_of_blocks = lower;
+  lower = hn::ConcatLowerLower(du, upper, lower_of_blocks);
+  upper = hn::ConcatUpperUpper(du, upper, lower_of_blocks);
+#endif
+  hn::StoreU(lower, du, &out->a);
+  if (!kAlways && HWY_LIKELY(count <= half)) return;
+  hn::StoreU(upper, du, &out[half].a);
+#endif
+#endif
+}
+
 // Stores (id, ids[lane]) with a < b for each hit and returns their number. It always writes a whole
 // register of pairs at `out`: where hits are frequent, a mispredicted branch costs more.
 template <class D>
@@ -80,9 +117,9 @@ HWY_INLINE size_t StoreHits(D d, hn::Mask<D> hits, uint32_t id, const uint32_t* 
                             OverlapPair* out) {
   const hn::RebindToUnsigned<D> du;
   const auto others = CompressLanes(hn::LoadU(du, ids), hn::RebindMask(du, hits));
-  const auto self = hn::Set(du, id);
-  hn::StoreInterleaved2(hn::Min(self, others), hn::Max(self, others), du, &out->a);
-  return hn::CountTrue(d, hits);
+  const size_t count = hn::CountTrue(d, hits);
+  StorePairs<true>(hn::Set(du, id), others, count, out);
+  return count;
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

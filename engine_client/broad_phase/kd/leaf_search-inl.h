@@ -18,6 +18,7 @@
 #define SWEEPSTAKE_LEAF_SEARCH_INL_H_
 #endif
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -33,7 +34,7 @@ namespace sweepstake::HWY_NAMESPACE {
 
 // With kWithinOne both trees are the same one, and a pair is found at its earlier leaf; otherwise
 // every pair gets `other_bit` in the id of the box of `others`. Keeps its lists on the stack: about
-// 60 KiB.
+// 40 KiB.
 template <bool kWithinOne>
 class LeafSearch {
  public:
@@ -81,7 +82,6 @@ class LeafSearch {
   // Tests the leaves of the block against the near list, and empties it. REQUIRES: called at the
   // end of a block.
   void TestNear() {
-    const Lanes16 d;
     // A register of sentinels behind the last near leaf.
     for (size_t lane = 0; lane < kWidth; ++lane) {
       near_min_[0][near_count_ + lane] = std::numeric_limits<float>::infinity();
@@ -89,8 +89,7 @@ class LeafSearch {
     }
     for (size_t leaf = begin_; leaf < end_; ++leaf) {
       const Aabb bounds = BoxAt(own_bounds_, leaf);
-      const size_t count = FindBoxes(bounds, FindLeaves(bounds, leaf));
-      for (size_t part = 0; part < kWidth; part += hn::Lanes(d)) TestBoxes(leaf, part, count);
+      TestBoxes(leaf, FindBoxes(bounds, FindLeaves(bounds, leaf)));
     }
     near_count_ = 0;
     own_pairs_pending_ = false;
@@ -109,8 +108,17 @@ class LeafSearch {
   static constexpr size_t kNearCapacity = 256;
   // There is room for all boxes of the near leaves.
   static constexpr size_t kFoundCapacity = kNearCapacity * kWidth;
-  // A stored mask of up to 16 lanes.
-  static constexpr size_t kMaskBytes = 2;
+  // The number of found boxes that a leaf is tested against at a time.
+  static constexpr size_t kTestedTogether = 512;
+  // The number of notes whose pairs get room at a time.
+  static constexpr size_t kNotesPerRoom = 32;
+
+  // The places of boxes that hit lanes of a register, and the bits of those lanes. There is room
+  // for a leaf's own boxes, and for a note that is not kept.
+  struct Notes {
+    uint32_t place[kTestedTogether + kWidth + 1];
+    uint16_t lanes[kTestedTogether + kWidth + 1];
+  };
 
   // Prefetches the leaves found, which in large scenes are not in the cache.
   void Prefetch(size_t begin) const {
@@ -162,8 +170,56 @@ class LeafSearch {
     return count;
   }
 
-  // Stage 4: a register of the leaf's boxes against one another and against the boxes found.
-  void TestBoxes(size_t leaf, size_t part, size_t found_count) {
+  // Stage 4: the leaf's boxes against one another and against the boxes found, some at a time.
+  void TestBoxes(size_t leaf, size_t found_count) {
+    bool with_own = kWithinOne && own_pairs_pending_;
+    for (size_t k = 0; with_own || k < found_count; k += kTestedTogether, with_own = false)
+      TestSome(leaf, with_own, found_ + k, std::min(kTestedTogether, found_count - k));
+  }
+
+#if HWY_MAX_BYTES == 16
+  // A narrow register spends more on the copies of the other box's faces than on comparing them, so
+  // that the leaf's registers take turns with one set of copies.
+  void TestSome(size_t leaf, bool with_own, const uint32_t* places, size_t place_count) {
+    if (with_own) {
+      uint32_t own[kWidth];
+      for (size_t lane = 0; lane < kWidth; ++lane) own[lane] = PlaceOf(leaf, lane);
+      TestInTurns<true>(own_[leaf], own, kWidth);
+    }
+    TestInTurns<false>(own_[leaf], places, place_count);
+  }
+
+  template <bool kOwn>
+  void TestInTurns(const LeafBlock& own, const uint32_t* places, size_t place_count) {
+    const Lanes16 d;
+    constexpr size_t kRegisters = kWidth / 4;
+    const BoxLanes own_boxes = LanesOf(own);
+    const BoxLanes boxes = LanesOf(others_[0]);
+    Notes notes[kRegisters];
+    size_t count[kRegisters] = {};
+    for (size_t k = 0; k < place_count; ++k) {
+      const Aabb box = BoxAt(boxes, places[k]);
+      for (size_t r = 0; r < kRegisters; ++r) {
+        const size_t at = r * hn::Lanes(d);
+        uint32_t hits = BitsOfMask(d, Hits(d, box, own_boxes, at));
+        if constexpr (kOwn) hits &= LanesAfter(k) >> at;
+        count[r] = Note(notes[r], hits, places[k], count[r]);
+      }
+    }
+    checks_ += place_count * kWidth;
+    for (size_t r = 0; r < kRegisters; ++r)
+      WritePairs(own.id + r * hn::Lanes(d), notes[r], count[r]);
+  }
+#else
+  // The faces of a register of the leaf's boxes are held in registers.
+  void TestSome(size_t leaf, bool with_own, const uint32_t* places, size_t place_count) {
+    for (size_t part = 0; part < kWidth; part += hn::Lanes(Lanes16()))
+      TestPart(leaf, part, with_own, places, place_count);
+  }
+
+  // Not inlined: the registers that hold the faces would be saved to the stack.
+  HWY_NOINLINE void TestPart(size_t leaf, size_t part, bool with_own, const uint32_t* places,
+                             size_t place_count) {
     const Lanes16 d;
     const BoxLanes own = LanesOf(own_[leaf]);
     const auto min0 = hn::LoadU(d, own.min[0] + part);
@@ -172,88 +228,64 @@ class LeafSearch {
     const auto max0 = hn::LoadU(d, own.max[0] + part);
     const auto max1 = hn::LoadU(d, own.max[1] + part);
     const auto max2 = hn::LoadU(d, own.max[2] + part);
+    const LeafBlock& others = others_[0];
+    const auto hits_of = [&](uint32_t place) HWY_ATTR {
+      return BitsOfMask(d, HeldHits<kWidth>(d, min0, min1, min2, max0, max1, max2,
+                                            others.min[0] + place, others.max[0] + place));
+    };
     size_t count = 0;
-    if (kWithinOne && own_pairs_pending_) {
-      const auto first = static_cast<uint32_t>(leaf * LeafBlock::kStride);
-      for (uint32_t lane = 0; lane < kWidth; ++lane) {
-        const auto hits = Both(LanesAfter(d, lane, part),
-                               HeldHits(d, min0, min1, min2, max0, max1, max2, first + lane));
-        count = NoteHits(d, hits, first + lane, count);
+    if (with_own) {
+      for (size_t lane = 0; lane < kWidth; ++lane) {
+        const uint32_t place = PlaceOf(leaf, lane);
+        count = Note(notes_, hits_of(place) & LanesAfter(lane) >> part, place, count);
       }
       checks_ += kWidth * hn::Lanes(d);
     }
-    for (size_t k = 0; k < found_count; ++k) {
-      const uint32_t place = found_[k];
-      const auto hits = HeldHits(d, min0, min1, min2, max0, max1, max2, place);
-      count = NoteHits(d, hits, place, count);
+    for (size_t k = 0; k < place_count; ++k) {
+      const uint32_t place = places[k];
+      count = Note(notes_, hits_of(place), place, count);
     }
-    checks_ += found_count * hn::Lanes(d);
-    WritePairs(own.id + part, count);
+    checks_ += place_count * hn::Lanes(d);
+    WritePairs(own.id + part, notes_, count);
   }
 
-  // Returns which of the register's boxes overlap the box at `place`.
-  template <class D, class V>
-  HWY_INLINE hn::Mask<D> HeldHits(D d, V min0, V min1, V min2, V max0, V max1, V max2,
-                                  uint32_t place) const {
-    return HWY_NAMESPACE::HeldHits<kWidth>(d, min0, min1, min2, max0, max1, max2,
-                                           others_[0].min[0] + place, others_[0].max[0] + place);
+  Notes notes_;
+#endif
+
+  static HWY_INLINE uint32_t PlaceOf(size_t leaf, size_t lane) {
+    return static_cast<uint32_t>(leaf * LeafBlock::kStride + lane);
   }
 
-  // Returns the lanes of indices above `index`, where lane 0 is index `at`.
-  template <class D>
-  static HWY_INLINE hn::Mask<D> LanesAfter(D d, uint32_t index, size_t at) {
-    const hn::RebindToUnsigned<D> du;
-    const auto lane = NumbersFrom(du, at);
-    return hn::RebindMask(d, hn::Gt(lane, hn::Set(du, index)));
-  }
+  // A pair of the leaf's own is found at its first box.
+  static HWY_INLINE uint32_t LanesAfter(size_t lane) { return ~1U << lane; }
 
-  // Keeps the note of a test if it has hits. There is no branch, since about half of the tests
-  // have; pairs are written apart from the tests because writing them takes longest.
-  template <class D>
-  HWY_INLINE size_t NoteHits(D d, hn::Mask<D> hits, uint32_t place, size_t count) {
-    hn::StoreMaskBits(d, hits, hit_lanes_ + count * kMaskBytes);
-    hit_place_[count] = place;
-    return count + (hn::AllFalse(d, hits) ? 0 : 1);
+  // Keeps a note of a test if it has hits. There is no branch, since about half of the tests have;
+  // pairs are written apart from the tests because writing them takes longest.
+  static HWY_INLINE size_t Note(Notes& notes, uint32_t hits, uint32_t place, size_t count) {
+    notes.lanes[count] = static_cast<uint16_t>(hits);
+    notes.place[count] = place;
+    return count + (hits != 0 ? 1 : 0);
   }
 
   // Writes the pairs of `ids` with the boxes noted.
-  void WritePairs(const uint32_t* ids, size_t count) {
-    const Lanes16 d;
+  void WritePairs(const uint32_t* ids, const Notes& notes, size_t count) {
     const hn::RebindToUnsigned<Lanes16> du;
     const auto own = hn::LoadU(du, ids);
-    for (size_t k = 0; k < count; ++k) {
-      const auto hits = hn::RebindMask(du, hn::LoadMaskBits(d, hit_lanes_ + k * kMaskBytes));
-      const auto partners = CompressLanes(own, hits);
-      const uint32_t id = others_[0].id[hit_place_[k]];
-      const auto self = hn::Set(du, kWithinOne ? id : other_bit_ | id);
-      const size_t hit_count = hn::CountTrue(du, hits);
-      StorePairs(du, hn::Min(self, partners), hn::Max(self, partners), hit_count,
-                 cursor_.Room(kWidth));
-      cursor_.Advance(hit_count);
+    const uint32_t* const other_ids = others_[0].id;
+    for (size_t k = 0; k < count;) {
+      OverlapPair* const room = cursor_.Room(kNotesPerRoom * kWidth);
+      OverlapPair* out = room;
+      for (const size_t end = std::min(count, k + kNotesPerRoom); k < end; ++k) {
+        const uint32_t hits = notes.lanes[k];
+        const auto partners = CompressBits(own, hits);
+        const uint32_t id = other_ids[notes.place[k]];
+        const auto self = hn::Set(du, kWithinOne ? id : other_bit_ | id);
+        const size_t hit_count = hwy::PopCount(hits);
+        StorePairs<false>(self, partners, hit_count, out);
+        out += hit_count;
+      }
+      cursor_.Advance(static_cast<size_t>(out - room));
     }
-  }
-
-  // Stores the first `count` pairs, and up to a register more.
-  template <class D, class V>
-  static HWY_INLINE void StorePairs([[maybe_unused]] D d, V first, V second, size_t count,
-                                    OverlapPair* out) {
-#if HWY_TARGET == HWY_SCALAR
-    (void)count;
-    hn::StoreInterleaved2(first, second, d, &out->a);
-#else
-    // Pairs are stored as words of 64 bits. The second half is stored only if it has a pair, which
-    // is rare.
-    const hn::Repartition<uint64_t, D> wide;
-    const hn::Half<D> half;
-    const auto low = hn::PromoteTo(wide, hn::LowerHalf(half, first));
-    const auto high = hn::PromoteTo(wide, hn::LowerHalf(half, second));
-    auto* const words = reinterpret_cast<uint64_t*>(out);
-    hn::StoreU(hn::Or(low, hn::ShiftLeft<32>(high)), wide, words);
-    if (HWY_LIKELY(count <= hn::Lanes(wide))) return;
-    const auto upper_low = hn::PromoteTo(wide, hn::UpperHalf(half, first));
-    const auto upper_high = hn::PromoteTo(wide, hn::UpperHalf(half, second));
-    hn::StoreU(hn::Or(upper_low, hn::ShiftLeft<32>(upper_high)), wide, words + hn::Lanes(wide));
-#endif
   }
 
   const LeafBlock* const own_;
@@ -273,8 +305,6 @@ class LeafSearch {
   alignas(64) uint32_t near_leaf_[kNearCapacity + kWidth];
   alignas(64) uint32_t leaves_[kNearCapacity + kWidth];
   alignas(64) uint32_t found_[kFoundCapacity + kWidth];
-  alignas(64) uint32_t hit_place_[kFoundCapacity + 2 * kWidth];
-  alignas(64) uint8_t hit_lanes_[kMaskBytes * (kFoundCapacity + 2 * kWidth)];
 };
 
 }  // namespace sweepstake::HWY_NAMESPACE
