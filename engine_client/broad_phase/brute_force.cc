@@ -16,7 +16,7 @@ class BruteForce final : public BroadPhase {
  public:
   explicit BruteForce(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "BruteForce"; }
-  uint32_t version() const override { return 2; }
+  uint32_t version() const override { return 3; }
   void Build(std::span<const Aabb> boxes) override { Load(boxes); }
   void Update(std::span<const Aabb> boxes) override { Load(boxes); }
   void FindPairs(PairBuffer& out) override;

@@ -40,7 +40,7 @@ class Dbvt final : public BroadPhase {
  public:
   explicit Dbvt(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "DBVT"; }
-  uint32_t version() const override { return 3; }
+  uint32_t version() const override { return 4; }
   void Build(std::span<const Aabb> boxes) override;
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;

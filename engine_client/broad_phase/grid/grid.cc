@@ -15,7 +15,7 @@ class Grid final : public BroadPhase {
  public:
   explicit Grid(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "Grid"; }
-  uint32_t version() const override { return 3; }
+  uint32_t version() const override { return 4; }
   void Build(std::span<const Aabb> boxes) override {
     plan_.Reset();
     Update(boxes);

@@ -30,7 +30,7 @@ class KdTree final : public BroadPhase {
  public:
   explicit KdTree(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "KDTree"; }
-  uint32_t version() const override { return 4; }
+  uint32_t version() const override { return 5; }
   void Build(std::span<const Aabb> boxes) override;
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;
