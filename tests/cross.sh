@@ -150,13 +150,14 @@ build_libraries() {
 
 # configure_and_build NAME TARGETS CMAKE_ARGUMENTS...: build/cross-NAME.
 configure_and_build() {
-  local build=build/cross-$1 targets=$2
+  local build=build/cross-$1 targets
+  read -ra targets <<<"$2"
   quietly "$build/configure.log" cmake "${configuration[@]}" "${launcher[@]}" -DSWEEPSTAKE_WERROR=ON -S . -B "$build" \
     "${@:3}" || return
   grep '^-- Left out' "$build/configure.log" || true
   say "$1: compiles"
   # All faults in one run.
-  quietly "$build/build.log" cmake --build "$build" -j "$jobs" --target "$targets" -- -k 0
+  quietly "$build/build.log" cmake --build "$build" -j "$jobs" --target "${targets[@]}" -- -k 0
 }
 
 run_tests() {
@@ -226,7 +227,7 @@ if [[ ! -f $packages/complete ]]; then
 fi
 
 say "this machine"
-configure_and_build native fingerprint
+configure_and_build native "fingerprint frames"
 build/cross-native/bin/fingerprint build/cross-native/fingerprint.txt
 
 failed=0
