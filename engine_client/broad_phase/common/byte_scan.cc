@@ -199,6 +199,11 @@ uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer&
   return ScanTiles<true, false, 1>(lanes, begin, end, out);
 }
 
+double CheckNs() {
+  constexpr double kNsOf64 = HWY_MAX_BYTES == 64 ? 1.25 : HWY_MAX_BYTES == 32 ? 2.25 : 3.6;
+  return kNsOf64 / 64;
+}
+
 }  // namespace sweepstake::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -208,6 +213,7 @@ namespace sweepstake {
 
 HWY_EXPORT(ScanAll);
 HWY_EXPORT(ScanSwept);
+HWY_EXPORT(CheckNs);
 
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
   return HWY_DYNAMIC_DISPATCH(ScanAll)(lanes, begin, end, out);
@@ -216,6 +222,8 @@ uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBu
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
   return HWY_DYNAMIC_DISPATCH(ScanSwept)(lanes, begin, end, out);
 }
+
+double SweptCheckNs() { return HWY_DYNAMIC_DISPATCH(CheckNs)(); }
 
 }  // namespace sweepstake
 

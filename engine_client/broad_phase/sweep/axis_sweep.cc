@@ -25,11 +25,15 @@ constexpr size_t kSwapsPerFace = 8;
 // The size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// Returns the number of swaps up to which a repair is cheaper than a sweep. On AMD Zen 5
-// (`sweepstake bench`) a swap takes about 5 ns, a new sort with filling the lanes 30 ns per box,
-// and 64 lanes of a sweep 1 ns.
+// On AMD Zen 5 (`sweepstake bench`): a swap, and a new sort with filling the lanes, per box.
+constexpr double kSwapNs = 5;
+constexpr double kSortNs = 30;
+
+// Returns the number of swaps up to which a repair is cheaper than a sweep.
 double SwapBudget(uint64_t sweep_checks, size_t box_count) {
-  return 6.0 * static_cast<double>(box_count) + static_cast<double>(sweep_checks) / 256;
+  return (kSortNs * static_cast<double>(box_count) +
+          SweptCheckNs() * static_cast<double>(sweep_checks)) /
+         kSwapNs;
 }
 
 bool OverlapOn(const BoxRecord& a, const BoxRecord& b, size_t axis) {
@@ -40,7 +44,7 @@ class AxisSweep final : public BroadPhase {
  public:
   explicit AxisSweep(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "AxisSweep"; }
-  uint32_t version() const override { return 2; }
+  uint32_t version() const override { return 3; }
   void Build(std::span<const Aabb> boxes) override;
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;
