@@ -112,6 +112,8 @@ Status UseSimdTarget(std::string_view name) {
     is_chosen = true;
     // DisableTargets of Highway 1.0 is undone by whoever asks for the supported targets next.
     hwy::SetSupportedTargetsForTest(UsableTargets().NoBetterThan(name));
+    // Highway chooses at the next call. This is one, so that none of a broad phase pays for it.
+    HWY_DYNAMIC_DISPATCH(TargetOfKernels)();
     return {};
   }
   return {StatusCode::kInvalidArgument,

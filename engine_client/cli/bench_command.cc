@@ -8,7 +8,6 @@
 #include "engine_client/cli/bench/bench_run.h"
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/report_file.h"
-#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -20,9 +19,6 @@ Status WriteReport(const BenchReport& report, ReportFile& file, Terminal& termin
 }
 
 int Bench(const BenchOptions& options, Terminal& terminal) {
-  if (!options.simd.empty()) {
-    if (Status status = UseSimdTarget(options.simd); !status.ok()) return Fail(terminal, status);
-  }
   std::unique_ptr<ReportFile> file;
   if (options.report_file) {
     auto created = ReportFile::Create(*options.report_file);
@@ -70,9 +66,12 @@ void Declare(CLI::App& command, BenchOptions& options) {
       ->capture_default_str();
   command.add_flag("--cold", options.cold,
                    "Evict the caches before each frame by touching 32 MiB, for arms and peers");
-  command.add_option("--simd", options.simd,
-                     "Instruction set of the arms, as avx512, avx2 or sse4; peers have their own. "
-                     "SWEEPSTAKE_CLIENT_SIMD does the same for every command");
+  command
+      .add_option(
+          "--simd", options.simd,
+          "all, or instruction sets, as avx512, avx2 or sse4: each arm is timed with each "
+          "of them; peers have their own. SWEEPSTAKE_CLIENT_SIMD sets one for every command")
+      ->delimiter(',');
   command.add_flag("--peers", options.peers,
                    "Time the broad phases of other libraries too, and compare");
   command
@@ -95,7 +94,7 @@ void AddBenchCommand(CLI::App& app, Terminal& terminal, const std::string& comma
       "  sweepstake bench --scene hurricane --objects 3000 --arms SAP,KDTree --json\n"
       "  sweepstake bench --scene nearly-resting,beams --objects 10000 --threads 1,2\n"
       "  sweepstake bench --scene suite-b --objects 1000,10000 --peers --report out.html\n"
-      "  sweepstake bench --scene suite-b --objects 10000 --simd avx2\n"
+      "  sweepstake bench --scene suite-b --objects 10000 --simd avx512,avx2,sse4\n"
       "Milliseconds per frame; pairs and AABB checks are means per frame, bytes the most held.\n" +
           SceneHelp(),
       exit_code, Declare, [&terminal, command_line](const BenchOptions& options) {

@@ -30,25 +30,26 @@ def run(words, documents=()):
 # Backends -----------------------------------------------------------------------------------------------------------------
 
 
-def bench_row(arm, ms=1.0, kind="arm", family=None, scene="suite-b", objects=10_000, threads=1, **more):
-    return {"scene": scene, "objects": objects, "arm": arm, "threads": threads, "frames": 10, "ms_median": ms, "ms_mean": ms,
-            "ms_min": ms, "ms_p99": ms, "pairs_mean": 5.0, "aabb_checks_mean": None, "bytes": None, "kind": kind,
-            "family": family or arm} | more
+def bench_row(arm, ms=1.0, kind="arm", family=None, scene="suite-b", objects=10_000, threads=1, simd="avx512", **more):
+    return {"scene": scene, "objects": objects, "arm": arm, "simd": simd if kind == "arm" else None, "threads": threads,
+            "frames": 10, "ms_median": ms, "ms_mean": ms, "ms_min": ms, "ms_p99": ms, "pairs_mean": 5.0,
+            "aabb_checks_mean": None, "bytes": None, "kind": kind, "family": family or arm} | more
 
 
-def ratio(kind, ours, other, value, scene="suite-b", objects=10_000, threads=1, family=None):
+def ratio(kind, ours, other, value, scene="suite-b", objects=10_000, threads=1, family=None, simd="avx512"):
     return {"scene": scene, "objects": objects, "threads": threads, "kind": kind, "family": family or ours, "ours": ours,
-            "other": other, "value": value, "value_mean": value}
+            "simd": simd, "other": other, "value": value, "value_mean": value}
 
 
-def speedup(arm, peer, times, scene="suite-b", objects=10_000):
-    return {"scene": scene, "objects": objects, "arm": arm, "peer": peer, "median": times, "mean": 2 * times}
+def speedup(arm, peer, times, scene="suite-b", objects=10_000, simd="avx512"):
+    return {"scene": scene, "objects": objects, "arm": arm, "simd": simd, "peer": peer, "median": times, "mean": 2 * times}
 
 
-def bench_document(rows, ratios=(), speedups=()):
+def bench_document(rows, ratios=(), speedups=(), simd=("avx512",), cold=False):
     machine = {"date": "2026-01-31", "program": "1", "cpu": "A processor", "cores": 2, "system": "Linux", "compiler": "gcc",
-               "simd": "AVX2", "libraries": {"hwy": "1"}, "absent_peers": []}
-    return {"command": "bench", "machine": machine, "rows": list(rows), "ratios": list(ratios), "speedups": list(speedups)}
+               "simd": simd[0], "libraries": {"hwy": "1"}, "absent_peers": []}
+    return {"command": "bench", "cold": cold, "simd": list(simd), "machine": machine, "rows": list(rows),
+            "ratios": list(ratios), "speedups": list(speedups)}
 
 
 def judged(document):
@@ -57,16 +58,20 @@ def judged(document):
 
 
 class BenchGoals(unittest.TestCase):
-    def goal_of(self, **fields):
+    def goal_of(self, cold=False, published=False, **fields):
         goals = common.read_goals(judge.DATA / "goals.toml")
-        return backends.bench_goal(goals, ratio(**({"kind": "family", "ours": "Grid", "other": "Peer", "value": 1.0} | fields)))[0]
+        compared = ratio(**({"kind": "family", "ours": "Grid", "other": "Peer", "value": 1.0} | fields))
+        if published:
+            compared["derived_through"] = "Embree"
+        document = bench_document([], simd=("avx512", "avx2", "sse4"), cold=cold)
+        return backends.bench_goal(goals, compared, document)["goal"]
 
     def test_depend_on_the_scene_and_its_size(self):
         for fields, goal in (
             ({"kind": "overall", "objects": 1_000}, 5),
             ({"kind": "overall", "scene": "suite-h", "objects": 100_000}, 10),
             ({"kind": "overall", "scene": "suite-g", "objects": 1_000}, 10),
-            ({"kind": "overall", "scene": "beams"}, 3),
+            ({"kind": "overall", "scene": "beams"}, 5),
             ({"kind": "overall", "scene": "nearly-resting"}, None),
             ({"ours": "DBVT", "objects": 1_000}, 7),
             ({"ours": "DBVT", "scene": "nearly-resting"}, 1.3),
@@ -80,6 +85,60 @@ class BenchGoals(unittest.TestCase):
             ({"kind": "growth"}, 2),
         ):
             self.assertEqual(self.goal_of(**fields), goal, fields)
+
+    def test_depend_on_the_instruction_set(self):
+        for fields, goal in (
+            ({"kind": "overall", "simd": "avx2", "objects": 1_000}, 10),
+            ({"kind": "overall", "simd": "avx2", "scene": "beams"}, None),
+            ({"kind": "overall", "simd": "sse4"}, None),
+            ({"simd": "avx2"}, None),
+            ({"kind": "spike", "simd": "sse4"}, 2),
+            ({"kind": "simd", "simd": "avx2", "other": "avx512"}, 1.7),
+            ({"kind": "simd", "simd": "avx2", "other": "avx512", "ours": "BruteForce"}, 1.2),
+            ({"kind": "simd", "simd": "sse4", "other": "avx2", "ours": "BruteForce"}, 2),
+            ({"kind": "simd", "simd": "sse4", "other": "avx512"}, None),
+            ({"kind": "simd", "simd": "sse4", "other": "avx2", "scene": "beams"}, None),
+            ({"kind": "simd", "simd": "sse4", "other": "avx2", "objects": 400}, None),
+        ):
+            self.assertEqual(self.goal_of(**fields), goal, fields)
+
+    def test_of_the_best_instruction_set_are_those_of_the_best_that_was_measured(self):
+        goals = common.read_goals(judge.DATA / "goals.toml")
+        for measured, goal in ((("avx2", "sse4"), 6), (("avx512", "avx2"), None)):
+            found = backends.bench_goal(goals, ratio("family", "Grid", "Peer", 1.0, simd="avx2"), bench_document([], simd=measured))
+            self.assertEqual(found["goal"], goal, measured)
+
+    def test_depend_on_whether_the_peer_ran(self):
+        for fields, goal in (
+            ({"simd": "avx2", "published": True, "other": "PhysxAbp"}, 4),
+            ({"simd": "avx2", "published": True, "other": "PhysxAbp", "objects": 100_000}, 8),
+            ({"simd": "avx2", "published": True, "other": "BroadmarkSap"}, None),
+            ({"simd": "avx2", "published": False, "other": "PhysxAbp"}, 10),
+            ({"simd": "avx512", "published": True, "other": "PhysxAbp"}, 5),
+            ({"simd": "avx512", "published": True, "other": "BroadmarkSap", "scene": "suite-g", "objects": 1_000}, 10),
+        ):
+            self.assertEqual(self.goal_of(kind="overall", **fields), goal, fields)
+
+    def test_are_others_with_cold_caches(self):
+        for fields, goal in (
+            ({"kind": "overall"}, 8),
+            ({"kind": "overall", "simd": "avx2"}, 8),
+            ({"kind": "overall", "simd": "sse4"}, None),
+            ({"kind": "overall", "published": True, "other": "PhysxAbp"}, None),
+            ({"kind": "simd", "simd": "avx2", "other": "avx512"}, None),
+            ({}, None),
+        ):
+            self.assertEqual(self.goal_of(cold=True, **fields), goal, fields)
+
+    def test_of_instruction_sets_have_a_lower_and_an_upper_limit(self):
+        for value, met in ((0.99, False), (1.0, True), (2.0, True), (2.01, False)):
+            document = bench_document([bench_row("Grid", simd="sse4")], [ratio("simd", "Grid", "avx2", value, simd="sse4")],
+                                      simd=("avx2", "sse4"))
+            code, found, _ = judged(document)
+            self.assertEqual(code, 0 if met else 1, value)
+            self.assertEqual({key: found["goals"][0][key] for key in ("goal", "goal_at_least", "met")},
+                             {"goal": 2.0, "goal_at_least": 1.0, "met": met})
+            self.assertIn("1.0-2.0", run(["bench"], [document])[1])
 
     def test_exist_for_every_family(self):
         for family in ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"):
@@ -99,6 +158,13 @@ class BenchGoals(unittest.TestCase):
         self.assertEqual((code, document["goals"][0]["value"], document["goals"][0]["other"]), (0, 0.75, "12 MB"))
         row["bytes_with_pairs"] = 12_000_001
         self.assertEqual(judged(bench_document([row]))[0], 1)
+
+    def test_of_memory_are_for_each_instruction_set(self):
+        rows = [bench_row("KDTree", objects=100_000, simd=simd, bytes_with_pairs=held)
+                for simd, held in (("avx512", 6_000_000), ("avx2", 13_000_000))]
+        code, document, _ = judged(bench_document(rows, simd=("avx512", "avx2")))
+        self.assertEqual((code, [(each["simd"], each["met"]) for each in document["goals"]]),
+                         (1, [("avx512", True), ("avx2", False)]))
 
 
 class PublishedFigures(unittest.TestCase):
@@ -120,6 +186,25 @@ class PublishedFigures(unittest.TestCase):
         rows = [bench_row("Grid", 2.0), bench_row("SAP", 1.0), bench_row("KDTree", 0.5, threads=2)]
         _, document, _ = judged(bench_document(rows, speedups=[speedup(arm, "Embree", 5) for arm in ("Grid", "SAP")]))
         self.assertEqual([each["ours"] for each in document["published"] if each["kind"] == "overall"], ["SAP"])
+
+    def test_are_compared_with_the_fastest_arm_of_each_instruction_set(self):
+        rows = [bench_row("Grid", 2.0), bench_row("SAP", 1.0), bench_row("Grid", 3.0, simd="avx2"), bench_row("SAP", 4.0, simd="avx2")]
+        times = {("Grid", "avx512"): 5, ("SAP", "avx512"): 10, ("Grid", "avx2"): 4, ("SAP", "avx2"): 3}
+        document = bench_document(rows, speedups=[speedup(arm, "Embree", value, simd=simd) for (arm, simd), value in times.items()],
+                                  simd=("avx512", "avx2"))
+        published = judged(document)[1]["published"]
+        overall = [(each["ours"], each["simd"], each["goal"]) for each in published if each["kind"] == "overall"]
+        self.assertEqual(overall, [("SAP", "avx512", 5), ("Grid", "avx2", 4)])
+        family = {(each["ours"], each["simd"]): each["value"] for each in published if each["other"] == "BroadmarkSap"}
+        self.assertEqual(family.keys(), {("SAP", "avx512"), ("SAP", "avx2")})
+        self.assertAlmostEqual(family["SAP", "avx2"], 3 * 2.39 / 2.50)
+
+    def test_are_compared_with_a_peer_that_a_goal_names_beside_the_best(self):
+        rows = [bench_row("SAP", simd=simd, scene="suite-g", objects=1_000) for simd in ("avx512", "avx2")]
+        speedups = [speedup("SAP", "Embree", 20, "suite-g", 1_000, simd) for simd in ("avx512", "avx2")]
+        _, document, _ = judged(bench_document(rows, speedups=speedups, simd=("avx512", "avx2")))
+        overall = [(each["simd"], each["other"], each["goal"]) for each in document["published"] if each["kind"] == "overall"]
+        self.assertEqual(overall, [("avx512", "BroadmarkSap", 10), ("avx2", "BroadmarkSap", None), ("avx2", "PhysxAbp", 4)])
 
     def test_do_not_exist_for_other_cells(self):
         for scene, objects in (("suite-b", 2_000), ("planar", 10_000), ("suite-h", 1_000_000)):
@@ -149,6 +234,26 @@ class BenchText(unittest.TestCase):
         lines = [line.split() for line in out.splitlines()]
         self.assertIn(["overall", "Grid", "1", "Peer", "9.00", "9.00", "5.0", "met", "-"], lines)
         self.assertIn(["family", "Grid", "1", "Peer", "2.00", "2.00", "6.0", "NOT", "MET", "-"], lines)
+        self.assertNotIn("simd", lines[0])
+
+    def test_names_the_instruction_set_where_several_were_measured(self):
+        document = bench_document(
+            [bench_row("Grid", simd="avx2"), bench_row("Grid", 2.5, simd="sse4", difference="step 1: other pairs"),
+             bench_row("Peer", kind="peer", family="Grid")],
+            [ratio("simd", "Grid", "avx2", 2.5, simd="sse4")], simd=("avx2", "sse4"), cold=True)
+        lines = [line.split() for line in run(["bench"], [document])[1].splitlines()]
+        self.assertEqual(lines[0][:5], ["family", "arm", "simd", "thr", "frames"])
+        self.assertIn(["Grid", "Grid", "sse4", "1", "10", "2.5000", "2.5000", "2.5000", "2.5000", "-", "-"], lines)
+        self.assertIn(["Grid", "Peer", "-", "1", "10", "1.0000", "1.0000", "1.0000", "1.0000", "-", "-"], lines)
+        self.assertIn("FAILED Grid with sse4 in suite-b (10000 objects): step 1: other pairs".split(), lines)
+        self.assertTrue(any("cold" in line for line in lines))
+
+    def test_has_comparisons_of_the_row_that_they_are_of(self):
+        document = bench_document([bench_row("Grid", simd="avx2"), bench_row("Grid", simd="sse4")],
+                                  [ratio("simd", "Grid", "avx2", 1.5, simd="sse4")], simd=("avx2", "sse4"))
+        lines = [line.split() for line in run(["bench"], [document])[1].splitlines()]
+        self.assertEqual([line for line in lines if line[:1] == ["simd"]],
+                         [["simd", "Grid", "sse4", "1", "avx2", "1.50", "1.50", "1.0-2.0", "met", "-"]])
 
     def test_puts_what_was_measured_elsewhere_behind_what_was_measured_here(self):
         document = bench_document([bench_row("SAP"), bench_row("Grid")],
@@ -344,6 +449,15 @@ class Incomplete(unittest.TestCase):
     def test_goals_without_a_limit(self):
         with self.assertRaises(common.InputError):
             common.limit_of({"goal": "nothing"})
+
+    def test_goals_with_two_limits_where_one_is_shown(self):
+        with self.assertRaises(common.InputError):
+            common.limit_of({"at_least": 1.0, "at_most": 2.0})
+
+    def test_documents_that_name_no_instruction_set(self):
+        document = bench_document([bench_row("Grid")])
+        del document["simd"]
+        self.assertEqual(run(["bench"], [document])[0], 2)
 
 
 if __name__ == "__main__":

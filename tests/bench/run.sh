@@ -8,12 +8,15 @@ parts=(suite large million slow shapes coincident counts threads frame-path)
 
 usage() {
   cat <<END
-Usage: tests/bench/run.sh [--quick] [--program PATH] [--out FOLDER] [--json] [PART…]
+Usage: tests/bench/run.sh [--quick] [--simd LIST] [--cold] [--program PATH] [--out FOLDER] [--json] [PART…]
 
 Runs the parts (all of them by default): ${parts[*]}.
 Each part's tables, with the goals of data/goals.toml, go to stdout and to FOLDER/PART.txt; with --json its document to
 FOLDER/PART.json instead. The page with charts of all its documents is FOLDER/PART.html.
   --quick         a few frames of small scenes, to see that everything works
+  --simd LIST     instruction sets that each backend runs with, in turns: \`avx512,avx2,sse4\`, or \`all\` that the
+                  machine has (default: the best one)
+  --cold          evict the caches before each frame
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
   --out FOLDER    (default: build/bench)
 Ends with 1 when a backend or a peer found wrong pairs, or the frame path allocated or waited.
@@ -25,11 +28,14 @@ quick=0
 json=0
 program=$root/build/release/bin/sweepstake
 out=$root/build/bench
+passed=()  # to `sweepstake bench`
 chosen=()
 while (($# > 0)); do
   case $1 in
     --quick) quick=1 ;;
     --json) json=1 ;;
+    --simd) passed+=(--simd "$2"); shift ;;
+    --cold) passed+=(--cold) ;;
     --program) program=$2; shift ;;
     --out) out=$2; shift ;;
     -h | --help) usage; exit 0 ;;
@@ -51,7 +57,7 @@ bench() {
   ((quick == 0)) || sized=(--scene "$1" --objects 200,400 --frames 4 --warmup 1 --peer-cap 0.2)
   shift 5
   local measured=0
-  "$program" bench --json "${sized[@]}" "$@" >"$documents/measured.json" || measured=$?
+  "$program" bench --json "${sized[@]}" "${passed[@]}" "$@" >"$documents/measured.json" || measured=$?
   ((measured <= 1)) || return "$measured"
   judge || return
   return "$measured"

@@ -11,12 +11,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json NameOrNull(const std::string& name) { return name.empty() ? Json() : Json(name); }
+
 const char* KindName(ContestantKind kind) { return kind == ContestantKind::kArm ? "arm" : "peer"; }
 
 Json RowJson(const BenchRow& row, const BenchCell& cell) {
   Json json = {{"scene", cell.scene},
                {"objects", cell.object_count},
                {"arm", row.name},
+               {"simd", NameOrNull(row.simd)},
                {"threads", row.thread_count},
                {"frames", row.frame_count},
                {"ms_median", row.ms_median},
@@ -41,6 +44,7 @@ Json RatioJson(const BenchRatio& ratio, const BenchCell& cell) {
           {"kind", RatioKindName(ratio.kind)},
           {"family", ratio.family},
           {"ours", ratio.ours},
+          {"simd", ratio.simd},
           {"other", ratio.other},
           {"value", ratio.value},
           {"value_mean", OrNull(ratio.value_mean)}};
@@ -49,6 +53,9 @@ Json RatioJson(const BenchRatio& ratio, const BenchCell& cell) {
 std::string OrDash(const std::optional<uint64_t>& value) {
   return value ? std::to_string(*value) : "-";
 }
+std::string OrDash(const std::string& name) { return name.empty() ? "-" : name; }
+
+bool HasSeveralSimd(const BenchReport& report) { return report.options.simd.size() > 1; }
 
 std::string Title(const BenchCell& cell) {
   return cell.scene + ", " + std::to_string(cell.object_count) + " objects";
@@ -66,45 +73,65 @@ std::string TitleWithPairs(const BenchReport& report, size_t cell) {
 }
 
 // The table must fit a terminal, so what all rows of a cell share is in the cell's title, and the
-// columns that only peers need are shown only if peers were run.
+// columns that only peers or several instruction sets need are shown only if there are any.
+std::vector<std::string> RowHeader(const BenchReport& report) {
+  std::vector<std::string> header;
+  if (report.options.peers) header.emplace_back("family");
+  header.emplace_back("arm");
+  if (HasSeveralSimd(report)) header.emplace_back("simd");
+  header.emplace_back("thr");
+  if (report.options.peers) header.emplace_back("frames");
+  for (const char* column : {"ms_median", "ms_mean", "ms_min", "ms_p99", "aabb_checks", "bytes"}) {
+    header.emplace_back(column);
+  }
+  return header;
+}
+
+std::vector<std::string> RowCells(const BenchReport& report, const BenchRow& row) {
+  std::vector<std::string> cells;
+  if (report.options.peers) cells.push_back(row.family);
+  cells.push_back(row.name);
+  if (HasSeveralSimd(report)) cells.push_back(OrDash(row.simd));
+  cells.push_back(std::to_string(row.thread_count));
+  if (report.options.peers) cells.push_back(std::to_string(row.frame_count));
+  for (const double ms : {row.ms_median, row.ms_mean, row.ms_min, row.ms_p99}) {
+    cells.push_back(Fixed(ms, 4));
+  }
+  cells.push_back(row.aabb_checks_mean ? Fixed(*row.aabb_checks_mean, 0) : "-");
+  cells.push_back(OrDash(row.bytes));
+  return cells;
+}
+
 TextTable RowTable(const BenchReport& report) {
-  const bool peers = report.options.peers;
-  std::vector<std::string> header = {"arm",    "thr",    "ms_median",   "ms_mean",
-                                     "ms_min", "ms_p99", "aabb_checks", "bytes"};
-  if (peers) header.insert(header.begin(), "family");
-  if (peers) header.insert(header.begin() + 3, "frames");
-  TextTable table(std::move(header));
+  TextTable table(RowHeader(report));
   const BenchRow* before = nullptr;
   for (const BenchRow& row : report.rows) {
     if (before == nullptr || before->cell != row.cell)
       table.AddTitle(TitleWithPairs(report, row.cell));
     before = &row;
-    std::vector<std::string> cells = {row.name,
-                                      std::to_string(row.thread_count),
-                                      Fixed(row.ms_median, 4),
-                                      Fixed(row.ms_mean, 4),
-                                      Fixed(row.ms_min, 4),
-                                      Fixed(row.ms_p99, 4),
-                                      row.aabb_checks_mean ? Fixed(*row.aabb_checks_mean, 0) : "-",
-                                      OrDash(row.bytes)};
-    if (peers) cells.insert(cells.begin(), row.family);
-    if (peers) cells.insert(cells.begin() + 3, std::to_string(row.frame_count));
-    table.AddRow(std::move(cells));
+    table.AddRow(RowCells(report, row));
   }
   return table;
 }
 
 TextTable RatioTable(const BenchReport& report) {
-  TextTable table({"compared", "ours", "thr", "with", "ratio", "mean"});
+  std::vector<std::string> header = {"compared", "ours", "thr", "with", "ratio", "mean"};
+  if (HasSeveralSimd(report)) header.insert(header.begin() + 2, "simd");
+  TextTable table(std::move(header));
   const BenchRatio* before = nullptr;
   for (const BenchRatio& ratio : report.ratios) {
     if (before == nullptr || before->cell != ratio.cell) {
       table.AddTitle(Title(report.cells[ratio.cell]));
     }
     before = &ratio;
-    table.AddRow({RatioKindName(ratio.kind), ratio.ours, std::to_string(ratio.thread_count),
-                  ratio.other, Fixed(ratio.value, 2),
-                  ratio.value_mean ? Fixed(*ratio.value_mean, 2) : "-"});
+    std::vector<std::string> cells = {RatioKindName(ratio.kind),
+                                      ratio.ours,
+                                      std::to_string(ratio.thread_count),
+                                      ratio.other,
+                                      Fixed(ratio.value, 2),
+                                      ratio.value_mean ? Fixed(*ratio.value_mean, 2) : "-"};
+    if (HasSeveralSimd(report)) cells.insert(cells.begin() + 2, ratio.simd);
+    table.AddRow(std::move(cells));
   }
   return table;
 }
@@ -112,8 +139,9 @@ TextTable RatioTable(const BenchReport& report) {
 void PrintNotes(const BenchReport& report, std::ostream& out) {
   for (const BenchRow& row : report.rows) {
     const BenchCell& cell = report.cells[row.cell];
-    const std::string where =
-        row.name + " in " + cell.scene + " (" + std::to_string(cell.object_count) + " objects): ";
+    const bool name_is_enough = row.simd.empty() || !HasSeveralSimd(report);
+    const std::string where = row.name + (name_is_enough ? "" : " with " + row.simd) + " in " +
+                              cell.scene + " (" + std::to_string(cell.object_count) + " objects): ";
     if (!row.note.empty()) out << where << row.note << '\n';
     if (!row.difference.empty()) out << "FAILED " << where << row.difference << '\n';
   }
@@ -145,6 +173,8 @@ const char* RatioKindName(RatioKind kind) {
       return "threads";
     case RatioKind::kSpike:
       return "spike";
+    case RatioKind::kSimd:
+      return "simd";
   }
   return "";
 }
@@ -157,6 +187,7 @@ void PrintBenchJson(const BenchReport& report, std::ostream& out) {
                    {"warmup", options.warmup},
                    {"seed", options.seed},
                    {"cold", options.cold},
+                   {"simd", options.simd},
                    {"threads", options.thread_counts},
                    {"peers", options.peers},
                    {"peer_cap_s", options.peer_cap_s},
@@ -175,6 +206,7 @@ void PrintBenchJson(const BenchReport& report, std::ostream& out) {
     document["speedups"].push_back({{"scene", cell.scene},
                                     {"objects", cell.object_count},
                                     {"arm", speedup.arm},
+                                    {"simd", speedup.simd},
                                     {"peer", speedup.peer},
                                     {"median", speedup.median},
                                     {"mean", speedup.mean}});

@@ -64,6 +64,7 @@ BenchRatio RatioOf(RatioKind kind, const BenchRow& ours, std::string_view other,
   ratio.kind = kind;
   ratio.family = ours.family;
   ratio.ours = ours.name;
+  ratio.simd = ours.simd;
   ratio.other = other;
   ratio.thread_count = ours.thread_count;
   ratio.value = value;
@@ -105,11 +106,13 @@ const BenchRow* Fastest(const Rows& rows) {
   return fastest == rows.end() ? nullptr : *fastest;
 }
 
-// Compares our best arm at this thread count to the best of all peers with at most as many threads.
-void AddOverall(const BenchReport& report, size_t cell, uint32_t thread_count,
-                std::vector<BenchRatio>& ratios) {
+// Compares our best arm with this instruction set and thread count to the best of all peers with at
+// most as many threads.
+void AddOverall(const BenchReport& report, size_t cell, std::string_view simd,
+                uint32_t thread_count, std::vector<BenchRatio>& ratios) {
   const BenchRow* ours = Fastest(RowsWhere(report, [&](const BenchRow& row) {
-    return row.cell == cell && row.kind == ContestantKind::kArm && row.thread_count == thread_count;
+    return row.cell == cell && row.kind == ContestantKind::kArm && row.simd == simd &&
+           row.thread_count == thread_count;
   }));
   if (ours == nullptr) return;
   const Rows peers = RowsWhere(report, [&](const BenchRow& row) {
@@ -121,9 +124,13 @@ void AddOverall(const BenchReport& report, size_t cell, uint32_t thread_count,
   }
 }
 
+bool IsSameArm(const BenchRow& row, const BenchRow& ours) {
+  return row.name == ours.name && row.kind == ours.kind;
+}
+
 void AddThreads(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
   const Rows alone = RowsWhere(report, [&](const BenchRow& row) {
-    return row.cell == ours.cell && row.name == ours.name && row.kind == ours.kind &&
+    return row.cell == ours.cell && IsSameArm(row, ours) && row.simd == ours.simd &&
            row.thread_count == 1;
   });
   if (alone.empty()) return;
@@ -144,8 +151,8 @@ void AddGrowth(const BenchReport& report, const BenchRow& ours, std::vector<Benc
   if (cell.object_count != kTo || !IsNearLinear(ours.family)) return;
   const Rows small = RowsWhere(report, [&](const BenchRow& row) {
     return report.cells[row.cell].scene == cell.scene &&
-           report.cells[row.cell].object_count == kFrom && row.name == ours.name &&
-           row.kind == ours.kind && row.thread_count == ours.thread_count;
+           report.cells[row.cell].object_count == kFrom && IsSameArm(row, ours) &&
+           row.simd == ours.simd && row.thread_count == ours.thread_count;
   });
   if (small.empty() || small.front()->ms_median <= 0) return;
   const double per_object = (ours.ms_median / kTo) / (small.front()->ms_median / kFrom);
@@ -159,6 +166,22 @@ void AddSpike(const BenchReport& report, const BenchRow& ours, std::vector<Bench
   ratios.push_back(RatioOf(RatioKind::kSpike, ours, "median", ours.ms_p99 / ours.ms_median));
 }
 
+// Compares an arm to itself with the next better instruction set that was measured.
+void AddSimd(const BenchReport& report, const BenchRow& ours, std::vector<BenchRatio>& ratios) {
+  const auto& sets = report.options.simd;
+  const auto own = std::find(sets.begin(), sets.end(), ours.simd);
+  if (own == sets.begin() || own == sets.end()) return;
+  const std::string& better = *std::prev(own);
+  const Rows with_better = RowsWhere(report, [&](const BenchRow& row) {
+    return row.cell == ours.cell && IsSameArm(row, ours) && row.simd == better &&
+           row.thread_count == ours.thread_count;
+  });
+  if (with_better.empty()) return;
+  if (const auto speedup = SpeedupOver(*with_better.front(), ours)) {
+    ratios.push_back(Against(RatioKind::kSimd, ours, better, *speedup));
+  }
+}
+
 }  // namespace
 
 std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
@@ -166,8 +189,10 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
   const Rows arms =
       RowsWhere(report, [](const BenchRow& row) { return row.kind == ContestantKind::kArm; });
   for (size_t cell = 0; cell < report.cells.size(); ++cell) {
-    for (const uint32_t thread_count : report.options.thread_counts) {
-      AddOverall(report, cell, thread_count, ratios);
+    for (const std::string& simd : report.options.simd) {
+      for (const uint32_t thread_count : report.options.thread_counts) {
+        AddOverall(report, cell, simd, thread_count, ratios);
+      }
     }
     for (const BenchRow* arm : arms) {
       if (arm->cell != cell) continue;
@@ -175,6 +200,7 @@ std::vector<BenchRatio> RatiosOf(const BenchReport& report) {
       if (arm->thread_count != 1) AddThreads(report, *arm, ratios);
       AddGrowth(report, *arm, ratios);
       AddSpike(report, *arm, ratios);
+      AddSimd(report, *arm, ratios);
     }
   }
   return ratios;
@@ -192,7 +218,8 @@ std::vector<BenchSpeedup> SpeedupsOf(const BenchReport& report) {
       if (peer->cell != arm->cell) continue;
       const auto speedup = SpeedupOver(*arm, *peer);
       if (!speedup) continue;
-      speedups.push_back({arm->cell, arm->name, peer->name, speedup->median, speedup->mean});
+      speedups.push_back(
+          {arm->cell, arm->name, arm->simd, peer->name, speedup->median, speedup->mean});
     }
   }
   return speedups;

@@ -25,7 +25,9 @@ struct BenchOptions {
   std::vector<std::string> arms{"all"};
   std::vector<uint32_t> thread_counts{1};
   bool cold = false;  // caches are evicted before each frame (scene_timing.h)
-  std::string simd;   // one of SimdTargets() (simd.h), or empty for the best one
+  // Instruction sets to measure each arm with: `all` or some of SimdTargets() (simd.h), or empty
+  // for SimdTarget(). In a report: those that were measured, the best first.
+  std::vector<std::string> simd;
   bool peers = false;
   double peer_cap_s = 5;  // maximum of a peer's own time in a cell
   bool json = false;
@@ -48,6 +50,7 @@ struct BenchRow {
   ContestantKind kind = ContestantKind::kArm;
   std::string family;  // BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy or KDTree
   std::string name;    // of the arm or the peer
+  std::string simd;    // the instruction set; empty for peers, which have their own
   uint32_t thread_count = 1;
   uint64_t frame_count = 0;  // measured; 0: it was left out, and `note` says why
   double ms_median = 0;
@@ -70,18 +73,21 @@ enum class RatioKind {
   kGrowth,   // time per object at the largest count and at 10,000 objects
   kThreads,  // one thread and several
   kSpike,    // the 99th percentile frame and the median
+  kSimd,     // an instruction set and the next better one that was measured
 };
 // Returns the kind's name in JSON and tables.
 const char* RatioKindName(RatioKind kind);
 
 // A comparison between rows of one run. In kFamily, kOverall and kThreads `value` is how many times
 // faster `ours` is than `other` by the median over the frames that both measured; in the other
-// kinds it is a quotient that should be small.
+// kinds it is a quotient that should be small. All kinds but kSimd compare arms that ran with one
+// instruction set; kSimd is how many times longer the arm takes with `simd` than with `other`.
 struct BenchRatio {
   size_t cell = 0;
   RatioKind kind = RatioKind::kFamily;
   std::string family;  // that of `ours`
   std::string ours;    // the arm
+  std::string simd;    // the arm's instruction set
   std::string other;   // the peer, or what else it is compared with
   uint32_t thread_count = 1;
   double value = 0;
@@ -92,6 +98,7 @@ struct BenchRatio {
 struct BenchSpeedup {
   size_t cell = 0;
   std::string arm;
+  std::string simd;  // the arm's instruction set
   std::string peer;
   double median = 0;
   double mean = 0;
@@ -101,7 +108,7 @@ struct BenchReport {
   Machine machine;
   BenchOptions options;
   std::vector<BenchCell> cells;
-  std::vector<BenchRow> rows;  // by cell, family, kind, name and threads
+  std::vector<BenchRow> rows;  // by cell, family, kind, name, threads and instruction set
   std::vector<BenchRatio> ratios;
   std::vector<BenchSpeedup> speedups;  // one per arm and peer of a cell
 };

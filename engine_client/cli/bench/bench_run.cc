@@ -9,6 +9,7 @@
 #include "engine_client/cli/io/statistics.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/cli/peers/peer_registry.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -35,11 +36,12 @@ class CellRun {
  public:
   CellRun(BenchReport& report, const ThreadPools& pools) : report_(report), pools_(pools) {}
 
-  void AddArm(const std::string& name, uint32_t thread_count) {
+  void AddArm(const std::string& name, const std::string& simd, uint32_t thread_count) {
     rows_.push_back(NewRow(ContestantKind::kArm, name, name, thread_count));
+    rows_.back().simd = simd;
     Executor* const executor = pools_.Of(thread_count);
     auto arm = MakeBroadPhase(name, {.executor = executor});
-    contestants_.push_back({.broad_phase = std::move(*arm), .executor = executor});
+    contestants_.push_back({.broad_phase = std::move(*arm), .executor = executor, .simd = simd});
   }
 
   void AddPeer(const PeerKind& peer, uint32_t thread_count) {
@@ -132,9 +134,9 @@ class CellRun {
   std::string DifferenceFrom(const ContestantTiming& right, const ContestantTiming& found) const {
     for (size_t i = 0; i < found.step_pairs.size(); ++i) {
       if (found.step_pairs[i] == right.step_pairs[i]) continue;
-      return "step " + std::to_string(i + 1) + ": other pairs than " + rows_.front().name + ", " +
-             std::to_string(found.step_pairs[i].count) + " in place of " +
-             std::to_string(right.step_pairs[i].count);
+      return "step " + std::to_string(i + 1) + ": other pairs than " + rows_.front().name +
+             " with " + rows_.front().simd + ", " + std::to_string(found.step_pairs[i].count) +
+             " in place of " + std::to_string(right.step_pairs[i].count);
     }
     return "";
   }
@@ -144,6 +146,7 @@ class CellRun {
     const auto place = [&](const BenchRow& row) {
       return std::find(families.begin(), families.end(), row.family) - families.begin();
     };
+    // Contestants were added from the best instruction set down, and stay in that order.
     std::stable_sort(rows_.begin(), rows_.end(), [&](const BenchRow& a, const BenchRow& b) {
       return std::tuple(place(a), a.kind, a.name, a.thread_count) <
              std::tuple(place(b), b.kind, b.name, b.thread_count);
@@ -158,9 +161,12 @@ class CellRun {
 };
 
 void AddContestants(const std::vector<std::string>& arms, std::span<const PeerLibrary> peers,
-                    const std::vector<uint32_t>& thread_counts, CellRun& cell) {
+                    const BenchOptions& options, CellRun& cell) {
+  const std::vector<uint32_t>& thread_counts = options.thread_counts;
   for (const std::string& arm : arms) {
-    for (const uint32_t thread_count : thread_counts) cell.AddArm(arm, thread_count);
+    for (const uint32_t thread_count : thread_counts) {
+      for (const std::string& simd : options.simd) cell.AddArm(arm, simd, thread_count);
+    }
   }
   for (const PeerLibrary& library : peers) {
     for (const PeerKind& peer : library.kinds) {
@@ -193,7 +199,7 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
   const auto object_count = static_cast<uint32_t>((*scene)->aabbs().size());
   report.cells.push_back({choice.name, object_count, choice.name.ends_with(".aabbs")});
   CellRun cell(report, pools);
-  AddContestants(arms, peers, report.options.thread_counts, cell);
+  AddContestants(arms, peers, report.options, cell);
   const std::string label = choice.name + ", " + std::to_string(object_count) + " objects, ";
   const auto steps =
       static_cast<double>((report.options.warmup + report.options.frames) * cell.size());
@@ -204,11 +210,31 @@ Status RunCell(const SceneChoice& choice, const std::vector<std::string>& arms,
   return {};
 }
 
+// Resolves `all` or names of instruction sets, the best first and each at most once, and chooses
+// the best. No name stands for the one that is chosen already. Errors: those of UseSimdTarget.
+Result<std::vector<std::string>> ChooseSimd(const std::vector<std::string>& names) {
+  if (names.empty()) return std::vector<std::string>{std::string(SimdTarget())};
+  const auto usable = SimdTargets();
+  std::vector<std::string> chosen(usable.begin(), usable.end());
+  if (names != std::vector<std::string>{"all"}) {
+    for (const std::string& name : names) {
+      if (Status status = UseSimdTarget(name); !status.ok()) return status;
+    }
+    std::erase_if(chosen, [&](const std::string& each) {
+      return std::find(names.begin(), names.end(), each) == names.end();
+    });
+  }
+  if (Status status = UseSimdTarget(chosen.front()); !status.ok()) return status;
+  return chosen;
+}
+
 }  // namespace
 
 Result<BenchReport> RunBench(
     const BenchOptions& options,
     const std::function<void(double share, const std::string& text)>& on_progress) {
+  auto simd = ChooseSimd(options.simd);
+  if (!simd.ok()) return simd.status();
   const auto arms = ChooseArms(options.arms);
   if (!arms.ok()) return arms.status();
   const auto scenes = ExpandScenes(options.scenes, options.object_counts, options.seed);
@@ -218,6 +244,7 @@ Result<BenchReport> RunBench(
   report.machine = DescribeMachine();
   AddLibraries(peers, report.machine);
   report.options = options;
+  report.options.simd = std::move(*simd);
   const auto cell_count = static_cast<double>(scenes.size());
   for (const SceneChoice& scene : scenes) {
     const auto before = static_cast<double>(report.cells.size());

@@ -12,8 +12,9 @@
 
 namespace sweepstake::cli {
 
-// Calls `on_progress` with the share that is done and with what runs. Errors: those of ChooseArms
-// and OpenScene. Wrong pairs of an arm or a peer are not an error; its row says so.
+// Calls `on_progress` with the share that is done and with what runs. Errors: those of
+// UseSimdTarget, ChooseArms and OpenScene. Afterwards the best of the instruction sets that were
+// measured is the chosen one. Wrong pairs of an arm or a peer are not an error; its row says so.
 Result<BenchReport> RunBench(
     const BenchOptions& options,
     const std::function<void(double share, const std::string& text)>& on_progress);

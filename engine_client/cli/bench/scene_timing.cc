@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "engine_client/cli/game/frame_block.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -70,6 +71,22 @@ void Wake(Executor* executor) {
       },
       &barrier);
 }
+
+// Chooses the instruction sets of contestants, and at the end the one from before.
+class SimdTurns {
+ public:
+  SimdTurns() = default;
+  SimdTurns(const SimdTurns&) = delete;
+  SimdTurns& operator=(const SimdTurns&) = delete;
+  ~SimdTurns() { (void)UseSimdTarget(before_); }
+
+  void Choose(const Contestant& contestant) const {
+    (void)UseSimdTarget(contestant.simd.empty() ? before_ : contestant.simd);
+  }
+
+ private:
+  const std::string_view before_ = SimdTarget();
+};
 
 // Steps one contestant through the scene and times it.
 class Run {
@@ -144,7 +161,11 @@ std::vector<ContestantTiming> TimeScene(Scene& scene, std::span<const Contestant
                                         const TimingPlan& plan,
                                         const std::function<void(size_t, uint64_t)>& on_step) {
   std::vector<Run> runs(contestants.begin(), contestants.end());
-  for (Run& run : runs) run.Build(scene.aabbs());
+  const SimdTurns simd;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    simd.Choose(contestants[i]);
+    runs[i].Build(scene.aabbs());
+  }
   std::optional<CacheFiller> caches;
   if (plan.cold) caches.emplace();
   FrameBlock block;
@@ -154,6 +175,7 @@ std::vector<ContestantTiming> TimeScene(Scene& scene, std::span<const Contestant
     block.Fill(scene, steps - done);
     for (size_t i = 0; i < runs.size(); ++i) {
       const size_t index = (turn + i) % runs.size();
+      simd.Choose(contestants[index]);
       RunBlock(block, done + 1, plan.warmup, runs[index], caches ? &*caches : nullptr,
                [&](uint64_t step) { on_step(index, step); });
     }

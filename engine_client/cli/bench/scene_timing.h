@@ -10,6 +10,9 @@
 //
 // Not thread-safe. Times in milliseconds of the steady clock. Memory: up to 32 MiB of boxes, and
 // 32 bytes per frame and broad phase.
+//
+// Contestants may have different instruction sets (simd.h). Theirs is chosen before their turn,
+// outside of the measured time.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +20,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine_client/cli/game/pair_oracle.h"
@@ -33,6 +37,9 @@ struct Contestant {
   double cap_s = std::numeric_limits<double>::infinity();
   // The contestant gets only valid boxes (aabb.h); the ids of its pairs are mapped back afterwards.
   bool valid_boxes_only = false;
+  // The only one that the broad phase ever runs with: one of SimdTargets(), or empty for the one
+  // that is chosen when the run begins.
+  std::string simd{};
 };
 
 // The times and pairs of one contestant in steps 1, 2, … of the scene.
@@ -54,7 +61,8 @@ struct TimingPlan {
 
 // Builds on the scene's current frame and takes the steps of the plan. If the cap stops a
 // contestant within the warm-up, all its steps count as measured. Outside of the measured time
-// `on_step` is called with the contestant and the number of steps it has taken.
+// `on_step` is called with the contestant and the number of steps it has taken. The instruction set
+// that was chosen before is chosen again at the end.
 std::vector<ContestantTiming> TimeScene(
     Scene& scene, std::span<const Contestant> contestants, const TimingPlan& plan,
     const std::function<void(size_t contestant, uint64_t step)>& on_step);

@@ -40,23 +40,36 @@ def or_dash(value, text=str):
     return "-" if value is None else text(value)
 
 
-def limit_of(goal):
-    """The word and the number of a goal's limit."""
-    given = [word for word in LIMITS if word in goal]
-    if len(given) != 1:
+def limits_of(goal):
+    """The words and the numbers of a goal's limits, in the order of LIMITS."""
+    given = [(word, goal[word]) for word in LIMITS if word in goal]
+    if not given:
         raise InputError(f"a goal has to have one of {', '.join(LIMITS)}: {goal}")
-    return given[0], goal[given[0]]
+    return given
+
+
+def limit_of(goal):
+    """The word and the number of the only limit that the goal may have."""
+    limits = limits_of(goal)
+    if len(limits) != 1:
+        raise InputError(f"a goal has more than one of {', '.join(LIMITS)}: {goal}")
+    return limits[0]
+
+
+def is_within(word, limit, value):
+    return value >= limit if word == "at_least" else value <= limit if word == "at_most" else value < limit
 
 
 def meets(goal, value):
-    word, limit = limit_of(goal)
-    return value >= limit if word == "at_least" else value <= limit if word == "at_most" else value < limit
+    return all(is_within(word, limit, value) for word, limit in limits_of(goal))
 
 
 def read_goals(path):
     with open(path, "rb") as file:
         goals = tomllib.load(file)
-    for goal in goals["bench"] + goals["decisions"] + goals["daemon"]["goal"]:
+    for goal in goals["bench"]:
+        limits_of(goal)
+    for goal in goals["decisions"] + goals["daemon"]["goal"]:
         limit_of(goal)
     return goals
 

@@ -1,6 +1,6 @@
 // Documents made by hand: everything that a run can report but that a quick run of the program does not show.
 const machine = {
-  date: '2026-01-31T12:00:00Z', program: '0.1.0', cpu: 'Some <CPU> & Co', cores: 2, system: 'Linux', compiler: 'gcc 12', simd: 'AVX3',
+  date: '2026-01-31T12:00:00Z', program: '0.1.0', cpu: 'Some <CPU> & Co', cores: 2, system: 'Linux', compiler: 'gcc 12', simd: 'avx512',
   libraries: { Highway: '1.0.3' }, absent_peers: ['ODE: libode-dev'],
 };
 export const EVIL = '/tmp/</script><b>"evil" & \'odd\'.aabbs';
@@ -8,11 +8,11 @@ export const EVIL = '/tmp/</script><b>"evil" & \'odd\'.aabbs';
 const row = (scene, objects, kind, family, arm, ms, more = {}) => ({
   scene, objects, arm, threads: 1, frames: 40, ms_median: ms, ms_mean: ms * 1.1, ms_min: ms * 0.9, ms_p99: ms * 3, pairs_mean: 1234,
   aabb_checks_mean: kind === 'arm' ? 56_789 : null, bytes: kind === 'arm' ? 400_000 : null, bytes_with_pairs: kind === 'arm' ? 500_000 : null,
-  kind, family, ...more });
+  kind, family, simd: kind === 'arm' ? 'avx512' : null, ...more });
 // A comparison as the program prints it; tests/bench/judge.py adds `goal` and `met`, and `derived_through` to published ones.
 const ratio = (objects, kind, ours, other, value, more = {}) =>
-  ({ scene: 'suite-b', objects, threads: 1, kind, family: ours, ours, other, value, value_mean: value, ...more });
-export const bench = (rows, more = {}) => ({ command: 'bench', warmup: 20, frames: 40, seed: 1, machine, rows, ratios: [], ...more });
+  ({ scene: 'suite-b', objects, threads: 1, kind, family: ours, ours, simd: 'avx512', other, value, value_mean: value, ...more });
+export const bench = (rows, more = {}) => ({ command: 'bench', warmup: 20, frames: 40, seed: 1, simd: ['avx512'], cold: false, machine, rows, ratios: [], ...more });
 
 const judged = [
   ratio(1000, 'overall', 'Grid', 'Bullet DBVT', 16.7, { goal: 5, met: true }),
@@ -35,6 +35,26 @@ export const fullBench = bench([
   command_line: "sweepstake bench --scene '<x>&'", threads: [1, 2], peers: true, peer_cap_s: 5,
   ratios: judged.map(({ goal, met, ...measured }) => measured), goals: judged,
   published: [ratio(1000, 'overall', 'Grid', 'Published peer', 99, { derived_through: 'Bullet DBVT', goal: 5, met: true })],
+});
+
+// Two instruction sets with cold caches, a peer beside them, and a goal between the sets that is missed.
+const avx2 = { simd: 'avx2' };
+const ofSets = [
+  ratio(1000, 'overall', 'Grid', 'Embree', 20, { goal: 8, met: true }), ratio(1000, 'overall', 'Grid', 'Embree', 10, { ...avx2, goal: 8, met: true }),
+  ratio(1000, 'family', 'Grid', 'Wrong', 6, { ...avx2 }),
+  ratio(1000, 'simd', 'Grid', 'avx512', 2, { ...avx2, goal: 1.7, met: false }),
+  ratio(1000, 'simd', 'SAP', 'avx512', 1.5, { ...avx2, goal: 2, goal_at_least: 1, met: true })];
+const derived = { derived_through: 'Embree' };
+export const benchOfSets = bench([
+  row('suite-b', 1000, 'arm', 'Grid', 'Grid', 0.1), row('suite-b', 1000, 'arm', 'Grid', 'Grid', 0.2, avx2),
+  row('suite-b', 1000, 'arm', 'Grid', 'Grid', 0.05, { threads: 2 }), row('suite-b', 1000, 'arm', 'Grid', 'Grid', 0.16, { threads: 2, ...avx2 }),
+  row('suite-b', 1000, 'arm', 'SAP', 'SAP', 0.4), row('suite-b', 1000, 'arm', 'SAP', 'SAP', 0.6, avx2),
+  row('suite-b', 1000, 'peer', 'KDTree', 'Embree', 2),
+], {
+  simd: ['avx512', 'avx2'], cold: true, threads: [1, 2], peers: true, peer_cap_s: 5,
+  ratios: ofSets.map(({ goal, goal_at_least, met, ...measured }) => measured), goals: ofSets.filter(({ goal }) => goal),
+  published: [ratio(1000, 'overall', 'Grid', 'Best published', 3, { ...avx2, ...derived }),
+    ratio(1000, 'overall', 'Grid', 'Named peer', 5, { ...avx2, ...derived, goal: 4, met: true })],
 });
 
 const nothing = { ms_median: null, ms_mean: null, ms_min: null, ms_p99: null, pairs_mean: null, aabb_checks_mean: null };

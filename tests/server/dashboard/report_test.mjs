@@ -8,7 +8,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-import { bench, degenerateBenches, degenerateExperiments, degenerateReplays, EVIL, fullBench, judgedReplay, partialExperiment } from './handmade.mjs';
+import { bench, benchOfSets, degenerateBenches, degenerateExperiments, degenerateReplays, EVIL, fullBench, judgedReplay, partialExperiment } from './handmade.mjs';
 
 const program = process.argv[2];
 const chromiumPath = process.env.CHROMIUM ?? '/usr/bin/chromium';
@@ -32,6 +32,7 @@ function sweepstake(...words) {
 }
 
 function makeReports() {
+  sweepstake('bench', '--scene', 'suite-b', '--objects', '100,300', '--frames', '10', '--arms', 'SAP,Grid', '--simd', 'all', '--report', file('sets.html'));
   sweepstake('bench', '--scene', 'suite-b,suite-g', '--objects', '100,300', '--frames', '10', '--arms', 'all', '--report', file('bench.html'));
   sweepstake('experiment', '--scenes', 'brownian', '--objects', '60', '--time-scale', '1000', '--window', '3m', '--runs', '2',
     '--trace-frames', '64', '--replay-seeds', '2', '--out', file('out'), '--report', file('experiment.html'));
@@ -178,6 +179,32 @@ async function checkSmallBench(page) {
   assert.equal(await count(page, '#results .verdict'), 0, 'no warning');
 }
 
+// What the program measured with the instruction sets of this machine: lines of their own, which name them where there are several.
+async function checkMeasuredSets(page, { rows, simd }) {
+  assert.equal(await count(page, '#chart-1 .legend label'), 2 * simd.length);
+  assert.equal(await rowsOf(page, 'times'), 2 * simd.length);
+  assert.equal(await count(page, '#chart-1 .point'), rows.length);
+  assert.equal(await count(page, '#sets'), simd.length > 1 ? 1 : 0);
+  if (simd.length > 1) await checkTexts(page, '#times', ...simd.map((each) => `SAP ${each}`));
+}
+
+async function checkSets(page, { rows }) {
+  await checkTexts(page, '#results', 'in each scene, with avx512, against', 'Grid avx512', 'Grid avx2', '✓ met (≥ 8×)',
+    'Best published, through Embree', 'Named peer, through Embree', '✓ met (≥ 4×)');
+  await checkTexts(page, '#chart-1', 'Grid avx512', 'Grid avx2', 'SAP avx2', 'Embree');
+  assert.equal(await count(page, '#chart-1 .point'), 5, 'a bar per instruction set, and the peer');
+  await checkTexts(page, '#sets', 'SAP avx2', '2.00×', '✗ missed (≤ 1.7×)', '1.50×', '✓ met (1× to 2×)', 'that with avx512');
+  assert.equal(await rowsOf(page, 'sets'), 2, 'the better one has nothing to be compared with');
+  await checkTexts(page, '#families', 'Grid avx2', '6.00×');
+  await checkTexts(page, '#threads', 'Grid avx512 (2 threads)', '2.00×', 'Grid avx2 (2 threads)', '1.25×');
+  await checkTexts(page, '#judged', 'Instruction sets', '✗ 1 of 2 met');
+  await page.locator('#goals summary').click();
+  await checkTexts(page, '#goals', 'Grid avx2 in suite-b, 1,000 objects: 2.00× (avx512), goal ≤ 1.7×');
+  await checkTexts(page, '#method', 'Instruction sets: avx512, avx2.', 'Before each frame the caches were evicted');
+  await page.locator('#raw summary').click();
+  assert.equal(await rowsOf(page, 'rows'), rows.length);
+}
+
 async function checkPartial(page, { runs }) {
   await checkTexts(page, '#summary', '✗ Partial: 5 of 8 planned runs are in.', '✗ The machine was disturbed.', 'Brownian 1,000');
   for (const absent of ['regret', 'tests', 'live-replay']) assert.equal(await count(page, `#${absent}`), 0, absent);
@@ -213,6 +240,7 @@ async function handmadeInBrowser(context) {
   };
   const [experiment, replay] = [documentOf('experiment'), documentOf('replay')];
   await show('full bench', fullBench, checkFullBench);
+  await show('bench of sets', benchOfSets, checkSets);
   await show('small bench', bench(fullBench.rows.filter(({ kind, threads }) => kind === 'arm' && threads === 1)), checkSmallBench);
   await show('partial experiment', partialExperiment(experiment), checkPartial);
   await show('undisturbed experiment', { ...experiment, truths: experiment.truths.map((truth) => ({ ...truth, control_ratio: 1 })) },
@@ -236,6 +264,7 @@ const context = await chromium.launchPersistentContext(file('profile'), {
 });
 try {
   await inBrowser(context, 'bench', checkBench);
+  await inBrowser(context, 'sets', checkMeasuredSets);
   await inBrowser(context, 'experiment', checkExperiment);
   await inBrowser(context, 'replay', checkReplay);
   await handmadeInBrowser(context);

@@ -7,7 +7,7 @@ import { commandLine, machineList, rawRows, type Page } from '../page';
 import { colourOf, familyTitle, symbolOf } from '../palette';
 import { h } from '../dom';
 import { familyTable, fastestTable, goalTable, overallTable } from './bench_comparisons';
-import { checkTable, growthTable, memoryTable, rowTable, spikeTable, threadTable, timeTable } from './bench_tables';
+import { checkTable, growthTable, memoryTable, rowTable, simdTable, spikeTable, threadTable, timeTable } from './bench_tables';
 import { glossary, lead, method, resultHeadline, SCENE_NOTES, warnings } from './bench_words';
 
 function described(index: BenchIndex, row: BenchRow): string {
@@ -18,10 +18,10 @@ function described(index: BenchIndex, row: BenchRow): string {
 }
 
 function seriesOf(index: BenchIndex, scene: Scene, contestant: Contestant): Series {
-  const { name, family, kind, threads } = contestant;
+  const { name, family, kind, threads, simd } = contestant;
   const rows = scene.cells.map((at) => index.rowOf(at, contestant)).filter((row) => row !== undefined);
   return {
-    name: contestantTitle(name, threads), group: familyTitle(family), colour: colourOf(family), symbol: symbolOf(family), solid: kind === 'arm',
+    name: contestantTitle(name, threads, simd), group: familyTitle(family), colour: colourOf(family), symbol: symbolOf(family), solid: kind === 'arm',
     points: rows.filter((row) => row.ms_median > 0).map((row) => ({ x: row.objects, y: row.ms_median, text: described(index, row) })),
   };
 }
@@ -35,7 +35,7 @@ function growthChart(index: BenchIndex, scene: Scene, id: string): HTMLElement {
 function rankingChart(index: BenchIndex, at: Cell, id: string): HTMLElement {
   const rows = index.contestants.flatMap((each) => {
     const row = index.rowOf(at, each);
-    return row && row.ms_min > 0 ? [{ name: contestantTitle(each.name, each.threads), colour: colourOf(each.family), symbol: symbolOf(each.family),
+    return row && row.ms_min > 0 ? [{ name: contestantTitle(each.name, each.threads, each.simd), colour: colourOf(each.family), symbol: symbolOf(each.family),
       solid: each.kind === 'arm', low: row.ms_min, value: row.ms_median, high: row.ms_p99,
       label: `${milliseconds(row.ms_median)} ms`, text: described(index, row) }] : [];
   });
@@ -59,6 +59,7 @@ export function benchPage(document: BenchDocument): Page {
       { id: 'judged', heading: 'Goals', body: [goalTable(index)] },
       { id: 'time', heading: 'Time against objects', body: [timeCharts(index), timeTable(index)] },
       { id: 'by-family', heading: 'Against the same family', body: [familyTable(index)] },
+      { id: 'instruction-sets', heading: 'Instruction sets', body: index.sets.length > 1 ? [simdTable(index)] : [] },
       { id: 'per-object', heading: 'Time per object', body: [growthTable(index)] },
       { id: 'steady', heading: 'Steady frames', body: [spikeTable(index)] },
       { id: 'scaling', heading: 'Threads', body: index.threadCounts.length > 1 ? [threadTable(index)] : [] },

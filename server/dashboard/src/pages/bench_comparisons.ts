@@ -1,40 +1,44 @@
 // Tables of what was compared with what: the best against the best, families, goals.
 import { bold, details, h, list, small, verdict, type Child } from '../dom';
-import { compact, grouped, milliseconds, times } from '../format';
-import { contestantTitle, familyLines, goalLines, isPublished, sceneTitle, type BenchIndex, type Cell as At, type Ratio } from '../model/bench';
+import { grouped, milliseconds, times } from '../format';
+import { contestantTitle, familyLines, goalLines, isPublished, overallAt, sceneTitle, type BenchIndex, type Cell as At, type Ratio } from '../model/bench';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
-import { cellHead, goalClass, goalVerdict, separateScenes } from './bench_tables';
+import { boundOf, cellHead, goalClass, goalVerdict, separateScenes } from './bench_tables';
 import { GOAL_WORDS } from './bench_words';
 
 const isIn = (at: At) => ({ scene, objects }: At) => scene === at.scene && objects === at.objects;
 
 // How many times faster, whether that is enough, and than whom.
-function comparison(index: BenchIndex, ratio: Ratio): Cell {
-  const row = ratio.threads === 1 ? index.find(ratio, ratio.other, 1) : undefined;
+function comparison(index: BenchIndex, ratio: Ratio): Child[] {
+  const row = ratio.threads === 1 ? index.find(ratio, ratio.other, 1, null) : undefined;
   let other = ratio.other;
   if (isPublished(ratio)) other += `, through ${ratio.derived_through}`;
   else if (row) other += row.note ? `, over its ${grouped(row.frames)} frames` : `, ${milliseconds(row.ms_median)} ms`;
-  return cell([bold(times(ratio.value)), goalVerdict(ratio), small(other)], ratio.value, goalClass(ratio));
+  return [bold(times(ratio.value)), goalVerdict(ratio), small(other)];
 }
 
-function overallRow(index: BenchIndex, at: At, threads: number): Cell[] | undefined {
-  const all = index.ratios.filter((ratio) => ratio.kind === 'overall' && ratio.threads === threads && isIn(at)(ratio));
-  const measured = all.find((ratio) => !isPublished(ratio));
-  const published = all.find(isPublished);
-  const any = measured ?? published;
+// Comparisons of one kind, the hardest first, which gives the cell its value and its colour.
+function comparisons(index: BenchIndex, ratios: Ratio[]): Cell {
+  const [hardest] = ratios;
+  return hardest ? cell(ratios.flatMap((ratio) => comparison(index, ratio)), hardest.value, goalClass(hardest)) : noValue();
+}
+
+function overallRow(index: BenchIndex, at: At, threads: number, simd: string | null): Cell[] | undefined {
+  const [measured, published] = [false, true].map((each) => overallAt(index, at, threads, simd, each)) as [Ratio[], Ratio[]];
+  const any = measured[0] ?? published[0];
   if (!any) return undefined;
-  const ours = index.find(at, any.ours, threads);
+  const ours = index.find(at, any.ours, threads, simd);
+  const mean = measured[0]?.value_mean;
   return [cell(grouped(at.objects), at.objects),
-    textCell([contestantTitle(any.ours, threads), ours && small(`${milliseconds(ours.ms_median)} ms`)]),
-    measured ? comparison(index, measured) : noValue(),
-    measured?.value_mean ? cell(times(measured.value_mean), measured.value_mean) : noValue(),
-    published ? comparison(index, published) : noValue()];
+    textCell([contestantTitle(any.ours, threads, simd), ours && small(`${milliseconds(ours.ms_median)} ms`)]),
+    comparisons(index, measured), mean ? cell(times(mean), mean) : noValue(), comparisons(index, published)];
 }
 
 export function overallTable(index: BenchIndex): HTMLElement {
   const groups = index.scenes.map(({ name, cells }) => ({
     title: sceneTitle(index, name),
-    rows: cells.flatMap((at) => index.threadCounts.map((threads) => overallRow(index, at, threads))).filter((row) => row !== undefined),
+    rows: cells.flatMap((at) => index.sets.flatMap((simd) => index.threadCounts.map((threads) => overallRow(index, at, threads, simd))))
+      .filter((row) => row !== undefined),
   })).filter(({ rows }) => rows.length > 0);
   return drawTable({ id: 'overall', groups, caption: 'How many times faster the fastest of Sweepstake is than the fastest peer, by the median frame.',
     head: [columns('Objects', text('Best of ours'), 'Than the peers that ran', 'By the mean', 'Than published ones')] });
@@ -45,7 +49,7 @@ export function fastestTable(index: BenchIndex): HTMLElement {
     title: sceneTitle(index, name),
     rows: cells.flatMap((at) => {
       const row = index.fastest(at);
-      return row ? [[cell(grouped(at.objects), at.objects), textCell(contestantTitle(row.arm, row.threads)),
+      return row ? [[cell(grouped(at.objects), at.objects), textCell(contestantTitle(row.arm, row.threads, row.simd)),
         cell(milliseconds(row.ms_median), row.ms_median), cell(grouped(row.pairs_mean), row.pairs_mean)]] : [];
     }),
   }));
@@ -55,9 +59,11 @@ export function fastestTable(index: BenchIndex): HTMLElement {
 
 function missedList(index: BenchIndex, missed: Ratio[]): Child {
   if (missed.length === 0) return h('span', { class: 'none' }, 'none');
-  return details('Show which', list(missed.map(({ ours, threads, scene, objects, value, other, goal }) =>
-    `${contestantTitle(ours, threads)} in ${sceneTitle(index, scene)}, ${grouped(objects)} objects: ${times(value)}` +
-    `${other ? ` (${other})` : ''}, goal ${compact(goal!)}×`)));
+  return details('Show which', list(missed.map((ratio) => {
+    const { ours, threads, simd, scene, objects, value, other } = ratio;
+    return `${contestantTitle(ours, threads, simd)} in ${sceneTitle(index, scene)}, ${grouped(objects)} objects: ${times(value)}` +
+      `${other ? ` (${other})` : ''}, goal ${boundOf(ratio)}`;
+  })));
 }
 
 export function goalTable(index: BenchIndex): HTMLElement | undefined {
@@ -74,9 +80,9 @@ export function familyTable(index: BenchIndex): HTMLElement | undefined {
   const ratios = index.ratios.filter(({ kind }) => kind === 'family');
   if (ratios.length === 0) return undefined;
   const groups = new Map<string, Cell[][]>();
-  for (const { ours, threads, published } of familyLines(ratios)) {
-    const title = contestantTitle(ours, threads);
-    const found = (at: At) => ratios.find((ratio) => isIn(at)(ratio) && ratio.ours === ours && ratio.threads === threads &&
+  for (const { ours, threads, simd, published } of familyLines(ratios)) {
+    const title = contestantTitle(ours, threads, simd);
+    const found = (at: At) => ratios.find((ratio) => isIn(at)(ratio) && ratio.ours === ours && ratio.threads === threads && ratio.simd === simd &&
       (isPublished(ratio) ? ratio.other : '') === published);
     const row = [cell(published ? [published, small('did not run: by published ratios')] : 'best peer that ran'),
       ...index.cells.map((at) => {

@@ -26,19 +26,23 @@ export function separateScenes(index: BenchIndex, row: Cell[]): Cell[] {
   return row;
 }
 
+// What the ratio's goal demands. REQUIRES: it has one.
+export function boundOf({ kind, other, goal, goal_at_least }: Ratio): string {
+  if (goal_at_least !== undefined) return `${compact(goal_at_least)}× to ${compact(goal!)}×`;
+  return `${largeIsGood(kind) ? '≥' : '≤'} ${kind === 'memory' ? other : `${compact(goal!)}×`}`;
+}
+
 export function goalVerdict(ratio: Ratio): Child {
   if (!hasGoal(ratio)) return null;
-  const bound = ratio.kind === 'memory' ? ratio.other : `${compact(ratio.goal!)}×`;
-  return small(h('span', { class: `verdict ${ratio.met ? 'met' : 'missed'}` },
-    `${ratio.met ? '✓ met' : '✗ missed'} (${largeIsGood(ratio.kind) ? '≥' : '≤'} ${bound})`));
+  return small(h('span', { class: `verdict ${ratio.met ? 'met' : 'missed'}` }, `${ratio.met ? '✓ met' : '✗ missed'} (${boundOf(ratio)})`));
 }
 
 export const goalClass = (ratio: Ratio) => (hasGoal(ratio) ? (ratio.met ? 'met' : 'missed') : '');
 
 const familySwatch = (family: string, solid: boolean) => swatch({ colour: colourOf(family), symbol: symbolOf(family), solid });
 
-function contestantName({ name, family, kind, threads }: Contestant): Cell {
-  const title = [familySwatch(family, kind === 'arm'), ' ', contestantTitle(name, threads)];
+function contestantName({ name, family, kind, threads, simd }: Contestant): Cell {
+  const title = [familySwatch(family, kind === 'arm'), ' ', contestantTitle(name, threads, simd)];
   return cell(kind === 'arm' ? bold(title) : [title, ' ', h('span', { class: 'none' }, 'peer')], name);
 }
 
@@ -58,7 +62,7 @@ function contestantTable(index: BenchIndex, id: string, caption: string, oursOnl
 
 function ratioOf(index: BenchIndex, kind: RatioKind, row: BenchRow): Ratio | undefined {
   return row.kind !== 'arm' ? undefined : index.ratios.find((ratio) => ratio.kind === kind && ratio.scene === row.scene &&
-    ratio.objects === row.objects && ratio.ours === row.arm && ratio.threads === row.threads);
+    ratio.objects === row.objects && ratio.ours === row.arm && ratio.threads === row.threads && ratio.simd === row.simd);
 }
 
 // A figure with what a goal of this kind says of it.
@@ -103,10 +107,9 @@ export const memoryTable = (index: BenchIndex) => contestantTable(index, 'memory
 export function threadTable(index: BenchIndex): HTMLElement {
   const rows = index.contestants.filter(({ kind }) => kind === 'arm').flatMap((each) =>
     index.threadCounts.filter((threads) => threads !== each.threads).map((threads) =>
-      separateScenes(index, [
-        cell(bold(familySwatch(each.family, true), ' ', contestantTitle(each.name, threads)), each.name),
+      separateScenes(index, [contestantName({ ...each, threads }),
         ...index.cells.map((at) => {
-          const [several, fewest] = [index.find(at, each.name, threads), index.rowOf(at, each)];
+          const [several, fewest] = [index.find(at, each.name, threads, each.simd), index.rowOf(at, each)];
           if (!several || !fewest) return noValue();
           const faster = fewest.ms_median / several.ms_median;
           return judged(index, 'threads', several, faster, [times(faster), small(`${milliseconds(several.ms_median)} ms`)]);
@@ -115,12 +118,27 @@ export function threadTable(index: BenchIndex): HTMLElement {
     caption: 'How many times faster with several threads than with the fewest, by the median; below it the milliseconds per frame.' });
 }
 
+export function simdTable(index: BenchIndex): HTMLElement {
+  const isCompared = ({ name, simd }: Contestant) => (threads: number) => index.ratios.some((ratio) =>
+    ratio.kind === 'simd' && ratio.ours === name && ratio.simd === simd && ratio.threads === threads);
+  const rows = index.contestants.filter(({ kind }) => kind === 'arm').flatMap((each) =>
+    index.threadCounts.filter(isCompared(each)).map((threads) =>
+      separateScenes(index, [contestantName({ ...each, threads }),
+        ...index.cells.map((at) => {
+          const row = index.find(at, each.name, threads, each.simd);
+          const ratio = row && ratioOf(index, 'simd', row);
+          return row && ratio ? judged(index, 'simd', row, ratio.value, [times(ratio.value), small(`that with ${ratio.other}`)]) : noValue();
+        })])));
+  return drawTable({ id: 'sets', head: cellHead(index, 'Backend and instruction set'), groups: [{ rows }],
+    caption: 'How many times longer a frame takes with this instruction set than with the next better one that was measured, by the median.' });
+}
+
 function rowCells(row: BenchRow): Cell[] {
   const whole = (value: number | null) => (value === null ? noValue() : cell(grouped(value), value));
   const measured = row.frames === 0 ? Array.from({ length: 8 }, noValue)
     : [...[row.ms_median, row.ms_mean, row.ms_min, row.ms_p99].map((ms) => cell(milliseconds(ms), ms)),
       whole(row.pairs_mean), whole(row.aabb_checks_mean), whole(row.bytes), whole(row.bytes_with_pairs)];
-  return [cell(row.arm), textCell(familyTitle(row.family)), cell(grouped(row.threads), row.threads), cell(grouped(row.frames), row.frames),
+  return [cell(contestantTitle(row.arm, 1, row.simd)), textCell(familyTitle(row.family)), cell(grouped(row.threads), row.threads), cell(grouped(row.frames), row.frames),
     ...measured, textCell([row.note, row.note && row.difference && '; ',
       row.difference && h('span', { class: 'verdict missed' }, `✗ wrong pairs: ${row.difference}`)])];
 }
@@ -128,7 +146,7 @@ function rowCells(row: BenchRow): Cell[] {
 export function rowTable(index: BenchIndex): HTMLElement {
   const groups = index.cells.map(({ scene, objects }) => ({
     title: `${sceneTitle(index, scene)}, ${grouped(objects)} objects`,
-    rows: index.document.rows.filter((row) => row.scene === scene && row.objects === objects).map(rowCells),
+    rows: index.rows.filter((row) => row.scene === scene && row.objects === objects).map(rowCells),
   }));
   return drawTable({ id: 'rows', caption: 'Every contestant in every scene. Times in milliseconds per frame.', groups,
     head: [columns('Contestant', text('Family'), 'Threads', 'Frames', 'Median', 'Mean', 'Min', 'p99', 'Pairs', 'AABB checks', 'Bytes', 'With pairs', text('Note'))] });

@@ -11,9 +11,11 @@
 namespace sweepstake::cli {
 namespace {
 
-// A report of one thread with cells and rows as the test adds them.
+// A report of one thread and one instruction set with cells and rows as the test adds them.
 class Bench {
  public:
+  Bench() { report_.options.simd = {simd_}; }
+
   Bench& Cell(const std::string& scene, uint32_t object_count) {
     report_.cells.push_back({scene, object_count, false});
     return *this;
@@ -25,6 +27,15 @@ class Bench {
   Bench& Peer(const std::string& family, const std::string& name, std::vector<double> step_ms,
               uint32_t threads = 1) {
     Add(ContestantKind::kPeer, family, name, std::move(step_ms), threads);
+    return *this;
+  }
+  // Arms that are added from now on have this instruction set.
+  Bench& Simd(const std::string& name) {
+    simd_ = name;
+    return *this;
+  }
+  Bench& Measured(std::vector<std::string> simd) {
+    report_.options.simd = std::move(simd);
     return *this;
   }
   // The first `count` steps of the latest row were warm-up.
@@ -58,6 +69,7 @@ class Bench {
     row.kind = kind;
     row.family = family;
     row.name = name;
+    if (kind == ContestantKind::kArm) row.simd = simd_;
     row.thread_count = threads;
     row.frame_count = step_ms.size();
     row.first_step = 1;
@@ -68,6 +80,7 @@ class Bench {
     report_.rows.push_back(std::move(row));
   }
 
+  std::string simd_ = "avx2";
   BenchReport report_;
 };
 
@@ -185,6 +198,112 @@ TEST(Ratios, MeasureGrowthPerObjectBetweenTenThousandAndAMillion) {
   ASSERT_EQ(ratios.size(), 1U);
   EXPECT_EQ(ratios[0].ours, "Grid");
   EXPECT_DOUBLE_EQ(ratios[0].value, 2.5);
+}
+
+TEST(Ratios, CompareAnInstructionSetWithTheNextBetterOneThatWasMeasured) {
+  const auto ratios = Bench()
+                          .Measured({"avx512", "avx2", "sse4"})
+                          .Cell("suite-b", 1000)
+                          .Simd("sse4")
+                          .Arm("Grid", {9, 9, 3})
+                          .Arm("SAP", {8})
+                          .Simd("avx2")
+                          .Arm("Grid", {6, 6, 6})
+                          .Arm("Grid", {2}, 2)
+                          .Simd("avx512")
+                          .Arm("Grid", {4, 4, 4})
+                          .Arm("SAP", {1})
+                          .Peer("Grid", "Peer", {7})
+                          .Ratios(RatioKind::kSimd);
+  ASSERT_EQ(ratios.size(), 2U) << "SAP has no better one beside SSE4, two threads none at all";
+  EXPECT_EQ(ratios[0].ours, "Grid");
+  EXPECT_EQ(ratios[0].simd, "sse4");
+  EXPECT_EQ(ratios[0].other, "avx2");
+  EXPECT_DOUBLE_EQ(ratios[0].value, 1.5);
+  EXPECT_DOUBLE_EQ(*ratios[0].value_mean, 7.0 / 6);
+  EXPECT_EQ(ratios[1].simd, "avx2");
+  EXPECT_EQ(ratios[1].other, "avx512");
+  EXPECT_DOUBLE_EQ(ratios[1].value, 1.5);
+}
+
+TEST(Ratios, CompareInstructionSetsOnTheFramesThatBothMeasured) {
+  const auto ratios = Bench()
+                          .Measured({"avx2", "sse4"})
+                          .Cell("suite-b", 1000)
+                          .Arm("Grid", {50, 1, 1})
+                          .WarmUp(1)
+                          .Simd("sse4")
+                          .Arm("Grid", {1, 2, 2})
+                          .WarmUp(1)
+                          .Ratios(RatioKind::kSimd);
+  ASSERT_EQ(ratios.size(), 1U);
+  EXPECT_DOUBLE_EQ(ratios[0].value_mean.value(), 2);
+}
+
+// A cell with Grid and SAP and one peer; SSE4 takes twice the time, and SAP overtakes Grid.
+Bench OfTwoSets() {
+  return Bench()
+      .Measured({"avx2", "sse4"})
+      .Threads({1, 2})
+      .Cell("suite-b", 10'000)
+      .Arm("Grid", {2})
+      .Arm("Grid", {1}, 2)
+      .Arm("SAP", {3})
+      .Simd("sse4")
+      .Arm("Grid", {6})
+      .Arm("Grid", {4}, 2)
+      .Arm("SAP", {5})
+      .Peer("Grid", "Peer", {30});
+}
+
+TEST(Ratios, CompareEachInstructionSetsBestArmWithThePeers) {
+  const auto overall = OfTwoSets().Ratios(RatioKind::kOverall);
+  ASSERT_EQ(overall.size(), 4U) << "one and two threads of each";
+  EXPECT_EQ(overall[0].simd, "avx2");
+  EXPECT_EQ(overall[0].ours, "Grid");
+  EXPECT_DOUBLE_EQ(overall[0].value, 15);
+  EXPECT_EQ(overall[2].simd, "sse4");
+  EXPECT_EQ(overall[2].ours, "SAP");
+  EXPECT_DOUBLE_EQ(overall[2].value, 6);
+  EXPECT_EQ(overall[3].thread_count, 2U);
+  EXPECT_DOUBLE_EQ(overall[3].value, 7.5);
+}
+
+TEST(Ratios, OfFamiliesAndThreadsAreOfOneInstructionSet) {
+  const auto bench = OfTwoSets();
+  const auto family = bench.Ratios(RatioKind::kFamily);
+  ASSERT_EQ(family.size(), 2U);
+  EXPECT_EQ(family[1].simd, "sse4");
+  EXPECT_DOUBLE_EQ(family[1].value, 5);
+  const auto threads = bench.Ratios(RatioKind::kThreads);
+  ASSERT_EQ(threads.size(), 2U);
+  EXPECT_DOUBLE_EQ(threads[0].value, 2);
+  EXPECT_EQ(threads[1].simd, "sse4");
+  EXPECT_DOUBLE_EQ(threads[1].value, 1.5);
+}
+
+TEST(Ratios, OfGrowthAreOfOneInstructionSet) {
+  const auto growth = Bench()
+                          .Measured({"avx2", "sse4"})
+                          .Cell("suite-b", 10'000)
+                          .Arm("Grid", {1})
+                          .Simd("sse4")
+                          .Arm("Grid", {2})
+                          .Cell("suite-b", 1'000'000)
+                          .Arm("Grid", {300})
+                          .Ratios(RatioKind::kGrowth);
+  ASSERT_EQ(growth.size(), 1U);
+  EXPECT_EQ(growth[0].simd, "sse4");
+  EXPECT_DOUBLE_EQ(growth[0].value, 1.5);
+}
+
+TEST(Speedups, AreThoseOfEachInstructionSet) {
+  const auto speedups = OfTwoSets().Speedups();
+  ASSERT_EQ(speedups.size(), 4U);
+  EXPECT_EQ(speedups[0].simd, "avx2");
+  EXPECT_DOUBLE_EQ(speedups[0].median, 15);
+  EXPECT_EQ(speedups[2].simd, "sse4");
+  EXPECT_DOUBLE_EQ(speedups[2].median, 5);
 }
 
 TEST(Ratios, CompareTheSlowestFramesOfTheKdTreeWithItsMedian) {

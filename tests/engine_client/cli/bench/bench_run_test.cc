@@ -10,6 +10,7 @@
 
 #include "engine_client/cli/bench/bench_output.h"
 #include "sweepstake/broad_phase.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -60,6 +61,47 @@ TEST(RunBench, HasARowForEachCellArmAndCountOfThreads) {
     EXPECT_EQ(row.thread_count, i % 2 + 1) << i;
     EXPECT_EQ(row.kind, ContestantKind::kArm) << i;
   }
+}
+
+TEST(RunBench, HasARowForEachInstructionSetTheBestFirst) {
+  BenchOptions options = SmallOptions();
+  const auto usable = SimdTargets();
+  // In the wrong order, and one of them twice.
+  options.simd.assign(usable.rbegin(), usable.rend());
+  options.simd.emplace_back(usable.back());
+  const auto report = Measured(options);
+  ASSERT_TRUE(report.ok()) << report.status().message();
+  EXPECT_TRUE(std::ranges::equal(report->options.simd, usable));
+  ASSERT_EQ(report->rows.size(), 4 * 2 * usable.size());
+  for (size_t i = 0; i < report->rows.size(); ++i) {
+    EXPECT_EQ(report->rows[i].simd, usable[i % usable.size()]) << i;
+    EXPECT_EQ(report->rows[i].difference, "") << i;
+  }
+  EXPECT_EQ(report->machine.simd_target, usable.front());
+  EXPECT_EQ(SimdTarget(), usable.front());
+}
+
+TEST(RunBench, MeasuresOnlyTheInstructionSetsThatAreNamed) {
+  BenchOptions options = SmallOptions();
+  const std::string least(SimdTargets().back());
+  options.simd = {least};
+  const auto report = Measured(options);
+  ASSERT_TRUE(report.ok());
+  EXPECT_THAT(report->options.simd, ElementsAre(least));
+  EXPECT_EQ(report->rows.size(), 4U * 2);
+  EXPECT_EQ(report->machine.simd_target, least);
+  ASSERT_TRUE(UseSimdTarget(SimdTargets().front()).ok());
+}
+
+TEST(RunBench, MeasuresTheChosenInstructionSetUnlessAnotherIsAskedFor) {
+  const std::string least(SimdTargets().back());
+  ASSERT_TRUE(UseSimdTarget(least).ok());
+  const auto report = Measured(SmallOptions());
+  EXPECT_EQ(SimdTarget(), least);
+  ASSERT_TRUE(UseSimdTarget(SimdTargets().front()).ok());
+  ASSERT_TRUE(report.ok());
+  EXPECT_THAT(report->options.simd, ElementsAre(least));
+  for (const BenchRow& row : report->rows) EXPECT_EQ(row.simd, least);
 }
 
 TEST(RunBench, CountsOnlyTheFramesAfterTheWarmUp) {
@@ -119,6 +161,9 @@ TEST(RunBench, NamesWhatThereIsNot) {
   options = SmallOptions();
   options.scenes = {"brownian", "nowhere"};
   EXPECT_THAT(Measured(options).status().message(), HasSubstr("nowhere"));
+  options = SmallOptions();
+  options.simd = {std::string(SimdTargets().front()), "mmx"};
+  EXPECT_EQ(Measured(options).status().code(), StatusCode::kInvalidArgument);
 }
 
 TEST(AnyDiffers, IsTrueWhereOneRowHasADifference) {

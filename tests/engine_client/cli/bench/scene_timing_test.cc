@@ -6,6 +6,7 @@
 
 #include "engine_client/cli/game/scene_choice.h"
 #include "engine_client/cli/io/text_table.h"
+#include "sweepstake/simd.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -73,6 +74,41 @@ TEST(TimeScene, StopsAContestantAtItsCapAndMeasuresWhatItDid) {
   EXPECT_EQ(timings[1].step_ms.size(), 1U);
   EXPECT_EQ(timings[1].measured_count, 1U);
   EXPECT_EQ(timings[1].step_pairs[0], timings[0].step_pairs[0]);
+}
+
+// A broad phase that notes which instruction sets it was called with, and finds nothing.
+class Witness : public BroadPhase {
+ public:
+  explicit Witness(std::vector<std::string>& seen) : seen_(seen) {}
+
+  std::string_view name() const override { return "Witness"; }
+  uint32_t version() const override { return 1; }
+  void Build(std::span<const Aabb>) override { seen_.emplace_back(SimdTarget()); }
+  void Update(std::span<const Aabb>) override { seen_.emplace_back(SimdTarget()); }
+  void FindPairs(PairBuffer&) override { seen_.emplace_back(SimdTarget()); }
+  uint64_t aabb_check_count() const override { return 0; }
+  size_t native_bytes() const override { return 0; }
+
+ private:
+  std::vector<std::string>& seen_;
+};
+
+TEST(TimeScene, RunsEachContestantWithItsOwnInstructionSet) {
+  const std::string before(SimdTarget());
+  std::vector<std::vector<std::string>> seen(SimdTargets().size() + 1);
+  std::vector<Contestant> contestants;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    contestants.push_back({.broad_phase = std::make_unique<Witness>(seen[i])});
+    if (i < SimdTargets().size()) contestants.back().simd = SimdTargets()[i];
+  }
+  const auto scene = std::move(*OpenScene({"suite-b", 100, 1}));
+  // More frames than a block has: everyone has several turns.
+  TimeScene(*scene, contestants, {.frames = 45}, [](size_t, uint64_t) {});
+  for (size_t i = 0; i < seen.size(); ++i) {
+    const std::string own = i < SimdTargets().size() ? std::string(SimdTargets()[i]) : before;
+    EXPECT_EQ(seen[i], std::vector<std::string>(2 * 46, own));
+  }
+  EXPECT_EQ(SimdTarget(), before);
 }
 
 TEST(TimeScene, HidesBrokenBoxesFromThoseWhoCannotTakeThemAndRestoresTheIds) {

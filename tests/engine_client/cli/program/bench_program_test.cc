@@ -54,11 +54,32 @@ TEST(BenchProgram, RunsWithTheInstructionSetAskedForAndSaysWhich) {
 TEST(BenchProgram, RefusesAnInstructionSetThatTheMachineHasNot) {
   const std::string command = "bench --scene suite-b --objects 100 --frames 2 --arms SAP";
   for (const ProgramRun& run :
-       {RunProgram(command + " --simd mmx"), RunWithSimdVariable(command, "mmx")}) {
+       {RunProgram(command + " --simd mmx"), RunWithSimdVariable(command, "mmx"),
+        RunProgram(command + " --simd " + std::string(SimdTargets().front()) + ",mmx")}) {
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_THAT(run.err,
                 HasSubstr("unknown instruction set of this machine 'mmx', must be one of"));
+    EXPECT_THAT(run.err, HasSubstr(std::string(SimdTargets().front())));
+    EXPECT_EQ(run.out, "") << "nothing is measured";
   }
+}
+
+TEST(BenchProgram, PrintsARowPerInstructionSet) {
+  const ProgramRun run = RunProgram(
+      "bench --scene suite-b --objects 300 --frames 5 --arms SAP,Grid --json --simd all");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json document = json::parse(run.out);
+  const size_t count = SimdTargets().size();
+  ASSERT_EQ(document["rows"].size(), 2 * count);
+  ASSERT_EQ(document["simd"].size(), count);
+  for (size_t i = 0; i < 2 * count; ++i) {
+    EXPECT_EQ(document["rows"][i]["simd"], SimdTargets()[i % count]);
+    EXPECT_EQ(document["rows"][i]["pairs_mean"], document["rows"][0]["pairs_mean"]);
+  }
+  const json& ratios = document["ratios"];
+  ASSERT_EQ(ratios.size(), 2 * (count - 1)) << "each but the best with the next better one";
+  for (const json& ratio : ratios) EXPECT_EQ(ratio["kind"], "simd");
+  EXPECT_EQ(document["machine"]["simd"], SimdTargets().front());
 }
 
 TEST(BenchProgram, PrintsARowPerCountOfThreads) {
