@@ -17,7 +17,10 @@ class BruteForce final : public BroadPhase {
   explicit BruteForce(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "BruteForce"; }
   uint32_t version() const override { return 3; }
-  void Build(std::span<const Aabb> boxes) override { Load(boxes); }
+  void Build(std::span<const Aabb> boxes) override {
+    pair_count_ = 0;
+    Load(boxes);
+  }
   void Update(std::span<const Aabb> boxes) override { Load(boxes); }
   void FindPairs(PairBuffer& out) override;
   uint64_t aabb_check_count() const override { return checks_; }
@@ -29,6 +32,7 @@ class BruteForce final : public BroadPhase {
   Executor* executor_;
   ByteBoxes boxes_;  // the slot is the id
   PairParts parts_;
+  size_t pair_count_ = 0;  // the pairs of the latest search
   uint64_t checks_ = 0;
 };
 
@@ -46,10 +50,12 @@ void BruteForce::Load(std::span<const Aabb> boxes) {
 
 void BruteForce::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
+  const size_t before = out.size();
   checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
                        [&](size_t begin, size_t end, PairBuffer& pairs) {
-                         return FindPairsOfAll(lanes, begin, end, pairs);
+                         return FindPairsOfAll(lanes, begin, end, pair_count_, pairs);
                        });
+  pair_count_ = out.size() - before;
 }
 
 }  // namespace

@@ -183,13 +183,16 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
   return checks;
 }
 
-// The fewer the boxes, the more of the steps have candidates: whether one has cannot be predicted
-// then, so that half as many steps are faster, though a step costs more than two of one register.
-constexpr size_t kFewBoxes = 4096;
+// The more pairs, the more of the steps have candidates: whether one has cannot be predicted then,
+// so that half as many steps are faster, though a step costs more than two of one register. They
+// are as many as here, in slots by slots for each pair.
+constexpr uint64_t kSlotsPerPair = 1500;
 
-uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
+uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end,
+                 [[maybe_unused]] size_t expected_pairs, PairBuffer& out) {
 #if HWY_MAX_BYTES != 64  // a register there is a granule, and a step
-  if (lanes.count < kFewBoxes) return ScanTiles<false, false, 2>(lanes, begin, end, out);
+  if (expected_pairs * kSlotsPerPair > uint64_t{lanes.count} * lanes.count)
+    return ScanTiles<false, false, 2>(lanes, begin, end, out);
 #endif
   return ScanTiles<false, false, 1>(lanes, begin, end, out);
 }
@@ -215,8 +218,9 @@ HWY_EXPORT(ScanAll);
 HWY_EXPORT(ScanSwept);
 HWY_EXPORT(CheckNs);
 
-uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(ScanAll)(lanes, begin, end, out);
+uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
+                        PairBuffer& out) {
+  return HWY_DYNAMIC_DISPATCH(ScanAll)(lanes, begin, end, expected_pairs, out);
 }
 
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {

@@ -18,8 +18,9 @@ namespace sweepstake {
 inline constexpr size_t kRowsPerTile = 4;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
-// AABB checks.
-uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
+// AABB checks. How many pairs all slots are expected to have changes the time alone.
+uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
+                        PairBuffer& out);
 // Appends each overlapping pair of a swept slot in [begin, end) and a later slot; returns the
 // number of AABB checks. A tile is not compared with slots that begin after its boxes have ended.
 uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
