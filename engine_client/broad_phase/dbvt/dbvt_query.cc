@@ -58,13 +58,30 @@ HWY_INLINE size_t CollectSlots(const Aabb& box, const DbvtNode* nodes, uint32_t 
 }
 
 // Tests the leaf's boxes, as many at a time as a register holds, against those in `slots`. With
-// kSelf they are tested against one another instead, each against the lanes behind it.
+// kSelf they are tested against one another instead, each against the lanes behind it. A narrow
+// register takes turns with the leaf's others, since it spends more on the copies of the other
+// box's faces than on comparing them; a wide one has its faces held in registers.
 template <bool kSelf>
 HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& leaf,
                           size_t leaf_size, const uint32_t* slots, size_t slot_count,
                           PairCursor& cursor) {
   const Lanes16 d;
   const size_t step = hn::Lanes(d);
+#if HWY_MAX_BYTES == 16
+  for (size_t k = 0; k < (kSelf ? leaf_size : slot_count); ++k) {
+    const DbvtNode& node = kSelf ? leaf : nodes[slots[k] / kWidth];
+    const size_t lane = kSelf ? k : slots[k] % kWidth;
+    const Aabb box = BoxAt(LanesOf(node), lane);
+    OverlapPair* const room = cursor.Room(kWidth);
+    OverlapPair* out = room;
+    for (size_t at = kSelf ? (k + 1) / step * step : 0; at < leaf_size; at += step) {
+      auto hits = Hits(d, box, LanesOf(leaf), at);
+      if constexpr (kSelf) hits = hn::And(hits, SlotsFrom(d, k + 1, at));
+      out += StoreHits(d, hits, node.child[lane], leaf.child + at, out);
+    }
+    cursor.Advance(static_cast<size_t>(out - room));
+  }
+#else
   for (size_t at = 0; at < leaf_size; at += step) {
     const auto min0 = hn::Load(d, leaf.min[0] + at);
     const auto min1 = hn::Load(d, leaf.min[1] + at);
@@ -82,6 +99,7 @@ HWY_INLINE void TestSlots(const DbvtNode* HWY_RESTRICT nodes, const DbvtNode& le
       cursor.Advance(StoreHits(d, hits, node.child[lane], leaf.child + at, cursor.Room(step)));
     }
   }
+#endif
 }
 
 // The maximum number of nodes that wait in a depth-first walk: all siblings on each level.
