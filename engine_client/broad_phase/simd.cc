@@ -86,7 +86,7 @@ std::atomic<bool> is_chosen{false};
 
 Status ReadEnvironment() {
   const char* const name = std::getenv(kVariable);
-  if (name == nullptr || is_chosen) return {};
+  if (name == nullptr || *name == '\0' || is_chosen) return {};
   const Status status = UseSimdTarget(name);
   return status.ok() ? status
                      : Status(status.code(), std::string(kVariable) + ": " + status.message());

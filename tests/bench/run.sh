@@ -34,7 +34,7 @@ while (($# > 0)); do
   case $1 in
     --quick) quick=1 ;;
     --json) json=1 ;;
-    --simd) passed+=(--simd "$2"); shift ;;
+    --simd) passed+=(--simd "${2:?--simd takes a list, as avx512,avx2}"); shift ;;
     --cold) passed+=(--cold) ;;
     --program) program=$2; shift ;;
     --out) out=$2; shift ;;

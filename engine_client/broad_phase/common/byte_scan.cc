@@ -75,8 +75,10 @@ HWY_INLINE uint64_t BitsOf(Bytes d, hn::Mask<Bytes> mask) {
   (void)d;
   return mask.raw;
 #else
+  uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
   MaskWord bits = 0;
-  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
+  std::memcpy(&bits, bytes, sizeof(bits));
   return bits;
 #endif
 }
@@ -184,9 +186,11 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
 }
 
 // The more pairs, the more of the steps have candidates: whether one has cannot be predicted then,
-// so that half as many steps are faster, though a step costs more than two of one register. They
-// are as many as here, in slots by slots for each pair.
-constexpr uint64_t kSlotsPerPair = 1500;
+// so that half as many steps are faster, though a step costs more than two of one register. Two
+// registers at a time are faster with fewer slots by slots for each pair than this (AMD Zen 4,
+// `sweepstake bench --simd avx2,sse4 --arms BruteForce`, suites b, g and h with 1,000 to 10,000
+// boxes). Other sets of 128 bits are taken as SSE4, since they were not timed.
+constexpr uint64_t kSlotsPerPair = HWY_MAX_BYTES == 32 ? 900 : 250;
 
 uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end,
                  [[maybe_unused]] size_t expected_pairs, PairBuffer& out) {
@@ -202,6 +206,7 @@ uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer&
   return ScanTiles<true, false, 1>(lanes, begin, end, out);
 }
 
+// Timed with AVX-512, AVX2 and SSE4; whatever else runs is taken as SSE4.
 double CheckNs() {
   constexpr double kNsOf64 = HWY_MAX_BYTES == 64 ? 1.25 : HWY_MAX_BYTES == 32 ? 2.25 : 3.6;
   return kNsOf64 / 64;

@@ -75,6 +75,8 @@ HWY_INLINE hn::Mask<D> SlotsFrom(D d, size_t first, size_t at) {
 
 // Stores (self, partner) with a < b of the partners in the first `count` lanes: half a register of
 // pairs, and the other half where they need it or kAlways. Always is faster where they often do.
+// Grid's search has its own (StoreFewHits), which takes a fifth less time there with AVX-512 and up
+// to a fifth more in KDTree and DBVT.
 template <bool kAlways, class V>
 HWY_INLINE void StorePairs(V self, V partners, [[maybe_unused]] size_t count, OverlapPair* out) {
   const hn::DFromV<V> du;

@@ -31,7 +31,9 @@ class RebuildDebt {
   uint64_t excess_checks_ = 0;
 };
 
-// Returns the cost of a search in checks, of which writing a pair counts as 8.
+// Returns the cost of a search in checks, of which writing a pair counts as 8. With 4 or 16
+// KDTree's mean frame is within 3 % with AVX-512, AVX2 and SSE4 (`sweepstake bench`, suites b and
+// g).
 constexpr uint64_t SearchCost(uint64_t checks, uint64_t pair_count) {
   return checks + 8 * pair_count;
 }

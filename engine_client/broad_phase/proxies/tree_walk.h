@@ -39,8 +39,8 @@ bool FindNearestHit(const LeafTree::View& tree, const Ray& ray, const IdPredicat
                     NearestHit& hit);
 
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of
-// `leaves` that overlap boxes of `tree`. Returns the AABB checks. Keeps its lists on the stack (60
-// KiB). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
+// `leaves` that overlap boxes of `tree`. Returns the AABB checks. Keeps its lists on the stack (51
+// KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
 uint64_t FindPairsBetween(const LeafTree::View& leaves, size_t begin, size_t end,
                           const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out);
 

@@ -26,7 +26,7 @@ class Sap final : public BroadPhase {
  public:
   explicit Sap(const BroadPhaseOptions& options) : executor_(options.executor) {}
   std::string_view name() const override { return "SAP"; }
-  uint32_t version() const override { return 2; }
+  uint32_t version() const override { return 3; }
   void Build(std::span<const Aabb> boxes) override { Update(boxes); }
   void Update(std::span<const Aabb> boxes) override;
   void FindPairs(PairBuffer& out) override;

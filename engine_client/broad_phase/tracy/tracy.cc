@@ -14,7 +14,8 @@ namespace sweepstake {
 namespace {
 
 // A new layout costs about as much as this number of checks per box. Half or twice as many change a
-// frame by 3 % or less with AVX2 and SSE4; with AVX-512 twice as many cost up to 9 %.
+// frame by 3 % or less with AVX2 and SSE4; with AVX-512 twice as many cost up to 9 % (AMD Zen 4,
+// `sweepstake bench`).
 constexpr uint64_t kChecksPerLayout = 256;
 // If a search takes more checks than this, another layout is tried every kFramesPerTrial frames:
 // the scene may have spread since, or it may really be that dense.

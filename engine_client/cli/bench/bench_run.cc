@@ -217,8 +217,12 @@ Result<std::vector<std::string>> ChooseSimd(const std::vector<std::string>& name
   const auto usable = SimdTargets();
   std::vector<std::string> chosen(usable.begin(), usable.end());
   if (names != std::vector<std::string>{"all"}) {
+    const std::string_view before = SimdTarget();
     for (const std::string& name : names) {
-      if (Status status = UseSimdTarget(name); !status.ok()) return status;
+      const Status status = UseSimdTarget(name);
+      if (status.ok()) continue;
+      (void)UseSimdTarget(before);
+      return status;
     }
     std::erase_if(chosen, [&](const std::string& each) {
       return std::find(names.begin(), names.end(), each) == names.end();

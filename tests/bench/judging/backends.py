@@ -114,7 +114,10 @@ class BenchJudge:
         return any("with" in goal and fits(goal, ratio, self.document) for goal in self.goals["bench"])
 
     def derived(self, kind, row, peer):
-        """What `peer` would take here: a bridge's time here × the quotient of their published figures of the cell."""
+        """What `peer` would take here: a bridge's time here × the quotient of their published figures of the cell. These were
+        measured with warm caches."""
+        if self.document["cold"]:
+            return None
         for bridge in self.bridges:
             speedup = self.speedups.get((cell_of(row), *arm_key(row), bridge))
             figure, of_bridge = (self.figures.get((each, *cell_of(row))) for each in (peer, bridge))

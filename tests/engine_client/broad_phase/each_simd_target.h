@@ -9,10 +9,10 @@
 
 namespace sweepstake::test_support {
 
-// Ends with the best one, as a program begins, and
-// after the first fatal failure.
+// Ends with the one that ran before, also after the first fatal failure.
 template <class Test>
 void OnEachSimdTarget(const Test& test) {
+  const std::string_view before = SimdTarget();
   for (const std::string_view target : SimdTargets()) {
     SCOPED_TRACE(target);
     EXPECT_TRUE(UseSimdTarget(target).ok());
@@ -20,7 +20,7 @@ void OnEachSimdTarget(const Test& test) {
     test();
     if (testing::Test::HasFatalFailure()) break;
   }
-  EXPECT_TRUE(UseSimdTarget(SimdTargets().front()).ok());
+  EXPECT_TRUE(UseSimdTarget(before).ok());
 }
 
 }  // namespace sweepstake::test_support
