@@ -61,24 +61,17 @@ HWY_NOINLINE void TestExactly(const ByteLanes& lanes, const Candidates* all, siz
   cursor.Advance(found);
 }
 
-// A word as wide as the mask needs no instructions to fill the rest of a wider one.
-#if HWY_MAX_BYTES == 16
-using MaskWord = uint16_t;
-#elif HWY_MAX_BYTES == 32
-using MaskWord = uint32_t;
-#else
-using MaskWord = uint64_t;
-#endif
-
-HWY_INLINE uint64_t BitsOf(Bytes d, hn::Mask<Bytes> mask) {
+// x86 has an instruction for it, behind which StoreMaskBits has others that extend its result.
+HWY_INLINE uint64_t BitsOf([[maybe_unused]] Bytes d, hn::Mask<Bytes> mask) {
 #if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
-  (void)d;
   return mask.raw;
+#elif HWY_TARGET == HWY_AVX2
+  return static_cast<uint32_t>(_mm256_movemask_epi8(mask.raw));
+#elif HWY_TARGET == HWY_SSE4
+  return static_cast<uint32_t>(_mm_movemask_epi8(mask.raw));
 #else
-  uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  MaskWord bits = 0;
-  std::memcpy(&bits, bytes, sizeof(bits));
+  uint64_t bits = 0;
+  hn::StoreMaskBits(d, mask, reinterpret_cast<uint8_t*>(&bits));
   return bits;
 #endif
 }

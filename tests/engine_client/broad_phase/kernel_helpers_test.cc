@@ -1,0 +1,96 @@
+// What the kernels are made of, against loops over lanes, for each mask and each instruction set.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "tests/engine_client/broad_phase/each_simd_target.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tests/engine_client/broad_phase/kernel_helpers_test.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+// What follows must come after foreach_target.h.
+#include "engine_client/broad_phase/common/overlap_kernel-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sweepstake::HWY_NAMESPACE {
+
+using Ids = hn::CappedTag<uint32_t, 16>;
+constexpr uint32_t kFirstId = 100;
+
+// Returns what is wrong with the ids that the mask has moved to the front, or nothing.
+std::string CompressError(const uint32_t* compressed, uint32_t bits) {
+  for (uint32_t lane = 0; lane < 16; ++lane) {
+    if ((bits >> lane & 1) != 0 && *compressed++ != kFirstId + lane)
+      return "mask " + std::to_string(bits) + ", lane " + std::to_string(lane);
+  }
+  return "";
+}
+
+std::string CompressErrors() {
+  const Ids d;
+  const auto ids = NumbersFrom(d, kFirstId);
+  uint32_t found[16];
+  std::string error;
+  for (uint32_t bits = 0; bits < 1U << hn::Lanes(d) && error.empty(); ++bits) {
+    const auto mask = MaskOfBits(d, bits);
+    if (BitsOfMask(d, mask) != bits) return "bits of mask " + std::to_string(bits);
+    hn::StoreU(CompressBits(ids, bits), d, found);
+    error = CompressError(found, bits);
+    if (!error.empty()) break;
+    hn::StoreU(CompressLanes(ids, mask), d, found);
+    error = CompressError(found, bits);
+  }
+  return error;
+}
+
+// Returns what is wrong with the pairs of `self` with partners from kFirstId on.
+template <bool kAlways>
+std::string PairsError(uint32_t self) {
+  const Ids d;
+  for (size_t count = 0; count <= hn::Lanes(d); ++count) {
+    OverlapPair pairs[32] = {};
+    StorePairs<kAlways>(hn::Set(d, self), NumbersFrom(d, kFirstId), count, pairs);
+    for (uint32_t k = 0; k < count; ++k) {
+      const auto [a, b] = std::minmax(self, kFirstId + k);
+      if (pairs[k].a != a || pairs[k].b != b)
+        return "pair " + std::to_string(k) + " of " + std::to_string(count);
+    }
+  }
+  return "";
+}
+
+// The own id may be less than those of all partners, greater, or in between.
+std::string StorePairsErrors() {
+  std::string errors;
+  for (const uint32_t self : {0U, kFirstId + 3, 4'000'000'000U})
+    errors += PairsError<false>(self) + PairsError<true>(self);
+  return errors;
+}
+
+}  // namespace sweepstake::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace sweepstake {
+namespace {
+
+using test_support::OnEachSimdTarget;
+
+HWY_EXPORT(CompressErrors);
+HWY_EXPORT(StorePairsErrors);
+
+TEST(CompressBits, MovesTheLanesOfEachMaskToTheFront) {
+  OnEachSimdTarget([] { EXPECT_EQ(HWY_DYNAMIC_DISPATCH(CompressErrors)(), ""); });
+}
+
+TEST(StorePairs, PutsTheLesserIdFirstWhateverTheirNumber) {
+  OnEachSimdTarget([] { EXPECT_EQ(HWY_DYNAMIC_DISPATCH(StorePairsErrors)(), ""); });
+}
+
+}  // namespace
+}  // namespace sweepstake
+
+#endif  // HWY_ONCE
