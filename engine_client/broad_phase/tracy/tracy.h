@@ -18,10 +18,10 @@
 // again (as in Build) if boxes outgrow them, if the checks in excess of the cheapest frame since
 // the last layout add up to 256 per object, and every 64 frames while a search makes far more
 // checks than pairs. Cost: Build O(n log n); a frame O(n + boxes around a box + changes). Measured
-// on AMD Zen 5 with `sweepstake bench`: in suite-b 23 ns per box from 1,000 to 100,000 boxes and 41
-// ns at 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns; two threads are 1.6 times as
-// fast at 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65 more
-// while little moves.
+// on AMD Zen 5 with AVX-512 and `sweepstake bench`: in suite-b 23 ns per box from 1,000 to 100,000
+// boxes and 41 ns at 1,000,000, in suite-h 25 to 33 ns, in suite-g 39 to 53 ns; two threads are 1.6
+// times as fast at 10,000 boxes, 1.9 times at 100,000. Memory: 45 bytes per box and 4 per cell; 65
+// more while little moves.
 #pragma once
 
 #include <memory>
