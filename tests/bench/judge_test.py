@@ -176,6 +176,10 @@ class PublishedFigures(unittest.TestCase):
         self.assertAlmostEqual(own[0]["value"], 5 * 2.39 / 2.50)
         self.assertAlmostEqual(own[0]["value_mean"], 10 * 2.39 / 2.50)
 
+    def test_are_of_warm_caches_and_say_nothing_of_cold_ones(self):
+        _, document, _ = judged(bench_document([bench_row("SAP")], speedups=[speedup("SAP", "Embree", 5)], cold=True))
+        self.assertEqual(document["published"], [])
+
     def test_are_reached_through_bullet_without_embree(self):
         _, document, _ = judged(bench_document([bench_row("SAP")], speedups=[speedup("SAP", "BulletDbvtDeferred", 7)]))
         overall = [each for each in document["published"] if each["kind"] == "overall"]

@@ -25,8 +25,8 @@ constexpr size_t kSwapsPerFace = 8;
 // The size of the sample from which the motion is estimated.
 constexpr size_t kMotionSample = 64;
 
-// On AMD Zen 5 (`sweepstake bench`): a swap, and a new sort with filling the lanes, per box. Nearly
-// all of both is code without vectors, the same for every instruction set.
+// On AMD Zen 5 (`sweepstake bench`): a swap, and a new sort with filling the lanes, per box. Both
+// are taken as the same for every instruction set, since most of their code has no vectors.
 constexpr double kSwapNs = 5;
 constexpr double kSortNs = 30;
 

@@ -162,8 +162,10 @@ TEST(RunBench, NamesWhatThereIsNot) {
   options.scenes = {"brownian", "nowhere"};
   EXPECT_THAT(Measured(options).status().message(), HasSubstr("nowhere"));
   options = SmallOptions();
-  options.simd = {std::string(SimdTargets().front()), "mmx"};
+  const std::string before(SimdTarget());
+  options.simd = {std::string(SimdTargets().back()), "mmx"};
   EXPECT_EQ(Measured(options).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(SimdTarget(), before);
 }
 
 TEST(AnyDiffers, IsTrueWhereOneRowHasADifference) {
