@@ -2,22 +2,12 @@
 //
 // An inactive backend keeps its buffers, so that a switch back to it need not allocate; only the
 // active backend's bytes are reported, since they are the cost of its arm.
-#include "sweepstake/adaptive_broad_phase.h"
+#include "engine_client/adaptive/adaptive_impl.h"
 
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <thread>
 #include <utility>
-
-#include "engine_client/adaptive/adaptive_factory.h"
-#include "engine_client/adaptive/bail_out_guard.h"
-#include "engine_client/adaptive/descriptor_estimator.h"
-#include "engine_client/adaptive/order_mailbox.h"
-#include "engine_client/adaptive/shadow_lane.h"
-#include "engine_client/adaptive/switch_cost_meter.h"
-#include "engine_client/adaptive/verdict_slot.h"
-#include "server/decision/math/names.h"
 
 namespace sweepstake {
 namespace {
@@ -39,57 +29,6 @@ class ChronoSteadyClock final : public Clock {
   }
 };
 
-Status UnknownArm(std::string_view name, std::span<const std::string> arms) {
-  const std::vector<std::string_view> valid(arms.begin(), arms.end());
-  return {StatusCode::kNotFound, math::UnknownName("arm", name, valid)};
-}
-
-std::optional<uint32_t> IndexOf(std::string_view name, std::span<const std::string> arms) {
-  const auto found = std::find(arms.begin(), arms.end(), name);
-  if (found == arms.end()) return std::nullopt;
-  return static_cast<uint32_t>(found - arms.begin());
-}
-
-Status ValidateArms(std::span<const std::string> arms) {
-  if (arms.empty() || arms.size() > BailOutGuard::kMaxArms) {
-    return {StatusCode::kInvalidArgument,
-            "arms holds " + std::to_string(arms.size()) + " names; give 1 to 32"};
-  }
-  for (size_t i = 0; i < arms.size(); ++i) {
-    if (IndexOf(arms[i], arms) != i) {
-      return {StatusCode::kInvalidArgument, "arm '" + arms[i] + "' is named twice"};
-    }
-  }
-  return {};
-}
-
-Status ValidateOptions(const AdaptiveOptions& options) {
-  if (options.bail_out_ns == 0) {
-    return {StatusCode::kInvalidArgument, "bail_out_ns is 0; give the longest frame in ns"};
-  }
-  if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
-    return {StatusCode::kInvalidArgument, "mode is neither kManual (1) nor kAi (2)"};
-  }
-  const ShadowOptions& shadow = options.shadow;
-  if (!(shadow.duty_ratio > 0 && shadow.duty_ratio <= 1)) {
-    return {StatusCode::kInvalidArgument, "shadow.duty_ratio must be over 0 and at most 1"};
-  }
-  if (shadow.enabled > ShadowMode::kOn || shadow.visit_cap_ns == 0) {
-    return {StatusCode::kInvalidArgument,
-            "shadow.enabled must be kOff (0), kAuto (1) or kOn (2), and visit_cap_ns over 0"};
-  }
-  return {};
-}
-
-Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor) {
-  ArmBackend made;
-  if (executor != nullptr) made.executor = std::make_unique<DetachableExecutor>(*executor);
-  auto backend = MakeBroadPhase(arm, {.executor = made.executor.get()});
-  if (!backend.ok()) return backend.status();
-  made.backend = std::move(*backend);
-  return made;
-}
-
 // Returns the lane's state, which is kRunning if there will be a lane.
 ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_t arm_count) {
   const size_t used = options.executor == nullptr ? 1 : options.executor->thread_count();
@@ -104,77 +43,6 @@ Clock& SteadyClock() {
   static ChronoSteadyClock clock;  // It has no state, so that all may share it.
   return clock;
 }
-
-class AdaptiveBroadPhase::Impl {
- public:
-  Impl(const AdaptiveOptions& options, std::vector<std::string> arms,
-       std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
-       FrameSink* sink, Clock& clock);
-
-  void BeginFrame();
-  std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
-  void EndFrame(const FrameEnd& frame);
-
-  Status SelectArm(std::string_view name);
-  void SetMode(Mode chosen);
-
-  uint32_t arm() const {
-    return static_cast<uint32_t>(active_.load(std::memory_order_relaxed) >> 32);
-  }
-  uint32_t epoch() const { return static_cast<uint32_t>(active_.load(std::memory_order_relaxed)); }
-  ShadowStats shadow_stats() const;
-
-  const std::vector<std::string> arms;
-  std::vector<uint32_t> versions;
-  SwitchMailbox mailbox;
-  OrderMailbox orders;
-  std::atomic<Mode> mode;
-  BailOutGuard guard;
-  VerdictSlot verdict;
-  SwitchCostMeter switch_cost;
-  FrameSample last_sample{};
-  SwitchReason last_switch_reason = SwitchReason::kPolicy;
-
- private:
-  // A command from the mailbox, and the frame time for which it has waited for the shadow lane.
-  struct PendingSwitch {
-    SwitchCommand command;
-    uint64_t waited_ns = 0;
-  };
-
-  void TakeCommand(const SwitchCommand& command);
-  void TakeOrder(const OperatorOrder& order);
-  void EndOrder();
-  void ExecutePending();
-  bool IsAllowed(const SwitchCommand& command) const;
-  bool WaitsForLane();
-  void Execute(const SwitchCommand& command);
-  void Drop();
-  void Refuse(const SwitchCommand& command);
-  void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
-  void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
-  void MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
-  void Emit();
-  void GuardLocally();
-  void Report(const std::optional<SwitchOutcome>& outcome);
-  void ReportMode(uint64_t order_id);
-
-  std::vector<ArmBackend> backends_;
-  FrameSink* const sink_;
-  Clock& clock_;
-  std::atomic<uint64_t> active_;
-  std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
-  std::optional<PendingSwitch> pending_;
-  bool manual_by_order_ = false;  // an operator has ordered kManual, and it holds
-  bool built_ = false;  // whether the active structure holds the boxes of the latest frame
-  PairBuffer pairs_;
-  DescriptorEstimator descriptors_;
-  FrameSample sample_{};
-  std::atomic<uint64_t> warm_switch_count_{0};
-  std::atomic<uint64_t> cold_switch_count_{0};
-  const ShadowState lane_state_;      // kRunning if there is a lane
-  std::unique_ptr<ShadowLane> lane_;  // destroyed first, since its thread uses the members above
-};
 
 AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::string> arm_names,
                                std::vector<ArmBackend> backends, uint32_t initial_arm,
@@ -386,7 +254,7 @@ void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
 }
 
 Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
-  const std::optional<uint32_t> chosen = IndexOf(name, arms);
+  const std::optional<uint32_t> chosen = IndexOfArm(name, arms);
   if (!chosen) return UnknownArm(name, arms);
   local_command_.reset();
   if (*chosen != arm()) {
@@ -402,50 +270,6 @@ ShadowStats AdaptiveBroadPhase::Impl::shadow_stats() const {
   stats.warm_switch_count = warm_switch_count_.load(std::memory_order_relaxed);
   stats.cold_switch_count = cold_switch_count_.load(std::memory_order_relaxed);
   return stats;
-}
-
-Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(const AdaptiveOptions& options,
-                                                                  std::vector<ArmBackend> backends,
-                                                                  const LaneParts& lane,
-                                                                  FrameSink* sink, Clock& clock) {
-  std::vector<std::string> arms;
-  arms.reserve(backends.size());
-  for (const ArmBackend& own : backends) arms.emplace_back(own.backend->name());
-  if (Status status = ValidateArms(arms); !status.ok()) return status;
-  if (Status status = ValidateOptions(options); !status.ok()) return status;
-  std::optional<uint32_t> initial = 0;
-  if (!options.initial_arm.empty()) initial = IndexOf(options.initial_arm, arms);
-  if (!initial) return UnknownArm(options.initial_arm, arms);
-  auto impl = std::make_unique<AdaptiveBroadPhase::Impl>(
-      options, std::move(arms), std::move(backends), *initial, lane, sink, clock);
-  return std::unique_ptr<AdaptiveBroadPhase>(new AdaptiveBroadPhase(std::move(impl)));
-}
-
-Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
-    const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
-    FrameSink* sink, Clock& clock) {
-  std::vector<ArmBackend> owned;
-  owned.reserve(backends.size());
-  for (auto& backend : backends) owned.push_back({nullptr, std::move(backend)});
-  return Make(options, std::move(owned), {}, sink, clock);
-}
-
-Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
-    const AdaptiveOptions& options, FrameSink* sink, Clock& clock) {
-  std::vector<std::string> arms = options.arms;
-  if (arms.empty()) arms.assign(BroadPhaseNames().begin(), BroadPhaseNames().end());
-  if (Status status = ValidateArms(arms); !status.ok()) return status;
-  std::vector<ArmBackend> backends;
-  for (const std::string& arm : arms) {
-    Result<ArmBackend> made = MakeArm(arm, options.executor);
-    if (!made.ok()) return made.status();
-    backends.push_back(std::move(*made));
-  }
-  const auto make = [arms, executor = options.executor](uint32_t arm) {
-    return std::move(*MakeArm(arms[arm], executor));
-  };
-  const LaneParts lane{make, std::thread::hardware_concurrency()};
-  return AdaptiveFactory::Make(options, std::move(backends), lane, sink, clock);
 }
 
 AdaptiveBroadPhase::AdaptiveBroadPhase(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

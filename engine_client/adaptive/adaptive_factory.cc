@@ -1,0 +1,111 @@
+// Makes the frame path of checked options and its arms' backends.
+#include "engine_client/adaptive/adaptive_factory.h"
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "engine_client/adaptive/adaptive_impl.h"
+#include "server/decision/math/names.h"
+
+namespace sweepstake {
+namespace {
+
+Status ValidateArms(std::span<const std::string> arms) {
+  if (arms.empty() || arms.size() > BailOutGuard::kMaxArms) {
+    return {StatusCode::kInvalidArgument,
+            "arms holds " + std::to_string(arms.size()) + " names; give 1 to 32"};
+  }
+  for (size_t i = 0; i < arms.size(); ++i) {
+    if (IndexOfArm(arms[i], arms) != i) {
+      return {StatusCode::kInvalidArgument, "arm '" + arms[i] + "' is named twice"};
+    }
+  }
+  return {};
+}
+
+Status ValidateOptions(const AdaptiveOptions& options) {
+  if (options.bail_out_ns == 0) {
+    return {StatusCode::kInvalidArgument, "bail_out_ns is 0; give the longest frame in ns"};
+  }
+  if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
+    return {StatusCode::kInvalidArgument, "mode is neither kManual (1) nor kAi (2)"};
+  }
+  const ShadowOptions& shadow = options.shadow;
+  if (!(shadow.duty_ratio > 0 && shadow.duty_ratio <= 1)) {
+    return {StatusCode::kInvalidArgument, "shadow.duty_ratio must be over 0 and at most 1"};
+  }
+  if (shadow.enabled > ShadowMode::kOn || shadow.visit_cap_ns == 0) {
+    return {StatusCode::kInvalidArgument,
+            "shadow.enabled must be kOff (0), kAuto (1) or kOn (2), and visit_cap_ns over 0"};
+  }
+  return {};
+}
+
+Result<ArmBackend> MakeArm(std::string_view arm, Executor* executor) {
+  ArmBackend made;
+  if (executor != nullptr) made.executor = std::make_unique<DetachableExecutor>(*executor);
+  auto backend = MakeBroadPhase(arm, {.executor = made.executor.get()});
+  if (!backend.ok()) return backend.status();
+  made.backend = std::move(*backend);
+  return made;
+}
+
+}  // namespace
+
+std::optional<uint32_t> IndexOfArm(std::string_view name, std::span<const std::string> arms) {
+  const auto found = std::find(arms.begin(), arms.end(), name);
+  if (found == arms.end()) return std::nullopt;
+  return static_cast<uint32_t>(found - arms.begin());
+}
+
+Status UnknownArm(std::string_view name, std::span<const std::string> arms) {
+  const std::vector<std::string_view> valid(arms.begin(), arms.end());
+  return {StatusCode::kNotFound, math::UnknownName("arm", name, valid)};
+}
+
+Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(const AdaptiveOptions& options,
+                                                                  std::vector<ArmBackend> backends,
+                                                                  const LaneParts& lane,
+                                                                  FrameSink* sink, Clock& clock) {
+  std::vector<std::string> arms;
+  arms.reserve(backends.size());
+  for (const ArmBackend& own : backends) arms.emplace_back(own.backend->name());
+  if (Status status = ValidateArms(arms); !status.ok()) return status;
+  if (Status status = ValidateOptions(options); !status.ok()) return status;
+  std::optional<uint32_t> initial = 0;
+  if (!options.initial_arm.empty()) initial = IndexOfArm(options.initial_arm, arms);
+  if (!initial) return UnknownArm(options.initial_arm, arms);
+  auto impl = std::make_unique<AdaptiveBroadPhase::Impl>(
+      options, std::move(arms), std::move(backends), *initial, lane, sink, clock);
+  return std::unique_ptr<AdaptiveBroadPhase>(new AdaptiveBroadPhase(std::move(impl)));
+}
+
+Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(
+    const AdaptiveOptions& options, std::vector<std::unique_ptr<BroadPhase>> backends,
+    FrameSink* sink, Clock& clock) {
+  std::vector<ArmBackend> owned;
+  owned.reserve(backends.size());
+  for (auto& backend : backends) owned.push_back({nullptr, std::move(backend)});
+  return Make(options, std::move(owned), {}, sink, clock);
+}
+
+Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
+    const AdaptiveOptions& options, FrameSink* sink, Clock& clock) {
+  std::vector<std::string> arms = options.arms;
+  if (arms.empty()) arms.assign(BroadPhaseNames().begin(), BroadPhaseNames().end());
+  if (Status status = ValidateArms(arms); !status.ok()) return status;
+  std::vector<ArmBackend> backends;
+  for (const std::string& arm : arms) {
+    Result<ArmBackend> made = MakeArm(arm, options.executor);
+    if (!made.ok()) return made.status();
+    backends.push_back(std::move(*made));
+  }
+  const auto make = [arms, executor = options.executor](uint32_t arm) {
+    return std::move(*MakeArm(arms[arm], executor));
+  };
+  const LaneParts lane{make, std::thread::hardware_concurrency()};
+  return AdaptiveFactory::Make(options, std::move(backends), lane, sink, clock);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,99 @@
+// The frame path behind AdaptiveBroadPhase, whose header has the contract. Internal to this
+// repository.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/adaptive/bail_out_guard.h"
+#include "engine_client/adaptive/descriptor_estimator.h"
+#include "engine_client/adaptive/order_mailbox.h"
+#include "engine_client/adaptive/shadow_lane.h"
+#include "engine_client/adaptive/switch_cost_meter.h"
+#include "engine_client/adaptive/verdict_slot.h"
+#include "sweepstake/adaptive_broad_phase.h"
+
+namespace sweepstake {
+
+std::optional<uint32_t> IndexOfArm(std::string_view name, std::span<const std::string> arms);
+// kNotFound, with a message that lists the arms.
+Status UnknownArm(std::string_view name, std::span<const std::string> arms);
+
+class AdaptiveBroadPhase::Impl {
+ public:
+  Impl(const AdaptiveOptions& options, std::vector<std::string> arms,
+       std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
+       FrameSink* sink, Clock& clock);
+
+  void BeginFrame();
+  std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
+  void EndFrame(const FrameEnd& frame);
+
+  Status SelectArm(std::string_view name);
+  void SetMode(Mode chosen);
+
+  uint32_t arm() const {
+    return static_cast<uint32_t>(active_.load(std::memory_order_relaxed) >> 32);
+  }
+  uint32_t epoch() const { return static_cast<uint32_t>(active_.load(std::memory_order_relaxed)); }
+  ShadowStats shadow_stats() const;
+
+  const std::vector<std::string> arms;
+  std::vector<uint32_t> versions;
+  SwitchMailbox mailbox;
+  OrderMailbox orders;
+  std::atomic<Mode> mode;
+  BailOutGuard guard;
+  VerdictSlot verdict;
+  SwitchCostMeter switch_cost;
+  FrameSample last_sample{};
+  SwitchReason last_switch_reason = SwitchReason::kPolicy;
+
+ private:
+  // A command from the mailbox, and the frame time for which it has waited for the shadow lane.
+  struct PendingSwitch {
+    SwitchCommand command;
+    uint64_t waited_ns = 0;
+  };
+
+  void TakeCommand(const SwitchCommand& command);
+  void TakeOrder(const OperatorOrder& order);
+  void EndOrder();
+  void ExecutePending();
+  bool IsAllowed(const SwitchCommand& command) const;
+  bool WaitsForLane();
+  void Execute(const SwitchCommand& command);
+  void Drop();
+  void Refuse(const SwitchCommand& command);
+  void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
+  void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
+  void MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
+  void Emit();
+  void GuardLocally();
+  void Report(const std::optional<SwitchOutcome>& outcome);
+  void ReportMode(uint64_t order_id);
+
+  std::vector<ArmBackend> backends_;
+  FrameSink* const sink_;
+  Clock& clock_;
+  std::atomic<uint64_t> active_;
+  std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
+  std::optional<PendingSwitch> pending_;
+  bool manual_by_order_ = false;  // an operator has ordered kManual, and it holds
+  bool built_ = false;  // whether the active structure holds the boxes of the latest frame
+  PairBuffer pairs_;
+  DescriptorEstimator descriptors_;
+  FrameSample sample_{};
+  std::atomic<uint64_t> warm_switch_count_{0};
+  std::atomic<uint64_t> cold_switch_count_{0};
+  const ShadowState lane_state_;      // kRunning if there is a lane
+  std::unique_ptr<ShadowLane> lane_;  // destroyed first, since its thread uses the members above
+};
+
+}  // namespace sweepstake
