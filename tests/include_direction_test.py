@@ -79,6 +79,9 @@ PUBLIC_HEADERS = {
     "embedded_decider.h": "engine_client/telemetry",
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",
+    "c_worlds.h": "engine_client/c_api",
+    "c_sessions.h": "engine_client/c_api",
+    "c_deciders.h": "engine_client/c_api",
     "c_proxies.h": "engine_client/c_api",
     "c_scenes.h": "engine_client/c_api",
 }

@@ -66,14 +66,17 @@ inline std::span<const Aabb> ToBoxes(const swp_aabb* boxes, uint32_t count) {
   return {reinterpret_cast<const Aabb*>(boxes), count};
 }
 
+// Fails because a buffer of the caller is too small.
+inline swp_result TooFewPlaces() noexcept {
+  return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer results than there are");
+}
+
 // Writes all results, or only their number if `capacity` is too small for them.
 template <typename From, typename To>
 swp_result WriteAll(std::span<From> results, To* out, uint64_t capacity, uint64_t* count) noexcept {
   static_assert(sizeof(From) == sizeof(To));
   *count = results.size();
-  if (results.size() > capacity) {
-    return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer results than there are");
-  }
+  if (results.size() > capacity) return TooFewPlaces();
   if (!results.empty() && out != nullptr) std::memcpy(out, results.data(), results.size_bytes());
   return SWP_OK;
 }

@@ -1,4 +1,6 @@
 // Proxies: the set of proxy_set.h behind handles of C, and the results of its latest calls.
+#include <algorithm>
+#include <bit>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -25,10 +27,10 @@ using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 // The structs cross the boundary by pointer cast.
 static_assert(sizeof(swp_proxy) == sizeof(ProxyHandle));
+static_assert(std::endian::native == std::endian::little);  // index in the low bits of swp_proxy
 static_assert(sizeof(swp_proxy_pair) == sizeof(ProxyPair));
 static_assert(sizeof(swp_filter) == sizeof(CollisionFilter));
 static_assert(sizeof(swp_ray) == sizeof(Ray) && sizeof(swp_ray) == 28);
-static_assert(sizeof(swp_ray_hit) == sizeof(RayHit) && sizeof(swp_ray_hit) == 12);
 static_assert(SWP_STATIC_PROXY_BIT == sweepstake::kStaticProxyBit);
 
 struct swp_proxies {
@@ -49,8 +51,13 @@ swp_result NoSuchProxy() {
   return Fail(SWP_NOT_FOUND, "no proxy has this handle: it was removed, or never was one");
 }
 
-ProxyHandle ToHandle(swp_proxy proxy) { return {proxy.index, proxy.generation}; }
-CollisionFilter ToFilter(swp_filter filter) { return {filter.category, filter.mask}; }
+ProxyHandle ToHandle(swp_proxy proxy) { return std::bit_cast<ProxyHandle>(proxy); }
+swp_proxy ToProxy(ProxyHandle handle) { return std::bit_cast<swp_proxy>(handle); }
+swp_ray_hit ToHit(const RayHit& hit) { return {ToProxy(hit.proxy), hit.distance, 0}; }
+CollisionFilter ToFilter(const swp_filter& filter) { return {filter.category, filter.mask}; }
+CollisionFilter FilterOrAll(const swp_filter* filter) {
+  return filter == nullptr ? CollisionFilter{~0U, ~0U} : ToFilter(*filter);
+}
 
 swp_result CheckTruth(std::string_view message, uint32_t value) {
   return value > 1 ? Fail(SWP_INVALID_ARGUMENT, message) : SWP_OK;
@@ -130,13 +137,13 @@ swp_result swp_proxies_add(swp_proxies* proxies, const swp_aabb* box,
   }
   ProxyOptions chosen;
   if (options != nullptr) {
-    const swp_result wrong = CheckTruth("is_static must be 0 or 1", options->is_static);
-    if (wrong != SWP_OK) return wrong;
-    chosen = {ToFilter(options->filter), options->is_static != 0, options->user};
+    if ((options->flags & ~uint32_t{SWP_PROXY_STATIC}) != 0 || options->reserved != 0) {
+      return Fail(SWP_INVALID_ARGUMENT, "flags may hold SWP_PROXY_STATIC only, reserved must be 0");
+    }
+    chosen = {ToFilter(options->filter), (options->flags & SWP_PROXY_STATIC) != 0, options->user};
   }
   return Guard([&] {
-    const ProxyHandle handle = proxies->set.Add(ToBoxes(box, 1)[0], chosen);
-    *proxy = {handle.index, handle.generation};
+    *proxy = ToProxy(proxies->set.Add(ToBoxes(box, 1)[0], chosen));
     return static_cast<swp_result>(SWP_OK);
   });
 }
@@ -154,9 +161,9 @@ swp_result swp_proxies_move(swp_proxies* proxies, const swp_proxy* moved, const 
   return proxies->set.Move(handles, ToBoxes(boxes, count)) ? SWP_OK : NoSuchProxy();
 }
 
-swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, swp_filter filter) {
+swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, const swp_filter* filter) {
   if (proxies == nullptr) return NullArgument("proxies");
-  return proxies->set.SetFilter(ToHandle(proxy), ToFilter(filter)) ? SWP_OK : NoSuchProxy();
+  return proxies->set.SetFilter(ToHandle(proxy), FilterOrAll(filter)) ? SWP_OK : NoSuchProxy();
 }
 
 swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user) {
@@ -173,7 +180,7 @@ swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb
   if (options != nullptr) {
     const auto chosen = proxies->set.options(ToHandle(proxy));
     *options = {{chosen->filter.category, chosen->filter.mask},
-                chosen->is_static ? 1U : 0U,
+                chosen->is_static ? uint32_t{SWP_PROXY_STATIC} : 0U,
                 0,
                 chosen->user};
   }
@@ -184,7 +191,7 @@ swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, swp_proxy
   if (proxies == nullptr || proxy == nullptr) return NullArgument("proxies and proxy");
   const ProxyHandle handle = proxies->set.handle(id);
   if (handle.is_null()) return Fail(SWP_NOT_FOUND, "no proxy has this id");
-  *proxy = {handle.index, handle.generation};
+  *proxy = ToProxy(handle);
   return SWP_OK;
 }
 
@@ -244,42 +251,47 @@ swp_result swp_proxies_removed(const swp_proxies* proxies, swp_proxy_pair* remov
   return wrong != SWP_OK ? wrong : WriteAll(proxies->set.removed(), removed, capacity, count);
 }
 
-swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box, swp_filter filter,
-                                 swp_proxy* found, uint64_t capacity, uint64_t* count) {
+swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box,
+                                 const swp_filter* filter, swp_proxy* found, uint64_t capacity,
+                                 uint64_t* count) {
   const swp_result wrong = CheckOutput(proxies, found, capacity, count);
   if (wrong != SWP_OK) return wrong;
   if (box == nullptr) return NullArgument("box");
   return Guard([&] {
-    proxies->set.QueryBox(ToBoxes(box, 1)[0], ToFilter(filter), proxies->found);
+    proxies->set.QueryBox(ToBoxes(box, 1)[0], FilterOrAll(filter), proxies->found);
     return WriteAll(std::span(proxies->found), found, capacity, count);
   });
 }
 
-swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, swp_filter filter,
+swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, const swp_filter* filter,
                                 swp_ray_hit* hits, uint64_t capacity, uint64_t* count) {
   const swp_result wrong = CheckOutput(proxies, hits, capacity, count);
   if (wrong != SWP_OK) return wrong;
   if (ray == nullptr) return NullArgument("ray");
   return Guard([&] {
     const Ray& cast = *reinterpret_cast<const Ray*>(ray);
-    const auto status = proxies->set.CastRay(cast, ToFilter(filter), proxies->hits);
+    const auto status = proxies->set.CastRay(cast, FilterOrAll(filter), proxies->hits);
     if (!status.ok()) return ToResult(status);
-    return WriteAll(std::span(proxies->hits), hits, capacity, count);
+    *count = proxies->hits.size();
+    if (*count > capacity) return TooFewPlaces();
+    std::transform(proxies->hits.begin(), proxies->hits.end(), hits, ToHit);
+    return static_cast<swp_result>(SWP_OK);
   });
 }
 
-swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray, swp_filter filter,
-                                        swp_ray_hit* hit, uint32_t* found) {
+swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray,
+                                        const swp_filter* filter, swp_ray_hit* hit,
+                                        uint32_t* found) {
   if (proxies == nullptr || ray == nullptr || hit == nullptr || found == nullptr) {
     return NullArgument("proxies, ray, hit and found");
   }
   return Guard([&] {
     RayHit nearest;
     const Ray& cast = *reinterpret_cast<const Ray*>(ray);
-    const auto status = proxies->set.CastRayNearest(cast, ToFilter(filter), nearest);
+    const auto status = proxies->set.CastRayNearest(cast, FilterOrAll(filter), nearest);
     if (!status.ok()) return ToResult(status);
     *found = nearest.proxy.is_null() ? 0 : 1;
-    if (*found != 0) std::memcpy(hit, &nearest, sizeof *hit);
+    if (*found != 0) *hit = ToHit(nearest);
     return static_cast<swp_result>(SWP_OK);
   });
 }

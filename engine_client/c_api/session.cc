@@ -4,13 +4,12 @@
 #include <bit>
 #include <cstring>
 #include <string>
+#include <vector>
 
-#include "engine_client/adaptive/bail_out_guard.h"
 #include "engine_client/c_api/executor.h"
 
 using sweepstake::AdaptiveBroadPhase;
 using sweepstake::AdaptiveOptions;
-using sweepstake::BailOutGuard;
 using sweepstake::Mode;
 using sweepstake::SampleQueue;
 using sweepstake::ShadowMode;
@@ -24,28 +23,28 @@ bool IsMode(swp_mode mode) { return mode == SWP_MODE_MANUAL || mode == SWP_MODE_
 
 swp_session_options DefaultOptions() {
   const AdaptiveOptions defaults;
-  return {sizeof(swp_session_options),
-          0,
-          nullptr,
-          nullptr,
-          static_cast<swp_mode>(defaults.mode),
-          kDefaultQueueFrames,
-          defaults.bail_out_ns,
-          defaults.settling_ns,
-          nullptr,
-          0,
-          SWP_SHADOW_OFF};
+  swp_session_options options{};
+  options.struct_size = sizeof options;
+  options.mode = static_cast<swp_mode>(defaults.mode);
+  options.bail_out_ns = defaults.bail_out_ns;
+  options.settling_ns = defaults.settling_ns;
+  options.queue_frames = kDefaultQueueFrames;
+  options.shadow = SWP_SHADOW_OFF;
+  return options;
 }
 
-swp_result CheckArms(const swp_session_options& options) {
-  if (options.arm_count > BailOutGuard::kMaxArms) {
-    return Fail(SWP_INVALID_ARGUMENT, "arm_count is over 32");
+// Returns the names between the commas; none for NULL and "".
+std::vector<std::string> Names(const char* list) {
+  std::vector<std::string> names;
+  std::string_view rest = TextOr(list, "");
+  while (!rest.empty()) {
+    const size_t comma = rest.find(',');
+    names.emplace_back(rest.substr(0, comma));
+    // A comma at the end is followed by a name too, which is empty and so unknown.
+    if (comma + 1 == rest.size()) names.emplace_back();
+    rest = comma == std::string_view::npos ? "" : rest.substr(comma + 1);
   }
-  if (options.arm_count > 0 && options.arms == nullptr) return NullArgument("arms");
-  for (uint32_t i = 0; i < options.arm_count; ++i) {
-    if (options.arms[i] == nullptr) return NullArgument("a name in arms");
-  }
-  return SWP_OK;
+  return names;
 }
 
 // Checks the options. REQUIRES: the struct has our size.
@@ -60,12 +59,13 @@ swp_result CheckOptions(const swp_session_options& options) {
   if (options.shadow > SWP_SHADOW_ON) {
     return Fail(SWP_INVALID_ARGUMENT, "shadow must be one of SWP_SHADOW_*, 0 to 2");
   }
-  return CheckArms(options);
+  if (options.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+  return SWP_OK;
 }
 
 AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
   AdaptiveOptions options;
-  options.arms.assign(given.arms, given.arms + given.arm_count);
+  options.arms = Names(given.arms);
   options.initial_arm = TextOr(given.initial_arm, "");
   options.mode = static_cast<Mode>(given.mode);
   options.bail_out_ns = given.bail_out_ns;

@@ -101,8 +101,8 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_world_options);
     case SWP_STRUCT_PROXIES_OPTIONS:
       return sizeof(swp_proxies_options);
-    case SWP_STRUCT_PROXY:
-      return sizeof(swp_proxy);
+    case SWP_STRUCT_FILTER:
+      return sizeof(swp_filter);
     case SWP_STRUCT_PROXY_OPTIONS:
       return sizeof(swp_proxy_options);
     case SWP_STRUCT_PROXY_PAIR:

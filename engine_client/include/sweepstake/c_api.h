@@ -1,16 +1,20 @@
 /* The C ABI of Sweepstake: what Unity and other engines load from the shared library `sweepstake`.
+ * This header has what holds for all of it, and includes one header per thing: c_worlds.h,
+ * c_sessions.h, c_deciders.h, c_proxies.h and c_scenes.h.
  *
- * Threads: distinct objects are independent. A world and a scene belong to one thread at a time. A
- * session has a frame thread and optionally one other thread; each function below says which one
- * may call it. The library calls back only into an executor that was given, to run parts of a
- * search.
+ * Threads: distinct objects are independent. An object belongs to one caller at a time: no call of
+ * it may begin before the one before it has returned, wherever that one ran. "The frame thread" of
+ * a session means just that: one caller at a time, not one thread of the operating system, so that
+ * a job may make a call on any worker, and the next one on another. Where two calls may run at the
+ * same time, a comment says so. The library calls back only into an executor that was given, to run
+ * parts of a search.
  *
  * Ownership: what a _create function returns is ended by the matching _destroy, which takes NULL as
  * free() does; using it afterwards is undefined. Memory that a function hands out belongs to the
  * library and is valid as long as its comment says.
  *
  * Units: lengths are in world units of the caller, times in nanoseconds, text is UTF-8 and ends
- * with NUL. Truth values are uint32_t, 0 or 1.
+ * with NUL. Truth values are uint32_t, 0 or 1. Nothing but scalars and pointers is passed by value.
  *
  * Errors: functions return a swp_result. If it is not SWP_OK, swp_last_error() says what to do.
  * NULL for a pointer that is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its
@@ -38,7 +42,7 @@ extern "C" {
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
 /* Incremented by every change that an already compiled caller could notice. */
-#define SWP_ABI_VERSION 2U
+#define SWP_ABI_VERSION 3U
 
 /* ---- results ---- */
 
@@ -68,26 +72,26 @@ typedef uint32_t swp_struct;
 enum {
   SWP_STRUCT_AABB = 1,
   SWP_STRUCT_PAIR = 2,
-  SWP_STRUCT_COUNTERS = 3,
-  SWP_STRUCT_SCENE_OPTIONS = 4,
-  SWP_STRUCT_SESSION_OPTIONS = 5,
-  SWP_STRUCT_FRAME_SAMPLE = 6,
-  SWP_STRUCT_SCENE_DESCRIPTOR = 7,
-  SWP_STRUCT_SWITCH_COMMAND = 8,
-  SWP_STRUCT_SWITCH_OUTCOME = 9,
-  SWP_STRUCT_DECIDER_OPTIONS = 10,
-  SWP_STRUCT_BELIEF = 11,
-  SWP_STRUCT_EXECUTOR = 12,
-  SWP_STRUCT_WORLD_OPTIONS = 13,
-  SWP_STRUCT_PROXIES_OPTIONS = 14,
-  SWP_STRUCT_PROXY = 15,
-  SWP_STRUCT_PROXY_OPTIONS = 16,
-  SWP_STRUCT_PROXY_PAIR = 17,
-  SWP_STRUCT_RAY = 18,
-  SWP_STRUCT_RAY_HIT = 19,
-  SWP_STRUCT_SHADOW_SAMPLE = 20,
-  SWP_STRUCT_SHADOW_STATS = 21,
-  SWP_STRUCT_VERDICT = 22
+  SWP_STRUCT_EXECUTOR = 3,
+  SWP_STRUCT_WORLD_OPTIONS = 4,
+  SWP_STRUCT_COUNTERS = 5,
+  SWP_STRUCT_SESSION_OPTIONS = 6,
+  SWP_STRUCT_FRAME_SAMPLE = 7,
+  SWP_STRUCT_SCENE_DESCRIPTOR = 8,
+  SWP_STRUCT_SWITCH_COMMAND = 9,
+  SWP_STRUCT_SWITCH_OUTCOME = 10,
+  SWP_STRUCT_SHADOW_SAMPLE = 11,
+  SWP_STRUCT_SHADOW_STATS = 12,
+  SWP_STRUCT_VERDICT = 13,
+  SWP_STRUCT_DECIDER_OPTIONS = 14,
+  SWP_STRUCT_BELIEF = 15,
+  SWP_STRUCT_PROXIES_OPTIONS = 16,
+  SWP_STRUCT_FILTER = 17,
+  SWP_STRUCT_PROXY_OPTIONS = 18,
+  SWP_STRUCT_PROXY_PAIR = 19,
+  SWP_STRUCT_RAY = 20,
+  SWP_STRUCT_RAY_HIT = 21,
+  SWP_STRUCT_SCENE_OPTIONS = 22
 };
 
 /* The size in bytes of a struct below in this library, for bindings of other languages; 0 for an
@@ -131,359 +135,18 @@ typedef struct swp_executor {
 
 SWP_API swp_result swp_executor_init(swp_executor* executor);
 
-/* ---- worlds: one backend, driven by hand ---- */
-
-typedef struct swp_world swp_world;
-
-typedef struct swp_counters {
-  uint64_t aabb_check_count;  /* of the latest build or update and search */
-  uint64_t native_bytes;      /* held by the backend's own buffers */
-  uint64_t detection_time_ns; /* the latest build or update plus the search */
-  uint64_t pair_count;        /* of the latest search; 0 before it */
-  uint32_t object_count;
-  uint32_t backend_version;
-} swp_counters;
-
-SWP_API uint32_t swp_backend_count(void);
-/* The name is valid for ever; NULL for an index of swp_backend_count() or above. */
-SWP_API const char* swp_backend_name(uint32_t index);
-
-/* SWP_NOT_FOUND lists the backends. */
-SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
-
-/* Neither the pairs nor their order depend on the threads. */
-typedef struct swp_world_options {
-  uint32_t struct_size;  /* sizeof(swp_world_options) */
-  uint32_t thread_count; /* 0 or 1: the calling thread alone; up to 256: with a pool of threads */
-  const swp_executor* executor; /* takes the place of the pool; NULL: none */
-  uint32_t sorted_pairs;        /* 1: pairs ascend by a and then b, whatever the backend */
-  uint32_t reserved;            /* 0 */
-} swp_world_options;
-
-SWP_API swp_result swp_world_options_init(swp_world_options* options);
-/* `options` NULL takes the defaults, as swp_world_create does. SWP_RESOURCE_EXHAUSTED if the
- * system has no more threads. */
-SWP_API swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
-                                         swp_world** world);
-SWP_API void swp_world_destroy(swp_world* world);
-
-/* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL if
- * count is 0. SWP_INVALID_ARGUMENT over 2^31 - 1 boxes. After SWP_RESOURCE_EXHAUSTED (memory) the
- * world must be built again. */
-SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count);
-
-/* Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller one
- * removes the last ones; the others keep their ids. SWP_FAILED_PRECONDITION before a build. */
-SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
-
-/* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number
- * into `count`. If the room is too small, it returns SWP_RESOURCE_EXHAUSTED, `count` says what
- * is needed and no pair is written; a second call with more room gives the same pairs. It searches
- * once per build or update; further calls hand out the same pairs. `pairs` may be NULL if
- * capacity is 0. */
-SWP_API swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
-                                        uint64_t* count);
-
-SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* counters);
-
-/* ---- sessions: the frame path, which switches between backends ---- */
-
-typedef struct swp_session swp_session;
-
-typedef uint32_t swp_mode;
-enum { SWP_MODE_MANUAL = 1, SWP_MODE_AI = 2 };
-
-typedef uint32_t swp_switch_reason;
-enum {
-  SWP_SWITCH_POLICY = 1,
-  SWP_SWITCH_EXPLORATION = 2,
-  SWP_SWITCH_BAIL_OUT = 3,
-  SWP_SWITCH_MANUAL = 4
-};
-
-enum {
-  SWP_FRAME_REBUILD = 1, /* the backend's structure was rebuilt */
-  SWP_FRAME_PAUSED = 2,  /* the game was paused or in the background */
-  SWP_FRAME_LOADING = 4, /* a scene was loading */
-  SWP_FRAME_BAIL_OUT = 8 /* over the bail-out limit */
-};
-
-/* The shadow lane: a thread that measures the arms that are not active, and prepares the next one
- * before a switch, so that the switching frame is an ordinary one (shadow.h). A posted switch then
- * waits some frames; one for a bail-out does not. */
-typedef uint32_t swp_shadow_mode;
-enum {
-  SWP_SHADOW_OFF = 0,
-  SWP_SHADOW_AUTO = 1, /* in SWP_MODE_AI if there is a spare core */
-  SWP_SHADOW_ON = 2    /* in SWP_MODE_MANUAL too */
-};
-
-typedef struct swp_session_options {
-  uint32_t struct_size;    /* sizeof(swp_session_options) */
-  uint32_t arm_count;      /* 0: all backends; at most 32 */
-  const char* const* arms; /* arm_count names of backends, each once */
-  const char* initial_arm; /* NULL or "": the first */
-  swp_mode mode;
-  uint32_t queue_frames; /* samples kept for draining, a power of two, 2 to 2^20; full: the oldest
-                            is dropped */
-  uint64_t bail_out_ns;  /* a longer frame is a bail-out; > 0 */
-  uint64_t settling_ns;  /* how long after a switch the frames' extra cost is the switch's */
-  const swp_executor* executor; /* as in swp_world_options */
-  uint32_t thread_count;        /* as in swp_world_options */
-  swp_shadow_mode shadow;       /* SWP_SHADOW_OFF unless set */
-} swp_session_options;
-
-/* The cost of one frame. */
-typedef struct swp_frame_sample {
-  uint64_t frame_index;
-  uint64_t frame_time_ns;
-  uint64_t detection_time_ns;
-  uint64_t aabb_check_count;
-  uint64_t native_bytes;
-  uint32_t pair_count;
-  uint32_t object_count;
-  uint32_t arm;          /* index in the session's list of arms */
-  uint32_t switch_epoch; /* executed switches before this frame */
-  uint32_t flags;        /* SWP_FRAME_ bits */
-  uint32_t reserved;
-} swp_frame_sample;
-
-/* The properties of the scene; a negative value was not measured. SceneDescriptor in frame_sample.h
- * says what each value means. */
-typedef struct swp_scene_descriptor {
-  float object_count;
-  float density_ratio;
-  float size_spread;
-  float speed_mean;
-  float speed_spread;
-  float clustering_ratio;
-  float static_ratio;
-} swp_scene_descriptor;
-
-typedef struct swp_switch_command {
-  uint64_t command_id; /* below 2^48; 0: local */
-  uint32_t arm;
-  swp_switch_reason reason;
-} swp_switch_command;
-
-typedef struct swp_switch_outcome {
-  uint64_t command_id;
-  uint32_t arm;
-  uint32_t switch_epoch;
-  uint64_t rebuild_time_ns;
-  uint64_t settling_cost_ns; /* frame time above the settled mean, over the settling frames */
-  swp_switch_reason reason;
-  uint32_t executed; /* 0: refused */
-} swp_switch_outcome;
-
-enum {
-  SWP_SHADOW_FLAG_ACTIVE = 1, /* the arm that was active on the frame thread */
-  SWP_SHADOW_FLAG_CAPPED = 2  /* stopped at a cap: the times are those of the frames until then */
-};
-
-/* The cost of an arm on the shadow lane, on copies of consecutive frames' boxes. Samples with the
- * same first_frame_index were measured on the same frames. */
-typedef struct swp_shadow_sample {
-  uint64_t first_frame_index;
-  uint64_t detection_time_ns; /* median over the measured frames */
-  uint64_t build_time_ns;     /* of the first frame, with its search */
-  uint64_t aabb_check_count;  /* mean over the measured frames */
-  uint64_t native_bytes;
-  uint32_t arm;
-  uint32_t object_count;
-  uint32_t frame_count; /* measured frames */
-  uint32_t flags;       /* SWP_SHADOW_FLAG_ bits */
-} swp_shadow_sample;
-
-typedef uint32_t swp_shadow_state;
-enum {
-  SWP_SHADOW_STATE_OFF = 0,           /* as asked for */
-  SWP_SHADOW_STATE_ONE_ARM = 1,       /* off: there is nothing to compare */
-  SWP_SHADOW_STATE_NO_SPARE_CORE = 2, /* off: one core, or the executor uses all */
-  SWP_SHADOW_STATE_PAUSED = 3,        /* in SWP_MODE_MANUAL */
-  SWP_SHADOW_STATE_RUNNING = 4,
-  SWP_SHADOW_STATE_TOO_BIG = 5 /* the scene does not fit in the lane's memory */
-};
-
-/* Since the session began. */
-typedef struct swp_shadow_stats {
-  swp_shadow_state state;
-  uint32_t reserved;    /* 0 */
-  uint64_t sweep_count; /* over the arms that were due */
-  uint64_t visit_count; /* of one arm each */
-  uint64_t capped_visit_count;
-  uint64_t busy_time_ns; /* of the lane's thread */
-  uint64_t memory_bytes; /* now */
-  uint64_t copied_frame_count;
-  uint64_t copy_time_ns;      /* on the frame thread */
-  uint64_t warm_switch_count; /* prepared by the lane */
-  uint64_t cold_switch_count;
-} swp_shadow_stats;
-
-/* What the decider's beliefs say about the scene. */
-typedef uint32_t swp_verdict_kind;
-enum {
-  SWP_VERDICT_UNKNOWN = 0,   /* nothing learnt yet */
-  SWP_VERDICT_STABLE = 1,    /* the leader is the best arm with a probability of 0.8 or more */
-  SWP_VERDICT_TIE = 2,       /* below 0.8, but choosing the leader loses 0.5 % or less */
-  SWP_VERDICT_AMBIGUOUS = 3, /* below 0.8, and it may lose more: expect switches */
-  SWP_VERDICT_DEGRADED = 4   /* even the leader misses the frame-rate floor: simplify the scene */
-};
-
-typedef struct swp_verdict {
-  swp_verdict_kind kind;     /* a later library may have more kinds: treat those as unknown */
-  uint32_t leader_arm;       /* the arm most probable to be the best; 0 while nothing is known */
-  double leader_probability; /* the probability that it is the best, 0 to 1 */
-} swp_verdict;
-
-SWP_API swp_result swp_session_options_init(swp_session_options* options);
-
-/* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends. */
-SWP_API swp_result swp_session_create(const swp_session_options* options, swp_session** session);
-/* No other thread may be in a call. */
-SWP_API void swp_session_destroy(swp_session* session);
-
-/* The frame thread calls these once per frame and in this order. None waits, locks, or allocates in
- * steady state. */
-
-/* Executes a pending switch, if there is one. */
-SWP_API swp_result swp_session_begin_frame(swp_session* session);
-/* The active backend takes these boxes and searches; at most one call per frame. A changed count
- * rebuilds its structure. The pairs and their number are written as in swp_world_find_pairs; if the
- * room was too small, swp_session_copy_pairs gives them. */
-SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
-                                          uint32_t box_count, swp_pair* pairs, uint64_t capacity,
-                                          uint64_t* pair_count);
-/* Gives the pairs of the latest search again, under the same rules, until the next begin_frame. */
-SWP_API swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs,
-                                          uint64_t capacity, uint64_t* pair_count);
-/* `frame_time_ns` is the unscaled time since the previous end; `flags` of SWP_FRAME_PAUSED and
- * SWP_FRAME_LOADING. */
-SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns,
-                                         uint32_t flags);
-
-/* Functions of the frame thread. */
-
-/* Chooses an arm by hand, from the next begin_frame on; the mode stays. SWP_NOT_FOUND lists the
- * arms.
- */
-SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm);
-/* In SWP_MODE_MANUAL posted commands are refused unless their reason is SWP_SWITCH_MANUAL. */
-SWP_API swp_result swp_session_set_mode(swp_session* session, swp_mode mode);
-SWP_API swp_result swp_session_mode(const swp_session* session, swp_mode* mode);
-SWP_API swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm);
-SWP_API swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch);
-/* The sample of the latest end_frame; all 0 before it. */
-SWP_API swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample);
-
-/* Functions for any thread. */
-
-SWP_API swp_result swp_session_arm_count(const swp_session* session, uint32_t* count);
-/* The name is valid until the session is destroyed. */
-SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm,
-                                        const char** name);
-SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
-                                           uint32_t* backend_version);
-/* The latest verdict, for the game to react to: from the attached decider, or as the transport set
- * it; SWP_VERDICT_UNKNOWN before the first. It is one atomic read, so a game may call it each
- * frame:
- *
- *   swp_verdict verdict;
- *   if (swp_session_verdict(session, &verdict) == SWP_OK && verdict.kind == SWP_VERDICT_DEGRADED) {
- *     spawn_fewer_objects();
- *   }
- */
-SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict);
-/* The numbers of samples, and of switch outcomes and descriptors together, that full queues dropped
- * since the session began. Either pointer may be NULL. */
-SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
-                                       uint64_t* note_count);
-
-SWP_API swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats);
-
-/* Functions of the transport, which is one thread of the caller's choice. Nothing can be drained
- * while a decider is attached, since it takes everything. */
-
-/* Moves the oldest samples, up to `capacity`, into `samples`, and their number into `count`. */
-SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
-                                             uint32_t capacity, uint32_t* count);
-/* The same for the outcomes of switches that were reported before or right after the samples
- * drained so far, so drain samples first. 256 are kept; then the oldest is dropped and counted. */
-SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
-                                              uint32_t capacity, uint32_t* count);
-/* The same for what the shadow lane measured, in no order with the others; 256 are kept. */
-SWP_API swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* samples,
-                                            uint32_t capacity, uint32_t* count);
-/* The latest descriptor among what was drained; every value negative before the first. One is
- * measured per 128 frames. */
-SWP_API swp_result swp_session_descriptor(const swp_session* session,
-                                          swp_scene_descriptor* descriptor);
-/* Posts a switch that the next begin_frame executes, with a shadow lane a later one; the latest
- * wins. SWP_INVALID_ARGUMENT for an unknown arm or reason. */
-SWP_API swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command);
-/* Says whether somebody answers a bail-out. While nobody does, the session switches by itself. */
-SWP_API swp_result swp_session_set_decider_present(swp_session* session, uint32_t present);
-/* Sets the posterior means in the order of arms, by which the session then chooses; `count` is the
- * number of arms, each mean is in 0..1. */
-SWP_API swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
-                                                   uint32_t count);
-/* Sets the verdict of the daemon's posterior snapshot. SWP_INVALID_ARGUMENT for an unknown kind or
- * arm, or a probability outside of 0..1. */
-SWP_API swp_result swp_session_set_verdict(swp_session* session, const swp_verdict* verdict);
-/* Sets the settling time from the daemon's welcome. */
-SWP_API swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns);
-/* Sets the bail-out limit from the daemon's welcome; SWP_INVALID_ARGUMENT for 0. */
-SWP_API swp_result swp_session_set_bail_out_limit(swp_session* session, uint64_t limit_ns);
-
-/* ---- the embedded decider: "AI Decides" without a daemon ---- */
-
-typedef struct swp_decider_options {
-  uint32_t struct_size;      /* sizeof(swp_decider_options) */
-  uint32_t reserved;         /* 0 */
-  const char* policy;        /* NULL: the default */
-  const char* project;       /* NULL: "default" */
-  const char* scene;         /* NULL: "default" */
-  const char* machine_class; /* NULL: unknown */
-  const char* priors_file;   /* as `sweepstake priors export` writes it; NULL: Beta(1,1) */
-  uint64_t seed;
-  double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
-} swp_decider_options;
-
-/* A posterior of an arm's reward, Beta(alpha, beta). */
-typedef struct swp_belief {
-  double alpha;
-  double beta;
-} swp_belief;
-
-SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
-
-/* Functions of the thread that polls; attach and detach while no frame runs. `now_ns` is the
- * caller's steady clock, the same one in all calls, from any origin and never going back. */
-
-/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION if a decider is attached already,
- * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names its first broken record. */
-SWP_API swp_result swp_session_attach_decider(swp_session* session,
-                                              const swp_decider_options* options, uint64_t now_ns);
-SWP_API swp_result swp_session_detach_decider(swp_session* session);
-/* Takes the costs of the frames since the last poll, decides if a decision is due (every 2 s), and
- * posts the command. `commanded` is 1 if one was posted, which is then also written to `command`;
- * both may be NULL. Poll every 250 ms or more often. */
-SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
-                                            swp_switch_command* command, uint32_t* commanded);
-/* Writes the posteriors in the order of arms; `count` is the number of arms. If `capacity` is
- * too small, the result is SWP_RESOURCE_EXHAUSTED and only `count` is written. */
-SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
-                                       uint32_t capacity, uint32_t* count);
-SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
-/* The number of sources in the priors it started from; 0: Beta(1,1). */
-SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
-
 /* NOLINTEND(modernize-use-using) */
 
 #ifdef __cplusplus
 }
 #endif
 
+/* One backend, driven by hand. */
+#include "sweepstake/c_worlds.h" /* IWYU pragma: export */
+/* The frame path, which switches between backends. */
+#include "sweepstake/c_sessions.h" /* IWYU pragma: export */
+/* "AI Decides" without a daemon. */
+#include "sweepstake/c_deciders.h" /* IWYU pragma: export */
 /* Objects by handle, filters, static objects, pair events and queries. */
 #include "sweepstake/c_proxies.h" /* IWYU pragma: export */
 /* Moving boxes to try a broad phase on. */

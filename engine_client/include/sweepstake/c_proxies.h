@@ -10,7 +10,7 @@
  *   swp_world_find_pairs(world, pairs, capacity, &pair_count);
  *   swp_proxies_resolve(proxies, pairs, pair_count, resolved, resolved_capacity, &resolved_count);
  *
- * One thread at a time may use a set. A handle of a removed proxy, or one that never had a proxy,
+ * One caller at a time may use a set. A handle of a removed proxy, or one that never had a proxy,
  * is SWP_NOT_FOUND and changes nothing.
  */
 #ifndef SWEEPSTAKE_C_PROXIES_H_
@@ -28,29 +28,34 @@ extern "C" {
 
 typedef struct swp_proxies swp_proxies;
 
-/* A handle of a proxy; all zero means no proxy. `index` is its id in pairs while it lives. */
-typedef struct swp_proxy {
-  uint32_t index;
-  uint32_t generation;
-} swp_proxy;
+/* A handle of a proxy; 0 means no proxy. The low 32 bits are its id in pairs while it lives, the
+ * high ones count the owners of that id. */
+typedef uint64_t swp_proxy;
+#define SWP_PROXY_ID(proxy) ((uint32_t)(proxy))
 
 /* This bit is set in the ids of static proxies, and only there. */
 #define SWP_STATIC_PROXY_BIT 0x80000000U
 
-/* Two proxies may form a pair when the category of each shares a bit with the mask of the other. */
+/* Two proxies may form a pair when the category of each shares a bit with the mask of the other.
+ * Where a function takes a filter, NULL is the one of all bits: everything passes but a proxy
+ * without a category or a mask. */
 typedef struct swp_filter {
   uint32_t category;
   uint32_t mask;
 } swp_filter;
 
+enum {
+  SWP_PROXY_STATIC = 1 /* paired with moving proxies only */
+};
+
 typedef struct swp_proxy_options {
   swp_filter filter;
-  uint32_t is_static; /* 1: paired with moving proxies only */
-  uint32_t reserved;  /* 0 */
-  uint64_t user;      /* any value of the caller */
+  uint32_t flags;    /* SWP_PROXY_ bits */
+  uint32_t reserved; /* 0 */
+  uint64_t user;     /* any value of the caller */
 } swp_proxy_options;
 
-/* a.index < b.index. */
+/* The id of a is below that of b. */
 typedef struct swp_proxy_pair {
   swp_proxy a;
   swp_proxy b;
@@ -65,7 +70,8 @@ typedef struct swp_ray {
 
 typedef struct swp_ray_hit {
   swp_proxy proxy;
-  float distance; /* the t at which the ray enters the box; 0 if it starts inside */
+  float distance;    /* the t at which the ray enters the box; 0 if it starts inside */
+  uint32_t reserved; /* 0 */
 } swp_ray_hit;
 
 typedef struct swp_proxies_options {
@@ -88,7 +94,8 @@ SWP_API swp_result swp_proxies_remove(swp_proxies* proxies, swp_proxy proxy);
 /* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. */
 SWP_API swp_result swp_proxies_move(swp_proxies* proxies, const swp_proxy* moved,
                                     const swp_aabb* boxes, uint32_t count);
-SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, swp_filter filter);
+SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
+                                          const swp_filter* filter);
 SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user);
 /* Either output may be NULL. */
 SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
@@ -126,15 +133,16 @@ SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, swp_proxy_pai
 
 /* Gives all proxies that overlap the box, by ascending index. */
 SWP_API swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box,
-                                         swp_filter filter, swp_proxy* found, uint64_t capacity,
-                                         uint64_t* count);
+                                         const swp_filter* filter, swp_proxy* found,
+                                         uint64_t capacity, uint64_t* count);
 /* Gives all hits by ascending distance, at equal distance by index. SWP_INVALID_ARGUMENT for a ray
  * that is not finite or has a negative max_distance. */
-SWP_API swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, swp_filter filter,
-                                        swp_ray_hit* hits, uint64_t capacity, uint64_t* count);
+SWP_API swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray,
+                                        const swp_filter* filter, swp_ray_hit* hits,
+                                        uint64_t capacity, uint64_t* count);
 /* Gives the nearest hit. If there is none, `found` is 0 and `hit` is unchanged. */
 SWP_API swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray,
-                                                swp_filter filter, swp_ray_hit* hit,
+                                                const swp_filter* filter, swp_ray_hit* hit,
                                                 uint32_t* found);
 
 /* NOLINTEND(modernize-use-using) */

@@ -135,15 +135,14 @@ static void check_proxies_without_one(void) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   const swp_aabb* boxes = NULL;
   const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
-  const swp_filter filter = {1, 1};
-  swp_proxy proxy = {0, 1};
+  swp_proxy proxy = UINT64_C(1) << 32;
   swp_ray_hit hit;
   uint64_t count = 0;
   uint32_t number = 0;
   REFUSED(swp_proxies_add(NULL, &box, NULL, &proxy));
   REFUSED(swp_proxies_remove(NULL, proxy));
   REFUSED(swp_proxies_move(NULL, &proxy, &box, 1));
-  REFUSED(swp_proxies_set_filter(NULL, proxy, filter));
+  REFUSED(swp_proxies_set_filter(NULL, proxy, NULL));
   REFUSED(swp_proxies_set_user(NULL, proxy, 1));
   REFUSED(swp_proxies_get(NULL, proxy, NULL, NULL));
   REFUSED(swp_proxies_handle(NULL, 0, &proxy));
@@ -153,9 +152,9 @@ static void check_proxies_without_one(void) {
   REFUSED(swp_proxies_copy_pairs(NULL, NULL, 0, &count));
   REFUSED(swp_proxies_added(NULL, NULL, 0, &count));
   REFUSED(swp_proxies_removed(NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_query_box(NULL, &box, filter, NULL, 0, &count));
-  REFUSED(swp_proxies_cast_ray(NULL, &ray, filter, NULL, 0, &count));
-  REFUSED(swp_proxies_cast_ray_nearest(NULL, &ray, filter, &hit, &number));
+  REFUSED(swp_proxies_query_box(NULL, &box, NULL, NULL, 0, &count));
+  REFUSED(swp_proxies_cast_ray(NULL, &ray, NULL, NULL, 0, &count));
+  REFUSED(swp_proxies_cast_ray_nearest(NULL, &ray, NULL, &hit, &number));
   swp_proxies_destroy(NULL);
 }
 
@@ -163,18 +162,19 @@ static void check_proxies(void) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   const swp_aabb* boxes = NULL;
   const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
-  const swp_filter filter = {1, 1};
-  const swp_proxy_options half_static = {{1, 1}, 2, 0, 0};
+  const swp_proxy_options unknown_flag = {{1, 1}, 2, 0, 0};
+  const swp_proxy_options reserved = {{1, 1}, 0, 1, 0};
   const swp_pair wrong[4] = {{0, 1}, {0, 0}, {1, 0}, {0, 0x80000000U}};
   swp_proxies* proxies = NULL;
-  swp_proxy proxy = {0, 1};
+  swp_proxy proxy = UINT64_C(1) << 32;
   swp_ray_hit hit;
   uint64_t count = 0;
   uint32_t number = 0;
   CHECK_OK(swp_proxies_create(NULL, &proxies));
   REFUSED(swp_proxies_add(proxies, NULL, NULL, &proxy));
   REFUSED(swp_proxies_add(proxies, &box, NULL, NULL));
-  REFUSED(swp_proxies_add(proxies, &box, &half_static, &proxy));
+  REFUSED(swp_proxies_add(proxies, &box, &unknown_flag, &proxy));
+  REFUSED(swp_proxies_add(proxies, &box, &reserved, &proxy));
   REFUSED(swp_proxies_move(proxies, NULL, &box, 1));
   REFUSED(swp_proxies_move(proxies, &proxy, NULL, 1));
   CHECK_OK(swp_proxies_move(proxies, NULL, NULL, 0));
@@ -190,19 +190,17 @@ static void check_proxies(void) {
   REFUSED(swp_proxies_copy_pairs(proxies, NULL, 0, NULL));
   REFUSED(swp_proxies_added(proxies, NULL, 1, &count));
   REFUSED(swp_proxies_removed(proxies, NULL, 0, NULL));
-  REFUSED(swp_proxies_query_box(proxies, NULL, filter, NULL, 0, &count));
-  REFUSED(swp_proxies_query_box(proxies, &box, filter, NULL, 1, &count));
-  REFUSED(swp_proxies_cast_ray(proxies, NULL, filter, &hit, 1, &count));
-  REFUSED(swp_proxies_cast_ray(proxies, &ray, filter, NULL, 1, &count));
-  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, filter, NULL, &number));
-  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, filter, &hit, NULL));
+  REFUSED(swp_proxies_query_box(proxies, NULL, NULL, NULL, 0, &count));
+  REFUSED(swp_proxies_query_box(proxies, &box, NULL, NULL, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, NULL, NULL, &hit, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, &ray, NULL, NULL, 1, &count));
+  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, NULL, NULL, &number));
+  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, NULL, &hit, NULL));
   swp_proxies_destroy(proxies);
 }
 
 static void check_session_options(void) {
-  const char* twice[2] = {"SAP", "SAP"};
-  const char* with_null[2] = {"SAP", NULL};
-  const char* unknown[1] = {"Octree"};
+  char many[32 * 4 + 4] = "SAP";
   swp_session_options options;
   swp_session* session = NULL;
   REFUSED(swp_session_options_init(NULL));
@@ -214,8 +212,8 @@ static void check_session_options(void) {
     REFUSED(swp_session_create(&options, &session)); \
   } while (0)
   WITH(struct_size, 0);
-  WITH(arm_count, 1);
-  WITH(arm_count, 33);
+  WITH(arms, "SAP,SAP");
+  WITH(arms, ",");
   WITH(mode, 0);
   WITH(mode, 3);
   WITH(queue_frames, 0);
@@ -224,18 +222,18 @@ static void check_session_options(void) {
   WITH(queue_frames, 1U << 21);
   WITH(bail_out_ns, 0);
   WITH(thread_count, 257);
+  WITH(reserved, 1);
+  for (int i = 1; i <= 32; ++i) strcat(many, ",SAP");
+  WITH(arms, many);
 #undef WITH
   refuse_short_options(&session);
   CHECK_OK(swp_session_options_init(&options));
-  options.arm_count = 2;
-  options.arms = twice;
-  REFUSED(swp_session_create(&options, &session));
-  options.arms = with_null;
-  REFUSED(swp_session_create(&options, &session));
-  options.arm_count = 1;
-  options.arms = unknown;
-  CHECK(swp_session_create(&options, &session) == SWP_NOT_FOUND);
-  options.arms = twice;
+  for (int i = 0; i < 4; ++i) {
+    static const char* const unknown[4] = {"Octree", ",SAP", "SAP,", "SAP, DBVT"};
+    options.arms = unknown[i];
+    CHECK(swp_session_create(&options, &session) == SWP_NOT_FOUND);
+  }
+  options.arms = "SAP";
   options.initial_arm = "Grid";
   CHECK(swp_session_create(&options, &session) == SWP_NOT_FOUND);
   CHECK(session == NULL);

@@ -128,7 +128,8 @@ typedef struct game {
 } game;
 
 static swp_proxy_options options_of(uint32_t object) {
-  swp_proxy_options options = {{1U << object % 3, object % 7 + 1}, object % 3 == 0, 0, 0};
+  swp_proxy_options options = {
+      {1U << object % 3, object % 7 + 1}, object % 3 == 0 ? SWP_PROXY_STATIC : 0, 0, 0};
   options.user = object;
   return options;
 }
@@ -169,7 +170,8 @@ static uint32_t object_of(const game* played, uint32_t id) {
 static int is_pair(uint32_t a, uint32_t b) {
   const swp_proxy_options one = options_of(a);
   const swp_proxy_options other = options_of(b);
-  return !(one.is_static && other.is_static) && (one.filter.category & other.filter.mask) != 0 &&
+  return (one.flags & other.flags & SWP_PROXY_STATIC) == 0 &&
+         (one.filter.category & other.filter.mask) != 0 &&
          (other.filter.category & one.filter.mask) != 0;
 }
 
@@ -253,9 +255,9 @@ static const swp_aabb kTouching = {{1, 1, 1}, {2, 2, 2}};
 static const swp_filter kAll = {1, 0xffffffffU};
 
 static void check_handles(swp_proxies* proxies) {
-  swp_proxy first = {9, 9};
-  swp_proxy second = {9, 9};
-  const swp_proxy none = {0, 0};
+  swp_proxy first = 9;
+  swp_proxy second = 9;
+  const swp_proxy none = 0;
   swp_aabb box = kTouching;
   uint32_t moving_count = 0;
   CHECK_OK(swp_proxies_add(proxies, &kUnit, NULL, &first));
@@ -264,7 +266,7 @@ static void check_handles(swp_proxies* proxies) {
   CHECK_OK(swp_proxies_set_user(proxies, first, 5));
   CHECK_OK(swp_proxies_remove(proxies, first));
   CHECK_OK(swp_proxies_add(proxies, &kUnit, NULL, &second));
-  CHECK(second.index == first.index && second.generation != first.generation);
+  CHECK(SWP_PROXY_ID(second) == SWP_PROXY_ID(first) && second != first);
   const swp_proxy stale[2] = {first, none};
   for (int i = 0; i < 2; ++i) {
     const swp_proxy pair[2] = {second, stale[i]};
@@ -272,7 +274,7 @@ static void check_handles(swp_proxies* proxies) {
     CHECK(swp_proxies_remove(proxies, stale[i]) == SWP_NOT_FOUND);
     CHECK(strlen(swp_last_error()) > 0);
     CHECK(swp_proxies_move(proxies, pair, boxes, 2) == SWP_NOT_FOUND);
-    CHECK(swp_proxies_set_filter(proxies, stale[i], kAll) == SWP_NOT_FOUND);
+    CHECK(swp_proxies_set_filter(proxies, stale[i], &kAll) == SWP_NOT_FOUND);
     CHECK(swp_proxies_set_user(proxies, stale[i], 1) == SWP_NOT_FOUND);
     CHECK(swp_proxies_get(proxies, stale[i], &box, NULL) == SWP_NOT_FOUND);
   }
@@ -298,7 +300,7 @@ static void check_that_pairs_are_kept(swp_proxies* proxies) {
 }
 
 static void check_queries(swp_proxies* proxies) {
-  const swp_proxy_options resting = {kAll, 1, 0, 42};
+  const swp_proxy_options resting = {{1, 0xffffffffU}, SWP_PROXY_STATIC, 0, 42};
   const swp_aabb small = {{1, 1, 1}, {1, 1, 1}};
   swp_ray ray = {{-1, 0.5F, 0.5F}, {2, 0, 0}, 10};
   swp_proxy added;
@@ -308,21 +310,21 @@ static void check_queries(swp_proxies* proxies) {
   uint64_t count = 0;
   uint32_t any = 9;
   CHECK_OK(swp_proxies_add(proxies, &kUnit, &resting, &added));
-  CHECK((added.index & SWP_STATIC_PROXY_BIT) != 0);
-  CHECK(swp_proxies_query_box(proxies, &small, kAll, found, 2, &count) == SWP_RESOURCE_EXHAUSTED);
+  CHECK((SWP_PROXY_ID(added) & SWP_STATIC_PROXY_BIT) != 0);
+  CHECK(swp_proxies_query_box(proxies, &small, NULL, found, 2, &count) == SWP_RESOURCE_EXHAUSTED);
   CHECK(count == 3);
-  CHECK_OK(swp_proxies_query_box(proxies, &small, kAll, found, 3, &count));
-  CHECK(count == 3 && found[2].index == added.index && found[0].index < found[1].index);
-  CHECK_OK(swp_proxies_cast_ray(proxies, &ray, kAll, hits, 2, &count));
-  CHECK(count == 2 && hits[0].distance == 0.5F && hits[1].proxy.index == added.index);
-  CHECK_OK(swp_proxies_cast_ray_nearest(proxies, &ray, kAll, &nearest, &any));
-  CHECK(any == 1 && nearest.proxy.index == hits[0].proxy.index);
+  CHECK_OK(swp_proxies_query_box(proxies, &small, NULL, found, 3, &count));
+  CHECK(count == 3 && found[2] == added && SWP_PROXY_ID(found[0]) < SWP_PROXY_ID(found[1]));
+  CHECK_OK(swp_proxies_cast_ray(proxies, &ray, &kAll, hits, 2, &count));
+  CHECK(count == 2 && hits[0].distance == 0.5F && hits[1].proxy == added);
+  CHECK_OK(swp_proxies_cast_ray_nearest(proxies, &ray, &kAll, &nearest, &any));
+  CHECK(any == 1 && nearest.proxy == hits[0].proxy);
   ray.direction[0] = -1;
-  CHECK_OK(swp_proxies_cast_ray_nearest(proxies, &ray, kAll, &nearest, &any));
-  CHECK(any == 0 && nearest.proxy.index == hits[0].proxy.index);
+  CHECK_OK(swp_proxies_cast_ray_nearest(proxies, &ray, &kAll, &nearest, &any));
+  CHECK(any == 0 && nearest.proxy == hits[0].proxy);
   ray.direction[0] = NAN;
-  CHECK(swp_proxies_cast_ray(proxies, &ray, kAll, hits, 2, &count) == SWP_INVALID_ARGUMENT);
-  CHECK(swp_proxies_cast_ray_nearest(proxies, &ray, kAll, &nearest, &any) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_proxies_cast_ray(proxies, &ray, &kAll, hits, 2, &count) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_proxies_cast_ray_nearest(proxies, &ray, &kAll, &nearest, &any) == SWP_INVALID_ARGUMENT);
 }
 
 void test_proxies(void) {

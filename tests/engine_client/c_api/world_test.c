@@ -28,7 +28,7 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_EXECUTOR) == sizeof(swp_executor));
   CHECK(swp_struct_size(SWP_STRUCT_WORLD_OPTIONS) == sizeof(swp_world_options));
   CHECK(swp_struct_size(SWP_STRUCT_PROXIES_OPTIONS) == sizeof(swp_proxies_options));
-  CHECK(swp_struct_size(SWP_STRUCT_PROXY) == sizeof(swp_proxy));
+  CHECK(swp_struct_size(SWP_STRUCT_FILTER) == sizeof(swp_filter));
   CHECK(swp_struct_size(SWP_STRUCT_PROXY_OPTIONS) == sizeof(swp_proxy_options));
   CHECK(swp_struct_size(SWP_STRUCT_PROXY_PAIR) == sizeof(swp_proxy_pair));
   CHECK(swp_struct_size(SWP_STRUCT_RAY) == sizeof(swp_ray));

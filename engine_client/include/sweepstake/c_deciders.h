@@ -1,0 +1,65 @@
+/* The part of the C ABI for the embedded decider: "AI Decides" without a daemon; c_api.h includes
+ * it and says what holds for all: threads, ownership, units, results. The functions mirror
+ * sweepstake/embedded_decider.h.
+ */
+#ifndef SWEEPSTAKE_C_DECIDERS_H_
+#define SWEEPSTAKE_C_DECIDERS_H_
+
+#include <stdint.h>
+
+#include "sweepstake/c_api.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* NOLINTBEGIN(modernize-use-using): C has none. */
+
+typedef struct swp_decider_options {
+  uint32_t struct_size;      /* sizeof(swp_decider_options) */
+  uint32_t reserved;         /* 0 */
+  const char* policy;        /* NULL: the default */
+  const char* project;       /* NULL: "default" */
+  const char* scene;         /* NULL: "default" */
+  const char* machine_class; /* NULL: unknown */
+  const char* priors_file;   /* as `sweepstake priors export` writes it; NULL: Beta(1,1) */
+  uint64_t seed;
+  double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
+} swp_decider_options;
+
+/* A posterior of an arm's reward, Beta(alpha, beta). */
+typedef struct swp_belief {
+  double alpha;
+  double beta;
+} swp_belief;
+
+SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
+
+/* Functions of the thread that polls; attach and detach while no frame runs. `now_ns` is the
+ * caller's steady clock, the same one in all calls, from any origin and never going back. */
+
+/* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION if a decider is attached already,
+ * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names its first broken record. */
+SWP_API swp_result swp_session_attach_decider(swp_session* session,
+                                              const swp_decider_options* options, uint64_t now_ns);
+SWP_API swp_result swp_session_detach_decider(swp_session* session);
+/* Takes the costs of the frames since the last poll, decides if a decision is due (every 2 s), and
+ * posts the command. `commanded` is 1 if one was posted, which is then also written to `command`;
+ * both may be NULL. Poll every 250 ms or more often. */
+SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
+                                            swp_switch_command* command, uint32_t* commanded);
+/* Writes the posteriors in the order of arms; `count` is the number of arms. If `capacity` is
+ * too small, the result is SWP_RESOURCE_EXHAUSTED and only `count` is written. */
+SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
+                                       uint32_t capacity, uint32_t* count);
+SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
+/* The number of sources in the priors it started from; 0: Beta(1,1). */
+SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
+
+/* NOLINTEND(modernize-use-using) */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SWEEPSTAKE_C_DECIDERS_H_ */

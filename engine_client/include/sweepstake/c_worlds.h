@@ -1,0 +1,77 @@
+/* The part of the C ABI for worlds: one backend, driven by hand; c_api.h includes it and says what
+ * holds for all: threads, ownership, units, results. The functions mirror
+ * sweepstake/broad_phase.h. One caller at a time may use a world.
+ */
+#ifndef SWEEPSTAKE_C_WORLDS_H_
+#define SWEEPSTAKE_C_WORLDS_H_
+
+#include <stdint.h>
+
+#include "sweepstake/c_api.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* NOLINTBEGIN(modernize-use-using): C has none. */
+
+typedef struct swp_world swp_world;
+
+typedef struct swp_counters {
+  uint64_t aabb_check_count;  /* of the latest build or update and search */
+  uint64_t native_bytes;      /* held by the backend's own buffers */
+  uint64_t detection_time_ns; /* the latest build or update plus the search */
+  uint64_t pair_count;        /* of the latest search; 0 before it */
+  uint32_t object_count;
+  uint32_t backend_version;
+} swp_counters;
+
+SWP_API uint32_t swp_backend_count(void);
+/* The name is valid for ever; NULL for an index of swp_backend_count() or above. */
+SWP_API const char* swp_backend_name(uint32_t index);
+
+/* SWP_NOT_FOUND lists the backends. */
+SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
+
+/* Neither the pairs nor their order depend on the threads. */
+typedef struct swp_world_options {
+  uint32_t struct_size;  /* sizeof(swp_world_options) */
+  uint32_t thread_count; /* 0 or 1: the calling thread alone; up to 256: with a pool of threads */
+  const swp_executor* executor; /* takes the place of the pool; NULL: none */
+  uint32_t sorted_pairs;        /* 1: pairs ascend by a and then b, whatever the backend */
+  uint32_t reserved;            /* 0 */
+} swp_world_options;
+
+SWP_API swp_result swp_world_options_init(swp_world_options* options);
+/* `options` NULL takes the defaults, as swp_world_create does. SWP_RESOURCE_EXHAUSTED if the
+ * system has no more threads. */
+SWP_API swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
+                                         swp_world** world);
+SWP_API void swp_world_destroy(swp_world* world);
+
+/* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL if
+ * count is 0. SWP_INVALID_ARGUMENT over 2^31 - 1 boxes. After SWP_RESOURCE_EXHAUSTED (memory) the
+ * world must be built again. */
+SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count);
+
+/* Takes the boxes of the next frame. A larger count adds objects behind the last one, a smaller one
+ * removes the last ones; the others keep their ids. SWP_FAILED_PRECONDITION before a build. */
+SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
+
+/* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number
+ * into `count`. If the room is too small, it returns SWP_RESOURCE_EXHAUSTED, `count` says what
+ * is needed and no pair is written; a second call with more room gives the same pairs. It searches
+ * once per build or update; further calls hand out the same pairs. `pairs` may be NULL if
+ * capacity is 0. */
+SWP_API swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
+                                        uint64_t* count);
+
+SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* counters);
+
+/* NOLINTEND(modernize-use-using) */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* SWEEPSTAKE_C_WORLDS_H_ */
