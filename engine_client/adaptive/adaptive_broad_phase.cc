@@ -173,12 +173,18 @@ std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const
   backends_[sample_.arm].backend->FindPairs(pairs_);
   built_ = true;
   MeasureDetection(boxes, start_ns);
-  if (lane_ != nullptr) {
-    lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
-                           .frame_time_ns = last_sample.frame_time_ns,
-                           .arm = sample_.arm});
-  }
+  if (!std::exchange(searched_, true)) ShowFrame(boxes);
   return std::as_const(pairs_).pairs();
+}
+
+// Shows the first search's boxes to those who take one set of boxes per frame: from one first
+// search to the next, objects move as far as they do in a frame.
+void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
+  descriptors_.Observe(boxes);
+  if (lane_ == nullptr) return;
+  lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
+                         .frame_time_ns = last_sample.frame_time_ns,
+                         .arm = sample_.arm});
 }
 
 // Builds or updates the structure. A backend that has run out of memory is rebuilt in the next
@@ -197,6 +203,7 @@ void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t sta
   if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(clock_.NowNs() - start_ns);
 }
 
+// The searches of a frame add up; what can be had of one alone is the latest one's.
 void AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns) {
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
   const BroadPhase& backend = *backends_[sample_.arm].backend;
@@ -205,7 +212,6 @@ void AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes, uin
   sample_.native_bytes = backend.native_bytes();
   sample_.pair_count = static_cast<uint32_t>(std::min(pairs_.size(), kMaxCount));
   sample_.object_count = static_cast<uint32_t>(boxes.size());
-  descriptors_.Observe(boxes);
 }
 
 // Steps 4 to 6: completes the frame's sample, flags a bail-out, and passes the sample to the sink.
@@ -219,6 +225,7 @@ void AdaptiveBroadPhase::Impl::EndFrame(const FrameEnd& frame) {
   Emit();
   GuardLocally();
   const uint64_t next_index = sample_.frame_index + 1;
+  searched_ = false;
   sample_ = FrameSample{};
   sample_.frame_index = next_index;
   sample_.arm = arm();

@@ -74,6 +74,7 @@ class AdaptiveBroadPhase::Impl {
   void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
   void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
   void MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
+  void ShowFrame(std::span<const Aabb> boxes);
   void Emit();
   void GuardLocally();
   void Report(const std::optional<SwitchOutcome>& outcome);
@@ -86,6 +87,7 @@ class AdaptiveBroadPhase::Impl {
   std::optional<SwitchCommand> local_command_;  // the command of SelectArm or the guard
   std::optional<PendingSwitch> pending_;
   bool manual_by_order_ = false;  // an operator has ordered kManual, and it holds
+  bool searched_ = false;         // whether the present frame had a search
   bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
   DescriptorEstimator descriptors_;

@@ -1,7 +1,8 @@
 // The frame path, which an engine calls in each frame: steps 2–6 of the one path (README).
 //
 //   adaptive.BeginFrame();                     // executes a pending switch, only here
-//   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches
+//   auto pairs = adaptive.FindPairs(boxes);    // the active backend updates and searches;
+//                                              // again for each substep
 //   ... narrow phase, solver, rendering ...
 //   adaptive.EndFrame({.frame_time_ns = dt});  // makes the sample, guards, hands it to the sink
 //
@@ -109,8 +110,11 @@ class AdaptiveBroadPhase {
   // is one, unless it is a bail-out; a later command replaces it.
   void BeginFrame();
   // Returns the pairs of these boxes, valid until the next call. The count may change as in
-  // BroadPhase::Update. Call it once per frame; the sample of a frame without it (a paused game)
-  // has no detection time.
+  // BroadPhase::Update. It may be called any number of times between BeginFrame and EndFrame, for
+  // substeps or several fixed updates; together they are one sample, whose detection time and
+  // checks are the sums and whose counts are those of the latest search (frame_sample.h). The scene
+  // descriptors and the shadow lane see the first search of each frame. The sample of a frame
+  // without a search (a paused game) has no detection time.
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   // Makes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);

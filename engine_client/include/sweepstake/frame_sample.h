@@ -15,10 +15,12 @@ enum FrameFlag : uint32_t {
   kFrameBailOut = 8,  // over the bail-out limit
 };
 
+// A frame may search several times, once per substep. Its times and checks are then the sums; the
+// counts of bytes, pairs and objects are those of its latest search.
 struct FrameSample {
   uint64_t frame_index;        // since the session began
   uint64_t frame_time_ns;      // unscaled, whole frame
-  uint64_t detection_time_ns;  // Build or Update plus FindPairs
+  uint64_t detection_time_ns;  // Build or Update plus FindPairs; 0 without a search
   uint64_t aabb_check_count;
   uint64_t native_bytes;
   uint32_t pair_count;

@@ -315,6 +315,66 @@ TEST_F(AdaptiveBroadPhaseTest, GivesASampleWithoutDetectionForAFrameWithoutSearc
   EXPECT_EQ(Frame().flags, 0U);
 }
 
+TEST_F(AdaptiveBroadPhaseTest, AddsUpTheSearchesOfAFrameAndCountsTheLatestOnesPairs) {
+  adaptive_->BeginFrame();
+  adaptive_->FindPairs(std::vector<Aabb>(4));
+  arms_[0]->script().pair_count = 2;
+  EXPECT_EQ(adaptive_->FindPairs(std::vector<Aabb>(5)).size(), 2U);
+  adaptive_->EndFrame({.frame_time_ns = 5000});
+  const FrameSample& sample = adaptive_->last_sample();
+  EXPECT_EQ(sample.detection_time_ns, 1010U + 110U);
+  EXPECT_EQ(sample.aabb_check_count, 5U + 5U);
+  EXPECT_EQ(sample.native_bytes, 64U);
+  EXPECT_EQ(sample.pair_count, 2U);
+  EXPECT_EQ(sample.object_count, 5U);
+  EXPECT_EQ(sample.flags, uint32_t{kFrameRebuild});
+  EXPECT_EQ(arms_[0]->build_count, 1);
+  EXPECT_EQ(arms_[0]->update_count, 1);
+  EXPECT_EQ(sink_.frames.size(), 1U);
+  EXPECT_EQ(Frame().detection_time_ns, 110U) << "the next frame begins anew";
+}
+
+TEST_F(AdaptiveBroadPhaseTest, ChargesASwitchWithItsRebuildAloneWhenFramesSearchTwice) {
+  AdaptiveOptions options;
+  options.settling_ns = 100;
+  Make(options);
+  for (int frame = 0; frame < 4; ++frame) {
+    if (frame == 1) adaptive_->mailbox().Post({.command_id = 9, .arm = 1});
+    adaptive_->BeginFrame();
+    for (int search = 0; search < 2; ++search) adaptive_->FindPairs(std::vector<Aabb>(4));
+    adaptive_->EndFrame({.frame_time_ns = 50});
+  }
+  ASSERT_EQ(sink_.switches.size(), 1U);
+  EXPECT_EQ(sink_.switches[0].rebuild_time_ns, 1000U);
+  for (size_t frame = 0; frame < 4; ++frame) {
+    EXPECT_EQ(sink_.frames[frame].flags, frame < 2 ? uint32_t{kFrameRebuild} : 0U);
+  }
+}
+
+TEST_F(AdaptiveBroadPhaseTest, BlamesTheArmForSearchesThatAreTooLongTogether) {
+  arms_[0]->script().find_ns = 2 * kSecond;
+  adaptive_->BeginFrame();
+  for (int search = 0; search < 3; ++search) adaptive_->FindPairs(std::vector<Aabb>(4));
+  adaptive_->EndFrame({.frame_time_ns = 7 * kSecond});
+  EXPECT_EQ(Frame().arm, 1U);
+}
+
+// Two searches a frame, the second with the objects elsewhere: a descriptor that saw it would tell
+// of motion, and come twice as often.
+TEST_F(AdaptiveBroadPhaseTest, DescribesTheFirstSearchOfEachFrame) {
+  const std::vector<Aabb> first(4, Aabb{{0, 0, 0}, {1, 1, 1}});
+  const std::vector<Aabb> second(4, Aabb{{5, 0, 0}, {6, 1, 1}});
+  for (int frame = 0; frame < 300; ++frame) {
+    adaptive_->BeginFrame();
+    adaptive_->FindPairs(first);
+    adaptive_->FindPairs(second);
+    adaptive_->EndFrame({.frame_time_ns = 5});
+  }
+  ASSERT_EQ(sink_.descriptors.size(), 1U);
+  EXPECT_EQ(sink_.descriptors[0].speed_mean, 0);
+  EXPECT_EQ(sink_.descriptors[0].static_ratio, 1);
+}
+
 TEST_F(AdaptiveBroadPhaseTest, DescribesTheSceneFromTimeToTime) {
   for (int i = 0; i < 600; ++i) Frame();
   ASSERT_EQ(sink_.descriptors.size(), 2U);

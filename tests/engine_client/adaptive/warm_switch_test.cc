@@ -57,14 +57,19 @@ class WarmSwitchTest : public ::testing::Test {
                                                  &sink_, SteadyClock()));
   }
 
-  // Runs one frame, whose pairs must be those of brute force.
+  // Runs one frame, whose searches must find the pairs of brute force.
   void Frame() {
-    const std::span<const Aabb> boxes = scene_.boxes().first(object_count_);
     adaptive_->BeginFrame();
+    ASSERT_NO_FATAL_FAILURE(Search(object_count_));
+    for (const size_t count : substeps_) ASSERT_NO_FATAL_FAILURE(Search(count));
+    adaptive_->EndFrame({.frame_time_ns = frame_time_ns_});
+  }
+
+  void Search(size_t object_count) {
+    const std::span<const Aabb> boxes = scene_.boxes().first(object_count);
     const std::span<const OverlapPair> found = adaptive_->FindPairs(boxes);
     const std::string difference = PairDifference(found, ScalarPairs(boxes));
     ASSERT_EQ(difference, "") << adaptive_->arms()[adaptive_->active_arm()];
-    adaptive_->EndFrame({.frame_time_ns = frame_time_ns_});
     scene_.Step();
   }
 
@@ -82,6 +87,7 @@ class WarmSwitchTest : public ::testing::Test {
   RecordingSink sink_;
   BoxScene scene_{"brownian", 220, 3};
   size_t object_count_ = 200;
+  std::vector<size_t> substeps_;   // object counts of further searches in each frame
   uint64_t frame_time_ns_ = 1000;  // this is so short that no preparation is late
   uint64_t command_id_ = 0;
   std::unique_ptr<AdaptiveBroadPhase> adaptive_;
@@ -116,6 +122,23 @@ TEST_F(WarmSwitchTest, FindsAllPairsWhileTheObjectCountChanges) {
     }
   }
   EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 14U);
+}
+
+TEST_F(WarmSwitchTest, ShowsTheLaneTheFirstOfSeveralSearchesAndSwitchesBetweenFrames) {
+  frame_time_ns_ = 16 * kMs;  // this is so long that copying may be frequent
+  substeps_ = {150, 220};
+  Make({.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}});
+  while (adaptive_->shadow_stats().sweep_count < 2) {
+    ASSERT_NO_FATAL_FAILURE(Frame());
+    std::this_thread::yield();
+  }
+  frame_time_ns_ = 1000;
+  for (uint32_t arm = 1; arm < 7; ++arm) ASSERT_NO_FATAL_FAILURE(SwitchTo(arm));
+  EXPECT_EQ(adaptive_->shadow_stats().warm_switch_count, 6U);
+  EXPECT_LE(adaptive_->shadow_stats().copied_frame_count, sink_.frames.size());
+  adaptive_.reset();
+  for (const ShadowSample& sample : sink_.shadows) EXPECT_EQ(sample.object_count, 200U);
+  for (const FrameSample& sample : sink_.frames) EXPECT_EQ(sample.object_count, 220U);
 }
 
 TEST_F(WarmSwitchTest, ReportsNoRebuildForAWarmSwitch) {
