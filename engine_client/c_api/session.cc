@@ -114,13 +114,13 @@ void swp_session_destroy(swp_session* session) { delete session; }
 
 swp_result swp_session_begin_frame(swp_session* session) {
   if (session == nullptr) return NullArgument("session");
-  if (session->phase != FramePhase::kBetween) {
+  if (session->in_frame) {
     return Fail(SWP_FAILED_PRECONDITION, "a frame runs already: call swp_session_end_frame first");
   }
   return Guard([&] {
     session->pairs.reset();
     session->adaptive->BeginFrame();
-    session->phase = FramePhase::kBegun;
+    session->in_frame = true;
     return static_cast<swp_result>(SWP_OK);
   });
 }
@@ -130,13 +130,11 @@ swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, u
   if (session == nullptr || pair_count == nullptr) return NullArgument("session and pair_count");
   if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
   if (const swp_result wrong = CheckBoxes(boxes, box_count); wrong != SWP_OK) return wrong;
-  if (session->phase != FramePhase::kBegun) {
-    return Fail(SWP_FAILED_PRECONDITION,
-                "call swp_session_begin_frame first, and this once per frame");
+  if (!session->in_frame) {
+    return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
   }
   return Guard([&] {
     session->pairs = session->adaptive->FindPairs(ToBoxes(boxes, box_count));
-    session->phase = FramePhase::kSearched;
     return WriteAll(*session->pairs, pairs, capacity, pair_count);
   });
 }
@@ -154,12 +152,12 @@ swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, u
   if ((flags & ~static_cast<uint32_t>(SWP_FRAME_PAUSED | SWP_FRAME_LOADING)) != 0) {
     return Fail(SWP_INVALID_ARGUMENT, "flags may hold SWP_FRAME_PAUSED and SWP_FRAME_LOADING only");
   }
-  if (session->phase == FramePhase::kBetween) {
+  if (!session->in_frame) {
     return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
   }
   return Guard([&] {
     session->adaptive->EndFrame({.frame_time_ns = frame_time_ns, .flags = flags});
-    session->phase = FramePhase::kBetween;
+    session->in_frame = false;
     return static_cast<swp_result>(SWP_OK);
   });
 }

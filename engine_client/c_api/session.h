@@ -13,13 +13,6 @@
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "sweepstake/adaptive_broad_phase.h"
 
-namespace sweepstake::c_api {
-
-// The state of the frame thread between begin_frame and end_frame.
-enum class FramePhase { kBetween, kBegun, kSearched };
-
-}  // namespace sweepstake::c_api
-
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): grouped by thread, one per game.
 struct swp_session {
   explicit swp_session(uint32_t queue_frames) : queue(queue_frames) {}
@@ -31,7 +24,7 @@ struct swp_session {
   uint64_t settling_ns = 0;
 
   // Frame thread.
-  sweepstake::c_api::FramePhase phase = sweepstake::c_api::FramePhase::kBetween;
+  bool in_frame = false;  // between begin_frame and end_frame
   std::optional<std::span<const sweepstake::OverlapPair>> pairs;  // absent: none to copy
 
   // Transport thread.

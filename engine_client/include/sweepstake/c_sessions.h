@@ -64,11 +64,12 @@ typedef struct swp_session_options {
   uint32_t reserved;      /* 0 */
 } swp_session_options;
 
-/* The cost of one frame. */
+/* The cost of one frame. Of several searches, times and checks are summed; the counts of bytes,
+ * pairs and objects are the latest one's. */
 typedef struct swp_frame_sample {
   uint64_t frame_index;
   uint64_t frame_time_ns;
-  uint64_t detection_time_ns;
+  uint64_t detection_time_ns; /* to take the boxes and search; 0 without a search */
   uint64_t aabb_check_count;
   uint64_t native_bytes;
   uint32_t pair_count;
@@ -174,14 +175,15 @@ SWP_API swp_result swp_session_create(const swp_session_options* options, swp_se
 /* No other thread may be in a call. */
 SWP_API void swp_session_destroy(swp_session* session);
 
-/* The frame thread calls these once per frame and in this order. None waits, locks, or allocates in
- * steady state. */
+/* The frame thread calls these in this order: once per frame the first and the last, find_pairs any
+ * number of times between them. None waits, locks, or allocates in steady state. */
 
 /* Executes a pending switch, if there is one. */
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
-/* The active backend takes these boxes and searches; at most one call per frame. A changed count
- * rebuilds its structure. The pairs and their number are written as in swp_world_find_pairs; if the
- * room was too small, swp_session_copy_pairs gives them. */
+/* The active backend takes these boxes, whose count may change as in swp_world_update, and
+ * searches. A frame with substeps or several fixed updates calls it for each; together they are one
+ * sample. The pairs and their number are written as in swp_world_find_pairs; if the room was too
+ * small, swp_session_copy_pairs gives them. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
                                           uint32_t box_count, swp_pair* pairs, uint64_t capacity,
                                           uint64_t* pair_count);
@@ -246,7 +248,7 @@ SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_o
 SWP_API swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* samples,
                                             uint32_t capacity, uint32_t* count);
 /* The latest descriptor among what was drained; every value negative before the first. One is
- * measured per 128 frames. */
+ * measured per 256 frames. */
 SWP_API swp_result swp_session_descriptor(const swp_session* session,
                                           swp_scene_descriptor* descriptor);
 /* Posts a switch that the next begin_frame executes, with a shadow lane a later one; the latest

@@ -25,7 +25,7 @@ using QueuedItem = std::variant<FrameSample, SceneDescriptor, SwitchOutcome, Mod
 class SampleQueue final : public FrameSink {
  public:
   // The maximum number of notes. They outlast the frames, since a scene makes one descriptor per
-  // 128 frames and few switches.
+  // 256 frames and few switches.
   static constexpr uint32_t kNoteCapacity = 256;
   static constexpr uint32_t kMaxFrameCapacity = 1 << 20;
   // The maximum number of visits: eight sweeps over 32 arms, which take two seconds at the lane's

@@ -59,9 +59,31 @@ static void check_order(swp_session* session) {
   CHECK_OK(swp_session_begin_frame(session));
   CHECK(swp_session_begin_frame(session) == SWP_FAILED_PRECONDITION);
   CHECK_OK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count));
-  CHECK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
   CHECK(swp_session_end_frame(session, 1, SWP_FRAME_REBUILD) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_end_frame(session, 1, SWP_FRAME_PAUSED));
+  CHECK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+}
+
+/* Two searches in a frame are one sample; the pairs to copy and to count are the latest one's. */
+static void check_substeps(swp_session* session) {
+  const swp_aabb boxes[3] = {
+      {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
+  swp_frame_sample before;
+  swp_frame_sample sample;
+  swp_pair pairs[3];
+  uint64_t count = 0;
+  CHECK_OK(swp_session_last_sample(session, &before));
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK_OK(swp_session_find_pairs(session, boxes, 3, pairs, 3, &count));
+  CHECK(count == 3);
+  CHECK_OK(swp_session_find_pairs(session, boxes, 2, pairs, 3, &count));
+  CHECK(count == 1);
+  CHECK_OK(swp_session_copy_pairs(session, pairs, 3, &count));
+  CHECK(count == 1 && pairs[0].a == 0 && pairs[0].b == 1);
+  CHECK_OK(swp_session_end_frame(session, 1, 0));
+  CHECK_OK(swp_session_last_sample(session, &sample));
+  CHECK(sample.frame_index == before.frame_index + 1);
+  CHECK(sample.pair_count == 1 && sample.object_count == 2);
 }
 
 /* Every arm in turn by hand, in manual mode. */
@@ -93,6 +115,7 @@ void test_frames(void) {
   swp_scene* scene = make_scene("suite-h", kObjects);
   check_arms(session);
   check_order(session);
+  check_substeps(session);
   check_selection(session, scene);
   swp_session_destroy(session);
   swp_scene_destroy(scene);
