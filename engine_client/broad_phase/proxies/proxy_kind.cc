@@ -49,6 +49,7 @@ struct RayQuery {
 void ProxyKind::RefreshTree() {
   if (!table_.changed()) return;
   tree_.Update(table_.boxes());
+  ++refit_count_;
   table_.MarkUnchanged();
 }
 

@@ -41,12 +41,14 @@ class ProxyKind {
   // Returns the nearest hit among these proxies, as CastRayNearest of proxy_set.h defines it.
   RayHit CastRayNearest(const Ray& ray, const CollisionFilter& filter) const;
 
+  uint64_t refit_count() const { return refit_count_; }
   size_t native_bytes() const { return table_.native_bytes() + tree_.native_bytes(); }
 
  private:
   ProxyTable table_;
   BoxTree tree_;
   uint32_t id_bit_;
+  uint64_t refit_count_ = 0;
 };
 
 }  // namespace sweepstake

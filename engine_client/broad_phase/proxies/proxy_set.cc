@@ -255,6 +255,9 @@ Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, R
 }
 
 void ProxySet::PrepareQueries() { impl_->RefreshTrees(); }
+uint64_t ProxySet::refit_count() const {
+  return impl_->moving_.refit_count() + impl_->resting_.refit_count();
+}
 size_t ProxySet::native_bytes() const { return impl_->native_bytes(); }
 
 }  // namespace sweepstake

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -32,8 +33,9 @@ class ProxyTable {
 
   // REQUIRES: `place` holds a proxy.
   void Remove(uint32_t place);
-  // REQUIRES: `place` holds a proxy.
+  // A box of the same bytes changes nothing. REQUIRES: `place` holds a proxy.
   void SetBox(uint32_t place, const Aabb& box) {
+    if (std::memcmp(&boxes_[place], &box, sizeof box) == 0) return;
     boxes_[place] = box;
     changed_ = true;
   }

@@ -134,7 +134,8 @@ class ProxySet {
   // Returns false for a handle without a proxy, as the calls below do.
   bool Remove(ProxyHandle handle);
 
-  // Cost: O(1). A static proxy may be moved too, at the cost of an Add.
+  // Cost: O(1). A static proxy may be moved too, at the cost of an Add. A box of the same bytes
+  // changes nothing: an engine may send the boxes of all its objects in each step.
   bool Move(ProxyHandle handle, const Aabb& box);
   // Gives boxes[k] to handles[k]. If one of the handles has no proxy, it returns false and moves
   // nothing. REQUIRES: equal sizes.
@@ -185,6 +186,9 @@ class ProxySet {
   // may then query at the same time.
   void PrepareQueries();
 
+  // Returns how often a tree has been refitted, which is what queries after changes and the search
+  // among static proxies cost beside themselves.
+  uint64_t refit_count() const;
   size_t native_bytes() const;
 
  private:

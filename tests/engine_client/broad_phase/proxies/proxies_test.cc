@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 #include "engine_client/scene/box_scenes.h"
@@ -225,6 +227,26 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
     ASSERT_EQ(proxies.removed().size(), 1U);
     EXPECT_EQ(proxies.removed()[0], (ProxyPair{a, c}));
   }
+}
+
+// Bullet sends the boxes of static objects again in each step.
+TEST(ProxiesWhoseBoxesAreSentAgain, CostNoRefitAndNoEvents) {
+  ProxySet proxies({.pair_events = true});
+  Frames frames("BruteForce");
+  const Aabb unordered = {{1, std::numeric_limits<float>::quiet_NaN(), 1}, {2, 2, 2}};
+  const std::array boxes{kUnit, kTouching, unordered};
+  const std::array handles{proxies.Add(boxes[0]), proxies.Add(boxes[1], {.is_static = true}),
+                           proxies.Add(boxes[2], {.is_static = true})};
+  proxies.Resolve(frames.Find(proxies.moving_boxes()));
+  const uint64_t refits = proxies.refit_count();
+  EXPECT_GT(refits, 0U);
+  ASSERT_TRUE(proxies.Move(handles, boxes) && proxies.Move(handles[1], boxes[1]));
+  EXPECT_EQ(proxies.Resolve(frames.Find(proxies.moving_boxes())).size(), 1U);
+  EXPECT_TRUE(proxies.added().empty() && proxies.removed().empty());
+  EXPECT_EQ(proxies.refit_count(), refits);
+  ASSERT_TRUE(proxies.Move(handles[1], kUnit));
+  proxies.PrepareQueries();
+  EXPECT_EQ(proxies.refit_count(), refits + 1);
 }
 
 // Motion, teleports, adds, removes and queries must all do without an allocation.
