@@ -18,6 +18,7 @@
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
 #include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/pair_sorter.h"
 
 namespace sweepstake {
 
@@ -90,6 +91,7 @@ class AdaptiveBroadPhase::Impl {
   bool searched_ = false;         // whether the present frame had a search
   bool built_ = false;  // whether the active structure holds the boxes of the latest frame
   PairBuffer pairs_;
+  std::optional<PairSorter> sorter_;  // absent: pairs stay as the backend finds them
   DescriptorEstimator descriptors_;
   FrameSample sample_{};
   std::atomic<uint64_t> warm_switch_count_{0};

@@ -59,7 +59,7 @@ swp_result CheckOptions(const swp_session_options& options) {
   if (options.shadow > SWP_SHADOW_ON) {
     return Fail(SWP_INVALID_ARGUMENT, "shadow must be one of SWP_SHADOW_*, 0 to 2");
   }
-  if (options.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+  if (options.sorted_pairs > 1) return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1");
   return SWP_OK;
 }
 
@@ -71,6 +71,7 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
   options.bail_out_ns = given.bail_out_ns;
   options.settling_ns = given.settling_ns;
   options.shadow.enabled = static_cast<ShadowMode>(given.shadow);
+  options.sorted_pairs = given.sorted_pairs != 0;
   return options;
 }
 

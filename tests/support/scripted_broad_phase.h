@@ -19,6 +19,7 @@ struct ArmScript {
   uint64_t check_count = 0;
   size_t bytes = 0;
   uint32_t pair_count = 0;
+  bool descending = false;  // the order of the pairs
 };
 
 class ScriptedBroadPhase final : public BroadPhase {
@@ -38,7 +39,10 @@ class ScriptedBroadPhase final : public BroadPhase {
   }
   void FindPairs(PairBuffer& out) override {
     clock_.Advance(script_.find_ns);
-    for (uint32_t i = 0; i < script_.pair_count; ++i) out.Append({i, i + 1});
+    for (uint32_t i = 0; i < script_.pair_count; ++i) {
+      const uint32_t a = script_.descending ? script_.pair_count - 1 - i : i;
+      out.Append({a, a + 1});
+    }
   }
   uint64_t aabb_check_count() const override { return script_.check_count; }
   size_t native_bytes() const override { return script_.bytes; }

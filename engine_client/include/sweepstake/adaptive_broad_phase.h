@@ -88,6 +88,10 @@ struct AdaptiveOptions {
   // frame thread does all work.
   Executor* executor = nullptr;
   ShadowOptions shadow = {};
+  // Pairs ascend by a and then b whatever the arm, so that a lockstep game sees no switch. The sort
+  // takes the same time for each arm and is no part of a sample's detection time, so that decisions
+  // and what is learnt are those without it. Cost: pair_sorter.h.
+  bool sorted_pairs = false;
 };
 
 // The engine's data about the frame that ends.
@@ -109,7 +113,8 @@ class AdaptiveBroadPhase {
   // in the mailbox is then refused. A command from the mailbox waits for the shadow lane if there
   // is one, unless it is a bail-out; a later command replaces it.
   void BeginFrame();
-  // Returns the pairs of these boxes, valid until the next call. The count may change as in
+  // Returns the pairs of these boxes, valid until the next call; their order depends on the arm
+  // unless AdaptiveOptions::sorted_pairs is set. The count may change as in
   // BroadPhase::Update. It may be called any number of times between BeginFrame and EndFrame, for
   // substeps or several fixed updates; together they are one sample, whose detection time and
   // checks are the sums and whose counts are those of the latest search (frame_sample.h). The scene

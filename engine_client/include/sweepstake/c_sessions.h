@@ -61,7 +61,8 @@ typedef struct swp_session_options {
   uint32_t queue_frames;  /* samples kept for draining, a power of two, 2 to 2^20; full: the oldest
                              is dropped */
   swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
-  uint32_t reserved;      /* 0 */
+  uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a lockstep
+                             game  sees no switch; no part of a sample's detection time */
 } swp_session_options;
 
 /* The cost of one frame. Of several searches, times and checks are summed; the counts of bytes,

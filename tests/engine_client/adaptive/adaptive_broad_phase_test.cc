@@ -375,6 +375,23 @@ TEST_F(AdaptiveBroadPhaseTest, DescribesTheFirstSearchOfEachFrame) {
   EXPECT_EQ(sink_.descriptors[0].static_ratio, 1);
 }
 
+TEST_F(AdaptiveBroadPhaseTest, LeavesTheOrderToTheArmUnlessItIsToSort) {
+  const auto order = [this] {
+    adaptive_->BeginFrame();
+    const auto pairs = adaptive_->FindPairs(std::vector<Aabb>(4));
+    const std::vector<uint32_t> firsts = {pairs[0].a, pairs[1].a, pairs[2].a};
+    adaptive_->EndFrame({.frame_time_ns = 5});
+    return firsts;
+  };
+  arms_[0]->script().descending = true;
+  EXPECT_THAT(order(), ::testing::ElementsAre(2, 1, 0));
+  AdaptiveOptions options;
+  options.sorted_pairs = true;
+  Make(options);
+  arms_[0]->script().descending = true;
+  EXPECT_THAT(order(), ::testing::ElementsAre(0, 1, 2));
+}
+
 TEST_F(AdaptiveBroadPhaseTest, DescribesTheSceneFromTimeToTime) {
   for (int i = 0; i < 600; ++i) Frame();
   ASSERT_EQ(sink_.descriptors.size(), 2U);

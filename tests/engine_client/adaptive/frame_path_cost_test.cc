@@ -54,6 +54,7 @@ class FramePathCost : public ::testing::TestWithParam<std::string_view> {
   void SetUp() override {
     AdaptiveOptions options;
     options.arms = {std::string(GetParam())};
+    options.sorted_pairs = true;
     auto made = AdaptiveBroadPhase::Create(options, &queue_);
     ASSERT_TRUE(made.ok()) << made.status().message();
     adaptive_ = std::move(*made);

@@ -222,7 +222,7 @@ static void check_session_options(void) {
   WITH(queue_frames, 1U << 21);
   WITH(bail_out_ns, 0);
   WITH(thread_count, 257);
-  WITH(reserved, 1);
+  WITH(sorted_pairs, 2);
   for (int i = 1; i <= 32; ++i) strcat(many, ",SAP");
   WITH(arms, many);
 #undef WITH

@@ -86,6 +86,34 @@ static void check_substeps(swp_session* session) {
   CHECK(sample.pair_count == 1 && sample.object_count == 2);
 }
 
+/* Sorted pairs are those of brute force, byte by byte, whatever the arm. */
+static void check_sorted_pairs(swp_scene* scene) {
+  swp_session_options options;
+  swp_session* session = NULL;
+  CHECK_OK(swp_session_options_init(&options));
+  options.mode = SWP_MODE_MANUAL;
+  options.sorted_pairs = 1;
+  options.thread_count = 2;
+  CHECK_OK(swp_session_create(&options, &session));
+  for (uint32_t frame = 0; frame < 3 * swp_backend_count(); ++frame) {
+    const swp_aabb* boxes = NULL;
+    uint32_t count = 0;
+    uint64_t found_count = 0;
+    uint64_t right_count = 0;
+    swp_pair found[8192];
+    CHECK_OK(swp_session_select_arm(session, swp_backend_name(frame % swp_backend_count())));
+    CHECK_OK(swp_scene_boxes(scene, &boxes, &count));
+    CHECK_OK(swp_session_begin_frame(session));
+    CHECK_OK(swp_session_find_pairs(session, boxes, count, found, 8192, &found_count));
+    CHECK_OK(swp_session_end_frame(session, kFrameNs, 0));
+    swp_pair* right = brute_force(boxes, count, &right_count);
+    CHECK(found_count == right_count && memcmp(found, right, right_count * sizeof *right) == 0);
+    free(right);
+    CHECK_OK(swp_scene_step(scene));
+  }
+  swp_session_destroy(session);
+}
+
 /* Every arm in turn by hand, in manual mode. */
 static void check_selection(swp_session* session, swp_scene* scene) {
   swp_mode mode = 0;
@@ -117,6 +145,7 @@ void test_frames(void) {
   check_order(session);
   check_substeps(session);
   check_selection(session, scene);
+  check_sorted_pairs(scene);
   swp_session_destroy(session);
   swp_scene_destroy(scene);
 }
