@@ -39,16 +39,6 @@ swp_result NullArgument(std::string_view name) noexcept {
   return Fail(SWP_INVALID_ARGUMENT, message.data());
 }
 
-swp_result CheckStructSize(std::string_view name, uint32_t given, size_t expected) noexcept {
-  if (given == expected) return SWP_OK;
-  std::array<char, 192> message;
-  std::snprintf(message.data(), message.size(),
-                "struct_size of %.*s is %u and must be %zu: call %.*s_init first",
-                static_cast<int>(name.size()), name.data(), given, expected,
-                static_cast<int>(name.size()), name.data());
-  return Fail(SWP_INVALID_ARGUMENT, message.data());
-}
-
 }  // namespace sweepstake::c_api
 
 const char* swp_last_error(void) { return sweepstake::c_api::last_error.data(); }

@@ -25,17 +25,6 @@ swp_result ToResult(const Status& status) noexcept;
 // Fails with "NAME must not be NULL".
 swp_result NullArgument(std::string_view name) noexcept;
 
-// Fails with "struct_size of NAME is … and must be …" if the two differ.
-swp_result CheckStructSize(std::string_view name, uint32_t given, size_t expected) noexcept;
-
-// Checks the first member of an options struct; NULL is valid. It must be called before anything
-// else of the struct is read: a caller compiled against another version may own fewer bytes.
-template <typename Options>
-swp_result CheckStruct(std::string_view name, const Options* options) noexcept {
-  if (options == nullptr) return SWP_OK;
-  return CheckStructSize(name, options->struct_size, sizeof(Options));
-}
-
 // Runs `body`, which returns a swp_result, and turns an exception into one.
 template <typename Body>
 swp_result Guard(const Body& body) noexcept {

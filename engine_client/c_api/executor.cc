@@ -2,6 +2,8 @@
 
 #include <system_error>
 
+#include "engine_client/c_api/sized_struct.h"
+
 namespace sweepstake::c_api {
 namespace {
 
@@ -34,8 +36,9 @@ class CallersExecutor final : public Executor {
   const swp_executor given_;
 };
 
+constexpr swp_executor kDefaults = {sizeof(swp_executor), 1, nullptr, nullptr};
+
 swp_result CheckExecutor(uint32_t thread_count, const swp_executor& given) {
-  if (const swp_result wrong = CheckStruct("swp_executor", &given); wrong != SWP_OK) return wrong;
   if (thread_count > 1) {
     return Fail(SWP_INVALID_ARGUMENT, "thread_count must be 0 or 1 where an executor is given");
   }
@@ -53,8 +56,10 @@ swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
     return Fail(SWP_INVALID_ARGUMENT, "thread_count is over 256");
   }
   if (given != nullptr) {
-    const swp_result wrong = CheckExecutor(thread_count, *given);
-    if (wrong == SWP_OK) executor = std::make_unique<CallersExecutor>(*given);
+    swp_executor known = kDefaults;
+    swp_result wrong = TakeOptions("swp_executor", given, known);
+    if (wrong == SWP_OK) wrong = CheckExecutor(thread_count, known);
+    if (wrong == SWP_OK) executor = std::make_unique<CallersExecutor>(known);
     return wrong;
   }
   if (thread_count <= 1) return SWP_OK;
@@ -69,7 +74,5 @@ swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
 }  // namespace sweepstake::c_api
 
 swp_result swp_executor_init(swp_executor* executor) {
-  if (executor == nullptr) return sweepstake::c_api::NullArgument("executor");
-  *executor = {sizeof(swp_executor), 1, nullptr, nullptr};
-  return SWP_OK;
+  return sweepstake::c_api::Give("swp_executor", sweepstake::c_api::kDefaults, executor);
 }

@@ -9,6 +9,7 @@
 
 #include "engine_client/c_api/boundary.h"
 #include "engine_client/c_api/executor.h"
+#include "engine_client/c_api/sized_struct.h"
 #include "sweepstake/pair_buffer.h"
 #include "sweepstake/proxy_set.h"
 
@@ -68,7 +69,7 @@ swp_result CheckOptions(const swp_proxies_options& options) {
   return wrong != SWP_OK ? wrong : CheckTruth("sorted_pairs must be 0 or 1", options.sorted_pairs);
 }
 
-swp_proxies_options DefaultOptions() { return {sizeof(swp_proxies_options), 0, 0, 0, nullptr}; }
+constexpr swp_proxies_options kDefaults = {sizeof(swp_proxies_options), 0, 0, 0, nullptr};
 
 swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxies) {
   std::unique_ptr<sweepstake::Executor> executor;
@@ -112,19 +113,16 @@ void Keep(swp_proxies& proxies, std::span<const OverlapPair> resolved,
 }  // namespace
 
 swp_result swp_proxies_options_init(swp_proxies_options* options) {
-  if (options == nullptr) return NullArgument("options");
-  *options = DefaultOptions();
-  return SWP_OK;
+  return Give("swp_proxies_options", kDefaults, options);
 }
 
 swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** proxies) {
   if (proxies == nullptr) return NullArgument("proxies");
   return Guard([&] {
-    swp_result wrong = CheckStruct("swp_proxies_options", options);
-    if (wrong != SWP_OK) return wrong;
-    const swp_proxies_options given = options == nullptr ? DefaultOptions() : *options;
-    wrong = CheckOptions(given);
-    return wrong != SWP_OK ? wrong : CreateProxies(given, proxies);
+    swp_proxies_options known = kDefaults;
+    swp_result wrong = TakeOptions("swp_proxies_options", options, known);
+    if (wrong == SWP_OK) wrong = CheckOptions(known);
+    return wrong != SWP_OK ? wrong : CreateProxies(known, proxies);
   });
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "engine_client/c_api/boundary.h"
+#include "engine_client/c_api/sized_struct.h"
 #include "server/decision/math/hash.h"
 
 using sweepstake::Aabb;
@@ -32,6 +33,14 @@ SceneOptions ToSceneOptions(const swp_scene_options& given) {
   return options;
 }
 
+swp_scene_options DefaultOptions() {
+  const SceneOptions defaults;
+  return {sizeof(swp_scene_options), defaults.object_count,         defaults.spawn_seed,
+          defaults.motion_seed,      defaults.world_half_extent,    defaults.fixed_step_s,
+          defaults.half_extent_min,  defaults.half_extent_max,      defaults.speed,
+          defaults.gravity,          defaults.direction_interval_s, 0};
+}
+
 uint64_t HashFloat(uint64_t hash, float value) {
   return sweepstake::math::Fnv1aOfWord(hash, std::bit_cast<uint32_t>(value));
 }
@@ -47,23 +56,19 @@ const char* swp_scene_name(uint32_t index) {
 }
 
 swp_result swp_scene_options_init(swp_scene_options* options) {
-  if (options == nullptr) return NullArgument("options");
-  const SceneOptions defaults;
-  *options = {sizeof(swp_scene_options), defaults.object_count,         defaults.spawn_seed,
-              defaults.motion_seed,      defaults.world_half_extent,    defaults.fixed_step_s,
-              defaults.half_extent_min,  defaults.half_extent_max,      defaults.speed,
-              defaults.gravity,          defaults.direction_interval_s, 0};
-  return SWP_OK;
+  return Give("swp_scene_options", DefaultOptions(), options);
 }
 
 swp_result swp_scene_create(const char* scene, const swp_scene_options* options, swp_scene** out) {
   if (scene == nullptr || out == nullptr) return NullArgument("scene and out");
-  if (const swp_result wrong = CheckStruct("swp_scene_options", options); wrong != SWP_OK) {
-    return wrong;
-  }
   return Guard([&] {
-    auto made = sweepstake::MakeScene(
-        scene, options == nullptr ? SceneOptions() : ToSceneOptions(*options));
+    swp_scene_options known = DefaultOptions();
+    swp_result wrong = TakeOptions("swp_scene_options", options, known);
+    if (wrong == SWP_OK && known.reserved != 0) {
+      wrong = Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+    }
+    if (wrong != SWP_OK) return wrong;
+    auto made = sweepstake::MakeScene(scene, ToSceneOptions(known));
     if (!made.ok()) return ToResult(made.status());
     *out = new swp_scene{std::move(*made)};
     return static_cast<swp_result>(SWP_OK);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine_client/c_api/executor.h"
+#include "engine_client/c_api/sized_struct.h"
 
 using sweepstake::AdaptiveBroadPhase;
 using sweepstake::AdaptiveOptions;
@@ -47,7 +48,6 @@ std::vector<std::string> Names(const char* list) {
   return names;
 }
 
-// Checks the options. REQUIRES: the struct has our size.
 swp_result CheckOptions(const swp_session_options& options) {
   if (!IsMode(options.mode)) {
     return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
@@ -92,22 +92,16 @@ swp_result CreateSession(const swp_session_options& options, swp_session** sessi
 }  // namespace
 
 swp_result swp_session_options_init(swp_session_options* options) {
-  if (options == nullptr) return NullArgument("options");
-  return Guard([&] {
-    *options = DefaultOptions();
-    return static_cast<swp_result>(SWP_OK);
-  });
+  return Guard([&] { return Give("swp_session_options", DefaultOptions(), options); });
 }
 
 swp_result swp_session_create(const swp_session_options* options, swp_session** session) {
   if (session == nullptr) return NullArgument("session");
   return Guard([&] {
-    if (const swp_result wrong = CheckStruct("swp_session_options", options); wrong != SWP_OK) {
-      return wrong;
-    }
-    const swp_session_options given = options == nullptr ? DefaultOptions() : *options;
-    const swp_result wrong = CheckOptions(given);
-    return wrong != SWP_OK ? wrong : CreateSession(given, session);
+    swp_session_options known = DefaultOptions();
+    swp_result wrong = TakeOptions("swp_session_options", options, known);
+    if (wrong == SWP_OK) wrong = CheckOptions(known);
+    return wrong != SWP_OK ? wrong : CreateSession(known, session);
   });
 }
 

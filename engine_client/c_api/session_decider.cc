@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "engine_client/c_api/session.h"
+#include "engine_client/c_api/sized_struct.h"
 
 using sweepstake::AdaptiveBroadPhase;
 using sweepstake::ArmBelief;
@@ -84,11 +85,7 @@ swp_result NoDecider() {
 }  // namespace
 
 swp_result swp_decider_options_init(swp_decider_options* options) {
-  if (options == nullptr) return NullArgument("options");
-  return Guard([&] {
-    *options = DefaultOptions();
-    return static_cast<swp_result>(SWP_OK);
-  });
+  return Guard([&] { return Give("swp_decider_options", DefaultOptions(), options); });
 }
 
 swp_result swp_session_attach_decider(swp_session* session, const swp_decider_options* options,
@@ -98,11 +95,12 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
     return Fail(SWP_FAILED_PRECONDITION, "a decider is attached already: detach it first");
   }
   return Guard([&] {
-    if (const swp_result wrong = CheckStruct("swp_decider_options", options); wrong != SWP_OK) {
-      return wrong;
+    swp_decider_options known = DefaultOptions();
+    swp_result wrong = TakeOptions("swp_decider_options", options, known);
+    if (wrong == SWP_OK && known.reserved != 0) {
+      wrong = Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
     }
-    const swp_decider_options given = options == nullptr ? DefaultOptions() : *options;
-    return Attach(*session, ToEmbeddedOptions(given), now_ns);
+    return wrong != SWP_OK ? wrong : Attach(*session, ToEmbeddedOptions(known), now_ns);
   });
 }
 

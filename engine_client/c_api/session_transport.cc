@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "engine_client/c_api/session.h"
+#include "engine_client/c_api/sized_struct.h"
 
 using sweepstake::FrameSample;
 using sweepstake::QueuedItem;
@@ -143,24 +144,27 @@ swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* sam
 swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats) {
   if (session == nullptr || stats == nullptr) return NullArgument("session and stats");
   const ShadowStats seen = session->adaptive->shadow_stats();
-  *stats = {static_cast<swp_shadow_state>(seen.state),
-            0,
-            seen.sweep_count,
-            seen.visit_count,
-            seen.capped_visit_count,
-            seen.busy_time_ns,
-            seen.memory_bytes,
-            seen.copied_frame_count,
-            seen.copy_time_ns,
-            seen.warm_switch_count,
-            seen.cold_switch_count};
-  return SWP_OK;
+  const swp_shadow_stats now = {sizeof now,
+                                static_cast<swp_shadow_state>(seen.state),
+                                seen.sweep_count,
+                                seen.visit_count,
+                                seen.capped_visit_count,
+                                seen.busy_time_ns,
+                                seen.memory_bytes,
+                                seen.copied_frame_count,
+                                seen.copy_time_ns,
+                                seen.warm_switch_count,
+                                seen.cold_switch_count};
+  return Give("swp_shadow_stats", now, stats);
 }
 
 swp_result swp_session_descriptor(const swp_session* session, swp_scene_descriptor* descriptor) {
   if (session == nullptr || descriptor == nullptr) return NullArgument("session and descriptor");
-  std::memcpy(descriptor, &session->descriptor, sizeof *descriptor);
-  return SWP_OK;
+  const SceneDescriptor& latest = session->descriptor;
+  const swp_scene_descriptor now = {
+      sizeof now,        latest.object_count, latest.density_ratio,    latest.size_spread,
+      latest.speed_mean, latest.speed_spread, latest.clustering_ratio, latest.static_ratio};
+  return Give("swp_scene_descriptor", now, descriptor);
 }
 
 swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command) {

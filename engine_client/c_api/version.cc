@@ -17,9 +17,6 @@ static_assert(offsetof(swp_frame_sample, native_bytes) == offsetof(FrameSample, 
 static_assert(offsetof(swp_frame_sample, pair_count) == offsetof(FrameSample, pair_count));
 static_assert(offsetof(swp_frame_sample, arm) == offsetof(FrameSample, arm));
 static_assert(offsetof(swp_frame_sample, flags) == offsetof(FrameSample, flags));
-static_assert(sizeof(swp_scene_descriptor) == sizeof(SceneDescriptor));
-static_assert(offsetof(swp_scene_descriptor, static_ratio) ==
-              offsetof(SceneDescriptor, static_ratio));
 static_assert(sizeof(swp_switch_command) == 16);
 static_assert(sizeof(swp_switch_outcome) == sizeof(SwitchOutcome) &&
               sizeof(swp_switch_outcome) == 40);
@@ -60,6 +57,7 @@ static_assert(static_cast<int>(SWP_FRAME_BAIL_OUT) == kFrameBailOut);
 }  // namespace
 
 uint32_t swp_abi_version(void) { return SWP_ABI_VERSION; }
+uint32_t swp_abi_revision(void) { return SWP_ABI_REVISION; }
 
 swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch) {
   if (major == nullptr || minor == nullptr || patch == nullptr) {

@@ -3,6 +3,7 @@
 
 #include "engine_client/c_api/boundary.h"
 #include "engine_client/c_api/executor.h"
+#include "engine_client/c_api/sized_struct.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/pair_sorter.h"
@@ -52,11 +53,11 @@ void Search(swp_world& world) {
   world.searched = true;
 }
 
-swp_world_options DefaultOptions() { return {sizeof(swp_world_options), 0, nullptr, 0, 0}; }
+constexpr swp_world_options kDefaults = {sizeof(swp_world_options), 0, nullptr, 0, 0};
 
 swp_result CreateWorld(const char* backend, const swp_world_options& options, swp_world** world) {
-  if (options.sorted_pairs > 1) {
-    return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1");
+  if (options.sorted_pairs > 1 || options.reserved != 0) {
+    return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1, reserved 0");
   }
   auto created = std::make_unique<swp_world>();
   const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
@@ -84,18 +85,16 @@ swp_result swp_world_create(const char* backend, swp_world** world) {
 }
 
 swp_result swp_world_options_init(swp_world_options* options) {
-  if (options == nullptr) return NullArgument("options");
-  *options = DefaultOptions();
-  return SWP_OK;
+  return Give("swp_world_options", kDefaults, options);
 }
 
 swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
                                  swp_world** world) {
   if (backend == nullptr || world == nullptr) return NullArgument("backend and world");
   return Guard([&] {
-    const swp_result wrong = CheckStruct("swp_world_options", options);
-    if (wrong != SWP_OK) return wrong;
-    return CreateWorld(backend, options == nullptr ? DefaultOptions() : *options, world);
+    swp_world_options known = kDefaults;
+    const swp_result wrong = TakeOptions("swp_world_options", options, known);
+    return wrong != SWP_OK ? wrong : CreateWorld(backend, known, world);
   });
 }
 
@@ -134,12 +133,13 @@ swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capa
 swp_result swp_world_counters(const swp_world* world, swp_counters* counters) {
   if (world == nullptr || counters == nullptr) return NullArgument("world and counters");
   return Guard([&] {
-    counters->aabb_check_count = world->built ? world->backend->aabb_check_count() : 0;
-    counters->native_bytes = world->backend->native_bytes();
-    counters->detection_time_ns = world->take_time_ns + world->search_time_ns;
-    counters->pair_count = world->pairs.size();
-    counters->object_count = world->object_count;
-    counters->backend_version = world->backend->version();
-    return static_cast<swp_result>(SWP_OK);
+    swp_counters now{};
+    now.object_count = world->object_count;
+    now.aabb_check_count = world->built ? world->backend->aabb_check_count() : 0;
+    now.native_bytes = world->backend->native_bytes();
+    now.detection_time_ns = world->take_time_ns + world->search_time_ns;
+    now.pair_count = world->pairs.size();
+    now.backend_version = world->backend->version();
+    return Give("swp_counters", now, counters);
   });
 }

@@ -16,6 +16,18 @@
  * Units: lengths are in world units of the caller, times in nanoseconds, text is UTF-8 and ends
  * with NUL. Truth values are uint32_t, 0 or 1. Nothing but scalars and pointers is passed by value.
  *
+ * Structs: where the first member is struct_size, set it to sizeof the struct before any call that
+ * takes it, the _init functions included:
+ *
+ *   swp_world_options options = {.struct_size = sizeof options};
+ *   swp_world_options_init(&options);
+ *   options.sorted_pairs = 1;
+ *
+ * Such a struct may grow at its end, and the library never reads or writes beyond struct_size. It
+ * takes the sizes of earlier revisions, with the defaults for the rest, and larger ones whose rest
+ * is zero; what it fills is cut or filled up with zeros. Structs without struct_size (boxes, pairs,
+ * rays, hits, samples, filters and whatever else stands in arrays) are as they are for ever.
+ *
  * Errors: functions return a swp_result. If it is not SWP_OK, swp_last_error() says what to do.
  * NULL for a pointer that is needed is SWP_INVALID_ARGUMENT. A function that fails leaves its
  * outputs as they were, unless its comment says otherwise. No exception leaves the library.
@@ -41,8 +53,11 @@ extern "C" {
 
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
-/* Incremented by every change that an already compiled caller could notice. */
+/* Incremented by every change that an already compiled caller could notice; none is planned. */
 #define SWP_ABI_VERSION 3U
+/* Counts the additions within this ABI: new functions and values, and new fields at the end of
+ * structs that have a struct_size. */
+#define SWP_ABI_REVISION 0U
 
 /* ---- results ---- */
 
@@ -64,8 +79,12 @@ SWP_API const char* swp_last_error(void);
 
 /* ---- version ---- */
 
-/* SWP_ABI_VERSION of the loaded library. Compare it before anything else. */
+/* SWP_ABI_VERSION of the loaded library. Compare it before anything else: another version is
+ * another library. */
 SWP_API uint32_t swp_abi_version(void);
+/* SWP_ABI_REVISION of the loaded library. A caller may ask it before it calls a function that an
+ * earlier revision lacks; a library of any revision serves a caller of any other one otherwise. */
+SWP_API uint32_t swp_abi_revision(void);
 SWP_API swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch);
 
 typedef uint32_t swp_struct;
@@ -121,7 +140,7 @@ typedef void (*swp_run_part)(void* job, uint64_t part);
 /* The caller's own job system. Call swp_executor_init, then set run_parts. The object that it is
  * given to copies it; what `user` points to must outlive that object. */
 typedef struct swp_executor {
-  uint32_t struct_size; /* sizeof(swp_executor) */
+  uint32_t struct_size;
   /* The number of threads that may run parts at the same time, the calling one included; 1 to 256.
    */
   uint32_t thread_count;

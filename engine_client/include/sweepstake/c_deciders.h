@@ -16,7 +16,7 @@ extern "C" {
 /* NOLINTBEGIN(modernize-use-using): C has none. */
 
 typedef struct swp_decider_options {
-  uint32_t struct_size;      /* sizeof(swp_decider_options) */
+  uint32_t struct_size;
   uint32_t reserved;         /* 0 */
   const char* policy;        /* NULL: the default */
   const char* project;       /* NULL: "default" */

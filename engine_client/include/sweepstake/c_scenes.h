@@ -20,7 +20,7 @@ typedef struct swp_scene swp_scene;
 /* The same as SceneOptions in sweepstake/scene.h. Call swp_scene_options_init, then change what you
  * wish. */
 typedef struct swp_scene_options {
-  uint32_t struct_size; /* sizeof(swp_scene_options) */
+  uint32_t struct_size;
   uint32_t object_count;
   uint64_t spawn_seed;
   uint64_t motion_seed;

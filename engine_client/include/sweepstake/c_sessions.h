@@ -49,7 +49,7 @@ enum {
 };
 
 typedef struct swp_session_options {
-  uint32_t struct_size; /* sizeof(swp_session_options) */
+  uint32_t struct_size;
   swp_mode mode;
   const char* arms;        /* names of backends, each once, at most 32, for example "SAP,DBVT"; NULL
                               or "": all */
@@ -84,6 +84,7 @@ typedef struct swp_frame_sample {
 /* The properties of the scene; a negative value was not measured. SceneDescriptor in frame_sample.h
  * says what each value means. */
 typedef struct swp_scene_descriptor {
+  uint32_t struct_size;
   float object_count;
   float density_ratio;
   float size_spread;
@@ -140,8 +141,8 @@ enum {
 
 /* Since the session began. */
 typedef struct swp_shadow_stats {
+  uint32_t struct_size;
   swp_shadow_state state;
-  uint32_t reserved;    /* 0 */
   uint64_t sweep_count; /* over the arms that were due */
   uint64_t visit_count; /* of one arm each */
   uint64_t capped_visit_count;

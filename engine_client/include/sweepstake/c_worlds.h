@@ -18,12 +18,14 @@ extern "C" {
 typedef struct swp_world swp_world;
 
 typedef struct swp_counters {
+  uint32_t struct_size;
+  uint32_t object_count;
   uint64_t aabb_check_count;  /* of the latest build or update and search */
   uint64_t native_bytes;      /* held by the backend's own buffers */
   uint64_t detection_time_ns; /* the latest build or update plus the search */
   uint64_t pair_count;        /* of the latest search; 0 before it */
-  uint32_t object_count;
   uint32_t backend_version;
+  uint32_t reserved; /* 0 */
 } swp_counters;
 
 SWP_API uint32_t swp_backend_count(void);
@@ -35,7 +37,7 @@ SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
 
 /* Neither the pairs nor their order depend on the threads. */
 typedef struct swp_world_options {
-  uint32_t struct_size;  /* sizeof(swp_world_options) */
+  uint32_t struct_size;
   uint32_t thread_count; /* 0 or 1: the calling thread alone; up to 256: with a pool of threads */
   const swp_executor* executor; /* takes the place of the pool; NULL: none */
   uint32_t sorted_pairs;        /* 1: pairs ascend by a and then b, whatever the backend */

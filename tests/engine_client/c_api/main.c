@@ -60,7 +60,7 @@ int same_pairs(swp_pair* found, uint64_t found_count, const swp_pair* right, uin
 }
 
 swp_scene* make_scene(const char* name, uint32_t object_count) {
-  swp_scene_options options;
+  swp_scene_options options = {.struct_size = sizeof options};
   swp_scene* scene = NULL;
   swp_scene_options_init(&options);
   options.object_count = object_count;
@@ -76,11 +76,10 @@ int main(int argc, char** argv) {
     const char* name;
     void (*run)(void);
   } tests[] = {
-      {"version", test_version},         {"worlds", test_worlds},
-      {"world_rules", test_world_rules}, {"threads", test_threads},
-      {"proxies", test_proxies},         {"scenes", test_scenes},
-      {"frames", test_frames},           {"transport", test_transport},
-      {"decider", test_decider},         {"arguments", test_arguments},
+      {"version", test_version}, {"worlds", test_worlds},       {"world_rules", test_world_rules},
+      {"threads", test_threads}, {"proxies", test_proxies},     {"scenes", test_scenes},
+      {"frames", test_frames},   {"transport", test_transport}, {"decider", test_decider},
+      {"structs", test_structs}, {"arguments", test_arguments},
   };
   for (size_t i = 0; argc == 2 && i < sizeof tests / sizeof tests[0]; ++i) {
     if (strcmp(tests[i].name, argv[1]) != 0) continue;

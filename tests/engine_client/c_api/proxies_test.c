@@ -22,7 +22,7 @@ static void run_backwards(void* user, uint64_t count, swp_run_part run_part, voi
 }
 
 static swp_executor make_executor(part_count* counted) {
-  swp_executor executor;
+  swp_executor executor = {.struct_size = sizeof executor};
   CHECK_OK(swp_executor_init(&executor));
   executor.thread_count = 2;
   executor.run_parts = run_backwards;
@@ -33,7 +33,7 @@ static swp_executor make_executor(part_count* counted) {
 static swp_world* make_world(const char* backend, uint32_t thread_count,
                              const swp_executor* executor, uint32_t sorted_pairs) {
   swp_world* world = NULL;
-  swp_world_options options;
+  swp_world_options options = {.struct_size = sizeof options};
   CHECK_OK(swp_world_options_init(&options));
   options.thread_count = thread_count;
   options.executor = executor;
@@ -87,7 +87,7 @@ static void check_sorted_world(const swp_aabb* boxes, uint32_t count) {
 static void check_session_with_executor(const swp_aabb* boxes, uint32_t count) {
   part_count counted = {0, 0};
   const swp_executor executor = make_executor(&counted);
-  swp_session_options options;
+  swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
   uint64_t pair_count = 0;
   CHECK_OK(swp_session_options_init(&options));
@@ -135,7 +135,7 @@ static swp_proxy_options options_of(uint32_t object) {
 }
 
 static void start(game* played) {
-  swp_proxies_options options;
+  swp_proxies_options options = {.struct_size = sizeof options};
   const swp_aabb* boxes = NULL;
   uint32_t count = 0;
   CHECK_OK(swp_proxies_options_init(&options));

@@ -4,7 +4,7 @@
 #include "tests/engine_client/c_api/check.h"
 
 static uint64_t hash_after(const char* name, uint64_t seed, int steps) {
-  swp_scene_options options;
+  swp_scene_options options = {.struct_size = sizeof options};
   swp_scene* scene = NULL;
   uint64_t hash = 0;
   uint64_t frame_index = 99;

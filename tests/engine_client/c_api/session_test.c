@@ -27,7 +27,7 @@ static void run_frame(swp_session* session, swp_scene* scene) {
 }
 
 static swp_session* make_session(uint32_t queue_frames) {
-  swp_session_options options;
+  swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
   CHECK_OK(swp_session_options_init(&options));
   options.queue_frames = queue_frames;
@@ -209,7 +209,7 @@ static void check_full_queue(swp_session* session, swp_scene* scene) {
 
 /* A descriptor comes with every 128 frames. */
 static void check_descriptor(swp_session* session, swp_scene* scene) {
-  swp_scene_descriptor descriptor;
+  swp_scene_descriptor descriptor = {.struct_size = sizeof descriptor};
   CHECK_OK(swp_session_descriptor(session, &descriptor));
   CHECK(descriptor.object_count < 0);
   for (int i = 0; i < 300; ++i) run_frame(session, scene);
@@ -222,10 +222,10 @@ static void check_descriptor(swp_session* session, swp_scene* scene) {
 
 /* Off unless asked for; asked for, every arm has been visited before long. */
 static void check_shadow_lane(swp_scene* scene) {
-  swp_session_options options;
+  swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = make_session(16);
   swp_shadow_sample sample;
-  swp_shadow_stats stats;
+  swp_shadow_stats stats = {.struct_size = sizeof stats};
   uint32_t count = 99;
   uint32_t visited = 0;
   CHECK_OK(swp_session_shadow_stats(session, &stats));

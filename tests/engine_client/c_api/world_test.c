@@ -11,6 +11,7 @@ void test_version(void) {
   uint32_t minor = 99;
   uint32_t patch = 99;
   CHECK(swp_abi_version() == SWP_ABI_VERSION);
+  CHECK(swp_abi_revision() == SWP_ABI_REVISION);
   CHECK_OK(swp_version(&major, &minor, &patch));
   CHECK(major < 99 && minor < 99 && patch < 99);
   CHECK(swp_struct_size(SWP_STRUCT_AABB) == sizeof(swp_aabb) && sizeof(swp_aabb) == 24);
@@ -58,7 +59,7 @@ static void check_backend(const char* backend, const char* scene_name, uint32_t 
     uint32_t count = 0;
     uint64_t found_count = 0;
     uint64_t right_count = 0;
-    swp_counters counters;
+    swp_counters counters = {.struct_size = sizeof counters};
     CHECK_OK(swp_scene_boxes(scene, &boxes, &count));
     CHECK_OK(frame == 0 ? swp_world_build(world, boxes, count)
                         : swp_world_update(world, boxes, count));
