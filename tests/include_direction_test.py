@@ -67,6 +67,7 @@ PUBLIC_HEADERS = {
     "aabb.h": "engine_client/broad_phase",
     "broad_phase.h": "engine_client/broad_phase",
     "executor.h": "engine_client/broad_phase",
+    "hooks.h": "engine_client/broad_phase",
     "pair_buffer.h": "engine_client/broad_phase",
     "simd.h": "engine_client/broad_phase",
     "pair_sorter.h": "engine_client/broad_phase",
@@ -89,7 +90,7 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 
 # Of the rooms of a folder each includes itself and those before it; "" is the folder itself.
 ROOM_ORDER = {
-    "engine_client/broad_phase": ("common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
+    "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "load", "trace", "replay", "experiment", "peers", "bench", ""),
     "engine_client/telemetry": ("common", "embedded", ""),
     "server/rpc": ("common", "sessions", "services", ""),

@@ -35,7 +35,7 @@ void BoxTap::Reserve(uint32_t slot_count, size_t object_count) {
   word_.store(0, std::memory_order_relaxed);
   slot_count_ = 0;
   capacity_ = 0;
-  std::vector<Aabb>().swap(storage_);
+  HookedVector<Aabb>().swap(storage_);
   // resize writes to the memory, so that the frame thread causes no page fault.
   storage_.resize(slot_count * object_count);
   slot_count_ = slot_count;

@@ -14,9 +14,9 @@
 #include <atomic>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "engine_client/adaptive/shadow_schedule.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/adaptive_broad_phase.h"
 
@@ -75,7 +75,7 @@ class BoxTap {
   std::atomic<uint64_t> latest_frame_{0};
   // Accessed by the thread whose turn it is according to the word.
   std::array<Slot, kMaxSlots> slots_{};
-  std::vector<Aabb> storage_;
+  HookedVector<Aabb> storage_;
   size_t capacity_ = 0;  // the number of objects per slot
   uint32_t slot_count_ = 0;
   size_t too_big_count_ = 0;

@@ -1,6 +1,5 @@
 // Counts the calls of global operator new, in programs that have allocation_counter.cc among their
-// sources: it replaces the operators. malloc and realloc are not counted; watch the capacity of
-// what uses them (PairBuffer).
+// sources: it replaces the operators. malloc and realloc are not counted.
 //
 //   const uint64_t before = ThreadAllocationCount();
 //   ... one frame ...

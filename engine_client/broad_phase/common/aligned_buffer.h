@@ -2,17 +2,17 @@
 // backends store their data in it, so that a steady scene allocates nothing and native_bytes() is a
 // sum of capacity_bytes().
 //
-// Not thread-safe. Owns its memory until destruction; movable. Throws std::bad_alloc when memory is
-// exhausted.
+// Not thread-safe. Owns its memory, which comes from the hooks, until destruction; movable. Without
+// memory: OutOfMemory (sweepstake/hooks.h).
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <memory>
-#include <new>
 #include <type_traits>
 #include <utility>
+
+#include "sweepstake/hooks.h"
 
 namespace sweepstake {
 
@@ -24,6 +24,7 @@ class AlignedBuffer {
   static constexpr size_t kAlignment = 64;  // one cache line, one AVX-512 register
 
   AlignedBuffer() = default;
+  ~AlignedBuffer() { Release(); }
   // A move swaps the two buffers: the source stays valid, and is empty if the target was new.
   AlignedBuffer(AlignedBuffer&& other) noexcept { *this = std::move(other); }
   AlignedBuffer& operator=(AlignedBuffer&& other) noexcept {
@@ -32,10 +33,10 @@ class AlignedBuffer {
     return *this;
   }
 
-  T* data() { return storage_.get(); }
-  const T* data() const { return storage_.get(); }
-  T& operator[](size_t index) { return storage_.get()[index]; }
-  const T& operator[](size_t index) const { return storage_.get()[index]; }
+  T* data() { return storage_; }
+  const T* data() const { return storage_; }
+  T& operator[](size_t index) { return storage_[index]; }
+  const T& operator[](size_t index) const { return storage_[index]; }
   size_t capacity() const { return capacity_; }
   size_t capacity_bytes() const { return capacity_ * sizeof(T); }
 
@@ -43,7 +44,8 @@ class AlignedBuffer {
   void EnsureDiscarding(size_t count) {
     if (count <= capacity_) return;
     const size_t grown = GrownCapacity(count);
-    storage_.reset();
+    Release();
+    storage_ = nullptr;
     capacity_ = 0;
     storage_ = Allocate(grown);
     capacity_ = grown;
@@ -59,28 +61,24 @@ class AlignedBuffer {
   void EnsureKeeping(size_t count, size_t kept) {
     if (count <= capacity_) return;
     const size_t grown = GrownCapacity(count);
-    Storage larger = Allocate(grown);
-    if (kept > 0) std::memcpy(larger.get(), storage_.get(), kept * sizeof(T));
-    storage_ = std::move(larger);
+    T* const larger = Allocate(grown);
+    if (kept > 0) std::memcpy(larger, storage_, kept * sizeof(T));
+    Release();
+    storage_ = larger;
     capacity_ = grown;
   }
 
  private:
-  struct Free {
-    void operator()(T* pointer) const { ::operator delete (pointer, std::align_val_t{kAlignment}); }
-  };
-  using Storage = std::unique_ptr<T[], Free>;
-
   // Grows by half, so that a count that rises frame by frame seldom allocates. The first allocation
   // is exact.
   size_t GrownCapacity(size_t count) const { return std::max(count, capacity_ + capacity_ / 2); }
 
-  static Storage Allocate(size_t count) {
-    return Storage(
-        static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{kAlignment})));
+  static T* Allocate(size_t count) {
+    return static_cast<T*>(AllocateMemory(count * sizeof(T), kAlignment));
   }
+  void Release() { ReleaseMemory(storage_, capacity_bytes(), kAlignment); }
 
-  Storage storage_;
+  T* storage_ = nullptr;
   size_t capacity_ = 0;
 };
 

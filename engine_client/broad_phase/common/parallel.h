@@ -5,12 +5,11 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <vector>
 
+#include "engine_client/broad_phase/host/exceptions.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -25,21 +24,16 @@ void RunParts(Executor* executor, size_t part_count, const Fn& fn) {
   }
   struct Context {
     const Fn& fn;
-    std::atomic<bool> has_failed{false};
-    std::exception_ptr error{};
+    FirstException failure{};
   } context{fn};
   executor->RunParts(
       part_count,
       [](void* opaque, size_t part) {
         auto& shared = *static_cast<Context*>(opaque);
-        try {
-          shared.fn(part);
-        } catch (...) {
-          if (!shared.has_failed.exchange(true)) shared.error = std::current_exception();
-        }
+        shared.failure.Run([&] { shared.fn(part); });
       },
       &context);
-  if (context.has_failed) std::rethrow_exception(context.error);
+  context.failure.Rethrow();
 }
 
 // The items [begin, end) of a part of `item_count` items. Borders are multiples of `granule`.
@@ -119,7 +113,7 @@ class PairParts {
     out.Advance(total);
   }
 
-  std::vector<Part> parts_;
+  HookedVector<Part> parts_;
 };
 
 }  // namespace sweepstake

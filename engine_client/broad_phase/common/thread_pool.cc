@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/executor.h"
 
 #if defined(__x86_64__) || defined(_M_X64)
@@ -30,15 +31,18 @@ void Pause() {
 
 class ThreadPool final : public Executor {
  public:
-  explicit ThreadPool(size_t thread_count) {
+  ThreadPool() = default;
+  // Not part of the constructor: should the system refuse a thread, the destructor ends the others.
+  void Start(size_t thread_count) {
     workers_.reserve(thread_count - 1);
     for (size_t i = 1; i < thread_count; ++i) {
-      workers_.emplace_back([this](const std::stop_token& stop) { Work(stop); });
+      workers_.emplace_back([this] { Work(); });
     }
   }
   ~ThreadPool() override {
-    for (std::jthread& worker : workers_) worker.request_stop();
+    stopping_.store(true);
     Publish(0);
+    for (std::thread& worker : workers_) worker.join();
   }
 
   size_t thread_count() const noexcept override { return workers_.size() + 1; }
@@ -82,10 +86,10 @@ class ThreadPool final : public Executor {
   // Waits until there is a job. std::atomic::wait is not used, since libstdc++ loses wake-ups
   // without a futex, as on Windows. Either the sleeper sees the job or the publisher sees the
   // sleeper.
-  void Sleep(const std::stop_token& stop) noexcept {
+  void Sleep() noexcept {
     std::unique_lock lock(sleep_);
     sleeper_count_.fetch_add(1);
-    wake_.wait(lock, [&] { return HasUnclaimed(job_.load()) || stop.stop_requested(); });
+    wake_.wait(lock, [&] { return HasUnclaimed(job_.load()) || stopping_.load(); });
     sleeper_count_.fetch_sub(1, std::memory_order_relaxed);
   }
 
@@ -102,9 +106,10 @@ class ThreadPool final : public Executor {
     return true;
   }
 
-  void Work(const std::stop_token& stop) noexcept {
-    while (!stop.stop_requested()) {
-      if (!SpinForJob()) Sleep(stop);
+  void Work() noexcept {
+    NoteThreadStarted("swp pool");
+    while (!stopping_.load(std::memory_order_relaxed)) {
+      if (!SpinForJob()) Sleep();
       while (RunOne(End::kBack)) {
       }
     }
@@ -126,14 +131,17 @@ class ThreadPool final : public Executor {
   std::atomic<size_t> sleeper_count_{0};
   std::mutex sleep_;
   std::condition_variable wake_;
-  std::vector<std::jthread> workers_;
+  std::atomic<bool> stopping_{false};
+  std::vector<std::thread> workers_;
 };
 
 }  // namespace
 
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count) {
   assert(thread_count >= 1 && thread_count <= 256);
-  return std::make_unique<ThreadPool>(thread_count);
+  auto pool = std::make_unique<ThreadPool>();
+  pool->Start(thread_count);
+  return pool;
 }
 
 }  // namespace sweepstake

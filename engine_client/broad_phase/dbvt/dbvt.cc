@@ -1,13 +1,13 @@
 #include "engine_client/broad_phase/dbvt/dbvt.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "engine_client/broad_phase/common/parallel.h"
 #include "engine_client/broad_phase/common/rebuild_debt.h"
 #include "engine_client/broad_phase/dbvt/dbvt_margins.h"
 #include "engine_client/broad_phase/dbvt/dbvt_query.h"
 #include "engine_client/broad_phase/dbvt/dbvt_tree.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/kd/kd_order.h"
 
 namespace sweepstake {
@@ -69,7 +69,7 @@ class Dbvt final : public BroadPhase {
   bool is_ordering_ = false;
   RebuildDebt debt_;  // the debt of the tree
   // Objects that are not in the tree, since their boxes are invalid; not kept up to date at rest.
-  std::vector<uint32_t> outside_;
+  HookedVector<uint32_t> outside_;
   PairParts parts_;
   size_t pair_count_ = 0;  // the pairs of the latest search
   bool is_at_rest_ = false;

@@ -18,11 +18,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/common/parallel.h"
 #include "engine_client/broad_phase/dbvt/dbvt_tree.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -66,8 +66,8 @@ class DbvtMargins {
   AlignedBuffer<Aabb> fat_;       // the enlarged boxes
   AlignedBuffer<uint32_t> left_;  // the objects that have left their enlarged boxes
   AlignedBuffer<uint8_t> has_left_;
-  std::vector<size_t> left_counts_;  // the number of objects that each part lists in left_
-  std::vector<float> sides_;
+  HookedVector<size_t> left_counts_;  // the number of objects that each part lists in left_
+  HookedVector<float> sides_;
   PairBuffer candidates_;
   size_t count_ = 0;
   size_t left_count_ = 0;

@@ -194,7 +194,7 @@ void DbvtTree::Reserve(size_t object_count) {
 }
 
 void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots,
-                     Executor* executor, std::vector<uint32_t>& lost) {
+                     Executor* executor, HookedVector<uint32_t>& lost) {
   Reserve(boxes.size());
   object_count_ = boxes.size();
   std::fill_n(slots_.data(), object_count_, kNone);
@@ -369,7 +369,7 @@ void DbvtTree::EvictBelow(uint32_t node, uint32_t stretched) {
 }
 
 void DbvtTree::RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes,
-                             std::vector<uint32_t>& lost) {
+                             HookedVector<uint32_t>& lost) {
   for (uint32_t lane = links_[leaf].count; lane-- > 0;) {
     const uint32_t object = nodes_[leaf].child[lane];
     if (IsValid(boxes[object])) continue;
@@ -413,7 +413,7 @@ DbvtTree::Motion DbvtTree::SumUpNotes() const {
 }
 
 DbvtTree::Motion DbvtTree::Refit(std::span<const Aabb> boxes, float step, Executor* executor,
-                                 std::vector<uint32_t>& lost) {
+                                 HookedVector<uint32_t>& lost) {
   RefitGroups(boxes, step, executor);
   const Motion motion = SumUpNotes();
   if (motion.needs_build) return motion;

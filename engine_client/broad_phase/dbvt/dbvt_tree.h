@@ -18,9 +18,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/executor.h"
 
@@ -69,7 +69,7 @@ class DbvtTree {
   // kNone and numbers that are no index of `boxes` leave a gap. Objects with invalid boxes are
   // appended to `lost`. The tree can hold objects 0 … boxes.size() − 1 from now on.
   void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
-             std::vector<uint32_t>& lost);
+             HookedVector<uint32_t>& lost);
   // Sets the number of objects that the tree can hold. REQUIRES: none from `object_count` on is in
   // it.
   void Resize(size_t object_count);
@@ -93,7 +93,7 @@ class DbvtTree {
   // Build; a search before that would miss them. If more than half of the leaves are stretched, the
   // result asks for Build, which must be the next call.
   Motion Refit(std::span<const Aabb> boxes, float step, Executor* executor,
-               std::vector<uint32_t>& lost);
+               HookedVector<uint32_t>& lost);
   // Takes the objects' new boxes, and leaves every object in its leaf. REQUIRES: the boxes of all
   // objects in the tree are valid.
   void TakeBoxes(std::span<const Aabb> boxes, Executor* executor);
@@ -132,7 +132,7 @@ class DbvtTree {
   void WidenUpFrom(uint32_t node, const Aabb& box);
   void EvictToReach(uint32_t node);
   void EvictBelow(uint32_t node, uint32_t stretched);
-  void RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes, std::vector<uint32_t>& lost);
+  void RemoveInvalid(uint32_t leaf, std::span<const Aabb> boxes, HookedVector<uint32_t>& lost);
   void Attach(const Entry& entry);
   void AddTo(uint32_t node, const Entry& entry);
   void Split(uint32_t node, const Entry& entry);
@@ -146,10 +146,10 @@ class DbvtTree {
   AlignedBuffer<DbvtNode> nodes_;
   AlignedBuffer<DbvtLink> links_;
   AlignedBuffer<uint32_t> slots_;  // each object's node * kWidth + lane, or kNone
-  std::vector<Entry> waiting_;
-  std::vector<uint32_t> inner_;   // the inner nodes, parents before children
-  std::vector<uint32_t> groups_;  // the lowest inner nodes
-  std::vector<DbvtGroupNote> notes_;
+  HookedVector<Entry> waiting_;
+  HookedVector<uint32_t> inner_;   // the inner nodes, parents before children
+  HookedVector<uint32_t> groups_;  // the lowest inner nodes
+  HookedVector<DbvtGroupNote> notes_;
   size_t object_count_ = 0;
   size_t node_limit_ = 0;  // one more than the maximum node number
   uint32_t root_ = kNone;

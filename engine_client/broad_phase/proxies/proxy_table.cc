@@ -1,7 +1,6 @@
 #include "engine_client/broad_phase/proxies/proxy_table.h"
 
 #include <algorithm>
-#include <new>
 
 #include "engine_client/broad_phase/common/box_record.h"
 
@@ -73,7 +72,7 @@ uint32_t ProxyTable::TakePlace() {
 }
 
 void ProxyTable::EnsureRoomForOne() {
-  if (boxes_.size() == kMaxPlaces) throw std::bad_alloc();
+  if (boxes_.size() == kMaxPlaces) OutOfMemory();
   // `boxes_` grows last: if another array failed to grow, the next Add tries again.
   if (boxes_.size() < boxes_.capacity()) return;
   const size_t places = std::max<size_t>(64, boxes_.size() * 2);

@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <vector>
 
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
@@ -79,15 +79,15 @@ class ProxyTable {
   void EnsureRoomForOne();
   uint32_t TakePlace();
 
-  std::vector<Aabb> boxes_;
-  std::vector<CollisionFilter> filters_;
-  std::vector<uint64_t> users_;
-  std::vector<uint32_t> generations_;
-  std::vector<uint32_t> seen_;  // the generations at the last MarkSeen
+  HookedVector<Aabb> boxes_;
+  HookedVector<CollisionFilter> filters_;
+  HookedVector<uint64_t> users_;
+  HookedVector<uint32_t> generations_;
+  HookedVector<uint32_t> seen_;  // the generations at the last MarkSeen
   // The freed places; there is room for every place, so that Remove does not allocate.
-  std::vector<uint32_t> free_;
+  HookedVector<uint32_t> free_;
   // The places with owners that have come since the last MarkSeen, each once.
-  std::vector<uint32_t> new_owners_;
+  HookedVector<uint32_t> new_owners_;
   size_t filtered_count_ = 0;
   bool changed_ = false;
 };
@@ -108,8 +108,8 @@ class PairEvents {
   }
 
  private:
-  std::vector<ProxyPair> added_;
-  std::vector<ProxyPair> removed_;
+  HookedVector<ProxyPair> added_;
+  HookedVector<ProxyPair> removed_;
 };
 
 }  // namespace sweepstake

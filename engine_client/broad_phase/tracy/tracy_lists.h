@@ -12,11 +12,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/grid/grid_search.h"
 #include "engine_client/broad_phase/grid/grid_sort.h"
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/tracy/tracy_rows.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/executor.h"
@@ -90,7 +90,7 @@ class TracyLists {
   AlignedBuffer<uint32_t> arrived_;
   GridColumns columns_;
   AlignedBuffer<uint32_t> starts_;
-  std::vector<Part> parts_;
+  HookedVector<Part> parts_;
 };
 
 }  // namespace sweepstake

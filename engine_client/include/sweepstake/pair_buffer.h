@@ -1,15 +1,15 @@
 // A growing array of overlap pairs, which a caller keeps between frames so that a steady scene
-// allocates nothing. Not thread-safe. Memory grows by doubling and is kept until destruction.
+// allocates nothing. Not thread-safe. Memory grows by doubling, comes from the hooks (hooks.h), and
+// is kept until destruction.
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
-#include <memory>
-#include <new>
+#include <cstring>
 #include <span>
 #include <utility>
 
 #include "sweepstake/aabb.h"
+#include "sweepstake/hooks.h"
 
 namespace sweepstake {
 
@@ -20,6 +20,7 @@ class PairBuffer {
   static constexpr size_t kSlack = 64;
 
   PairBuffer() = default;
+  ~PairBuffer() { Release(); }
   // A move swaps the two buffers: the other one stays usable, and is empty if this one was new.
   PairBuffer(PairBuffer&& other) noexcept { *this = std::move(other); }
   PairBuffer& operator=(PairBuffer&& other) noexcept {
@@ -31,8 +32,8 @@ class PairBuffer {
 
   size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  std::span<const OverlapPair> pairs() const { return {storage_.get(), size_}; }
-  std::span<OverlapPair> pairs() { return {storage_.get(), size_}; }
+  std::span<const OverlapPair> pairs() const { return {storage_, size_}; }
+  std::span<OverlapPair> pairs() { return {storage_, size_}; }
   void Clear() { size_ = 0; }
   // Keeps the first `size` pairs. REQUIRES: size <= size().
   void Truncate(size_t size) { size_ = size; }
@@ -46,30 +47,29 @@ class PairBuffer {
   }
 
   // Makes room for `count` more pairs plus kSlack, and returns the end of the array, where they
-  // belong. The caller writes them and calls Advance with their number. Throws std::bad_alloc if
-  // memory runs out; the content is then unchanged.
+  // belong. The caller writes them and calls Advance with their number. If memory runs out the
+  // content is unchanged (OutOfMemory).
   OverlapPair* EnsureRoom(size_t count) {
-    if (size_ + count > capacity_ || !storage_) Grow(size_ + count);
-    return storage_.get() + size_;
+    if (size_ + count > capacity_ || storage_ == nullptr) Grow(size_ + count);
+    return storage_ + size_;
   }
   void Advance(size_t count) { size_ += count; }
 
  private:
-  struct Free {
-    void operator()(OverlapPair* pointer) const { std::free(pointer); }
-  };
-
   void Grow(size_t needed) {
     size_t capacity = capacity_ < 512 ? 1024 : capacity_ * 2;
     if (capacity < needed) capacity = needed;
-    void* moved = std::realloc(storage_.get(), (capacity + kSlack) * sizeof(OverlapPair));
-    if (moved == nullptr) throw std::bad_alloc();
-    (void)storage_.release();
-    storage_.reset(static_cast<OverlapPair*>(moved));
+    void* const grown =
+        AllocateMemory((capacity + kSlack) * sizeof(OverlapPair), alignof(OverlapPair));
+    if (size_ > 0) std::memcpy(grown, storage_, size_ * sizeof(OverlapPair));
+    Release();
+    storage_ = static_cast<OverlapPair*>(grown);
     capacity_ = capacity;
   }
 
-  std::unique_ptr<OverlapPair[], Free> storage_;
+  void Release() { ReleaseMemory(storage_, capacity_bytes(), alignof(OverlapPair)); }
+
+  OverlapPair* storage_ = nullptr;
   size_t size_ = 0;
   size_t capacity_ = 0;
 };

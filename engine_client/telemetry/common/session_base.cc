@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine_client/broad_phase/host/hook_points.h"
+
 namespace sweepstake {
 
 PollingThread::~PollingThread() {
@@ -38,6 +40,7 @@ void PollingThread::Join() {
 }
 
 void PollingThread::Run(std::chrono::milliseconds interval, const Step& step) {
+  NoteThreadStarted("swp session");
   for (;;) {
     bool stopping = false;
     {

@@ -120,7 +120,7 @@ std::vector<uint32_t> FirstNumbers(size_t count) {
 }
 
 void BuildOf(DbvtTree& tree, std::span<const Aabb> boxes, std::span<const uint32_t> slots) {
-  std::vector<uint32_t> lost;
+  HookedVector<uint32_t> lost;
   tree.Build(boxes, slots, nullptr, lost);
   EXPECT_TRUE(lost.empty());
 }
@@ -161,13 +161,13 @@ TEST(DbvtTree, LeavesGapsWhereThereAreNoObjectsAndGivesUpThoseThatDoNotTakePart)
   std::vector<uint32_t> slots(64, DbvtTree::kNone);
   for (uint32_t object = 0; object < 30; ++object) slots[2 * object] = object;
   slots[63] = 40;  // gone meanwhile
-  std::vector<uint32_t> lost;
+  HookedVector<uint32_t> lost;
   DbvtTree tree;
   tree.Build(boxes, slots, nullptr, lost);
   TreeInspection inspection(tree, boxes);
   EXPECT_EQ(inspection.Fault(), "");
   EXPECT_EQ(inspection.size(), 29U);
-  EXPECT_EQ(lost, std::vector<uint32_t>{7});
+  EXPECT_EQ(lost, HookedVector<uint32_t>{7});
 }
 
 TEST(DbvtTree, StaysAHierarchyUnderRandomInsertionsMovesAndRemovals) {
@@ -207,7 +207,7 @@ TEST(DbvtTree, CanBeEmptiedAndFilledAgain) {
 
 TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
   BoxScene scene("brownian", 600, 3);
-  std::vector<uint32_t> lost;
+  HookedVector<uint32_t> lost;
   DbvtTree tree;
   BuildOf(tree, scene.boxes(), {});
   for (uint32_t object = 0; object < 600; ++object) tree.Insert(object, scene.boxes()[object]);
@@ -227,7 +227,7 @@ TEST(DbvtTree, FollowsMovingBoxesAndKeepsNodesWithinTheirReach) {
 TEST(DbvtTree, SaysHowMuchMoved) {
   SequentialRandom random(5);
   std::vector<Aabb> boxes = RandomBoxes(random, 160);
-  std::vector<uint32_t> lost;
+  HookedVector<uint32_t> lost;
   DbvtTree tree;
   BuildOf(tree, boxes, FirstNumbers(160));
   for (Aabb& box : boxes) box.min[1] -= 0.5F;
@@ -242,7 +242,7 @@ TEST(DbvtTree, SaysHowMuchMoved) {
 TEST(DbvtTree, GivesUpObjectsWhoseBoxesBreak) {
   SequentialRandom random(6);
   std::vector<Aabb> boxes = RandomBoxes(random, 100);
-  std::vector<uint32_t> lost;
+  HookedVector<uint32_t> lost;
   DbvtTree tree;
   BuildOf(tree, boxes, FirstNumbers(100));
   for (size_t object = 0; object < 100; object += 3) boxes[object].max[2] = -1e9F;
@@ -277,7 +277,7 @@ TEST(DbvtTree, TakesTheLargestFloats) {
     const float side = k % 2 == 0 ? kLargest : 1;
     boxes.push_back({{-side, -side, -side}, {side, side, side}});
   }
-  std::vector<uint32_t> lost;
+  HookedVector<uint32_t> lost;
   DbvtTree tree;
   BuildOf(tree, boxes, {});
   for (uint32_t object = 0; object < 64; ++object) tree.Insert(object, boxes[object]);

@@ -1,0 +1,93 @@
+// The only place that knows whether the library was built with exceptions. Without them memory that
+// runs out ends the program (OutOfMemory in sweepstake/hooks.h), and what stands here calls the
+// body and nothing else.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <utility>
+
+#if defined(__cpp_exceptions) || defined(_CPPUNWIND)
+#define SWEEPSTAKE_HAS_EXCEPTIONS 1
+#include <atomic>
+#else
+#define SWEEPSTAKE_HAS_EXCEPTIONS 0
+#endif
+
+namespace sweepstake {
+
+#if SWEEPSTAKE_HAS_EXCEPTIONS
+
+[[noreturn]] inline void ThrowOutOfMemory() { throw std::bad_alloc(); }
+
+// Returns body(), or recover() if memory runs out in it.
+template <typename Body, typename Recover>
+auto CatchOutOfMemory(const Body& body, const Recover& recover) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    return recover();
+  }
+}
+
+// Returns body(), or recover(what) if it ends with any exception but std::bad_alloc.
+template <typename Body, typename Recover>
+auto CatchFailure(const Body& body, const Recover& recover) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    return recover(error.what());
+  } catch (...) {
+    return recover("an unknown exception");
+  }
+}
+
+// Keeps the first exception of several threads for the one that waits for them.
+class FirstException {
+ public:
+  template <typename Body>
+  void Run(const Body& body) noexcept {
+    try {
+      body();
+    } catch (...) {
+      if (!has_failed_.exchange(true)) error_ = std::current_exception();
+    }
+  }
+  // REQUIRES: no thread is in Run.
+  void Rethrow() const {
+    if (has_failed_) std::rethrow_exception(error_);
+  }
+
+ private:
+  std::atomic<bool> has_failed_{false};
+  std::exception_ptr error_;
+};
+
+#else
+
+inline void ThrowOutOfMemory() {}
+
+template <typename Body, typename Recover>
+auto CatchOutOfMemory(const Body& body, const Recover& /*recover*/) -> decltype(body()) {
+  return body();
+}
+
+template <typename Body, typename Recover>
+auto CatchFailure(const Body& body, const Recover& /*recover*/) -> decltype(body()) {
+  return body();
+}
+
+class FirstException {
+ public:
+  template <typename Body>
+  void Run(const Body& body) noexcept {
+    body();
+  }
+  void Rethrow() const {}
+};
+
+#endif
+
+}  // namespace sweepstake

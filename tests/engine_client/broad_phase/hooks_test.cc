@@ -1,0 +1,195 @@
+#include "sweepstake/hooks.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <mutex>
+#include <new>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine_client/broad_phase/host/hook_points.h"
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/pair_sorter.h"
+#include "sweepstake/proxy_set.h"
+#include "sweepstake/scene.h"
+
+namespace sweepstake {
+namespace {
+
+// A game's own memory, which notes each block and can run out.
+class GameMemory {
+ public:
+  GameMemory() { EXPECT_TRUE(SetHooks(hooks()).ok()); }
+  ~GameMemory() {
+    EXPECT_TRUE(blocks_.empty());
+    EXPECT_TRUE(SetHooks({}).ok());
+  }
+
+  Hooks hooks() {
+    Hooks hooks;
+    hooks.user = this;
+    hooks.allocate = [](size_t bytes, size_t alignment, void* user) {
+      return static_cast<GameMemory*>(user)->Allocate(bytes, alignment);
+    };
+    hooks.release = [](void* pointer, size_t bytes, size_t alignment, void* user) {
+      static_cast<GameMemory*>(user)->Release(pointer, bytes, alignment);
+    };
+    return hooks;
+  }
+
+  size_t held_bytes() const {
+    size_t bytes = 0;
+    for (const auto& [pointer, block] : blocks_) bytes += block.bytes;
+    return bytes;
+  }
+
+  bool is_empty = false;
+
+ private:
+  struct Block {
+    size_t bytes;
+    size_t alignment;
+    bool operator==(const Block&) const = default;
+  };
+
+  void* Allocate(size_t bytes, size_t alignment) {
+    const std::lock_guard lock(mutex_);
+    if (is_empty) return nullptr;
+    void* const pointer = ::operator new (bytes, std::align_val_t{alignment});
+    blocks_[pointer] = {bytes, alignment};
+    return pointer;
+  }
+
+  void Release(void* pointer, size_t bytes, size_t alignment) {
+    const std::lock_guard lock(mutex_);
+    EXPECT_EQ(blocks_.at(pointer), (Block{bytes, alignment}));
+    blocks_.erase(pointer);
+    ::operator delete (pointer, std::align_val_t{alignment});
+  }
+
+  std::mutex mutex_;
+  std::map<void*, Block> blocks_;
+};
+
+std::unique_ptr<Scene> SceneOf(std::string_view name, uint32_t object_count) {
+  SceneOptions options;
+  options.object_count = object_count;
+  return std::move(*MakeScene(name, options));
+}
+
+TEST(HooksTest, AllMemoryThatABackendCountsIsTheGames) {
+  const auto pool = MakeThreadPool(3);
+  for (const std::string_view name : BroadPhaseNames()) {
+    for (Executor* executor : {static_cast<Executor*>(nullptr), pool.get()}) {
+      GameMemory memory;
+      const auto scene = SceneOf("brownian", 5000);
+      const auto backend = std::move(*MakeBroadPhase(name, {.executor = executor}));
+      PairBuffer pairs;
+      backend->Build(scene->aabbs());
+      for (int frame = 0; frame < 20; ++frame) {
+        backend->Update(scene->aabbs());
+        pairs.Clear();
+        backend->FindPairs(pairs);
+        scene->Step();
+      }
+      EXPECT_EQ(memory.held_bytes(), backend->native_bytes() + pairs.capacity_bytes()) << name;
+    }
+  }
+}
+
+TEST(HooksTest, AllMemoryThatProxiesCountIsTheGames) {
+  GameMemory memory;
+  ProxySet proxies({.pair_events = true});
+  for (const Aabb& box : SceneOf("brownian", 1000)->aabbs()) proxies.Add(box);
+  const std::vector<OverlapPair> pairs = {{0, 1}};
+  proxies.Resolve(pairs);
+  EXPECT_GE(memory.held_bytes(), 1000 * sizeof(Aabb));
+  // The sorter's table of fixed size is not the game's.
+  EXPECT_EQ(memory.held_bytes(), proxies.native_bytes() - PairSorter().native_bytes());
+}
+
+TEST(HooksTest, ABackendWithoutMemoryThrowsAndGoesOnOnceThereIsSome) {
+  GameMemory memory;
+  const auto scene = SceneOf("brownian", 1000);
+  for (const std::string_view name : BroadPhaseNames()) {
+    const auto backend = std::move(*MakeBroadPhase(name));
+    PairBuffer pairs;
+    memory.is_empty = true;
+    EXPECT_THROW((backend->Build(scene->aabbs()), backend->FindPairs(pairs)), std::bad_alloc)
+        << name;
+    memory.is_empty = false;
+    backend->Build(scene->aabbs());
+    backend->FindPairs(pairs);
+    EXPECT_FALSE(pairs.empty()) << name;
+  }
+}
+
+TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {
+  GameMemory memory;
+  {
+    PairBuffer pairs;
+    pairs.Append({1, 2});
+    EXPECT_EQ(SetHooks({}).code(), StatusCode::kFailedPrecondition);
+    EXPECT_EQ(memory.held_bytes(), pairs.capacity_bytes());
+  }
+  EXPECT_TRUE(SetHooks(memory.hooks()).ok());
+}
+
+TEST(HooksTest, ComeInPairs) {
+  Hooks no_release;
+  no_release.allocate = [](size_t, size_t, void*) -> void* { return nullptr; };
+  EXPECT_EQ(SetHooks(no_release).code(), StatusCode::kInvalidArgument);
+  Hooks no_end;
+  no_end.zone_begin = [](const char*, void*) {};
+  EXPECT_EQ(SetHooks(no_end).code(), StatusCode::kInvalidArgument);
+  EXPECT_NO_THROW(PairBuffer().Append({1, 2}));
+}
+
+TEST(HooksTest, ZonesBeginAndEndWithTheirNames) {
+  std::vector<std::string> seen;
+  Hooks hooks;
+  hooks.user = &seen;
+  hooks.zone_begin = [](const char* name, void* user) {
+    static_cast<std::vector<std::string>*>(user)->push_back(std::string("begin ") + name);
+  };
+  hooks.zone_end = [](const char* name, void* user) {
+    static_cast<std::vector<std::string>*>(user)->push_back(std::string("end ") + name);
+  };
+  { const Zone unseen("before the hooks"); }
+  ASSERT_TRUE(SetHooks(hooks).ok());
+  {
+    const Zone frame("frame");
+    const Zone search("search");
+  }
+  ASSERT_TRUE(SetHooks({}).ok());
+  EXPECT_EQ(seen,
+            (std::vector<std::string>{"begin frame", "begin search", "end search", "end frame"}));
+}
+
+TEST(HooksTest, EachThreadOfAPoolSaysItsNameOnce) {
+  struct Started {
+    std::mutex mutex;
+    std::multiset<std::string> names;
+    std::set<std::thread::id> threads;
+  } started;
+  Hooks hooks;
+  hooks.user = &started;
+  hooks.thread_started = [](const char* name, void* user) {
+    auto& all = *static_cast<Started*>(user);
+    const std::lock_guard lock(all.mutex);
+    all.names.insert(name);
+    all.threads.insert(std::this_thread::get_id());
+  };
+  ASSERT_TRUE(SetHooks(hooks).ok());
+  MakeThreadPool(3).reset();
+  ASSERT_TRUE(SetHooks({}).ok());
+  EXPECT_EQ(started.names, (std::multiset<std::string>{"swp pool", "swp pool"}));
+  EXPECT_EQ(started.threads.size(), 2U);
+  EXPECT_FALSE(started.threads.contains(std::this_thread::get_id()));
+}
+
+}  // namespace
+}  // namespace sweepstake
