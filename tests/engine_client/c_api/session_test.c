@@ -88,7 +88,7 @@ static void check_substeps(swp_session* session) {
 
 /* Sorted pairs are those of brute force, byte by byte, whatever the arm. */
 static void check_sorted_pairs(swp_scene* scene) {
-  swp_session_options options;
+  swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
   CHECK_OK(swp_session_options_init(&options));
   options.mode = SWP_MODE_MANUAL;
