@@ -17,6 +17,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=tests/passed.sh
 source tests/passed.sh
 readonly root=$PWD packages=$PWD/build/cross-packages
+# What is taken from the archive; another list than that of the last run is fetched anew.
+readonly libraries="libhwy-dev:arm64 libhwy1:arm64 libeigen3-dev nlohmann-json3-dev libprotozero-dev googletest"
 
 platforms=()
 jobs=$(nproc)
@@ -114,11 +116,12 @@ download_libraries() {
     >"$packages/apt/sources.list"
   cd "$packages/downloads"
   private_apt update &&
-    private_apt download libhwy-dev:arm64 libhwy1:arm64 libeigen3-dev nlohmann-json3-dev googletest &&
+    # shellcheck disable=SC2086
+    private_apt download $libraries &&
     private_apt source --download-only highway &&
     dpkg-source -x highway_*.dsc "$packages/highway" || return
   rm -rf "$packages/apt"
-  touch "$packages/complete"
+  echo "$libraries" >"$packages/complete"
 }
 
 # build_library PLATFORM NAME SOURCE CMAKE_ARGUMENTS...: into the platform's tree of libraries.
@@ -221,7 +224,7 @@ tree=$(tree_to_test)
 for platform in "${platforms[@]}"; do forget_passed "cross-$platform"; done
 say "packages"
 install_tools
-if [[ ! -f $packages/complete ]]; then
+if [[ $(cat "$packages/complete" 2>/dev/null) != "$libraries" ]]; then
   say "libraries of the other platforms"
   (quietly "$root/build/cross-download.log" download_libraries)
 fi

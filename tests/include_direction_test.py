@@ -92,7 +92,7 @@ PUBLIC_FOLDER = "engine_client/include/sweepstake"
 ROOM_ORDER = {
     "engine_client/broad_phase": ("host", "common", "grid", "kd", "sweep", "dbvt", "tracy", "proxies", ""),
     "engine_client/cli": ("io", "game", "daemon", "load", "trace", "replay", "experiment", "peers", "bench", ""),
-    "engine_client/telemetry": ("common", "embedded", ""),
+    "engine_client/telemetry": ("common", "embedded", "protocol", ""),
     "server/rpc": ("common", "sessions", "services", ""),
 }
 

@@ -6,7 +6,8 @@
 
 A field is written or read where the accessor that protoc generates for it is called. The compiler inlines the calls, but the debug
 information keeps the names of what was inlined, which are as exact as types: Goodbye.reason is not SwitchOutcome.reason. That a
-column has the right length (NAME_size) is no reading.
+column has the right length (NAME_size) is no reading. The session of a game works without protobuf: what encode.cc and decode.cc of
+engine_client/telemetry/protocol/ name by its tag, as HelloTag::kProject, is written or read there.
 """
 
 import pathlib
@@ -26,6 +27,8 @@ OTHERS = {
 COMMENT = re.compile(r"//[^\n]*")
 MESSAGE = re.compile(r"^message (\w+) \{\n(.*?)^\}", re.DOTALL | re.MULTILINE)
 FIELD = re.compile(r"^\s*(?:optional |repeated )?[\w.]+ (\w+) = \d+;", re.MULTILINE)
+TAG = re.compile(r"\b(\w+)Tag::k(\w+)")
+PROTOCOL = pathlib.Path("engine_client/telemetry/protocol")
 ACCESSOR = re.compile(rb"_ZNK?10sweepstake2v1(\d+)(\w+)")
 
 
@@ -46,6 +49,12 @@ def accessors_in(data):
             yield message, tail[start:start + int(name.group())].decode()
 
 
+def tags_in(text, prefix):
+    """Pairs of message and accessor, as if each tag that is used were a call of it."""
+    for message, name in TAG.findall(COMMENT.sub("", text)):
+        yield message, prefix + re.sub(r"(?<!^)([A-Z])", r"_\1", name).lower()
+
+
 def errors_of(fields, accessors):
     for message, field in fields:
         if f"{message}.{field}" in OTHERS or f"{message}." in OTHERS:
@@ -61,6 +70,8 @@ def check(root, build):
     fields = [field for path in sorted((root / "proto").rglob("*.proto")) for field in fields_of(path.read_text(encoding="utf-8"))]
     objects = [path for folder in ("engine_client", "server") for path in (build / folder).rglob("*.o")]
     accessors = {accessor for path in objects for accessor in accessors_in(path.read_bytes())}
+    for source, prefix in (("encode.cc", "set_"), ("decode.cc", "")):
+        accessors.update(tags_in((root / PROTOCOL / source).read_text(encoding="utf-8"), prefix))
     if not fields or not accessors:
         return fields, ["there is nothing to check: build the preset dev first"]
     return fields, list(errors_of(fields, accessors))
@@ -88,6 +99,9 @@ message Goodbye {
         errors = list(errors_of(fields, set(accessors_in(data))))
         if len(errors) != (left_out is not None):
             missed.append(f"without {left_out}: {errors}")
+    tags = set(tags_in("enum class GoodbyeTag { kReason = 2 };  // GoodbyeTag::kCounts\nout.PutNumber(GoodbyeTag::kReason, 1);", "set_"))
+    if tags != {("Goodbye", "set_reason")}:
+        missed.append(f"tags: {tags}")
     return missed
 
 

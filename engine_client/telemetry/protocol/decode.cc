@@ -1,0 +1,380 @@
+// Decoding. The numbers are those of telemetry.proto and errors.proto; a field is read by the name
+// of its tag, which tests/wire_fields_test.py looks for.
+#include <protozero/pbf_message.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine_client/telemetry/protocol/wire.h"
+#include "server/decision/math/names.h"
+
+namespace sweepstake::protocol {
+namespace {
+
+using protozero::pbf_message;
+using protozero::pbf_wire_type;
+using Number = protozero::pbf_tag_type;
+
+enum class StreamTelemetryResponseTag : Number {
+  kWelcome = 1,
+  kSwitchCommand = 2,
+  kAcknowledgement = 3,
+  kPosteriorSnapshot = 4,
+  kReconnect = 5,
+  kOperatorOrder = 6
+};
+enum class WelcomeTag : Number {
+  kSessionId = 1,
+  kResumed = 2,
+  kAcknowledgedSequence = 3,
+  kMaxBatchFrames = 4,
+  kMaxMessageBytes = 5,
+  kBatchIntervalMs = 6,
+  kDecisionIntervalMs = 7,
+  kSettlingMs = 9,
+  kBailOutMs = 10,
+  kDaemonVersion = 12,
+  kPolicy = 14,
+  kSeed = 15,
+  kPriors = 16,
+  kPriorSourceCount = 17,
+  kResumeToken = 18,
+  kPriorsUnavailable = 19,
+  kProtocolVersion = 20,
+  kCapabilities = 21
+};
+enum class BetaPosteriorTag : Number { kAlpha = 1, kBeta = 2 };
+enum class SwitchCommandTag : Number { kCommandId = 1, kArm = 2, kReason = 3 };
+enum class AcknowledgementTag : Number { kSequence = 1, kBatchIntervalMs = 2 };
+enum class PosteriorSnapshotTag : Number {
+  kArms = 1,
+  kVerdict = 2,
+  kLeaderArm = 3,
+  kLeaderProbability = 4
+};
+enum class ReconnectTag : Number { kDelayMs = 2 };
+enum class OperatorOrderTag : Number { kOrderId = 1, kMode = 2, kArm = 3 };
+
+enum class StatusDetailsTag : Number { kDetails = 3 };
+enum class AnyTag : Number { kTypeUrl = 1, kValue = 2 };
+enum class ErrorInfoTag : Number { kReason = 1, kDomain = 2 };
+
+// Each Read takes the fields of a message in whatever order they come. A field that comes twice
+// replaces or, a message, completes itself; one with the encoding of another type is unknown. All
+// of that is as protobuf does it.
+template <typename Tag>
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : message_(bytes.data(), bytes.size()) {}
+
+  bool Next() { return message_.next(); }
+  Tag tag() const { return message_.tag(); }
+  void Skip() {
+    message_.skip();
+    has_unknown_ = true;
+  }
+  bool has_unknown() const { return has_unknown_; }
+
+  // An integer, an enumeration, or a bool.
+  template <typename Value>
+  void TakeNumber(Value& value) {
+    if (!Is(pbf_wire_type::varint)) return Skip();
+    const uint64_t number = message_.get_uint64();
+    // An enumeration may hold what only a newer protocol has.
+    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange)
+    value = static_cast<Value>(number);
+  }
+  void TakeDouble(double& value) {
+    if (!Is(pbf_wire_type::fixed64)) return Skip();
+    value = message_.get_double();
+  }
+  void TakeText(std::string& text) {
+    if (!Is(pbf_wire_type::length_delimited)) return Skip();
+    text = message_.get_string();
+  }
+  // Calls `read` with the bytes of a message.
+  template <typename Read>
+  void TakeMessage(const Read& read) {
+    if (!Is(pbf_wire_type::length_delimited)) return Skip();
+    const protozero::data_view view = message_.get_view();
+    read(std::string_view(view.data(), view.size()));
+  }
+  template <typename Value>
+  void TakeNumber(std::optional<Value>& value) {
+    if (!Is(pbf_wire_type::varint)) return Skip();
+    TakeNumber(value.emplace());
+  }
+  // Repeated numbers come one by one or packed.
+  template <typename Value>
+  void TakeNumbers(std::vector<Value>& values) {
+    if (Is(pbf_wire_type::varint))
+      values.push_back(static_cast<Value>(message_.get_uint64()));
+    else if (Is(pbf_wire_type::length_delimited)) {
+      for (const uint64_t number : message_.get_packed_uint64())
+        values.push_back(static_cast<Value>(number));
+    } else
+      Skip();
+  }
+
+ private:
+  bool Is(pbf_wire_type type) const { return message_.wire_type() == type; }
+
+  pbf_message<Tag> message_;
+  bool has_unknown_ = false;
+};
+
+// Calls `take` for each field; returns whether one was unknown.
+template <typename Tag, typename Take>
+bool ReadFields(std::string_view bytes, const Take& take) {
+  Reader<Tag> in(bytes);
+  while (in.Next()) take(in);
+  return in.has_unknown();
+}
+
+BetaPosterior ReadPosterior(std::string_view bytes) {
+  BetaPosterior posterior;
+  ReadFields<BetaPosteriorTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case BetaPosteriorTag::kAlpha:
+        return in.TakeDouble(posterior.alpha);
+      case BetaPosteriorTag::kBeta:
+        return in.TakeDouble(posterior.beta);
+      default:
+        in.Skip();
+    }
+  });
+  return posterior;
+}
+
+template <typename Tag>
+void TakePosterior(Reader<Tag>& in, std::vector<BetaPosterior>& posteriors) {
+  in.TakeMessage([&](std::string_view bytes) { posteriors.push_back(ReadPosterior(bytes)); });
+}
+
+void Read(std::string_view bytes, Welcome& welcome) {
+  ReadFields<WelcomeTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case WelcomeTag::kSessionId:
+        return in.TakeText(welcome.session_id);
+      case WelcomeTag::kResumed:
+        return in.TakeNumber(welcome.resumed);
+      case WelcomeTag::kAcknowledgedSequence:
+        return in.TakeNumber(welcome.acknowledged_sequence);
+      case WelcomeTag::kDaemonVersion:
+        return in.TakeText(welcome.daemon_version);
+      case WelcomeTag::kPolicy:
+        return in.TakeText(welcome.policy);
+      case WelcomeTag::kSeed:
+        return in.TakeNumber(welcome.seed);
+      case WelcomeTag::kResumeToken:
+        return in.TakeText(welcome.resume_token);
+      case WelcomeTag::kProtocolVersion:
+        return in.TakeNumber(welcome.protocol_version);
+      case WelcomeTag::kCapabilities:
+        return in.TakeNumbers(welcome.capabilities);
+      case WelcomeTag::kMaxBatchFrames:
+        return in.TakeNumber(welcome.max_batch_frames);
+      case WelcomeTag::kMaxMessageBytes:
+        return in.TakeNumber(welcome.max_message_bytes);
+      case WelcomeTag::kBatchIntervalMs:
+        return in.TakeNumber(welcome.batch_interval_ms);
+      case WelcomeTag::kDecisionIntervalMs:
+        return in.TakeNumber(welcome.decision_interval_ms);
+      case WelcomeTag::kSettlingMs:
+        return in.TakeNumber(welcome.settling_ms);
+      case WelcomeTag::kBailOutMs:
+        return in.TakeNumber(welcome.bail_out_ms);
+      case WelcomeTag::kPriors:
+        return TakePosterior(in, welcome.priors);
+      case WelcomeTag::kPriorSourceCount:
+        return in.TakeNumber(welcome.prior_source_count);
+      case WelcomeTag::kPriorsUnavailable:
+        return in.TakeNumber(welcome.priors_unavailable);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+void Read(std::string_view bytes, SwitchCommand& command) {
+  ReadFields<SwitchCommandTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case SwitchCommandTag::kCommandId:
+        return in.TakeNumber(command.command_id);
+      case SwitchCommandTag::kArm:
+        return in.TakeNumber(command.arm);
+      case SwitchCommandTag::kReason:
+        return in.TakeNumber(command.reason);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+void Read(std::string_view bytes, Acknowledgement& acknowledgement) {
+  ReadFields<AcknowledgementTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case AcknowledgementTag::kSequence:
+        return in.TakeNumber(acknowledgement.sequence);
+      case AcknowledgementTag::kBatchIntervalMs:
+        return in.TakeNumber(acknowledgement.batch_interval_ms);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+void Read(std::string_view bytes, PosteriorSnapshot& snapshot) {
+  ReadFields<PosteriorSnapshotTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case PosteriorSnapshotTag::kArms:
+        return TakePosterior(in, snapshot.arms);
+      case PosteriorSnapshotTag::kVerdict:
+        return in.TakeNumber(snapshot.verdict.verdict);
+      case PosteriorSnapshotTag::kLeaderArm:
+        return in.TakeNumber(snapshot.verdict.leader_arm);
+      case PosteriorSnapshotTag::kLeaderProbability:
+        return in.TakeDouble(snapshot.verdict.leader_probability);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+void Read(std::string_view bytes, Reconnect& reconnect) {
+  ReadFields<ReconnectTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case ReconnectTag::kDelayMs:
+        return in.TakeNumber(reconnect.delay_ms);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+void Read(std::string_view bytes, OperatorOrder& order) {
+  ReadFields<OperatorOrderTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case OperatorOrderTag::kOrderId:
+        return in.TakeNumber(order.order_id);
+      case OperatorOrderTag::kMode:
+        return in.TakeNumber(order.mode);
+      case OperatorOrderTag::kArm:
+        return in.TakeNumber(order.arm);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+// Reads into the part, which begins as `absent` where the response has none yet.
+template <typename Part>
+void TakePart(Reader<StreamTelemetryResponseTag>& in, std::optional<Part>& part, Part absent = {}) {
+  in.TakeMessage([&](std::string_view bytes) {
+    if (!part) part = std::move(absent);
+    Read(bytes, *part);
+  });
+}
+
+Response ReadResponse(std::string_view bytes) {
+  Response response;
+  response.has_unknown = ReadFields<StreamTelemetryResponseTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case StreamTelemetryResponseTag::kWelcome:
+        return TakePart(in, response.welcome);
+      case StreamTelemetryResponseTag::kSwitchCommand:
+        return TakePart(in, response.switch_command, {.reason = SwitchReason{}});
+      case StreamTelemetryResponseTag::kAcknowledgement:
+        return TakePart(in, response.acknowledgement);
+      case StreamTelemetryResponseTag::kPosteriorSnapshot:
+        return TakePart(in, response.posterior_snapshot);
+      case StreamTelemetryResponseTag::kReconnect:
+        return TakePart(in, response.reconnect);
+      case StreamTelemetryResponseTag::kOperatorOrder:
+        return TakePart(in, response.operator_order, {.mode = Mode{}, .arm = {}});
+      default:
+        in.Skip();
+    }
+  });
+  return response;
+}
+
+bool HasTextsOfALine(const Welcome& welcome) {
+  return math::IsLine(welcome.session_id) && math::IsLine(welcome.daemon_version) &&
+         math::IsLine(welcome.policy);
+}
+
+struct ErrorInfo {
+  std::string reason;
+  std::string domain;
+};
+
+void Read(std::string_view bytes, ErrorInfo& info) {
+  ReadFields<ErrorInfoTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case ErrorInfoTag::kReason:
+        return in.TakeText(info.reason);
+      case ErrorInfoTag::kDomain:
+        return in.TakeText(info.domain);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+// Returns the reason in a google.protobuf.Any; empty if it holds something else.
+std::string ReasonInDetail(std::string_view bytes) {
+  std::string type_url;
+  std::string value;
+  ReadFields<AnyTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case AnyTag::kTypeUrl:
+        return in.TakeText(type_url);
+      case AnyTag::kValue:
+        return in.TakeText(value);
+      default:
+        in.Skip();
+    }
+  });
+  if (type_url != "type.googleapis.com/google.rpc.ErrorInfo") return "";
+  ErrorInfo info;
+  Read(value, info);
+  return info.domain == "sweepstake" && math::IsName(info.reason) ? info.reason : "";
+}
+
+std::string ReasonInDetails(std::string_view bytes) {
+  std::string reason;
+  ReadFields<StatusDetailsTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case StatusDetailsTag::kDetails:
+        return in.TakeMessage([&](std::string_view detail) {
+          if (reason.empty()) reason = ReasonInDetail(detail);
+        });
+      default:
+        in.Skip();
+    }
+  });
+  return reason;
+}
+
+}  // namespace
+
+std::optional<Response> DecodeResponse(std::string_view bytes) {
+  try {
+    Response response = ReadResponse(bytes);
+    if (response.welcome && !HasTextsOfALine(*response.welcome)) return std::nullopt;
+    return response;
+  } catch (const protozero::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string ErrorReasonIn(std::string_view status_details) {
+  try {
+    return ReasonInDetails(status_details);
+  } catch (const protozero::exception&) {
+    return "";
+  }
+}
+
+}  // namespace sweepstake::protocol

@@ -1,0 +1,117 @@
+// The messages of sweepstake.v1.TelemetryService as plain data: what a client sends and what it
+// receives. What they mean is said in telemetry.proto; where a struct of frame_sample.h has the
+// same content, it is the message.
+//
+// An enumeration that was received may hold a value of a newer protocol.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sweepstake/frame_sample.h"
+
+namespace sweepstake::protocol {
+
+enum class Capability : uint32_t { kOperatorOrders = 1 };
+
+enum class OrderRefusalReason : uint32_t { kNotAllowed = 1, kUnknown = 2 };
+
+struct Arm {
+  std::string name;
+  uint32_t backend_version = 0;
+};
+
+struct Hello {
+  uint32_t protocol_version = 0;
+  std::string project;
+  std::string scene;
+  std::string build;
+  std::string machine_class;
+  std::vector<Arm> arms;
+  uint32_t active_arm = 0;
+  Mode mode = Mode::kAi;
+  std::string session_id;
+  double time_scale = 0;
+  bool ignore_priors = false;
+  uint64_t seed = 0;
+  std::string policy;
+  uint32_t switch_epoch = 0;
+  std::string resume_token;
+  uint32_t min_protocol_version = 0;
+  std::vector<Capability> capabilities;
+};
+
+// Frames without gaps. Their index and their count of pairs are not sent.
+struct FrameBatch {
+  std::vector<FrameSample> frames;
+  std::optional<SceneDescriptor> scene_descriptor;  // a negative value is not sent
+  uint64_t dropped_frame_count = 0;
+  std::vector<ShadowSample> shadow_samples;
+};
+
+// A frame over the bail-out limit.
+struct BailOut {
+  FrameSample frame;
+};
+
+struct Goodbye {};
+
+struct OrderRefusal {
+  uint64_t order_id = 0;
+  OrderRefusalReason reason = OrderRefusalReason::kUnknown;
+};
+
+struct BetaPosterior {
+  double alpha = 0;
+  double beta = 0;
+};
+
+struct Welcome {
+  std::string session_id;
+  bool resumed = false;
+  uint64_t acknowledged_sequence = 0;
+  uint32_t max_batch_frames = 0;
+  uint32_t max_message_bytes = 0;
+  uint32_t batch_interval_ms = 0;
+  uint32_t decision_interval_ms = 0;
+  uint32_t settling_ms = 0;
+  uint32_t bail_out_ms = 0;
+  std::string daemon_version;
+  std::string policy;
+  uint64_t seed = 0;
+  std::vector<BetaPosterior> priors;
+  uint64_t prior_source_count = 0;
+  std::string resume_token;
+  bool priors_unavailable = false;
+  uint32_t protocol_version = 0;
+  std::vector<Capability> capabilities;
+};
+
+struct Acknowledgement {
+  uint64_t sequence = 0;
+  uint32_t batch_interval_ms = 0;
+};
+
+struct PosteriorSnapshot {
+  std::vector<BetaPosterior> arms;
+  SceneVerdict verdict;
+};
+
+struct Reconnect {
+  uint32_t delay_ms = 0;
+};
+
+// Whatever has changed since the daemon's last response.
+struct Response {
+  std::optional<Welcome> welcome;
+  std::optional<SwitchCommand> switch_command;
+  std::optional<Acknowledgement> acknowledgement;
+  std::optional<PosteriorSnapshot> posterior_snapshot;
+  std::optional<Reconnect> reconnect;
+  std::optional<OperatorOrder> operator_order;
+  bool has_unknown = false;  // it has a field that only a newer protocol knows
+};
+
+}  // namespace sweepstake::protocol

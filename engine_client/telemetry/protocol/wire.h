@@ -1,0 +1,38 @@
+// The messages as bytes of protocol buffers, without the protobuf library: a client encodes
+// requests and decodes responses. Encoding gives the very bytes that protobuf would give.
+//
+// Pure functions; they throw nothing but std::bad_alloc.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine_client/telemetry/protocol/messages.h"
+
+namespace sweepstake::protocol {
+
+// Returns a StreamTelemetryRequest without its sequence number: whole for Hello and Goodbye, for
+// the others what Numbered makes a whole message of.
+std::string Encode(const Hello& hello);
+std::string Encode(const FrameBatch& batch);
+std::string Encode(const SwitchOutcome& outcome);
+std::string Encode(const BailOut& bail_out);
+std::string Encode(const ModeChange& change);
+std::string Encode(const Goodbye& goodbye);
+std::string Encode(const OrderRefusal& refusal);
+
+// Returns the message with its sequence number. Evidence is kept without it, so that it can get
+// another number without being encoded again. REQUIRES: sequence > 0.
+std::string Numbered(uint64_t sequence, std::string_view encoded);
+
+// Decodes a StreamTelemetryResponse. Absent: the bytes are no message, or a text in it is not UTF-8
+// or has control characters. Fields of a newer protocol are passed over.
+std::optional<Response> DecodeResponse(std::string_view bytes);
+
+// Returns the name of the ErrorReason (errors.proto), without its prefix, that is in the bytes of
+// grpc-status-details-bin; empty if they have none.
+std::string ErrorReasonIn(std::string_view status_details);
+
+}  // namespace sweepstake::protocol
