@@ -2,6 +2,7 @@
 """Fails on an #include that runs against the direction of dependencies.
 
     broad_phase <- scene <- adaptive <- telemetry <- c_api, cli      proto <- telemetry, cli, server/rpc
+    adaptive <- bullet
     server/decision/math <- everything else, since it is pure
     server/decision <- server/audit <- telemetry, cli, rpc; server/decision <- priors <- storage, watch, rpc <- daemon <- main
     storage <- server/auth <- rpc, daemon      watch <- rpc      server/tls <- telemetry, rpc
@@ -31,6 +32,7 @@ ALLOWED = {
     "engine_client/broad_phase": set(),
     "engine_client/scene": {"engine_client/broad_phase"},
     "engine_client/adaptive": {"engine_client/broad_phase", "engine_client/scene"},
+    "engine_client/bullet": {"engine_client/broad_phase", "engine_client/adaptive"},
     "engine_client/telemetry": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", *DECISION, "server/audit",
         "server/tls", "proto"},
@@ -77,6 +79,7 @@ PUBLIC_HEADERS = {
     "frame_sample.h": "engine_client/adaptive",
     "adaptive_broad_phase.h": "engine_client/adaptive",
     "shadow.h": "engine_client/adaptive",
+    "bullet.h": "engine_client/bullet",
     "embedded_decider.h": "engine_client/telemetry",
     "session.h": "engine_client/telemetry",
     "c_api.h": "engine_client/c_api",

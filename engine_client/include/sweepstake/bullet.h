@@ -1,0 +1,116 @@
+// Sweepstake as the broad phase of Bullet's worlds (Bullet 3.x, the classes bt…). The world calls
+// it like any other; the game adds the frame:
+//
+//   auto search = AdaptiveBroadPhase::Create({}, sink);
+//   BulletBroadPhase broad_phase(**search);
+//   btDiscreteDynamicsWorld world(&dispatcher, &broad_phase, &solver, &configuration);
+//   ... each frame ...
+//   (*search)->BeginFrame();
+//   world.stepSimulation(dt_s, /*maxSubSteps=*/4);  // one search per substep
+//   (*search)->EndFrame({.frame_time_ns = dt_ns});
+//
+// A search with a single arm is that broad phase without adaptation.
+//
+// What a switch of arms changes: nothing. The pairs of a step are exactly those whose boxes overlap
+// (aabb.h); they enter and leave the pair cache in an order that depends on the calls of the game
+// alone, whatever the arm and the number of threads. So the same calls give the same simulation bit
+// for bit. Bullet's own broad phases also keep pairs whose boxes have come apart, or are merely
+// near; Bullet makes islands of those too, so that their bodies fall asleep at other moments.
+//
+// Filters: a pair passes if each group is in the mask of the other, or, where the pair cache has an
+// overlap filter callback, if that says so when the boxes begin to overlap. Groups and masks that
+// the game writes into a proxy count from its next setAabb on, which is the world's next step.
+//
+// Static bodies: a proxy whose group is StaticFilter alone and whose mask lacks it, as the world
+// gives to static and kinematic bodies, costs nothing while its box stays the same, and meets no
+// other such proxy, not even where a callback would let it.
+//
+// Thread safety: one thread at a time, queries included. Ownership: the search and the executor are
+// borrowed and must outlive the broad phase, which must outlive the world. Units: those of the
+// world. Cost: setAabb O(1), and nothing if the box is the same; calculateOverlappingPairs one
+// search and O(pairs); destroyProxy O(pairs), since it clears its pairs at once. Memory: that of
+// ProxySet, Bullet's pair cache, and 96 bytes per proxy. Errors: a box that is not valid overlaps
+// nothing; std::bad_alloc. Bullet in double precision is refused when it is compiled.
+#pragma once
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+
+#include <deque>
+#include <vector>
+
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+
+static_assert(sizeof(btScalar) == sizeof(float),
+              "the boxes of a world in double precision do not fit; build Bullet without "
+              "BT_USE_DOUBLE_PRECISION");
+
+class BulletBroadPhase final : public btBroadphaseInterface {
+ public:
+  // `executor` serves the search of moving bodies among static ones; the search of moving bodies
+  // has its own (AdaptiveOptions).
+  explicit BulletBroadPhase(AdaptiveBroadPhase& search, Executor* executor = nullptr);
+
+  btBroadphaseProxy* createProxy(const btVector3& min, const btVector3& max, int shape_type,
+                                 void* client, int group, int mask,
+                                 btDispatcher* dispatcher) override;
+  // The proxy's pairs leave the cache, and the ghost objects that it is in.
+  void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
+  void setAabb(btBroadphaseProxy* proxy, const btVector3& min, const btVector3& max,
+               btDispatcher* dispatcher) override;
+  void getAabb(btBroadphaseProxy* proxy, btVector3& min, btVector3& max) const override;
+
+  // Passes every proxy that the ray, or the box `min` to `max` swept along it, may hit to the
+  // callback; those that a ray hits by ascending distance. What the callback returns is ignored, as
+  // by Bullet's own broad phases. The callback may cast rays itself, and remove proxies.
+  void rayTest(const btVector3& from, const btVector3& to, btBroadphaseRayCallback& callback,
+               const btVector3& min = {0, 0, 0}, const btVector3& max = {0, 0, 0}) override;
+  // Passes every proxy that overlaps the box to the callback, as rayTest does.
+  void aabbTest(const btVector3& min, const btVector3& max,
+                btBroadphaseAabbCallback& callback) override;
+
+  // Searches, and brings the pair cache up to date. REQUIRES: between BeginFrame and EndFrame of
+  // the search.
+  void calculateOverlappingPairs(btDispatcher* dispatcher) override;
+
+  btOverlappingPairCache* getOverlappingPairCache() override { return &cache_; }
+  const btOverlappingPairCache* getOverlappingPairCache() const override { return &cache_; }
+  // Returns the bounds of all boxes; zeros if there are no proxies. Cost: O(proxies).
+  void getBroadphaseAabb(btVector3& min, btVector3& max) const override;
+  // Forgets which places were used, so that a world that is filled anew gets the same ids as the
+  // first time. Does nothing while there are proxies.
+  void resetPool(btDispatcher* dispatcher) override;
+  // Does nothing: the search's last_sample has the figures.
+  void printStats() override {}
+
+  // Returns the proxies, for their queries. The user value of each is its btBroadphaseProxy*.
+  ProxySet& proxies() { return proxies_; }
+
+ private:
+  struct Proxy : btBroadphaseProxy {
+    using btBroadphaseProxy::btBroadphaseProxy;
+    ProxyHandle handle;
+    CollisionFilter filter;  // the one that `proxies_` has
+  };
+
+  CollisionFilter FilterOf(const btBroadphaseProxy& proxy) const;
+  void TakeFilter(Proxy& proxy);
+  void TakeFilterCallback();
+  Proxy& NewPlace();
+  Proxy* Find(ProxyHandle handle) const;
+
+  AdaptiveBroadPhase& search_;
+  const ProxySetOptions options_;
+  ProxySet proxies_;
+  btHashedOverlappingPairCache cache_;
+  bool callback_filters_ = false;  // the cache has an overlap filter callback
+  std::deque<Proxy> places_;       // free ones have a null handle
+  std::vector<Proxy*> free_;
+  std::vector<RayHit> hits_;
+  std::vector<ProxyHandle> found_;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,312 @@
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "tests/support/bullet/adaptive_bullet_game.h"
+
+namespace sweepstake::test_support {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+using Proxies = std::vector<const btBroadphaseProxy*>;
+
+constexpr int kDefault = btBroadphaseProxy::DefaultFilter;
+constexpr int kStatic = btBroadphaseProxy::StaticFilter;
+constexpr int kAll = btBroadphaseProxy::AllFilter;
+
+class BulletBroadPhaseTest : public ::testing::Test {
+ protected:
+  // A cube of edge 1 whose lowest corner is (x, 0, 0).
+  btBroadphaseProxy* Add(float x, int group = kDefault, int mask = kAll) {
+    return broad_phase_.createProxy({x, 0, 0}, {x + 1, 1, 1}, BOX_SHAPE_PROXYTYPE, nullptr, group,
+                                    mask, nullptr);
+  }
+  void Move(btBroadphaseProxy* proxy, float x) {
+    broad_phase_.setAabb(proxy, {x, 0, 0}, {x + 1, 1, 1}, nullptr);
+  }
+  void Step() {
+    search_->BeginFrame();
+    broad_phase_.calculateOverlappingPairs(nullptr);
+    search_->EndFrame({.frame_time_ns = 1});
+  }
+  btOverlappingPairCache& cache() { return *broad_phase_.getOverlappingPairCache(); }
+  bool AreKept(btBroadphaseProxy* a, btBroadphaseProxy* b) {
+    return cache().findPair(a, b) != nullptr;
+  }
+
+  std::unique_ptr<AdaptiveBroadPhase> search_ =
+      std::move(*AdaptiveBroadPhase::Create(OneArm("Grid"), nullptr));
+  BulletBroadPhase broad_phase_{*search_};
+};
+
+// Collects what a ray or a box finds, and does what the test wants besides.
+class Collector final : public btBroadphaseRayCallback {
+ public:
+  bool process(const btBroadphaseProxy* proxy) override {
+    found.push_back(proxy);
+    if (on_found) on_found();
+    return false;  // which is ignored
+  }
+
+  Proxies found;
+  std::function<void()> on_found;
+};
+
+class RefuseAll final : public btOverlapFilterCallback {
+ public:
+  bool needBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override {
+    return false;
+  }
+};
+
+class LetAllPass final : public btOverlapFilterCallback {
+ public:
+  bool needBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override {
+    return true;
+  }
+};
+
+TEST_F(BulletBroadPhaseTest, KeepsAPairFromTheStepInWhichTheBoxesMeetToTheOneInWhichTheyPart) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(5);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
+  Move(b, 1);  // faces that touch overlap
+  Step();
+  EXPECT_TRUE(AreKept(a, b));
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+  Move(b, 1.01F);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
+}
+
+TEST_F(BulletBroadPhaseTest, ADestroyedProxyTakesItsPairsWithItAtOnce) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0.5F);
+  btBroadphaseProxy* const c = Add(1);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 3);
+  broad_phase_.destroyProxy(b, nullptr);
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+  EXPECT_TRUE(AreKept(a, c));
+}
+
+TEST_F(BulletBroadPhaseTest, AProxyInThePlaceOfAnotherHasPairsOfItsOwn) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0.5F);
+  Step();
+  broad_phase_.destroyProxy(b, nullptr);
+  btBroadphaseProxy* const c = Add(0.75F);
+  EXPECT_EQ(c, b);  // the same memory and the same id
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+  EXPECT_TRUE(AreKept(a, c));
+}
+
+TEST_F(BulletBroadPhaseTest, APairPassesIfEachGroupIsInTheMaskOfTheOther) {
+  constexpr int kOwnGroup = 64;
+  btBroadphaseProxy* const plain = Add(0);
+  btBroadphaseProxy* const shy = Add(0, kOwnGroup, kOwnGroup);
+  btBroadphaseProxy* const other_shy = Add(0, kOwnGroup, kOwnGroup);
+  btBroadphaseProxy* const last_bit = Add(0, std::numeric_limits<int>::min(), kDefault);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 2);
+  EXPECT_TRUE(AreKept(shy, other_shy));
+  EXPECT_TRUE(AreKept(plain, last_bit));
+}
+
+TEST_F(BulletBroadPhaseTest, AMaskThatTheGameWritesCountsFromTheNextBox) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0, kDefault, kStatic);
+  Step();
+  EXPECT_FALSE(AreKept(a, b));
+  b->m_collisionFilterMask = kAll;
+  Move(b, 0);
+  Step();
+  EXPECT_TRUE(AreKept(a, b));
+}
+
+TEST_F(BulletBroadPhaseTest, ACallbackOfTheCacheTakesThePlaceOfTheGroups) {
+  RefuseAll none;
+  cache().setOverlapFilterCallback(&none);
+  btBroadphaseProxy* const a = Add(0);
+  Step();
+  btBroadphaseProxy* const b = Add(0, kDefault, kStatic);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
+  LetAllPass all;
+  cache().setOverlapFilterCallback(&all);
+  Move(b, 5);
+  Step();
+  Move(b, 0);
+  Step();
+  EXPECT_TRUE(AreKept(a, b));  // which the groups forbid
+  cache().setOverlapFilterCallback(nullptr);
+  Step();
+  EXPECT_FALSE(AreKept(a, b));
+}
+
+TEST_F(BulletBroadPhaseTest, StaticProxiesMeetMovingOnesOnly) {
+  constexpr int kNotStatic = kAll ^ kStatic;
+  btBroadphaseProxy* const floor = Add(0, kStatic, kNotStatic);
+  btBroadphaseProxy* const wall = Add(0.5F, kStatic, kNotStatic);
+  btBroadphaseProxy* const ball = Add(0.75F);
+  EXPECT_EQ(broad_phase_.proxies().static_count(), 2);
+  Step();
+  EXPECT_TRUE(AreKept(floor, ball) && AreKept(wall, ball));
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 2);
+  Move(floor, -5);
+  Step();
+  EXPECT_FALSE(AreKept(floor, ball));
+}
+
+// The mask lets static proxies meet one another, so that they cannot be in one tree.
+TEST_F(BulletBroadPhaseTest, AStaticGroupThatMeetsItselfIsSearchedLikeMovingOnes) {
+  btBroadphaseProxy* const a = Add(0, kStatic, kAll);
+  btBroadphaseProxy* const b = Add(0, kStatic, kAll);
+  EXPECT_EQ(broad_phase_.proxies().static_count(), 0);
+  Step();
+  EXPECT_TRUE(AreKept(a, b));
+}
+
+TEST_F(BulletBroadPhaseTest, ABoxThatIsNotValidOverlapsNothingAndNoQueryFindsIt) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Move(b, nan);
+  Step();
+  EXPECT_FALSE(AreKept(a, b));
+  Collector query;
+  broad_phase_.aabbTest({-9, -9, -9}, {9, 9, 9}, query);
+  EXPECT_THAT(query.found, ElementsAre(a));
+  Move(b, 0);
+  Step();
+  EXPECT_TRUE(AreKept(a, b));
+}
+
+TEST_F(BulletBroadPhaseTest, RaysFindBoxesFromNearToFar) {
+  btBroadphaseProxy* const far = Add(8);
+  btBroadphaseProxy* const near = Add(2, kStatic, kAll ^ kStatic);
+  Add(12);
+  Collector ray;
+  broad_phase_.rayTest({0, 0.5F, 0.5F}, {10, 0.5F, 0.5F}, ray);
+  EXPECT_THAT(ray.found, ElementsAre(near, far));
+  Collector away;
+  broad_phase_.rayTest({0, 3, 0.5F}, {10, 3, 0.5F}, away);
+  EXPECT_THAT(away.found, IsEmpty());
+}
+
+TEST_F(BulletBroadPhaseTest, ASweptBoxFindsWhatItsMiddleMisses) {
+  btBroadphaseProxy* const a = Add(4);
+  Collector sweep;
+  broad_phase_.rayTest({0, 3, 0.5F}, {10, 3, 0.5F}, sweep, {-2.5F, -2.5F, -2.5F},
+                       {2.5F, 2.5F, 2.5F});
+  EXPECT_THAT(sweep.found, ElementsAre(a));
+}
+
+TEST_F(BulletBroadPhaseTest, QueriesFindAlsoWhatCollidesWithNothing) {
+  btBroadphaseProxy* const no_mask = Add(0, kDefault, 0);
+  btBroadphaseProxy* const no_group = Add(0, 0, kAll);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
+  Collector query;
+  broad_phase_.aabbTest({0, 0, 0}, {1, 1, 1}, query);
+  EXPECT_THAT(query.found, UnorderedElementsAre(no_mask, no_group));
+}
+
+TEST_F(BulletBroadPhaseTest, ACallbackMayCastRaysAndRemoveWhatWouldBeFoundNext) {
+  btBroadphaseProxy* const near = Add(2);
+  btBroadphaseProxy* const far = Add(6);
+  Collector inner;
+  Collector outer;
+  outer.on_found = [&] {
+    broad_phase_.rayTest({0, 0.5F, 0.5F}, {10, 0.5F, 0.5F}, inner);
+    broad_phase_.destroyProxy(far, nullptr);
+  };
+  broad_phase_.rayTest({0, 0.5F, 0.5F}, {10, 0.5F, 0.5F}, outer);
+  EXPECT_THAT(inner.found, ElementsAre(near, far));
+  EXPECT_THAT(outer.found, ElementsAre(near));
+}
+
+TEST_F(BulletBroadPhaseTest, ARayThatIsNotFiniteFindsNothing) {
+  Add(0);
+  Collector ray;
+  broad_phase_.rayTest({0.5F, 0.5F, 0.5F}, {5, 0.5F, 0.5F}, ray);
+  broad_phase_.rayTest({0.5F, 0.5F, 0.5F}, {std::numeric_limits<float>::infinity(), 0, 0}, ray);
+  EXPECT_EQ(ray.found.size(), 1U);
+}
+
+TEST_F(BulletBroadPhaseTest, TheBoundsAreThoseOfAllBoxes) {
+  btVector3 min;
+  btVector3 max;
+  broad_phase_.getBroadphaseAabb(min, max);
+  EXPECT_TRUE(min.isZero() && max.isZero());
+  Add(2);
+  btBroadphaseProxy* const b = Add(6, kStatic, kAll ^ kStatic);
+  broad_phase_.getBroadphaseAabb(min, max);
+  EXPECT_EQ(min, btVector3(2, 0, 0));
+  EXPECT_EQ(max, btVector3(7, 1, 1));
+  broad_phase_.getAabb(b, min, max);
+  EXPECT_EQ(min, btVector3(6, 0, 0));
+  EXPECT_EQ(max, btVector3(7, 1, 1));
+}
+
+TEST_F(BulletBroadPhaseTest, AnEmptyWorldThatIsResetGivesTheFirstIdsAgain) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0);
+  const int first = a->m_uniqueId;
+  broad_phase_.destroyProxy(a, nullptr);
+  broad_phase_.resetPool(nullptr);  // too early: b lives
+  EXPECT_EQ(Add(5)->m_uniqueId, first);
+  broad_phase_.destroyProxy(a, nullptr);
+  broad_phase_.destroyProxy(b, nullptr);
+  broad_phase_.resetPool(nullptr);
+  EXPECT_EQ(broad_phase_.proxies().moving_boxes().size(), 0U);
+  btBroadphaseProxy* const again = Add(0);
+  EXPECT_EQ(again->m_uniqueId, first);
+  EXPECT_NE(Add(0)->m_uniqueId, first);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+}
+
+TEST(BulletGhostTest, AGhostObjectKnowsWhatIsInItsBox) {
+  AdaptiveBulletGame played(OneArm("DBVT"), {.stack_height = 1});
+  btGhostPairCallback callback;
+  played.broad_phase().getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
+  btBoxShape room({2, 2, 2});
+  btGhostObject ghost;
+  ghost.setCollisionShape(&room);
+  ghost.setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  btDiscreteDynamicsWorld& world = played.game().world();
+  world.addCollisionObject(&ghost, btBroadphaseProxy::SensorTrigger,
+                           btBroadphaseProxy::DefaultFilter);
+  played.Step();
+  EXPECT_EQ(ghost.getNumOverlappingObjects(), 1);
+  ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), {0, 30, 0}));
+  played.Step();
+  EXPECT_EQ(ghost.getNumOverlappingObjects(), 0);
+  world.removeCollisionObject(&ghost);
+}
+
+TEST(BulletFrameTest, TheSubstepsOfAFrameAreOneSample) {
+  AdaptiveBulletGame played(OneArm("SAP"), {.stack_height = 3});
+  played.search().BeginFrame();
+  for (int substep = 0; substep < 3; ++substep) played.game().Step();
+  played.search().EndFrame({.frame_time_ns = 50'000'000});
+  EXPECT_EQ(played.search().last_sample().frame_index, 0U);
+  EXPECT_EQ(played.search().last_sample().object_count, 3U);
+}
+
+}  // namespace
+}  // namespace sweepstake::test_support

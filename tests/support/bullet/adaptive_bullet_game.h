@@ -1,0 +1,43 @@
+// A game on a dynamics world of Bullet that has Sweepstake as its broad phase.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/bullet.h"
+#include "tests/support/bullet/bullet_game.h"
+
+namespace sweepstake::test_support {
+
+class AdaptiveBulletGame {
+ public:
+  // REQUIRES: valid options. The executor of the search serves the broad phase too.
+  AdaptiveBulletGame(const AdaptiveOptions& search, const BulletGameOptions& game)
+      : search_(std::move(*AdaptiveBroadPhase::Create(search, /*sink=*/nullptr))),
+        broad_phase_(*search_, search.executor),
+        game_(broad_phase_, game) {}
+
+  void Step() {
+    constexpr uint64_t kFrameNs = 16'666'667;
+    search_->BeginFrame();
+    game_.Step();
+    search_->EndFrame({.frame_time_ns = kFrameNs});
+  }
+
+  AdaptiveBroadPhase& search() { return *search_; }
+  BulletBroadPhase& broad_phase() { return broad_phase_; }
+  BulletGame& game() { return game_; }
+
+ private:
+  std::unique_ptr<AdaptiveBroadPhase> search_;
+  BulletBroadPhase broad_phase_;
+  BulletGame game_;
+};
+
+// Returns the options of a search with one arm, which never switches.
+inline AdaptiveOptions OneArm(std::string_view arm, Executor* executor = nullptr) {
+  return {.arms = {std::string(arm)}, .mode = Mode::kManual, .executor = executor};
+}
+
+}  // namespace sweepstake::test_support
