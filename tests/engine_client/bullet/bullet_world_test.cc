@@ -150,7 +150,7 @@ TEST(BulletGameTest, BodiesFallAsleepAndBlowsWakeThem) {
 // The whole pile in a longer run: TEST_BODIES=5000.
 TEST(BulletPileTest, ALargePileIsTheSameAsWithTheDynamicTree) {
   const auto bodies = static_cast<int>(FromEnvironment("TEST_BODIES", 600));
-  const BulletGameOptions options{.pile_count = bodies, .sorts_pairs = true};
+  const BulletGameOptions options = Sorted(PileOf(bodies));
   ExactBroadPhase<btDbvtBroadphase> tree;
   BulletGame theirs(tree, options);
   AdaptiveBulletGame ours({.initial_arm = "Tracy", .shadow = {.enabled = ShadowMode::kOff}},

@@ -13,8 +13,9 @@ namespace sweepstake::test_support {
 class AdaptiveBulletGame {
  public:
   // REQUIRES: valid options. The executor of the search serves the broad phase too.
-  AdaptiveBulletGame(const AdaptiveOptions& search, const BulletGameOptions& game)
-      : search_(std::move(*AdaptiveBroadPhase::Create(search, /*sink=*/nullptr))),
+  AdaptiveBulletGame(const AdaptiveOptions& search, const BulletGameOptions& game,
+                     FrameSink* sink = nullptr)
+      : search_(std::move(*AdaptiveBroadPhase::Create(search, sink))),
         broad_phase_(*search_, search.executor),
         game_(broad_phase_, game) {}
 

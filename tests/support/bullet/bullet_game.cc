@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 
@@ -14,6 +15,14 @@ constexpr float kGap = 1.3F;  // between the bodies of the pile before they fall
 
 btTransform At(const btVector3& place, const btQuaternion& turn = btQuaternion::getIdentity()) {
   return btTransform(turn, place);
+}
+
+template <typename Call>
+uint64_t TimeOf(const Call& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return static_cast<uint64_t>(
+      std::chrono::nanoseconds(std::chrono::steady_clock::now() - start).count());
 }
 
 // Collects the bodies whose own boxes overlap the query's, which may find more.
@@ -40,6 +49,19 @@ class BodiesInBox final : public btBroadphaseAabbCallback {
 };
 
 }  // namespace
+
+BulletGameOptions PileOf(int body_count) {
+  return {.pile_count = body_count,
+          .half_width = std::max(3.0F, 0.25F * std::sqrt(static_cast<float>(body_count)))};
+}
+
+void TimedWorld::updateAabbs() {
+  broad_phase_ns_ += TimeOf([this] { btDiscreteDynamicsWorld::updateAabbs(); });
+}
+
+void TimedWorld::computeOverlappingPairs() {
+  broad_phase_ns_ += TimeOf([this] { btDiscreteDynamicsWorld::computeOverlappingPairs(); });
+}
 
 BulletGame::BulletGame(btBroadphaseInterface& broad_phase, const BulletGameOptions& options)
     : options_(options),

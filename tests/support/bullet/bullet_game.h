@@ -35,6 +35,25 @@ struct BulletGameOptions {
   bool sorts_pairs = false;
 };
 
+// Returns a heap of bodies in a pit that holds about four layers of them.
+BulletGameOptions PileOf(int body_count);
+
+// A dynamics world that knows what its broad phase has cost.
+class TimedWorld final : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+  void updateAabbs() override;
+  void computeOverlappingPairs() override;
+
+  // Returns the time of both since the world began, which includes that of the shapes to tell their
+  // boxes.
+  uint64_t broad_phase_ns() const { return broad_phase_ns_; }
+
+ private:
+  uint64_t broad_phase_ns_ = 0;
+};
+
 class BulletGame {
  public:
   BulletGame(btBroadphaseInterface& broad_phase, const BulletGameOptions& options);
@@ -47,8 +66,7 @@ class BulletGame {
   uint64_t state_hash() const { return hash_; }
   int step_count() const { return step_count_; }
   int sleeping_count() const;
-  btDiscreteDynamicsWorld& world() { return world_; }
-  const btDiscreteDynamicsWorld& world() const { return world_; }
+  TimedWorld& world() { return world_; }
 
   // Returns the boxes of the bodies as the broad phase has them, in the order of the world.
   std::span<const Aabb> boxes();
@@ -78,7 +96,7 @@ class BulletGame {
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btSequentialImpulseConstraintSolver solver_;
-  btDiscreteDynamicsWorld world_;
+  TimedWorld world_;
   btBoxShape ground_;
   btBoxShape wall_;
   btBoxShape box_{btVector3(0.5F, 0.5F, 0.5F)};
