@@ -3,7 +3,6 @@
 // thread has its own message.
 #pragma once
 
-#include <cstring>
 #include <exception>
 #include <new>
 #include <span>
@@ -60,13 +59,15 @@ inline swp_result TooFewPlaces() noexcept {
   return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer results than there are");
 }
 
-// Writes all results, or only their number if `capacity` is too small for them.
+inline constexpr swp_result kOk = SWP_OK;
+
+// Hands out the library's own memory.
 template <typename From, typename To>
-swp_result WriteAll(std::span<From> results, To* out, uint64_t capacity, uint64_t* count) noexcept {
+swp_result GivePairs(std::span<From> pairs, const To** first, uint64_t* count) noexcept {
   static_assert(sizeof(From) == sizeof(To));
-  *count = results.size();
-  if (results.size() > capacity) return TooFewPlaces();
-  if (!results.empty() && out != nullptr) std::memcpy(out, results.data(), results.size_bytes());
+  if (first == nullptr || count == nullptr) return NullArgument("pairs and count");
+  *first = reinterpret_cast<const To*>(pairs.data());
+  *count = pairs.size();
   return SWP_OK;
 }
 

@@ -1,22 +1,21 @@
-// Proxies: the set of proxy_set.h behind handles of C, and the results of its latest calls.
+// Proxies: the set of proxy_set.h behind handles of C.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "engine_client/c_api/boundary.h"
 #include "engine_client/c_api/executor.h"
+#include "engine_client/c_api/live.h"
 #include "engine_client/c_api/sized_struct.h"
-#include "sweepstake/pair_buffer.h"
 #include "sweepstake/proxy_set.h"
 
 using sweepstake::Aabb;
 using sweepstake::CollisionFilter;
 using sweepstake::OverlapPair;
-using sweepstake::PairBuffer;
 using sweepstake::ProxyHandle;
 using sweepstake::ProxyOptions;
 using sweepstake::ProxyPair;
@@ -34,19 +33,23 @@ static_assert(sizeof(swp_filter) == sizeof(CollisionFilter));
 static_assert(sizeof(swp_ray) == sizeof(Ray) && sizeof(swp_ray) == 28);
 static_assert(SWP_STATIC_PROXY_BIT == sweepstake::kStaticProxyBit);
 
-struct swp_proxies {
-  explicit swp_proxies(std::unique_ptr<sweepstake::Executor> threads, ProxySetOptions options)
+namespace {
+
+struct Proxies {
+  static constexpr swp_kind kKind = SWP_KIND_PROXIES;
+  static constexpr std::string_view kName = "proxies";
+
+  Proxies(std::unique_ptr<sweepstake::Executor> threads, ProxySetOptions options)
       : executor(std::move(threads)), set((options.executor = executor.get(), options)) {}
 
   std::unique_ptr<sweepstake::Executor> executor;  // outlives the set
   ProxySet set;
   std::optional<std::span<const OverlapPair>> pairs;  // absent: nothing resolved yet
-  PairBuffer own_pairs;  // the pairs, where they are the caller's memory
-  std::vector<ProxyHandle> found;
-  std::vector<RayHit> hits;
 };
 
-namespace {
+// What the queries of a thread write to before the caller's memory; it keeps its room.
+thread_local std::vector<ProxyHandle> found_proxies;
+thread_local std::vector<RayHit> found_hits;
 
 swp_result NoSuchProxy() {
   return Fail(SWP_NOT_FOUND, "no proxy has this handle: it was removed, or never was one");
@@ -78,14 +81,7 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
   ProxySetOptions chosen;
   chosen.sorted_pairs = options.sorted_pairs != 0;
   chosen.pair_events = options.pair_events != 0;
-  *proxies = std::make_unique<swp_proxies>(std::move(executor), chosen).release();
-  return SWP_OK;
-}
-
-swp_result CheckOutput(const swp_proxies* proxies, const void* out, uint64_t capacity,
-                       const uint64_t* count) {
-  if (proxies == nullptr || count == nullptr) return NullArgument("proxies and the count");
-  if (out == nullptr && capacity > 0) return NullArgument("the buffer");
+  Publish(std::make_unique<Proxies>(std::move(executor), chosen), proxies);
   return SWP_OK;
 }
 
@@ -98,19 +94,66 @@ swp_result CheckMovingPairs(std::span<const OverlapPair> pairs, size_t moving_co
   return SWP_OK;
 }
 
-// Copies the pairs if the set returns the caller's own array, since the caller may change it.
-void Keep(swp_proxies& proxies, std::span<const OverlapPair> resolved,
-          std::span<const OverlapPair> given) {
-  proxies.pairs = resolved;
-  if (resolved.data() != given.data()) return;
-  proxies.own_pairs.Clear();
-  OverlapPair* const end = proxies.own_pairs.EnsureRoom(resolved.size());
-  std::copy(resolved.begin(), resolved.end(), end);
-  proxies.own_pairs.Advance(resolved.size());
-  proxies.pairs = std::as_const(proxies.own_pairs).pairs();
+swp_result CheckOptions(const swp_proxy_options* options, uint32_t count) {
+  const std::span given(options, options == nullptr ? 0 : count);
+  const bool known = std::all_of(given.begin(), given.end(), [](const swp_proxy_options& one) {
+    return (one.flags & ~uint32_t{SWP_PROXY_STATIC}) == 0 && one.reserved == 0;
+  });
+  if (known) return SWP_OK;
+  return Fail(SWP_INVALID_ARGUMENT, "flags may hold SWP_PROXY_STATIC only, and reserved must be 0");
+}
+
+ProxyOptions ToOptions(const swp_proxy_options& given) {
+  return {ToFilter(given.filter), (given.flags & SWP_PROXY_STATIC) != 0, given.user};
+}
+
+// Removes what was added before memory ran out.
+class Batch {
+ public:
+  Batch(ProxySet& set, swp_proxy* added) : set_(set), added_(added) {}
+  ~Batch() {
+    for (uint32_t k = 0; k < count_; ++k) set_.Remove(ToHandle(added_[k]));
+  }
+  Batch(const Batch&) = delete;
+  Batch& operator=(const Batch&) = delete;
+  void Add(const Aabb& box, const ProxyOptions& options) {
+    added_[count_] = ToProxy(set_.Add(box, options));
+    ++count_;
+  }
+  void Keep() { count_ = 0; }
+
+ private:
+  ProxySet& set_;
+  swp_proxy* const added_;
+  uint32_t count_ = 0;
+};
+
+swp_result NotPrepared() {
+  return Fail(SWP_FAILED_PRECONDITION,
+              "call swp_proxies_prepare_queries first, and again after every change");
+}
+
+// Queries change nothing once they are prepared, and may then run side by side.
+ProxySet& ForQueries(const Proxies& proxies) { return const_cast<ProxySet&>(proxies.set); }
+
+swp_result CheckRays(const swp_ray* rays, uint32_t count) {
+  if (rays == nullptr && count > 0) return NullArgument("rays");
+  for (const swp_ray& ray : std::span(rays, count)) {
+    bool finite = std::isfinite(ray.max_distance);
+    for (int axis = 0; axis < 3; ++axis) {
+      finite = finite && std::isfinite(ray.origin[axis]) && std::isfinite(ray.direction[axis]);
+    }
+    if (finite && ray.max_distance >= 0) continue;
+    return Fail(SWP_INVALID_ARGUMENT, "a ray must be finite, and its max_distance not negative");
+  }
+  return SWP_OK;
 }
 
 }  // namespace
+
+struct swp_proxies final : Handle<Proxies> {
+  using Handle::Handle;
+};
 
 swp_result swp_proxies_options_init(swp_proxies_options* options) {
   return Give("swp_proxies_options", kDefaults, options);
@@ -126,170 +169,191 @@ swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** 
   });
 }
 
-void swp_proxies_destroy(swp_proxies* proxies) { delete proxies; }
+void swp_proxies_destroy(swp_proxies* proxies) { Destroy(proxies); }
 
-swp_result swp_proxies_add(swp_proxies* proxies, const swp_aabb* box,
-                           const swp_proxy_options* options, swp_proxy* proxy) {
-  if (proxies == nullptr || box == nullptr || proxy == nullptr) {
-    return NullArgument("proxies, box and proxy");
-  }
-  ProxyOptions chosen;
-  if (options != nullptr) {
-    if ((options->flags & ~uint32_t{SWP_PROXY_STATIC}) != 0 || options->reserved != 0) {
-      return Fail(SWP_INVALID_ARGUMENT, "flags may hold SWP_PROXY_STATIC only, reserved must be 0");
+swp_result swp_proxies_add_many(swp_proxies* proxies, const swp_aabb* boxes,
+                                const swp_proxy_options* options, uint32_t count,
+                                swp_proxy* added) {
+  return Use(proxies, [&](Proxies& live) {
+    if ((boxes == nullptr || added == nullptr) && count > 0) return NullArgument("boxes and added");
+    if (const swp_result wrong = CheckOptions(options, count); wrong != SWP_OK) return wrong;
+    Batch batch(live.set, added);
+    for (uint32_t k = 0; k < count; ++k) {
+      batch.Add(ToBoxes(boxes, count)[k],
+                options == nullptr ? ProxyOptions{} : ToOptions(options[k]));
     }
-    chosen = {ToFilter(options->filter), (options->flags & SWP_PROXY_STATIC) != 0, options->user};
-  }
-  return Guard([&] {
-    *proxy = ToProxy(proxies->set.Add(ToBoxes(box, 1)[0], chosen));
-    return static_cast<swp_result>(SWP_OK);
+    batch.Keep();
+    return kOk;
   });
 }
 
-swp_result swp_proxies_remove(swp_proxies* proxies, swp_proxy proxy) {
-  if (proxies == nullptr) return NullArgument("proxies");
-  return proxies->set.Remove(ToHandle(proxy)) ? SWP_OK : NoSuchProxy();
+swp_result swp_proxies_remove_many(swp_proxies* proxies, const swp_proxy* removed, uint32_t count) {
+  return Use(proxies, [&](Proxies& live) {
+    if (removed == nullptr && count > 0) return NullArgument("removed");
+    const std::span given(removed, count);
+    const auto lives = [&](swp_proxy proxy) { return live.set.is_alive(ToHandle(proxy)); };
+    if (!std::all_of(given.begin(), given.end(), lives)) return NoSuchProxy();
+    for (const swp_proxy proxy : given) live.set.Remove(ToHandle(proxy));
+    return kOk;
+  });
 }
 
-swp_result swp_proxies_move(swp_proxies* proxies, const swp_proxy* moved, const swp_aabb* boxes,
-                            uint32_t count) {
-  if (proxies == nullptr) return NullArgument("proxies");
-  if ((moved == nullptr || boxes == nullptr) && count > 0) return NullArgument("moved and boxes");
-  const std::span handles{reinterpret_cast<const ProxyHandle*>(moved), count};
-  return proxies->set.Move(handles, ToBoxes(boxes, count)) ? SWP_OK : NoSuchProxy();
+swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
+                                 const swp_aabb* boxes, uint32_t count) {
+  return Use(proxies, [&](Proxies& live) {
+    if ((moved == nullptr || boxes == nullptr) && count > 0) return NullArgument("moved and boxes");
+    const std::span handles{reinterpret_cast<const ProxyHandle*>(moved), count};
+    return live.set.Move(handles, ToBoxes(boxes, count)) ? kOk : NoSuchProxy();
+  });
 }
 
 swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy, const swp_filter* filter) {
-  if (proxies == nullptr) return NullArgument("proxies");
-  return proxies->set.SetFilter(ToHandle(proxy), FilterOrAll(filter)) ? SWP_OK : NoSuchProxy();
+  return Use(proxies, [&](Proxies& live) {
+    return live.set.SetFilter(ToHandle(proxy), FilterOrAll(filter)) ? kOk : NoSuchProxy();
+  });
 }
 
 swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user) {
-  if (proxies == nullptr) return NullArgument("proxies");
-  return proxies->set.SetUser(ToHandle(proxy), user) ? SWP_OK : NoSuchProxy();
+  return Use(proxies, [&](Proxies& live) {
+    return live.set.SetUser(ToHandle(proxy), user) ? kOk : NoSuchProxy();
+  });
 }
 
 swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
                            swp_proxy_options* options) {
-  if (proxies == nullptr) return NullArgument("proxies");
-  const Aabb* const found = proxies->set.box(ToHandle(proxy));
-  if (found == nullptr) return NoSuchProxy();
-  if (box != nullptr) std::memcpy(box, found, sizeof *box);
-  if (options != nullptr) {
-    const auto chosen = proxies->set.options(ToHandle(proxy));
+  return Use(proxies, [&](const Proxies& live) {
+    const Aabb* const found = live.set.box(ToHandle(proxy));
+    if (found == nullptr) return NoSuchProxy();
+    if (box != nullptr) std::memcpy(box, found, sizeof *box);
+    if (options == nullptr) return kOk;
+    const auto chosen = live.set.options(ToHandle(proxy));
     *options = {{chosen->filter.category, chosen->filter.mask},
                 chosen->is_static ? uint32_t{SWP_PROXY_STATIC} : 0U,
                 0,
                 chosen->user};
-  }
-  return SWP_OK;
+    return kOk;
+  });
 }
 
 swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, swp_proxy* proxy) {
-  if (proxies == nullptr || proxy == nullptr) return NullArgument("proxies and proxy");
-  const ProxyHandle handle = proxies->set.handle(id);
-  if (handle.is_null()) return Fail(SWP_NOT_FOUND, "no proxy has this id");
-  *proxy = ToProxy(handle);
-  return SWP_OK;
+  return Use(proxies, [&](const Proxies& live) {
+    if (proxy == nullptr) return NullArgument("proxy");
+    const ProxyHandle handle = live.set.handle(id);
+    if (handle.is_null()) return Fail(SWP_NOT_FOUND, "no proxy has this id");
+    *proxy = ToProxy(handle);
+    return kOk;
+  });
 }
 
 swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
                               uint32_t* static_count, uint64_t* native_bytes) {
-  if (proxies == nullptr) return NullArgument("proxies");
-  if (moving_count != nullptr) *moving_count = static_cast<uint32_t>(proxies->set.moving_count());
-  if (static_count != nullptr) *static_count = static_cast<uint32_t>(proxies->set.static_count());
-  if (native_bytes != nullptr) *native_bytes = proxies->set.native_bytes();
-  return SWP_OK;
+  return Use(proxies, [&](const Proxies& live) {
+    if (moving_count != nullptr) *moving_count = static_cast<uint32_t>(live.set.moving_count());
+    if (static_count != nullptr) *static_count = static_cast<uint32_t>(live.set.static_count());
+    if (native_bytes != nullptr) *native_bytes = live.set.native_bytes();
+  });
 }
 
 swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                     uint32_t* count) {
-  if (proxies == nullptr || boxes == nullptr || count == nullptr) {
-    return NullArgument("proxies, boxes and count");
-  }
-  const std::span<const Aabb> moving = proxies->set.moving_boxes();
-  *boxes = reinterpret_cast<const swp_aabb*>(moving.data());
-  *count = static_cast<uint32_t>(moving.size());
-  return SWP_OK;
+  return Use(proxies, [&](const Proxies& live) {
+    if (boxes == nullptr || count == nullptr) return NullArgument("boxes and count");
+    const std::span<const Aabb> moving = live.set.moving_boxes();
+    *boxes = reinterpret_cast<const swp_aabb*>(moving.data());
+    *count = static_cast<uint32_t>(moving.size());
+    return kOk;
+  });
 }
 
 swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
-                               uint64_t moving_pair_count, swp_pair* pairs, uint64_t capacity,
-                               uint64_t* pair_count) {
-  swp_result wrong = CheckOutput(proxies, pairs, capacity, pair_count);
-  if (wrong != SWP_OK) return wrong;
-  if (moving_pairs == nullptr && moving_pair_count > 0) return NullArgument("moving_pairs");
-  const std::span given{reinterpret_cast<const OverlapPair*>(moving_pairs), moving_pair_count};
-  wrong = CheckMovingPairs(given, proxies->set.moving_boxes().size());
-  if (wrong != SWP_OK) return wrong;
-  return Guard([&] {
-    proxies->pairs.reset();
-    Keep(*proxies, proxies->set.Resolve(given), given);
-    return WriteAll(*proxies->pairs, pairs, capacity, pair_count);
+                               uint64_t moving_pair_count) {
+  return Use(proxies, [&](Proxies& live) {
+    if (moving_pairs == nullptr && moving_pair_count > 0) return NullArgument("moving_pairs");
+    const std::span given{reinterpret_cast<const OverlapPair*>(moving_pairs), moving_pair_count};
+    const swp_result wrong = CheckMovingPairs(given, live.set.moving_boxes().size());
+    if (wrong != SWP_OK) return wrong;
+    live.pairs.reset();
+    live.pairs = live.set.Resolve(given);
+    return kOk;
   });
 }
 
-swp_result swp_proxies_copy_pairs(const swp_proxies* proxies, swp_pair* pairs, uint64_t capacity,
-                                  uint64_t* pair_count) {
-  const swp_result wrong = CheckOutput(proxies, pairs, capacity, pair_count);
-  if (wrong != SWP_OK) return wrong;
-  if (!proxies->pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_proxies_resolve first");
-  return WriteAll(*proxies->pairs, pairs, capacity, pair_count);
+swp_result swp_proxies_pairs(const swp_proxies* proxies, const swp_pair** pairs, uint64_t* count) {
+  return Use(proxies, [&](const Proxies& live) {
+    if (!live.pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_proxies_resolve first");
+    return GivePairs(*live.pairs, pairs, count);
+  });
 }
 
-swp_result swp_proxies_added(const swp_proxies* proxies, swp_proxy_pair* added, uint64_t capacity,
+swp_result swp_proxies_added(const swp_proxies* proxies, const swp_proxy_pair** added,
                              uint64_t* count) {
-  const swp_result wrong = CheckOutput(proxies, added, capacity, count);
-  return wrong != SWP_OK ? wrong : WriteAll(proxies->set.added(), added, capacity, count);
+  return Use(proxies,
+             [&](const Proxies& live) { return GivePairs(live.set.added(), added, count); });
 }
 
-swp_result swp_proxies_removed(const swp_proxies* proxies, swp_proxy_pair* removed,
-                               uint64_t capacity, uint64_t* count) {
-  const swp_result wrong = CheckOutput(proxies, removed, capacity, count);
-  return wrong != SWP_OK ? wrong : WriteAll(proxies->set.removed(), removed, capacity, count);
+swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_proxy_pair** removed,
+                               uint64_t* count) {
+  return Use(proxies,
+             [&](const Proxies& live) { return GivePairs(live.set.removed(), removed, count); });
 }
 
-swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box,
-                                 const swp_filter* filter, swp_proxy* found, uint64_t capacity,
-                                 uint64_t* count) {
-  const swp_result wrong = CheckOutput(proxies, found, capacity, count);
-  if (wrong != SWP_OK) return wrong;
-  if (box == nullptr) return NullArgument("box");
-  return Guard([&] {
-    proxies->set.QueryBox(ToBoxes(box, 1)[0], FilterOrAll(filter), proxies->found);
-    return WriteAll(std::span(proxies->found), found, capacity, count);
+swp_result swp_proxies_prepare_queries(swp_proxies* proxies) {
+  return Use(proxies, [](Proxies& live) { live.set.PrepareQueries(); });
+}
+
+swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
+                                   uint32_t box_count, const swp_filter* filter, swp_proxy* found,
+                                   uint64_t capacity, uint64_t* ends) {
+  return Use(proxies, [&](const Proxies& live) {
+    if ((boxes == nullptr || ends == nullptr) && box_count > 0)
+      return NullArgument("boxes and ends");
+    if (found == nullptr && capacity > 0) return NullArgument("found");
+    if (!live.set.queries_prepared()) return NotPrepared();
+    uint64_t total = 0;
+    for (uint32_t k = 0; k < box_count; ++k) {
+      ForQueries(live).QueryBox(ToBoxes(boxes, box_count)[k], FilterOrAll(filter), found_proxies);
+      if (total + found_proxies.size() <= capacity) {
+        std::transform(found_proxies.begin(), found_proxies.end(), found + total, ToProxy);
+      }
+      total += found_proxies.size();
+      ends[k] = total;
+    }
+    return total > capacity ? TooFewPlaces() : kOk;
   });
 }
 
-swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray, const swp_filter* filter,
-                                swp_ray_hit* hits, uint64_t capacity, uint64_t* count) {
-  const swp_result wrong = CheckOutput(proxies, hits, capacity, count);
-  if (wrong != SWP_OK) return wrong;
-  if (ray == nullptr) return NullArgument("ray");
-  return Guard([&] {
+swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
+                                 uint32_t ray_count, const swp_filter* filter, swp_ray_hit* hits) {
+  return Use(proxies, [&](const Proxies& live) {
+    if (const swp_result wrong = CheckRays(rays, ray_count); wrong != SWP_OK) return wrong;
+    if (hits == nullptr && ray_count > 0) return NullArgument("hits");
+    if (!live.set.queries_prepared()) return NotPrepared();
+    for (uint32_t k = 0; k < ray_count; ++k) {
+      RayHit nearest;
+      const Ray& ray = reinterpret_cast<const Ray&>(rays[k]);
+      const auto status = ForQueries(live).CastRayNearest(ray, FilterOrAll(filter), nearest);
+      if (!status.ok()) return ToResult(status);
+      if (nearest.proxy.is_null()) nearest.distance = rays[k].max_distance;
+      hits[k] = ToHit(nearest);
+    }
+    return kOk;
+  });
+}
+
+swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
+                                const swp_filter* filter, swp_ray_hit* hits, uint64_t capacity,
+                                uint64_t* count) {
+  return Use(proxies, [&](const Proxies& live) {
+    if (const swp_result wrong = CheckRays(ray, 1); wrong != SWP_OK) return wrong;
+    if (count == nullptr) return NullArgument("count");
+    if (hits == nullptr && capacity > 0) return NullArgument("hits");
+    if (!live.set.queries_prepared()) return NotPrepared();
     const Ray& cast = *reinterpret_cast<const Ray*>(ray);
-    const auto status = proxies->set.CastRay(cast, FilterOrAll(filter), proxies->hits);
+    const auto status = ForQueries(live).CastRay(cast, FilterOrAll(filter), found_hits);
     if (!status.ok()) return ToResult(status);
-    *count = proxies->hits.size();
+    *count = found_hits.size();
     if (*count > capacity) return TooFewPlaces();
-    std::transform(proxies->hits.begin(), proxies->hits.end(), hits, ToHit);
-    return static_cast<swp_result>(SWP_OK);
-  });
-}
-
-swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray,
-                                        const swp_filter* filter, swp_ray_hit* hit,
-                                        uint32_t* found) {
-  if (proxies == nullptr || ray == nullptr || hit == nullptr || found == nullptr) {
-    return NullArgument("proxies, ray, hit and found");
-  }
-  return Guard([&] {
-    RayHit nearest;
-    const Ray& cast = *reinterpret_cast<const Ray*>(ray);
-    const auto status = proxies->set.CastRayNearest(cast, FilterOrAll(filter), nearest);
-    if (!status.ok()) return ToResult(status);
-    *found = nearest.proxy.is_null() ? 0 : 1;
-    if (*found != 0) *hit = ToHit(nearest);
-    return static_cast<swp_result>(SWP_OK);
+    std::transform(found_hits.begin(), found_hits.end(), hits, ToHit);
+    return kOk;
   });
 }

@@ -3,7 +3,7 @@
 #include <bit>
 #include <memory>
 
-#include "engine_client/c_api/boundary.h"
+#include "engine_client/c_api/live.h"
 #include "engine_client/c_api/sized_struct.h"
 #include "server/decision/math/hash.h"
 
@@ -12,11 +12,14 @@ using sweepstake::SceneNames;
 using sweepstake::SceneOptions;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
-struct swp_scene {
+namespace {
+
+struct OwnScene {
+  static constexpr swp_kind kKind = SWP_KIND_SCENE;
+  static constexpr std::string_view kName = "scene";
+
   std::unique_ptr<sweepstake::Scene> scene;
 };
-
-namespace {
 
 SceneOptions ToSceneOptions(const swp_scene_options& given) {
   SceneOptions options;
@@ -47,6 +50,10 @@ uint64_t HashFloat(uint64_t hash, float value) {
 
 }  // namespace
 
+struct swp_scene final : Handle<OwnScene> {
+  using Handle::Handle;
+};
+
 uint32_t swp_scene_count(void) { return static_cast<uint32_t>(SceneNames().size()); }
 
 // The names are literals and so end with NUL.
@@ -70,62 +77,56 @@ swp_result swp_scene_create(const char* scene, const swp_scene_options* options,
     if (wrong != SWP_OK) return wrong;
     auto made = sweepstake::MakeScene(scene, ToSceneOptions(known));
     if (!made.ok()) return ToResult(made.status());
-    *out = new swp_scene{std::move(*made)};
-    return static_cast<swp_result>(SWP_OK);
+    Publish(std::make_unique<OwnScene>(OwnScene{std::move(*made)}), out);
+    return kOk;
   });
 }
 
-void swp_scene_destroy(swp_scene* scene) { delete scene; }
+void swp_scene_destroy(swp_scene* scene) { Destroy(scene); }
 
 swp_result swp_scene_step(swp_scene* scene) {
-  if (scene == nullptr) return NullArgument("scene");
-  return Guard([&] {
-    scene->scene->Step();
-    return static_cast<swp_result>(SWP_OK);
-  });
+  return Use(scene, [](OwnScene& live) { live.scene->Step(); });
 }
 
 swp_result swp_scene_boxes(const swp_scene* scene, const swp_aabb** boxes, uint32_t* count) {
-  if (scene == nullptr || boxes == nullptr || count == nullptr) {
-    return NullArgument("scene, boxes and count");
-  }
-  return Guard([&] {
-    const auto current = scene->scene->aabbs();
+  return Use(scene, [&](const OwnScene& live) {
+    if (boxes == nullptr || count == nullptr) return NullArgument("boxes and count");
+    const auto current = live.scene->aabbs();
     *boxes = reinterpret_cast<const swp_aabb*>(current.data());
     *count = static_cast<uint32_t>(current.size());
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }
 
 swp_result swp_scene_world(const swp_scene* scene, swp_aabb* world) {
-  if (scene == nullptr || world == nullptr) return NullArgument("scene and world");
-  return Guard([&] {
-    const Aabb bounds = scene->scene->world();
+  return Use(scene, [&](const OwnScene& live) {
+    if (world == nullptr) return NullArgument("world");
+    const Aabb bounds = live.scene->world();
     for (int axis = 0; axis < 3; ++axis) {
       world->min[axis] = bounds.min[axis];
       world->max[axis] = bounds.max[axis];
     }
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }
 
 swp_result swp_scene_frame_index(const swp_scene* scene, uint64_t* frame_index) {
-  if (scene == nullptr || frame_index == nullptr) return NullArgument("scene and frame_index");
-  return Guard([&] {
-    *frame_index = scene->scene->frame_index();
-    return static_cast<swp_result>(SWP_OK);
+  return Use(scene, [&](const OwnScene& live) {
+    if (frame_index == nullptr) return NullArgument("frame_index");
+    *frame_index = live.scene->frame_index();
+    return kOk;
   });
 }
 
 swp_result swp_scene_hash(const swp_scene* scene, uint64_t* hash) {
-  if (scene == nullptr || hash == nullptr) return NullArgument("scene and hash");
-  return Guard([&] {
+  return Use(scene, [&](const OwnScene& live) {
+    if (hash == nullptr) return NullArgument("hash");
     uint64_t sum = sweepstake::math::kFnv1aStart;
-    for (const Aabb& box : scene->scene->aabbs()) {
+    for (const Aabb& box : live.scene->aabbs()) {
       for (const float value : box.min) sum = HashFloat(sum, value);
       for (const float value : box.max) sum = HashFloat(sum, value);
     }
     *hash = sum;
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }

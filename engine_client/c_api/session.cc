@@ -22,6 +22,10 @@ constexpr uint32_t kDefaultQueueFrames = 4096;
 
 bool IsMode(swp_mode mode) { return mode == SWP_MODE_MANUAL || mode == SWP_MODE_AI; }
 
+swp_result WrongMode() {
+  return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
+}
+
 swp_session_options DefaultOptions() {
   const AdaptiveOptions defaults;
   swp_session_options options{};
@@ -49,9 +53,7 @@ std::vector<std::string> Names(const char* list) {
 }
 
 swp_result CheckOptions(const swp_session_options& options) {
-  if (!IsMode(options.mode)) {
-    return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
-  }
+  if (!IsMode(options.mode)) return WrongMode();
   if (!std::has_single_bit(options.queue_frames) || options.queue_frames < 2 ||
       options.queue_frames > SampleQueue::kMaxFrameCapacity) {
     return Fail(SWP_INVALID_ARGUMENT, "queue_frames must be a power of two from 2 to 1048576");
@@ -76,7 +78,7 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
 }
 
 swp_result CreateSession(const swp_session_options& options, swp_session** session) {
-  auto created = std::make_unique<swp_session>(options.queue_frames);
+  auto created = std::make_unique<Session>(options.queue_frames);
   const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
   if (wrong != SWP_OK) return wrong;
   AdaptiveOptions chosen = ToAdaptiveOptions(options);
@@ -85,7 +87,7 @@ swp_result CreateSession(const swp_session_options& options, swp_session** sessi
   if (!adaptive.ok()) return ToResult(adaptive.status());
   created->adaptive = std::move(*adaptive);
   created->settling_ns = options.settling_ns;
-  *session = created.release();
+  Publish(std::move(created), session);
   return SWP_OK;
 }
 
@@ -105,98 +107,98 @@ swp_result swp_session_create(const swp_session_options* options, swp_session** 
   });
 }
 
-void swp_session_destroy(swp_session* session) { delete session; }
+void swp_session_destroy(swp_session* session) { Destroy(session); }
 
 swp_result swp_session_begin_frame(swp_session* session) {
-  if (session == nullptr) return NullArgument("session");
-  if (session->in_frame) {
-    return Fail(SWP_FAILED_PRECONDITION, "a frame runs already: call swp_session_end_frame first");
-  }
-  return Guard([&] {
-    session->pairs.reset();
-    session->adaptive->BeginFrame();
-    session->in_frame = true;
-    return static_cast<swp_result>(SWP_OK);
+  return Use(session, [](Session& live) {
+    if (live.in_frame) {
+      return Fail(SWP_FAILED_PRECONDITION,
+                  "a frame runs already: call swp_session_end_frame first");
+    }
+    live.pairs.reset();
+    live.adaptive->BeginFrame();
+    live.in_frame = true;
+    return kOk;
   });
 }
 
-swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, uint32_t box_count,
-                                  swp_pair* pairs, uint64_t capacity, uint64_t* pair_count) {
-  if (session == nullptr || pair_count == nullptr) return NullArgument("session and pair_count");
-  if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
-  if (const swp_result wrong = CheckBoxes(boxes, box_count); wrong != SWP_OK) return wrong;
-  if (!session->in_frame) {
-    return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
-  }
-  return Guard([&] {
-    session->pairs = session->adaptive->FindPairs(ToBoxes(boxes, box_count));
-    return WriteAll(*session->pairs, pairs, capacity, pair_count);
+swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, uint32_t box_count) {
+  return Use(session, [&](Session& live) {
+    if (const swp_result wrong = CheckBoxes(boxes, box_count); wrong != SWP_OK) return wrong;
+    if (!live.in_frame) {
+      return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
+    }
+    live.pairs = live.adaptive->FindPairs(ToBoxes(boxes, box_count));
+    return kOk;
   });
 }
 
-swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs, uint64_t capacity,
-                                  uint64_t* pair_count) {
-  if (session == nullptr || pair_count == nullptr) return NullArgument("session and pair_count");
-  if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
-  if (!session->pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_session_find_pairs first");
-  return WriteAll(*session->pairs, pairs, capacity, pair_count);
+swp_result swp_session_pairs(const swp_session* session, const swp_pair** pairs, uint64_t* count) {
+  return Use(session, [&](const Session& live) {
+    if (!live.pairs) return Fail(SWP_FAILED_PRECONDITION, "call swp_session_find_pairs first");
+    return GivePairs(*live.pairs, pairs, count);
+  });
 }
 
 swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, uint32_t flags) {
-  if (session == nullptr) return NullArgument("session");
-  if ((flags & ~static_cast<uint32_t>(SWP_FRAME_PAUSED | SWP_FRAME_LOADING)) != 0) {
-    return Fail(SWP_INVALID_ARGUMENT, "flags may hold SWP_FRAME_PAUSED and SWP_FRAME_LOADING only");
-  }
-  if (!session->in_frame) {
-    return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
-  }
-  return Guard([&] {
-    session->adaptive->EndFrame({.frame_time_ns = frame_time_ns, .flags = flags});
-    session->in_frame = false;
-    return static_cast<swp_result>(SWP_OK);
+  return Use(session, [&](Session& live) {
+    if ((flags & ~static_cast<uint32_t>(SWP_FRAME_PAUSED | SWP_FRAME_LOADING)) != 0) {
+      return Fail(SWP_INVALID_ARGUMENT,
+                  "flags may hold SWP_FRAME_PAUSED and SWP_FRAME_LOADING only");
+    }
+    if (!live.in_frame) {
+      return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
+    }
+    live.adaptive->EndFrame({.frame_time_ns = frame_time_ns, .flags = flags});
+    live.in_frame = false;
+    return kOk;
   });
 }
 
 swp_result swp_session_select_arm(swp_session* session, const char* arm) {
-  if (session == nullptr || arm == nullptr) return NullArgument("session and arm");
-  return Guard([&] { return ToResult(session->adaptive->SelectArm(arm)); });
+  return Use(session, [&](Session& live) {
+    return arm == nullptr ? NullArgument("arm") : ToResult(live.adaptive->SelectArm(arm));
+  });
 }
 
 swp_result swp_session_set_mode(swp_session* session, swp_mode mode) {
-  if (session == nullptr) return NullArgument("session");
-  if (!IsMode(mode)) {
-    return Fail(SWP_INVALID_ARGUMENT, "mode must be SWP_MODE_MANUAL (1) or SWP_MODE_AI (2)");
-  }
-  return Guard([&] {
+  return Use(session, [&](Session& live) {
+    if (!IsMode(mode)) return WrongMode();
     const auto chosen = static_cast<Mode>(mode);
-    session->adaptive->SetMode(chosen);
-    session->queue.OnModeChange({.mode = chosen, .active_arm = session->adaptive->active_arm()});
-    return static_cast<swp_result>(SWP_OK);
+    live.adaptive->SetMode(chosen);
+    live.queue.OnModeChange({.mode = chosen, .active_arm = live.adaptive->active_arm()});
+    return kOk;
   });
 }
 
 swp_result swp_session_mode(const swp_session* session, swp_mode* mode) {
-  if (session == nullptr || mode == nullptr) return NullArgument("session and mode");
-  *mode = static_cast<swp_mode>(session->adaptive->mode());
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (mode == nullptr) return NullArgument("mode");
+    *mode = static_cast<swp_mode>(live.adaptive->mode());
+    return kOk;
+  });
 }
 
 swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm) {
-  if (session == nullptr || arm == nullptr) return NullArgument("session and arm");
-  *arm = session->adaptive->active_arm();
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (arm == nullptr) return NullArgument("arm");
+    *arm = live.adaptive->active_arm();
+    return kOk;
+  });
 }
 
 swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch) {
-  if (session == nullptr || switch_epoch == nullptr) {
-    return NullArgument("session and switch_epoch");
-  }
-  *switch_epoch = session->adaptive->switch_epoch();
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (switch_epoch == nullptr) return NullArgument("switch_epoch");
+    *switch_epoch = live.adaptive->switch_epoch();
+    return kOk;
+  });
 }
 
 swp_result swp_session_last_sample(const swp_session* session, swp_frame_sample* sample) {
-  if (session == nullptr || sample == nullptr) return NullArgument("session and sample");
-  std::memcpy(sample, &session->adaptive->last_sample(), sizeof *sample);
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (sample == nullptr) return NullArgument("sample");
+    std::memcpy(sample, &live.adaptive->last_sample(), sizeof *sample);
+    return kOk;
+  });
 }

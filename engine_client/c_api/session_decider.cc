@@ -57,7 +57,7 @@ uint64_t Scaled(uint64_t duration_ns, double time_scale) {
   return static_cast<uint64_t>(std::min(static_cast<double>(duration_ns) / time_scale, 0x1p63));
 }
 
-swp_result Attach(swp_session& session, EmbeddedOptions options, uint64_t now_ns) {
+swp_result Attach(Session& session, EmbeddedOptions options, uint64_t now_ns) {
   AdaptiveBroadPhase& adaptive = *session.adaptive;
   options.mode = adaptive.mode();
   auto decider = EmbeddedDecider::Create(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
@@ -90,70 +90,69 @@ swp_result swp_decider_options_init(swp_decider_options* options) {
 
 swp_result swp_session_attach_decider(swp_session* session, const swp_decider_options* options,
                                       uint64_t now_ns) {
-  if (session == nullptr) return NullArgument("session");
-  if (session->decider_loop) {
-    return Fail(SWP_FAILED_PRECONDITION, "a decider is attached already: detach it first");
-  }
-  return Guard([&] {
+  return Use(session, [&](Session& live) {
+    if (live.decider_loop) {
+      return Fail(SWP_FAILED_PRECONDITION, "a decider is attached already: detach it first");
+    }
     swp_decider_options known = DefaultOptions();
     swp_result wrong = TakeOptions("swp_decider_options", options, known);
     if (wrong == SWP_OK && known.reserved != 0) {
       wrong = Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
     }
-    return wrong != SWP_OK ? wrong : Attach(*session, ToEmbeddedOptions(known), now_ns);
+    return wrong != SWP_OK ? wrong : Attach(live, ToEmbeddedOptions(known), now_ns);
   });
 }
 
 swp_result swp_session_detach_decider(swp_session* session) {
-  if (session == nullptr) return NullArgument("session");
-  if (!session->decider_loop) return NoDecider();
-  return Guard([&] {
-    session->decider_loop.reset();
-    session->adaptive->SetDeciderPresent(false);
-    return static_cast<swp_result>(SWP_OK);
+  return Use(session, [](Session& live) {
+    if (!live.decider_loop) return NoDecider();
+    live.decider_loop.reset();
+    live.adaptive->SetDeciderPresent(false);
+    return kOk;
   });
 }
 
 swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                     swp_switch_command* command, uint32_t* commanded) {
-  if (session == nullptr) return NullArgument("session");
-  if (!session->decider_loop) return NoDecider();
-  return Guard([&] {
-    const std::optional<SwitchCommand> posted = Poll(*session->decider_loop, now_ns);
+  return Use(session, [&](Session& live) {
+    if (!live.decider_loop) return NoDecider();
+    const std::optional<SwitchCommand> posted = Poll(*live.decider_loop, now_ns);
     if (commanded != nullptr) *commanded = posted ? 1 : 0;
     if (posted && command != nullptr) {
       *command = {posted->command_id, posted->arm, static_cast<swp_switch_reason>(posted->reason)};
     }
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }
 
 swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs, uint32_t capacity,
                                uint32_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
-  if (!session->decider_loop) return NoDecider();
-  return Guard([&] {
-    const std::vector<ArmBelief> current = session->decider_loop->decider().beliefs();
+  return Use(session, [&](const Session& live) {
+    if (count == nullptr) return NullArgument("count");
+    if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
+    if (!live.decider_loop) return NoDecider();
+    const std::vector<ArmBelief> current = live.decider_loop->decider().beliefs();
     *count = static_cast<uint32_t>(current.size());
-    if (current.size() > capacity) {
-      return Fail(SWP_RESOURCE_EXHAUSTED, "the buffer holds fewer beliefs than there are arms");
-    }
+    if (current.size() > capacity) return TooFewPlaces();
     for (size_t i = 0; i < current.size(); ++i) beliefs[i] = {current[i].alpha, current[i].beta};
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }
 
 swp_result swp_session_decision_count(const swp_session* session, uint64_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (!session->decider_loop) return NoDecider();
-  *count = session->decider_loop->decider().decision_count();
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (count == nullptr) return NullArgument("count");
+    if (!live.decider_loop) return NoDecider();
+    *count = live.decider_loop->decider().decision_count();
+    return kOk;
+  });
 }
 
 swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (!session->decider_loop) return NoDecider();
-  *count = session->decider_loop->decider().prior_source_count();
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (count == nullptr) return NullArgument("count");
+    if (!live.decider_loop) return NoDecider();
+    *count = live.decider_loop->decider().prior_source_count();
+    return kOk;
+  });
 }

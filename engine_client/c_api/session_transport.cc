@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint64_t kCommandIdLimit = uint64_t{1} << 48;
 
-void KeepOutcome(swp_session& session, const SwitchOutcome& outcome) {
+void KeepOutcome(Session& session, const SwitchOutcome& outcome) {
   if (session.outcomes.size() == SampleQueue::kNoteCapacity) {
     session.outcomes.pop_front();
     ++session.dropped_outcome_count;
@@ -31,17 +31,20 @@ void KeepOutcome(swp_session& session, const SwitchOutcome& outcome) {
 }
 
 // Keeps outcomes and descriptors. A change of mode is dropped: the caller made it.
-void KeepNote(swp_session& session, const QueuedItem& item) {
+void KeepNote(Session& session, const QueuedItem& item) {
   if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) KeepOutcome(session, *outcome);
   if (const auto* seen = std::get_if<SceneDescriptor>(&item)) session.descriptor = *seen;
 }
 
-swp_result CheckDrain(const swp_session& session) {
+swp_result CheckDrain(const Session& session, const void* out, uint32_t capacity,
+                      const uint32_t* count) {
+  if (count == nullptr) return NullArgument("count");
+  if (out == nullptr && capacity > 0) return NullArgument("the buffer");
   if (!session.decider_loop) return SWP_OK;
   return Fail(SWP_FAILED_PRECONDITION, "the attached decider takes the samples: detach it first");
 }
 
-swp_result ArmIndex(const swp_session& session, uint32_t arm) {
+swp_result CheckArm(const Session& session, uint32_t arm) {
   if (arm < session.adaptive->arms().size()) return SWP_OK;
   return Fail(SWP_INVALID_ARGUMENT, "there is no such arm: see swp_session_arm_count");
 }
@@ -49,188 +52,198 @@ swp_result ArmIndex(const swp_session& session, uint32_t arm) {
 }  // namespace
 
 swp_result swp_session_arm_count(const swp_session* session, uint32_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  *count = static_cast<uint32_t>(session->adaptive->arms().size());
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (count == nullptr) return NullArgument("count");
+    *count = static_cast<uint32_t>(live.adaptive->arms().size());
+    return kOk;
+  });
 }
 
 swp_result swp_session_arm_name(const swp_session* session, uint32_t arm, const char** name) {
-  if (session == nullptr || name == nullptr) return NullArgument("session and name");
-  if (const swp_result wrong = ArmIndex(*session, arm); wrong != SWP_OK) return wrong;
-  *name = session->adaptive->arms()[arm].c_str();
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (name == nullptr) return NullArgument("name");
+    if (const swp_result wrong = CheckArm(live, arm); wrong != SWP_OK) return wrong;
+    *name = live.adaptive->arms()[arm].c_str();
+    return kOk;
+  });
 }
 
 swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                    uint32_t* backend_version) {
-  if (session == nullptr || backend_version == nullptr) {
-    return NullArgument("session and backend_version");
-  }
-  if (const swp_result wrong = ArmIndex(*session, arm); wrong != SWP_OK) return wrong;
-  *backend_version = session->adaptive->arm_versions()[arm];
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (backend_version == nullptr) return NullArgument("backend_version");
+    if (const swp_result wrong = CheckArm(live, arm); wrong != SWP_OK) return wrong;
+    *backend_version = live.adaptive->arm_versions()[arm];
+    return kOk;
+  });
 }
 
 swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict) {
-  if (session == nullptr || verdict == nullptr) return NullArgument("session and verdict");
-  const sweepstake::SceneVerdict latest = session->adaptive->verdict();
-  *verdict = {static_cast<swp_verdict_kind>(latest.verdict), latest.leader_arm,
-              latest.leader_probability};
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (verdict == nullptr) return NullArgument("verdict");
+    const sweepstake::SceneVerdict latest = live.adaptive->verdict();
+    *verdict = {static_cast<swp_verdict_kind>(latest.verdict), latest.leader_arm,
+                latest.leader_probability};
+    return kOk;
+  });
 }
 
 swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                uint64_t* note_count) {
-  if (session == nullptr) return NullArgument("session");
-  if (sample_count != nullptr) *sample_count = session->queue.dropped_frame_count();
-  if (note_count != nullptr) {
-    *note_count = session->queue.dropped_note_count() + session->dropped_outcome_count;
-  }
-  return SWP_OK;
+  return Use(session, [&](const Session& live) {
+    if (sample_count != nullptr) *sample_count = live.queue.dropped_frame_count();
+    if (note_count != nullptr) {
+      *note_count = live.queue.dropped_note_count() + live.dropped_outcome_count;
+    }
+  });
 }
 
 swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
                                      uint32_t capacity, uint32_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (samples == nullptr && capacity > 0) return NullArgument("samples");
-  if (const swp_result wrong = CheckDrain(*session); wrong != SWP_OK) return wrong;
-  return Guard([&] {
+  return Use(session, [&](Session& live) {
+    const swp_result wrong = CheckDrain(live, samples, capacity, count);
+    if (wrong != SWP_OK) return wrong;
     uint32_t drained = 0;
     while (drained < capacity) {
-      const std::optional<QueuedItem> item = session->queue.Pop();
+      const std::optional<QueuedItem> item = live.queue.Pop();
       if (!item) break;
       if (const auto* sample = std::get_if<FrameSample>(&*item)) {
         std::memcpy(&samples[drained++], sample, sizeof *sample);
       } else {
-        KeepNote(*session, *item);
+        KeepNote(live, *item);
       }
     }
     *count = drained;
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }
 
 swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
                                       uint32_t capacity, uint32_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (outcomes == nullptr && capacity > 0) return NullArgument("outcomes");
-  if (const swp_result wrong = CheckDrain(*session); wrong != SWP_OK) return wrong;
-  return Guard([&] {
+  return Use(session, [&](Session& live) {
+    const swp_result wrong = CheckDrain(live, outcomes, capacity, count);
+    if (wrong != SWP_OK) return wrong;
     uint32_t drained = 0;
-    for (; drained < capacity && !session->outcomes.empty(); ++drained) {
-      std::memcpy(&outcomes[drained], &session->outcomes.front(), sizeof *outcomes);
-      session->outcomes.pop_front();
+    for (; drained < capacity && !live.outcomes.empty(); ++drained) {
+      std::memcpy(&outcomes[drained], &live.outcomes.front(), sizeof *outcomes);
+      live.outcomes.pop_front();
     }
     *count = drained;
-    return static_cast<swp_result>(SWP_OK);
+    return kOk;
   });
 }
 
 swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* samples,
                                     uint32_t capacity, uint32_t* count) {
-  if (session == nullptr || count == nullptr) return NullArgument("session and count");
-  if (samples == nullptr && capacity > 0) return NullArgument("samples");
-  if (const swp_result wrong = CheckDrain(*session); wrong != SWP_OK) return wrong;
-  uint32_t drained = 0;
-  for (; drained < capacity; ++drained) {
-    const std::optional<ShadowSample> sample = session->queue.PopShadow();
-    if (!sample) break;
-    std::memcpy(&samples[drained], &*sample, sizeof *samples);
-  }
-  *count = drained;
-  return SWP_OK;
+  return Use(session, [&](Session& live) {
+    const swp_result wrong = CheckDrain(live, samples, capacity, count);
+    if (wrong != SWP_OK) return wrong;
+    uint32_t drained = 0;
+    for (; drained < capacity; ++drained) {
+      const std::optional<ShadowSample> sample = live.queue.PopShadow();
+      if (!sample) break;
+      std::memcpy(&samples[drained], &*sample, sizeof *samples);
+    }
+    *count = drained;
+    return kOk;
+  });
 }
 
 swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats) {
-  if (session == nullptr || stats == nullptr) return NullArgument("session and stats");
-  const ShadowStats seen = session->adaptive->shadow_stats();
-  const swp_shadow_stats now = {sizeof now,
-                                static_cast<swp_shadow_state>(seen.state),
-                                seen.sweep_count,
-                                seen.visit_count,
-                                seen.capped_visit_count,
-                                seen.busy_time_ns,
-                                seen.memory_bytes,
-                                seen.copied_frame_count,
-                                seen.copy_time_ns,
-                                seen.warm_switch_count,
-                                seen.cold_switch_count};
-  return Give("swp_shadow_stats", now, stats);
+  return Use(session, [&](const Session& live) {
+    const ShadowStats seen = live.adaptive->shadow_stats();
+    const swp_shadow_stats now = {sizeof now,
+                                  static_cast<swp_shadow_state>(seen.state),
+                                  seen.sweep_count,
+                                  seen.visit_count,
+                                  seen.capped_visit_count,
+                                  seen.busy_time_ns,
+                                  seen.memory_bytes,
+                                  seen.copied_frame_count,
+                                  seen.copy_time_ns,
+                                  seen.warm_switch_count,
+                                  seen.cold_switch_count};
+    return Give("swp_shadow_stats", now, stats);
+  });
 }
 
 swp_result swp_session_descriptor(const swp_session* session, swp_scene_descriptor* descriptor) {
-  if (session == nullptr || descriptor == nullptr) return NullArgument("session and descriptor");
-  const SceneDescriptor& latest = session->descriptor;
-  const swp_scene_descriptor now = {
-      sizeof now,        latest.object_count, latest.density_ratio,    latest.size_spread,
-      latest.speed_mean, latest.speed_spread, latest.clustering_ratio, latest.static_ratio};
-  return Give("swp_scene_descriptor", now, descriptor);
+  return Use(session, [&](const Session& live) {
+    const SceneDescriptor& latest = live.descriptor;
+    const swp_scene_descriptor now = {
+        sizeof now,        latest.object_count, latest.density_ratio,    latest.size_spread,
+        latest.speed_mean, latest.speed_spread, latest.clustering_ratio, latest.static_ratio};
+    return Give("swp_scene_descriptor", now, descriptor);
+  });
 }
 
 swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command) {
-  if (session == nullptr || command == nullptr) return NullArgument("session and command");
-  if (const swp_result wrong = ArmIndex(*session, command->arm); wrong != SWP_OK) return wrong;
-  if (command->reason < SWP_SWITCH_POLICY || command->reason > SWP_SWITCH_MANUAL) {
-    return Fail(SWP_INVALID_ARGUMENT, "reason must be one of SWP_SWITCH_*, 1 to 4");
-  }
-  if (command->command_id >= kCommandIdLimit) {
-    return Fail(SWP_INVALID_ARGUMENT, "command_id must be below 2^48");
-  }
-  session->adaptive->mailbox().Post(
-      {command->command_id, command->arm, static_cast<SwitchReason>(command->reason)});
-  return SWP_OK;
+  return Use(session, [&](Session& live) {
+    if (command == nullptr) return NullArgument("command");
+    if (const swp_result wrong = CheckArm(live, command->arm); wrong != SWP_OK) return wrong;
+    if (command->reason < SWP_SWITCH_POLICY || command->reason > SWP_SWITCH_MANUAL) {
+      return Fail(SWP_INVALID_ARGUMENT, "reason must be one of SWP_SWITCH_*, 1 to 4");
+    }
+    if (command->command_id >= kCommandIdLimit) {
+      return Fail(SWP_INVALID_ARGUMENT, "command_id must be below 2^48");
+    }
+    live.adaptive->mailbox().Post(
+        {command->command_id, command->arm, static_cast<SwitchReason>(command->reason)});
+    return kOk;
+  });
 }
 
 swp_result swp_session_set_decider_present(swp_session* session, uint32_t present) {
-  if (session == nullptr) return NullArgument("session");
-  if (present > 1) return Fail(SWP_INVALID_ARGUMENT, "present must be 0 or 1");
-  session->adaptive->SetDeciderPresent(present == 1);
-  return SWP_OK;
+  return Use(session, [&](Session& live) {
+    if (present > 1) return Fail(SWP_INVALID_ARGUMENT, "present must be 0 or 1");
+    live.adaptive->SetDeciderPresent(present == 1);
+    return kOk;
+  });
 }
 
 swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
                                            uint32_t count) {
-  if (session == nullptr || means == nullptr) return NullArgument("session and means");
-  if (count != session->adaptive->arms().size()) {
-    return Fail(SWP_INVALID_ARGUMENT, "there must be one mean per arm: see swp_session_arm_count");
-  }
-  const std::span<const double> given(means, count);
-  const bool valid =
-      std::all_of(given.begin(), given.end(), [](double mean) { return mean >= 0 && mean <= 1; });
-  if (!valid) return Fail(SWP_INVALID_ARGUMENT, "each mean must be from 0 to 1");
-  return Guard([&] {
-    session->adaptive->SetPosteriorMeans(given);
-    return static_cast<swp_result>(SWP_OK);
+  return Use(session, [&](Session& live) {
+    if (means == nullptr) return NullArgument("means");
+    if (count != live.adaptive->arms().size()) {
+      return Fail(SWP_INVALID_ARGUMENT,
+                  "there must be one mean per arm: see swp_session_arm_count");
+    }
+    const std::span<const double> given(means, count);
+    const bool valid =
+        std::all_of(given.begin(), given.end(), [](double mean) { return mean >= 0 && mean <= 1; });
+    if (!valid) return Fail(SWP_INVALID_ARGUMENT, "each mean must be from 0 to 1");
+    live.adaptive->SetPosteriorMeans(given);
+    return kOk;
   });
 }
 
 swp_result swp_session_set_verdict(swp_session* session, const swp_verdict* verdict) {
-  if (session == nullptr || verdict == nullptr) return NullArgument("session and verdict");
-  if (const swp_result wrong = ArmIndex(*session, verdict->leader_arm); wrong != SWP_OK) {
-    return wrong;
-  }
-  if (verdict->kind > SWP_VERDICT_DEGRADED) {
-    return Fail(SWP_INVALID_ARGUMENT, "kind must be one of SWP_VERDICT_*, 0 to 4");
-  }
-  if (!(verdict->leader_probability >= 0 && verdict->leader_probability <= 1)) {
-    return Fail(SWP_INVALID_ARGUMENT, "leader_probability must be from 0 to 1");
-  }
-  session->adaptive->SetVerdict({static_cast<sweepstake::Verdict>(verdict->kind),
-                                 verdict->leader_arm, verdict->leader_probability});
-  return SWP_OK;
+  return Use(session, [&](Session& live) {
+    if (verdict == nullptr) return NullArgument("verdict");
+    if (const swp_result wrong = CheckArm(live, verdict->leader_arm); wrong != SWP_OK) return wrong;
+    if (verdict->kind > SWP_VERDICT_DEGRADED) {
+      return Fail(SWP_INVALID_ARGUMENT, "kind must be one of SWP_VERDICT_*, 0 to 4");
+    }
+    if (!(verdict->leader_probability >= 0 && verdict->leader_probability <= 1)) {
+      return Fail(SWP_INVALID_ARGUMENT, "leader_probability must be from 0 to 1");
+    }
+    live.adaptive->SetVerdict({static_cast<sweepstake::Verdict>(verdict->kind), verdict->leader_arm,
+                               verdict->leader_probability});
+    return kOk;
+  });
 }
 
 swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns) {
-  if (session == nullptr) return NullArgument("session");
-  session->adaptive->SetSettling(settling_ns);
-  return SWP_OK;
+  return Use(session, [&](Session& live) { live.adaptive->SetSettling(settling_ns); });
 }
 
 swp_result swp_session_set_bail_out_limit(swp_session* session, uint64_t limit_ns) {
-  if (session == nullptr) return NullArgument("session");
-  if (limit_ns == 0) {
-    return Fail(SWP_INVALID_ARGUMENT, "limit_ns is 0; give the longest frame in ns");
-  }
-  session->adaptive->SetBailOutLimit(limit_ns);
-  return SWP_OK;
+  return Use(session, [&](Session& live) {
+    if (limit_ns == 0) {
+      return Fail(SWP_INVALID_ARGUMENT, "limit_ns is 0; give the longest frame in ns");
+    }
+    live.adaptive->SetBailOutLimit(limit_ns);
+    return kOk;
+  });
 }

@@ -3,6 +3,7 @@
 
 #include "engine_client/c_api/boundary.h"
 #include "engine_client/c_api/executor.h"
+#include "engine_client/c_api/live.h"
 #include "engine_client/c_api/sized_struct.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
@@ -15,7 +16,12 @@ using sweepstake::PairSorter;
 using sweepstake::SteadyClock;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
-struct swp_world {
+namespace {
+
+struct World {
+  static constexpr swp_kind kKind = SWP_KIND_WORLD;
+  static constexpr std::string_view kName = "world";
+
   std::unique_ptr<sweepstake::Executor> executor;  // outlives the backend
   std::unique_ptr<BroadPhase> backend;
   std::unique_ptr<PairSorter> sorter;  // null: as the backend finds them
@@ -27,11 +33,9 @@ struct swp_world {
   uint64_t search_time_ns = 0;
 };
 
-namespace {
-
 // Gives the boxes to the backend by `take`. An exception leaves the world unbuilt.
 template <typename Take>
-void TakeBoxes(swp_world& world, uint32_t count, const Take& take) {
+void TakeBoxes(World& world, uint32_t count, const Take& take) {
   world.built = false;
   world.searched = false;
   world.pairs.Clear();
@@ -43,7 +47,7 @@ void TakeBoxes(swp_world& world, uint32_t count, const Take& take) {
   world.built = true;
 }
 
-void Search(swp_world& world) {
+void Search(World& world) {
   world.built = false;
   const uint64_t start_ns = SteadyClock().NowNs();
   world.backend->FindPairs(world.pairs);
@@ -59,18 +63,24 @@ swp_result CreateWorld(const char* backend, const swp_world_options& options, sw
   if (options.sorted_pairs > 1 || options.reserved != 0) {
     return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1, reserved 0");
   }
-  auto created = std::make_unique<swp_world>();
+  auto created = std::make_unique<World>();
   const swp_result wrong = MakeExecutor(options.thread_count, options.executor, created->executor);
   if (wrong != SWP_OK) return wrong;
   auto made = sweepstake::MakeBroadPhase(backend, {created->executor.get()});
   if (!made.ok()) return ToResult(made.status());
   created->backend = std::move(*made);
   if (options.sorted_pairs != 0) created->sorter = std::make_unique<PairSorter>();
-  *world = created.release();
+  Publish(std::move(created), world);
   return SWP_OK;
 }
 
+swp_result NotBuilt() { return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first"); }
+
 }  // namespace
+
+struct swp_world final : Handle<World> {
+  using Handle::Handle;
+};
 
 uint32_t swp_backend_count(void) { return static_cast<uint32_t>(BroadPhaseNames().size()); }
 
@@ -98,48 +108,50 @@ swp_result swp_world_create_with(const char* backend, const swp_world_options* o
   });
 }
 
-void swp_world_destroy(swp_world* world) { delete world; }
+void swp_world_destroy(swp_world* world) { Destroy(world); }
 
 swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint32_t count) {
-  if (world == nullptr) return NullArgument("world");
-  if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
-  return Guard([&] {
-    TakeBoxes(*world, count, [&] { world->backend->Build(ToBoxes(boxes, count)); });
-    return static_cast<swp_result>(SWP_OK);
+  return Use(world, [&](World& live) {
+    const swp_result wrong = CheckBoxes(boxes, count);
+    if (wrong != SWP_OK) return wrong;
+    TakeBoxes(live, count, [&] { live.backend->Build(ToBoxes(boxes, count)); });
+    return kOk;
   });
 }
 
 swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count) {
-  if (world == nullptr) return NullArgument("world");
-  if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
-  if (!world->built) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first");
-  return Guard([&] {
-    TakeBoxes(*world, count, [&] { world->backend->Update(ToBoxes(boxes, count)); });
-    return static_cast<swp_result>(SWP_OK);
+  return Use(world, [&](World& live) {
+    if (const swp_result wrong = CheckBoxes(boxes, count); wrong != SWP_OK) return wrong;
+    if (!live.built) return NotBuilt();
+    TakeBoxes(live, count, [&] { live.backend->Update(ToBoxes(boxes, count)); });
+    return kOk;
   });
 }
 
-swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
-                                uint64_t* count) {
-  if (world == nullptr || count == nullptr) return NullArgument("world and count");
-  if (pairs == nullptr && capacity > 0) return NullArgument("pairs");
-  if (!world->built) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_build first");
-  return Guard([&] {
-    if (!world->searched) Search(*world);
-    return WriteAll(world->pairs.pairs(), pairs, capacity, count);
+swp_result swp_world_find_pairs(swp_world* world) {
+  return Use(world, [&](World& live) {
+    if (!live.built) return NotBuilt();
+    if (!live.searched) Search(live);
+    return kOk;
+  });
+}
+
+swp_result swp_world_pairs(const swp_world* world, const swp_pair** pairs, uint64_t* count) {
+  return Use(world, [&](const World& live) {
+    if (!live.searched) return Fail(SWP_FAILED_PRECONDITION, "call swp_world_find_pairs first");
+    return GivePairs(live.pairs.pairs(), pairs, count);
   });
 }
 
 swp_result swp_world_counters(const swp_world* world, swp_counters* counters) {
-  if (world == nullptr || counters == nullptr) return NullArgument("world and counters");
-  return Guard([&] {
+  return Use(world, [&](const World& live) {
     swp_counters now{};
-    now.object_count = world->object_count;
-    now.aabb_check_count = world->built ? world->backend->aabb_check_count() : 0;
-    now.native_bytes = world->backend->native_bytes();
-    now.detection_time_ns = world->take_time_ns + world->search_time_ns;
-    now.pair_count = world->pairs.size();
-    now.backend_version = world->backend->version();
+    now.object_count = live.object_count;
+    now.aabb_check_count = live.built ? live.backend->aabb_check_count() : 0;
+    now.native_bytes = live.backend->native_bytes();
+    now.detection_time_ns = live.take_time_ns + live.search_time_ns;
+    now.pair_count = live.pairs.size();
+    now.backend_version = live.backend->version();
     return Give("swp_counters", now, counters);
   });
 }

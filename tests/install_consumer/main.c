@@ -6,14 +6,15 @@
 int main(void) {
   const swp_aabb boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {2, 2, 2}}};
   swp_world* world = NULL;
-  swp_pair pair = {9, 9};
+  const swp_pair* pairs = NULL;
   uint64_t count = 0;
   if (swp_abi_version() != SWP_ABI_VERSION || swp_world_create("KDTree", &world) != SWP_OK ||
-      swp_world_build(world, boxes, 2) != SWP_OK ||
-      swp_world_find_pairs(world, &pair, 1, &count) != SWP_OK) {
+      swp_world_build(world, boxes, 2) != SWP_OK || swp_world_find_pairs(world) != SWP_OK ||
+      swp_world_pairs(world, &pairs, &count) != SWP_OK) {
     fprintf(stderr, "%s\n", swp_last_error());
     return 1;
   }
+  const int right = count == 1 && pairs[0].a == 0 && pairs[0].b == 1;
   swp_world_destroy(world);
-  return count == 1 && pair.a == 0 && pair.b == 1 ? 0 : 1;
+  return right ? 0 : 1;
 }

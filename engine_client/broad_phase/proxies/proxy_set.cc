@@ -255,6 +255,9 @@ Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, R
 }
 
 void ProxySet::PrepareQueries() { impl_->RefreshTrees(); }
+bool ProxySet::queries_prepared() const {
+  return !impl_->moving_.table().changed() && !impl_->resting_.table().changed();
+}
 uint64_t ProxySet::refit_count() const {
   return impl_->moving_.refit_count() + impl_->resting_.refit_count();
 }

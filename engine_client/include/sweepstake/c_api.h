@@ -77,6 +77,45 @@ enum {
  * the next failure on this thread. */
 SWP_API const char* swp_last_error(void);
 
+/* The latest failed call of one object, whichever thread it was on: jobs migrate. Writes one line,
+ * "" if none has failed, cut to 255 bytes and to `capacity` with its NUL. It takes a lock that no
+ * frame takes, and may be called by any thread at any time; SWP_NOT_FOUND if there is no such
+ * object. Where two calls of the object fail at the same moment, one of them is told. */
+SWP_API swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity);
+
+/* ---- hosts that lose their handles ---- */
+
+typedef uint32_t swp_kind;
+enum {
+  SWP_KIND_ANY = 0,
+  SWP_KIND_WORLD = 1,
+  SWP_KIND_SESSION = 2,
+  SWP_KIND_PROXIES = 3,
+  SWP_KIND_SCENE = 4
+};
+
+/* How many objects of this kind live in the process; 0 of an unknown kind. Any thread, any time. */
+SWP_API uint32_t swp_live_count(swp_kind kind);
+
+/* Ends every object of the process, with its threads and memory: for a host whose domain was
+ * reloaded and has left its handles behind, before it makes new ones.
+ *
+ * No call begins any more: each is answered with SWP_FAILED_PRECONDITION. Those under way are
+ * waited for, at most deadline_ms (and the time of freeing one object: a session's lane stops
+ * within 50 ms). SWP_UNAVAILABLE if some have not returned by then; what they use lives on, the
+ * rest is freed, and a later call goes on with it. With 0 nothing is waited for.
+ *
+ * Safe: any thread may call it, at any time, also beside calls that take an object as non-const,
+ * and more than once. A handle that turns up afterwards may be given to any function, on any
+ * thread: it is SWP_FAILED_PRECONDITION, and _destroy takes it once, as ever. Each lost handle
+ * keeps some 400 bytes until then.
+ *
+ * Not safe: a call that takes the object as const (to read pairs, or to query proxies), or a
+ * _destroy, under way on another thread; reading memory that an object has handed out; and a handle
+ * that was destroyed, as ever. An executor of the caller's is not called any more once SWP_OK is
+ * returned. */
+SWP_API swp_result swp_shutdown_all(uint32_t deadline_ms);
+
 /* ---- version ---- */
 
 /* SWP_ABI_VERSION of the loaded library. Compare it before anything else: another version is

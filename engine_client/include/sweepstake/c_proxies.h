@@ -4,14 +4,17 @@
  * The functions mirror sweepstake/proxy_set.h, which says what each of them costs. A frame, with a
  * world or a session:
  *
- *   swp_proxies_move(proxies, handles, boxes, count);
+ *   swp_proxies_set_boxes(proxies, handles, boxes, count);
  *   swp_proxies_moving_boxes(proxies, &moving, &moving_count);
  *   swp_world_update(world, moving, moving_count);
- *   swp_world_find_pairs(world, pairs, capacity, &pair_count);
- *   swp_proxies_resolve(proxies, pairs, pair_count, resolved, resolved_capacity, &resolved_count);
+ *   swp_world_find_pairs(world);
+ *   swp_world_pairs(world, &found, &found_count);
+ *   swp_proxies_resolve(proxies, found, found_count);
+ *   swp_proxies_pairs(proxies, &pairs, &pair_count);
  *
- * One caller at a time may use a set. A handle of a removed proxy, or one that never had a proxy,
- * is SWP_NOT_FOUND and changes nothing.
+ * One caller at a time may use a set, but for those who only read: calls that take a const set may
+ * run on any number of threads at the same time, with none of the others beside them. A handle of a
+ * removed proxy, or one that never had a proxy, is SWP_NOT_FOUND and changes nothing.
  */
 #ifndef SWEEPSTAKE_C_PROXIES_H_
 #define SWEEPSTAKE_C_PROXIES_H_
@@ -87,13 +90,21 @@ SWP_API swp_result swp_proxies_options_init(swp_proxies_options* options);
 SWP_API swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** proxies);
 SWP_API void swp_proxies_destroy(swp_proxies* proxies);
 
-/* `options` NULL makes a moving proxy with category 1, all bits in its mask and user 0. */
-SWP_API swp_result swp_proxies_add(swp_proxies* proxies, const swp_aabb* box,
-                                   const swp_proxy_options* options, swp_proxy* proxy);
-SWP_API swp_result swp_proxies_remove(swp_proxies* proxies, swp_proxy proxy);
-/* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. */
-SWP_API swp_result swp_proxies_move(swp_proxies* proxies, const swp_proxy* moved,
-                                    const swp_aabb* boxes, uint32_t count);
+/* Adds a proxy for each box and writes their handles to `added`. `options` has one element for each
+ * of them; NULL makes moving proxies with category 1, all bits in the mask and user 0. Cost: O(1)
+ * for a moving one; of static ones, see ProxySet::Add. If memory is out, nothing was added, and
+ * what `added` holds is undefined. */
+SWP_API swp_result swp_proxies_add_many(swp_proxies* proxies, const swp_aabb* boxes,
+                                        const swp_proxy_options* options, uint32_t count,
+                                        swp_proxy* added);
+/* Removes these proxies. If one handle is SWP_NOT_FOUND, none is removed; one that is given twice
+ * is removed once. */
+SWP_API swp_result swp_proxies_remove_many(swp_proxies* proxies, const swp_proxy* removed,
+                                           uint32_t count);
+/* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. Cost: O(1) each,
+ * and nothing more for a box that is the same as before. */
+SWP_API swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
+                                         const swp_aabb* boxes, uint32_t count);
 SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
                                           const swp_filter* filter);
 SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user);
@@ -110,40 +121,49 @@ SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* movi
  * invalid box, which overlaps nothing. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
-/* To be called once per frame with all pairs that were found in those boxes. Gives the pairs of ids
- * that pass the filters, including those with static proxies, by the rules of buffers of
- * swp_world_find_pairs; if the room was too small, swp_proxies_copy_pairs gives them.
- * SWP_INVALID_ARGUMENT for a pair that is not of those boxes. */
+/* To be called once per frame with all pairs that were found in those boxes. Keeps the pairs of ids
+ * that pass the filters, and adds those with static proxies. SWP_INVALID_ARGUMENT for a pair that
+ * is not of those boxes. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
-                                       uint64_t moving_pair_count, swp_pair* pairs,
-                                       uint64_t capacity, uint64_t* pair_count);
-/* Gives the pairs of the latest resolve again. */
-SWP_API swp_result swp_proxies_copy_pairs(const swp_proxies* proxies, swp_pair* pairs,
-                                          uint64_t capacity, uint64_t* pair_count);
-/* The pairs that began and ended between the latest two resolves, in ascending order, by the rules
- * of buffers of swp_world_find_pairs; none without pair_events. Pairs of a removed proxy have
- * ended. */
-SWP_API swp_result swp_proxies_added(const swp_proxies* proxies, swp_proxy_pair* added,
-                                     uint64_t capacity, uint64_t* count);
-SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, swp_proxy_pair* removed,
-                                       uint64_t capacity, uint64_t* count);
+                                       uint64_t moving_pair_count);
+/* The pairs of the latest resolve: valid until the next one, and no longer than the moving_pairs
+ * that it was given, which they may be themselves. SWP_FAILED_PRECONDITION before the first. */
+SWP_API swp_result swp_proxies_pairs(const swp_proxies* proxies, const swp_pair** pairs,
+                                     uint64_t* count);
+/* The pairs that began and ended between the latest two resolves, in ascending order; none without
+ * pair_events. Pairs of a removed proxy have ended. Valid until the next resolve. */
+SWP_API swp_result swp_proxies_added(const swp_proxies* proxies, const swp_proxy_pair** added,
+                                     uint64_t* count);
+SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_proxy_pair** removed,
+                                       uint64_t* count);
 
-/* Queries over the current moving and static proxies whose filter and the query's filter pass. The
- * rules of buffers are as above; a second call with more room searches again. */
+/* Queries over the current moving and static proxies whose filter and the query's filter pass. They
+ * take a const set and write to the caller's memory, so that any number of threads may query at the
+ * same time. A thread's first queries allocate, the others do not. SWP_FAILED_PRECONDITION if
+ * something has changed since swp_proxies_prepare_queries. */
 
-/* Gives all proxies that overlap the box, by ascending index. */
-SWP_API swp_result swp_proxies_query_box(swp_proxies* proxies, const swp_aabb* box,
-                                         const swp_filter* filter, swp_proxy* found,
-                                         uint64_t capacity, uint64_t* count);
-/* Gives all hits by ascending distance, at equal distance by index. SWP_INVALID_ARGUMENT for a ray
- * that is not finite or has a negative max_distance. */
-SWP_API swp_result swp_proxies_cast_ray(swp_proxies* proxies, const swp_ray* ray,
+/* Makes the queries ready, as ProxySet::PrepareQueries: O(1) if nothing has changed, otherwise
+ * O(proxies of the kind that has). */
+SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
+/* For each box, gives all proxies that overlap it, by ascending id: those of box k are in `found`
+ * from ends[k - 1] (0 for the first box) to ends[k]. If the capacity of `found` is too small, the
+ * result is SWP_RESOURCE_EXHAUSTED; `ends` is right, its last says what is needed, and `found`
+ * holds the results of the first boxes as far as they fit. */
+SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
+                                           uint32_t box_count, const swp_filter* filter,
+                                           swp_proxy* found, uint64_t capacity, uint64_t* ends);
+/* For each ray, gives the nearest hit; without one, its proxy is 0 and the distance the ray's
+ * max_distance. SWP_INVALID_ARGUMENT for a ray that is not finite or has a negative max_distance.
+ */
+SWP_API swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
+                                         uint32_t ray_count, const swp_filter* filter,
+                                         swp_ray_hit* hits);
+/* Gives all hits of one ray by ascending distance, at equal distance by id. If the capacity is too
+ * small, the result is SWP_RESOURCE_EXHAUSTED, `count` says what is needed and no hit is written.
+ */
+SWP_API swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
                                         const swp_filter* filter, swp_ray_hit* hits,
                                         uint64_t capacity, uint64_t* count);
-/* Gives the nearest hit. If there is none, `found` is 0 and `hit` is unchanged. */
-SWP_API swp_result swp_proxies_cast_ray_nearest(swp_proxies* proxies, const swp_ray* ray,
-                                                const swp_filter* filter, swp_ray_hit* hit,
-                                                uint32_t* found);
 
 /* NOLINTEND(modernize-use-using) */
 

@@ -174,7 +174,7 @@ SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends. */
 SWP_API swp_result swp_session_create(const swp_session_options* options, swp_session** session);
-/* No other thread may be in a call. */
+/* No other call may be under way. */
 SWP_API void swp_session_destroy(swp_session* session);
 
 /* The frame thread calls these in this order: once per frame the first and the last, find_pairs any
@@ -184,14 +184,13 @@ SWP_API void swp_session_destroy(swp_session* session);
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
 /* The active backend takes these boxes, whose count may change as in swp_world_update, and
  * searches. A frame with substeps or several fixed updates calls it for each; together they are one
- * sample. The pairs and their number are written as in swp_world_find_pairs; if the room was too
- * small, swp_session_copy_pairs gives them. */
+ * sample. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
-                                          uint32_t box_count, swp_pair* pairs, uint64_t capacity,
-                                          uint64_t* pair_count);
-/* Gives the pairs of the latest search again, under the same rules, until the next begin_frame. */
-SWP_API swp_result swp_session_copy_pairs(const swp_session* session, swp_pair* pairs,
-                                          uint64_t capacity, uint64_t* pair_count);
+                                          uint32_t box_count);
+/* The pairs of the latest search, in the library's memory, where any thread may read them until the
+ * next find_pairs or begin_frame. SWP_FAILED_PRECONDITION if this frame has not searched. */
+SWP_API swp_result swp_session_pairs(const swp_session* session, const swp_pair** pairs,
+                                     uint64_t* count);
 /* `frame_time_ns` is the unscaled time since the previous end; `flags` of SWP_FRAME_PAUSED and
  * SWP_FRAME_LOADING. */
 SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns,

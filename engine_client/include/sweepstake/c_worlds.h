@@ -60,13 +60,12 @@ SWP_API swp_result swp_world_build(swp_world* world, const swp_aabb* boxes, uint
  * removes the last ones; the others keep their ids. SWP_FAILED_PRECONDITION before a build. */
 SWP_API swp_result swp_world_update(swp_world* world, const swp_aabb* boxes, uint32_t count);
 
-/* Writes each overlapping pair once into `pairs`, which has room for `capacity`, and their number
- * into `count`. If the room is too small, it returns SWP_RESOURCE_EXHAUSTED, `count` says what
- * is needed and no pair is written; a second call with more room gives the same pairs. It searches
- * once per build or update; further calls hand out the same pairs. `pairs` may be NULL if
- * capacity is 0. */
-SWP_API swp_result swp_world_find_pairs(swp_world* world, swp_pair* pairs, uint64_t capacity,
-                                        uint64_t* count);
+/* Searches for each overlapping pair, once per build or update; a further call does nothing.
+ * SWP_FAILED_PRECONDITION before a build. */
+SWP_API swp_result swp_world_find_pairs(swp_world* world);
+/* The pairs of the search, each once, in the library's memory, where any thread may read them until
+ * the next build or update. SWP_FAILED_PRECONDITION before the search. */
+SWP_API swp_result swp_world_pairs(const swp_world* world, const swp_pair** pairs, uint64_t* count);
 
 SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* counters);
 

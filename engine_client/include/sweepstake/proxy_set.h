@@ -185,6 +185,8 @@ class ProxySet {
   // Does the work of the first query after a change. Until the next change, any number of threads
   // may then query at the same time.
   void PrepareQueries();
+  // Returns whether nothing has changed since the trees were last made ready by one of these.
+  bool queries_prepared() const;
 
   // Returns how often a tree has been refitted, which is what queries after changes and the search
   // among static proxies cost beside themselves.

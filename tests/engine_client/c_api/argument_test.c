@@ -14,6 +14,7 @@ static void check_worlds(void) {
   swp_world* none = NULL;
   swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   swp_counters counters = {.struct_size = sizeof counters};
+  const swp_pair* pairs = NULL;
   uint64_t count = 0;
   REFUSED(swp_world_create(NULL, &none));
   REFUSED(swp_world_create("SAP", NULL));
@@ -25,9 +26,12 @@ static void check_worlds(void) {
   REFUSED(swp_world_build(world, &box, 0x80000000U));
   REFUSED(swp_world_update(NULL, &box, 1));
   REFUSED(swp_world_update(world, NULL, 1));
-  REFUSED(swp_world_find_pairs(NULL, NULL, 0, &count));
-  REFUSED(swp_world_find_pairs(world, NULL, 0, NULL));
-  REFUSED(swp_world_find_pairs(world, NULL, 1, &count));
+  REFUSED(swp_world_find_pairs(NULL));
+  CHECK_OK(swp_world_build(world, &box, 1));
+  CHECK_OK(swp_world_find_pairs(world));
+  REFUSED(swp_world_pairs(NULL, &pairs, &count));
+  REFUSED(swp_world_pairs(world, NULL, &count));
+  REFUSED(swp_world_pairs(world, &pairs, NULL));
   REFUSED(swp_world_counters(NULL, &counters));
   REFUSED(swp_world_counters(world, NULL));
   swp_world_destroy(world);
@@ -124,67 +128,101 @@ static void check_proxies_without_one(void) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   const swp_aabb* boxes = NULL;
   const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
+  const swp_pair* pairs = NULL;
+  const swp_proxy_pair* events = NULL;
   swp_proxy proxy = UINT64_C(1) << 32;
   swp_ray_hit hit;
   uint64_t count = 0;
   uint32_t number = 0;
-  REFUSED(swp_proxies_add(NULL, &box, NULL, &proxy));
-  REFUSED(swp_proxies_remove(NULL, proxy));
-  REFUSED(swp_proxies_move(NULL, &proxy, &box, 1));
+  REFUSED(swp_proxies_add_many(NULL, &box, NULL, 1, &proxy));
+  REFUSED(swp_proxies_remove_many(NULL, &proxy, 1));
+  REFUSED(swp_proxies_set_boxes(NULL, &proxy, &box, 1));
   REFUSED(swp_proxies_set_filter(NULL, proxy, NULL));
   REFUSED(swp_proxies_set_user(NULL, proxy, 1));
   REFUSED(swp_proxies_get(NULL, proxy, NULL, NULL));
   REFUSED(swp_proxies_handle(NULL, 0, &proxy));
   REFUSED(swp_proxies_counts(NULL, &number, &number, &count));
   REFUSED(swp_proxies_moving_boxes(NULL, &boxes, &number));
-  REFUSED(swp_proxies_resolve(NULL, NULL, 0, NULL, 0, &count));
-  REFUSED(swp_proxies_copy_pairs(NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_added(NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_removed(NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_query_box(NULL, &box, NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_cast_ray(NULL, &ray, NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_cast_ray_nearest(NULL, &ray, NULL, &hit, &number));
+  REFUSED(swp_proxies_resolve(NULL, NULL, 0));
+  REFUSED(swp_proxies_pairs(NULL, &pairs, &count));
+  REFUSED(swp_proxies_added(NULL, &events, &count));
+  REFUSED(swp_proxies_removed(NULL, &events, &count));
+  REFUSED(swp_proxies_prepare_queries(NULL));
+  REFUSED(swp_proxies_query_boxes(NULL, &box, 1, NULL, &proxy, 1, &count));
+  REFUSED(swp_proxies_cast_rays(NULL, &ray, 1, NULL, &hit));
+  REFUSED(swp_proxies_cast_ray(NULL, &ray, NULL, &hit, 1, &count));
   swp_proxies_destroy(NULL);
+}
+
+static void check_adding(swp_proxies* proxies) {
+  const swp_aabb boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}};
+  const swp_proxy_options unknown_flag[2] = {{{1, 1}, 0, 0, 0}, {{1, 1}, 2, 0, 0}};
+  const swp_proxy_options reserved[2] = {{{1, 1}, 0, 0, 0}, {{1, 1}, 0, 1, 0}};
+  swp_proxy added[2] = {77, 77};
+  uint32_t count = 99;
+  REFUSED(swp_proxies_add_many(proxies, NULL, NULL, 1, added));
+  REFUSED(swp_proxies_add_many(proxies, boxes, NULL, 1, NULL));
+  REFUSED(swp_proxies_add_many(proxies, boxes, unknown_flag, 2, added));
+  REFUSED(swp_proxies_add_many(proxies, boxes, reserved, 2, added));
+  CHECK_OK(swp_proxies_add_many(proxies, NULL, NULL, 0, NULL));
+  REFUSED(swp_proxies_remove_many(proxies, NULL, 1));
+  REFUSED(swp_proxies_set_boxes(proxies, NULL, boxes, 1));
+  REFUSED(swp_proxies_set_boxes(proxies, added, NULL, 1));
+  CHECK_OK(swp_proxies_set_boxes(proxies, NULL, NULL, 0));
+  CHECK_OK(swp_proxies_remove_many(proxies, NULL, 0));
+  CHECK_OK(swp_proxies_counts(proxies, &count, NULL, NULL));
+  CHECK(count == 0 && added[0] == 77);
+}
+
+static void check_queries(swp_proxies* proxies) {
+  const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
+  const swp_ray backwards = {{0, 0, 0}, {1, 0, 0}, -1};
+  swp_proxy proxy = 0;
+  swp_ray_hit hit;
+  uint64_t count = 0;
+  CHECK_OK(swp_proxies_prepare_queries(proxies));
+  REFUSED(swp_proxies_query_boxes(proxies, NULL, 1, NULL, &proxy, 1, &count));
+  REFUSED(swp_proxies_query_boxes(proxies, &box, 1, NULL, NULL, 1, &count));
+  REFUSED(swp_proxies_query_boxes(proxies, &box, 1, NULL, &proxy, 1, NULL));
+  CHECK_OK(swp_proxies_query_boxes(proxies, NULL, 0, NULL, NULL, 0, NULL));
+  REFUSED(swp_proxies_cast_rays(proxies, NULL, 1, NULL, &hit));
+  REFUSED(swp_proxies_cast_rays(proxies, &ray, 1, NULL, NULL));
+  REFUSED(swp_proxies_cast_rays(proxies, &backwards, 1, NULL, &hit));
+  CHECK_OK(swp_proxies_cast_rays(proxies, NULL, 0, NULL, NULL));
+  REFUSED(swp_proxies_cast_ray(proxies, NULL, NULL, &hit, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, &backwards, NULL, &hit, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, &ray, NULL, NULL, 1, &count));
+  REFUSED(swp_proxies_cast_ray(proxies, &ray, NULL, &hit, 1, NULL));
 }
 
 static void check_proxies(void) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   const swp_aabb* boxes = NULL;
-  const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
-  const swp_proxy_options unknown_flag = {{1, 1}, 2, 0, 0};
-  const swp_proxy_options reserved = {{1, 1}, 0, 1, 0};
   const swp_pair wrong[4] = {{0, 1}, {0, 0}, {1, 0}, {0, 0x80000000U}};
+  const swp_pair* pairs = NULL;
+  const swp_proxy_pair* events = NULL;
   swp_proxies* proxies = NULL;
-  swp_proxy proxy = UINT64_C(1) << 32;
-  swp_ray_hit hit;
+  swp_proxy proxy = 0;
   uint64_t count = 0;
   uint32_t number = 0;
   CHECK_OK(swp_proxies_create(NULL, &proxies));
-  REFUSED(swp_proxies_add(proxies, NULL, NULL, &proxy));
-  REFUSED(swp_proxies_add(proxies, &box, NULL, NULL));
-  REFUSED(swp_proxies_add(proxies, &box, &unknown_flag, &proxy));
-  REFUSED(swp_proxies_add(proxies, &box, &reserved, &proxy));
-  REFUSED(swp_proxies_move(proxies, NULL, &box, 1));
-  REFUSED(swp_proxies_move(proxies, &proxy, NULL, 1));
-  CHECK_OK(swp_proxies_move(proxies, NULL, NULL, 0));
+  check_adding(proxies);
   REFUSED(swp_proxies_handle(proxies, 0, NULL));
   CHECK_OK(swp_proxies_counts(proxies, NULL, NULL, NULL));
   REFUSED(swp_proxies_moving_boxes(proxies, NULL, &number));
   REFUSED(swp_proxies_moving_boxes(proxies, &boxes, NULL));
-  CHECK_OK(swp_proxies_add(proxies, &box, NULL, &proxy));
-  for (int i = 0; i < 4; ++i) REFUSED(swp_proxies_resolve(proxies, &wrong[i], 1, NULL, 0, &count));
-  REFUSED(swp_proxies_resolve(proxies, NULL, 1, NULL, 0, &count));
-  REFUSED(swp_proxies_resolve(proxies, NULL, 0, NULL, 1, &count));
-  REFUSED(swp_proxies_resolve(proxies, NULL, 0, NULL, 0, NULL));
-  REFUSED(swp_proxies_copy_pairs(proxies, NULL, 0, NULL));
-  REFUSED(swp_proxies_added(proxies, NULL, 1, &count));
-  REFUSED(swp_proxies_removed(proxies, NULL, 0, NULL));
-  REFUSED(swp_proxies_query_box(proxies, NULL, NULL, NULL, 0, &count));
-  REFUSED(swp_proxies_query_box(proxies, &box, NULL, NULL, 1, &count));
-  REFUSED(swp_proxies_cast_ray(proxies, NULL, NULL, &hit, 1, &count));
-  REFUSED(swp_proxies_cast_ray(proxies, &ray, NULL, NULL, 1, &count));
-  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, NULL, NULL, &number));
-  REFUSED(swp_proxies_cast_ray_nearest(proxies, &ray, NULL, &hit, NULL));
+  CHECK_OK(swp_proxies_add_many(proxies, &box, NULL, 1, &proxy));
+  for (int i = 0; i < 4; ++i) REFUSED(swp_proxies_resolve(proxies, &wrong[i], 1));
+  REFUSED(swp_proxies_resolve(proxies, NULL, 1));
+  CHECK_OK(swp_proxies_resolve(proxies, NULL, 0));
+  REFUSED(swp_proxies_pairs(proxies, NULL, &count));
+  REFUSED(swp_proxies_pairs(proxies, &pairs, NULL));
+  REFUSED(swp_proxies_added(proxies, NULL, &count));
+  REFUSED(swp_proxies_added(proxies, &events, NULL));
+  REFUSED(swp_proxies_removed(proxies, NULL, &count));
+  REFUSED(swp_proxies_removed(proxies, &events, NULL));
+  check_queries(proxies);
   swp_proxies_destroy(proxies);
 }
 
@@ -235,12 +273,13 @@ static void check_sessions_without_one(void) {
   swp_scene_descriptor descriptor = {.struct_size = sizeof descriptor};
   swp_belief belief;
   const double mean = 0.5;
+  const swp_pair* pairs = NULL;
   const char* name = NULL;
   uint32_t number = 0;
   uint64_t count = 0;
   REFUSED(swp_session_begin_frame(NULL));
-  REFUSED(swp_session_find_pairs(NULL, &box, 1, NULL, 0, &count));
-  REFUSED(swp_session_copy_pairs(NULL, NULL, 0, &count));
+  REFUSED(swp_session_find_pairs(NULL, &box, 1));
+  REFUSED(swp_session_pairs(NULL, &pairs, &count));
   REFUSED(swp_session_end_frame(NULL, 1, 0));
   REFUSED(swp_session_select_arm(NULL, "SAP"));
   REFUSED(swp_session_set_mode(NULL, SWP_MODE_AI));
@@ -274,17 +313,16 @@ static void check_sessions_without_one(void) {
 }
 
 static void check_session_arguments(swp_session* session) {
+  const swp_pair* pairs = NULL;
   swp_frame_sample sample;
   uint32_t number = 0;
   uint64_t count = 0;
   const char* name = NULL;
   CHECK_OK(swp_session_begin_frame(session));
-  REFUSED(swp_session_find_pairs(session, NULL, 1, NULL, 0, &count));
-  REFUSED(swp_session_find_pairs(session, NULL, 0, NULL, 1, &count));
-  REFUSED(swp_session_find_pairs(session, NULL, 0, NULL, 0, NULL));
-  CHECK_OK(swp_session_find_pairs(session, NULL, 0, NULL, 0, &count));
-  REFUSED(swp_session_copy_pairs(session, NULL, 0, NULL));
-  REFUSED(swp_session_copy_pairs(session, NULL, 1, &count));
+  REFUSED(swp_session_find_pairs(session, NULL, 1));
+  CHECK_OK(swp_session_find_pairs(session, NULL, 0));
+  REFUSED(swp_session_pairs(session, NULL, &count));
+  REFUSED(swp_session_pairs(session, &pairs, NULL));
   CHECK_OK(swp_session_end_frame(session, 1, 0));
   REFUSED(swp_session_select_arm(session, NULL));
   REFUSED(swp_session_set_mode(session, 0));
@@ -316,9 +354,13 @@ static void check_session_arguments(swp_session* session) {
 }
 
 void test_arguments(void) {
+  char text[8];
   swp_session* session = NULL;
   uint32_t number = 0;
   REFUSED(swp_version(NULL, &number, &number));
+  REFUSED(swp_last_error_of(NULL, text, sizeof text));
+  REFUSED(swp_last_error_of(&number, NULL, 1));
+  REFUSED(swp_last_error_of(&number, text, 0));
   REFUSED(swp_decider_options_init(NULL));
   check_worlds();
   check_executors();

@@ -22,6 +22,9 @@ extern int failure_count;
 /* All overlapping pairs, in ascending order; the caller frees them. */
 swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_count);
 
+/* A copy, which the caller frees. */
+swp_pair* copy_pairs(const swp_pair* pairs, uint64_t count);
+
 /* Whether both hold the same pairs; sorts `found`. */
 int same_pairs(swp_pair* found, uint64_t found_count, const swp_pair* right, uint64_t right_count);
 

@@ -19,12 +19,10 @@ typedef struct game {
 static void run_frame(game* played, uint64_t frame_ns) {
   const swp_aabb* boxes = NULL;
   uint32_t count = 0;
-  uint64_t pair_count = 0;
   uint32_t commanded = 99;
-  swp_pair pairs[4096];
   CHECK_OK(swp_scene_boxes(played->scene, &boxes, &count));
   CHECK_OK(swp_session_begin_frame(played->session));
-  CHECK_OK(swp_session_find_pairs(played->session, boxes, count, pairs, 4096, &pair_count));
+  CHECK_OK(swp_session_find_pairs(played->session, boxes, count));
   CHECK_OK(swp_session_end_frame(played->session, frame_ns, 0));
   played->now_ns += frame_ns;
   CHECK_OK(

@@ -45,6 +45,13 @@ swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_coun
   return pairs;
 }
 
+swp_pair* copy_pairs(const swp_pair* pairs, uint64_t count) {
+  swp_pair* copy = malloc((count + 1) * sizeof *copy);
+  if (copy == NULL) abort();
+  if (count > 0) memcpy(copy, pairs, count * sizeof *copy);
+  return copy;
+}
+
 static int compare_pairs(const void* left, const void* right) {
   const swp_pair* a = left;
   const swp_pair* b = right;

@@ -42,13 +42,12 @@ static swp_world* make_world(const char* backend, uint32_t thread_count,
   return world;
 }
 
-static swp_pair* pairs_of(swp_world* world, const swp_aabb* boxes, uint32_t count,
-                          uint64_t* pair_count) {
-  *pair_count = 0;
+static const swp_pair* pairs_of(swp_world* world, const swp_aabb* boxes, uint32_t count,
+                                uint64_t* pair_count) {
+  const swp_pair* pairs = NULL;
   CHECK_OK(swp_world_build(world, boxes, count));
-  swp_world_find_pairs(world, NULL, 0, pair_count);
-  swp_pair* pairs = malloc((*pair_count + 1) * sizeof *pairs);
-  CHECK_OK(swp_world_find_pairs(world, pairs, *pair_count, pair_count));
+  CHECK_OK(swp_world_find_pairs(world));
+  CHECK_OK(swp_world_pairs(world, &pairs, pair_count));
   return pairs;
 }
 
@@ -58,16 +57,14 @@ static void check_threads_of(const char* backend, const swp_aabb* boxes, uint32_
   swp_world* worlds[3] = {make_world(backend, 0, NULL, 0), make_world(backend, 2, NULL, 0),
                           make_world(backend, 0, &executor, 0)};
   uint64_t alone_count = 0;
-  swp_pair* alone = pairs_of(worlds[0], boxes, count, &alone_count);
+  const swp_pair* alone = pairs_of(worlds[0], boxes, count, &alone_count);
   for (int i = 1; i < 3; ++i) {
     uint64_t found_count = 0;
-    swp_pair* found = pairs_of(worlds[i], boxes, count, &found_count);
+    const swp_pair* found = pairs_of(worlds[i], boxes, count, &found_count);
     CHECK(found_count == alone_count);
     CHECK(memcmp(found, alone, alone_count * sizeof *alone) == 0);
-    free(found);
   }
   CHECK(counted.parts >= counted.calls);
-  free(alone);
   for (int i = 0; i < 3; ++i) swp_world_destroy(worlds[i]);
 }
 
@@ -75,11 +72,10 @@ static void check_sorted_world(const swp_aabb* boxes, uint32_t count) {
   swp_world* world = make_world("Grid", 0, NULL, 1);
   uint64_t found_count = 0;
   uint64_t right_count = 0;
-  swp_pair* found = pairs_of(world, boxes, count, &found_count);
+  const swp_pair* found = pairs_of(world, boxes, count, &found_count);
   swp_pair* right = brute_force(boxes, count, &right_count);
   CHECK(found_count == right_count);
   CHECK(memcmp(found, right, right_count * sizeof *right) == 0);
-  free(found);
   free(right);
   swp_world_destroy(world);
 }
@@ -89,14 +85,15 @@ static void check_session_with_executor(const swp_aabb* boxes, uint32_t count) {
   const swp_executor executor = make_executor(&counted);
   swp_session_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
+  const swp_pair* pairs = NULL;
   uint64_t pair_count = 0;
   CHECK_OK(swp_session_options_init(&options));
   options.executor = &executor;
   CHECK_OK(swp_session_create(&options, &session));
   CHECK_OK(swp_session_begin_frame(session));
-  CHECK(swp_session_find_pairs(session, boxes, count, NULL, 0, &pair_count) ==
-        SWP_RESOURCE_EXHAUSTED);
-  CHECK(pair_count > 0);
+  CHECK_OK(swp_session_find_pairs(session, boxes, count));
+  CHECK_OK(swp_session_pairs(session, &pairs, &pair_count));
+  CHECK(pair_count > 0 && counted.calls > 0);
   CHECK_OK(swp_session_end_frame(session, 1, 0));
   swp_session_destroy(session);
 }
@@ -146,10 +143,9 @@ static void start(game* played) {
   CHECK_OK(swp_proxies_create(&options, &played->proxies));
   CHECK_OK(swp_scene_boxes(played->scene, &boxes, &count));
   memcpy(played->boxes, boxes, sizeof played->boxes);
-  for (uint32_t i = 0; i < OBJECTS; ++i) {
-    const swp_proxy_options chosen = options_of(i);
-    CHECK_OK(swp_proxies_add(played->proxies, &boxes[i], &chosen, &played->handles[i]));
-  }
+  swp_proxy_options chosen[OBJECTS];
+  for (uint32_t i = 0; i < OBJECTS; ++i) chosen[i] = options_of(i);
+  CHECK_OK(swp_proxies_add_many(played->proxies, boxes, chosen, OBJECTS, played->handles));
   CHECK_OK(swp_world_build(played->world, NULL, 0));
 }
 
@@ -194,26 +190,24 @@ static void step(game* played) {
   for (uint32_t i = 0; i < OBJECTS; ++i) {
     if (i % 3 == 0) continue;
     played->boxes[i] = boxes[i];
-    CHECK_OK(swp_proxies_move(played->proxies, &played->handles[i], &boxes[i], 1));
+    CHECK_OK(swp_proxies_set_boxes(played->proxies, &played->handles[i], &boxes[i], 1));
   }
 }
 
+/* A copy, which the caller frees. */
 static swp_pair* resolved_pairs(game* played, uint64_t* count) {
   const swp_aabb* moving = NULL;
+  const swp_pair* found = NULL;
+  const swp_pair* resolved = NULL;
   uint32_t moving_count = 0;
   uint64_t found_count = 0;
   CHECK_OK(swp_proxies_moving_boxes(played->proxies, &moving, &moving_count));
   CHECK_OK(swp_world_update(played->world, moving, moving_count));
-  swp_world_find_pairs(played->world, NULL, 0, &found_count);
-  swp_pair* found = malloc((found_count + 1) * sizeof *found);
-  CHECK_OK(swp_world_find_pairs(played->world, found, found_count, &found_count));
-  *count = 0;
-  const swp_result first = swp_proxies_resolve(played->proxies, found, found_count, NULL, 0, count);
-  CHECK(first == (*count == 0 ? SWP_OK : SWP_RESOURCE_EXHAUSTED));
-  free(found);
-  swp_pair* pairs = malloc((*count + 1) * sizeof *pairs);
-  CHECK_OK(swp_proxies_copy_pairs(played->proxies, pairs, *count, count));
-  return pairs;
+  CHECK_OK(swp_world_find_pairs(played->world));
+  CHECK_OK(swp_world_pairs(played->world, &found, &found_count));
+  CHECK_OK(swp_proxies_resolve(played->proxies, found, found_count));
+  CHECK_OK(swp_proxies_pairs(played->proxies, &resolved, count));
+  return copy_pairs(resolved, *count);
 }
 
 static void to_objects(const game* played, swp_pair* pairs, uint64_t count) {
@@ -234,12 +228,14 @@ static void check_game(void) {
     uint64_t right_count = 0;
     uint64_t added_count = 0;
     uint64_t removed_count = 0;
+    const swp_proxy_pair* events = NULL;
     swp_pair* pairs = resolved_pairs(&played, &count);
     swp_pair* right = right_pairs(&played, &right_count);
     to_objects(&played, pairs, count);
     CHECK(right_count > 0 && same_pairs(pairs, count, right, right_count));
-    swp_proxies_added(played.proxies, NULL, 0, &added_count);
-    swp_proxies_removed(played.proxies, NULL, 0, &removed_count);
+    CHECK_OK(swp_proxies_added(played.proxies, &events, &added_count));
+    CHECK(SWP_PROXY_ID(events[0].a) < SWP_PROXY_ID(events[0].b));
+    CHECK_OK(swp_proxies_removed(played.proxies, &events, &removed_count));
     CHECK(before_count + added_count - removed_count == count);
     CHECK(added_count > 0 && (frame == 0 || added_count < count));
     before_count = count;
@@ -254,77 +250,126 @@ static const swp_aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
 static const swp_aabb kTouching = {{1, 1, 1}, {2, 2, 2}};
 static const swp_filter kAll = {1, 0xffffffffU};
 
+static swp_proxy add(swp_proxies* proxies, const swp_aabb* box, const swp_proxy_options* options) {
+  swp_proxy added = 0;
+  CHECK_OK(swp_proxies_add_many(proxies, box, options, 1, &added));
+  CHECK(added != 0);
+  return added;
+}
+
 static void check_handles(swp_proxies* proxies) {
-  swp_proxy first = 9;
-  swp_proxy second = 9;
-  const swp_proxy none = 0;
+  const swp_proxy first = add(proxies, &kUnit, NULL);
   swp_aabb box = kTouching;
+  swp_proxy none = 9;
   uint32_t moving_count = 0;
-  CHECK_OK(swp_proxies_add(proxies, &kUnit, NULL, &first));
   CHECK_OK(swp_proxies_get(proxies, first, &box, NULL));
   CHECK(memcmp(&box, &kUnit, sizeof box) == 0);
   CHECK_OK(swp_proxies_set_user(proxies, first, 5));
-  CHECK_OK(swp_proxies_remove(proxies, first));
-  CHECK_OK(swp_proxies_add(proxies, &kUnit, NULL, &second));
+  CHECK_OK(swp_proxies_remove_many(proxies, &first, 1));
+  const swp_proxy second = add(proxies, &kUnit, NULL);
   CHECK(SWP_PROXY_ID(second) == SWP_PROXY_ID(first) && second != first);
-  const swp_proxy stale[2] = {first, none};
+  const swp_proxy stale[2] = {first, 0};
   for (int i = 0; i < 2; ++i) {
     const swp_proxy pair[2] = {second, stale[i]};
     const swp_aabb boxes[2] = {kTouching, kTouching};
-    CHECK(swp_proxies_remove(proxies, stale[i]) == SWP_NOT_FOUND);
+    CHECK(swp_proxies_remove_many(proxies, pair, 2) == SWP_NOT_FOUND);
     CHECK(strlen(swp_last_error()) > 0);
-    CHECK(swp_proxies_move(proxies, pair, boxes, 2) == SWP_NOT_FOUND);
+    CHECK(swp_proxies_set_boxes(proxies, pair, boxes, 2) == SWP_NOT_FOUND);
     CHECK(swp_proxies_set_filter(proxies, stale[i], &kAll) == SWP_NOT_FOUND);
     CHECK(swp_proxies_set_user(proxies, stale[i], 1) == SWP_NOT_FOUND);
     CHECK(swp_proxies_get(proxies, stale[i], &box, NULL) == SWP_NOT_FOUND);
   }
-  CHECK(swp_proxies_handle(proxies, 77, &first) == SWP_NOT_FOUND);
+  CHECK(swp_proxies_handle(proxies, 77, &none) == SWP_NOT_FOUND);
   CHECK_OK(swp_proxies_get(proxies, second, &box, NULL));
-  CHECK(memcmp(&box, &kUnit, sizeof box) == 0);
+  CHECK(none == 9 && memcmp(&box, &kUnit, sizeof box) == 0);
   CHECK_OK(swp_proxies_counts(proxies, &moving_count, NULL, NULL));
   CHECK(moving_count == 1);
 }
 
-/* The caller's memory is his own once the call is over. */
-static void check_that_pairs_are_kept(swp_proxies* proxies) {
-  swp_proxy other;
-  swp_pair found = {0, 1};
-  swp_pair kept = {9, 9};
-  uint64_t count = 0;
-  CHECK_OK(swp_proxies_add(proxies, &kTouching, NULL, &other));
-  CHECK(swp_proxies_copy_pairs(proxies, &kept, 1, &count) == SWP_FAILED_PRECONDITION);
-  CHECK_OK(swp_proxies_resolve(proxies, &found, 1, &kept, 1, &count));
-  found.a = 7;
-  CHECK_OK(swp_proxies_copy_pairs(proxies, &kept, 1, &count));
-  CHECK(count == 1 && kept.a == 0 && kept.b == 1);
+/* The set of one object gets a second, and both are removed together, one of them named twice. */
+static void check_batches(swp_proxies* proxies) {
+  const swp_aabb boxes[3] = {kUnit, kTouching, kUnit};
+  const swp_proxy_options options[3] = {
+      {{1, 1}, 0, 0, 10}, {{1, 1}, SWP_PROXY_STATIC, 0, 11}, {{1, 1}, 0, 0, 12}};
+  swp_proxy added[4];
+  uint32_t moving_count = 0;
+  uint32_t static_count = 0;
+  CHECK_OK(swp_proxies_add_many(proxies, boxes, options, 3, added));
+  for (uint64_t i = 0; i < 3; ++i) {
+    swp_proxy_options got;
+    CHECK_OK(swp_proxies_get(proxies, added[i], NULL, &got));
+    CHECK(got.user == 10 + i && got.flags == options[i].flags);
+  }
+  CHECK_OK(swp_proxies_counts(proxies, &moving_count, &static_count, NULL));
+  CHECK(moving_count == 3 && static_count == 1);
+  added[3] = added[0];
+  CHECK_OK(swp_proxies_remove_many(proxies, added, 4));
+  CHECK_OK(swp_proxies_counts(proxies, &moving_count, &static_count, NULL));
+  CHECK(moving_count == 1 && static_count == 0);
 }
 
-static void check_queries(swp_proxies* proxies) {
-  const swp_proxy_options resting = {{1, 0xffffffffU}, SWP_PROXY_STATIC, 0, 42};
-  const swp_aabb small = {{1, 1, 1}, {1, 1, 1}};
-  swp_ray ray = {{-1, 0.5F, 0.5F}, {2, 0, 0}, 10};
-  swp_proxy added;
-  swp_proxy found[3];
-  swp_ray_hit hits[2];
-  swp_ray_hit nearest;
+static void check_resolve(swp_proxies* proxies) {
+  const swp_pair found = {0, 1};
+  const swp_pair* pairs = NULL;
   uint64_t count = 0;
-  uint32_t any = 9;
-  CHECK_OK(swp_proxies_add(proxies, &kUnit, &resting, &added));
-  CHECK((SWP_PROXY_ID(added) & SWP_STATIC_PROXY_BIT) != 0);
-  CHECK(swp_proxies_query_box(proxies, &small, NULL, found, 2, &count) == SWP_RESOURCE_EXHAUSTED);
-  CHECK(count == 3);
-  CHECK_OK(swp_proxies_query_box(proxies, &small, NULL, found, 3, &count));
-  CHECK(count == 3 && found[2] == added && SWP_PROXY_ID(found[0]) < SWP_PROXY_ID(found[1]));
-  CHECK_OK(swp_proxies_cast_ray(proxies, &ray, &kAll, hits, 2, &count));
-  CHECK(count == 2 && hits[0].distance == 0.5F && hits[1].proxy == added);
-  CHECK_OK(swp_proxies_cast_ray_nearest(proxies, &ray, &kAll, &nearest, &any));
-  CHECK(any == 1 && nearest.proxy == hits[0].proxy);
-  ray.direction[0] = -1;
-  CHECK_OK(swp_proxies_cast_ray_nearest(proxies, &ray, &kAll, &nearest, &any));
-  CHECK(any == 0 && nearest.proxy == hits[0].proxy);
-  ray.direction[0] = NAN;
-  CHECK(swp_proxies_cast_ray(proxies, &ray, &kAll, hits, 2, &count) == SWP_INVALID_ARGUMENT);
-  CHECK(swp_proxies_cast_ray_nearest(proxies, &ray, &kAll, &nearest, &any) == SWP_INVALID_ARGUMENT);
+  add(proxies, &kTouching, NULL);
+  CHECK(swp_proxies_pairs(proxies, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_proxies_resolve(proxies, &found, 1));
+  CHECK_OK(swp_proxies_pairs(proxies, &pairs, &count));
+  CHECK(count == 1 && pairs[0].a == 0 && pairs[0].b == 1);
+}
+
+/* Three boxes of which the middle one finds nothing. */
+static void check_query_boxes(const swp_proxies* proxies, swp_proxy resting) {
+  const swp_aabb boxes[3] = {
+      {{1, 1, 1}, {1, 1, 1}}, {{8, 8, 8}, {9, 9, 9}}, {{1.5F, 1.5F, 1.5F}, {9, 9, 9}}};
+  swp_proxy found[4] = {9, 9, 9, 9};
+  uint64_t ends[3];
+  CHECK(swp_proxies_query_boxes(proxies, boxes, 3, NULL, found, 3, ends) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(ends[0] == 3 && ends[1] == 3 && ends[2] == 4 && found[3] == 9);
+  CHECK_OK(swp_proxies_query_boxes(proxies, boxes, 3, NULL, found, 4, ends));
+  CHECK(SWP_PROXY_ID(found[0]) < SWP_PROXY_ID(found[1]) && found[2] == resting);
+  CHECK(ends[2] == 4 && found[3] == found[1]);
+}
+
+static void check_rays(const swp_proxies* proxies, swp_proxy resting) {
+  swp_ray rays[2] = {{{-1, 0.5F, 0.5F}, {2, 0, 0}, 10}, {{-1, 0.5F, 0.5F}, {-2, 0, 0}, 10}};
+  const swp_filter nobody = {2, 2};
+  swp_ray_hit all[2];
+  swp_ray_hit nearest[2];
+  uint64_t count = 0;
+  CHECK(swp_proxies_cast_ray(proxies, rays, &kAll, all, 1, &count) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(count == 2);
+  CHECK_OK(swp_proxies_cast_ray(proxies, rays, &kAll, all, 2, &count));
+  CHECK(count == 2 && all[0].distance == 0.5F && all[1].proxy == resting);
+  CHECK_OK(swp_proxies_cast_rays(proxies, rays, 2, &kAll, nearest));
+  CHECK(nearest[0].proxy == all[0].proxy && nearest[0].distance == 0.5F);
+  CHECK(nearest[1].proxy == 0 && nearest[1].distance == 10);
+  CHECK_OK(swp_proxies_cast_rays(proxies, rays, 1, &nobody, nearest));
+  CHECK(nearest[0].proxy == 0);
+  nearest[0].proxy = 9;
+  rays[1].direction[0] = NAN;
+  CHECK(swp_proxies_cast_ray(proxies, &rays[1], NULL, all, 2, &count) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_proxies_cast_rays(proxies, rays, 2, NULL, nearest) == SWP_INVALID_ARGUMENT);
+  CHECK(nearest[0].proxy == 9);
+}
+
+/* Whatever is changed has to be made ready again. */
+static void check_queries(swp_proxies* proxies) {
+  const swp_proxy_options options = {{1, 0xffffffffU}, SWP_PROXY_STATIC, 0, 42};
+  const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
+  swp_ray_hit hit;
+  uint64_t end = 0;
+  CHECK_OK(swp_proxies_prepare_queries(proxies));
+  const swp_proxy resting = add(proxies, &kUnit, &options);
+  CHECK((SWP_PROXY_ID(resting) & SWP_STATIC_PROXY_BIT) != 0);
+  CHECK(swp_proxies_query_boxes(proxies, &kUnit, 1, NULL, NULL, 0, &end) ==
+        SWP_FAILED_PRECONDITION);
+  CHECK(swp_proxies_cast_ray(proxies, &ray, NULL, &hit, 1, &end) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_proxies_cast_rays(proxies, &ray, 1, NULL, &hit) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_proxies_prepare_queries(proxies));
+  check_query_boxes(proxies, resting);
+  check_rays(proxies, resting);
 }
 
 void test_proxies(void) {
@@ -332,7 +377,8 @@ void test_proxies(void) {
   check_game();
   CHECK_OK(swp_proxies_create(NULL, &proxies));
   check_handles(proxies);
-  check_that_pairs_are_kept(proxies);
+  check_batches(proxies);
+  check_resolve(proxies);
   check_queries(proxies);
   swp_proxies_destroy(proxies);
 }

@@ -10,16 +10,16 @@ enum { kObjects = 300, kFrameNs = 5000000 };
 static void run_frame(swp_session* session, swp_scene* scene) {
   const swp_aabb* boxes = NULL;
   uint32_t count = 0;
-  uint64_t needed = 0;
+  uint64_t found_count = 0;
+  const swp_pair* found = NULL;
   CHECK_OK(swp_scene_boxes(scene, &boxes, &count));
   CHECK_OK(swp_session_begin_frame(session));
-  CHECK(swp_session_find_pairs(session, boxes, count, NULL, 0, &needed) == SWP_RESOURCE_EXHAUSTED);
-  swp_pair* pairs = malloc((needed + 1) * sizeof *pairs);
-  uint64_t copied = 0;
-  CHECK_OK(swp_session_copy_pairs(session, pairs, needed, &copied));
+  CHECK_OK(swp_session_find_pairs(session, boxes, count));
+  CHECK_OK(swp_session_pairs(session, &found, &found_count));
+  swp_pair* pairs = copy_pairs(found, found_count);
   uint64_t right_count = 0;
   swp_pair* right = brute_force(boxes, count, &right_count);
-  CHECK(copied == needed && same_pairs(pairs, copied, right, right_count));
+  CHECK(same_pairs(pairs, found_count, right, right_count));
   free(pairs);
   free(right);
   CHECK_OK(swp_session_end_frame(session, kFrameNs, 0));
@@ -52,33 +52,35 @@ static void check_arms(const swp_session* session) {
 
 static void check_order(swp_session* session) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  const swp_pair* pairs = NULL;
   uint64_t count = 0;
-  CHECK(swp_session_copy_pairs(session, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
   CHECK(swp_session_end_frame(session, 1, 0) == SWP_FAILED_PRECONDITION);
-  CHECK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_find_pairs(session, &box, 1) == SWP_FAILED_PRECONDITION);
   CHECK_OK(swp_session_begin_frame(session));
   CHECK(swp_session_begin_frame(session) == SWP_FAILED_PRECONDITION);
-  CHECK_OK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count));
+  CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_session_find_pairs(session, &box, 1));
   CHECK(swp_session_end_frame(session, 1, SWP_FRAME_REBUILD) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_end_frame(session, 1, SWP_FRAME_PAUSED));
-  CHECK(swp_session_find_pairs(session, &box, 1, NULL, 0, &count) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_session_find_pairs(session, &box, 1) == SWP_FAILED_PRECONDITION);
 }
 
-/* Two searches in a frame are one sample; the pairs to copy and to count are the latest one's. */
+/* Two searches in a frame are one sample; the pairs are the latest one's. */
 static void check_substeps(swp_session* session) {
   const swp_aabb boxes[3] = {
       {{0, 0, 0}, {1, 1, 1}}, {{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
   swp_frame_sample before;
   swp_frame_sample sample;
-  swp_pair pairs[3];
+  const swp_pair* pairs = NULL;
   uint64_t count = 0;
   CHECK_OK(swp_session_last_sample(session, &before));
   CHECK_OK(swp_session_begin_frame(session));
-  CHECK_OK(swp_session_find_pairs(session, boxes, 3, pairs, 3, &count));
+  CHECK_OK(swp_session_find_pairs(session, boxes, 3));
+  CHECK_OK(swp_session_pairs(session, &pairs, &count));
   CHECK(count == 3);
-  CHECK_OK(swp_session_find_pairs(session, boxes, 2, pairs, 3, &count));
-  CHECK(count == 1);
-  CHECK_OK(swp_session_copy_pairs(session, pairs, 3, &count));
+  CHECK_OK(swp_session_find_pairs(session, boxes, 2));
+  CHECK_OK(swp_session_pairs(session, &pairs, &count));
   CHECK(count == 1 && pairs[0].a == 0 && pairs[0].b == 1);
   CHECK_OK(swp_session_end_frame(session, 1, 0));
   CHECK_OK(swp_session_last_sample(session, &sample));
@@ -100,12 +102,13 @@ static void check_sorted_pairs(swp_scene* scene) {
     uint32_t count = 0;
     uint64_t found_count = 0;
     uint64_t right_count = 0;
-    swp_pair found[8192];
+    const swp_pair* found = NULL;
     CHECK_OK(swp_session_select_arm(session, swp_backend_name(frame % swp_backend_count())));
     CHECK_OK(swp_scene_boxes(scene, &boxes, &count));
     CHECK_OK(swp_session_begin_frame(session));
-    CHECK_OK(swp_session_find_pairs(session, boxes, count, found, 8192, &found_count));
+    CHECK_OK(swp_session_find_pairs(session, boxes, count));
     CHECK_OK(swp_session_end_frame(session, kFrameNs, 0));
+    CHECK_OK(swp_session_pairs(session, &found, &found_count));
     swp_pair* right = brute_force(boxes, count, &right_count);
     CHECK(found_count == right_count && memcmp(found, right, right_count * sizeof *right) == 0);
     free(right);

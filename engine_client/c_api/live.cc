@@ -1,0 +1,141 @@
+#include "engine_client/c_api/live.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <thread>
+
+namespace sweepstake::c_api {
+
+// The objects of the process, in a list. It is the one global state of the library, for those who
+// have lost every handle.
+class Registry {
+ public:
+  void Add(LiveObject& object) noexcept {
+    const std::lock_guard lock(mutex_);
+    object.next_ = first_;
+    if (first_ != nullptr) first_->previous_ = &object;
+    first_ = &object;
+  }
+
+  void Remove(LiveObject& object) noexcept {
+    const std::lock_guard lock(mutex_);
+    (object.previous_ == nullptr ? first_ : object.previous_->next_) = object.next_;
+    if (object.next_ != nullptr) object.next_->previous_ = object.previous_;
+  }
+
+  uint32_t LiveCount(swp_kind kind) noexcept {
+    const std::lock_guard lock(mutex_);
+    uint32_t count = 0;
+    for (const LiveObject* object = first_; object != nullptr; object = object->next_) {
+      const bool counts = kind == SWP_KIND_ANY || kind == object->kind_;
+      count += static_cast<uint32_t>(counts && object->has_content());
+    }
+    return count;
+  }
+
+  // Lets no further call begin.
+  void EndAll() noexcept {
+    const std::lock_guard lock(mutex_);
+    for (LiveObject* object = first_; object != nullptr; object = object->next_) {
+      object->ended_ = true;
+    }
+  }
+
+  enum class Freed { kOne, kNoneLeft, kOthersInCalls };
+
+  // Frees the content of one object that has ended and is in no call.
+  Freed FreeOne() noexcept {
+    const std::lock_guard lock(mutex_);
+    Freed freed = Freed::kNoneLeft;
+    for (LiveObject* object = first_; object != nullptr; object = object->next_) {
+      if (!object->ended_ || !object->has_content()) continue;
+      freed = Freed::kOthersInCalls;
+      if (object->call_count_ > 0) continue;
+      object->FreeContent();
+      return Freed::kOne;
+    }
+    return freed;
+  }
+
+  // Copies the object's latest failure; false if no handle points there.
+  bool ErrorOf(const void* handle, char* text, uint32_t capacity) noexcept {
+    const std::lock_guard lock(mutex_);
+    const LiveObject* object = first_;
+    while (object != nullptr && object != handle) object = object->next_;
+    if (object == nullptr) return false;
+    while (object->writing_error_.test_and_set()) std::this_thread::yield();
+    const size_t length = std::min<size_t>(std::strlen(object->last_error_.data()), capacity - 1);
+    std::copy_n(object->last_error_.data(), length, text);
+    text[length] = '\0';
+    object->writing_error_.clear();
+    return true;
+  }
+
+ private:
+  std::mutex mutex_;
+  LiveObject* first_ = nullptr;  // the latest first: what was made of others ends before them
+};
+
+namespace {
+
+constinit Registry registry;
+
+}  // namespace
+
+void Register(LiveObject& object) noexcept { registry.Add(object); }
+void Unregister(LiveObject& object) noexcept { registry.Remove(object); }
+
+// Another call of the same object that fails at this moment, or somebody who reads, is not waited
+// for: then this failure is only that of the thread.
+void LiveObject::KeepError() const noexcept {
+  if (writing_error_.test_and_set()) return;
+  const char* const message = swp_last_error();
+  const size_t length = std::min(std::strlen(message), last_error_.size() - 1);
+  std::copy_n(message, length, last_error_.data());
+  last_error_[length] = '\0';
+  writing_error_.clear();
+}
+
+swp_result Ended(std::string_view name) noexcept {
+  std::array<char, 128> message;
+  std::snprintf(message.data(), message.size(),
+                "swp_shutdown_all has ended this %.*s: destroy it and make another",
+                static_cast<int>(name.size()), name.data());
+  return Fail(SWP_FAILED_PRECONDITION, message.data());
+}
+
+}  // namespace sweepstake::c_api
+
+using sweepstake::c_api::Registry;
+using sweepstake::c_api::registry;
+
+uint32_t swp_live_count(swp_kind kind) { return registry.LiveCount(kind); }
+
+swp_result swp_shutdown_all(uint32_t deadline_ms) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point deadline = Clock::now() + std::chrono::milliseconds(deadline_ms);
+  registry.EndAll();
+  do {
+    const Registry::Freed freed = registry.FreeOne();
+    if (freed == Registry::Freed::kNoneLeft) return SWP_OK;
+    if (freed == Registry::Freed::kOthersInCalls) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  } while (Clock::now() < deadline);
+  return sweepstake::c_api::Fail(
+      SWP_UNAVAILABLE,
+      "not every object is freed yet: let their calls return, then shut down again");
+}
+
+swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity) {
+  using sweepstake::c_api::Fail;
+  if (object == nullptr || text == nullptr) {
+    return sweepstake::c_api::NullArgument("object and text");
+  }
+  if (capacity == 0) return Fail(SWP_INVALID_ARGUMENT, "capacity must hold the NUL at least");
+  if (registry.ErrorOf(object, text, capacity)) return SWP_OK;
+  return Fail(SWP_NOT_FOUND, "no object has this handle: it was destroyed, or never was one");
+}
