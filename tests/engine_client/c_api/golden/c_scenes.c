@@ -1,0 +1,28 @@
+/* c_scenes.h as it is in ABI 3. Written by abi_test.py, which says what may change. */
+#include "tests/engine_client/c_api/abi.h"
+
+/* clang-format off */
+HANDLE(swp_scene)
+SIZE(swp_scene_options, 56)
+FIELD(swp_scene_options, struct_size, 0, uint32_t)
+FIELD(swp_scene_options, object_count, 4, uint32_t)
+FIELD(swp_scene_options, spawn_seed, 8, uint64_t)
+FIELD(swp_scene_options, motion_seed, 16, uint64_t)
+FIELD(swp_scene_options, world_half_extent, 24, float)
+FIELD(swp_scene_options, fixed_step_s, 28, float)
+FIELD(swp_scene_options, half_extent_min, 32, float)
+FIELD(swp_scene_options, half_extent_max, 36, float)
+FIELD(swp_scene_options, speed, 40, float)
+FIELD(swp_scene_options, gravity, 44, float)
+FIELD(swp_scene_options, direction_interval_s, 48, float)
+FIELD(swp_scene_options, reserved, 52, uint32_t)
+FUNCTION(swp_scene_count, uint32_t (*)(void))
+FUNCTION(swp_scene_name, const char* (*)(uint32_t))
+FUNCTION(swp_scene_options_init, swp_result (*)(swp_scene_options*))
+FUNCTION(swp_scene_create, swp_result (*)(const char*, const swp_scene_options*, swp_scene**))
+FUNCTION(swp_scene_destroy, void (*)(swp_scene*))
+FUNCTION(swp_scene_step, swp_result (*)(swp_scene*))
+FUNCTION(swp_scene_boxes, swp_result (*)(const swp_scene*, const swp_aabb**, uint32_t*))
+FUNCTION(swp_scene_world, swp_result (*)(const swp_scene*, swp_aabb*))
+FUNCTION(swp_scene_frame_index, swp_result (*)(const swp_scene*, uint64_t*))
+FUNCTION(swp_scene_hash, swp_result (*)(const swp_scene*, uint64_t*))
