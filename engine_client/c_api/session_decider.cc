@@ -22,9 +22,7 @@ EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   options.project = TextOr(given.project, options.project);
   options.scene = TextOr(given.scene, options.scene);
   options.machine_class = TextOr(given.machine_class, options.machine_class);
-  // The path comes as UTF-8 on every platform.
-  const std::string_view priors = TextOr(given.priors_file, "");
-  options.priors_file = std::filesystem::path(std::u8string(priors.begin(), priors.end()));
+  options.priors_file = TextOr(given.priors_file, "");
   options.seed = given.seed;
   options.time_scale = given.time_scale;
   return options;

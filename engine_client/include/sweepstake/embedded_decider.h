@@ -1,5 +1,13 @@
 // "AI Decides" without a daemon: the daemon's decision core runs in the game process and starts
-// from a priors file.
+// from priors.
+//
+// What is learnt is not lost: ExportPriors gives the priors together with what was learnt since,
+// for the next run to start from, or for a daemon (`sweepstake priors import`):
+//
+//   options.source_id = installation_id;              // the same in each run
+//   options.priors_data = ReadSave("priors.json");    // empty in the first run
+//   ... the game runs ...
+//   WriteSave("priors.json", decider->ExportPriors());
 //
 // The owner drives it from one thread of its choice: a worker, or the frame thread of a game that
 // accepts the cost of a decision every 2 s. It is not thread-safe otherwise. It needs no gRPC, no
@@ -7,7 +15,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -70,7 +77,16 @@ struct EmbeddedOptions {
   std::string project = "default";
   std::string scene = "default";
   std::string machine_class;
-  std::filesystem::path priors_file;  // as written by `sweepstake priors export`; empty: Beta(1,1)
+  // Priors to start from, as `sweepstake priors export` and ExportPriors write them: the path of a
+  // file (in UTF-8), their text, or both, for example those that came with the game and those that
+  // it saved. They are united; of evidence that is in both, the later counts. Empty: Beta(1,1).
+  std::string priors_file;
+  std::string priors_data;
+  // What is learnt is exported under this name, at most 128 bytes. A game that keeps a name per
+  // installation, such as a random number, has one record per arm that grows from run to run, which
+  // a store takes in place of the earlier one. Two installations must not share one. Empty: a new
+  // name in each run, so that each run adds records.
+  std::string source_id;
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
   Mode mode = Mode::kAi;
@@ -85,7 +101,7 @@ struct EmbeddedOptions {
 class EmbeddedDecider {
  public:
   // Arms as in AdaptiveBroadPhase::arms() and arm_versions(). kInvalidArgument, kNotFound (no such
-  // file), kDataLoss (broken priors file: one line naming the record).
+  // file), kDataLoss (broken priors: one line naming the record).
   static Result<std::unique_ptr<EmbeddedDecider>> Create(const EmbeddedOptions& options,
                                                          std::span<const std::string> arms,
                                                          std::span<const uint32_t> arm_versions,
@@ -114,6 +130,10 @@ class EmbeddedDecider {
   // Returns the number of sources (sessions) in the priors that it started from; with 0 it started
   // from Beta(1,1).
   uint64_t prior_source_count() const;
+  // Returns the text of a priors file with all records that it was given and what it has learnt
+  // since. Where it is imported, or given with other priors, each piece of evidence counts once,
+  // however often it comes. Cost: some 400 bytes and 5 µs per record.
+  std::string ExportPriors() const;
 
  private:
   class Impl;

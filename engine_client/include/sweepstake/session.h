@@ -128,6 +128,10 @@ class Session {
   // stats().last_error says so. Idempotent.
   virtual void Stop(uint32_t deadline_ms = 500) = 0;
   virtual SessionStats stats() const = 0;
+  // Returns what EmbeddedDecider::ExportPriors does, from Start on and after Stop. Any thread; the
+  // frame thread does not wait for it, but should not call it: it waits for a decision under way.
+  // kFailedPrecondition before Start, and with a daemon, which keeps what it learns itself.
+  virtual Result<std::string> ExportPriors() const = 0;
   virtual ~Session() = default;
 };
 

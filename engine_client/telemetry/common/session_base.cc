@@ -79,6 +79,11 @@ void SessionBase::Stop(uint32_t deadline_ms) {
   UpdateStats([](SessionStats& stats) { stats.state = ConnectionState::kClosed; });
 }
 
+Result<std::string> SessionBase::ExportPriors() const {
+  return Status(StatusCode::kFailedPrecondition,
+                "the daemon has what it learns: use `sweepstake priors export`");
+}
+
 SessionStats SessionBase::stats() const {
   const std::lock_guard lock(stats_mutex_);
   SessionStats stats = stats_;

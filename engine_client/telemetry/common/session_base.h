@@ -58,6 +58,7 @@ class SessionBase : public Session {
   void OnModeChange() final;
   void Stop(uint32_t deadline_ms) final;
   SessionStats stats() const final;
+  Result<std::string> ExportPriors() const override;
 
  protected:
   // The destructor of a derived class must call Stop first, since the sender thread uses its

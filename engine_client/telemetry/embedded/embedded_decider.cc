@@ -1,45 +1,24 @@
 // Step 9 in the game process: frames and outcomes go to the decision core, its commands come back.
 #include "sweepstake/embedded_decider.h"
 
-#include <set>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <random>
 #include <utility>
 
 #include "engine_client/telemetry/embedded/decision_conversion.h"
+#include "engine_client/telemetry/embedded/evidence_ledger.h"
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "engine_client/telemetry/embedded/study_policies.h"
 #include "server/audit/audit_log.h"
+#include "server/decision/math/names.h"
 #include "server/decision/session/arm_runs.h"
 #include "server/decision/session/decision_session.h"
 #include "server/decision/session/policy_registry.h"
 
 namespace sweepstake {
 namespace {
-
-// The evidence that applies to these arms, summed onto Beta(1,1).
-struct LoadedPriors {
-  std::vector<decision::BetaPosterior> arms;
-  std::set<std::string> sources;
-};
-
-bool Applies(const PriorRecord& record, const EmbeddedOptions& options) {
-  return record.project == options.project && record.scene == options.scene &&
-         record.context_bucket.empty() && record.machine_class == options.machine_class;
-}
-
-LoadedPriors SumPriors(const std::vector<PriorRecord>& records, const EmbeddedOptions& options,
-                       std::span<const std::string> arms, std::span<const uint32_t> versions) {
-  LoadedPriors priors{.arms = std::vector<decision::BetaPosterior>(arms.size()), .sources = {}};
-  for (const PriorRecord& record : records) {
-    if (!Applies(record, options)) continue;
-    for (size_t arm = 0; arm < arms.size(); ++arm) {
-      if (record.arm != arms[arm] || record.backend_version != versions[arm]) continue;
-      priors.arms[arm].alpha += record.alpha_increment;
-      priors.arms[arm].beta += record.beta_increment;
-      priors.sources.insert(record.source_id);
-    }
-  }
-  return priors;
-}
 
 Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t version_count) {
   const auto invalid = [](std::string message) {
@@ -52,7 +31,53 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
   if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
     return invalid("mode is neither kManual (1) nor kAi (2)");
   }
+  for (const auto& [field, name] :
+       {std::pair{"project", &options.project}, {"scene", &options.scene}}) {
+    if (!math::IsName(*name)) {
+      return invalid(std::string(field) + " must be 1 to 128 bytes without control characters");
+    }
+  }
+  for (const auto& [field, name] :
+       {std::pair{"machine_class", &options.machine_class}, {"source_id", &options.source_id}}) {
+    if (!math::IsOptionalName(*name)) {
+      return invalid(std::string(field) + " must be at most 128 bytes without control characters");
+    }
+  }
   return {};
+}
+
+// Returns a name that no other source has.
+std::string NewSourceId() {
+  std::random_device random;
+  std::array<char, 48> name;
+  std::snprintf(name.data(), name.size(), "embedded-%08x%08x%08x%08x", random(), random(), random(),
+                random());
+  return name.data();
+}
+
+// Reads the priors of the file and of the text.
+Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
+  std::vector<PriorRecord> records;
+  if (!options.priors_file.empty()) {
+    const std::u8string path(options.priors_file.begin(), options.priors_file.end());
+    Result<std::vector<PriorRecord>> read = ReadPriorsFile(path);
+    if (!read.ok()) return read;
+    records = std::move(*read);
+  }
+  if (options.priors_data.empty()) return records;
+  Result<std::vector<PriorRecord>> parsed = ParsePriors(options.priors_data);
+  if (!parsed.ok()) {
+    return Status(parsed.status().code(), "priors_data: " + parsed.status().message());
+  }
+  return Unite(std::move(records), std::move(*parsed));
+}
+
+EvidenceLedger MakeLedger(std::vector<PriorRecord> records, const EmbeddedOptions& options,
+                          uint32_t reward_version, std::span<const std::string> arms,
+                          std::span<const uint32_t> arm_versions) {
+  EvidenceLedger::Key key{options.project, options.scene, options.machine_class, reward_version,
+                          options.source_id.empty() ? NewSourceId() : options.source_id};
+  return {std::move(records), std::move(key), arms, arm_versions};
 }
 
 decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const std::string> arms,
@@ -84,10 +109,10 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
  public:
   using OnDecision = std::function<void(const DecisionEvent&)>;
 
-  Impl(decision::SessionSetup setup, decision::PolicyRegistry policies, uint64_t prior_source_count,
+  Impl(decision::SessionSetup setup, decision::PolicyRegistry policies, EvidenceLedger ledger,
        OnDecision on_decision)
       : session_(std::move(setup), policies),
-        prior_source_count_(prior_source_count),
+        ledger_(std::move(ledger)),
         on_decision_(std::move(on_decision)) {}
 
   void StartAudit(std::function<void(std::string_view)> on_audit_row,
@@ -104,7 +129,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   std::optional<SwitchCommand> Poll(int64_t now_ns);
 
   const decision::DecisionSession& session() const { return session_; }
-  uint64_t prior_source_count() const { return prior_source_count_; }
+  const EvidenceLedger& ledger() const { return ledger_; }
 
  private:
   void Fold();
@@ -112,7 +137,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   void OnAuditRow(std::string_view row) override { on_audit_row_(row); }
 
   decision::DecisionSession session_;
-  const uint64_t prior_source_count_;
+  EvidenceLedger ledger_;
   const OnDecision on_decision_;
   std::function<void(std::string_view)> on_audit_row_;  // null: no log
   uint32_t latest_epoch_ = 0;                           // latest epoch of all frames and outcomes
@@ -170,8 +195,9 @@ std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
   return std::exchange(pending_command_, std::nullopt);
 }
 
-// Takes the decision's command, which replaces an earlier one.
+// Takes the decision's evidence, and its command, which replaces an earlier one.
 void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
+  if (decision.increment) ledger_.Add(*decision.increment);
   if (on_decision_) on_decision_(FromDecision(decision, session_.arms()));
   if (decision.command) pending_command_ = FromDecision(*decision.command);
 }
@@ -192,21 +218,17 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
   }
-  std::vector<PriorRecord> records;
-  if (!options.priors_file.empty()) {
-    Result<std::vector<PriorRecord>> read = ReadPriorsFile(options.priors_file);
-    if (!read.ok()) return read.status();
-    records = std::move(*read);
-    const uint32_t version = decision::PolicyKindOf(options.policy, policies).reward_version;
-    std::erase_if(records, [&](const auto& each) { return each.reward_version != version; });
-  }
-  LoadedPriors priors = SumPriors(records, options, arms, arm_versions);
-  if (!priors.sources.empty()) setup.priors = std::move(priors.arms);
+  Result<std::vector<PriorRecord>> records = ReadPriors(options);
+  if (!records.ok()) return records.status();
+  const uint32_t reward_version = decision::PolicyKindOf(options.policy, policies).reward_version;
+  EvidenceLedger ledger =
+      MakeLedger(std::move(*records), options, reward_version, arms, arm_versions);
+  if (ledger.prior_source_count() > 0) setup.priors = ledger.priors();
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
   }
-  auto impl = std::make_unique<EmbeddedDecider::Impl>(std::move(setup), policies,
-                                                      priors.sources.size(), options.on_decision);
+  auto impl = std::make_unique<EmbeddedDecider::Impl>(std::move(setup), policies, std::move(ledger),
+                                                      options.on_decision);
   if (options.on_audit_row) impl->StartAudit(options.on_audit_row, OriginOf(options, arm_versions));
   return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
 }
@@ -235,6 +257,11 @@ std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
 }
 SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session().diagnosis()); }
 uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
-uint64_t EmbeddedDecider::prior_source_count() const { return impl_->prior_source_count(); }
+uint64_t EmbeddedDecider::prior_source_count() const {
+  return impl_->ledger().prior_source_count();
+}
+std::string EmbeddedDecider::ExportPriors() const {
+  return FormatPriors(impl_->ledger().records());
+}
 
 }  // namespace sweepstake

@@ -1,6 +1,7 @@
 // The session without a daemon: the sender thread runs the loop of an embedded decider.
 #include <algorithm>
 #include <chrono>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -20,6 +21,8 @@ class EmbeddedSession final : public SessionBase {
       : SessionBase(options.queue_frames), maker_(maker), embedded_(std::move(embedded)) {}
   ~EmbeddedSession() override { Stop(0); }
 
+  Result<std::string> ExportPriors() const override;
+
  private:
   Status Prepare(AdaptiveBroadPhase& adaptive) override;
   bool Step(bool stopping) override;
@@ -35,7 +38,8 @@ class EmbeddedSession final : public SessionBase {
 
   const StudyMaker maker_;
   const EmbeddedOptions embedded_;
-  std::optional<DeciderLoop> loop_;  // present from Prepare on
+  mutable std::mutex mutex_;         // between the sender thread and ExportPriors
+  std::optional<DeciderLoop> loop_;  // guarded by mutex_; present from Prepare on
 };
 
 Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
@@ -45,6 +49,7 @@ Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   auto decider = maker_.MakeDecider(options, adaptive.arms(), adaptive.arm_versions(), now_ns);
   if (!decider.ok()) return decider.status();
   (*decider)->SetMode(adaptive.mode(), adaptive.active_arm(), now_ns);
+  const std::lock_guard lock(mutex_);
   loop_.emplace(queue(), adaptive, std::move(*decider));
   adaptive.SetDeciderPresent(true);
   UpdateStats([&](SessionStats& stats) {
@@ -54,7 +59,14 @@ Status EmbeddedSession::Prepare(AdaptiveBroadPhase& adaptive) {
   return {};
 }
 
+Result<std::string> EmbeddedSession::ExportPriors() const {
+  const std::lock_guard lock(mutex_);
+  if (!loop_) return Status(StatusCode::kFailedPrecondition, "call Start first");
+  return loop_->decider().ExportPriors();
+}
+
 bool EmbeddedSession::Step(bool stopping) {
+  const std::lock_guard lock(mutex_);
   const uint64_t now_ns = SteadyClock().NowNs();
   TakeQueue(now_ns);
   if (!stopping) Decide(now_ns);

@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 #include <system_error>
-#include <tuple>
 
 #include "server/decision/math/names.h"
 
@@ -104,13 +103,6 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Count("bail_out_count", record.bail_out_count, false);
   reader.RejectUnknown();
   return reader.error();
-}
-
-// Returns the key; two records with the same key are the same evidence.
-auto KeyOf(const PriorRecord& record) {
-  return std::tie(record.project, record.scene, record.context_bucket, record.arm,
-                  record.backend_version, record.machine_class, record.reward_version,
-                  record.source_id);
 }
 
 std::optional<size_t> FirstRepeated(const std::vector<PriorRecord>& records) {

@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "sweepstake/status.h"
@@ -38,6 +39,13 @@ struct PriorRecord {
   uint64_t window_count = 0;
   uint64_t bail_out_count = 0;
 };
+
+// Returns what names the evidence; two records of which it is equal are the same evidence.
+inline auto KeyOf(const PriorRecord& record) {
+  return std::tie(record.project, record.scene, record.context_bucket, record.arm,
+                  record.backend_version, record.machine_class, record.reward_version,
+                  record.source_id);
+}
 
 // Parses the text and checks every record. A repeated pair of key and source is an error, since it
 // would count twice.

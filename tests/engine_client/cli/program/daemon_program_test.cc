@@ -8,6 +8,7 @@
 
 #include "server/storage/sqlite_database.h"
 #include "server/storage/sqlite_prior_store.h"
+#include "sweepstake/embedded_decider.h"
 #include "tests/engine_client/cli/program/program.h"
 #include "tests/server/storage/evidence_samples.h"
 #include "tests/support/child_process.h"
@@ -285,6 +286,47 @@ TEST(DaemonProgram, PriorsGoFromOneDaemonToAnotherAndIntoAGame) {
       file);
   ASSERT_EQ(game.exit_code, 0) << game.err;
   EXPECT_EQ(json::parse(game.out)["prior_sources"], 1);
+}
+
+// Plays a minute, and returns the path of the exported priors.
+std::string PlayOffline(const std::filesystem::path& file) {
+  EmbeddedOptions options;
+  options.project = "p";
+  options.scene = "s";
+  options.source_id = "player";
+  if (std::filesystem::exists(file)) options.priors_file = file.string();
+  const std::vector<std::string> arms = {"Grid", "SAP"};
+  auto decider = std::move(*EmbeddedDecider::Create(options, arms, std::vector<uint32_t>{1, 1}, 0));
+  FrameSample frame{};
+  frame.frame_time_ns = 16'000'000;
+  frame.detection_time_ns = 8'000'000;
+  for (uint64_t now_ns = 0; now_ns < 60'000'000'000; now_ns += frame.frame_time_ns) {
+    decider->Observe({&frame, 1}, now_ns);
+    decider->Poll(now_ns);
+    ++frame.frame_index;
+  }
+  std::ofstream(file) << decider->ExportPriors();
+  return file.string();
+}
+
+TEST(DaemonProgram, WhatAGameLearntOfflineCountsOnceInADaemonHoweverOftenItIsImported) {
+  const TemporaryDirectory data;
+  const TemporaryDirectory saves;
+  const DaemonProcess daemon(data.path());
+  const std::string at = " --json --daemon " + daemon.address();
+  for (int run = 1; run <= 2; ++run) {
+    const std::string import = "priors import --in " + PlayOffline(saves.path() / "save.json") + at;
+    const ProgramRun imported = RunProgram(import);
+    ASSERT_EQ(imported.exit_code, 0) << imported.err;
+    EXPECT_EQ(json::parse(imported.out)["applied"], 1);
+    EXPECT_EQ(json::parse(RunProgram(import).out)["unchanged"], 1) << "the second time";
+    const json scenes = json::parse(RunProgram("priors list" + at).out)["scenes"];
+    ASSERT_EQ(scenes.size(), 1U);
+    EXPECT_EQ(scenes[0]["sources"], 1) << "one player, whose record grows";
+    const json& arm = scenes[0]["arms"][0];
+    EXPECT_GT(arm["windows"], 25 * run);
+    EXPECT_LT(arm["windows"], 35 * run);
+  }
 }
 
 TEST(DaemonProgram, EveryDecisionIsExportedAndDerivedAgain) {

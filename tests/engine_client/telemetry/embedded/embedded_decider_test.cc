@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <set>
+
 #include "engine_client/telemetry/embedded/priors_file.h"
 #include "server/decision/options.h"
 #include "server/decision/types.h"
@@ -257,7 +260,7 @@ class EmbeddedDeciderPriors : public ::testing::Test {
 
   EmbeddedOptions Options() const {
     EmbeddedOptions options = PaperOptions();
-    options.priors_file = path_;
+    options.priors_file = path_.string();
     return options;
   }
 
@@ -303,6 +306,98 @@ TEST_F(EmbeddedDeciderPriors, NamesTheBrokenRecord) {
   EXPECT_THAT(made.status().message(), HasSubstr("record 1"));
 }
 
+EmbeddedOptions OptionsOfPlayer(const std::string& priors_data) {
+  EmbeddedOptions options;
+  options.source_id = "player";
+  options.priors_data = priors_data;
+  return options;
+}
+
+// Lets the default policy learn for a minute, and returns what it exports.
+std::string LearnFrom(const std::string& priors_data) {
+  const auto decider = MakeDecider(OptionsOfPlayer(priors_data));
+  Game game({30, 60, 15});
+  game.RunFor(*decider, 60'000);
+  return decider->ExportPriors();
+}
+
+std::vector<PriorRecord> RecordsOf(const std::string& priors) {
+  auto records = ParsePriors(priors);
+  EXPECT_TRUE(records.ok()) << records.status().message();
+  return std::move(*records);
+}
+
+uint64_t WindowCount(const std::string& priors) {
+  uint64_t count = 0;
+  for (const PriorRecord& record : RecordsOf(priors)) count += record.window_count;
+  return count;
+}
+
+TEST(EmbeddedDeciderExport, IsWhatTheNextRunStartsFromAndGoesOnWith) {
+  const std::string first = LearnFrom("");
+  const std::vector<PriorRecord> records = RecordsOf(first);
+  ASSERT_GT(records.size(), 0U);
+  EXPECT_GT(WindowCount(first), 10U);
+  for (const PriorRecord& record : records) EXPECT_EQ(record.source_id, "player");
+
+  const auto next = MakeDecider(OptionsOfPlayer(first));
+  EXPECT_EQ(next->prior_source_count(), 1U);
+  EXPECT_EQ(next->ExportPriors(), first) << "nothing is learnt yet";
+
+  const std::string second = LearnFrom(first);
+  EXPECT_GT(WindowCount(second), WindowCount(first) + 10);
+  for (const PriorRecord& before : records) {
+    for (const PriorRecord& after : RecordsOf(second)) {
+      if (after.arm != before.arm) continue;
+      EXPECT_GE(after.alpha_increment, before.alpha_increment);
+      EXPECT_EQ(after.source_sequence > before.source_sequence,
+                after.window_count > before.window_count);
+    }
+  }
+}
+
+TEST(EmbeddedDeciderExport, HoldsTheBeliefsThatItEndsWith) {
+  const auto decider = MakeDecider(PaperOptions());  // whose beliefs are the sums of its evidence
+  Game game({30, 60, 15});
+  game.RunFor(*decider, 100'000);
+  game.Frame(*decider, 6000);
+  EmbeddedOptions options = PaperOptions();
+  options.priors_data = decider->ExportPriors();
+  const auto next = MakeDecider(options);
+  for (size_t arm = 0; arm < kArms.size(); ++arm) {
+    EXPECT_DOUBLE_EQ(next->beliefs()[arm].alpha, decider->beliefs()[arm].alpha);
+    EXPECT_DOUBLE_EQ(next->beliefs()[arm].beta, decider->beliefs()[arm].beta);
+  }
+}
+
+TEST(EmbeddedDeciderExport, HasASourceOfItsOwnInEachRunUnlessItIsNamed) {
+  std::set<std::string> sources;
+  for (int run = 0; run < 2; ++run) {
+    const auto decider = MakeDecider();
+    Game game({30, 60, 15});
+    game.RunFor(*decider, 20'000);
+    for (const PriorRecord& record : RecordsOf(decider->ExportPriors())) {
+      sources.insert(record.source_id);
+    }
+  }
+  EXPECT_EQ(sources.size(), 2U);
+}
+
+TEST_F(EmbeddedDeciderPriors, OfAFileAndOfATextAreUnited) {
+  ASSERT_TRUE(
+      WritePriorsFile(std::vector{RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b")}, path_).ok());
+  std::vector<PriorRecord> saved = {RecordOf("SAP", 1, "b"), RecordOf("DBVT", 1, "c")};
+  saved[0].source_sequence = 2;
+  saved[0].alpha_increment = 100;
+  EmbeddedOptions options = Options();
+  options.priors_data = FormatPriors(saved);
+  const auto decider = MakeDecider(options);
+  EXPECT_EQ(decider->prior_source_count(), 3U);
+  EXPECT_EQ(decider->beliefs()[0].alpha, 1 + 10 + 100);
+  EXPECT_EQ(decider->beliefs()[1].alpha, 11);
+  EXPECT_EQ(RecordsOf(decider->ExportPriors()).size(), 3U);
+}
+
 TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
   const auto status = [](auto change) {
     EmbeddedOptions options;
@@ -311,6 +406,11 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
   };
   EXPECT_EQ(status([](auto& o) { o.priors_file = "no/such/file"; }).code(), StatusCode::kNotFound);
   EXPECT_EQ(status([](auto& o) { o.time_scale = 0; }).code(), StatusCode::kInvalidArgument);
+  const Status data = status([](auto& o) { o.priors_data = "{"; });
+  EXPECT_EQ(data.code(), StatusCode::kDataLoss);
+  EXPECT_THAT(data.message(), HasSubstr("priors_data: "));
+  EXPECT_EQ(status([](auto& o) { o.source_id = "a\n"; }).code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(status([](auto& o) { o.scene = ""; }).code(), StatusCode::kInvalidArgument);
   const Status policy = status([](auto& o) { o.policy = "dice"; });
   EXPECT_EQ(policy.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(policy.message(), HasSubstr("paper"));

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "engine_client/adaptive/adaptive_factory.h"
+#include "engine_client/telemetry/embedded/priors_file.h"
 #include "sweepstake/session.h"
 #include "tests/support/scripted_broad_phase.h"
 
@@ -88,6 +89,16 @@ TEST_F(EmbeddedSessionTest, TellsTheVerdictToTheGame) {
   session_->Stop();
   EXPECT_EQ(session_->stats().verdict.verdict, adaptive_->verdict().verdict);
   EXPECT_GE(session_->stats().verdict.leader_probability, 0.8);
+}
+
+TEST_F(EmbeddedSessionTest, ExportsWhatItHasLearntWhileItRunsAndAfterItsEnd) {
+  EXPECT_EQ(session_->ExportPriors().status().code(), StatusCode::kFailedPrecondition);
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  RunUntil([this] { return ParsePriors(*session_->ExportPriors())->size() == 2; });
+  session_->Stop();
+  const auto records = ParsePriors(*session_->ExportPriors());
+  ASSERT_TRUE(records.ok()) << records.status().message();
+  EXPECT_EQ(records->size(), 2U);
 }
 
 TEST_F(EmbeddedSessionTest, TakesEveryFrameOffTheQueueBeforeItStops) {

@@ -1,0 +1,88 @@
+#include "engine_client/telemetry/embedded/evidence_ledger.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <utility>
+
+namespace sweepstake {
+
+std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others) {
+  std::set<PriorRecord*, bool (*)(const PriorRecord*, const PriorRecord*)> known(
+      [](const PriorRecord* a, const PriorRecord* b) { return KeyOf(*a) < KeyOf(*b); });
+  for (PriorRecord& record : records) known.insert(&record);
+  std::vector<PriorRecord> fresh;
+  for (PriorRecord& other : others) {
+    const auto found = known.find(&other);
+    if (found == known.end()) {
+      fresh.push_back(std::move(other));
+    } else if (other.source_sequence > (*found)->source_sequence) {
+      **found = std::move(other);
+    }
+  }
+  std::move(fresh.begin(), fresh.end(), std::back_inserter(records));
+  return records;
+}
+
+EvidenceLedger::EvidenceLedger(std::vector<PriorRecord> given, Key key,
+                               std::span<const std::string> arms,
+                               std::span<const uint32_t> arm_versions)
+    : key_(std::move(key)),
+      arms_(arms.begin(), arms.end()),
+      arm_versions_(arm_versions.begin(), arm_versions.end()),
+      records_(std::move(given)) {
+  std::set<std::string> sources;
+  for (const PriorRecord& record : records_) {
+    if (record.source_id == key_.source_id) sequence_ = std::max(sequence_, record.source_sequence);
+    for (size_t arm = 0; arm < arms_.size(); ++arm) {
+      if (Applies(record, arm)) sources.insert(record.source_id);
+    }
+  }
+  prior_source_count_ = sources.size();
+}
+
+bool EvidenceLedger::Applies(const PriorRecord& record, size_t arm) const {
+  return record.project == key_.project && record.scene == key_.scene &&
+         record.context_bucket.empty() && record.machine_class == key_.machine_class &&
+         record.reward_version == key_.reward_version && record.arm == arms_[arm] &&
+         record.backend_version == arm_versions_[arm];
+}
+
+std::vector<decision::BetaPosterior> EvidenceLedger::priors() const {
+  std::vector<decision::BetaPosterior> priors(arms_.size());
+  for (const PriorRecord& record : records_) {
+    for (size_t arm = 0; arm < arms_.size(); ++arm) {
+      if (!Applies(record, arm)) continue;
+      priors[arm].alpha += record.alpha_increment;
+      priors[arm].beta += record.beta_increment;
+    }
+  }
+  return priors;
+}
+
+void EvidenceLedger::Add(const decision::Increment& increment) {
+  PriorRecord& record = OwnRecord(increment.arm);
+  record.source_sequence = ++sequence_;
+  record.alpha_increment += increment.alpha;
+  record.beta_increment += increment.beta;
+  record.window_count += increment.window_count;
+  record.bail_out_count += increment.bail_out_count;
+}
+
+PriorRecord& EvidenceLedger::OwnRecord(size_t arm) {
+  const auto found = std::find_if(records_.begin(), records_.end(), [&](const PriorRecord& record) {
+    return record.source_id == key_.source_id && Applies(record, arm);
+  });
+  if (found != records_.end()) return *found;
+  PriorRecord& record = records_.emplace_back();
+  record.project = key_.project;
+  record.scene = key_.scene;
+  record.arm = arms_[arm];
+  record.backend_version = arm_versions_[arm];
+  record.machine_class = key_.machine_class;
+  record.reward_version = key_.reward_version;
+  record.source_id = key_.source_id;
+  return record;
+}
+
+}  // namespace sweepstake

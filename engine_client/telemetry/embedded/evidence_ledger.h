@@ -1,0 +1,62 @@
+// The evidence of an embedded decider: the priors it was given, and what it has learnt since, which
+// it adds to records of its own source.
+//
+// A source that the priors know already goes on: its records grow and their sequence numbers rise,
+// so that a store that has an earlier export takes the later one in its place. Not thread-safe.
+// Memory: that of the records given, and one more per arm.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine_client/telemetry/embedded/priors_file.h"
+#include "server/decision/types.h"
+
+namespace sweepstake {
+
+// Returns all records of both. Of a record that both have, the one with the higher sequence number
+// counts.
+std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others);
+
+class EvidenceLedger {
+ public:
+  // What the decider's own records have in common.
+  struct Key {
+    std::string project;
+    std::string scene;
+    std::string machine_class;
+    uint32_t reward_version = 1;
+    std::string source_id;
+  };
+
+  // No two of `given` are the same evidence, as in ParsePriors and Unite. REQUIRES: as many
+  // versions as arms.
+  EvidenceLedger(std::vector<PriorRecord> given, Key key, std::span<const std::string> arms,
+                 std::span<const uint32_t> arm_versions);
+
+  // Returns the given evidence about each arm, on top of Beta(1,1). To be called before Add.
+  std::vector<decision::BetaPosterior> priors() const;
+  // Returns the number of sources in priors().
+  uint64_t prior_source_count() const { return prior_source_count_; }
+
+  // REQUIRES: increment.arm is one of the arms.
+  void Add(const decision::Increment& increment);
+
+  // Returns all that was given with all that was added.
+  const std::vector<PriorRecord>& records() const { return records_; }
+
+ private:
+  bool Applies(const PriorRecord& record, size_t arm) const;
+  PriorRecord& OwnRecord(size_t arm);
+
+  const Key key_;
+  const std::vector<std::string> arms_;
+  const std::vector<uint32_t> arm_versions_;
+  std::vector<PriorRecord> records_;
+  uint64_t sequence_ = 0;  // the highest of the own source
+  uint64_t prior_source_count_ = 0;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,112 @@
+#include "engine_client/telemetry/embedded/evidence_ledger.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sweepstake {
+namespace {
+
+const std::vector<std::string> kArms = {"SAP", "DBVT"};
+const std::vector<uint32_t> kVersions = {1, 4};
+
+EvidenceLedger::Key KeyOfPlayer(const std::string& source) {
+  return {.project = "game",
+          .scene = "harbour",
+          .machine_class = "phone",
+          .reward_version = 2,
+          .source_id = source};
+}
+
+EvidenceLedger LedgerOf(std::vector<PriorRecord> given, const std::string& source = "player") {
+  return {std::move(given), KeyOfPlayer(source), kArms, kVersions};
+}
+
+// Evidence that applies to the arm SAP.
+PriorRecord RecordOf(const std::string& source, uint64_t sequence, double alpha) {
+  PriorRecord record;
+  record.project = "game";
+  record.scene = "harbour";
+  record.arm = "SAP";
+  record.backend_version = 1;
+  record.machine_class = "phone";
+  record.reward_version = 2;
+  record.source_id = source;
+  record.source_sequence = sequence;
+  record.alpha_increment = alpha;
+  record.window_count = 1;
+  return record;
+}
+
+TEST(EvidenceLedger, AddsToARecordPerArmUnderItsOwnSource) {
+  EvidenceLedger ledger = LedgerOf({});
+  ledger.Add({.arm = 1, .alpha = 2, .beta = 0.5, .window_count = 1});
+  ledger.Add({.arm = 1, .alpha = 1, .beta = 3, .bail_out_count = 1});
+  ledger.Add({.arm = 0, .beta = 1, .window_count = 1});
+  ASSERT_EQ(ledger.records().size(), 2U);
+  const PriorRecord& dbvt = ledger.records()[0];
+  EXPECT_EQ(dbvt.project, "game");
+  EXPECT_EQ(dbvt.scene, "harbour");
+  EXPECT_EQ(dbvt.machine_class, "phone");
+  EXPECT_EQ(dbvt.reward_version, 2U);
+  EXPECT_EQ(dbvt.arm, "DBVT");
+  EXPECT_EQ(dbvt.backend_version, 4U);
+  EXPECT_EQ(dbvt.source_id, "player");
+  EXPECT_EQ(dbvt.source_sequence, 2U);
+  EXPECT_EQ(dbvt.alpha_increment, 3);
+  EXPECT_EQ(dbvt.beta_increment, 3.5);
+  EXPECT_EQ(dbvt.window_count, 1U);
+  EXPECT_EQ(dbvt.bail_out_count, 1U);
+  EXPECT_EQ(ledger.records()[1].source_sequence, 3U);
+}
+
+TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
+  PriorRecord elsewhere = RecordOf("player", 9, 5);
+  elsewhere.scene = "desert";
+  EvidenceLedger ledger = LedgerOf({RecordOf("player", 7, 10), elsewhere});
+  ledger.Add({.arm = 0, .alpha = 1, .window_count = 1});
+  ASSERT_EQ(ledger.records().size(), 2U);
+  EXPECT_EQ(ledger.records()[0].source_sequence, 10U) << "later than all of the source";
+  EXPECT_EQ(ledger.records()[0].alpha_increment, 11);
+  EXPECT_EQ(ledger.records()[0].window_count, 2U);
+  EXPECT_EQ(ledger.records()[1].source_sequence, 9U);
+  EXPECT_EQ(ledger.records()[1].alpha_increment, 5);
+}
+
+TEST(EvidenceLedger, LeavesTheRecordsOfOthersAsTheyAre) {
+  EvidenceLedger ledger = LedgerOf({RecordOf("studio", 7, 10)});
+  ledger.Add({.arm = 0, .alpha = 1, .window_count = 1});
+  ASSERT_EQ(ledger.records().size(), 2U);
+  EXPECT_EQ(ledger.records()[0].alpha_increment, 10);
+  EXPECT_EQ(ledger.records()[0].source_sequence, 7U);
+  EXPECT_EQ(ledger.records()[1].source_id, "player");
+  EXPECT_EQ(ledger.prior_source_count(), 1U);
+}
+
+TEST(EvidenceLedger, SumsWhatAppliesOnTopOfBetaOneOne) {
+  std::vector<PriorRecord> given(7, RecordOf("studio", 1, 10));
+  given[1].source_id = "player";
+  given[2].scene = "desert";
+  given[3].machine_class = "desktop";
+  given[4].reward_version = 1;
+  given[5].backend_version = 2;
+  given[6].context_bucket = "dense";
+  const EvidenceLedger ledger = LedgerOf(given);
+  EXPECT_EQ(ledger.priors()[0].alpha, 21);
+  EXPECT_EQ(ledger.priors()[0].beta, 1);
+  EXPECT_EQ(ledger.priors()[1].alpha, 1);
+  EXPECT_EQ(ledger.prior_source_count(), 2U);
+}
+
+TEST(EvidenceLedger, UnitesRecordsOfWhichTheLaterCounts) {
+  const auto united = Unite({RecordOf("a", 2, 20), RecordOf("b", 1, 1), RecordOf("d", 5, 7)},
+                            {RecordOf("a", 1, 10), RecordOf("b", 2, 5), RecordOf("c", 1, 3)});
+  std::vector<std::pair<std::string, double>> found;
+  for (const PriorRecord& record : united) {
+    found.emplace_back(record.source_id, record.alpha_increment);
+  }
+  EXPECT_THAT(found, ::testing::ElementsAre(std::pair("a", 20.0), std::pair("b", 5.0),
+                                            std::pair("d", 7.0), std::pair("c", 3.0)));
+}
+
+}  // namespace
+}  // namespace sweepstake
