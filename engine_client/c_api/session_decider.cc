@@ -22,7 +22,11 @@ EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   options.project = TextOr(given.project, options.project);
   options.scene = TextOr(given.scene, options.scene);
   options.machine_class = TextOr(given.machine_class, options.machine_class);
+  options.source_id = TextOr(given.source_id, "");
   options.priors_file = TextOr(given.priors_file, "");
+  if (given.priors_data != nullptr) {
+    options.priors_data.assign(given.priors_data, given.priors_data_bytes);
+  }
   options.seed = given.seed;
   options.time_scale = given.time_scale;
   return options;
@@ -97,6 +101,9 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
     if (wrong == SWP_OK && known.reserved != 0) {
       wrong = Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
     }
+    if (wrong == SWP_OK && known.priors_data == nullptr && known.priors_data_bytes > 0) {
+      wrong = NullArgument("priors_data, of which priors_data_bytes are to be read,");
+    }
     return wrong != SWP_OK ? wrong : Attach(live, ToEmbeddedOptions(known), now_ns);
   });
 }
@@ -151,6 +158,20 @@ swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* 
     if (count == nullptr) return NullArgument("count");
     if (!live.decider_loop) return NoDecider();
     *count = live.decider_loop->decider().prior_source_count();
+    return kOk;
+  });
+}
+
+swp_result swp_session_export_priors(const swp_session* session, char* data, uint64_t capacity,
+                                     uint64_t* bytes) {
+  return Use(session, [&](const Session& live) {
+    if (bytes == nullptr) return NullArgument("bytes");
+    if (data == nullptr && capacity > 0) return NullArgument("data");
+    if (!live.decider_loop) return NoDecider();
+    const std::string priors = live.decider_loop->decider().ExportPriors();
+    *bytes = priors.size();
+    if (priors.size() > capacity) return TooFewPlaces();
+    std::copy(priors.begin(), priors.end(), data);
     return kOk;
   });
 }

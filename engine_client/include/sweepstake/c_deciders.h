@@ -22,7 +22,14 @@ typedef struct swp_decider_options {
   const char* project;       /* NULL: "default" */
   const char* scene;         /* NULL: "default" */
   const char* machine_class; /* NULL: unknown */
-  const char* priors_file;   /* as `sweepstake priors export` writes it; NULL: Beta(1,1) */
+  /* Under what name swp_session_export_priors gives what is learnt. A game that keeps a name per
+   * installation has records that grow from run to run; NULL: a new one each time. */
+  const char* source_id;
+  /* Priors to start from, as `sweepstake priors export` and swp_session_export_priors write them: a
+   * file, its content, or both, which are then united. NULL: Beta(1,1). */
+  const char* priors_file;
+  const char* priors_data;    /* read during the call only; it needs no NUL at its end */
+  uint64_t priors_data_bytes; /* 0 if priors_data is NULL */
   uint64_t seed;
   double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
 } swp_decider_options;
@@ -39,7 +46,7 @@ SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
  * caller's steady clock, the same one in all calls, from any origin and never going back. */
 
 /* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION if a decider is attached already,
- * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names its first broken record. */
+ * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names the first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
@@ -55,6 +62,13 @@ SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* b
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
 /* The number of sources in the priors it started from; 0: Beta(1,1). */
 SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);
+/* Writes the content of a priors file: all records that the decider was given, and what it has
+ * learnt since, for the next run's priors_data or for `sweepstake priors import`. Each piece of
+ * evidence counts once there, however often it comes. `bytes` is its length, without a NUL. If
+ * `capacity` is too small, the result is SWP_RESOURCE_EXHAUSTED and only `bytes` is written. Ask
+ * before the decider is detached, which ends what it knows. */
+SWP_API swp_result swp_session_export_priors(const swp_session* session, char* data,
+                                             uint64_t capacity, uint64_t* bytes);
 
 /* NOLINTEND(modernize-use-using) */
 

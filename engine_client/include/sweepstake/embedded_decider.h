@@ -132,7 +132,7 @@ class EmbeddedDecider {
   uint64_t prior_source_count() const;
   // Returns the text of a priors file with all records that it was given and what it has learnt
   // since. Where it is imported, or given with other priors, each piece of evidence counts once,
-  // however often it comes. Cost: some 400 bytes and 5 µs per record.
+  // however often it comes. Cost: linear in the number of records, some 400 bytes each.
   std::string ExportPriors() const;
 
  private:

@@ -309,6 +309,7 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_beliefs(NULL, &belief, 1, &number));
   REFUSED(swp_session_decision_count(NULL, &count));
   REFUSED(swp_session_prior_source_count(NULL, &count));
+  REFUSED(swp_session_export_priors(NULL, NULL, 0, &count));
   swp_session_destroy(NULL);
 }
 
@@ -351,6 +352,8 @@ static void check_session_arguments(swp_session* session) {
   REFUSED(swp_session_beliefs(session, NULL, 0, NULL));
   REFUSED(swp_session_decision_count(session, NULL));
   REFUSED(swp_session_prior_source_count(session, NULL));
+  REFUSED(swp_session_export_priors(session, NULL, 0, NULL));
+  REFUSED(swp_session_export_priors(session, NULL, 1, &count));
 }
 
 void test_arguments(void) {

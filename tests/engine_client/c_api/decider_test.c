@@ -1,5 +1,6 @@
 /* The embedded decider on a scripted clock: it explores every arm once, then decides, and bails out
  * of a long frame. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"
@@ -41,6 +42,7 @@ static game start_game(void) {
   options.project = "c test";
   options.scene = "suite";
   options.machine_class = "any";
+  options.source_id = "player";
   options.seed = 11;
   options.time_scale = 4;
   CHECK_OK(swp_session_attach_decider(played.session, &options, played.now_ns));
@@ -147,6 +149,44 @@ static void check_attach_errors(void) {
   swp_session_destroy(session);
 }
 
+/* What one decider learnt is what the next one starts from; what is learnt twice is there once. */
+static void check_priors(const game* played) {
+  swp_decider_options options = {.struct_size = sizeof options};
+  swp_session* session = NULL;
+  uint64_t bytes = 0;
+  uint64_t again_bytes = 0;
+  uint64_t source_count = 99;
+  CHECK(swp_session_export_priors(played->session, NULL, 0, &bytes) == SWP_RESOURCE_EXHAUSTED);
+  char* priors = malloc(bytes);
+  char* again = malloc(bytes);
+  CHECK(swp_session_export_priors(played->session, priors, bytes - 1, &bytes) ==
+        SWP_RESOURCE_EXHAUSTED);
+  CHECK_OK(swp_session_export_priors(played->session, priors, bytes, &bytes));
+  CHECK(bytes > 100 && priors[0] == '{');
+  CHECK_OK(swp_session_create(NULL, &session));
+  CHECK_OK(swp_decider_options_init(&options));
+  options.policy = "paper";
+  options.project = "c test";
+  options.scene = "suite";
+  options.machine_class = "any";
+  options.priors_data = priors;
+  options.priors_data_bytes = bytes;
+  CHECK_OK(swp_session_attach_decider(session, &options, 0));
+  CHECK_OK(swp_session_prior_source_count(session, &source_count));
+  CHECK(source_count == 1);
+  CHECK_OK(swp_session_export_priors(session, again, bytes, &again_bytes));
+  CHECK(again_bytes == bytes && memcmp(again, priors, bytes) == 0);
+  CHECK_OK(swp_session_detach_decider(session));
+  CHECK(swp_session_export_priors(session, again, bytes, &again_bytes) == SWP_FAILED_PRECONDITION);
+  priors[0] = '[';
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_DATA_LOSS);
+  options.priors_data = NULL;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  swp_session_destroy(session);
+  free(priors);
+  free(again);
+}
+
 void test_decider(void) {
   game played = start_game();
   swp_frame_sample sample;
@@ -156,6 +196,7 @@ void test_decider(void) {
   CHECK(verdict.kind == SWP_VERDICT_UNKNOWN);
   check_exploration(&played);
   check_beliefs(&played);
+  check_priors(&played);
   check_verdict(&played);
   check_degraded(&played);
   check_drain_is_refused(&played);
