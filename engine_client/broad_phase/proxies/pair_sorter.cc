@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
-#include "engine_client/broad_phase/proxies/proxy_table.h"
+#include "engine_client/broad_phase/proxies/pair_events.h"
 
 namespace sweepstake {
 namespace {

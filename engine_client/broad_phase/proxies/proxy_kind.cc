@@ -1,75 +1,102 @@
 #include "engine_client/broad_phase/proxies/proxy_kind.h"
 
-#include <cassert>
-
-#include "engine_client/broad_phase/proxies/ray_slabs.h"
-#include "engine_client/broad_phase/proxies/tree_walk.h"
-
 namespace sweepstake {
-namespace {
 
-// The searches call these structs with the places that they find.
-struct BoxQuery {
-  const ProxyKind& kind;
-  const CollisionFilter& filter;
-  std::vector<ProxyHandle>& out;
+uint32_t ProxyKind::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user,
+                        uint8_t population) {
+  EnsureRoomIn(population);
+  const uint32_t place = table_.Add(box, filter, user);
+  Enter(place, population);
+  return place;
+}
 
-  static void Take(void* context, const uint32_t* places, size_t count) {
-    const auto& query = *static_cast<const BoxQuery*>(context);
-    for (size_t k = 0; k < count; ++k) {
-      if (!Passes(query.kind.table().filters()[places[k]], query.filter)) continue;
-      query.out.push_back(query.kind.HandleAt(places[k]));
+void ProxyKind::Remove(uint32_t place) {
+  Leave(place);
+  table_.Remove(place);
+}
+
+void ProxyKind::SetFilter(uint32_t place, const CollisionFilter& filter) {
+  const uint8_t population = table_.population(place);
+  table_.SetFilter(place, filter);
+  all_[population].category |= filter.category;
+  all_[population].mask |= filter.mask;
+  resting_changed_ |= !MovesIn(population);
+}
+
+void ProxyKind::ChangePopulation(uint32_t place, uint8_t population) {
+  EnsureRoomIn(population);
+  Leave(place);
+  Enter(place, population);
+}
+
+void ProxyKind::EnsureRoomIn(uint8_t population) {
+  if (trees_[population] == nullptr) trees_[population] = std::make_unique<BoxTree>();
+  trees_[population]->EnsureRoomFor(1);
+  if (id_bit_ == 0 && population != 0) table_.HideOthers();
+}
+
+void ProxyKind::Enter(uint32_t place, uint8_t population) {
+  const CollisionFilter& filter = table_.filters()[place];
+  CollisionFilter& all = all_[population];
+  if (trees_[population]->count() == 0) all = {0, 0};
+  all.category |= filter.category;
+  all.mask |= filter.mask;
+  table_.SetPopulation(place, population);
+  trees_[population]->Add(place, table_.slots());
+  NoteChange(population);
+}
+
+void ProxyKind::Leave(uint32_t place) {
+  const uint8_t population = table_.population(place);
+  trees_[population]->Remove(table_.slots()[place]);
+  NoteChange(population);
+}
+
+void ProxyKind::ShiftOrigin(const float offset[3]) {
+  for (uint32_t place = 0; place < table_.boxes().size(); ++place) {
+    Aabb box = table_.boxes()[place];
+    if (!IsValid(box)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min[axis] -= offset[axis];
+      box.max[axis] -= offset[axis];
     }
+    SetBox(place, box);
   }
-};
-
-struct RayQuery {
-  const ProxyKind& kind;
-  const CollisionFilter& filter;
-  const Ray& ray;
-  std::vector<RayHit>* hits;
-
-  static bool Accepts(void* context, uint32_t place) {
-    const auto& query = *static_cast<const RayQuery*>(context);
-    return Passes(query.kind.table().filters()[place], query.filter);
-  }
-  static void Take(void* context, const uint32_t* places, size_t count) {
-    const auto& query = *static_cast<const RayQuery*>(context);
-    for (size_t k = 0; k < count; ++k) {
-      if (!Accepts(context, places[k])) continue;
-      const auto distance = EnterDistance(query.ray, query.kind.table().boxes()[places[k]]);
-      assert(distance.has_value());
-      query.hits->push_back({query.kind.HandleAt(places[k]), distance.value_or(0)});
-    }
-  }
-};
-
-}  // namespace
-
-void ProxyKind::RefreshTree() {
-  if (!table_.changed()) return;
-  tree_.Update(table_.boxes());
-  ++refit_count_;
-  table_.MarkUnchanged();
 }
 
-void ProxyKind::QueryBox(const Aabb& box, const CollisionFilter& filter,
-                         std::vector<ProxyHandle>& out) const {
-  BoxQuery query{*this, filter, out};
-  FindOverlapping(view(), box, {BoxQuery::Take, &query});
+// Trees are made anew from their members; the next refresh sorts them.
+void ProxyKind::Compact(size_t min_places) {
+  table_.Compact(min_places);
+  resting_changed_ = true;
+  changed_ = 0;
+  for (uint8_t population = 0; population < kPopulations; ++population) {
+    const size_t members = count(population);
+    trees_[population].reset();
+    if (members == 0) continue;
+    trees_[population] = std::make_unique<BoxTree>();
+    trees_[population]->EnsureRoomFor(members);
+    changed_ |= 1U << population;
+  }
+  for (uint32_t place = 0; place < table_.boxes().size(); ++place) {
+    if (table_.generation(place) == 0) continue;
+    trees_[table_.population(place)]->Add(place, table_.slots());
+  }
 }
 
-void ProxyKind::CastRay(const Ray& ray, const CollisionFilter& filter,
-                        std::vector<RayHit>& hits) const {
-  RayQuery query{*this, filter, ray, &hits};
-  FindHits(view(), ray, {RayQuery::Take, &query});
+void ProxyKind::RefreshTrees(KdOrder& splitter) {
+  for (uint32_t population = 0; population < kPopulations; ++population) {
+    const uint32_t bit = 1U << population;
+    if ((changed_ & bit) == 0) continue;
+    trees_[population]->Update(table_.boxes(), splitter, table_.slots());
+    changed_ &= ~bit;
+    ++refit_count_;
+  }
 }
 
-RayHit ProxyKind::CastRayNearest(const Ray& ray, const CollisionFilter& filter) const {
-  RayQuery query{*this, filter, ray, nullptr};
-  NearestHit hit{};
-  if (!FindNearestHit(view(), ray, {RayQuery::Accepts, &query}, hit)) return {};
-  return {HandleAt(hit.id), hit.distance + 0.0F};  // −0 + 0 = +0
+size_t ProxyKind::native_bytes() const {
+  size_t bytes = table_.native_bytes();
+  for (const auto& tree : trees_) bytes += tree == nullptr ? 0 : tree->native_bytes();
+  return bytes;
 }
 
 }  // namespace sweepstake

@@ -1,26 +1,48 @@
-// The proxies of one kind, moving or static, and the tree in which queries find them.
+// The proxies of one kind, added as moving ones or as static ones, in populations.
 //
-// Thread safety: const calls may run side by side, and so may RefreshTree if nothing has changed
-// since the last one. Owns its memory. Cost and memory: see proxy_table.h and box_tree.h. Errors:
-// std::bad_alloc; the next RefreshTree then tries again.
+// A population is the proxies that take part in the search in the same way: they move, sleep or are
+// static, and, while they are not static, belong to the same group (filter_groups.h). Each
+// population has a tree of its own, in which queries find it and in which other populations are
+// searched for. Population 0 is what the broad phase gets, of the proxies added as moving ones.
+//
+// Thread safety: const calls may run side by side. Owns its memory. Cost and memory: see
+// proxy_table.h and box_tree.h; a population takes none until it has had a proxy. Errors:
+// std::bad_alloc from Add and ChangePopulation, which then change nothing, and from RefreshTrees,
+// after which the next one tries again.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "engine_client/broad_phase/proxies/box_tree.h"
+#include "engine_client/broad_phase/proxies/filter_groups.h"
 #include "engine_client/broad_phase/proxies/proxy_table.h"
 #include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
+
+// Populations as numbers: the groups that move, those that sleep, and the static proxies.
+inline constexpr uint8_t kSleepingPopulation = FilterGroups::kCount;
+inline constexpr uint8_t kStaticPopulation = 2 * FilterGroups::kCount;
+inline constexpr uint8_t kPopulations = kStaticPopulation + 1;
+
+constexpr bool MovesIn(uint32_t population) { return population < kSleepingPopulation; }
+constexpr bool IsStaticIn(uint32_t population) { return population == kStaticPopulation; }
+constexpr bool SleepsIn(uint32_t population) {
+  return !MovesIn(population) && !IsStaticIn(population);
+}
+constexpr uint32_t GroupOf(uint32_t population) {
+  return IsStaticIn(population) ? 0 : population % FilterGroups::kCount;
+}
 
 class ProxyKind {
  public:
   // `id_bit` is set in the ids of all proxies of this kind.
   explicit ProxyKind(uint32_t id_bit) : id_bit_(id_bit) {}
 
-  ProxyTable& table() { return table_; }
+  uint32_t id_bit() const { return id_bit_; }
   const ProxyTable& table() const { return table_; }
   // Returns null if the place is free.
   ProxyHandle HandleAt(uint32_t place) const {
@@ -28,25 +50,58 @@ class ProxyKind {
     return generation == 0 ? ProxyHandle{} : ProxyHandle{place | id_bit_, generation};
   }
 
-  // Must be called after a change and before the queries below.
-  void RefreshTree();
+  // Allocates what Add and ChangePopulation to this population need.
+  void EnsureRoomIn(uint8_t population);
+  // Returns the place of the new proxy.
+  uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user, uint8_t population);
+  void Remove(uint32_t place);
+  void SetBox(uint32_t place, const Aabb& box) {
+    table_.SetBox(place, box);
+    NoteChange(table_.population(place));
+  }
+  void SetFilter(uint32_t place, const CollisionFilter& filter);
+  void SetUser(uint32_t place, uint64_t user) { table_.SetUser(place, user); }
+  void ChangePopulation(uint32_t place, uint8_t population);
+  void MarkSeen() { table_.MarkSeen(); }
 
-  const LeafTree::View& view() const { return tree_.view(); }
-  void NoteSearch(uint64_t checks) { tree_.NoteSearch(checks); }
-  // Appends the proxies whose boxes overlap `box`, in unspecified order.
-  void QueryBox(const Aabb& box, const CollisionFilter& filter,
-                std::vector<ProxyHandle>& out) const;
-  // Appends the proxies whose boxes the ray hits, in unspecified order.
-  void CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) const;
-  // Returns the nearest hit among these proxies, as CastRayNearest of proxy_set.h defines it.
-  RayHit CastRayNearest(const Ray& ray, const CollisionFilter& filter) const;
+  size_t count(uint32_t population) const {
+    return trees_[population] == nullptr ? 0 : trees_[population]->count();
+  }
+  // Returns the categories and masks that the population's proxies have had.
+  const CollisionFilter& all(uint32_t population) const { return all_[population]; }
+
+  // Must be called after changes and before the trees are used.
+  void RefreshTrees(KdOrder& splitter);
+  // Moves the origin of all coordinates. Invalid boxes stay as they are.
+  void ShiftOrigin(const float offset[3]);
+  // Frees what former proxies held; free places below `min_places` are kept.
+  void Compact(size_t min_places);
+  bool trees_are_fresh() const { return changed_ == 0; }
+  // REQUIRES, here and below: count(population) > 0.
+  const LeafTree& tree(uint32_t population) const { return trees_[population]->leaves(); }
+  void NoteSearch(uint32_t population, uint64_t checks) { trees_[population]->NoteSearch(checks); }
+
+  // Returns whether a box, a filter or the members of a population that does not move have changed
+  // since MarkRestingSeen.
+  bool any_resting_changed() const { return resting_changed_; }
+  void MarkRestingSeen() { resting_changed_ = false; }
 
   uint64_t refit_count() const { return refit_count_; }
-  size_t native_bytes() const { return table_.native_bytes() + tree_.native_bytes(); }
+  size_t native_bytes() const;
 
  private:
+  void Enter(uint32_t place, uint8_t population);
+  void Leave(uint32_t place);
+  void NoteChange(uint8_t population) {
+    changed_ |= 1U << population;
+    resting_changed_ |= !MovesIn(population);
+  }
+
   ProxyTable table_;
-  BoxTree tree_;
+  std::array<std::unique_ptr<BoxTree>, kPopulations> trees_;
+  std::array<CollisionFilter, kPopulations> all_{};
+  uint32_t changed_ = 0;  // the populations whose trees are out of date, as bits
+  bool resting_changed_ = false;
   uint32_t id_bit_;
   uint64_t refit_count_ = 0;
 };

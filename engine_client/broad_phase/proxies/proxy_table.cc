@@ -2,72 +2,38 @@
 
 #include <algorithm>
 
-#include "engine_client/broad_phase/common/box_record.h"
-
 namespace sweepstake {
-namespace {
-
-// The owners of ids, in this frame and in the last one.
-class Owners {
- public:
-  Owners(const ProxyTable& moving, const ProxyTable& resting)
-      : moving_(moving),
-        resting_(resting),
-        any_new_(moving.any_new_owner() || resting.any_new_owner()) {}
-
-  ProxyPair Now(const OverlapPair& pair) const {
-    return {{pair.a, TableOf(pair.a).generation(PlaceOf(pair.a))},
-            {pair.b, TableOf(pair.b).generation(PlaceOf(pair.b))}};
-  }
-  ProxyPair Before(const OverlapPair& pair) const {
-    return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
-            {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
-  }
-  // Returns whether a pair of both frames has other owners now.
-  bool Changed(const OverlapPair& pair) const {
-    return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
-                        TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));
-  }
-
- private:
-  static uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
-  const ProxyTable& TableOf(uint32_t id) const {
-    return (id & kStaticProxyBit) != 0 ? resting_ : moving_;
-  }
-
-  const ProxyTable& moving_;
-  const ProxyTable& resting_;
-  const bool any_new_;
-};
-
-}  // namespace
 
 uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_t user) {
-  if (free_.empty()) EnsureRoomForOne();
+  if (freed_last_ == kNoPlace) EnsureRoomForOne();
   const uint32_t place = TakePlace();
   // The place is not in the list yet if its owner at the last MarkSeen is still there or was the
   // latest one.
   if (generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
   ++generations_[place];
-  boxes_[place] = box;
   filters_[place] = filter;
   users_[place] = user;
+  populations_[place] = 0;
+  SetBox(place, box);
   if (filter != CollisionFilter{}) ++filtered_count_;
-  changed_ = true;
   return place;
 }
 
 uint32_t ProxyTable::TakePlace() {
-  if (!free_.empty()) {
-    const uint32_t place = free_.back();
-    free_.pop_back();
+  if (freed_last_ != kNoPlace) {
+    const uint32_t place = freed_last_;
+    freed_last_ = slots_[place];
+    --free_count_;
     return place;
   }
+  if (hides_others_) shown_.push_back(kInvalidAabb);
   boxes_.push_back(kInvalidAabb);
   filters_.emplace_back();
   users_.push_back(0);
-  generations_.push_back(0);
-  seen_.push_back(0);
+  generations_.push_back(first_generation_);
+  seen_.push_back(first_generation_);
+  slots_.push_back(0);
+  populations_.push_back(0);
   return static_cast<uint32_t>(boxes_.size() - 1);
 }
 
@@ -76,21 +42,31 @@ void ProxyTable::EnsureRoomForOne() {
   // `boxes_` grows last: if another array failed to grow, the next Add tries again.
   if (boxes_.size() < boxes_.capacity()) return;
   const size_t places = std::max<size_t>(64, boxes_.size() * 2);
+  if (hides_others_) shown_.reserve(places);
   filters_.reserve(places);
   users_.reserve(places);
   generations_.reserve(places);
   seen_.reserve(places);
-  free_.reserve(places);
+  slots_.reserve(places);
+  populations_.reserve(places);
   new_owners_.reserve(places);
   boxes_.reserve(places);
 }
 
+void ProxyTable::HideOthers() {
+  if (hides_others_) return;
+  shown_.reserve(boxes_.capacity());
+  shown_ = boxes_;
+  hides_others_ = true;
+}
+
 void ProxyTable::Remove(uint32_t place) {
   SetFilter(place, {});
-  boxes_[place] = kInvalidAabb;
+  SetBox(place, kInvalidAabb);
   ++generations_[place];
-  free_.push_back(place);
-  changed_ = true;
+  slots_[place] = freed_last_;
+  freed_last_ = place;
+  ++free_count_;
 }
 
 void ProxyTable::SetFilter(uint32_t place, const CollisionFilter& filter) {
@@ -104,34 +80,61 @@ void ProxyTable::MarkSeen() {
   new_owners_.clear();
 }
 
-size_t ProxyTable::native_bytes() const {
-  return boxes_.capacity() * sizeof(Aabb) + filters_.capacity() * sizeof(CollisionFilter) +
-         users_.capacity() * sizeof(uint64_t) +
-         (generations_.capacity() + seen_.capacity() + free_.capacity() + new_owners_.capacity()) *
-             sizeof(uint32_t);
+void ProxyTable::Compact(size_t min_places) {
+  size_t places = boxes_.size();
+  for (; places > min_places && !IsOdd(generations_[places - 1]); --places) {
+    first_generation_ = std::max(first_generation_, generations_[places - 1]);
+  }
+  Truncate(places);
+  LinkFreePlaces();
+  if (hides_others_ && !AnyHidden()) {
+    shown_ = {};
+    hides_others_ = false;
+  }
 }
 
-void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
-                         const ProxyTable& moving, const ProxyTable& resting) {
-  const Owners owners(moving, resting);
-  added_.clear();
-  removed_.clear();
-  size_t b = 0;
-  size_t n = 0;
-  while (b < before.size() && n < now.size()) {
-    const uint64_t key_before = PairKey(before[b]);
-    const uint64_t key_now = PairKey(now[n]);
-    // Most pairs persist, so that this branch is well predicted.
-    if (key_before == key_now && !owners.Changed(now[n])) {
-      ++b;
-      ++n;
-      continue;
-    }
-    if (key_before <= key_now) removed_.push_back(owners.Before(before[b++]));
-    if (key_now <= key_before) added_.push_back(owners.Now(now[n++]));
+void ProxyTable::Truncate(size_t places) {
+  std::erase_if(new_owners_, [&](uint32_t place) { return place >= places; });
+  const auto shrink = [&](auto& of_places) {
+    of_places.resize(std::min(of_places.size(), places));
+    of_places.shrink_to_fit();
+  };
+  shrink(shown_);
+  shrink(filters_);
+  shrink(users_);
+  shrink(generations_);
+  shrink(seen_);
+  shrink(slots_);
+  shrink(populations_);
+  shrink(boxes_);
+  new_owners_.reserve(boxes_.capacity());
+}
+
+// The least free place is used next.
+void ProxyTable::LinkFreePlaces() {
+  freed_last_ = kNoPlace;
+  free_count_ = 0;
+  for (auto place = static_cast<uint32_t>(boxes_.size()); place-- > 0;) {
+    if (IsOdd(generations_[place])) continue;
+    slots_[place] = freed_last_;
+    freed_last_ = place;
+    ++free_count_;
   }
-  while (b < before.size()) removed_.push_back(owners.Before(before[b++]));
-  while (n < now.size()) added_.push_back(owners.Now(now[n++]));
+}
+
+bool ProxyTable::AnyHidden() const {
+  for (uint32_t place = 0; place < boxes_.size(); ++place) {
+    if (populations_[place] != 0 && IsOdd(generations_[place])) return true;
+  }
+  return false;
+}
+
+size_t ProxyTable::native_bytes() const {
+  return (boxes_.capacity() + shown_.capacity()) * sizeof(Aabb) +
+         filters_.capacity() * sizeof(CollisionFilter) + users_.capacity() * sizeof(uint64_t) +
+         (generations_.capacity() + seen_.capacity() + slots_.capacity() + new_owners_.capacity()) *
+             sizeof(uint32_t) +
+         populations_.capacity();
 }
 
 }  // namespace sweepstake

@@ -1,24 +1,22 @@
-// The proxies of one kind, moving or static, and the events of their pairs.
+// The proxies of one kind: added as moving ones, or as static ones.
 //
 // A proxy has a place that does not change while it lives. A place is used again after its proxy
 // was removed; its generation counts adds and removes and so distinguishes the owners.
 //
 // Not thread-safe. Owns its memory. Cost: O(1) per call unless its comment says otherwise. Memory:
-// 56 bytes per place. Errors: std::bad_alloc from Add, which then changes nothing.
+// 57 bytes per place, and 24 more after HideOthers. Errors: std::bad_alloc from Add and HideOthers,
+// which then change nothing.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
-
-// Returns a number that orders pairs by a, then by b.
-constexpr uint64_t PairKey(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
 
 class ProxyTable {
  public:
@@ -31,85 +29,88 @@ class ProxyTable {
     return place < generations_.size() && generations_[place] == generation && IsOdd(generation);
   }
 
-  // REQUIRES: `place` holds a proxy.
+  // The calls with a place require that it holds a proxy, unless their comments differ.
+
   void Remove(uint32_t place);
-  // A box of the same bytes changes nothing. REQUIRES: `place` holds a proxy.
   void SetBox(uint32_t place, const Aabb& box) {
-    if (std::memcmp(&boxes_[place], &box, sizeof box) == 0) return;
     boxes_[place] = box;
-    changed_ = true;
+    if (hides_others_ && populations_[place] == 0) shown_[place] = box;
   }
-  // REQUIRES: `place` holds a proxy.
   void SetFilter(uint32_t place, const CollisionFilter& filter);
-  // REQUIRES: `place` holds a proxy.
   void SetUser(uint32_t place, uint64_t user) { users_[place] = user; }
-  // REQUIRES: `place` holds a proxy.
   uint64_t user(uint32_t place) const { return users_[place]; }
   // Returns 0 if the place is free or does not exist.
   uint32_t generation(uint32_t place) const {
     return place < generations_.size() && IsOdd(generations_[place]) ? generations_[place] : 0;
   }
 
+  // A new proxy is in population 0.
+  uint8_t population(uint32_t place) const { return populations_[place]; }
+  void SetPopulation(uint32_t place, uint8_t population) {
+    populations_[place] = population;
+    if (hides_others_) shown_[place] = population == 0 ? boxes_[place] : kInvalidAabb;
+  }
+  // The slots of proxies in the trees of their populations, which write them.
+  std::span<uint32_t> slots() { return slots_; }
+
   // These are indexed by place; a free place has an invalid box.
   std::span<const Aabb> boxes() const { return boxes_; }
   std::span<const CollisionFilter> filters() const { return filters_; }
-  size_t count() const { return boxes_.size() - free_.size(); }
+  // Returns the boxes of population 0, with invalid ones at all other places. REQUIRES: HideOthers
+  // was called, or all proxies are in population 0.
+  std::span<const Aabb> shown_boxes() const { return hides_others_ ? shown_ : boxes_; }
+  // Must be called before the first proxy leaves population 0 where shown_boxes is used. Cost: the
+  // first time O(places).
+  void HideOthers();
+
+  // Frees what former proxies held: the free places at the end, down to `min_places`, and spare
+  // room. Handles that were given out stay unique. Cost: O(places).
+  void Compact(size_t min_places);
+
+  size_t count() const { return boxes_.size() - free_count_; }
   // Returns whether every proxy has the default filter.
   bool all_pass() const { return filtered_count_ == 0; }
 
-  // Returns whether a box has changed since MarkUnchanged.
-  bool changed() const { return changed_; }
-  void MarkUnchanged() { changed_ = false; }
-
-  // Returns whether a place has an owner that has come since the last MarkSeen.
-  bool any_new_owner() const { return !new_owners_.empty(); }
-  // Returns whether the place has another owner than at the last MarkSeen. REQUIRES: the place was
-  // taken then and is taken now.
-  bool HasNewOwner(uint32_t place) const { return seen_[place] != generations_[place]; }
+  // Returns the generation at the last MarkSeen.
   uint32_t seen_generation(uint32_t place) const { return seen_[place]; }
-  // Takes the present owners as seen. Cost: O(places with new owners).
+  // Returns whether a proxy has been added since the last MarkSeen.
+  bool any_new_owner() const { return !new_owners_.empty(); }
+  // Returns whether the proxy at the place has been added since.
+  bool HasNewOwner(uint32_t place) const { return seen_[place] != generations_[place]; }
+  // Marks the present owners as seen. Cost: O(places with new owners).
   void MarkSeen();
 
   size_t native_bytes() const;
 
  private:
+  static constexpr uint32_t kNoPlace = ~0U;
+
   // A generation is odd while the place is taken.
   static bool IsOdd(uint32_t generation) { return (generation & 1) != 0; }
 
   void EnsureRoomForOne();
+  void Truncate(size_t places);
+  void LinkFreePlaces();
+  bool AnyHidden() const;
   uint32_t TakePlace();
 
   HookedVector<Aabb> boxes_;
+  bool hides_others_ = false;
+  HookedVector<Aabb> shown_;  // empty until HideOthers
   HookedVector<CollisionFilter> filters_;
   HookedVector<uint64_t> users_;
   HookedVector<uint32_t> generations_;
   HookedVector<uint32_t> seen_;  // the generations at the last MarkSeen
-  // The freed places; there is room for every place, so that Remove does not allocate.
-  HookedVector<uint32_t> free_;
+  // At a free place: the place that was freed before it.
+  HookedVector<uint32_t> slots_;
+  HookedVector<uint8_t> populations_;
   // The places with owners that have come since the last MarkSeen, each once.
   HookedVector<uint32_t> new_owners_;
+  uint32_t freed_last_ = kNoPlace;
+  size_t free_count_ = 0;
   size_t filtered_count_ = 0;
-  bool changed_ = false;
-};
-
-// Finds which pairs are new and which are gone, given the ascending pairs of one frame and of the
-// next. Cost: O(pairs). Errors: std::bad_alloc from Compare; the events are then incomplete.
-class PairEvents {
- public:
-  // `before` are pairs of the proxies at the last MarkSeen of the tables, `now` of those they hold;
-  // both ascend. A pair whose ids have stayed but whose owners have changed is both gone and new.
-  void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
-               const ProxyTable& moving, const ProxyTable& resting);
-
-  std::span<const ProxyPair> added() const { return added_; }
-  std::span<const ProxyPair> removed() const { return removed_; }
-  size_t native_bytes() const {
-    return (added_.capacity() + removed_.capacity()) * sizeof(ProxyPair);
-  }
-
- private:
-  HookedVector<ProxyPair> added_;
-  HookedVector<ProxyPair> removed_;
+  // The generation with which new places begin: above those of places that Compact has dropped.
+  uint32_t first_generation_ = 0;
 };
 
 }  // namespace sweepstake

@@ -1,5 +1,5 @@
-// Queries in one tree: the boxes that overlap a box, the boxes that a ray hits, and the nearest of
-// those.
+// Queries in one tree: the boxes that overlap a box, those near a point, those that a ray or a
+// moving box hits, and the nearest of these.
 #include "engine_client/broad_phase/proxies/tree_walk.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -27,24 +27,53 @@ void WalkOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& 
       [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
 }
 
-// EnterDistance of ray_slabs.h for the lanes from slot `at` on: returns where the ray enters them,
-// and in `hits` the lanes that it enters up to `limit`. A sentinel is entered at +inf and left at
-// −inf.
+// SquaredDistance of query_shapes.h for the lanes from slot `at` on. That of a sentinel is +inf.
 template <class D>
-HWY_INLINE hn::Vec<D> EnterLanes(D d, const Ray& ray, float limit, const BoxLanes& lanes, size_t at,
-                                 hn::Mask<D>& hits) {
+HWY_INLINE hn::Vec<D> SquaredDistanceLanes(D d, const float center[3], const BoxLanes& lanes,
+                                           size_t at) {
+  auto sum = hn::Zero(d);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto point = hn::Set(d, center[axis]);
+    const auto below = hn::Sub(hn::LoadU(d, lanes.min[axis] + at), point);
+    const auto above = hn::Sub(point, hn::LoadU(d, lanes.max[axis] + at));
+    const auto outside = hn::Max(hn::Zero(d), hn::Max(below, above));
+    sum = hn::Add(sum, hn::Mul(outside, outside));
+  }
+  return sum;
+}
+
+void WalkNear(const LeafTree::View& tree, const float* center, float squared_radius,
+              const IdSink& sink) {
+  Descend(
+      tree, 0,
+      [&](size_t level, size_t base, FoundGroup& found) HWY_ATTR {
+        const Lanes16 d;
+        found.count = 0;
+        for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
+          const auto distance = SquaredDistanceLanes(d, center, tree.levels[level], at);
+          AppendHits(d, hn::Le(distance, hn::Set(d, squared_radius)), at, found);
+        }
+      },
+      [&](const FoundGroup& found) { TakeIds(tree, found, sink); });
+}
+
+// EnterDistance of query_shapes.h for the lanes from slot `at` on: returns where the ray enters
+// them, and in `hits` the lanes that it enters up to `limit`. A sentinel is entered at +inf and
+// left at −inf.
+template <class D>
+HWY_INLINE hn::Vec<D> EnterLanes(D d, const Slabs& slabs, float limit, const BoxLanes& lanes,
+                                 size_t at, hn::Mask<D>& hits) {
   auto enter = hn::Zero(d);
   auto leave = hn::Set(d, limit);
   hits = hn::FirstN(d, hn::Lanes(d));
   for (size_t axis = 0; axis < 3; ++axis) {
-    const auto origin = hn::Set(d, ray.origin[axis]);
-    const auto direction = hn::Set(d, ray.direction[axis]);
-    const auto to_min = hn::Sub(hn::LoadU(d, lanes.min[axis] + at), origin);
-    const auto to_max = hn::Sub(hn::LoadU(d, lanes.max[axis] + at), origin);
-    if (ray.direction[axis] == 0) {
+    const auto direction = hn::Set(d, slabs.direction[axis]);
+    const auto to_min = hn::Sub(hn::LoadU(d, lanes.min[axis] + at), hn::Set(d, slabs.max[axis]));
+    const auto to_max = hn::Sub(hn::LoadU(d, lanes.max[axis] + at), hn::Set(d, slabs.min[axis]));
+    if (slabs.direction[axis] == 0) {
       const auto zero = hn::Zero(d);
       hits = hn::And(hits, hn::And(hn::Le(to_min, zero), hn::Ge(to_max, zero)));
-    } else if (ray.direction[axis] > 0) {
+    } else if (slabs.direction[axis] > 0) {
       enter = hn::Max(enter, hn::Div(to_min, direction));
       leave = hn::Min(leave, hn::Div(to_max, direction));
     } else {
@@ -56,7 +85,7 @@ HWY_INLINE hn::Vec<D> EnterLanes(D d, const Ray& ray, float limit, const BoxLane
   return enter;
 }
 
-void WalkHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {
+void WalkHits(const LeafTree::View& tree, const Slabs& slabs, const IdSink& sink) {
   Descend(
       tree, 0,
       [&](size_t level, size_t base, FoundGroup& found) HWY_ATTR {
@@ -64,7 +93,7 @@ void WalkHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {
         found.count = 0;
         for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
           hn::Mask<Lanes16> hits;
-          EnterLanes(d, ray, ray.max_distance, tree.levels[level], at, hits);
+          EnterLanes(d, slabs, slabs.max_distance, tree.levels[level], at, hits);
           AppendHits(d, hits, at, found);
         }
       },
@@ -77,13 +106,13 @@ struct EnteredGroup {
   float distance[2 * LeafTree::kWidth];
 };
 
-HWY_INLINE void CollectEntered(const Ray& ray, float limit, const BoxLanes& lanes, size_t base,
+HWY_INLINE void CollectEntered(const Slabs& slabs, float limit, const BoxLanes& lanes, size_t base,
                                EnteredGroup& group) {
   const Lanes16 d;
   group.found.count = 0;
   for (size_t at = base; at < base + LeafTree::kWidth; at += hn::Lanes(d)) {
     hn::Mask<Lanes16> hits;
-    const auto enter = EnterLanes(d, ray, limit, lanes, at, hits);
+    const auto enter = EnterLanes(d, slabs, limit, lanes, at, hits);
     hn::StoreU(CompressLanes(enter, hits), d, group.distance + group.found.count);
     AppendHits(d, hits, at, group.found);
   }
@@ -117,13 +146,13 @@ HWY_INLINE void TakeNearer(const EnteredGroup& group, const uint32_t* ids,
   }
 }
 
-bool WalkNearest(const LeafTree::View& tree, const Ray& ray, const IdPredicate& predicate,
+bool WalkNearest(const LeafTree::View& tree, const Slabs& slabs, const IdPredicate& predicate,
                  NearestHit& hit) {
   EnteredGroup waiting[LeafTree::kMaxLevels + 1];
-  NearestHit best{ray.max_distance, 0};
+  NearestHit best{slabs.max_distance, 0};
   bool found = false;
   size_t level = tree.top;
-  CollectEntered(ray, best.distance, tree.levels[level], 0, waiting[level]);
+  CollectEntered(slabs, best.distance, tree.levels[level], 0, waiting[level]);
   SortFarthestFirst(waiting[level]);
   while (true) {
     while (waiting[level].found.count == 0) {
@@ -137,7 +166,8 @@ bool WalkNearest(const LeafTree::View& tree, const Ray& ray, const IdPredicate& 
     if (waiting[level].distance[last] > best.distance) continue;
     const size_t node = waiting[level].found.entry[last];
     --level;
-    CollectEntered(ray, best.distance, tree.levels[level], FirstChild(level, node), waiting[level]);
+    CollectEntered(slabs, best.distance, tree.levels[level], FirstChild(level, node),
+                   waiting[level]);
     if (level > 0) {
       SortFarthestFirst(waiting[level]);
     } else {
@@ -155,6 +185,7 @@ HWY_AFTER_NAMESPACE();
 namespace sweepstake {
 
 HWY_EXPORT(WalkOverlapping);
+HWY_EXPORT(WalkNear);
 HWY_EXPORT(WalkHits);
 HWY_EXPORT(WalkNearest);
 
@@ -162,13 +193,18 @@ void FindOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& 
   if (IsValid(box)) HWY_DYNAMIC_DISPATCH(WalkOverlapping)(tree, box, sink);
 }
 
-void FindHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink) {
-  HWY_DYNAMIC_DISPATCH(WalkHits)(tree, ray, sink);
+void FindNear(const LeafTree::View& tree, const float center[3], float squared_radius,
+              const IdSink& sink) {
+  HWY_DYNAMIC_DISPATCH(WalkNear)(tree, center, squared_radius, sink);
 }
 
-bool FindNearestHit(const LeafTree::View& tree, const Ray& ray, const IdPredicate& predicate,
+void FindHits(const LeafTree::View& tree, const Slabs& slabs, const IdSink& sink) {
+  HWY_DYNAMIC_DISPATCH(WalkHits)(tree, slabs, sink);
+}
+
+bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPredicate& predicate,
                     NearestHit& hit) {
-  return tree.top != 0 && HWY_DYNAMIC_DISPATCH(WalkNearest)(tree, ray, predicate, hit);
+  return tree.top != 0 && HWY_DYNAMIC_DISPATCH(WalkNearest)(tree, slabs, predicate, hit);
 }
 
 }  // namespace sweepstake

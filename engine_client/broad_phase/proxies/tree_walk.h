@@ -9,9 +9,9 @@
 #include <cstdint>
 
 #include "engine_client/broad_phase/kd/leaf_tree.h"
+#include "engine_client/broad_phase/proxies/query_shapes.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/pair_buffer.h"
-#include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
 
@@ -22,8 +22,12 @@ struct IdSink {
 };
 
 void FindOverlapping(const LeafTree::View& tree, const Aabb& box, const IdSink& sink);
-// All searches with rays decide by EnterDistance (ray_slabs.h). REQUIRES: IsFinite(ray).
-void FindHits(const LeafTree::View& tree, const Ray& ray, const IdSink& sink);
+// Finds the boxes whose SquaredDistance (query_shapes.h) from the center is at most this. REQUIRES:
+// all values are finite.
+void FindNear(const LeafTree::View& tree, const float center[3], float squared_radius,
+              const IdSink& sink);
+// These two decide by EnterDistance (query_shapes.h). REQUIRES: IsFinite(slabs).
+void FindHits(const LeafTree::View& tree, const Slabs& slabs, const IdSink& sink);
 
 struct NearestHit {
   float distance;
@@ -34,8 +38,8 @@ struct IdPredicate {
   void* context;
 };
 // Finds the accepted box with the smallest distance, at equal distances the one with the smallest
-// id. Returns false and leaves `hit` unchanged if there is none up to ray.max_distance.
-bool FindNearestHit(const LeafTree::View& tree, const Ray& ray, const IdPredicate& predicate,
+// id. Returns false and leaves `hit` unchanged if there is none up to max_distance.
+bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPredicate& predicate,
                     NearestHit& hit);
 
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of

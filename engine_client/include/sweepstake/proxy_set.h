@@ -10,15 +10,24 @@
 //   for (const ProxyPair& pair : proxies.added()) ...
 //
 // Moving proxies are in one dense array, which the broad phase takes. A freed place holds an
-// invalid box until it is used again, so that adding and removing are updates like any other.
-// Static proxies are in a tree of their own, in which the moving ones are searched for: static
-// proxies are never paired with one another, and cost nothing by themselves while they stay.
+// invalid box until it is used again, so that adding and removing are updates like any other. What
+// the broad phase need not search stands in trees of its own, in which the others are searched for,
+// and has an invalid box in the array:
+//   - static proxies, which are never paired with one another and cost nothing while they stay;
+//   - sleeping ones, whose pairs with other sleeping and static ones are kept;
+//   - moving ones that ignore their own kind (whose category is not in their own mask, as debris
+//     that collides with everything but debris): a pile of them costs what it costs apart. There
+//     are seven such groups, of filters that may be together; beyond them pairs are filtered after
+//     the search.
+// Pairs, events and queries never depend on where a proxy stands.
 //
-// Thread safety: one thread at a time, except for queries after PrepareQueries. Ownership: the set
-// owns what its spans refer to. Units: world units of the caller. An invalid box (aabb.h) is
-// accepted: it overlaps nothing, and no query finds it, until it is moved. Memory: 56 bytes per
-// place, and 70 more for proxies in a tree (static ones, and after the first query all); 16 bytes
-// per pair, 24 where pairs are sorted.
+// Thread safety: one thread at a time, except for const calls between changes: any number of
+// threads may make those at the same time. Ownership: the set owns what its spans refer to. Units:
+// world units of the caller. An invalid box (aabb.h) is accepted: it overlaps nothing, and no query
+// finds it, until it is moved. Memory: 61 bytes per place, 24 more for each place of a moving proxy
+// once one of them is not in the array, and 30 more for proxies in a tree that was searched (after
+// the first query all) with 36 for the largest such tree; 16 bytes per pair, 24 where pairs are
+// sorted, 8 per kept pair.
 //
 // Cost (tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, 10,000 moving boxes of
 // suite-b with 14,500 pairs): 5 ns per Move. Resolve takes 13 µs with filters and nothing without,
@@ -48,7 +57,7 @@
 namespace sweepstake {
 
 // A handle names a proxy. `index` is its id in pairs for as long as it lives: its place in
-// moving_boxes(), or kStaticProxyBit and its place among the static proxies. Ids are used again;
+// moving_boxes(), or kStaticProxyBit and its place among those added as static. Ids are used again;
 // `generation` distinguishes the owners (a place has 2^31 of them). The null handle is all zero and
 // belongs to no proxy.
 struct ProxyHandle {
@@ -62,7 +71,7 @@ struct ProxyHandle {
 };
 static_assert(sizeof(ProxyHandle) == 8);
 
-// This bit is set in the ids of static proxies, and only there.
+// This bit is set in the ids of proxies that were added as static, and only there.
 inline constexpr uint32_t kStaticProxyBit = 0x80000000U;
 
 // What a proxy is (category) and what it collides with (mask), as sets of bits.
@@ -80,7 +89,7 @@ constexpr bool Passes(const CollisionFilter& a, const CollisionFilter& b) {
 
 struct ProxyOptions {
   CollisionFilter filter = {};
-  // A static proxy is paired with moving ones only. This never changes for a proxy.
+  // A static proxy is paired with moving and sleeping ones only. SetStatic changes it.
   bool is_static = false;
   uint64_t user = 0;  // for the caller's use, for example an index or a pointer
 
@@ -104,9 +113,27 @@ struct Ray {
   float max_distance = std::numeric_limits<float>::max();
 };
 
+// The box at all places from where it is to where `translation` takes it. It must be valid, and its
+// translation finite.
+struct BoxSweep {
+  Aabb box;
+  float translation[3];
+};
+
+// The points up to `radius` from the center. Distances are compared as squares in single precision:
+// the radius must be from 0 to kMaxRadius, and distances below 1e-23 count as none.
+struct Sphere {
+  static constexpr float kMaxRadius = 1e19F;
+
+  float center[3];
+  float radius;
+};
+
 struct RayHit {
   ProxyHandle proxy;
-  float distance = 0;  // where the ray enters the box; 0 where it starts inside or on a face
+  // Where the ray enters the box, or the part of its way after which a moving box touches it; 0
+  // where it starts inside or on a face.
+  float distance = 0;
 
   friend bool operator==(const RayHit&, const RayHit&) = default;
 };
@@ -129,10 +156,17 @@ class ProxySet {
   ProxySet& operator=(ProxySet&&) noexcept;
 
   // Adds a proxy, which the next Resolve and the next query see. Cost: O(1) for a moving proxy; for
-  // all changes of static ones together, the next use refits their tree once, O(static proxies).
+  // all changes of those in a tree together, the next use refits the tree once, O(its proxies).
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options = {});
+  // Adds boxes[k] as handles[k]. `options` has one entry per box or one for all. If memory runs
+  // out, those added before are in the set and the other handles are null. REQUIRES: as many
+  // handles as boxes.
+  void AddMany(std::span<const Aabb> boxes, std::span<const ProxyOptions> options,
+               std::span<ProxyHandle> handles);
   // Returns false for a handle without a proxy, as the calls below do.
   bool Remove(ProxyHandle handle);
+  // If one of the handles has no proxy, it returns false and removes nothing.
+  bool RemoveMany(std::span<const ProxyHandle> handles);
 
   // Cost: O(1). A static proxy may be moved too, at the cost of an Add. A box of the same bytes
   // changes nothing: an engine may send the boxes of all its objects in each step.
@@ -142,6 +176,25 @@ class ProxySet {
   bool Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   bool SetFilter(ProxyHandle handle, const CollisionFilter& filter);
   bool SetUser(ProxyHandle handle, uint64_t user);
+  // Makes a moving proxy static or a static one moving and awake, at the cost of an Add. Handle and
+  // id stay. One that was added as static and moves is searched by the set itself, not by the broad
+  // phase: what moves most of the time is better added as moving.
+  bool SetStatic(ProxyHandle handle, bool is_static);
+  // A sleeping proxy promises not to move: its pairs with others that rest are kept, and no search
+  // begins at it. Another box wakes it. Pairs, events and queries are those of one that is awake. A
+  // static proxy stays as it is. Cost: that of an Add; the next Resolve searches once among all
+  // that rest.
+  bool SetSleeping(ProxyHandle handle, bool is_sleeping);
+  bool is_sleeping(ProxyHandle handle) const;
+
+  // Subtracts `offset` from all coordinates, for a world whose origin follows the camera. Boxes
+  // that overlap still do, so that no pair ends; boxes may begin to touch that are nearer than
+  // coordinates are rounded. Cost: O(proxies).
+  void ShiftOrigin(const float offset[3]);
+  // Frees what former proxies held. Ids and handles of living ones stay; places at the end of
+  // moving_boxes() that are free go. Cost: O(proxies), and the next use sorts all trees.
+  // Ends the validity of all spans.
+  void Compact();
 
   bool is_alive(ProxyHandle handle) const;
   // Returns null for a handle without a proxy. Valid until the next Add.
@@ -153,8 +206,9 @@ class ProxySet {
   size_t moving_count() const;
   size_t static_count() const;
 
-  // Returns the boxes for the broad phase, indexed by id. The array grows at the end and does not
-  // shrink. Valid until the next Add.
+  // Returns the boxes for the broad phase, indexed by id, with invalid ones for proxies that it
+  // need not search. The array grows at the end, and shrinks in Compact only. Valid until the next
+  // change.
   std::span<const Aabb> moving_boxes() const;
 
   // To be called once per frame with the pairs that a broad phase has found in moving_boxes().
@@ -170,26 +224,56 @@ class ProxySet {
   std::span<const ProxyPair> added() const;
   std::span<const ProxyPair> removed() const;
 
-  // Queries see moving and static proxies as they are now. The first query after a change refits
-  // the tree of the kind that has changed, O(proxies of that kind). A proxy is found when its
-  // filter and the query's pass. `out` and `hits` are overwritten; their order is the same on every
-  // machine.
+  // Queries see all proxies as they are now. A proxy is found when its filter and the query's pass.
+  // Results are in an order that is the same on every machine: handles by ascending index, hits by
+  // ascending distance and then by index. Boxes are closed. A point is a box without a size. What
+  // is not finite, a box that is not valid where one is swept, and what is negative as a distance
+  // or radius, is kInvalidArgument; the results then stay as they were. QueryBox finds nothing for
+  // a box that is not valid.
+  //
+  // Each query comes twice. The first overwrites a vector; after a change it refits the trees
+  // concerned first, O(their proxies). The const one writes to the caller's array, and `count` says
+  // how many there are: where that is more than the array's size, the array holds some of them. It
+  // needs PrepareQueries after each change, and is kFailedPrecondition without; any number of
+  // threads may make const queries at the same time.
 
-  // Finds all proxies that overlap `box`, by ascending index.
   void QueryBox(const Aabb& box, const CollisionFilter& filter, std::vector<ProxyHandle>& out);
-  // Finds all hits within max_distance, by ascending distance and then by index; boxes are closed.
-  // Returns kInvalidArgument for a ray that is not finite or has a negative max_distance.
+  Status QueryBox(const Aabb& box, const CollisionFilter& filter, std::span<ProxyHandle> out,
+                  size_t& count) const;
+  Status QuerySphere(const Sphere& sphere, const CollisionFilter& filter,
+                     std::vector<ProxyHandle>& out);
+  Status QuerySphere(const Sphere& sphere, const CollisionFilter& filter,
+                     std::span<ProxyHandle> out, size_t& count) const;
+  // Finds all hits within max_distance.
   Status CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits);
-  // Finds the first of those hits; the proxy of `hit` is null if there is none.
+  Status CastRay(const Ray& ray, const CollisionFilter& filter, std::span<RayHit> hits,
+                 size_t& count) const;
+  // Finds all boxes that the moving box touches.
+  Status SweepBox(const BoxSweep& sweep, const CollisionFilter& filter, std::vector<RayHit>& hits);
+  Status SweepBox(const BoxSweep& sweep, const CollisionFilter& filter, std::span<RayHit> hits,
+                  size_t& count) const;
+  // Find the first of those hits; the proxy of `hit` is null if there is none.
   Status CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit);
-  // Does the work of the first query after a change. Until the next change, any number of threads
-  // may then query at the same time.
+  Status CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit) const;
+  Status SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter, RayHit& hit);
+  Status SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter, RayHit& hit) const;
+
+  // Many queries in one call. hits[k] is the nearest of rays[k]; a ray that is refused is named and
+  // leaves all hits as they were. REQUIRES: equal sizes.
+  Status CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
+                  std::span<RayHit> hits) const;
+  // The proxies in boxes[k] are out[ends[k − 1]] to out[ends[k]]; `ends` counts on where `out` is
+  // too small. REQUIRES: equal sizes of boxes and ends.
+  Status QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
+                    std::span<ProxyHandle> out, std::span<size_t> ends) const;
+
+  // Does the work of the first query after a change.
   void PrepareQueries();
   // Returns whether nothing has changed since the trees were last made ready by one of these.
   bool queries_prepared() const;
 
-  // Returns how often a tree has been refitted, which is what queries after changes and the search
-  // among static proxies cost beside themselves.
+  // Returns how often a tree has been refitted, which is what queries after changes, and the
+  // search of what is not in moving_boxes(), cost beside themselves.
   uint64_t refit_count() const;
   size_t native_bytes() const;
 

@@ -1,5 +1,6 @@
-// A game in which proxies come, go, move, teleport, break and change their filters at random,
-// played on a ProxySet and on a list that is searched by the definitions alone.
+// A game in which proxies come, go, move, teleport, break, fall asleep, become static and change
+// their filters at random, and the origin is shifted now and then, played on a ProxySet and on a
+// list that is searched by the definitions alone.
 //
 // The same seed gives the same game. Not thread-safe.
 #pragma once
@@ -52,13 +53,44 @@ class ProxyGame {
     for (size_t k = random_.Below(6); k > 0; --k) Add(random_.Below(3) == 0);
     for (size_t k = random_.Below(4); k > 0 && !listed.empty(); --k) Remove();
     for (ListedProxy& proxy : listed) {
-      const bool moves = proxy.options.is_static ? random_.Below(200) == 0 : random_.Below(4) != 0;
+      const bool rests = proxy.options.is_static || proxies.is_sleeping(proxy.handle);
+      const bool moves = rests ? random_.Below(200) == 0 : random_.Below(4) != 0;
       if (moves) MoveTo(proxy, Moved(proxy.box));
     }
     for (size_t k = random_.Below(3); k > 0 && !listed.empty(); --k) {
-      ListedProxy& proxy = listed[random_.Below(listed.size())];
+      ListedProxy& proxy = Any();
       proxy.options.filter = RandomFilter();
       failed |= !proxies.SetFilter(proxy.handle, proxy.options.filter);
+    }
+    if (!listed.empty()) Rest();
+    if (random_.Below(25) == 0) ShiftOrigin();
+    if (random_.Below(40) == 0) proxies.Compact();
+  }
+
+  // Some fall asleep, some wake, one may become static or moving. What is static, or moves, does
+  // not sleep.
+  void Rest() {
+    for (size_t k = random_.Below(12); k > 0; --k) {
+      failed |= !proxies.SetSleeping(Any().handle, random_.Below(4) != 0);
+    }
+    if (random_.Below(2) == 0) return;
+    ListedProxy& proxy = Any();
+    proxy.options.is_static = !proxy.options.is_static;
+    failed |= !proxies.SetStatic(proxy.handle, proxy.options.is_static);
+  }
+
+  // By eighths, which boxes of this size take without rounding, or by anything.
+  void ShiftOrigin() {
+    const bool exact = random_.Below(2) == 0;
+    float offset[3];
+    for (float& along : offset) along = exact ? 0.125F : random_.Symmetric();
+    proxies.ShiftOrigin(offset);
+    for (ListedProxy& proxy : listed) {
+      if (!IsValid(proxy.box)) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        proxy.box.min[axis] -= offset[axis];
+        proxy.box.max[axis] -= offset[axis];
+      }
     }
   }
 
@@ -111,6 +143,7 @@ class ProxyGame {
   }
 
   SequentialRandom& random() { return random_; }
+  ListedProxy& Any() { return listed[random_.Below(listed.size())]; }
 
   ProxySet proxies;
   std::vector<ListedProxy> listed;

@@ -1,0 +1,64 @@
+#include "engine_client/broad_phase/proxies/pair_events.h"
+
+namespace sweepstake {
+namespace {
+
+// The owners of ids, in this frame and in the last one.
+class Owners {
+ public:
+  Owners(const ProxyTable& moving, const ProxyTable& resting)
+      : moving_(moving),
+        resting_(resting),
+        any_new_(moving.any_new_owner() || resting.any_new_owner()) {}
+
+  ProxyPair Now(const OverlapPair& pair) const {
+    return {{pair.a, TableOf(pair.a).generation(PlaceOf(pair.a))},
+            {pair.b, TableOf(pair.b).generation(PlaceOf(pair.b))}};
+  }
+  ProxyPair Before(const OverlapPair& pair) const {
+    return {{pair.a, TableOf(pair.a).seen_generation(PlaceOf(pair.a))},
+            {pair.b, TableOf(pair.b).seen_generation(PlaceOf(pair.b))}};
+  }
+  // Returns whether a pair of both frames has other owners now.
+  bool Changed(const OverlapPair& pair) const {
+    return any_new_ && (TableOf(pair.a).HasNewOwner(PlaceOf(pair.a)) ||
+                        TableOf(pair.b).HasNewOwner(PlaceOf(pair.b)));
+  }
+
+ private:
+  static uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
+  const ProxyTable& TableOf(uint32_t id) const {
+    return (id & kStaticProxyBit) != 0 ? resting_ : moving_;
+  }
+
+  const ProxyTable& moving_;
+  const ProxyTable& resting_;
+  const bool any_new_;
+};
+
+}  // namespace
+
+void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
+                         const ProxyTable& moving, const ProxyTable& resting) {
+  const Owners owners(moving, resting);
+  added_.clear();
+  removed_.clear();
+  size_t b = 0;
+  size_t n = 0;
+  while (b < before.size() && n < now.size()) {
+    const uint64_t key_before = PairKey(before[b]);
+    const uint64_t key_now = PairKey(now[n]);
+    // Most pairs persist, so that this branch is well predicted.
+    if (key_before == key_now && !owners.Changed(now[n])) {
+      ++b;
+      ++n;
+      continue;
+    }
+    if (key_before <= key_now) removed_.push_back(owners.Before(before[b++]));
+    if (key_now <= key_before) added_.push_back(owners.Now(now[n++]));
+  }
+  while (b < before.size()) removed_.push_back(owners.Before(before[b++]));
+  while (n < now.size()) added_.push_back(owners.Now(now[n++]));
+}
+
+}  // namespace sweepstake

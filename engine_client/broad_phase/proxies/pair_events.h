@@ -1,0 +1,44 @@
+// Which pairs have begun and which have ended between two frames.
+//
+// Not thread-safe. Owns its memory. Memory: 16 bytes per event. Errors: std::bad_alloc from
+// Compare; the events are then incomplete.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine_client/broad_phase/host/hook_points.h"
+#include "engine_client/broad_phase/proxies/proxy_table.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+
+// Returns a number that orders pairs by a, then by b.
+constexpr uint64_t PairKey(const OverlapPair& pair) { return uint64_t{pair.a} << 32 | pair.b; }
+
+class PairEvents {
+ public:
+  // `before` are pairs of the proxies at the last MarkSeen of the tables, `now` of those they hold;
+  // both ascend. A pair whose ids have stayed but whose owners have changed is both gone and new.
+  // Cost: O(pairs).
+  void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
+               const ProxyTable& moving, const ProxyTable& resting);
+
+  std::span<const ProxyPair> added() const { return added_; }
+  std::span<const ProxyPair> removed() const { return removed_; }
+  // Frees spare room.
+  void Compact() {
+    added_.shrink_to_fit();
+    removed_.shrink_to_fit();
+  }
+  size_t native_bytes() const {
+    return (added_.capacity() + removed_.capacity()) * sizeof(ProxyPair);
+  }
+
+ private:
+  HookedVector<ProxyPair> added_;
+  HookedVector<ProxyPair> removed_;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,126 @@
+#include "engine_client/broad_phase/proxies/population_joins.h"
+
+#include "engine_client/broad_phase/proxies/tree_walk.h"
+
+namespace sweepstake {
+namespace {
+
+// A part with fewer leaves takes less time than waking a thread.
+constexpr size_t kMinLeavesPerPart = 32;
+constexpr size_t kMinBlocksPerPart = 2;
+
+}  // namespace
+
+bool PopulationJoins::MayForm(const Join& join) {
+  if (join.a.is_static() && join.b.is_static()) return false;
+  if (join.within_one() && join.a.is_searched()) return false;
+  const uint32_t group = GroupOf(join.a.number);
+  if (group != 0 && group == GroupOf(join.b.number)) return false;
+  return Passes(join.a.all(), join.b.all());
+}
+
+void PopulationJoins::PlanWith(const Population& a, const Population& b) {
+  const Join join{a, b};
+  if (!MayForm(join)) return;
+  (a.moves() || b.moves() ? of_moving_ : of_resting_).push_back(join);
+}
+
+bool PopulationJoins::Plan() {
+  populations_.clear();
+  of_moving_.clear();
+  of_resting_.clear();
+  for (ProxyKind* const kind : {&moving_, &resting_}) {
+    for (uint32_t number = 0; number < kPopulations; ++number) {
+      if (kind->count(number) > 0) populations_.push_back({kind, number});
+    }
+  }
+  for (size_t i = 0; i < populations_.size(); ++i) {
+    for (size_t k = i; k < populations_.size(); ++k) PlanWith(populations_[i], populations_[k]);
+  }
+  return !of_moving_.empty() || !of_resting_.empty();
+}
+
+void PopulationJoins::FindPairs(KdOrder& splitter, PairBuffer& out) {
+  moving_.RefreshTrees(splitter);
+  resting_.RefreshTrees(splitter);
+  SearchAndNote(of_moving_, out);
+  if (moving_.any_resting_changed() || resting_.any_resting_changed()) {
+    kept_.Clear();
+    for (const Join& join : of_resting_) Search(join, kept_);
+    moving_.MarkRestingSeen();
+    resting_.MarkRestingSeen();
+  }
+  Append(kept_.pairs(), out);
+}
+
+// The joins of a population follow one another.
+void PopulationJoins::SearchAndNote(std::span<const Join> joins, PairBuffer& out) {
+  for (size_t k = 0; k < joins.size();) {
+    const Population& a = joins[k].a;
+    uint64_t checks = 0;
+    for (; k < joins.size() && joins[k].a.kind == a.kind && joins[k].a.number == a.number; ++k) {
+      checks += Search(joins[k], out);
+    }
+    a.kind->NoteSearch(a.number, checks);
+  }
+}
+
+uint64_t PopulationJoins::Search(const Join& join, PairBuffer& out) {
+  const size_t first = out.size();
+  uint64_t checks = 0;
+  if (join.within_one()) {
+    const LeafTree& tree = join.a.tree();
+    checks = parts_.Run(executor_, tree.block_count(), kMinBlocksPerPart, 1, out,
+                        [&](size_t begin, size_t end, PairBuffer& pairs) {
+                          return tree.FindPairs(begin, end, pairs);
+                        });
+  } else {
+    checks = SearchBetween(join, out);
+  }
+  FinishPairs(join, first, out);
+  return checks;
+}
+
+uint64_t PopulationJoins::SearchBetween(const Join& join, PairBuffer& out) {
+  const LeafTree::View& leaves = join.a.tree().view();
+  const LeafTree::View& tree = join.b.tree().view();
+  const uint32_t other_bit = join.a.kind == join.b.kind ? 0 : join.b.kind->id_bit();
+  return parts_.Run(executor_, leaves.levels[1].count, kMinLeavesPerPart, LeafTree::kWidth, out,
+                    [&](size_t begin, size_t end, PairBuffer& pairs) {
+                      return FindPairsBetween(leaves, begin, end, tree, other_bit, pairs);
+                    });
+}
+
+// Makes ids of places, where the search has not, and drops the pairs that do not pass.
+void PopulationJoins::FinishPairs(const Join& join, size_t first, PairBuffer& out) const {
+  const std::span<OverlapPair> found = out.pairs().subspan(first);
+  if (join.a.kind == join.b.kind && join.a.kind->id_bit() != 0) {
+    for (OverlapPair& pair : found) {
+      pair.a |= kStaticProxyBit;
+      pair.b |= kStaticProxyBit;
+    }
+  }
+  if (moving_.table().all_pass() && resting_.table().all_pass()) return;
+  const CollisionFilter* const moving = moving_.table().filters().data();
+  const CollisionFilter* const resting = resting_.table().filters().data();
+  size_t count = first;
+  for (const OverlapPair pair : found) {
+    out.pairs()[count] = pair;
+    count += static_cast<size_t>(
+        Passes(FilterOf(pair.a, moving, resting), FilterOf(pair.b, moving, resting)));
+  }
+  out.Truncate(count);
+}
+
+void PopulationJoins::Compact() {
+  kept_ = PairBuffer();
+  parts_ = PairParts();
+}
+
+size_t PopulationJoins::native_bytes() const {
+  return kept_.capacity_bytes() + parts_.native_bytes() +
+         populations_.capacity() * sizeof(Population) +
+         (of_moving_.capacity() + of_resting_.capacity()) * sizeof(Join);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,90 @@
+// The pairs that a broad phase does not find: those within and between populations (proxy_kind.h),
+// by the trees of both.
+//
+// A pair of populations is searched while one of them moves and their filters may pass. Between
+// proxies that rest (sleeping with sleeping or static ones) it is searched only after one of them
+// has changed; the pairs are kept. Static proxies are not paired with one another, nor are those of
+// one group.
+//
+// Not thread-safe. Borrows the kinds and the executor. Owns the kept pairs. Cost: FindPairs
+// O(leaves of the populations searched · log leaves + pairs), and O(kept pairs). Memory: 8 bytes
+// per kept pair. Errors: std::bad_alloc from FindPairs, which may be called again.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/host/hook_points.h"
+#include "engine_client/broad_phase/kd/kd_order.h"
+#include "engine_client/broad_phase/proxies/proxy_kind.h"
+#include "sweepstake/executor.h"
+#include "sweepstake/pair_buffer.h"
+
+namespace sweepstake {
+
+class PopulationJoins {
+ public:
+  PopulationJoins(ProxyKind& moving, ProxyKind& resting, Executor* executor)
+      : moving_(moving), resting_(resting), executor_(executor) {}
+
+  // Finds out which populations are to be searched; returns whether any are, or pairs are kept.
+  // Must be called before FindPairs.
+  bool Plan();
+  // Appends all pairs that pass their filters, as ids with a < b. The order is the same for any
+  // number of threads. Refreshes the trees.
+  void FindPairs(KdOrder& splitter, PairBuffer& out);
+
+  // Frees what it holds; the next FindPairs makes it anew. REQUIRES: the kinds were compacted.
+  void Compact();
+  size_t native_bytes() const;
+
+ private:
+  struct Population {
+    ProxyKind* kind;
+    uint32_t number;
+
+    const CollisionFilter& all() const { return kind->all(number); }
+    const LeafTree& tree() const { return kind->tree(number); }
+    bool moves() const { return MovesIn(number); }
+    bool is_static() const { return IsStaticIn(number); }
+    // Whether the broad phase has found the pairs within it.
+    bool is_searched() const { return kind->id_bit() == 0 && number == 0; }
+  };
+  struct Join {
+    Population a;  // if the kinds differ, the one added as moving
+    Population b;  // may be the same
+    bool within_one() const { return a.kind == b.kind && a.number == b.number; }
+  };
+
+  static bool MayForm(const Join& join);
+  void PlanWith(const Population& a, const Population& b);
+  uint64_t Search(const Join& join, PairBuffer& out);
+  uint64_t SearchBetween(const Join& join, PairBuffer& out);
+  void FinishPairs(const Join& join, size_t first, PairBuffer& out) const;
+  void SearchAndNote(std::span<const Join> joins, PairBuffer& out);
+
+  ProxyKind& moving_;
+  ProxyKind& resting_;
+  Executor* executor_;
+  HookedVector<Population> populations_;
+  HookedVector<Join> of_moving_;   // at least one of the two moves
+  HookedVector<Join> of_resting_;  // neither does
+  PairBuffer kept_;                // the pairs of `of_resting_`
+  PairParts parts_;
+};
+
+inline void Append(std::span<const OverlapPair> pairs, PairBuffer& out) {
+  std::copy(pairs.begin(), pairs.end(), out.EnsureRoom(pairs.size()));
+  out.Advance(pairs.size());
+}
+
+// Returns the filter of the proxy with this id.
+inline const CollisionFilter& FilterOf(uint32_t id, const CollisionFilter* moving,
+                                       const CollisionFilter* resting) {
+  return (id & kStaticProxyBit) != 0 ? resting[id & ~kStaticProxyBit] : moving[id];
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,110 @@
+#include "engine_client/broad_phase/proxies/proxy_queries.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "engine_client/broad_phase/proxies/tree_walk.h"
+
+namespace sweepstake {
+namespace {
+
+// The searches call these structs with the places that they find.
+struct VolumeQuery {
+  const ProxyKind& kind;
+  const CollisionFilter& filter;
+  Found<ProxyHandle>& found;
+
+  static void Take(void* context, const uint32_t* places, size_t count) {
+    const auto& query = *static_cast<const VolumeQuery*>(context);
+    for (size_t k = 0; k < count; ++k) {
+      if (!Passes(query.kind.table().filters()[places[k]], query.filter)) continue;
+      query.found.Add(query.kind.HandleAt(places[k]));
+    }
+  }
+};
+
+struct RayQuery {
+  const ProxyKind& kind;
+  const CollisionFilter& filter;
+  const Slabs& slabs;
+  Found<RayHit>* hits;
+
+  static bool Accepts(void* context, uint32_t place) {
+    const auto& query = *static_cast<const RayQuery*>(context);
+    return Passes(query.kind.table().filters()[place], query.filter);
+  }
+  static void Take(void* context, const uint32_t* places, size_t count) {
+    const auto& query = *static_cast<const RayQuery*>(context);
+    for (size_t k = 0; k < count; ++k) {
+      if (!Accepts(context, places[k])) continue;
+      const auto distance = EnterDistance(query.slabs, query.kind.table().boxes()[places[k]]);
+      assert(distance.has_value());
+      query.hits->Add({query.kind.HandleAt(places[k]), distance.value_or(0)});
+    }
+  }
+};
+
+// Calls search(kind, tree) for each population whose proxies may pass.
+template <typename Search>
+void ForEachTree(const ProxyKind& moving, const ProxyKind& resting, const CollisionFilter& filter,
+                 const Search& search) {
+  for (const ProxyKind* const kind : {&moving, &resting}) {
+    for (uint32_t population = 0; population < kPopulations; ++population) {
+      if (kind->count(population) == 0 || !Passes(kind->all(population), filter)) continue;
+      search(*kind, kind->tree(population).view());
+    }
+  }
+}
+
+bool IsBefore(const RayHit& a, const RayHit& b) {
+  return a.distance < b.distance || (a.distance == b.distance && a.proxy < b.proxy);
+}
+
+}  // namespace
+
+void ProxyQueries::FindInBox(const Aabb& box, const CollisionFilter& filter,
+                             Found<ProxyHandle>& found) const {
+  ForEachTree(moving_, resting_, filter, [&](const ProxyKind& kind, const LeafTree::View& tree) {
+    VolumeQuery query{kind, filter, found};
+    FindOverlapping(tree, box, {VolumeQuery::Take, &query});
+  });
+  const std::span<ProxyHandle> items = found.items();
+  std::sort(items.begin(), items.end());
+}
+
+void ProxyQueries::FindInSphere(const Sphere& sphere, const CollisionFilter& filter,
+                                Found<ProxyHandle>& found) const {
+  ForEachTree(moving_, resting_, filter, [&](const ProxyKind& kind, const LeafTree::View& tree) {
+    VolumeQuery query{kind, filter, found};
+    FindNear(tree, sphere.center, sphere.radius * sphere.radius, {VolumeQuery::Take, &query});
+  });
+  const std::span<ProxyHandle> items = found.items();
+  std::sort(items.begin(), items.end());
+}
+
+void ProxyQueries::FindHits(const Slabs& slabs, const CollisionFilter& filter,
+                            Found<RayHit>& hits) const {
+  ForEachTree(moving_, resting_, filter, [&](const ProxyKind& kind, const LeafTree::View& tree) {
+    RayQuery query{kind, filter, slabs, &hits};
+    sweepstake::FindHits(tree, slabs, {RayQuery::Take, &query});
+  });
+  const std::span<RayHit> items = hits.items();
+  std::sort(items.begin(), items.end(), IsBefore);
+}
+
+RayHit ProxyQueries::FindNearestHit(const Slabs& slabs, const CollisionFilter& filter) const {
+  RayHit nearest{{}, slabs.max_distance};
+  Slabs shorter = slabs;
+  ForEachTree(moving_, resting_, filter, [&](const ProxyKind& kind, const LeafTree::View& tree) {
+    RayQuery query{kind, filter, slabs, nullptr};
+    NearestHit hit{};
+    if (!sweepstake::FindNearestHit(tree, shorter, {RayQuery::Accepts, &query}, hit)) return;
+    const RayHit found{kind.HandleAt(hit.id), hit.distance + 0.0F};  // −0 + 0 = +0
+    if (!nearest.proxy.is_null() && !IsBefore(found, nearest)) return;
+    nearest = found;
+    shorter.max_distance = found.distance;
+  });
+  return nearest.proxy.is_null() ? RayHit{} : nearest;
+}
+
+}  // namespace sweepstake

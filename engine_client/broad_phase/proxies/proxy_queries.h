@@ -1,0 +1,64 @@
+// Queries in all populations of both kinds.
+//
+// Thread safety: const; any number of queries may run side by side. Borrows the kinds, whose trees
+// must be fresh. Order of the results: that of proxy_set.h. Errors: std::bad_alloc where results go
+// to a vector.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine_client/broad_phase/proxies/proxy_kind.h"
+#include "engine_client/broad_phase/proxies/query_shapes.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+
+// What a query finds: in a vector, which grows, or in the caller's array, beyond which it is only
+// counted.
+template <typename T>
+class Found {
+ public:
+  explicit Found(std::vector<T>& vector) : vector_(&vector) { vector.clear(); }
+  explicit Found(std::span<T> room) : room_(room) {}
+
+  void Add(const T& item) {
+    if (vector_ != nullptr) {
+      vector_->push_back(item);
+    } else if (count_ < room_.size()) {
+      room_[count_] = item;
+    }
+    ++count_;
+  }
+  size_t count() const { return count_; }
+  std::span<T> items() { return vector_ != nullptr ? std::span(*vector_) : Taken(); }
+
+ private:
+  std::span<T> Taken() { return room_.first(count_ < room_.size() ? count_ : room_.size()); }
+
+  std::vector<T>* vector_ = nullptr;
+  std::span<T> room_;
+  size_t count_ = 0;
+};
+
+class ProxyQueries {
+ public:
+  ProxyQueries(const ProxyKind& moving, const ProxyKind& resting)
+      : moving_(moving), resting_(resting) {}
+
+  void FindInBox(const Aabb& box, const CollisionFilter& filter, Found<ProxyHandle>& found) const;
+  // REQUIRES: all values are finite.
+  void FindInSphere(const Sphere& sphere, const CollisionFilter& filter,
+                    Found<ProxyHandle>& found) const;
+  // REQUIRES, here and below: IsFinite(slabs).
+  void FindHits(const Slabs& slabs, const CollisionFilter& filter, Found<RayHit>& hits) const;
+  // Returns a hit with a null handle if there is none.
+  RayHit FindNearestHit(const Slabs& slabs, const CollisionFilter& filter) const;
+
+ private:
+  const ProxyKind& moving_;
+  const ProxyKind& resting_;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,89 @@
+// What a ProxySet consists of (proxy_set.h): the proxies of both kinds, the groups that their
+// filters form, the search of what the broad phase does not search, and the latest pairs.
+//
+// Not thread-safe, as ProxySet. Owns everything but the executor.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "engine_client/broad_phase/kd/kd_order.h"
+#include "engine_client/broad_phase/proxies/filter_groups.h"
+#include "engine_client/broad_phase/proxies/pair_events.h"
+#include "engine_client/broad_phase/proxies/population_joins.h"
+#include "engine_client/broad_phase/proxies/proxy_kind.h"
+#include "sweepstake/pair_buffer.h"
+#include "sweepstake/pair_sorter.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+
+constexpr uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
+
+class ProxySet::Impl {
+ public:
+  explicit Impl(const ProxySetOptions& options) : options_(options) {}
+
+  ProxyKind& KindOf(uint32_t id) { return (id & kStaticProxyBit) != 0 ? resting_ : moving_; }
+  const ProxyKind& KindOf(uint32_t id) const {
+    return (id & kStaticProxyBit) != 0 ? resting_ : moving_;
+  }
+  // Returns null for a handle without a proxy.
+  const ProxyKind* Find(ProxyHandle handle) const {
+    const ProxyKind& kind = KindOf(handle.index);
+    return kind.table().Holds(PlaceOf(handle.index), handle.generation) ? &kind : nullptr;
+  }
+  bool AllLive(std::span<const ProxyHandle> handles) const {
+    return std::all_of(handles.begin(), handles.end(),
+                       [&](ProxyHandle handle) { return Find(handle) != nullptr; });
+  }
+  // Calls change(kind, place) if there is a proxy; returns whether there is.
+  template <typename Fn>
+  bool Change(ProxyHandle handle, const Fn& change) {
+    if (Find(handle) == nullptr) return false;
+    change(KindOf(handle.index), PlaceOf(handle.index));
+    return true;
+  }
+
+  ProxyHandle Add(const Aabb& box, const ProxyOptions& options);
+  void Remove(ProxyKind& kind, uint32_t place);
+  void Move(ProxyKind& kind, uint32_t place, const Aabb& box);
+  void SetFilter(ProxyKind& kind, uint32_t place, const CollisionFilter& filter);
+  void SetStatic(ProxyKind& kind, uint32_t place, bool is_static);
+  void SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleeping);
+  void Compact();
+
+  std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
+  void RefreshTrees() {
+    moving_.RefreshTrees(splitter_);
+    resting_.RefreshTrees(splitter_);
+  }
+  // Answers question(queries) if the shape is right and no tree is out of date.
+  // (proxy_set_queries.cc)
+  template <typename Shape, typename Question>
+  Status Ask(const Shape& shape, const Question& question) const;
+  // Answers it if the shape is right.
+  template <typename Shape, typename Question>
+  Status RefreshAndAsk(const Shape& shape, const Question& question);
+  size_t native_bytes() const;
+
+  ProxyKind moving_{0};
+  ProxyKind resting_{kStaticProxyBit};
+  PairEvents events_;
+
+ private:
+  bool wants_sorted() const { return options_.sorted_pairs || options_.pair_events; }
+  void AppendMoving(std::span<const OverlapPair> moving_pairs);
+
+  ProxySetOptions options_;
+  FilterGroups groups_;
+  KdOrder splitter_;  // sorts one tree at a time
+  PopulationJoins joins_{moving_, resting_, options_.executor};
+  PairBuffer pairs_;  // the pairs of the latest Resolve
+  PairBuffer next_;   // the pairs of the Resolve under way
+  PairSorter sorter_;
+};
+
+}  // namespace sweepstake

@@ -1,0 +1,178 @@
+// The queries of ProxySet: what they refuse, and whether the trees are refitted first.
+#include <cassert>
+#include <string>
+
+#include "engine_client/broad_phase/proxies/proxy_queries.h"
+#include "engine_client/broad_phase/proxies/proxy_set_impl.h"
+#include "engine_client/broad_phase/proxies/query_shapes.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+namespace {
+
+Status Check(const Ray& ray) {
+  if (!IsFinite(SlabsOf(ray))) {
+    return {StatusCode::kInvalidArgument,
+            "the ray's origin, direction and max_distance must be finite"};
+  }
+  if (ray.max_distance < 0) {
+    return {StatusCode::kInvalidArgument, "the ray's max_distance must not be negative"};
+  }
+  return {};
+}
+
+Status Check(const BoxSweep& sweep) {
+  if (IsValid(sweep.box) && IsFinite(SlabsOf(sweep))) return {};
+  return {StatusCode::kInvalidArgument,
+          "the swept box must be valid (finite, min <= max), and its translation finite"};
+}
+
+Status Check(const Sphere& sphere) {
+  bool right = sphere.radius >= 0 && sphere.radius <= Sphere::kMaxRadius;
+  for (const float coordinate : sphere.center) right = right && std::isfinite(coordinate);
+  if (right) return {};
+  return {StatusCode::kInvalidArgument,
+          "the sphere's center must be finite, and its radius from 0 to 1e19"};
+}
+
+// A box that is not valid is found nowhere.
+Status Check(const Aabb&) { return {}; }
+
+}  // namespace
+
+template <typename Shape, typename Question>
+Status ProxySet::Impl::Ask(const Shape& shape, const Question& question) const {
+  Status wrong = Check(shape);
+  if (!wrong.ok()) return wrong;
+  if (!moving_.trees_are_fresh() || !resting_.trees_are_fresh()) {
+    return {StatusCode::kFailedPrecondition,
+            "proxies have changed: call PrepareQueries before queries side by side"};
+  }
+  question(ProxyQueries(moving_, resting_));
+  return {};
+}
+
+template <typename Shape, typename Question>
+Status ProxySet::Impl::RefreshAndAsk(const Shape& shape, const Question& question) {
+  RefreshTrees();
+  return Ask(shape, question);
+}
+
+void ProxySet::QueryBox(const Aabb& box, const CollisionFilter& filter,
+                        std::vector<ProxyHandle>& out) {
+  impl_->RefreshTrees();
+  Found found(out);
+  ProxyQueries(impl_->moving_, impl_->resting_).FindInBox(box, filter, found);
+}
+
+Status ProxySet::QueryBox(const Aabb& box, const CollisionFilter& filter,
+                          std::span<ProxyHandle> out, size_t& count) const {
+  return std::as_const(*impl_).Ask(box, [&](const ProxyQueries& queries) {
+    Found found(out);
+    queries.FindInBox(box, filter, found);
+    count = found.count();
+  });
+}
+
+Status ProxySet::QuerySphere(const Sphere& sphere, const CollisionFilter& filter,
+                             std::vector<ProxyHandle>& out) {
+  return impl_->RefreshAndAsk(sphere, [&](const ProxyQueries& queries) {
+    Found found(out);
+    queries.FindInSphere(sphere, filter, found);
+  });
+}
+
+Status ProxySet::QuerySphere(const Sphere& sphere, const CollisionFilter& filter,
+                             std::span<ProxyHandle> out, size_t& count) const {
+  return std::as_const(*impl_).Ask(sphere, [&](const ProxyQueries& queries) {
+    Found found(out);
+    queries.FindInSphere(sphere, filter, found);
+    count = found.count();
+  });
+}
+
+Status ProxySet::CastRay(const Ray& ray, const CollisionFilter& filter, std::vector<RayHit>& hits) {
+  return impl_->RefreshAndAsk(ray, [&](const ProxyQueries& queries) {
+    Found found(hits);
+    queries.FindHits(SlabsOf(ray), filter, found);
+  });
+}
+
+Status ProxySet::CastRay(const Ray& ray, const CollisionFilter& filter, std::span<RayHit> hits,
+                         size_t& count) const {
+  return std::as_const(*impl_).Ask(ray, [&](const ProxyQueries& queries) {
+    Found found(hits);
+    queries.FindHits(SlabsOf(ray), filter, found);
+    count = found.count();
+  });
+}
+
+Status ProxySet::SweepBox(const BoxSweep& sweep, const CollisionFilter& filter,
+                          std::vector<RayHit>& hits) {
+  return impl_->RefreshAndAsk(sweep, [&](const ProxyQueries& queries) {
+    Found found(hits);
+    queries.FindHits(SlabsOf(sweep), filter, found);
+  });
+}
+
+Status ProxySet::SweepBox(const BoxSweep& sweep, const CollisionFilter& filter,
+                          std::span<RayHit> hits, size_t& count) const {
+  return std::as_const(*impl_).Ask(sweep, [&](const ProxyQueries& queries) {
+    Found found(hits);
+    queries.FindHits(SlabsOf(sweep), filter, found);
+    count = found.count();
+  });
+}
+
+Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit) {
+  impl_->RefreshTrees();
+  return std::as_const(*this).CastRayNearest(ray, filter, hit);
+}
+
+Status ProxySet::CastRayNearest(const Ray& ray, const CollisionFilter& filter, RayHit& hit) const {
+  return std::as_const(*impl_).Ask(ray, [&](const ProxyQueries& queries) {
+    hit = queries.FindNearestHit(SlabsOf(ray), filter);
+  });
+}
+
+Status ProxySet::SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter,
+                                 RayHit& hit) {
+  impl_->RefreshTrees();
+  return std::as_const(*this).SweepBoxNearest(sweep, filter, hit);
+}
+
+Status ProxySet::SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& filter,
+                                 RayHit& hit) const {
+  return std::as_const(*impl_).Ask(sweep, [&](const ProxyQueries& queries) {
+    hit = queries.FindNearestHit(SlabsOf(sweep), filter);
+  });
+}
+
+Status ProxySet::CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
+                          std::span<RayHit> hits) const {
+  assert(rays.size() == hits.size());
+  for (size_t k = 0; k < rays.size(); ++k) {
+    const Status wrong = Check(rays[k]);
+    if (!wrong.ok()) return {wrong.code(), "ray " + std::to_string(k) + ": " + wrong.message()};
+  }
+  return std::as_const(*impl_).Ask(Aabb{}, [&](const ProxyQueries& queries) {
+    for (size_t k = 0; k < rays.size(); ++k) {
+      hits[k] = queries.FindNearestHit(SlabsOf(rays[k]), filter);
+    }
+  });
+}
+
+Status ProxySet::QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
+                            std::span<ProxyHandle> out, std::span<size_t> ends) const {
+  assert(boxes.size() == ends.size());
+  return std::as_const(*impl_).Ask(Aabb{}, [&](const ProxyQueries& queries) {
+    size_t end = 0;
+    for (size_t k = 0; k < boxes.size(); ++k) {
+      Found found(out.subspan(end < out.size() ? end : out.size()));
+      queries.FindInBox(boxes[k], filter, found);
+      ends[k] = end += found.count();
+    }
+  });
+}
+
+}  // namespace sweepstake

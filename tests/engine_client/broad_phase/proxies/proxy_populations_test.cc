@@ -1,0 +1,227 @@
+// Proxies that the broad phase need not search: what is taken from it, and that nobody can tell.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/proxy_set.h"
+#include "tests/engine_client/broad_phase/proxies/proxy_game.h"
+
+namespace sweepstake {
+namespace {
+
+constexpr Aabb kUnit = {{0, 0, 0}, {1, 1, 1}};
+constexpr Aabb kTouching = {{1, 1, 1}, {2, 2, 2}};
+constexpr Aabb kFarAway = {{9, 9, 9}, {10, 10, 10}};
+// Collides with everything but its own kind.
+constexpr CollisionFilter kDebris = {.category = 4, .mask = ~4U};
+
+// A set whose pairs are found by brute force.
+class Populations : public testing::Test {
+ protected:
+  std::vector<OverlapPair> Resolve() {
+    backend_->Build(proxies_.moving_boxes());
+    found_.Clear();
+    backend_->FindPairs(found_);
+    const auto pairs = proxies_.Resolve(found_.pairs());
+    return {pairs.begin(), pairs.end()};
+  }
+  // The boxes that the broad phase gets.
+  size_t searched_count() const {
+    return static_cast<size_t>(std::ranges::count_if(proxies_.moving_boxes(), IsValid));
+  }
+  bool AnyEvents() const { return !proxies_.added().empty() || !proxies_.removed().empty(); }
+
+  ProxySet proxies_{{.pair_events = true}};
+  std::unique_ptr<BroadPhase> backend_ = std::move(*MakeBroadPhase("BruteForce"));
+  PairBuffer found_;
+};
+
+TEST_F(Populations, OfDebrisThatIgnoresItselfFormNoPairsFirst) {
+  std::vector<ProxyHandle> debris(1000);
+  const ProxyOptions options{.filter = kDebris};
+  proxies_.AddMany(std::vector<Aabb>(1000, kUnit), std::span(&options, 1), debris);
+  const ProxyHandle player = proxies_.Add(kTouching);
+  EXPECT_EQ(searched_count(), 1U);
+  EXPECT_EQ(proxies_.moving_boxes().size(), 1001U);
+  EXPECT_EQ(Resolve().size(), 1000U);  // each with the player
+  EXPECT_EQ(found_.size(), 0U);
+  ASSERT_TRUE(proxies_.SetFilter(debris[3], {}));
+  EXPECT_EQ(searched_count(), 2U);
+  EXPECT_EQ(proxies_.moving_boxes()[debris[3].index], kUnit);
+  EXPECT_EQ(proxies_.handle(debris[3].index), debris[3]);
+  EXPECT_EQ(Resolve().size(), 1000U + 999U);
+  EXPECT_EQ(proxies_.added().size(), 999U);
+  EXPECT_EQ(proxies_.moving_count(), 1001U);
+  ASSERT_TRUE(proxies_.RemoveMany(debris));
+  EXPECT_FALSE(proxies_.is_alive(debris[0]));
+  EXPECT_TRUE(proxies_.is_alive(player));
+  EXPECT_FALSE(proxies_.RemoveMany(std::array{player, debris[0]}));
+  EXPECT_TRUE(proxies_.is_alive(player));
+}
+
+TEST_F(Populations, AreFilteredAfterTheSearchWhereThereIsNoGroupLeft) {
+  std::vector<ProxyHandle> handles;
+  for (uint32_t kind = 0; kind < 16; ++kind) {
+    // Each passes with all others, so that no two fit into one group.
+    handles.push_back(proxies_.Add(kUnit, {.filter = {1U << kind, ~(1U << kind)}}));
+    handles.push_back(proxies_.Add(kUnit, {.filter = {1U << kind, ~(1U << kind)}}));
+  }
+  EXPECT_EQ(searched_count(), 2 * (16U - 7U));
+  EXPECT_EQ(Resolve().size(), 32U * 31 / 2 - 16);
+}
+
+TEST_F(Populations, OfWhatPassesWithNothingTakeNoGroup) {
+  for (uint32_t k = 0; k < 20; ++k) proxies_.Add(kUnit, {.filter = {1U << k, 0}});
+  for (uint32_t k = 0; k < 20; ++k) proxies_.Add(kUnit, {.filter = {0, 1U << k}});
+  EXPECT_EQ(searched_count(), 0U);
+  EXPECT_TRUE(Resolve().empty());
+}
+
+TEST_F(Populations, LetAProxyBecomeStaticAndMovingUnderOneHandleAndId) {
+  for (const bool added_as_static : {false, true}) {
+    const ProxyHandle other = proxies_.Add(kTouching, {.is_static = true});
+    const ProxyHandle handle = proxies_.Add(kUnit, {.is_static = added_as_static, .user = 7});
+    for (const bool is_static : {true, false, true, false}) {
+      ASSERT_TRUE(proxies_.SetStatic(handle, is_static));
+      EXPECT_EQ(proxies_.options(handle)->is_static, is_static);
+      EXPECT_EQ(proxies_.options(handle)->user, 7U);
+      EXPECT_EQ(proxies_.handle(handle.index), handle);
+      EXPECT_EQ(proxies_.static_count(), is_static ? 2U : 1U);
+      EXPECT_EQ(Resolve().size(), is_static ? 0U : 1U);
+    }
+    EXPECT_EQ(searched_count(), added_as_static ? 0U : 1U);
+    ASSERT_TRUE(proxies_.Remove(handle) && proxies_.Remove(other));
+    Resolve();
+  }
+  EXPECT_FALSE(proxies_.SetStatic({}, true));
+}
+
+TEST_F(Populations, PairMovingProxiesThatWereAddedAsStaticWithOneAnother) {
+  const ProxyHandle a = proxies_.Add(kUnit, {.is_static = true});
+  const ProxyHandle b = proxies_.Add(kTouching, {.is_static = true});
+  EXPECT_TRUE(Resolve().empty());
+  ASSERT_TRUE(proxies_.SetStatic(a, false));
+  EXPECT_EQ(Resolve(), (std::vector{OverlapPair{a.index, b.index}}));
+  ASSERT_TRUE(proxies_.SetStatic(b, false));
+  EXPECT_EQ(Resolve(), (std::vector{OverlapPair{a.index, b.index}}));
+  EXPECT_FALSE(AnyEvents());
+}
+
+TEST_F(Populations, KeepThePairsOfSleepersWithoutASearch) {
+  const ProxyHandle a = proxies_.Add(kUnit);
+  const ProxyHandle b = proxies_.Add(kTouching);
+  proxies_.Add(kTouching, {.is_static = true});
+  EXPECT_EQ(Resolve().size(), 3U);
+  ASSERT_TRUE(proxies_.SetSleeping(a, true) && proxies_.SetSleeping(b, true));
+  EXPECT_EQ(searched_count(), 0U);
+  EXPECT_EQ(Resolve().size(), 3U);
+  EXPECT_FALSE(AnyEvents());
+  const uint64_t refits = proxies_.refit_count();
+  EXPECT_EQ(Resolve().size(), 3U);
+  ASSERT_TRUE(proxies_.Move(a, kUnit));  // the box that it has
+  EXPECT_TRUE(proxies_.is_sleeping(a));
+  EXPECT_EQ(Resolve().size(), 3U);
+  EXPECT_EQ(proxies_.refit_count(), refits);
+  const ProxyHandle visitor = proxies_.Add(kUnit);
+  EXPECT_EQ(Resolve().size(), 6U);
+  EXPECT_EQ(proxies_.added().size(), 3U);
+  EXPECT_EQ(proxies_.refit_count(), refits + 1);  // the visitor's tree
+  ASSERT_TRUE(proxies_.Remove(visitor) && proxies_.Move(a, kFarAway));
+  EXPECT_FALSE(proxies_.is_sleeping(a));
+  EXPECT_TRUE(proxies_.is_sleeping(b));
+  EXPECT_EQ(Resolve().size(), 1U);
+}
+
+TEST_F(Populations, OfSleepersAreNotForStaticOnes) {
+  const ProxyHandle wall = proxies_.Add(kUnit, {.is_static = true});
+  ASSERT_TRUE(proxies_.SetSleeping(wall, true));
+  EXPECT_FALSE(proxies_.is_sleeping(wall));
+  EXPECT_TRUE(proxies_.options(wall)->is_static);
+  EXPECT_FALSE(proxies_.SetSleeping({}, true));
+  EXPECT_FALSE(proxies_.is_sleeping({}));
+}
+
+TEST_F(Populations, OfSleepingDebrisFormNoPairsEither) {
+  std::vector<ProxyHandle> debris(200);
+  const ProxyOptions options{.filter = kDebris};
+  proxies_.AddMany(std::vector<Aabb>(200, kUnit), std::span(&options, 1), debris);
+  for (const ProxyHandle piece : debris) ASSERT_TRUE(proxies_.SetSleeping(piece, true));
+  const ProxyHandle player = proxies_.Add(kUnit);
+  EXPECT_EQ(Resolve().size(), 200U);
+  ASSERT_TRUE(proxies_.SetSleeping(player, true));
+  EXPECT_EQ(Resolve().size(), 200U);
+  EXPECT_FALSE(AnyEvents());
+}
+
+TEST_F(Populations, StayPairedWhenTheOriginIsShifted) {
+  std::vector<ProxyHandle> handles;
+  for (int k = 0; k < 60; ++k) {
+    const auto at = static_cast<float>(k);
+    handles.push_back(proxies_.Add(
+        {{at, at, at}, {at + 1, at + 1, at + 1}},
+        {.filter = k % 5 == 0 ? kDebris : CollisionFilter{}, .is_static = k % 3 == 0}));
+    ASSERT_TRUE(proxies_.SetSleeping(handles.back(), k % 4 == 0));
+  }
+  const ProxyHandle broken = proxies_.Add({{1, 0, 0}, {0, 1, 1}});
+  const auto before = Resolve();
+  EXPECT_GE(before.size(), 50U);
+  const float offset[3] = {1024, -512, 0.5F};
+  proxies_.ShiftOrigin(offset);
+  EXPECT_EQ(Resolve(), before);
+  EXPECT_FALSE(AnyEvents());
+  EXPECT_EQ(*proxies_.box(handles[2]), (Aabb{{-1022, 514, 1.5F}, {-1021, 515, 2.5F}}));
+  EXPECT_TRUE(proxies_.is_sleeping(handles[4]));
+  EXPECT_EQ(*proxies_.box(broken), (Aabb{{1, 0, 0}, {0, 1, 1}}));
+}
+
+TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {
+  ProxySet fresh({.pair_events = true});
+  std::vector<ProxyHandle> gone;
+  const auto add = [](ProxySet& set, int k) {
+    const auto at = static_cast<float>(k);
+    const Aabb box{{at, 0, 0}, {at + 1.5F, 1, 1}};
+    return set.Add(box,
+                   {.filter = k % 2 == 0 ? kDebris : CollisionFilter{}, .is_static = k % 5 == 0});
+  };
+  std::vector<ProxyHandle> living;
+  for (int k = 0; k < 300; ++k) living.push_back(add(proxies_, k));
+  for (int k = 0; k < 300; ++k) add(fresh, k);
+  for (int k = 0; k < 20'000; ++k) gone.push_back(add(proxies_, k));
+  ASSERT_TRUE(proxies_.SetSleeping(gone[3], true));
+  Resolve();
+  ASSERT_TRUE(proxies_.RemoveMany(gone));
+  const auto before = Resolve();
+  std::ranges::sort(gone);
+  proxies_.Compact();
+  EXPECT_EQ(proxies_.moving_boxes().size(), fresh.moving_boxes().size());
+  EXPECT_EQ(Resolve(), before);
+  EXPECT_FALSE(AnyEvents());
+  proxies_.Compact();
+  EXPECT_LE(proxies_.native_bytes(), 2 * fresh.native_bytes() + 100'000);  // and lists of events
+  for (const ProxyHandle handle : living) EXPECT_TRUE(proxies_.is_alive(handle));
+  for (int k = 0; k < 20'000; ++k) {
+    const ProxyHandle handle = add(proxies_, k);
+    ASSERT_FALSE(std::ranges::binary_search(gone, handle)) << "given out twice";
+  }
+}
+
+// The events need the owners of places that are free by now.
+TEST_F(Populations, EndTheirPairsByTheirHandlesAfterCompact) {
+  const ProxyHandle a = proxies_.Add(kUnit);
+  const ProxyHandle b = proxies_.Add(kTouching);
+  Resolve();
+  ASSERT_TRUE(proxies_.Remove(a) && proxies_.Remove(b));
+  proxies_.Compact();
+  Resolve();
+  ASSERT_EQ(proxies_.removed().size(), 1U);
+  EXPECT_EQ(proxies_.removed()[0], (ProxyPair{a, b}));
+  proxies_.Compact();
+  EXPECT_TRUE(proxies_.moving_boxes().empty());
+  EXPECT_NE(proxies_.Add(kUnit), a);
+}
+
+}  // namespace
+}  // namespace sweepstake
