@@ -2,16 +2,19 @@
 #include "tests/engine_client/c_api/abi.h"
 
 /* clang-format off */
-SIZE(swp_decider_options, 64)
+SIZE(swp_decider_options, 88)
 FIELD(swp_decider_options, struct_size, 0, uint32_t)
 FIELD(swp_decider_options, reserved, 4, uint32_t)
 FIELD(swp_decider_options, policy, 8, const char*)
 FIELD(swp_decider_options, project, 16, const char*)
 FIELD(swp_decider_options, scene, 24, const char*)
 FIELD(swp_decider_options, machine_class, 32, const char*)
-FIELD(swp_decider_options, priors_file, 40, const char*)
-FIELD(swp_decider_options, seed, 48, uint64_t)
-FIELD(swp_decider_options, time_scale, 56, double)
+FIELD(swp_decider_options, source_id, 40, const char*)
+FIELD(swp_decider_options, priors_file, 48, const char*)
+FIELD(swp_decider_options, priors_data, 56, const char*)
+FIELD(swp_decider_options, priors_data_bytes, 64, uint64_t)
+FIELD(swp_decider_options, seed, 72, uint64_t)
+FIELD(swp_decider_options, time_scale, 80, double)
 SIZE(swp_belief, 16)
 FIELD(swp_belief, alpha, 0, double)
 FIELD(swp_belief, beta, 8, double)
@@ -22,3 +25,4 @@ FUNCTION(swp_session_poll_decider, swp_result (*)(swp_session*, uint64_t, swp_sw
 FUNCTION(swp_session_beliefs, swp_result (*)(const swp_session*, swp_belief*, uint32_t, uint32_t*))
 FUNCTION(swp_session_decision_count, swp_result (*)(const swp_session*, uint64_t*))
 FUNCTION(swp_session_prior_source_count, swp_result (*)(const swp_session*, uint64_t*))
+FUNCTION(swp_session_export_priors, swp_result (*)(const swp_session*, char*, uint64_t, uint64_t*))
