@@ -90,16 +90,12 @@ const char* swp_backend_name(uint32_t index) {
   return index < names.size() ? names[index].data() : nullptr;
 }
 
-swp_result swp_world_create(const char* backend, swp_world** world) {
-  return swp_world_create_with(backend, nullptr, world);
-}
-
 swp_result swp_world_options_init(swp_world_options* options) {
   return Give("swp_world_options", kDefaults, options);
 }
 
-swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
-                                 swp_world** world) {
+swp_result swp_world_create(const char* backend, const swp_world_options* options,
+                            swp_world** world) {
   if (backend == nullptr || world == nullptr) return NullArgument("backend and world");
   return Guard([&] {
     swp_world_options known = kDefaults;

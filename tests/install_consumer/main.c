@@ -8,7 +8,7 @@ int main(void) {
   swp_world* world = NULL;
   const swp_pair* pairs = NULL;
   uint64_t count = 0;
-  if (swp_abi_version() != SWP_ABI_VERSION || swp_world_create("KDTree", &world) != SWP_OK ||
+  if (swp_abi_version() != SWP_ABI_VERSION || swp_world_create("KDTree", NULL, &world) != SWP_OK ||
       swp_world_build(world, boxes, 2) != SWP_OK || swp_world_find_pairs(world) != SWP_OK ||
       swp_world_pairs(world, &pairs, &count) != SWP_OK) {
     fprintf(stderr, "%s\n", swp_last_error());

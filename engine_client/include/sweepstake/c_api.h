@@ -102,8 +102,8 @@ SWP_API uint32_t swp_live_count(swp_kind kind);
  *
  * No call begins any more: each is answered with SWP_FAILED_PRECONDITION. Those under way are
  * waited for, at most deadline_ms (and the time of freeing one object: a session's lane stops
- * within 50 ms). SWP_UNAVAILABLE if some have not returned by then; what they use lives on, the
- * rest is freed, and a later call goes on with it. With 0 nothing is waited for.
+ * within 50 ms). SWP_UNAVAILABLE if some have not returned by then; what they use lives on, and a
+ * later call goes on. With 0 nothing is waited for. What is made meanwhile lives.
  *
  * Safe: any thread may call it, at any time, also beside calls that take an object as non-const,
  * and more than once. A handle that turns up afterwards may be given to any function, on any
@@ -124,6 +124,7 @@ SWP_API uint32_t swp_abi_version(void);
 /* SWP_ABI_REVISION of the loaded library. A caller may ask it before it calls a function that an
  * earlier revision lacks; a library of any revision serves a caller of any other one otherwise. */
 SWP_API uint32_t swp_abi_revision(void);
+/* The version of the library, for people: programs compare the two above. */
 SWP_API swp_result swp_version(uint32_t* major, uint32_t* minor, uint32_t* patch);
 
 typedef uint32_t swp_struct;
@@ -191,6 +192,7 @@ typedef struct swp_executor {
   void* user;
 } swp_executor;
 
+/* Fills in one thread and no run_parts. */
 SWP_API swp_result swp_executor_init(swp_executor* executor);
 
 /* NOLINTEND(modernize-use-using) */

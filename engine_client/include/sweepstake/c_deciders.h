@@ -1,6 +1,13 @@
 /* The part of the C ABI for the embedded decider: "AI Decides" without a daemon; c_api.h includes
  * it and says what holds for all: threads, ownership, units, results. The functions mirror
- * sweepstake/embedded_decider.h.
+ * sweepstake/embedded_decider.h. Beside the frame thread:
+ *
+ *   swp_session_attach_decider(session, NULL, now_ns);
+ *   ... every 250 ms: swp_session_poll_decider(session, now_ns, NULL, NULL);
+ *
+ * Threads: these are functions of one caller at a time, which may be the frame thread; attach and
+ * detach while no frame runs. Cost: a poll takes microseconds, and some 0.1 ms where a decision is
+ * due; it allocates, so that a game with little time to spare polls on another thread.
  */
 #ifndef SWEEPSTAKE_C_DECIDERS_H_
 #define SWEEPSTAKE_C_DECIDERS_H_
@@ -40,15 +47,17 @@ typedef struct swp_belief {
   double beta;
 } swp_belief;
 
+/* Fills in the defaults: those of NULL above, seed 1 and time scale 1. */
 SWP_API swp_result swp_decider_options_init(swp_decider_options* options);
 
-/* Functions of the thread that polls; attach and detach while no frame runs. `now_ns` is the
- * caller's steady clock, the same one in all calls, from any origin and never going back. */
+/* `now_ns` is the caller's steady clock, the same one in all calls, from any origin and never going
+ * back. */
 
 /* `options` NULL takes the defaults. SWP_FAILED_PRECONDITION if a decider is attached already,
  * SWP_NOT_FOUND if there is no such file, SWP_DATA_LOSS names the first broken record. */
 SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
+/* Ends the decider and what it has learnt; the session then switches by itself at a bail-out. */
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
 /* Takes the costs of the frames since the last poll, decides if a decision is due (every 2 s), and
  * posts the command. `commanded` is 1 if one was posted, which is then also written to `command`;
@@ -59,6 +68,7 @@ SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_n
  * too small, the result is SWP_RESOURCE_EXHAUSTED and only `count` is written. */
 SWP_API swp_result swp_session_beliefs(const swp_session* session, swp_belief* beliefs,
                                        uint32_t capacity, uint32_t* count);
+/* The number of decisions since it was attached. */
 SWP_API swp_result swp_session_decision_count(const swp_session* session, uint64_t* count);
 /* The number of sources in the priors it started from; 0: Beta(1,1). */
 SWP_API swp_result swp_session_prior_source_count(const swp_session* session, uint64_t* count);

@@ -85,8 +85,10 @@ typedef struct swp_proxies_options {
   const swp_executor* executor; /* as in swp_world_options */
 } swp_proxies_options;
 
+/* Fills in the defaults: neither events nor sorted pairs, and the calling thread alone. */
 SWP_API swp_result swp_proxies_options_init(swp_proxies_options* options);
-/* `options` NULL takes the defaults. */
+/* Makes an empty set. `options` NULL takes the defaults; SWP_RESOURCE_EXHAUSTED if the system has
+ * no more threads. */
 SWP_API swp_result swp_proxies_create(const swp_proxies_options* options, swp_proxies** proxies);
 SWP_API void swp_proxies_destroy(swp_proxies* proxies);
 
@@ -105,10 +107,12 @@ SWP_API swp_result swp_proxies_remove_many(swp_proxies* proxies, const swp_proxy
  * and nothing more for a box that is the same as before. */
 SWP_API swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
                                          const swp_aabb* boxes, uint32_t count);
+/* The next resolve and the next query see the new filter. */
 SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
                                           const swp_filter* filter);
+/* Any value of the caller, which swp_proxies_get gives back. */
 SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user);
-/* Either output may be NULL. */
+/* The box and the options as they are now. Either output may be NULL. */
 SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
                                    swp_proxy_options* options);
 /* Gives the handle of the proxy that has this id now. */

@@ -1,6 +1,9 @@
 /* The part of the C ABI for scenes, moving boxes to try a broad phase on; c_api.h includes it and
  * says what holds for all: threads, ownership, units, results. The functions mirror
  * sweepstake/scene.h.
+ *
+ * Threads: one caller at a time may use a scene; while none does, any number may read its boxes.
+ * Cost: a step is O(objects); the boxes are not copied.
  */
 #ifndef SWEEPSTAKE_C_SCENES_H_
 #define SWEEPSTAKE_C_SCENES_H_
@@ -34,10 +37,12 @@ typedef struct swp_scene_options {
   uint32_t reserved; /* 0 */
 } swp_scene_options;
 
+/* The number of scenes, and their names, which are valid for ever; NULL for an index of
+ * swp_scene_count() or above. Any thread, any time. */
 SWP_API uint32_t swp_scene_count(void);
-/* The name is valid for ever; NULL for an index of swp_scene_count() or above. */
 SWP_API const char* swp_scene_name(uint32_t index);
 
+/* Fills in the defaults, which scene.h says. */
 SWP_API swp_result swp_scene_options_init(swp_scene_options* options);
 
 /* `scene` is one of swp_scene_name() or the path of a .aabbs file; `options` NULL takes the

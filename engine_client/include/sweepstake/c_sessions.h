@@ -2,8 +2,20 @@
  * includes it and says what holds for all: threads, ownership, units, results. The functions mirror
  * sweepstake/adaptive_broad_phase.h.
  *
- * A session has a frame thread, that is one caller at a time, and optionally one other, the
- * transport; each function below says which of them may call it.
+ * A frame:
+ *
+ *   swp_session_begin_frame(session);
+ *   swp_session_find_pairs(session, boxes, count);
+ *   swp_session_pairs(session, &pairs, &pair_count);
+ *   swp_session_end_frame(session, frame_time_ns, 0);
+ *
+ * Threads: a session has a frame thread, that is one caller at a time, and optionally one other,
+ * the transport or whoever polls the decider (c_deciders.h); each function below says which of them
+ * may call it. With a shadow lane it has a thread of its own, which ends with it.
+ *
+ * Cost: a frame takes what its backend takes, and some 100 ns; boxes and pairs are not copied, but
+ * for the boxes of the few frames that a shadow lane measures. The frame thread never waits, takes
+ * no lock, and in steady state allocates nothing.
  */
 #ifndef SWEEPSTAKE_C_SESSIONS_H_
 #define SWEEPSTAKE_C_SESSIONS_H_
@@ -62,7 +74,7 @@ typedef struct swp_session_options {
                              is dropped */
   swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a lockstep
-                             game  sees no switch; no part of a sample's detection time */
+                             game sees no switch; no part of a sample's detection time */
 } swp_session_options;
 
 /* The cost of one frame. Of several searches, times and checks are summed; the counts of bytes,
@@ -170,9 +182,12 @@ typedef struct swp_verdict {
   double leader_probability; /* the probability that it is the best, 0 to 1 */
 } swp_verdict;
 
+/* Fills in the defaults: all arms, the first one first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s
+ * of settling, 4,096 samples, the calling thread alone, and no shadow lane. */
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
-/* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends. */
+/* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends; SWP_RESOURCE_EXHAUSTED if
+ * the system has no more threads. */
 SWP_API swp_result swp_session_create(const swp_session_options* options, swp_session** session);
 /* No other call may be under way. */
 SWP_API void swp_session_destroy(swp_session* session);
@@ -204,6 +219,7 @@ SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_ti
 SWP_API swp_result swp_session_select_arm(swp_session* session, const char* arm);
 /* In SWP_MODE_MANUAL posted commands are refused unless their reason is SWP_SWITCH_MANUAL. */
 SWP_API swp_result swp_session_set_mode(swp_session* session, swp_mode mode);
+/* What is so now; each is a read of a few bytes. */
 SWP_API swp_result swp_session_mode(const swp_session* session, swp_mode* mode);
 SWP_API swp_result swp_session_active_arm(const swp_session* session, uint32_t* arm);
 SWP_API swp_result swp_session_switch_epoch(const swp_session* session, uint32_t* switch_epoch);
@@ -212,6 +228,7 @@ SWP_API swp_result swp_session_last_sample(const swp_session* session, swp_frame
 
 /* Functions for any thread. */
 
+/* The arms, which stay as they were given. */
 SWP_API swp_result swp_session_arm_count(const swp_session* session, uint32_t* count);
 /* The name is valid until the session is destroyed. */
 SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm,
@@ -233,10 +250,11 @@ SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* 
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,
                                        uint64_t* note_count);
 
+/* What the shadow lane has done, and why it runs or does not. */
 SWP_API swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats);
 
-/* Functions of the transport, which is one thread of the caller's choice. Nothing can be drained
- * while a decider is attached, since it takes everything. */
+/* Functions of the transport, which is one caller at a time, beside the frame thread. Nothing can
+ * be drained while a decider is attached, since it takes everything. */
 
 /* Moves the oldest samples, up to `capacity`, into `samples`, and their number into `count`. */
 SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,

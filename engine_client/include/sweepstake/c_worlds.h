@@ -1,6 +1,15 @@
 /* The part of the C ABI for worlds: one backend, driven by hand; c_api.h includes it and says what
  * holds for all: threads, ownership, units, results. The functions mirror
- * sweepstake/broad_phase.h. One caller at a time may use a world.
+ * sweepstake/broad_phase.h. A frame:
+ *
+ *   swp_world_update(world, boxes, count);  (the first time: swp_world_build)
+ *   swp_world_find_pairs(world);
+ *   swp_world_pairs(world, &pairs, &pair_count);
+ *
+ * Threads: one caller at a time may use a world; while none does, any number may read its pairs.
+ *
+ * Cost: an update and a search take what the backend takes, see engine_client/broad_phase/README.md
+ * of the sources; boxes and pairs are not copied. In steady state nothing allocates.
  */
 #ifndef SWEEPSTAKE_C_WORLDS_H_
 #define SWEEPSTAKE_C_WORLDS_H_
@@ -17,6 +26,16 @@ extern "C" {
 
 typedef struct swp_world swp_world;
 
+typedef struct swp_world_options {
+  uint32_t struct_size;
+  /* 0 or 1: the calling thread alone searches; up to 256: with a pool of so many threads, which
+   * ends with the world. Neither the pairs nor their order depend on the threads. */
+  uint32_t thread_count;
+  const swp_executor* executor; /* takes the place of the pool; NULL: none */
+  uint32_t sorted_pairs;        /* 1: pairs ascend by a and then b, whatever the backend */
+  uint32_t reserved;            /* 0 */
+} swp_world_options;
+
 typedef struct swp_counters {
   uint32_t struct_size;
   uint32_t object_count;
@@ -24,31 +43,21 @@ typedef struct swp_counters {
   uint64_t native_bytes;      /* held by the backend's own buffers */
   uint64_t detection_time_ns; /* the latest build or update plus the search */
   uint64_t pair_count;        /* of the latest search; 0 before it */
-  uint32_t backend_version;
-  uint32_t reserved; /* 0 */
+  uint32_t backend_version;   /* raised by each change that could alter its cost */
+  uint32_t reserved;          /* 0 */
 } swp_counters;
 
+/* The number of backends, and their names, which are valid for ever; NULL for an index of
+ * swp_backend_count() or above. Any thread, any time. */
 SWP_API uint32_t swp_backend_count(void);
-/* The name is valid for ever; NULL for an index of swp_backend_count() or above. */
 SWP_API const char* swp_backend_name(uint32_t index);
 
-/* SWP_NOT_FOUND lists the backends. */
-SWP_API swp_result swp_world_create(const char* backend, swp_world** world);
-
-/* Neither the pairs nor their order depend on the threads. */
-typedef struct swp_world_options {
-  uint32_t struct_size;
-  uint32_t thread_count; /* 0 or 1: the calling thread alone; up to 256: with a pool of threads */
-  const swp_executor* executor; /* takes the place of the pool; NULL: none */
-  uint32_t sorted_pairs;        /* 1: pairs ascend by a and then b, whatever the backend */
-  uint32_t reserved;            /* 0 */
-} swp_world_options;
-
+/* Fills in the defaults: the calling thread alone, and pairs in the order of the backend. */
 SWP_API swp_result swp_world_options_init(swp_world_options* options);
-/* `options` NULL takes the defaults, as swp_world_create does. SWP_RESOURCE_EXHAUSTED if the
- * system has no more threads. */
-SWP_API swp_result swp_world_create_with(const char* backend, const swp_world_options* options,
-                                         swp_world** world);
+/* Makes a world without boxes. `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends;
+ * SWP_RESOURCE_EXHAUSTED if the system has no more threads. */
+SWP_API swp_result swp_world_create(const char* backend, const swp_world_options* options,
+                                    swp_world** world);
 SWP_API void swp_world_destroy(swp_world* world);
 
 /* Discards all state and takes these boxes, read during the call only. `boxes` may be NULL if
@@ -67,6 +76,7 @@ SWP_API swp_result swp_world_find_pairs(swp_world* world);
  * the next build or update. SWP_FAILED_PRECONDITION before the search. */
 SWP_API swp_result swp_world_pairs(const swp_world* world, const swp_pair** pairs, uint64_t* count);
 
+/* What the latest build or update and search took, and what the world holds. */
 SWP_API swp_result swp_world_counters(const swp_world* world, swp_counters* counters);
 
 /* NOLINTEND(modernize-use-using) */

@@ -16,11 +16,11 @@ static void check_worlds(void) {
   swp_counters counters = {.struct_size = sizeof counters};
   const swp_pair* pairs = NULL;
   uint64_t count = 0;
-  REFUSED(swp_world_create(NULL, &none));
-  REFUSED(swp_world_create("SAP", NULL));
-  CHECK(swp_world_create("Octree", &none) == SWP_NOT_FOUND && none == NULL);
+  REFUSED(swp_world_create(NULL, NULL, &none));
+  REFUSED(swp_world_create("SAP", NULL, NULL));
+  CHECK(swp_world_create("Octree", NULL, &none) == SWP_NOT_FOUND && none == NULL);
   CHECK(strstr(swp_last_error(), "KDTree") != NULL);
-  CHECK_OK(swp_world_create("SAP", &world));
+  CHECK_OK(swp_world_create("SAP", NULL, &world));
   REFUSED(swp_world_build(NULL, &box, 1));
   REFUSED(swp_world_build(world, NULL, 1));
   REFUSED(swp_world_build(world, &box, 0x80000000U));
@@ -85,15 +85,15 @@ static void check_executors(void) {
   swp_world* world = NULL;
   REFUSED(swp_executor_init(NULL));
   REFUSED(swp_world_options_init(NULL));
-  REFUSED(swp_world_create_with("SAP", NULL, NULL));
-#define WITH(statement)                                      \
-  do {                                                       \
-    CHECK_OK(swp_executor_init(&executor));                  \
-    CHECK_OK(swp_world_options_init(&options));              \
-    executor.run_parts = run_nothing;                        \
-    options.executor = &executor;                            \
-    statement;                                               \
-    REFUSED(swp_world_create_with("SAP", &options, &world)); \
+  REFUSED(swp_world_create("SAP", NULL, NULL));
+#define WITH(statement)                                 \
+  do {                                                  \
+    CHECK_OK(swp_executor_init(&executor));             \
+    CHECK_OK(swp_world_options_init(&options));         \
+    executor.run_parts = run_nothing;                   \
+    options.executor = &executor;                       \
+    statement;                                          \
+    REFUSED(swp_world_create("SAP", &options, &world)); \
   } while (0)
   WITH(executor.run_parts = NULL);
   WITH(executor.thread_count = 0);

@@ -33,7 +33,7 @@ Objects MakeObjects() {
   auto world = Sized<swp_world_options>();
   EXPECT_EQ(swp_world_options_init(&world), SWP_OK);
   world.thread_count = 2;
-  EXPECT_EQ(swp_world_create_with("Grid", &world, &made.world), SWP_OK);
+  EXPECT_EQ(swp_world_create("Grid", &world, &made.world), SWP_OK);
   auto session = Sized<swp_session_options>();
   EXPECT_EQ(swp_session_options_init(&session), SWP_OK);
   session.shadow = SWP_SHADOW_ON;
@@ -168,7 +168,7 @@ TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsItsObjectOnly) {
   ASSERT_EQ(swp_world_options_init(&options), SWP_OK);
   options.executor = &executor;
   swp_world* busy = nullptr;
-  ASSERT_EQ(swp_world_create_with("Grid", &options, &busy), SWP_OK);
+  ASSERT_EQ(swp_world_create("Grid", &options, &busy), SWP_OK);
   const Objects others = MakeObjects();
   auto big = Sized<swp_scene_options>();
   ASSERT_EQ(swp_scene_options_init(&big), SWP_OK);

@@ -38,7 +38,7 @@ static swp_world* make_world(const char* backend, uint32_t thread_count,
   options.thread_count = thread_count;
   options.executor = executor;
   options.sorted_pairs = sorted_pairs;
-  CHECK_OK(swp_world_create_with(backend, &options, &world));
+  CHECK_OK(swp_world_create(backend, &options, &world));
   return world;
 }
 
@@ -139,7 +139,7 @@ static void start(game* played) {
   options.pair_events = 1;
   options.thread_count = 2;
   played->scene = make_scene("suite-b", OBJECTS);
-  CHECK_OK(swp_world_create("SAP", &played->world));
+  CHECK_OK(swp_world_create("SAP", NULL, &played->world));
   CHECK_OK(swp_proxies_create(&options, &played->proxies));
   CHECK_OK(swp_scene_boxes(played->scene, &boxes, &count));
   memcpy(played->boxes, boxes, sizeof played->boxes);

@@ -11,7 +11,7 @@ static swp_world* world;
 
 static swp_result take_world_options(void* options) {
   swp_world* made = NULL;
-  const swp_result result = swp_world_create_with("SAP", options, &made);
+  const swp_result result = swp_world_create("SAP", options, &made);
   swp_world_destroy(made);
   return result;
 }
@@ -159,7 +159,7 @@ static void check_filled(const output_struct* type) {
 
 void test_structs(void) {
   CHECK_OK(swp_session_create(NULL, &session));
-  CHECK_OK(swp_world_create("SAP", &world));
+  CHECK_OK(swp_world_create("SAP", NULL, &world));
   for (size_t i = 0; i < sizeof kOptions / sizeof kOptions[0]; ++i) check_taken(&kOptions[i]);
   for (size_t i = 0; i < sizeof kOutputs / sizeof kOutputs[0]; ++i) check_filled(&kOutputs[i]);
   swp_session_destroy(session);

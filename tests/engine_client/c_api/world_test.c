@@ -51,7 +51,7 @@ static swp_pair* all_pairs(swp_world* world, uint64_t* count) {
 static void check_backend(const char* backend, const char* scene_name, uint32_t object_count) {
   swp_world* world = NULL;
   swp_scene* scene = make_scene(scene_name, object_count);
-  CHECK_OK(swp_world_create(backend, &world));
+  CHECK_OK(swp_world_create(backend, NULL, &world));
   for (int frame = 0; frame < 12; ++frame) {
     const swp_aabb* boxes = NULL;
     uint32_t count = 0;
@@ -124,7 +124,7 @@ void test_world_rules(void) {
   for (uint32_t i = 0; i < swp_backend_count(); ++i) {
     swp_world* world = NULL;
     uint64_t count = 5;
-    CHECK_OK(swp_world_create(swp_backend_name(i), &world));
+    CHECK_OK(swp_world_create(swp_backend_name(i), NULL, &world));
     CHECK(swp_world_update(world, kBoxes, 3) == SWP_FAILED_PRECONDITION);
     CHECK(swp_world_find_pairs(world) == SWP_FAILED_PRECONDITION);
     CHECK_OK(swp_world_build(world, NULL, 0));
