@@ -33,6 +33,44 @@ ShadowScheduleOptions ScheduleOf(const ShadowOptions& options) {
 
 }  // namespace
 
+// Ends a call of a backend once nobody wants its result any more, its time is over, or its pairs
+// outgrow the memory cap.
+class ShadowLane::Watch final : public StopRequest {
+ public:
+  enum class End { kNone, kInterrupted, kTime, kMemory };
+
+  // Watches a call for the order `followed`, or of a visit if that is null, for `time_ns` from
+  // Begin on. `held_bytes` is what the backend and the pairs take before it.
+  Watch(const ShadowLane& lane, const SwitchHandover::Order* followed, uint64_t time_ns,
+        uint64_t held_bytes)
+      : lane_(lane), followed_(followed), time_ns_(time_ns), held_bytes_(held_bytes) {}
+
+  void Begin(uint64_t now_ns) { begin_ns_ = now_ns; }
+  End end() const { return end_; }
+  uint64_t held_bytes() const { return held_bytes_; }
+
+  bool WantsStop(uint64_t grown_bytes) noexcept override {
+    held_bytes_ += grown_bytes;
+    if (end_ != End::kNone) return true;
+    if (lane_.interrupted(followed_)) {
+      end_ = End::kInterrupted;
+    } else if (grown_bytes > 0 && held_bytes_ > lane_.structure_cap_bytes()) {
+      end_ = End::kMemory;
+    } else if (lane_.setup_.clock.NowNs() - begin_ns_ >= time_ns_) {
+      end_ = End::kTime;
+    }
+    return end_ != End::kNone;
+  }
+
+ private:
+  const ShadowLane& lane_;
+  const SwitchHandover::Order* const followed_;
+  const uint64_t time_ns_;
+  uint64_t begin_ns_ = 0;
+  uint64_t held_bytes_;
+  End end_ = End::kNone;
+};
+
 ShadowLane::ShadowLane(Setup setup)
     : setup_(std::move(setup)),
       schedule_(ScheduleOf(setup_.options), setup_.arm_count),
@@ -83,9 +121,12 @@ bool ShadowLane::sweep_is_due() const {
          tap_.latest_frame_index() >= next_burst_frame_;
 }
 
-// Returns whether a visit has to end early, since stopping and switches must not wait for it.
-bool ShadowLane::interrupted() const {
-  return stopping_.load(std::memory_order_relaxed) || handover_.order().state == State::kWanted;
+// Returns whether the work for the order `followed`, or a visit if that is null, has to end early,
+// since stopping and switches must not wait for it.
+bool ShadowLane::interrupted(const SwitchHandover::Order* followed) const {
+  if (stopping_.load(std::memory_order_relaxed)) return true;
+  const SwitchHandover::Order present = handover_.order();
+  return followed == nullptr ? present.state == State::kWanted : present != *followed;
 }
 
 // Requests the frames of a burst. Without memory the request only returns the object count.
@@ -157,7 +198,9 @@ void ShadowLane::Sweep() {
   Add(counters_.sweep_count, 1);
 }
 
-// Visits the arm. The result is absent if the visit was interrupted.
+// Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
+// does not count, unless it is the first and so long that the time cap ends it: an arm takes at
+// least as long then.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   BroadPhase& backend = *BackendOf(arm).backend;
   const uint32_t frame_count = tap_.filled_count();
@@ -165,21 +208,32 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   uint32_t ran = 0;
   uint64_t busy_ns = 0;
   uint64_t check_sum = 0;
+  uint64_t native_bytes = 0;
   while (ran < frame_count && busy_ns < setup_.options.visit_cap_ns) {
-    if (interrupted()) {
+    Watch watch(*this, nullptr, setup_.options.visit_cap_ns - busy_ns, bytes_of(backend));
+    const bool is_wanted = !interrupted(nullptr);
+    const uint64_t time_ns = is_wanted ? Feed(backend, ran == 0, tap_.frame(ran).boxes, watch) : 0;
+    busy_ns += time_ns;
+    if (!is_wanted || watch.end() == Watch::End::kInterrupted) {
       schedule_.Spend(busy_ns);
       return std::nullopt;
     }
-    frame_ns[ran] = Feed(backend, ran == 0, tap_.frame(ran).boxes);
-    busy_ns += frame_ns[ran];
-    if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
-    ++ran;
-    if (backend.native_bytes() > structure_cap_bytes()) break;
+    native_bytes = backend.native_bytes();
+    if (watch.end() == Watch::End::kMemory) native_bytes = watch.held_bytes();
+    if (watch.end() == Watch::End::kNone || (ran == 0 && watch.end() == Watch::End::kTime)) {
+      if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
+      frame_ns[ran++] = time_ns;
+    }
+    if (watch.end() != Watch::End::kNone || native_bytes > structure_cap_bytes()) break;
   }
+  const bool is_measured = ran > 0;
+  if (!is_measured) frame_ns[ran++] = setup_.options.visit_cap_ns;
   ShadowVisit visit =
       SummarizeVisit(std::span(frame_ns).first(ran), std::numeric_limits<uint64_t>::max());
   visit.arm = arm;
-  visit.native_bytes = backend.native_bytes();
+  visit.is_measured = is_measured;
+  visit.busy_ns = busy_ns;
+  visit.native_bytes = native_bytes;
   visit.aabb_check_count = check_sum / std::max<uint32_t>(visit.frame_count, 1);
   visit.capped = ran < frame_count;
   return visit;
@@ -188,7 +242,7 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
 void ShadowLane::Report(const ShadowVisit& visit) {
   Add(counters_.visit_count, 1);
   if (visit.capped) Add(counters_.capped_visit_count, 1);
-  if (setup_.sink == nullptr) return;
+  if (setup_.sink == nullptr || !visit.is_measured) return;
   const TappedFrame first = tap_.frame(0);
   uint32_t flags = 0;
   if (visit.arm == first.note.arm) flags |= kShadowActive;
@@ -259,27 +313,33 @@ bool ShadowLane::RequestForPreparation() {
   return true;
 }
 
-// Processes the frame in the next slot. Returns false if the structure exceeds the memory cap.
+// Processes the frame in the next slot. Returns false if the structure exceeds the memory cap, or
+// nobody wants it any more.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   BroadPhase& backend = *BackendOf(order.arm).backend;
   const TappedFrame frame = tap_.frame(next_slot_++);
-  schedule_.Spend(Feed(backend, progress_->frame_count == 0, frame.boxes));
+  Watch watch(*this, &order, std::numeric_limits<uint64_t>::max(), bytes_of(backend));
+  schedule_.Spend(Feed(backend, progress_->frame_count == 0, frame.boxes, watch));
   ++progress_->frame_count;
   progress_->frame_index = frame.note.frame_index;
-  return backend.native_bytes() <= structure_cap_bytes();
+  return watch.end() == Watch::End::kNone && backend.native_bytes() <= structure_cap_bytes();
 }
 
 // Builds or updates, and searches, since a search makes a backend's buffers grow to the size that
 // the scene needs. Returns the time.
-uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes) {
+uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes,
+                          Watch& watch) {
   const uint64_t start_ns = setup_.clock.NowNs();
+  watch.Begin(start_ns);
+  backend.SetStop(&watch);
   if (build) {
     backend.Build(boxes);
   } else {
     backend.Update(boxes);
   }
   pairs_.Clear();
-  backend.FindPairs(pairs_);
+  if (watch.end() == Watch::End::kNone) backend.FindPairs(pairs_);
+  backend.SetStop(nullptr);
   const uint64_t time_ns = setup_.clock.NowNs() - start_ns;
   Add(counters_.busy_time_ns, time_ns);
   return time_ns;

@@ -13,8 +13,9 @@
 // Thread safety: Ask, Cancel, TakeOver and OnFrame on the frame thread; they never wait, lock,
 // allocate, or make a system call other than the clock. stats() on any thread. Step belongs to the
 // lane's thread and is public for tests, which call it instead of Start. Ownership: sink, clock and
-// mode are borrowed. The destructor waits for the present call of a backend. Errors: if memory runs
-// out, the lane frees its own memory and tries again a second later.
+// mode are borrowed. The destructor, Ask and Cancel end what the lane's backend is doing within
+// milliseconds, in the midst of a search too, and so do the caps of time and memory. Errors: if
+// memory runs out, the lane frees its own memory and tries again a second later.
 #pragma once
 
 #include <array>
@@ -99,10 +100,12 @@ class ShadowLane {
     bool caught_up = false;    // whether it was updated once more
   };
 
+  class Watch;
+
   void Run();
   bool enabled() const;
   bool sweep_is_due() const;
-  bool interrupted() const;
+  bool interrupted(const SwitchHandover::Order* followed) const;
 
   void RequestBurst();
   void OnBurst();
@@ -117,13 +120,16 @@ class ShadowLane {
   bool RequestForPreparation();
   bool Follow(const SwitchHandover::Order& order);
 
-  uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes);
+  uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes, Watch& watch);
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
   void TrimMemory(uint32_t arm);
   void FreeMemory();
   uint64_t structure_cap_bytes() const { return setup_.options.memory_cap_bytes / 2; }
   uint64_t structure_bytes() const;
+  uint64_t bytes_of(const BroadPhase& backend) const {
+    return backend.native_bytes() + pairs_.capacity_bytes();
+  }
 
   const Setup setup_;
   BoxTap tap_;

@@ -36,7 +36,7 @@ inline constexpr uint32_t kShadowWarmUpFrames = 2;
 
 struct ShadowScheduleOptions {
   double duty_ratio = 0.15;                      // the share of one thread's time, (0, 1]
-  uint64_t visit_cap_ns = 250'000'000;           // a visit ends with the frame that reaches it
+  uint64_t visit_cap_ns = 250'000'000;           // a visit ends when it reaches it
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;  // the cap of one arm's structure
   // Decisions are seconds apart, so that more frequent sweeps would add no information.
   uint64_t sweep_interval_min_ns = 250'000'000;
@@ -51,7 +51,9 @@ struct ShadowVisit {
   uint64_t busy_ns = 0;       // the time of all frames
   uint64_t native_bytes = 0;
   uint64_t aabb_check_count = 0;  // the mean of the measured frames
-  bool capped = false;            // whether the time cap ended it before the last frame
+  bool capped = false;            // whether a cap ended it before the last frame
+  // Whether detection_ns is a cost. It is the time cap if the memory cap ended the first frame.
+  bool is_measured = true;
 };
 
 // Returns the visit whose frames took `frame_ns`, up to `cap_ns`. The caller sets arm, native_bytes

@@ -51,10 +51,12 @@ void BruteForce::Load(std::span<const Aabb> boxes) {
 void BruteForce::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
   const size_t before = out.size();
-  checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
-                       [&](size_t begin, size_t end, PairBuffer& pairs) {
-                         return FindPairsOfAll(lanes, begin, end, pair_count_, pairs);
-                       });
+  checks_ = parts_.Run(
+      executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        return FindPairsOfAll(lanes, begin, end, pair_count_, pairs, stop());
+      },
+      stop());
   pair_count_ = out.size() - before;
 }
 

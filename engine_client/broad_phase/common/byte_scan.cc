@@ -9,6 +9,7 @@
 // What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/box_record-inl.h"
 #include "engine_client/broad_phase/common/pair_cursor.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sweepstake::HWY_NAMESPACE {
@@ -123,10 +124,11 @@ HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
 // Scans all tiles of kRowsPerTile rows in [begin, end), kRegisters registers of slots at a time.
 template <bool kSwept, bool kById, size_t kRegisters>
 HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_t end,
-                              PairBuffer& out) {
+                              PairBuffer& out, StopRequest* stop) {
   const Bytes d;
   const size_t step = std::min(kRegisters * hn::Lanes(d), ByteBoxes::kGranule);
   const ByteLanes lanes = shared_lanes;
+  StopPoll poll(stop, out);
   PairCursor cursor(out);
   Candidates candidates[kCandidatesRoom + 2] = {};
   size_t count = 0;
@@ -135,7 +137,7 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
     count += bits != 0 ? 1 : 0;
   };
   uint64_t checks = 0;
-  for (size_t row = begin; row < end; row += kRowsPerTile) {
+  for (size_t row = begin; row < end && !poll.Ends(checks); row += kRowsPerTile) {
     // The four rows of the tile stay in registers.
     const RowBytes row0 = RowAt(lanes, row);
     const RowBytes row1 = RowAt(lanes, row + 1);
@@ -186,17 +188,18 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
 constexpr uint64_t kSlotsPerPair = HWY_MAX_BYTES == 32 ? 900 : 250;
 
 uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end,
-                 [[maybe_unused]] size_t expected_pairs, PairBuffer& out) {
+                 [[maybe_unused]] size_t expected_pairs, PairBuffer& out, StopRequest* stop) {
 #if HWY_MAX_BYTES != 64  // a register there is a granule, and a step
   if (expected_pairs * kSlotsPerPair > uint64_t{lanes.count} * lanes.count)
-    return ScanTiles<false, false, 2>(lanes, begin, end, out);
+    return ScanTiles<false, false, 2>(lanes, begin, end, out, stop);
 #endif
-  return ScanTiles<false, false, 1>(lanes, begin, end, out);
+  return ScanTiles<false, false, 1>(lanes, begin, end, out, stop);
 }
 
-uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
-  if (lanes.records_by_id) return ScanTiles<true, true, 1>(lanes, begin, end, out);
-  return ScanTiles<true, false, 1>(lanes, begin, end, out);
+uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
+                   StopRequest* stop) {
+  if (lanes.records_by_id) return ScanTiles<true, true, 1>(lanes, begin, end, out, stop);
+  return ScanTiles<true, false, 1>(lanes, begin, end, out, stop);
 }
 
 // Timed with AVX-512, AVX2 and SSE4; whatever else runs is taken as SSE4.
@@ -217,12 +220,13 @@ HWY_EXPORT(ScanSwept);
 HWY_EXPORT(CheckNs);
 
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
-                        PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(ScanAll)(lanes, begin, end, expected_pairs, out);
+                        PairBuffer& out, StopRequest* stop) {
+  return HWY_DYNAMIC_DISPATCH(ScanAll)(lanes, begin, end, expected_pairs, out, stop);
 }
 
-uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(ScanSwept)(lanes, begin, end, out);
+uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
+                          StopRequest* stop) {
+  return HWY_DYNAMIC_DISPATCH(ScanSwept)(lanes, begin, end, out, stop);
 }
 
 double SweptCheckNs() { return HWY_DYNAMIC_DISPATCH(CheckNs)(); }

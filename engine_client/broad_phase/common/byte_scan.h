@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "engine_client/broad_phase/common/byte_boxes.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/pair_buffer.h"
 
 namespace sweepstake {
@@ -18,12 +19,14 @@ namespace sweepstake {
 inline constexpr size_t kRowsPerTile = 4;
 
 // Appends each overlapping pair of a slot in [begin, end) and a later slot; returns the number of
-// AABB checks. How many pairs all slots are expected to have changes the time alone.
+// AABB checks. How many pairs all slots are expected to have changes the time alone. Both ask
+// `stop`, which may be null, between tiles.
 uint64_t FindPairsOfAll(const ByteLanes& lanes, size_t begin, size_t end, size_t expected_pairs,
-                        PairBuffer& out);
+                        PairBuffer& out, StopRequest* stop);
 // Appends each overlapping pair of a swept slot in [begin, end) and a later slot; returns the
 // number of AABB checks. A tile is not compared with slots that begin after its boxes have ended.
-uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out);
+uint64_t FindPairsOfSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
+                          StopRequest* stop);
 // Returns about what a check of a sweep takes in ns, candidates included, with the instruction set
 // that runs.
 double SweptCheckNs();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/broad_phase/host/exceptions.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/executor.h"
@@ -62,10 +63,11 @@ inline size_t PartCount(const Executor* executor, size_t item_count, size_t item
 class PairParts {
  public:
   // Calls find(begin, end, pairs) for each part's items; it appends to `pairs`, which is `out`
-  // itself for the first part, and returns its AABB checks. Returns the sum of the checks.
+  // itself for the first part, and returns its AABB checks. Returns the sum of the checks. After
+  // `stop`, which `find` asks too, no part begins, and `out` gets the pairs of the first alone.
   template <typename Find>
   uint64_t Run(Executor* executor, size_t item_count, size_t items_min, size_t granule,
-               PairBuffer& out, const Find& find) {
+               PairBuffer& out, const Find& find, StopRequest* stop = nullptr) {
     const size_t part_count = PartCount(executor, item_count, items_min);
     if (part_count == 1) return find(size_t{0}, item_count, out);
     if (parts_.size() < part_count) parts_.resize(part_count);
@@ -73,9 +75,9 @@ class PairParts {
       PairBuffer& pairs = part == 0 ? out : parts_[part].pairs;
       if (part != 0) pairs.Clear();
       const PartRange range = RangeOfPart(item_count, part, part_count, granule);
-      parts_[part].checks = find(range.begin, range.end, pairs);
+      parts_[part].checks = IsStopped(stop) ? 0 : find(range.begin, range.end, pairs);
     });
-    Join(executor, part_count, out);
+    Join(executor, part_count, out, stop);
     uint64_t checks = 0;
     for (size_t part = 0; part < part_count; ++part) checks += parts_[part].checks;
     return checks;
@@ -95,14 +97,16 @@ class PairParts {
     size_t offset = 0;
   };
 
-  void Join(Executor* executor, size_t part_count, PairBuffer& out) {
+  void Join(Executor* executor, size_t part_count, PairBuffer& out, StopRequest* stop) {
     constexpr size_t kPairsToCopyInParallel = 32'768;
     size_t total = 0;
     for (size_t part = 1; part < part_count; ++part) {
       parts_[part].offset = total;
       total += parts_[part].pairs.size();
     }
-    if (total == 0) return;
+    const size_t joined_bytes = (out.size() + total) * sizeof(OverlapPair);
+    const size_t known_bytes = std::min(joined_bytes, out.capacity_bytes());
+    if (total == 0 || (stop != nullptr && stop->WantsStop(joined_bytes - known_bytes))) return;
     OverlapPair* const end = out.EnsureRoom(total);
     RunParts(total < kPairsToCopyInParallel ? nullptr : executor, part_count - 1,
              [&](size_t index) {

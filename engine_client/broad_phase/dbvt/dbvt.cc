@@ -94,7 +94,7 @@ void Dbvt::Build(std::span<const Aabb> boxes) {
 
 void Dbvt::Rebuild(std::span<const Aabb> boxes) {
   splitter_.Begin(boxes);
-  splitter_.Finish(executor_);
+  if (!splitter_.Finish(executor_, stop())) return;
   ordered_count_ = boxes.size();
   AdoptOrder(boxes);
 }
@@ -125,7 +125,7 @@ bool Dbvt::AdvanceRebuild(std::span<const Aabb> boxes) {
   }
   const uint64_t frames = RebuildFrames(kChecksPerRebuild * boxes.size(), latest_cost_);
   if (frames == 1) {
-    splitter_.Finish(executor_);
+    if (!splitter_.Finish(executor_, stop())) return true;
   } else if (!splitter_.Advance(splitter_.work() / frames + 1)) {
     return false;
   }
@@ -140,7 +140,7 @@ void Dbvt::Update(std::span<const Aabb> boxes) {
   pair_checks_ = 0;
   if (is_at_rest_) {
     ++resting_frames_;
-    if (margins_.Follow(boxes, tree_, executor_, update_checks_)) return;
+    if (margins_.Follow(boxes, tree_, executor_, update_checks_, stop())) return;
     StopResting();
   }
   Resize(boxes.size());
@@ -188,7 +188,7 @@ void Dbvt::MaybeUseMargins(std::span<const Aabb> boxes, const DbvtTree::Motion& 
   calm_frames_ = is_calm ? calm_frames_ + 1 : 0;
   if (calm_frames_ < calm_frames_needed_) return;
   margins_.MeasureSide(boxes);
-  if (!margins_.Start(boxes, motion.mean, tree_, executor_)) {
+  if (!margins_.Start(boxes, motion.mean, tree_, executor_, stop())) {
     calm_frames_ = 0;
     WaitLonger();
     return;
@@ -218,11 +218,12 @@ void Dbvt::FindPairs(PairBuffer& out) {
     pair_checks_ = margins_.FindPairs(executor_, parts_, out);
   } else {
     const std::span<const uint32_t> groups = tree_.Groups();
-    pair_checks_ =
-        parts_.Run(executor_, groups.size(), kMinGroupsPerPart, 1, out,
-                   [&](size_t begin, size_t end, PairBuffer& pairs) {
-                     return FindGroupPairs(tree_, groups.subspan(begin, end - begin), pairs);
-                   });
+    pair_checks_ = parts_.Run(
+        executor_, groups.size(), kMinGroupsPerPart, 1, out,
+        [&](size_t begin, size_t end, PairBuffer& pairs) {
+          return FindGroupPairs(tree_, groups.subspan(begin, end - begin), pairs, stop());
+        },
+        stop());
     debt_.AddSearch(pair_checks_);
   }
   pair_count_ = out.size() - before;

@@ -189,7 +189,7 @@ void DbvtMargins::Reserve(size_t count, size_t kept) {
 }
 
 bool DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree,
-                        Executor* executor) {
+                        Executor* executor, StopRequest* stop) {
   Reserve(boxes.size(), 0);
   const float margin = MarginFor(motion);
   for (size_t object = 0; object < boxes.size(); ++object) {
@@ -199,7 +199,7 @@ bool DbvtMargins::Start(std::span<const Aabb> boxes, float motion, DbvtTree& tre
   }
   tree.TakeBoxes({fat_.data(), count_}, executor);
   candidates_.Clear();
-  FindGroupPairs(tree, tree.Groups(), candidates_);
+  FindGroupPairs(tree, tree.Groups(), candidates_, stop);
   if (AreWorthKeeping()) return true;
   tree.TakeBoxes(boxes, executor);
   return false;
@@ -229,7 +229,7 @@ void DbvtMargins::Resize(size_t count, DbvtTree& tree) {
 }
 
 bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor,
-                         uint64_t& checks) {
+                         uint64_t& checks, StopRequest* stop) {
   if (boxes.size() != count_) Resize(boxes.size(), tree);
   CollectObjectsOutside(boxes, executor);
   checks += count_;
@@ -238,7 +238,7 @@ bool DbvtMargins::Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* 
   const std::span<const uint32_t> left{left_.data(), left_count_};
   for (const uint32_t object : left) Replace(object, tree);
   DropOutdatedCandidates();
-  checks += FindPairsOf(tree, left, fat_.data(), has_left_.data(), candidates_);
+  checks += FindPairsOf(tree, left, fat_.data(), has_left_.data(), candidates_, stop);
   for (const uint32_t object : left) has_left_[object] = 0;
   return AreWorthKeeping();
 }

@@ -38,14 +38,17 @@ class DbvtMargins {
 
   // Enlarges all boxes by the margin for this mean motion, those in the tree too, and finds all
   // candidates. Returns false if there are too many to keep (24 per object); the tree is then
-  // unchanged. REQUIRES: the tree holds exactly the objects with valid boxes.
-  bool Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree, Executor* executor);
+  // unchanged. The searches of Start and Follow ask `stop`, which may be null. REQUIRES: the tree
+  // holds exactly the objects with valid boxes.
+  bool Start(std::span<const Aabb> boxes, float motion, DbvtTree& tree, Executor* executor,
+             StopRequest* stop);
 
   // Takes the boxes of the next frame, whose count may differ, and adds the AABB checks made to
   // `checks`. Returns false if so many objects have left their margins, or there are so many
   // candidates, that refitting the tree is cheaper. The tree then has room for boxes.size() objects
   // and outdated boxes, and the next call must be Start.
-  bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks);
+  bool Follow(std::span<const Aabb> boxes, DbvtTree& tree, Executor* executor, uint64_t& checks,
+              StopRequest* stop);
 
   // Appends the overlapping pairs of the latest boxes; returns the AABB checks.
   uint64_t FindPairs(Executor* executor, PairParts& parts, PairBuffer& out);

@@ -9,6 +9,7 @@
 #include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 #include "hwy/cache_control.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -192,26 +193,32 @@ HWY_INLINE void SearchLeaf(DbvtSearch& search, uint32_t group, uint32_t lane) {
   TestFoundSlots(search);
 }
 
-uint64_t GroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out) {
+uint64_t GroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out,
+                    StopRequest* stop) {
+  StopPoll poll(stop, out);
   PairCursor cursor(out);
   DbvtSearch search(tree, cursor);
   for (const uint32_t group : groups) {
     const uint32_t count = search.links[group].count;
-    for (uint32_t lane = 0; lane < count; ++lane) SearchLeaf(search, group, lane);
+    for (uint32_t lane = 0; lane < count && !poll.Ends(search.checks); ++lane) {
+      SearchLeaf(search, group, lane);
+    }
   }
   cursor.Flush();
   return search.checks;
 }
 
 uint64_t PairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
-                 const uint8_t* is_listed, PairBuffer& out) {
+                 const uint8_t* is_listed, PairBuffer& out, StopRequest* stop) {
   const DbvtNode* const nodes = tree.nodes();
   const DbvtLink* const links = tree.links();
+  StopPoll poll(stop, out);
   PairCursor cursor(out);
   uint64_t checks = 0;
   uint32_t stack[kStackSize];
   uint32_t met[2 * kWidth];
   for (const uint32_t object : objects) {
+    if (poll.Ends(checks)) break;
     if (!tree.Contains(object)) continue;
     // Descends to the leaves that the object's enlarged box overlaps.
     size_t waiting = 0;
@@ -246,13 +253,14 @@ namespace sweepstake {
 HWY_EXPORT(GroupPairs);
 HWY_EXPORT(PairsOf);
 
-uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(GroupPairs)(tree, groups, out);
+uint64_t FindGroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out,
+                        StopRequest* stop) {
+  return HWY_DYNAMIC_DISPATCH(GroupPairs)(tree, groups, out, stop);
 }
 
 uint64_t FindPairsOf(const DbvtTree& tree, std::span<const uint32_t> objects, const Aabb* fat,
-                     const uint8_t* is_listed, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(PairsOf)(tree, objects, fat, is_listed, out);
+                     const uint8_t* is_listed, PairBuffer& out, StopRequest* stop) {
+  return HWY_DYNAMIC_DISPATCH(PairsOf)(tree, objects, fat, is_listed, out, stop);
 }
 
 }  // namespace sweepstake

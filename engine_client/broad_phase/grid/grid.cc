@@ -28,10 +28,12 @@ class Grid final : public BroadPhase {
   }
   void FindPairs(PairBuffer& out) override {
     const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};
-    checks_ = parts_.Run(executor_, count_, kMinBoxesPerPart, GridView::kBatch, out,
-                         [&](size_t begin, size_t end, PairBuffer& pairs) {
-                           return SearchGrids(view, begin, end, pairs);
-                         });
+    checks_ = parts_.Run(
+        executor_, count_, kMinBoxesPerPart, GridView::kBatch, out,
+        [&](size_t begin, size_t end, PairBuffer& pairs) {
+          return SearchGrids(view, begin, end, pairs, stop());
+        },
+        stop());
   }
   uint64_t aabb_check_count() const override { return checks_; }
   size_t native_bytes() const override { return sort_.native_bytes() + parts_.native_bytes(); }

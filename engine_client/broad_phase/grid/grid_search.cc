@@ -8,6 +8,7 @@
 // What follows must come after foreach_target.h.
 #include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/broad_phase/grid/grid_boxes-inl.h"
 
 // Guarded, since every target's pass of this file sees it.
@@ -203,8 +204,9 @@ HWY_INLINE hn::Mask<D> HitsInColumns(D d, const Aabb& box, const float* columns,
   return hn::And(hn::And(x, y), z);
 }
 
-// Tests all ranges of a list and returns the number of AABB checks.
-HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, PairBuffer& out) {
+// Tests all ranges of a list and returns the number of AABB checks, which follow `checks_before`.
+HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, PairBuffer& out,
+                               StopPoll& poll, uint64_t checks_before) {
   const HWY_FULL(float) d;
   const size_t step = hn::Lanes(d);
   // The corners of all slots lie in six columns with one stride between them.
@@ -231,6 +233,7 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
     do {
       if (HWY_UNLIKELY(to >= full)) {
         out.Advance(static_cast<size_t>(to - from));
+        if (poll.Ends(checks_before + checks)) return checks;
         from = to = out.EnsureRoom(kChunk);
         full = from + kChunk;
       }
@@ -248,9 +251,11 @@ HWY_INLINE uint64_t TestRanges(const BoxLanes& lanes, const RangeList& list, Pai
 
 class BatchSearch {
  public:
-  BatchSearch(const GridView& view, PairBuffer& out) : view_(view), lanes_(view.lanes), out_(out) {}
+  BatchSearch(const GridView& view, PairBuffer& out, StopRequest* stop)
+      : view_(view), lanes_(view.lanes), out_(out), poll_(stop, out) {}
 
   uint64_t checks() const { return checks_; }
+  bool Ends() { return poll_.Ends(checks_); }
 
   // Tests slots of one group against the later slots of this group.
   void SearchOwn(const GroupGrid& grid, size_t begin, size_t end) {
@@ -323,7 +328,7 @@ class BatchSearch {
   }
 
   void Test() {
-    checks_ += TestRanges(lanes_, list_, out_);
+    if (!poll_.has_ended()) checks_ += TestRanges(lanes_, list_, out_, poll_, checks_);
     list_.count = 0;
   }
 
@@ -331,15 +336,17 @@ class BatchSearch {
   // A copy that no store can alias, so that the pointers stay in registers.
   const BoxLanes lanes_;
   PairBuffer& out_;
+  StopPoll poll_;
   uint64_t checks_ = 0;
   BatchRows rows_;
   BatchBlocks blocks_;
   RangeList list_;
 };
 
-uint64_t Search(const GridView& view, size_t begin, size_t end, PairBuffer& out) {
-  BatchSearch search(view, out);
-  for (size_t batch = begin; batch < end; batch += GridView::kBatch) {
+uint64_t Search(const GridView& view, size_t begin, size_t end, PairBuffer& out,
+                StopRequest* stop) {
+  BatchSearch search(view, out, stop);
+  for (size_t batch = begin; batch < end && !search.Ends(); batch += GridView::kBatch) {
     const size_t batch_end = std::min(batch + GridView::kBatch, end);
     for (size_t g = 0; g < view.grids.size(); ++g) {
       const GroupGrid& grid = view.grids[g];
@@ -364,8 +371,9 @@ namespace sweepstake {
 
 HWY_EXPORT(Search);
 
-uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out) {
-  return HWY_DYNAMIC_DISPATCH(Search)(view, begin, end, out);
+uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out,
+                     StopRequest* stop) {
+  return HWY_DYNAMIC_DISPATCH(Search)(view, begin, end, out, stop);
 }
 
 }  // namespace sweepstake

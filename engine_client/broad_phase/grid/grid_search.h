@@ -14,6 +14,7 @@
 
 #include "engine_client/broad_phase/common/soa_boxes.h"
 #include "engine_client/broad_phase/grid/group_grid.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/pair_buffer.h"
 
 namespace sweepstake {
@@ -31,6 +32,8 @@ struct GridView {
 
 // Appends the pairs that the boxes in the slots [begin, end) find and returns the number of AABB
 // checks. Parts that begin at multiples of kBatch find the pairs in the order of the whole search.
-uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out);
+// `stop`, which may be null, is asked between batches and where many pairs have been written.
+uint64_t SearchGrids(const GridView& view, size_t begin, size_t end, PairBuffer& out,
+                     StopRequest* stop);
 
 }  // namespace sweepstake

@@ -4,12 +4,15 @@
 #include <limits>
 
 #include "engine_client/broad_phase/common/parallel.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 
 namespace sweepstake {
 namespace {
 
 // The largest range that is split down to parts in one step: its centers stay in the cache.
 constexpr size_t kMaxWholeRange = 4096;
+// The moves between two questions whether to stop, which take about a millisecond.
+constexpr size_t kMovesPerQuestion = size_t{1} << 19;
 
 constexpr size_t RoundUp(size_t count) {
   return (count + KdRange::kPart - 1) / KdRange::kPart * KdRange::kPart;
@@ -182,16 +185,18 @@ bool KdOrder::Advance(size_t budget) {
   return waiting_ == 0;
 }
 
-void KdOrder::Finish(Executor* executor) {
+bool KdOrder::Finish(Executor* executor, StopRequest* stop) {
   if (executor == nullptr || executor->thread_count() == 1 || valid_count_ <= kMaxWholeRange) {
     whole_range_ = kMaxWholeRange;
-    Advance(std::numeric_limits<size_t>::max());
-    return;
+    while (!IsStopped(stop)) {
+      if (Advance(kMovesPerQuestion)) return true;
+    }
+    return false;
   }
   // Splits ranges until there are enough of them for all threads, which then work on all at once.
   const size_t max_part = std::max(valid_count_ / (2 * executor->thread_count()), kMaxWholeRange);
   size_t next = 0;
-  while (next < waiting_) {
+  while (next < waiting_ && !IsStopped(stop)) {
     if (stack_[next].range.count() <= max_part) {
       ++next;
     } else {
@@ -200,8 +205,11 @@ void KdOrder::Finish(Executor* executor) {
       SplitTop(waiting);
     }
   }
-  RunParts(executor, waiting_, [this](size_t part) { SplitWhole(stack_[part]); });
+  RunParts(executor, waiting_, [&](size_t part) {
+    if (!IsStopped(stop)) SplitWhole(stack_[part]);
+  });
   waiting_ = 0;
+  return !IsStopped(stop);
 }
 
 size_t KdOrder::slot_count() const {
@@ -229,12 +237,11 @@ void KdOrder::TakeBoxes(std::span<uint32_t> order) const {
   std::ranges::copy(InvalidBoxes(), to);
 }
 
-void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order) {
+void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop) {
   Reserve(order.size());
   for (const uint32_t index : order) Collect(boxes[index], index);
   StartSplitting();
-  Finish(nullptr);
-  TakeBoxes(order);
+  if (Finish(nullptr, stop)) TakeBoxes(order);
 }
 
 }  // namespace sweepstake

@@ -20,6 +20,7 @@
 #include "engine_client/broad_phase/kd/kd_split.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 
 namespace sweepstake {
@@ -39,8 +40,9 @@ class KdOrder {
   void Begin(std::span<const Aabb> boxes);
   // Moves about `budget` centers once; returns whether the order is complete.
   bool Advance(size_t budget);
-  // Does all remaining work, in parts if there is an executor.
-  void Finish(Executor* executor);
+  // Does all remaining work, in parts if there is an executor. Returns false if `stop`, which may
+  // be null, ended it; the order is then incomplete.
+  bool Finish(Executor* executor, StopRequest* stop = nullptr);
   // Returns how often centers are moved in total.
   size_t work() const;
   size_t box_count() const { return valid_count_ + invalid_count_; }
@@ -57,8 +59,9 @@ class KdOrder {
   // box_count().
   void TakeBoxes(std::span<uint32_t> order) const;
 
-  // Orders only the boxes whose indices `order` names, each at most once, and rearranges it.
-  void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order);
+  // Orders only the boxes whose indices `order` names, each at most once, and rearranges it unless
+  // it is stopped.
+  void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop = nullptr);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
 

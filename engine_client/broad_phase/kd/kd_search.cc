@@ -17,8 +17,8 @@ namespace sweepstake::HWY_NAMESPACE {
 
 class BlockSearch {
  public:
-  BlockSearch(const LeafTree::View& tree, PairBuffer& out)
-      : tree_(tree), leaves_(tree, tree, 0, out) {}
+  BlockSearch(const LeafTree::View& tree, PairBuffer& out, StopRequest* stop)
+      : tree_(tree), leaves_(tree, tree, 0, out, stop) {}
 
   void Run(uint32_t block) {
     const size_t first = size_t{block} * LeafTree::kWidth;
@@ -29,6 +29,7 @@ class BlockSearch {
     leaves_.TestNear();
   }
 
+  bool Ends() { return leaves_.Ends(); }
   uint64_t Finish() { return leaves_.Finish(); }
 
  private:
@@ -67,9 +68,12 @@ class BlockSearch {
   Aabb bounds_{};
 };
 
-uint64_t SearchBlocks(const LeafTree::View& tree, size_t begin, size_t end, PairBuffer& out) {
-  BlockSearch search(tree, out);
-  for (size_t block = begin; block < end; ++block) search.Run(static_cast<uint32_t>(block));
+uint64_t SearchBlocks(const LeafTree::View& tree, size_t begin, size_t end, PairBuffer& out,
+                      StopRequest* stop) {
+  BlockSearch search(tree, out, stop);
+  for (size_t block = begin; block < end && !search.Ends(); ++block) {
+    search.Run(static_cast<uint32_t>(block));
+  }
   return search.Finish();
 }
 
@@ -82,9 +86,9 @@ namespace sweepstake {
 
 HWY_EXPORT(SearchBlocks);
 
-uint64_t LeafTree::FindPairs(size_t begin, size_t end, PairBuffer& out) const {
+uint64_t LeafTree::FindPairs(size_t begin, size_t end, PairBuffer& out, StopRequest* stop) const {
   if (begin == end) return 0;
-  return HWY_DYNAMIC_DISPATCH(SearchBlocks)(view_, begin, end, out);
+  return HWY_DYNAMIC_DISPATCH(SearchBlocks)(view_, begin, end, out, stop);
 }
 
 }  // namespace sweepstake

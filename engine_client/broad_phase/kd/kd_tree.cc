@@ -143,7 +143,7 @@ void KdTree::Add(std::span<const Aabb> boxes, size_t first) {
   const std::span<uint32_t> all(order_.data() + aligned, count);
   std::iota(all.begin() + static_cast<ptrdiff_t>(old_count), all.end(),
             static_cast<uint32_t>(first));
-  unsorted_sorter_.Sort(boxes, all);
+  unsorted_sorter_.Sort(boxes, all, stop());
   unsorted_begin_ = aligned;
 }
 
@@ -207,7 +207,7 @@ void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
 
 void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
   BeginSplit();
-  splitter_.Finish(executor_);
+  if (!splitter_.Finish(executor_, stop())) return;
   AdoptSplit(boxes);
   Refit(boxes);
   fresh_leaf_size_ = MeanLeafSize();
@@ -218,12 +218,13 @@ void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
 void KdTree::FindPairs(PairBuffer& out) {
   const size_t before = out.size();
   const size_t steps = is_splitting_ && !split_is_done_ ? 1 : 0;
-  checks_ = parts_.Run(executor_, tree_.block_count() + steps, kMinBlocksPerPart, 1, out,
-                       [&](size_t begin, size_t end, PairBuffer& pairs) {
-                         if (begin < steps)
-                           split_is_done_ = splitter_.Advance(splitter_.work() / SplitFrames() + 1);
-                         return tree_.FindPairs(std::max(begin, steps) - steps, end - steps, pairs);
-                       });
+  checks_ = parts_.Run(
+      executor_, tree_.block_count() + steps, kMinBlocksPerPart, 1, out,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        if (begin < steps) split_is_done_ = splitter_.Advance(splitter_.work() / SplitFrames() + 1);
+        return tree_.FindPairs(std::max(begin, steps) - steps, end - steps, pairs, stop());
+      },
+      stop());
   RecordCost(out.size() - before);
 }
 

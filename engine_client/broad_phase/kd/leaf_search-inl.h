@@ -26,6 +26,7 @@
 #include "engine_client/broad_phase/common/compress-inl.h"
 #include "engine_client/broad_phase/common/lanes16-inl.h"
 #include "engine_client/broad_phase/common/overlap_kernel-inl.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/broad_phase/kd/leaf_tree.h"
 #include "hwy/cache_control.h"
 
@@ -41,12 +42,13 @@ class LeafSearch {
   static constexpr size_t kWidth = LeafTree::kWidth;
 
   LeafSearch(const LeafTree::View& own, const LeafTree::View& others, uint32_t other_bit,
-             PairBuffer& out)
+             PairBuffer& out, StopRequest* stop = nullptr)
       : own_(own.leaves),
         own_bounds_(own.levels[1]),
         others_(others.leaves),
         other_bounds_(others.levels[1]),
         other_bit_(other_bit),
+        poll_(stop, out),
         cursor_(out) {}
 
   // Begins with the leaves [begin, end), at most 16.
@@ -82,6 +84,7 @@ class LeafSearch {
   // Tests the leaves of the block against the near list, and empties it. REQUIRES: called at the
   // end of a block.
   void TestNear() {
+    if (Ends()) near_count_ = 0;
     // A register of sentinels behind the last near leaf.
     for (size_t lane = 0; lane < kWidth; ++lane) {
       near_min_[0][near_count_ + lane] = std::numeric_limits<float>::infinity();
@@ -96,6 +99,8 @@ class LeafSearch {
   }
 
   void AddChecks(uint64_t checks) { checks_ += checks; }
+  // Returns whether the search is to end.
+  bool Ends() { return poll_.Ends(checks_); }
 
   // Hands all pairs to the buffer and returns the AABB checks.
   uint64_t Finish() {
@@ -293,6 +298,7 @@ class LeafSearch {
   const LeafBlock* const others_;
   const BoxLanes other_bounds_;
   const uint32_t other_bit_;
+  StopPoll poll_;
   PairCursor cursor_;
   size_t begin_ = 0;
   size_t end_ = 0;

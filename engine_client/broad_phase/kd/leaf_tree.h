@@ -18,6 +18,7 @@
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/common/soa_boxes.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -71,8 +72,8 @@ class LeafTree {
   size_t block_count() const { return (leaf_count_ + kWidth - 1) / kWidth; }
 
   // Appends every overlapping pair of which the earlier box is in the blocks [begin, end); returns
-  // the AABB checks. Any thread. (kd_search.cc)
-  uint64_t FindPairs(size_t begin, size_t end, PairBuffer& out) const;
+  // the AABB checks. `stop` may be null. Any thread. (kd_search.cc)
+  uint64_t FindPairs(size_t begin, size_t end, PairBuffer& out, StopRequest* stop = nullptr) const;
 
   size_t native_bytes() const { return leaves_.capacity_bytes() + bounds_.capacity_bytes(); }
 

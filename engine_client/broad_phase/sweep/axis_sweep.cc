@@ -60,7 +60,7 @@ class AxisSweep final : public BroadPhase {
   double ExpectedSwaps(std::span<const Aabb> boxes) const;
   bool RepairOrders(std::span<const Aabb> boxes);
   void CollectMoved(std::span<const Aabb> boxes);
-  bool RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget);
+  bool RepairAxis(std::span<const Aabb> boxes, size_t axis, SwapAllowance& allowance);
   SweepAxis StepsOn(size_t axis) const;
   void SortAxis(size_t axis, size_t room);
   void SortAll();
@@ -107,6 +107,7 @@ void AxisSweep::Update(std::span<const Aabb> boxes) {
     if (!pairs_known_) PrepareSweep();
     return;
   }
+  if (IsStopped(stop())) return;
   if (calm_) pause_frames_ = kPauseFrames;
   calm_ = false;
   LoadBoxes(boxes);
@@ -117,14 +118,16 @@ void AxisSweep::FindPairs(PairBuffer& out) {
   if (pairs_known_) return CopyPairs(out);
   const size_t before = out.size();
   const ByteLanes lanes = swept_.Lanes();
-  sweep_checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
-                             [&](size_t begin, size_t end, PairBuffer& pairs) {
-                               return FindPairsOfSwept(lanes, begin, end, pairs);
-                             });
+  sweep_checks_ = parts_.Run(
+      executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        return FindPairsOfSwept(lanes, begin, end, pairs, stop());
+      },
+      stop());
   checks_ += sweep_checks_;
   const auto found = out.pairs().subspan(before);
   pairs_known_ = calm_ && found.size() <= kMaxPairsPerBox * count_;
-  if (pairs_known_) pairs_.Adopt(found, count_);
+  if (pairs_known_) pairs_.Adopt(found, count_, stop());
 }
 
 size_t AxisSweep::native_bytes() const {
@@ -198,8 +201,9 @@ bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   if (!pairs_known_) range_ = CoordinateRange::Sample(boxes);
   auto budget = static_cast<size_t>(SwapBudget(sweep_checks_, count_));
   if (!exact) budget += kSwapsPerFace * 6 * count_;
+  SwapAllowance allowance(budget, stop());
   for (size_t axis = 0; axis < 3; ++axis) {
-    if (RepairAxis(boxes, axis, budget)) continue;
+    if (RepairAxis(boxes, axis, allowance)) continue;
     pairs_.ClearTouched();
     return false;
   }
@@ -215,7 +219,7 @@ void AxisSweep::CollectMoved(std::span<const Aabb> boxes) {
   for (size_t k = 0; k < moved_count; ++k) moved_.Add(moved_ids_[k] & ~kBecameInvalid);
 }
 
-bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& budget) {
+bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, SwapAllowance& allowance) {
   for (size_t k = 0; k < moved_.count(); ++k) {
     const uint32_t id = moved_ids_[k] & ~kBecameInvalid;
     const bool is_invalid = (moved_ids_[k] & kBecameInvalid) != 0;
@@ -223,10 +227,10 @@ bool AxisSweep::RepairAxis(std::span<const Aabb> boxes, size_t axis, size_t& bud
     records_[id].max[axis] = is_invalid ? -kInfinity : boxes[id].max[axis];
   }
   if (!pairs_known_)
-    return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [](uint32_t, uint32_t) {});
+    return axes_[axis].Repair(records(), moved_, rooms_[0], allowance, [](uint32_t, uint32_t) {});
   const size_t second = (axis + 1) % 3;
   const size_t third = (axis + 2) % 3;
-  return axes_[axis].Repair(records(), moved_, rooms_[0], budget, [&](uint32_t a, uint32_t b) {
+  return axes_[axis].Repair(records(), moved_, rooms_[0], allowance, [&](uint32_t a, uint32_t b) {
     ++checks_;
     if (OverlapOn(records_[a], records_[b], second) && OverlapOn(records_[a], records_[b], third))
       pairs_.Touch(a, b);

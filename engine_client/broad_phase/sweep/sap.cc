@@ -128,10 +128,12 @@ void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
 
 void Sap::FindPairs(PairBuffer& out) {
   const ByteLanes lanes = boxes_.Lanes();
-  checks_ = parts_.Run(executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
-                       [&](size_t begin, size_t end, PairBuffer& pairs) {
-                         return FindPairsOfSwept(lanes, begin, end, pairs);
-                       });
+  checks_ = parts_.Run(
+      executor_, lanes.count, kMinRowsPerPart, kRowsPerTile, out,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        return FindPairsOfSwept(lanes, begin, end, pairs, stop());
+      },
+      stop());
 }
 
 size_t Sap::native_bytes() const {

@@ -15,6 +15,7 @@
 #include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/common/byte_boxes.h"
 #include "engine_client/broad_phase/common/radix_sort.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 
 namespace sweepstake {
 
@@ -23,6 +24,37 @@ using Endpoint = uint32_t;
 inline constexpr Endpoint kUpperFace = 0x80000000;
 constexpr uint32_t EndpointOwner(Endpoint endpoint) { return endpoint & ~kUpperFace; }
 constexpr bool IsUpperFace(Endpoint endpoint) { return (endpoint & kUpperFace) != 0; }
+
+// The number of swaps that repairs may still take.
+class SwapAllowance {
+ public:
+  // `stop` may be null. It is asked about once per millisecond of swaps.
+  explicit SwapAllowance(size_t swaps, StopRequest* stop = nullptr)
+      : stop_(stop), reserve_(swaps) {}
+
+  // Takes `swaps` of them; returns false if there are fewer, or if the repair is to stop.
+  bool Spend(size_t swaps) {
+    if (swaps > portion_ && !Refill(swaps)) return false;
+    portion_ -= swaps;
+    return true;
+  }
+  size_t left() const { return reserve_ + portion_; }
+
+ private:
+  static constexpr size_t kSwapsPerQuestion = size_t{1} << 18;
+
+  bool Refill(size_t swaps) {
+    if (swaps > left() || IsStopped(stop_)) return false;
+    const size_t all = left();
+    portion_ = std::min(all, std::max(swaps, kSwapsPerQuestion));
+    reserve_ = all - portion_;
+    return true;
+  }
+
+  StopRequest* stop_;
+  size_t reserve_;
+  size_t portion_ = 0;  // what may be spent before the next question
+};
 
 // Buffers for sorting, kept for reuse: 16 bytes per box and up to 256 KiB, and 16 more per box for
 // an exact sort.
@@ -79,11 +111,11 @@ class SortedEndpoints {
 
   // Restores the exact order by insertion, after some boxes have moved or after a Sort, and calls
   // on_swap(a, b) for each lower face of one box and upper face of another whose order has changed.
-  // O(n + swaps). Reduces `budget` by the swaps and returns false once they exceed it; the order
-  // then needs a Sort.
+  // O(n + swaps). Takes the swaps from `allowance` and returns false once that has no more; the
+  // order then needs a Sort.
   template <typename OnSwap>
   bool Repair(std::span<const BoxRecord> records, const MovedBoxes& moved, EndpointRoom& room,
-              size_t& budget, OnSwap&& on_swap);
+              SwapAllowance& allowance, OnSwap&& on_swap);
 
   std::span<const Endpoint> endpoints() const { return {endpoints_.data(), count_}; }
   // Returns the number of faces per unit of length in the range of their middle half.
@@ -103,7 +135,8 @@ class SortedEndpoints {
   // Stores the ranks of all faces in room.items, by owner, the lower face before the upper one.
   void StoreRanks(std::span<const BoxRecord> records, EndpointRoom& room) const;
   template <typename RankOf, typename HasMoved, typename OnSwap>
-  bool RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget, OnSwap&& on_swap);
+  bool RepairBy(const RankOf& rank_of, const HasMoved& has_moved, SwapAllowance& allowance,
+                OnSwap&& on_swap);
 
   size_t axis_;
   AlignedBuffer<Endpoint> endpoints_;
@@ -113,20 +146,21 @@ class SortedEndpoints {
 
 template <typename OnSwap>
 bool SortedEndpoints::Repair(std::span<const BoxRecord> records, const MovedBoxes& moved,
-                             EndpointRoom& room, size_t& budget, OnSwap&& on_swap) {
+                             EndpointRoom& room, SwapAllowance& allowance, OnSwap&& on_swap) {
   if (is_exact_ && 8 * moved.count() < records.size()) {
     return RepairBy([&](Endpoint face) { return Rank(records, face); },
-                    [&](Endpoint face) { return moved.Has(EndpointOwner(face)); }, budget, on_swap);
+                    [&](Endpoint face) { return moved.Has(EndpointOwner(face)); }, allowance,
+                    on_swap);
   }
   StoreRanks(records, room);
   const uint64_t* const ranks = room.items.data();
   return RepairBy([ranks](Endpoint face) { return ranks[std::rotl(face, 1)]; },
-                  [](Endpoint) { return true; }, budget, on_swap);
+                  [](Endpoint) { return true; }, allowance, on_swap);
 }
 
 template <typename RankOf, typename HasMoved, typename OnSwap>
-bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved, size_t& budget,
-                               OnSwap&& on_swap) {
+bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
+                               SwapAllowance& allowance, OnSwap&& on_swap) {
   Endpoint* const order = endpoints_.data();
   is_exact_ = false;
   bool before_moved = false;  // whether the face before this one has moved
@@ -161,8 +195,7 @@ bool SortedEndpoints::RepairBy(const RankOf& rank_of, const HasMoved& has_moved,
     } while (hole > 0 && rank_of(order[hole - 1]) > rank);
     order[hole] = face;
     before_moved = has_moved(order[i]);
-    if (i - hole > budget) return false;
-    budget -= i - hole;
+    if (!allowance.Spend(i - hole)) return false;
   }
   is_exact_ = true;
   return true;

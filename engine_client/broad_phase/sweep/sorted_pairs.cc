@@ -2,10 +2,13 @@
 
 #include <utility>
 
+#include "engine_client/broad_phase/common/stop_poll.h"
+
 namespace sweepstake {
 
 // Sorts by a in one pass, then by b inside each group.
-void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count) {
+void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count, StopRequest* stop) {
+  constexpr size_t kBoxesPerQuestion = 4096;
   count_ = pairs.size();
   touched_count_ = 0;
   // Reserves some more, so that a few more pairs in each frame do not allocate.
@@ -18,6 +21,7 @@ void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count) {
   for (const OverlapPair pair : pairs) pairs_[starts_[pair.a]++] = pair;
   size_t begin = 0;
   for (size_t box = 0; box < box_count; ++box) {
+    if (box % kBoxesPerQuestion == 0 && IsStopped(stop)) return;
     std::sort(pairs_.data() + begin, pairs_.data() + starts_[box]);
     begin = starts_[box];
   }

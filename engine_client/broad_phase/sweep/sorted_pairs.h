@@ -9,14 +9,16 @@
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
 
 class SortedPairs {
  public:
   // Replaces the content by these pairs of `box_count` objects, each once, in any order. O(n +
-  // pairs) if no object has very many.
-  void Adopt(std::span<const OverlapPair> pairs, size_t box_count);
+  // pairs) if no object has very many. Asks `stop`, which may be null; the content is undefined
+  // once that is true.
+  void Adopt(std::span<const OverlapPair> pairs, size_t box_count, StopRequest* stop = nullptr);
   // Removes the pairs of the objects from `count` on.
   void Truncate(size_t count);
 

@@ -108,7 +108,7 @@ void Tracy::Update(std::span<const Aabb> boxes) {
 // Follows the boxes at rest. Returns false if the margins no longer hold.
 bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
   ++rest_frames_;
-  if (rest_.Step(executor_, boxes, lists_, checks_)) return true;
+  if (rest_.Step(executor_, boxes, lists_, checks_, stop())) return true;
   resting_ = false;
   if (rest_frames_ >= kMinRestFrames) {
     last_wait_ = 1;
@@ -124,7 +124,7 @@ bool Tracy::UpdateAtRest(std::span<const Aabb> boxes) {
 void Tracy::StartResting(std::span<const Aabb> boxes) {
   const float margin = lists_.narrowest_cell() / kMarginsPerCell;
   lists_.SetMargin(margin);
-  checks_ += rest_.Start(executor_, boxes, margin, lists_);
+  checks_ += rest_.Start(executor_, boxes, margin, lists_, stop());
   resting_ = true;
   rest_frames_ = 0;
 }
@@ -142,10 +142,12 @@ void Tracy::FindPairs(PairBuffer& out) {
   if (resting_) return rest_.Append(out);
   const GridView view = lists_.View();
   const size_t before = out.size();
-  checks_ = parts_.Run(executor_, lists_.size(), kMinBoxesPerPart, GridView::kBatch, out,
-                       [&](size_t begin, size_t end, PairBuffer& pairs) {
-                         return SearchGrids(view, begin, end, pairs);
-                       });
+  checks_ = parts_.Run(
+      executor_, lists_.size(), kMinBoxesPerPart, GridView::kBatch, out,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        return SearchGrids(view, begin, end, pairs, stop());
+      },
+      stop());
   debt_.AddSearch(checks_);
   pair_count_ = out.size() - before;
   inefficient_ =

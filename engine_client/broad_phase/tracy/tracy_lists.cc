@@ -158,7 +158,7 @@ void TracyLists::Invalidate(uint32_t object) {
 }
 
 uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids,
-                               PairBuffer& out) {
+                               PairBuffer& out, StopRequest* stop) {
   // The query boxes are one more group with one cell, which searches all other groups.
   std::array<GroupGrid, RowGrids::kMaxGroups + 1> grids;
   std::array<uint32_t, RowGrids::kMaxGroups + 1> searches;
@@ -174,7 +174,7 @@ uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint
   starts_[query.last_cell()] = static_cast<uint32_t>(end);
   const GridView view{
       columns_.lanes(), starts_.data(), {grids.data(), grids_.group_count + 1}, searches.data()};
-  return SearchGrids(view, size_, end, out);
+  return SearchGrids(view, size_, end, out, stop);
 }
 
 // Finds the boxes of [part.begin, end) that have moved from list to list.

@@ -45,8 +45,10 @@ class TracyLists {
   // Removes the box of an object from the search until the next Update.
   void Invalidate(uint32_t object);
   // Appends the pairs of the boxes `ids` with one another and with those in the lists; returns the
-  // number of AABB checks. REQUIRES: at most as many ids as Update left room for.
-  uint64_t SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids, PairBuffer& out);
+  // number of AABB checks. `stop` may be null. REQUIRES: at most as many ids as Update left room
+  // for.
+  uint64_t SearchFor(std::span<const Aabb> boxes, std::span<const uint32_t> ids, PairBuffer& out,
+                     StopRequest* stop);
 
   // Returns the number of boxes in the lists.
   size_t size() const { return size_; }

@@ -109,7 +109,7 @@ Aabb Enlarged(const Aabb& box, float margin) {
 size_t TracyRest::MaxOutsideCount() const { return count_ / kBoxesPerOutside + kOutsideAllowance; }
 
 uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float margin,
-                          TracyLists& lists) {
+                          TracyLists& lists, StopRequest* stop) {
   count_ = boxes.size();
   outside_count_ = 0;
   margins_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
@@ -123,16 +123,18 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
   kept_.Clear();
   outside_pairs_.Clear();
   const GridView view = lists.View();
-  const uint64_t checks = parts_.Run(executor, lists.size(), kMinSlotsPerPart, GridView::kBatch,
-                                     kept_, [&](size_t begin, size_t end, PairBuffer& pairs) {
-                                       return SearchGrids(view, begin, end, pairs);
-                                     });
+  const uint64_t checks = parts_.Run(
+      executor, lists.size(), kMinSlotsPerPart, GridView::kBatch, kept_,
+      [&](size_t begin, size_t end, PairBuffer& pairs) {
+        return SearchGrids(view, begin, end, pairs, stop);
+      },
+      stop);
   TestPairs(executor, boxes);
   return checks + kept_.size();
 }
 
 bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists,
-                     uint64_t& checks) {
+                     uint64_t& checks, StopRequest* stop) {
   if (boxes.size() != count_) return false;
   const size_t listed = HWY_DYNAMIC_DISPATCH(ListOutside)(boxes, margins_.data(), listed_.data());
   if (outside_count_ + listed > MaxOutsideCount()) return false;
@@ -141,7 +143,7 @@ bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists
   checks += count_ + kept_.size();
   outside_pairs_.Clear();
   if (outside_count_ == 0) return true;
-  checks += lists.SearchFor(boxes, {outside_.data(), outside_count_}, outside_pairs_);
+  checks += lists.SearchFor(boxes, {outside_.data(), outside_count_}, outside_pairs_, stop);
   const auto found = outside_pairs_.pairs();
   const auto end = std::remove_if(found.begin(), found.end(), [&](const OverlapPair& pair) {
     return !Overlap(boxes[pair.a], boxes[pair.b]);

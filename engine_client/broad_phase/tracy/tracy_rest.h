@@ -17,6 +17,7 @@
 #include "engine_client/broad_phase/common/parallel.h"
 #include "engine_client/broad_phase/tracy/tracy_lists.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -25,11 +26,14 @@ namespace sweepstake {
 class TracyRest {
  public:
   // Encloses the boxes in margins and updates `lists` to these. Returns the number of AABB checks.
-  uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists);
+  // The searches of Start and Step ask `stop`, which may be null.
+  uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists,
+                 StopRequest* stop);
   // Processes the boxes of the next frame and adds its AABB checks to `checks`. Returns false if
   // too many boxes are outside their margins or the number of boxes has changed; `lists` then needs
   // an Update. REQUIRES: the last call was Start or a Step that returned true, with the same lists.
-  bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks);
+  bool Step(Executor* executor, std::span<const Aabb> boxes, TracyLists& lists, uint64_t& checks,
+            StopRequest* stop);
   // Appends the overlapping pairs of the latest boxes.
   void Append(PairBuffer& out) const;
 

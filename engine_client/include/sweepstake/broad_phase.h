@@ -21,6 +21,17 @@
 
 namespace sweepstake {
 
+// Ends a backend's call from within, for a caller that cannot wait for its end: the shadow lane.
+class StopRequest {
+ public:
+  virtual ~StopRequest() = default;
+  // Returns whether the call is to end now; true stays true until the call has returned. The
+  // backend asks every few hundred thousand checks, which take 2 ms or less, on each thread that
+  // runs a part of the call. `grown_bytes` is what its pair buffers have grown by since it last
+  // asked.
+  virtual bool WantsStop(uint64_t grown_bytes) noexcept = 0;
+};
+
 class BroadPhase {
  public:
   virtual ~BroadPhase() = default;
@@ -50,6 +61,16 @@ class BroadPhase {
 
   // Returns the capacity of the backend's own buffers in bytes, whether it is used or not.
   virtual size_t native_bytes() const = 0;
+
+  // Has `stop`, which is borrowed, asked during the calls that follow; null, as at first: nobody.
+  // A call that it ends returns early, with some of the pairs, and the next call must be Build.
+  void SetStop(StopRequest* stop) { stop_ = stop; }
+
+ protected:
+  StopRequest* stop() const { return stop_; }
+
+ private:
+  StopRequest* stop_ = nullptr;
 };
 
 // Returns the seven families in the paper's order: BruteForce, Grid, SAP, AxisSweep, DBVT, Tracy,

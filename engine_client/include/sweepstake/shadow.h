@@ -22,9 +22,10 @@ struct ShadowOptions {
   double duty_ratio = 0.15;
   // Maximum memory of the lane: half for copied boxes, half for structures. If the frames do not
   // fit, fewer are copied, and none if not even four fit (from 250,000 objects on with the
-  // default).
+  // default). An arm whose structure and pairs outgrow their half is left in the midst of its
+  // search.
   uint64_t memory_cap_bytes = 64 * 1024 * 1024;
-  // A visit of an arm ends with the frame that reaches it; > 0.
+  // A visit of an arm ends when it reaches it, in the midst of a search too; > 0.
   uint64_t visit_cap_ns = 250'000'000;
   // Minimum time between sweeps.
   uint64_t sweep_interval_min_ns = 250'000'000;

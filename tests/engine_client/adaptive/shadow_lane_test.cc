@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
+#include <limits>
+#include <thread>
 
 #include "tests/support/recording_sink.h"
 #include "tests/support/scripted_clock.h"
@@ -23,6 +26,11 @@ struct Script {
   uint64_t find_ns = 1 * kMs;
   size_t bytes = 1000;
   std::function<void()> in_build = [] {};
+  // A search asks so often whether to end, and each time takes and grows by this.
+  uint64_t question_count = 0;
+  uint64_t question_ns = 0;
+  uint64_t question_bytes = 0;
+  std::function<void(uint64_t)> in_search = [](uint64_t) {};  // with the number of the question
 };
 
 // A backend that takes its scripted time and records its boxes.
@@ -41,11 +49,19 @@ class LaneBackend final : public BroadPhase {
     shown.push_back(boxes.size());
     clock_.Advance(script_.update_ns);
   }
-  void FindPairs(PairBuffer&) override { clock_.Advance(script_.find_ns); }
+  void FindPairs(PairBuffer&) override {
+    clock_.Advance(script_.find_ns);
+    for (questions = 1; questions <= script_.question_count; ++questions) {
+      clock_.Advance(script_.question_ns);
+      script_.in_search(questions);
+      if (stop()->WantsStop(script_.question_bytes)) return;
+    }
+  }
   uint64_t aabb_check_count() const override { return 100 * shown.size(); }
   size_t native_bytes() const override { return shown.empty() ? 0 : script_.bytes; }
 
   std::vector<size_t> shown;  // object counts since the build
+  uint64_t questions = 0;     // of the latest search
 
  private:
   const Script& script_;
@@ -57,7 +73,8 @@ class ShadowLaneTest : public ::testing::Test {
  protected:
   void SetUp() override { Make({}); }
 
-  void Make(const ShadowOptions& options) {
+  void Make(const ShadowOptions& options) { Make(options, clock_); }
+  void Make(const ShadowOptions& options, Clock& clock) {
     sink_ = RecordingSink();
     made_count_ = 0;
     lane_ = std::make_unique<ShadowLane>(ShadowLane::Setup{
@@ -65,7 +82,7 @@ class ShadowLaneTest : public ::testing::Test {
         .arm_count = static_cast<uint32_t>(scripts_.size()),
         .make = [this](uint32_t arm) { return MakeBackend(arm); },
         .sink = &sink_,
-        .clock = clock_,
+        .clock = clock,
         .mode = mode_,
     });
   }
@@ -174,6 +191,98 @@ TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
   EXPECT_EQ(sink_.shadows[2].frame_count, 2U);
   EXPECT_EQ(sink_.shadows[2].detection_time_ns, 71 * kMs);
   EXPECT_EQ(lane_->stats().capped_visit_count, 2U);
+}
+
+TEST_F(ShadowLaneTest, EndsASearchAtTheTimeCapInItsMidst) {
+  scripts_[0].question_count = 1000;
+  scripts_[0].question_ns = 10 * kMs;
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[1].arm, 0U);
+  EXPECT_EQ(sink_.shadows[1].flags, uint32_t{kShadowCapped});
+  EXPECT_EQ(sink_.shadows[1].frame_count, 0U);
+  EXPECT_EQ(sink_.shadows[1].detection_time_ns, 256 * kMs);
+  EXPECT_EQ(sink_.shadows[2].flags, 0U);
+  EXPECT_EQ(lane_->stats().capped_visit_count, 1U);
+}
+
+TEST_F(ShadowLaneTest, MeasuresTheFramesBeforeTheOneThatTheTimeCapEnds) {
+  uint64_t searches = 0;
+  scripts_[0].question_count = 1;
+  scripts_[0].in_search = [&](uint64_t) { clock_.Advance(++searches == 6 ? 400 * kMs : 0); };
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 3U);
+  EXPECT_EQ(sink_.shadows[1].flags, uint32_t{kShadowCapped});
+  EXPECT_EQ(sink_.shadows[1].frame_count, 2U);
+  EXPECT_EQ(sink_.shadows[1].detection_time_ns, 2 * kMs);
+}
+
+TEST_F(ShadowLaneTest, LeavesAnArmWhosePairsOutgrowItsMemory) {
+  scripts_[0].question_count = 1000;
+  scripts_[0].question_bytes = 20'000;
+  uint64_t asked = 0;
+  scripts_[0].in_search = [&](uint64_t) { ++asked; };
+  Make({.memory_cap_bytes = 200'000});
+  FirstSweep();
+  EXPECT_EQ(asked, 6U);  // 6 × 20,000 bytes are over half of the cap.
+  ASSERT_EQ(sink_.shadows.size(), 2U) << "what its search took says nothing";
+  EXPECT_EQ(sink_.shadows[1].arm, 2U);
+  EXPECT_EQ(lane_->stats().visit_count, 3U);
+  EXPECT_EQ(lane_->stats().capped_visit_count, 1U);
+  Frames(400);
+  EXPECT_GE(lane_->stats().sweep_count, 8U);
+  EXPECT_LE(asked, 6U * (1 + lane_->stats().sweep_count / 2)) << "it is visited less often";
+  EXPECT_LE(FramesUntilReady(0), 2);
+  EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
+}
+
+TEST_F(ShadowLaneTest, LeavesASearchForASwitch) {
+  scripts_[0].question_count = 1000;
+  uint64_t asked = 0;
+  scripts_[0].in_search = [&](uint64_t question) {
+    ++asked;
+    if (question == 3) lane_->Ask(2);
+  };
+  FirstSweep();
+  EXPECT_EQ(asked, 3U);
+  EXPECT_EQ(sink_.shadows.size(), 1U) << "the visit of arm 0 was interrupted";
+  EXPECT_EQ(FramesUntilReady(2), static_cast<int>(ShadowLane::kPreparationFrames) + 1);
+}
+
+TEST_F(ShadowLaneTest, LeavesASearchWhosePreparationIsCancelledAndBuildsAnewForTheNext) {
+  FirstSweep();
+  uint64_t asked = 0;
+  scripts_[2].question_count = 1000;
+  scripts_[2].in_search = [&](uint64_t question) {
+    ++asked;
+    if (question == 3) lane_->Cancel();
+  };
+  lane_->Ask(2);
+  Frames(3);
+  EXPECT_EQ(asked, 3U);
+  scripts_[2].question_count = 0;
+  FramesUntilReady(2);
+  ArmBackend own = MakeBackend(2);
+  ASSERT_TRUE(lane_->TakeOver(2, own, pairs_));
+  EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.size(), ShadowLane::kPreparationFrames)
+      << "frames since the build";
+}
+
+TEST_F(ShadowLaneTest, EndsASearchOnItsThreadWhenDestroyed) {
+  std::atomic<bool> is_searching{false};
+  scripts_.resize(2);
+  for (Script& script : scripts_) {
+    script.question_count = std::numeric_limits<uint64_t>::max();
+    script.in_search = [&](uint64_t) { is_searching = true; };
+  }
+  Make({.visit_cap_ns = std::numeric_limits<uint64_t>::max()}, SteadyClock());
+  lane_->Start();
+  while (!is_searching) {
+    lane_->OnFrame(std::vector<Aabb>(20), {.frame_index = frame_index_++, .frame_time_ns = 1});
+    std::this_thread::yield();
+  }
+  lane_.reset();
+  EXPECT_TRUE(sink_.shadows.empty());
 }
 
 TEST_F(ShadowLaneTest, CopiesFewerFramesWhereMemoryIsShort) {

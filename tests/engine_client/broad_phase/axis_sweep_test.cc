@@ -50,7 +50,7 @@ class FacesOnAnAxis : public testing::Test {
   void Sort(std::span<const BoxRecord> records, float low = 0, float high = 10) {
     constexpr float kSteps = 64;
     axis_.Sort(records, {false, low, kSteps / std::max(high - low, 1e-30F), kSteps - 1}, room_);
-    size_t budget = 100'000;
+    SwapAllowance budget(100'000);
     ASSERT_TRUE(
         axis_.Repair(records, AllMoved(records.size()), room_, budget, [](uint32_t, uint32_t) {}));
     ASSERT_TRUE(axis_.is_exact());
@@ -96,13 +96,13 @@ TEST_F(FacesOnAnAxis, AreSortedAlikeWhateverTheRange) {
 
 TEST_F(FacesOnAnAxis, TellEachSwapOfALowerAndAnUpperOneWhenRepaired) {
   Sort(RecordsAlongX({0, 5}));
-  size_t budget = 10;
+  SwapAllowance budget(10);
   std::vector<std::pair<uint32_t, uint32_t>> swaps;
   EXPECT_TRUE(axis_.Repair(RecordsAlongX({5.5F, 5}), AllMoved(2), room_, budget,
                            [&](uint32_t a, uint32_t b) { swaps.emplace_back(a, b); }));
   EXPECT_EQ(OrderOf(axis_), "L1L0U1U0");
   EXPECT_EQ(swaps, (std::vector<std::pair<uint32_t, uint32_t>>{{0, 1}}));
-  EXPECT_EQ(budget, 7U);
+  EXPECT_EQ(budget.left(), 7U);
 }
 
 TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
@@ -119,7 +119,7 @@ TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
           random.Below(5) == 0 ? kInvalidRecord : RecordOf(UnitBoxAt(random.Between(0, 20)));
       moved.Add(i);
     }
-    size_t budget = 10'000;
+    SwapAllowance budget(10'000);
     EXPECT_TRUE(axis_.Repair(records, moved, room_, budget, [](uint32_t, uint32_t) {}));
     float before = -kInfinity;
     for (const Endpoint endpoint : axis_.endpoints()) {
@@ -134,7 +134,7 @@ TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
 TEST_F(FacesOnAnAxis, AreNotRepairedBeyondTheBudget) {
   Sort(RecordsAlongX({0, 5, 10}), 0, 10);
   const auto records = RecordsAlongX({20, 15, 10});
-  size_t budget = 2;
+  SwapAllowance budget(2);
   EXPECT_FALSE(axis_.Repair(records, AllMoved(3), room_, budget, [](uint32_t, uint32_t) {}));
   Sort(records);
   EXPECT_EQ(OrderOf(axis_), "L2U2L1U1L0U0");

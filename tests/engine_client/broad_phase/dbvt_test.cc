@@ -127,7 +127,7 @@ void BuildOf(DbvtTree& tree, std::span<const Aabb> boxes, std::span<const uint32
 
 std::vector<OverlapPair> AllPairs(DbvtTree& tree) {
   PairBuffer pairs;
-  FindGroupPairs(tree, tree.Groups(), pairs);
+  FindGroupPairs(tree, tree.Groups(), pairs, nullptr);
   return {pairs.pairs().begin(), pairs.pairs().end()};
 }
 
@@ -302,7 +302,7 @@ TEST(DbvtQuery, FindsThePairsOfSomeObjectsOnce) {
   std::erase_if(expected,
                 [](const OverlapPair& pair) { return pair.a % 3 != 0 && pair.b % 3 != 0; });
   PairBuffer pairs;
-  FindPairsOf(tree, listed, boxes.data(), is_listed.data(), pairs);
+  FindPairsOf(tree, listed, boxes.data(), is_listed.data(), pairs, nullptr);
   EXPECT_EQ(PairDifference(pairs.pairs(), expected), "");
 }
 

@@ -1,0 +1,61 @@
+// Asks a StopRequest (broad_phase.h) now and then during a search.
+//
+// Not thread-safe: each kernel call has its own. Borrows the request and the buffer. Cost: one
+// comparison, without a request too.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/pair_buffer.h"
+
+namespace sweepstake {
+
+class StopPoll {
+ public:
+  // 10 µs of comparisons in bytes, and 2 ms or 4 MiB where each check is a pair.
+  static constexpr uint64_t kChecksPerQuestion = uint64_t{1} << 19;
+
+  // `stop` may be null; `out` is the buffer that the search grows.
+  StopPoll(StopRequest* stop, const PairBuffer& out)
+      : stop_(stop),
+        out_(out),
+        known_bytes_(out.capacity_bytes()),
+        next_(stop == nullptr ? std::numeric_limits<uint64_t>::max() : kChecksPerQuestion) {}
+  StopPoll(const StopPoll&) = delete;
+  StopPoll& operator=(const StopPoll&) = delete;
+  // Tells how far the buffer has grown since the last question.
+  ~StopPoll() {
+    if (stop_ != nullptr) stop_->WantsStop(NewBytes());
+  }
+
+  // Returns whether to end the search, which has made `check_count` checks so far.
+  bool Ends(uint64_t check_count) { return check_count >= next_ && Ask(check_count); }
+  // Returns whether Ends has returned true.
+  bool has_ended() const { return next_ == 0; }
+
+ private:
+  bool Ask(uint64_t check_count) {
+    if (next_ == 0) return true;
+    next_ = stop_->WantsStop(NewBytes()) ? 0 : check_count + kChecksPerQuestion;
+    return next_ == 0;
+  }
+
+  uint64_t NewBytes() {
+    const uint64_t before = known_bytes_;
+    known_bytes_ = out_.capacity_bytes();
+    return known_bytes_ - before;
+  }
+
+  StopRequest* const stop_;
+  const PairBuffer& out_;
+  uint64_t known_bytes_;
+  uint64_t next_;  // the number of checks at which to ask; 0 once the search has ended
+};
+
+// Returns whether a call is to end. `stop` may be null.
+inline bool IsStopped(StopRequest* stop) { return stop != nullptr && stop->WantsStop(0); }
+
+}  // namespace sweepstake

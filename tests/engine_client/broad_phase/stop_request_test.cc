@@ -1,0 +1,175 @@
+// Calls that a StopRequest ends: soon, whatever the scene, with bounded memory, and without a trace
+// in the structure that is built next. Counted in checks, which take the same on every machine.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "engine_client/broad_phase/common/stop_poll.h"
+#include "engine_client/scene/box_scenes.h"
+#include "engine_client/scene/suite_scene.h"
+#include "sweepstake/broad_phase.h"
+#include "tests/engine_client/broad_phase/backend_under_test.h"
+
+namespace sweepstake {
+namespace {
+
+using test_support::FindPairsError;
+using test_support::MakeOrThrow;
+
+// Stops at one of the questions, or where more memory has been taken than allowed.
+class ScriptedStop final : public StopRequest {
+ public:
+  bool WantsStop(uint64_t bytes) noexcept override {
+    ++question_count;
+    grown_bytes += bytes;
+    has_stopped |= question_count >= stop_at || grown_bytes > max_bytes;
+    return has_stopped;
+  }
+
+  uint64_t stop_at = std::numeric_limits<uint64_t>::max();
+  uint64_t max_bytes = std::numeric_limits<uint64_t>::max();
+  uint64_t question_count = 0;
+  uint64_t grown_bytes = 0;
+  bool has_stopped = false;
+};
+
+// Divides the work as for two threads, and does it on one, as the shadow lane does.
+class PartsInARow final : public Executor {
+ public:
+  size_t thread_count() const noexcept override { return 2; }
+  void RunParts(size_t part_count, RunPart run_part, void* context) noexcept override {
+    for (size_t part = 0; part < part_count; ++part) run_part(context, part);
+  }
+};
+
+// What a search may still do before its next question: a tile, a leaf or a list of near leaves.
+constexpr uint64_t kMaxChecksBetween = 3 * StopPoll::kChecksPerQuestion;
+
+class EveryBackendThatIsStopped : public testing::TestWithParam<std::string_view> {
+ protected:
+  // Takes the boxes without anybody to stop it, and then has `stop_` asked.
+  void BuildAndWatch(std::span<const Aabb> boxes) {
+    backend_->Build(boxes);
+    backend_->SetStop(&stop_);
+  }
+
+  std::unique_ptr<BroadPhase> backend_ = MakeOrThrow(GetParam());
+  ScriptedStop stop_;
+  PairBuffer pairs_;
+};
+
+TEST_P(EveryBackendThatIsStopped, EndsASearchAmongManyBoxesWithinFewChecks) {
+  const auto scene = MakeSuiteBrownian(100'000);
+  stop_.stop_at = 1;
+  BuildAndWatch(scene->aabbs());
+  backend_->FindPairs(pairs_);
+  EXPECT_TRUE(stop_.has_stopped);
+  EXPECT_LE(backend_->aabb_check_count(), kMaxChecksBetween);
+}
+
+TEST_P(EveryBackendThatIsStopped, EndsASearchInADenseSceneWithinFewChecks) {
+  const auto scene = MakeDegenerateScene("all-coincident", 30'000, 1);
+  for (const uint64_t stop_at : {1U, 5U}) {
+    stop_.stop_at = stop_at;
+    stop_.question_count = 0;
+    stop_.has_stopped = false;
+    BuildAndWatch(scene->aabbs());
+    pairs_.Clear();
+    backend_->FindPairs(pairs_);
+    EXPECT_TRUE(stop_.has_stopped);
+    EXPECT_LE(backend_->aabb_check_count(), stop_at * kMaxChecksBetween);
+    EXPECT_LE(pairs_.size(), stop_at * kMaxChecksBetween);
+    backend_->SetStop(nullptr);
+  }
+}
+
+TEST_P(EveryBackendThatIsStopped, TakesNoMoreMemoryForPairsThanItIsAllowed) {
+  PartsInARow parts;
+  const auto scene = MakeDegenerateScene("all-coincident", 30'000, 1);
+  for (Executor* const executor :
+       {static_cast<Executor*>(nullptr), static_cast<Executor*>(&parts)}) {
+    backend_ = std::move(*MakeBroadPhase(GetParam(), {.executor = executor}));
+    stop_ = ScriptedStop();
+    stop_.max_bytes = uint64_t{16} << 20;
+    pairs_ = PairBuffer();
+    BuildAndWatch(scene->aabbs());
+    const uint64_t built_bytes = backend_->native_bytes();
+    backend_->FindPairs(pairs_);
+    EXPECT_TRUE(stop_.has_stopped);
+    // A buffer doubles, and then grows by what is found until the next question.
+    EXPECT_LE(pairs_.capacity_bytes() + backend_->native_bytes() - built_bytes,
+              2 * stop_.max_bytes + kMaxChecksBetween * sizeof(OverlapPair));
+  }
+}
+
+TEST_P(EveryBackendThatIsStopped, IsRightAfterTheNextBuild) {
+  const auto dense = MakeDegenerateScene("all-coincident", 2'500, 1);
+  const auto next = MakeSuiteBrownian(500);
+  bool has_ended = false;
+  for (uint64_t stop_at = 1; !has_ended; ++stop_at) {
+    stop_ = ScriptedStop();
+    stop_.stop_at = stop_at;
+    backend_->SetStop(&stop_);
+    backend_->Build(dense->aabbs());
+    for (int frame = 0; frame < 3 && !stop_.has_stopped; ++frame) {
+      pairs_.Clear();
+      backend_->FindPairs(pairs_);
+      if (!stop_.has_stopped) backend_->Update(dense->aabbs());
+    }
+    has_ended = !stop_.has_stopped;
+    backend_->SetStop(nullptr);
+    backend_->Build(next->aabbs());
+    ASSERT_EQ(FindPairsError(*backend_, next->aabbs(), pairs_), "") << "stopped at " << stop_at;
+    backend_->Update(next->aabbs());
+    ASSERT_EQ(FindPairsError(*backend_, next->aabbs(), pairs_), "") << "stopped at " << stop_at;
+  }
+}
+
+TEST_P(EveryBackendThatIsStopped, FindsTheSameSequenceWhileNobodyStopsIt) {
+  const auto twin = MakeOrThrow(GetParam());
+  PairBuffer twin_pairs;
+  const auto scene = MakeSuiteBrownian(20'000);
+  backend_->SetStop(&stop_);
+  backend_->Build(scene->aabbs());
+  twin->Build(scene->aabbs());
+  for (int frame = 0; frame < 8; ++frame) {
+    pairs_.Clear();
+    twin_pairs.Clear();
+    backend_->FindPairs(pairs_);
+    twin->FindPairs(twin_pairs);
+    ASSERT_TRUE(std::ranges::equal(pairs_.pairs(), twin_pairs.pairs())) << "in frame " << frame;
+    ASSERT_EQ(backend_->aabb_check_count(), twin->aabb_check_count());
+    if (frame < 4) scene->Step();  // and rest after that
+    backend_->Update(scene->aabbs());
+    twin->Update(scene->aabbs());
+  }
+  EXPECT_GT(stop_.question_count, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendThatIsStopped,
+                         testing::ValuesIn(BroadPhaseNames()),
+                         [](const auto& name) { return std::string(name.param); });
+
+// The search for pairs of enlarged boxes is a part of Update.
+class EveryBackendWithMargins : public EveryBackendThatIsStopped {};
+
+TEST_P(EveryBackendWithMargins, AsksInTheUpdateThatMakesThem) {
+  const auto scene = MakeSuiteBrownian(100'000);
+  backend_->Build(scene->aabbs());
+  for (int frame = 0; frame < 6; ++frame) {
+    pairs_.Clear();
+    backend_->FindPairs(pairs_);
+    backend_->SetStop(&stop_);
+    backend_->Update(scene->aabbs());
+    backend_->SetStop(nullptr);
+  }
+  EXPECT_GT(stop_.question_count, 5U);
+}
+
+INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendWithMargins, testing::Values("DBVT", "Tracy"),
+                         [](const auto& name) { return std::string(name.param); });
+
+}  // namespace
+}  // namespace sweepstake
