@@ -16,9 +16,11 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=tests/passed.sh
 source tests/passed.sh
+# shellcheck source=deploy/private_apt.sh
+source deploy/private_apt.sh
 readonly root=$PWD packages=$PWD/build/cross-packages
 # What is taken from the archive; another list than that of the last run is fetched anew.
-readonly libraries="libhwy-dev:arm64 libhwy1:arm64 libeigen3-dev nlohmann-json3-dev libprotozero-dev googletest"
+readonly libraries="libeigen3-dev nlohmann-json3-dev libprotozero-dev googletest"
 
 platforms=()
 jobs=$(nproc)
@@ -80,47 +82,17 @@ install_tools() {
   deploy/install_packages.sh dpkg-dev "${tools[@]}"
 }
 
-# "URI SUITE COMPONENT" of the archive this machine has Highway from, or would have it from: the lists of packages may have
-# been deleted to save space, the configuration of apt remains.
-archive_of_highway() {
-  local found
-  found=$(apt-cache policy libhwy-dev | awk '$1 ~ /^[0-9]+$/ && $2 ~ /:\// { sub("/", " ", $3); print $2, $3; exit }')
-  [[ -n $found ]] || found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
-    awk -v suite="$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" '$2 == suite && $3 ~ /^(main|universe)/ { print; exit }')
-  [[ -n $found ]] || {
-    echo "apt has no archive of this release in its sources (/etc/apt), so there is none to take the libraries from." >&2
-    return 1
-  }
-  echo "$found"
-}
-
-# apt-get with lists and sources of its own under build/cross-packages/apt, and for arm64.
-private_apt() {
-  local state=$packages/apt
-  mkdir -p "$state/lists/partial" "$state/cache/archives/partial"
-  apt-get -q -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none \
-    -o Acquire::IndexTargets::deb::DEP-11::DefaultEnabled=false -o Dir::Etc::SourceList="$state/sources.list" \
-    -o Dir::Etc::SourceParts=/dev/null -o Dir::State="$state" -o Dir::State::Lists="$state/lists" \
-    -o Dir::State::Status=/dev/null -o Dir::Cache="$state/cache" "$@"
-}
-
 download_libraries() {
-  local keys=/usr/share/keyrings/debian-archive-keyring.gpg
-  local signed=()
-  [[ ! -f $keys ]] || signed=(signed-by="$keys")
+  local state=$packages/apt
   rm -rf "$packages"
-  mkdir -p "$packages/apt" "$packages/downloads"
-  local archive
-  archive=$(archive_of_highway) || return
-  printf '%s [%s] %s\n' deb "arch=arm64 ${signed[*]}" "$archive" deb-src "${signed[*]:-arch=arm64}" "$archive" \
-    >"$packages/apt/sources.list"
+  mkdir -p "$packages/downloads"
   cd "$packages/downloads"
-  private_apt update &&
+  start_private_apt "$state" deb deb-src &&
     # shellcheck disable=SC2086
-    private_apt download $libraries &&
-    private_apt source --download-only highway &&
+    private_apt "$state" download $libraries &&
+    private_apt "$state" source --download-only highway &&
     dpkg-source -x highway_*.dsc "$packages/highway" || return
-  rm -rf "$packages/apt"
+  rm -rf "$state"
   echo "$libraries" >"$packages/complete"
 }
 
@@ -136,18 +108,14 @@ build_library() {
 build_libraries() {
   local platform=$1 tree=$packages/$1 deb
   [[ ! -f $tree/complete ]] || return 0
-  say "$platform: GoogleTest$([[ $platform == windows ]] && echo ' and Highway')"
+  say "$platform: GoogleTest and Highway"
   rm -rf "$tree"
   mkdir -p "$tree"
-  for deb in "$packages"/downloads/*_all.deb; do dpkg -x "$deb" "$tree" || return; done
+  for deb in "$packages"/downloads/*.deb; do dpkg -x "$deb" "$tree" || return; done
   quietly "$packages/$platform-googletest.log" build_library "$platform" googletest "$tree/usr/src/googletest" || return
-  case $platform in
-    aarch64) for deb in "$packages"/downloads/*_arm64.deb; do dpkg -x "$deb" "$tree" || return; done ;;
-    windows)
-      quietly "$packages/$platform-highway.log" build_library "$platform" highway "$packages/highway" \
-        -DBUILD_TESTING=OFF -DHWY_ENABLE_CONTRIB=OFF -DHWY_ENABLE_EXAMPLES=OFF || return
-      ;;
-  esac
+  quietly "$packages/$platform-highway.log" build_library "$platform" highway "$packages/highway" \
+    -DBUILD_SHARED_LIBS=OFF -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DBUILD_TESTING=OFF -DHWY_ENABLE_CONTRIB=OFF \
+    -DHWY_ENABLE_EXAMPLES=OFF || return
   touch "$tree/complete"
 }
 

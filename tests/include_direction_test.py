@@ -38,6 +38,7 @@ ALLOWED = {
         "server/tls", "proto"},
     "engine_client/c_api": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry"},
+    "engine_client/c_api/flavours": set(),
     "engine_client/cli": {
         "engine_client/broad_phase", "engine_client/scene", "engine_client/adaptive", "engine_client/telemetry",
         *DECISION, "server/decision/study", "server/audit", "server/dashboard", "proto"},
@@ -101,7 +102,7 @@ ROOM_ORDER = {
 
 # Only these folders may know one operating system, and gRPC or protobuf.
 PLATFORM_FOLDERS = {
-    "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/net", "server/priors", "server/storage",
+    "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/net", "server/priors", "server/storage",
     "server/tls", "server/watch", "server/rpc", "server/web"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"

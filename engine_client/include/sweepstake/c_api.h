@@ -37,14 +37,16 @@
 
 #include <stdint.h>
 
-#if defined(_WIN32)
-#if defined(SWP_BUILDING_LIBRARY)
+/* Programs that link the archive (sweepstake_static) define SWP_STATIC; those that link or load the
+ * shared library define nothing. It makes a difference on Windows alone. */
+#if !defined(_WIN32)
+#define SWP_API __attribute__((visibility("default")))
+#elif defined(SWP_STATIC)
+#define SWP_API
+#elif defined(SWP_BUILDING_LIBRARY)
 #define SWP_API __declspec(dllexport)
 #else
 #define SWP_API __declspec(dllimport)
-#endif
-#else
-#define SWP_API __attribute__((visibility("default")))
 #endif
 
 #ifdef __cplusplus

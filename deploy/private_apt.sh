@@ -1,0 +1,38 @@
+# Sourced by scripts that download packages which this machine's package manager is to know nothing of: apt-get with sources,
+# lists and a cache of its own.
+
+# "URI SUITE COMPONENT" of the archive this machine has Highway from, or would have it from: the lists of packages may have
+# been deleted to save space, the configuration of apt remains.
+archive_of_highway() {
+  local found
+  found=$(apt-cache policy libhwy-dev | awk '$1 ~ /^[0-9]+$/ && $2 ~ /:\// { sub("/", " ", $3); print $2, $3; exit }')
+  [[ -n $found ]] || found=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' |
+    awk -v suite="$(. /etc/os-release && echo "${VERSION_CODENAME:-}")" '$2 == suite && $3 ~ /^(main|universe)/ { print; exit }')
+  [[ -n $found ]] || {
+    echo "apt has no archive of this release in its sources (/etc/apt), so there is none to take the libraries from." >&2
+    return 1
+  }
+  echo "$found"
+}
+
+# private_apt STATE APT_GET_ARGUMENTS...: apt-get for arm64 and for sources; STATE is its folder, absolute.
+private_apt() {
+  local state=$1
+  shift
+  apt-get -q -o APT::Architectures=arm64 -o APT::Sandbox::User="$(id -un)" -o Acquire::Languages=none \
+    -o Acquire::IndexTargets::deb::DEP-11::DefaultEnabled=false -o Dir::Etc::SourceList="$state/sources.list" \
+    -o Dir::Etc::SourceParts=/dev/null -o Dir::State="$state" -o Dir::State::Lists="$state/lists" \
+    -o Dir::State::Status=/dev/null -o Dir::Cache="$state/cache" "$@"
+}
+
+# start_private_apt STATE KIND...: makes the folder, with the lists of the archive's kinds, deb and deb-src.
+start_private_apt() {
+  local state=$1 keys=/usr/share/keyrings/debian-archive-keyring.gpg archive
+  shift
+  local options=arch=arm64
+  [[ ! -f $keys ]] || options+=" signed-by=$keys"
+  archive=$(archive_of_highway) || return
+  mkdir -p "$state/lists/partial" "$state/cache/archives/partial" &&
+    printf "%s [$options] $archive\n" "$@" >"$state/sources.list" &&
+    private_apt "$state" update
+}

@@ -1,0 +1,118 @@
+# The C ABI for engines that take no shared library of a system: an archive (consoles, iOS), and a plug-in (Unity) that asks the
+# system for nothing but libc, libm and libpthread. Both bring Highway along, so it has to be static.
+get_target_property(highway_type hwy::hwy TYPE)
+if(highway_type STREQUAL "STATIC_LIBRARY")
+  set(highway $<TARGET_FILE:hwy::hwy>)
+else()
+  find_library(SWEEPSTAKE_STATIC_HIGHWAY NAMES libhwy.a HINTS ${PROJECT_SOURCE_DIR}/build/highway
+    DOC "Static Highway; deploy/static_highway.sh makes one")
+  set(highway ${SWEEPSTAKE_STATIC_HIGHWAY})
+endif()
+if(NOT highway)
+  message(STATUS "Left out: the C ABI as an archive and as a plug-in. Missing: a static Highway (deploy/static_highway.sh)")
+  return()
+endif()
+
+# sweepstake_c_parts(RESULT targets...): those of our static libraries that the targets consist of, each once.
+function(sweepstake_c_parts result)
+  set(open ${ARGN})
+  set(found)
+  while(open)
+    list(POP_FRONT open name)
+    if(NOT TARGET ${name})
+      continue()
+    endif()
+    get_target_property(original ${name} ALIASED_TARGET)
+    if(original)
+      set(name ${original})
+    endif()
+    get_target_property(type ${name} TYPE)
+    get_target_property(imported ${name} IMPORTED)
+    if(type STREQUAL "STATIC_LIBRARY" AND NOT imported AND NOT name IN_LIST found)
+      list(APPEND found ${name})
+      get_target_property(libraries ${name} LINK_LIBRARIES)
+      list(APPEND open ${libraries})
+    endif()
+  endwhile()
+  set(${result} ${found} PARENT_SCOPE)
+endfunction()
+
+if(WIN32)  # without the marks of a DLL's functions
+  set(objects sweepstake_c_static_objects)
+  sweepstake_c_objects(${objects} SWP_STATIC)
+else()
+  set(objects sweepstake_c_objects)
+endif()
+set(objects $<TARGET_OBJECTS:${objects}>)
+sweepstake_c_parts(all_parts ${parts})
+
+unset(SWEEPSTAKE_C_HIDES CACHE)
+set(linker_help)
+if(UNIX AND NOT APPLE AND CMAKE_OBJCOPY)
+  execute_process(COMMAND ${CMAKE_LINKER} --help OUTPUT_VARIABLE linker_help ERROR_QUIET)
+endif()
+if(linker_help MATCHES "force-group-allocation")
+  set(SWEEPSTAKE_C_HIDES ON CACHE INTERNAL "The archive shows swp_* alone, and there is a plug-in")
+  set(merged ${CMAKE_CURRENT_BINARY_DIR}/sweepstake_c_merged.o)
+  list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE archives)
+  add_custom_command(OUTPUT ${merged}
+    COMMAND ${CMAKE_COMMAND} -DLINKER=${CMAKE_LINKER} -DOBJCOPY=${CMAKE_OBJCOPY} -DNM=${CMAKE_NM} "-DOBJECTS=${objects}"
+      "-DARCHIVES=${archives};${highway}" -DOUT=${merged} -P ${CMAKE_CURRENT_LIST_DIR}/merge_objects.cmake
+    DEPENDS ${objects} ${archives} ${highway} ${CMAKE_CURRENT_LIST_DIR}/merge_objects.cmake
+    COMMENT "Merging the parts of the C ABI, of which only swp_* stays global" VERBATIM)
+  set_source_files_properties(${merged} PROPERTIES EXTERNAL_OBJECT ON GENERATED ON)
+  add_custom_target(sweepstake_c_merged DEPENDS ${merged})
+  add_library(sweepstake_c_static STATIC ${merged})
+  add_dependencies(sweepstake_c_static sweepstake_c_merged)
+else()
+  message(STATUS "The archive of the C ABI shows its C++ symbols (sweepstake::, hwy::, std::) too: no GNU ld and objcopy to hide them")
+  list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE part_objects)
+  add_library(sweepstake_c_static STATIC ${objects} ${part_objects})
+  if(MSVC)
+    set_target_properties(sweepstake_c_static PROPERTIES STATIC_LIBRARY_OPTIONS ${highway})
+  else()
+    add_custom_command(TARGET sweepstake_c_static POST_BUILD
+      COMMAND ${CMAKE_COMMAND} -DAR=${CMAKE_AR} -DARCHIVE=$<TARGET_FILE:sweepstake_c_static> -DADDED=${highway}
+        -DWORK=${CMAKE_CURRENT_BINARY_DIR}/highway -P ${CMAKE_CURRENT_LIST_DIR}/add_archive.cmake VERBATIM)
+  endif()
+endif()
+
+# A C compiler links it, and so has to be told what a C++ compiler adds by itself.
+set(runtime ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
+list(REMOVE_ITEM runtime ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
+list(REMOVE_DUPLICATES runtime)
+add_library(sweepstake::c_static ALIAS sweepstake_c_static)
+set_target_properties(sweepstake_c_static PROPERTIES
+  OUTPUT_NAME sweepstake_static EXPORT_NAME c_static LINKER_LANGUAGE C)
+target_compile_definitions(sweepstake_c_static INTERFACE SWP_STATIC)
+target_include_directories(sweepstake_c_static INTERFACE
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/engine_client/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(sweepstake_c_static INTERFACE ${runtime} Threads::Threads)
+install(TARGETS sweepstake_c_static EXPORT sweepstake_c ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+
+# The plug-in. On Windows the shared library is one, if the tool chain links its runtime statically.
+string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" platform)
+string(REPLACE "amd64" "x86_64" platform "${platform}")
+if(SWEEPSTAKE_C_HIDES)
+  add_library(sweepstake_plugin SHARED flavours/older_glibc.c ${merged})
+  add_dependencies(sweepstake_plugin sweepstake_c_merged)
+  set_target_properties(sweepstake_plugin PROPERTIES
+    OUTPUT_NAME sweepstake LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugin
+    BUILD_WITH_INSTALL_RPATH ON LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/exports.map)
+  target_link_libraries(sweepstake_plugin PRIVATE $<BUILD_INTERFACE:sweepstake_flags>)
+  # In glibc before 2.34 the threads are in a library of their own, which must be loaded then.
+  target_link_options(sweepstake_plugin PRIVATE
+    -static-libstdc++ -static-libgcc LINKER:--gc-sections LINKER:--exclude-libs,ALL LINKER:--no-undefined LINKER:-z,noexecstack LINKER:-z,relro
+    LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map
+    LINKER:--push-state,--no-as-needed,-l:libpthread.so.0,--pop-state)
+  set(plugin sweepstake_plugin)
+else()
+  add_custom_target(sweepstake_plugin DEPENDS sweepstake_c)
+  set(plugin sweepstake_c)
+endif()
+# Laid out as in a Unity package, whose folders that end with ~ Unity does not import.
+install(TARGETS ${plugin} COMPONENT plugin EXCLUDE_FROM_ALL
+  LIBRARY DESTINATION Runtime/Plugins/${platform} RUNTIME DESTINATION Runtime/Plugins/${platform}
+  ARCHIVE DESTINATION Native~/${platform})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/engine_client/include/sweepstake DESTINATION Native~/include
+  COMPONENT plugin EXCLUDE_FROM_ALL FILES_MATCHING PATTERN "c_*.h")
