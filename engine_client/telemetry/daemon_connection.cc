@@ -10,6 +10,13 @@ namespace {
 constexpr int kKeepAliveIntervalMs = 20'000;
 constexpr int kKeepAliveTimeoutMs = 10'000;
 constexpr int kMaxMessageBytes = 256 * 1024;
+constexpr char kMethod[] = "/sweepstake.v1.TelemetryService/StreamTelemetry";
+
+std::string TextOf(const grpc::ByteBuffer& buffer) {
+  grpc::Slice slice;
+  if (!buffer.DumpToSingleSlice(&slice).ok()) return "";
+  return {reinterpret_cast<const char*>(slice.begin()), slice.size()};
+}
 
 }  // namespace
 
@@ -27,13 +34,11 @@ Result<std::shared_ptr<grpc::Channel>> DaemonConnection::MakeChannel(
 
 DaemonConnection::DaemonConnection(std::shared_ptr<grpc::Channel> channel,
                                    std::function<void()> wake)
-    : wake_(std::move(wake)),
-      channel_(std::move(channel)),
-      stub_(v1::TelemetryService::NewStub(channel_)) {
-  stub_->async()->StreamTelemetry(&context_, this);
+    : wake_(std::move(wake)), channel_(std::move(channel)), stub_(channel_) {
+  stub_.PrepareBidiStreamingCall(&context_, kMethod, {}, this);
   // Writes start outside of gRPC's reactions. The hold keeps the stream alive in between.
   AddHold();
-  StartRead(&reading_response_);
+  StartRead(&read_);
   StartCall();
 }
 
@@ -45,16 +50,17 @@ DaemonConnection::~DaemonConnection() {
 
 bool DaemonConnection::writable() {
   const std::lock_guard lock(mutex_);
-  return !writing_ && !broken_ && held_;
+  return !write_in_flight_ && !broken_ && held_;
 }
 
-void DaemonConnection::Write(const v1::StreamTelemetryRequest& request) {
-  writing_request_ = request;
+void DaemonConnection::Write(const std::string& message) {
+  const grpc::Slice slice(message);
+  writing_ = grpc::ByteBuffer(&slice, 1);
   {
     const std::lock_guard lock(mutex_);
-    writing_ = true;
+    write_in_flight_ = true;
   }
-  StartWrite(&writing_request_);
+  StartWrite(&writing_);
 }
 
 void DaemonConnection::HalfClose() { StartWritesDone(); }
@@ -68,18 +74,18 @@ void DaemonConnection::LetGo() {
   if (std::exchange(held_, false)) RemoveHold();
 }
 
-std::optional<v1::StreamTelemetryResponse> DaemonConnection::TakeResponse() {
-  std::optional<v1::StreamTelemetryResponse> response;
+std::optional<std::string> DaemonConnection::TakeResponse() {
+  std::optional<std::string> response;
   bool resume_reading = false;
   {
     const std::lock_guard lock(mutex_);
     if (inbox_.empty()) return std::nullopt;
     response = std::move(inbox_.front());
     inbox_.pop_front();
-    resume_reading = !reading_ && !broken_ && held_;
-    reading_ = reading_ || resume_reading;
+    resume_reading = !read_in_flight_ && !broken_ && held_;
+    read_in_flight_ = read_in_flight_ || resume_reading;
   }
-  if (resume_reading) StartRead(&reading_response_);
+  if (resume_reading) StartRead(&read_);
   return response;
 }
 
@@ -98,19 +104,19 @@ void DaemonConnection::OnReadDone(bool ok) {
   bool read_on = false;
   {
     const std::lock_guard lock(mutex_);
-    if (ok) inbox_.push_back(std::move(reading_response_));
+    if (ok) inbox_.push_back(TextOf(read_));
     broken_ = broken_ || !ok;
     read_on = ok && inbox_.size() < kMaxInboxMessages;
-    reading_ = read_on;
+    read_in_flight_ = read_on;
   }
-  if (read_on) StartRead(&reading_response_);
+  if (read_on) StartRead(&read_);
   wake_();
 }
 
 void DaemonConnection::OnWriteDone(bool ok) {
   {
     const std::lock_guard lock(mutex_);
-    writing_ = false;
+    write_in_flight_ = false;
     broken_ = broken_ || !ok;
   }
   wake_();
@@ -122,28 +128,6 @@ void DaemonConnection::OnDone(const grpc::Status& status) {
   status_ = status;
   wake_();
   done_.notify_all();
-}
-
-Backoff::Backoff(uint32_t min_ms, uint32_t max_ms, uint64_t seed)
-    : min_ms_(min_ms), max_ms_(max_ms), bound_ms_(min_ms), random_{seed} {
-  assert(min_ms >= 1 && min_ms <= max_ms);
-}
-
-uint32_t Backoff::NextMs() {
-  const uint32_t delay_ms = JitterMs(bound_ms_);
-  bound_ms_ = static_cast<uint32_t>(std::min<uint64_t>(uint64_t{bound_ms_} * 2, max_ms_));
-  return delay_ms;
-}
-
-uint32_t Backoff::LongMs() {
-  bound_ms_ = max_ms_;
-  const uint32_t half_ms = max_ms_ / 2;
-  return max_ms_ - JitterMs(half_ms);
-}
-
-uint32_t Backoff::JitterMs(uint32_t bound_ms) {
-  // The upper 32 bits, scaled: even enough for a delay.
-  return static_cast<uint32_t>(((random_.Next() >> 32) * (uint64_t{bound_ms} + 1)) >> 32);
 }
 
 }  // namespace sweepstake

@@ -1,7 +1,6 @@
 #include "engine_client/telemetry/proto_conversion.h"
 
 #include <cmath>
-#include <utility>
 
 namespace sweepstake {
 v1::SceneDescriptor ToProto(const SceneDescriptor& descriptor) {
@@ -28,133 +27,11 @@ SceneDescriptor FromProto(const v1::SceneDescriptor& message) {
   return descriptor;
 }
 
-v1::ShadowSample ToProto(const ShadowSample& sample) {
-  v1::ShadowSample message;
-  message.set_first_frame_index(sample.first_frame_index);
-  message.set_arm(sample.arm);
-  message.set_detection_time_ns(sample.detection_time_ns);
-  message.set_build_time_ns(sample.build_time_ns);
-  message.set_aabb_check_count(sample.aabb_check_count);
-  message.set_native_bytes(sample.native_bytes);
-  message.set_object_count(sample.object_count);
-  message.set_frame_count(sample.frame_count);
-  message.set_flags(sample.flags);
-  return message;
-}
-
-void ToProto(const FrameSample& sample, v1::FrameBatch& batch) {
-  batch.add_frame_time_ns(sample.frame_time_ns);
-  batch.add_detection_time_ns(sample.detection_time_ns);
-  batch.add_aabb_check_count(sample.aabb_check_count);
-  batch.add_native_bytes(sample.native_bytes);
-  batch.add_object_count(sample.object_count);
-  batch.add_arm(sample.arm);
-  batch.add_switch_epoch(sample.switch_epoch);
-  batch.add_flags(sample.flags);
-}
-
-v1::StreamTelemetryRequest ToProto(const SwitchOutcome& outcome) {
-  v1::StreamTelemetryRequest request;
-  v1::SwitchOutcome& message = *request.mutable_switch_outcome();
-  message.set_command_id(outcome.command_id);
-  message.set_arm(outcome.arm);
-  message.set_switch_epoch(outcome.switch_epoch);
-  message.set_executed(outcome.executed != 0);
-  message.set_rebuild_time_ns(outcome.rebuild_time_ns);
-  message.set_settling_cost_ns(outcome.settling_cost_ns);
-  message.set_reason(static_cast<v1::SwitchReason>(outcome.reason));
-  return request;
-}
-
-v1::StreamTelemetryRequest ToProto(const ModeChange& change) {
-  v1::StreamTelemetryRequest request;
-  v1::ModeChange& message = *request.mutable_mode_change();
-  message.set_mode(ToProto(change.mode));
-  message.set_active_arm(change.active_arm);
-  message.set_order_id(change.order_id);
-  return request;
-}
-
-v1::StreamTelemetryRequest BailOutToProto(const FrameSample& sample) {
-  v1::StreamTelemetryRequest request;
-  v1::BailOut& message = *request.mutable_bail_out();
-  message.set_frame_index(sample.frame_index);
-  message.set_arm(sample.arm);
-  message.set_switch_epoch(sample.switch_epoch);
-  message.set_frame_time_ns(sample.frame_time_ns);
-  message.set_detection_time_ns(sample.detection_time_ns);
-  message.set_flags(sample.flags);
-  return request;
-}
-
-v1::StreamTelemetryRequest RefusalToProto(const v1::SwitchCommand& command, uint32_t active_arm,
-                                          uint32_t switch_epoch) {
-  v1::StreamTelemetryRequest request;
-  v1::SwitchOutcome& message = *request.mutable_switch_outcome();
-  message.set_command_id(command.command_id());
-  message.set_arm(active_arm);
-  message.set_switch_epoch(switch_epoch);
-  message.set_executed(false);
-  message.set_reason(command.reason());
-  return request;
-}
-
-v1::StreamTelemetryRequest RefusalToProto(const v1::OperatorOrder& order,
-                                          v1::OrderRefusalReason reason) {
-  v1::StreamTelemetryRequest request;
-  request.mutable_order_refusal()->set_order_id(order.order_id());
-  request.mutable_order_refusal()->set_reason(reason);
-  return request;
-}
-
-std::optional<SwitchCommand> FromProto(const v1::SwitchCommand& message) {
-  if (message.reason() < v1::SWITCH_REASON_POLICY || message.reason() > v1::SWITCH_REASON_MANUAL) {
-    return std::nullopt;
-  }
-  return SwitchCommand{.command_id = message.command_id(),
-                       .arm = message.arm(),
-                       .reason = static_cast<SwitchReason>(message.reason())};
-}
-
-std::optional<OperatorOrder> FromProto(const v1::OperatorOrder& message, size_t arm_count) {
-  if (message.mode() != v1::MODE_MANUAL && message.mode() != v1::MODE_AI) return std::nullopt;
-  if (message.has_arm() && message.arm() >= arm_count) return std::nullopt;
-  return OperatorOrder{.order_id = message.order_id(),
-                       .mode = static_cast<Mode>(message.mode()),
-                       .arm = message.has_arm() ? std::optional(message.arm()) : std::nullopt};
-}
-
-std::optional<SceneVerdict> FromProto(const v1::PosteriorSnapshot& message, size_t arm_count) {
-  const double probability = message.leader_probability();
-  if (message.leader_arm() >= arm_count || !(probability >= 0 && probability <= 1) ||
-      message.verdict() < v1::VERDICT_UNSPECIFIED || message.verdict() > v1::VERDICT_DEGRADED) {
-    return std::nullopt;
-  }
-  return SceneVerdict{.verdict = static_cast<Verdict>(message.verdict()),
-                      .leader_arm = message.leader_arm(),
-                      .leader_probability = probability};
-}
-
-v1::Mode ToProto(Mode mode) { return static_cast<v1::Mode>(mode); }
-
 std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm) {
   const double alpha = posterior.alpha();
   const double beta = posterior.beta();
   if (!std::isfinite(alpha) || !std::isfinite(beta) || alpha <= 0 || beta <= 0) return std::nullopt;
   return ArmBelief{arm, alpha, beta};
-}
-
-std::optional<std::vector<ArmBelief>> FromProto(
-    const google::protobuf::RepeatedPtrField<v1::BetaPosterior>& posteriors,
-    std::span<const std::string> arms) {
-  if (static_cast<size_t>(posteriors.size()) != arms.size()) return std::nullopt;
-  std::vector<ArmBelief> beliefs;
-  for (const v1::BetaPosterior& posterior : posteriors) {
-    auto belief = FromProto(posterior, arms[beliefs.size()]);
-    if (!belief) return std::nullopt;
-    beliefs.push_back(*std::move(belief));
-  }
-  return beliefs;
 }
 
 v1::PriorRecord ToProto(const PriorRecord& record) {

@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/session_state.h"
+#include "engine_client/telemetry/protocol/session_state.h"
 
 #include <gtest/gtest.h>
 
@@ -6,28 +6,25 @@ namespace sweepstake {
 namespace {
 
 constexpr SessionState::Position kPosition{
-    .active_arm = 2, .switch_epoch = 5, .mode = v1::MODE_MANUAL};
+    .active_arm = 2, .switch_epoch = 5, .mode = Mode::kManual};
 
-v1::StreamTelemetryRequest Batch(uint32_t arm = 0, uint32_t epoch = 0) {
-  v1::StreamTelemetryRequest request;
-  request.mutable_frame_batch()->add_frame_time_ns(1);
-  request.mutable_frame_batch()->add_arm(arm);
-  request.mutable_frame_batch()->add_switch_epoch(epoch);
-  return request;
+Evidence Batch(uint32_t arm = 0, uint32_t epoch = 0) {
+  return {.message = "batch", .frame_count = 1, .active_arm = arm, .switch_epoch = epoch};
 }
 
-v1::Welcome WelcomeTo(const std::string& session, bool resumed = false, uint64_t acknowledged = 0) {
-  v1::Welcome welcome;
-  welcome.set_session_id(session);
-  welcome.set_resume_token("token of " + std::string(session));
-  welcome.set_resumed(resumed);
-  welcome.set_acknowledged_sequence(acknowledged);
+protocol::Welcome WelcomeTo(const std::string& session, bool resumed = false,
+                            uint64_t acknowledged = 0) {
+  protocol::Welcome welcome;
+  welcome.session_id = session;
+  welcome.resume_token = "token of " + session;
+  welcome.resumed = resumed;
+  welcome.acknowledged_sequence = acknowledged;
   return welcome;
 }
 
-v1::Hello BaseHello() {
-  v1::Hello hello;
-  hello.set_project("game");
+protocol::Hello BaseHello() {
+  protocol::Hello hello;
+  hello.project = "game";
   return hello;
 }
 
@@ -35,8 +32,8 @@ class SessionStateTest : public ::testing::Test {
  protected:
   std::vector<uint64_t> SendAll() {
     std::vector<uint64_t> sequences;
-    while (const auto* request = state_.Next()) {
-      sequences.push_back(request->sequence());
+    while (const auto* entry = state_.Next()) {
+      sequences.push_back(entry->sequence);
       state_.MarkSent();
     }
     return sequences;
@@ -51,12 +48,12 @@ class SessionStateTest : public ::testing::Test {
 };
 
 TEST_F(SessionStateTest, BeginsANewSessionWithoutAnId) {
-  const v1::Hello hello = state_.Connect(kPosition).hello();
-  EXPECT_EQ(hello.project(), "game");
-  EXPECT_EQ(hello.session_id(), "");
-  EXPECT_EQ(hello.active_arm(), 2U);
-  EXPECT_EQ(hello.switch_epoch(), 5U);
-  EXPECT_EQ(hello.mode(), v1::MODE_MANUAL);
+  const protocol::Hello hello = state_.Connect(kPosition);
+  EXPECT_EQ(hello.project, "game");
+  EXPECT_EQ(hello.session_id, "");
+  EXPECT_EQ(hello.active_arm, 2U);
+  EXPECT_EQ(hello.switch_epoch, 5U);
+  EXPECT_EQ(hello.mode, Mode::kManual);
 }
 
 TEST_F(SessionStateTest, SendsNothingBeforeTheWelcome) {
@@ -74,9 +71,9 @@ TEST_F(SessionStateTest, ResumesAndSendsAgainOnlyWhatIsNotOnDisk) {
   SendAll();
   state_.OnAcknowledgement(1);
   state_.Disconnect(false, false);
-  const v1::Hello hello = state_.Connect(kPosition).hello();
-  EXPECT_EQ(hello.session_id(), "a");
-  EXPECT_EQ(hello.resume_token(), "token of a");
+  const protocol::Hello hello = state_.Connect(kPosition);
+  EXPECT_EQ(hello.session_id, "a");
+  EXPECT_EQ(hello.resume_token, "token of a");
   state_.Append(Batch());
   state_.OnWelcome(WelcomeTo("a", true, 2));
   EXPECT_EQ(SendAll(), (Sequences{3, 4, 5}));
@@ -93,9 +90,9 @@ TEST_F(SessionStateTest, DescribesTheOldestFramesThatWillBeSentAgain) {
   state_.Append(Batch(4, 4));
   SendAll();
   state_.Disconnect(false, false);
-  const v1::Hello hello = state_.Connect(kPosition).hello();
-  EXPECT_EQ(hello.active_arm(), 1U);
-  EXPECT_EQ(hello.switch_epoch(), 3U);
+  const protocol::Hello hello = state_.Connect(kPosition);
+  EXPECT_EQ(hello.active_arm, 1U);
+  EXPECT_EQ(hello.switch_epoch, 3U);
 }
 
 TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOldOne) {
@@ -106,7 +103,7 @@ TEST_F(SessionStateTest, BeginsANewSessionWithNewNumbersWhenTheDaemonForgotTheOl
   state_.Disconnect(false, false);
   state_.Connect(kPosition);
   state_.Disconnect(/*unknown_session=*/true, false);
-  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "");
+  EXPECT_EQ(state_.Connect(kPosition).session_id, "");
   state_.OnWelcome(WelcomeTo("b"));
   EXPECT_EQ(state_.session_id(), "b");
   EXPECT_EQ(SendAll(), (Sequences{1, 2}));
@@ -121,9 +118,9 @@ TEST_F(SessionStateTest, DoesNotNameASessionAgainThatAHelloWasRefusedWithNorSend
   SendAll();
   state_.Append(Batch());
   state_.Disconnect(false, false);
-  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "a");
+  EXPECT_EQ(state_.Connect(kPosition).session_id, "a");
   state_.Disconnect(false, /*refused=*/true);
-  EXPECT_EQ(state_.Connect(kPosition).hello().session_id(), "");
+  EXPECT_EQ(state_.Connect(kPosition).session_id, "");
   EXPECT_EQ(state_.counts().discarded_frame_count, 2U) << "the store may have them under a";
   state_.OnWelcome(WelcomeTo("b"));
   EXPECT_EQ(SendAll(), Sequences{1}) << "what was never sent";
@@ -137,8 +134,8 @@ TEST_F(SessionStateTest, SendsNothingAgainToANewSessionThatBeganBecauseTheOldOne
   state_.Disconnect(false, false);
   state_.Append(Batch(5, 5));
   state_.Connect(kPosition);
-  v1::Welcome welcome = WelcomeTo("b");
-  welcome.set_priors_unavailable(true);
+  protocol::Welcome welcome = WelcomeTo("b");
+  welcome.priors_unavailable = true;
   state_.OnWelcome(welcome);
   EXPECT_EQ(SendAll(), Sequences{1}) << "only what was never sent";
   EXPECT_EQ(state_.counts().discarded_frame_count, 2U);

@@ -1,6 +1,9 @@
-#include "engine_client/telemetry/evidence_intake.h"
+#include "engine_client/telemetry/protocol/evidence_intake.h"
 
 #include <gtest/gtest.h>
+
+#include "engine_client/telemetry/protocol/wire.h"
+#include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake {
 namespace {
@@ -9,8 +12,8 @@ class EvidenceIntakeTest : public ::testing::Test {
  protected:
   EvidenceIntakeTest() {
     state_.Connect({});
-    v1::Welcome welcome;
-    welcome.set_session_id("a");
+    protocol::Welcome welcome;
+    welcome.session_id = "a";
     state_.OnWelcome(welcome);
   }
 
@@ -26,14 +29,15 @@ class EvidenceIntakeTest : public ::testing::Test {
   std::vector<v1::StreamTelemetryRequest> Sent() {
     std::vector<v1::StreamTelemetryRequest> requests;
     while (const auto* next = state_.Next()) {
-      requests.push_back(*next);
+      EXPECT_TRUE(requests.emplace_back().ParseFromString(
+          protocol::Numbered(next->sequence, next->evidence.message)));
       state_.MarkSent();
     }
     return requests;
   }
 
   SampleQueue queue_{64};
-  SessionState state_{v1::Hello(), 4};
+  SessionState state_{protocol::Hello(), 4};
   EvidenceIntake intake_{queue_, state_, {.interval_ns = 100, .frames = 3, .bytes = 16384}};
   uint64_t next_index_ = 0;
 };

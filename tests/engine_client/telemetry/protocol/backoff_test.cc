@@ -1,4 +1,4 @@
-#include "engine_client/telemetry/daemon_connection.h"
+#include "engine_client/telemetry/protocol/backoff.h"
 
 #include <gtest/gtest.h>
 

@@ -19,9 +19,18 @@
 #include <deque>
 #include <string>
 
-#include "sweepstake/v1/telemetry.pb.h"
+#include "engine_client/telemetry/protocol/messages.h"
 
 namespace sweepstake {
+
+// A message with evidence, encoded (wire.h) but for its number.
+struct Evidence {
+  std::string message;
+  // Of a batch, its frames and the state that its first frame was observed in.
+  uint32_t frame_count = 0;
+  uint32_t active_arm = 0;
+  uint32_t switch_epoch = 0;
+};
 
 // Numbered messages that the daemon has not acknowledged, so that a new connection can send them
 // again.
@@ -32,15 +41,16 @@ namespace sweepstake {
 class ResendBuffer {
  public:
   struct Entry {
-    v1::StreamTelemetryRequest request;  // carries its sequence number
-    bool sent_before = false;            // true if any connection has sent it
+    Evidence evidence;
+    uint64_t sequence = 0;
+    bool sent_before = false;  // true if any connection has sent it
   };
 
   // REQUIRES: capacity >= 1.
   explicit ResendBuffer(size_t capacity) : capacity_(capacity) {}
 
   // Gives the message the next sequence number.
-  void Append(v1::StreamTelemetryRequest request);
+  void Append(Evidence evidence);
   bool full() const { return entries_.size() >= capacity_; }
   uint64_t last_sequence() const { return next_sequence_ - 1; }
 
@@ -61,7 +71,7 @@ class ResendBuffer {
   uint64_t DiscardSent();
 
   // Returns the first frame batch; null if there is none.
-  const v1::FrameBatch* FirstBatch() const;
+  const Evidence* FirstBatch() const;
 
  private:
   const size_t capacity_;
@@ -76,7 +86,7 @@ class SessionState {
   struct Position {
     uint32_t active_arm = 0;
     uint32_t switch_epoch = 0;
-    v1::Mode mode = v1::MODE_AI;
+    Mode mode = Mode::kAi;
   };
 
   struct Counts {
@@ -90,22 +100,22 @@ class SessionState {
   };
 
   // `hello` holds what does not change: project, scene, arms and so on.
-  SessionState(v1::Hello hello, size_t unacknowledged_max);
+  SessionState(protocol::Hello hello, size_t unacknowledged_max);
 
   // Adds evidence, in the order it happened. It is never dropped here: the caller stops adding
   // while full().
-  void Append(v1::StreamTelemetryRequest evidence) { buffer_.Append(std::move(evidence)); }
+  void Append(Evidence evidence) { buffer_.Append(std::move(evidence)); }
   bool full() const { return buffer_.full(); }
 
   // Begins a connection and returns its first message. `position` describes the frames that were
   // not sent yet; where frames will be sent again, the oldest of them takes its place.
-  v1::StreamTelemetryRequest Connect(const Position& position);
-  void OnWelcome(const v1::Welcome& welcome);
+  protocol::Hello Connect(const Position& position);
+  void OnWelcome(const protocol::Welcome& welcome);
   void OnAcknowledgement(uint64_t sequence);
   bool online() const { return online_; }
 
   // Returns the next evidence to write; null if there is none or the session is not online.
-  const v1::StreamTelemetryRequest* Next() const;
+  const ResendBuffer::Entry* Next() const { return online_ ? buffer_.Next() : nullptr; }
   // Moves on after the message of Next was sent. REQUIRES: Next() != nullptr.
   void MarkSent();
 
@@ -122,7 +132,7 @@ class SessionState {
  private:
   void BeginSession();
 
-  const v1::Hello hello_;
+  const protocol::Hello hello_;
   ResendBuffer buffer_;
   std::string session_id_;    // empty: none yet
   std::string resume_token_;  // secret; of session_id_

@@ -1,6 +1,8 @@
-#include "engine_client/telemetry/evidence_intake.h"
+#include "engine_client/telemetry/protocol/evidence_intake.h"
 
 #include <gtest/gtest.h>
+
+#include "engine_client/telemetry/protocol/wire.h"
 
 namespace sweepstake {
 namespace {
@@ -19,21 +21,14 @@ FrameSample FrameOf(uint64_t index) {
           .reserved = 0};
 }
 
-TEST(FrameBatcher, PutsFramesIntoColumns) {
+TEST(FrameBatcher, CollectsFrames) {
   FrameBatcher batcher({});
   batcher.Add(FrameOf(0), 0);
   batcher.Add(FrameOf(1), 1);
-  const v1::FrameBatch batch = batcher.Take();
-  ASSERT_EQ(batch.frame_time_ns_size(), 2);
-  EXPECT_EQ(batch.frame_time_ns(1), 16'000'001U);
-  EXPECT_EQ(batch.detection_time_ns(1), 1'000'001U);
-  EXPECT_EQ(batch.aabb_check_count(1), 5000U);
-  EXPECT_EQ(batch.native_bytes(1), 65536U);
-  EXPECT_EQ(batch.object_count(1), 1000U);
-  EXPECT_EQ(batch.arm(1), 2U);
-  EXPECT_EQ(batch.switch_epoch(1), 7U);
-  EXPECT_EQ(batch.flags(1), uint32_t{kFrameRebuild});
-  EXPECT_FALSE(batch.has_scene_descriptor());
+  const protocol::FrameBatch batch = batcher.Take();
+  ASSERT_EQ(batch.frames.size(), 2U);
+  EXPECT_EQ(batch.frames[1].frame_time_ns, 16'000'001U);
+  EXPECT_FALSE(batch.scene_descriptor);
   EXPECT_TRUE(batcher.empty());
 }
 
@@ -52,20 +47,11 @@ TEST(FrameBatcher, SendsVisitsOfTheShadowLaneWithTheFrames) {
   batcher.AddShadow(kVisit);
   EXPECT_TRUE(batcher.empty());
   batcher.Add(FrameOf(0), 0);
-  const v1::FrameBatch batch = batcher.Take();
-  ASSERT_EQ(batch.shadow_samples_size(), 1);
-  const v1::ShadowSample& sent = batch.shadow_samples(0);
-  EXPECT_EQ(sent.first_frame_index(), 4U);
-  EXPECT_EQ(sent.detection_time_ns(), 30'000U);
-  EXPECT_EQ(sent.build_time_ns(), 90'000U);
-  EXPECT_EQ(sent.aabb_check_count(), 777U);
-  EXPECT_EQ(sent.native_bytes(), 4096U);
-  EXPECT_EQ(sent.arm(), 3U);
-  EXPECT_EQ(sent.object_count(), 1000U);
-  EXPECT_EQ(sent.frame_count(), 5U);
-  EXPECT_EQ(sent.flags(), uint32_t{v1::SHADOW_FLAG_ACTIVE});
+  const protocol::FrameBatch batch = batcher.Take();
+  ASSERT_EQ(batch.shadow_samples.size(), 1U);
+  EXPECT_EQ(batch.shadow_samples[0].detection_time_ns, 30'000U);
   batcher.Add(FrameOf(1), 0);
-  EXPECT_EQ(batcher.Take().shadow_samples_size(), 0);
+  EXPECT_EQ(batcher.Take().shadow_samples.size(), 0U);
 }
 
 TEST(FrameBatcher, TakesSixtyFourVisitsAndFillsNoMoreThanHalfOfTheBytesWithThem) {
@@ -73,7 +59,7 @@ TEST(FrameBatcher, TakesSixtyFourVisitsAndFillsNoMoreThanHalfOfTheBytesWithThem)
   for (; batcher.TakesShadow(); batcher.AddShadow(kVisit)) {
   }
   batcher.Add(FrameOf(0), 0);
-  EXPECT_EQ(batcher.Take().shadow_samples_size(), 64);
+  EXPECT_EQ(batcher.Take().shadow_samples.size(), 64U);
   EXPECT_TRUE(batcher.TakesShadow());
 
   batcher.SetLimits({.interval_ns = 1'000'000, .frames = 240, .bytes = 1024});
@@ -84,10 +70,10 @@ TEST(FrameBatcher, TakesSixtyFourVisitsAndFillsNoMoreThanHalfOfTheBytesWithThem)
   }
   uint64_t index = 0;
   for (; batcher.Fits(FrameOf(index)); ++index) batcher.Add(FrameOf(index), 0);
-  const v1::FrameBatch batch = batcher.Take();
-  EXPECT_GT(batch.shadow_samples_size(), 2);
-  EXPECT_GT(batch.frame_time_ns_size(), 10);
-  EXPECT_LE(batch.ByteSizeLong(), 1024U);
+  const protocol::FrameBatch batch = batcher.Take();
+  EXPECT_GT(batch.shadow_samples.size(), 2U);
+  EXPECT_GT(batch.frames.size(), 10U);
+  EXPECT_LE(protocol::Encode(batch).size(), 1024U);
 }
 
 TEST(FrameBatcher, IsDueAfterTheInterval) {
@@ -116,22 +102,19 @@ TEST(FrameBatcher, StaysWithinTheBytes) {
   EXPECT_GT(index, 10U);
   EXPECT_LT(index, 240U);
   batcher.SetDescriptor({1, 1, 1, 1, 1, 1, 1});
-  v1::StreamTelemetryRequest request;
-  request.set_sequence(~uint64_t{0});
-  *request.mutable_frame_batch() = batcher.Take();
-  EXPECT_LE(request.ByteSizeLong(), 600U);
+  EXPECT_LE(protocol::Numbered(~uint64_t{0}, protocol::Encode(batcher.Take())).size(), 600U);
 }
 
 TEST(FrameBatcher, ReportsAGapInTheNumbersAsDroppedAndBeginsABatchThere) {
   FrameBatcher batcher({});
   batcher.Add(FrameOf(5), 0);
-  EXPECT_EQ(batcher.Take().dropped_frame_count(), 5U);
+  EXPECT_EQ(batcher.Take().dropped_frame_count, 5U);
   batcher.Add(FrameOf(6), 0);
   EXPECT_FALSE(batcher.Fits(FrameOf(10)));
-  EXPECT_EQ(batcher.Take().dropped_frame_count(), 0U);
+  EXPECT_EQ(batcher.Take().dropped_frame_count, 0U);
   batcher.Add(FrameOf(10), 0);
-  const v1::FrameBatch batch = batcher.Take();
-  EXPECT_EQ(batch.dropped_frame_count(), 3U);
+  const protocol::FrameBatch batch = batcher.Take();
+  EXPECT_EQ(batch.dropped_frame_count, 3U);
 }
 
 TEST(FrameBatcher, SendsTheLatestDescriptorWithoutWhatWasNotMeasured) {
@@ -144,10 +127,9 @@ TEST(FrameBatcher, SendsTheLatestDescriptorWithoutWhatWasNotMeasured) {
   batcher.SetDescriptor(descriptor);
   EXPECT_TRUE(batcher.empty());
   batcher.Add(FrameOf(0), 0);
-  const v1::SceneDescriptor wire = batcher.Take().scene_descriptor();
-  EXPECT_EQ(wire.object_count(), 20);
-  EXPECT_TRUE(wire.has_static_ratio());
-  EXPECT_FALSE(wire.has_speed_mean());
+  const SceneDescriptor sent = *batcher.Take().scene_descriptor;
+  EXPECT_EQ(sent.object_count, 20);
+  EXPECT_EQ(sent.static_ratio, 0);
 }
 
 }  // namespace

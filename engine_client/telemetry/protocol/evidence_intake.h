@@ -1,12 +1,13 @@
 // Step 7 on the sender thread: makes messages of the session from the content of the queue.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "engine_client/telemetry/common/sample_queue.h"
-#include "engine_client/telemetry/session_state.h"
+#include "engine_client/telemetry/protocol/messages.h"
+#include "engine_client/telemetry/protocol/session_state.h"
 #include "sweepstake/frame_sample.h"
-#include "sweepstake/v1/telemetry.pb.h"
 
 namespace sweepstake {
 
@@ -22,7 +23,7 @@ struct BatchLimits {
 // Time comes in as an argument. Not thread-safe. Memory: one batch.
 class FrameBatcher {
  public:
-  static constexpr int kMaxShadows = 64;
+  static constexpr size_t kMaxShadows = 64;
 
   explicit FrameBatcher(const BatchLimits& limits) : limits_(limits) {}
 
@@ -42,16 +43,16 @@ class FrameBatcher {
   // REQUIRES: TakesShadow.
   void AddShadow(const ShadowSample& sample);
 
-  bool empty() const { return batch_.frame_time_ns().empty(); }
+  bool empty() const { return batch_.frames.empty(); }
   bool Due(uint64_t now_ns) const;
   // Takes the current batch. REQUIRES: !empty().
-  v1::FrameBatch Take();
+  protocol::FrameBatch Take();
 
  private:
   bool Full() const;
 
   BatchLimits limits_;
-  v1::FrameBatch batch_;
+  protocol::FrameBatch batch_;
   uint32_t batch_bytes_ = 0;
   uint32_t shadow_bytes_ = 0;      // the visits' share of batch_bytes_
   uint64_t begun_ns_ = 0;          // arrival of the first frame of the batch

@@ -1,10 +1,10 @@
-#include "engine_client/telemetry/evidence_intake.h"
+#include "engine_client/telemetry/protocol/evidence_intake.h"
 
 #include <bit>
 #include <cassert>
 #include <utility>
 
-#include "engine_client/telemetry/proto_conversion.h"
+#include "engine_client/telemetry/protocol/wire.h"
 
 namespace sweepstake {
 namespace {
@@ -25,6 +25,15 @@ uint32_t WireBytes(const FrameSample& sample) {
          VarintBytes(sample.switch_epoch) + VarintBytes(sample.flags);
 }
 
+// The tag of each field has one byte.
+uint32_t WireBytes(const ShadowSample& sample) {
+  return kMessageTagBytes + 9 + VarintBytes(sample.first_frame_index) + VarintBytes(sample.arm) +
+         VarintBytes(sample.detection_time_ns) + VarintBytes(sample.build_time_ns) +
+         VarintBytes(sample.aabb_check_count) + VarintBytes(sample.native_bytes) +
+         VarintBytes(sample.object_count) + VarintBytes(sample.frame_count) +
+         VarintBytes(sample.flags);
+}
+
 }  // namespace
 
 bool FrameBatcher::Fits(const FrameSample& sample) const {
@@ -33,40 +42,35 @@ bool FrameBatcher::Fits(const FrameSample& sample) const {
          kBatchOverheadBytes + batch_bytes_ + WireBytes(sample) <= limits_.bytes;
 }
 
-bool FrameBatcher::Full() const {
-  return static_cast<uint32_t>(batch_.frame_time_ns_size()) >= limits_.frames;
-}
+bool FrameBatcher::Full() const { return batch_.frames.size() >= limits_.frames; }
 
 void FrameBatcher::Add(const FrameSample& sample, uint64_t now_ns) {
   assert(Fits(sample));
   if (empty()) {
     begun_ns_ = now_ns;
     // Frames that the queue dropped show as a gap in the numbers.
-    if (sample.frame_index > next_frame_index_) {
-      batch_.set_dropped_frame_count(sample.frame_index - next_frame_index_);
-    }
+    if (sample.frame_index > next_frame_index_)
+      batch_.dropped_frame_count = sample.frame_index - next_frame_index_;
   }
-  ToProto(sample, batch_);
+  batch_.frames.push_back(sample);
   batch_bytes_ += WireBytes(sample);
   next_frame_index_ = sample.frame_index + 1;
 }
 
 void FrameBatcher::SetDescriptor(const SceneDescriptor& descriptor) {
-  *batch_.mutable_scene_descriptor() = ToProto(descriptor);
+  batch_.scene_descriptor = descriptor;
 }
 
 bool FrameBatcher::TakesShadow() const {
-  return batch_.shadow_samples_size() < kMaxShadows &&
+  return batch_.shadow_samples.size() < kMaxShadows &&
          kBatchOverheadBytes + shadow_bytes_ + kMaxShadowBytes <= limits_.bytes / 2;
 }
 
 void FrameBatcher::AddShadow(const ShadowSample& sample) {
   assert(TakesShadow());
-  v1::ShadowSample& message = *batch_.add_shadow_samples();
-  message = ToProto(sample);
-  const auto bytes = kMessageTagBytes + static_cast<uint32_t>(message.ByteSizeLong());
-  shadow_bytes_ += bytes;
-  batch_bytes_ += bytes;
+  batch_.shadow_samples.push_back(sample);
+  shadow_bytes_ += WireBytes(sample);
+  batch_bytes_ += WireBytes(sample);
 }
 
 bool FrameBatcher::Due(uint64_t now_ns) const {
@@ -74,10 +78,10 @@ bool FrameBatcher::Due(uint64_t now_ns) const {
   return Full() || now_ns - begun_ns_ >= limits_.interval_ns;
 }
 
-v1::FrameBatch FrameBatcher::Take() {
+protocol::FrameBatch FrameBatcher::Take() {
   assert(!empty());
   batch_bytes_ = shadow_bytes_ = 0;
-  return std::exchange(batch_, v1::FrameBatch());
+  return std::exchange(batch_, {});
 }
 
 bool EvidenceIntake::Pump(uint64_t now_ns) {
@@ -107,8 +111,10 @@ void EvidenceIntake::Take(const QueuedItem& item, uint64_t now_ns) {
     return batcher_.SetDescriptor(*descriptor);
   }
   Flush();
-  if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) state_.Append(ToProto(*outcome));
-  if (const auto* change = std::get_if<ModeChange>(&item)) state_.Append(ToProto(*change));
+  if (const auto* outcome = std::get_if<SwitchOutcome>(&item))
+    state_.Append({protocol::Encode(*outcome)});
+  if (const auto* change = std::get_if<ModeChange>(&item))
+    state_.Append({protocol::Encode(*change)});
 }
 
 void EvidenceIntake::TakeFrame(const FrameSample& sample, uint64_t now_ns) {
@@ -116,7 +122,7 @@ void EvidenceIntake::TakeFrame(const FrameSample& sample, uint64_t now_ns) {
   batcher_.Add(sample, now_ns);
   if ((sample.flags & kFrameBailOut) != 0) {
     Flush();
-    state_.Append(BailOutToProto(sample));
+    state_.Append({protocol::Encode(protocol::BailOut{sample})});
   } else if (batcher_.Due(now_ns)) {
     Flush();
   }
@@ -124,9 +130,12 @@ void EvidenceIntake::TakeFrame(const FrameSample& sample, uint64_t now_ns) {
 
 void EvidenceIntake::Flush() {
   if (batcher_.empty()) return;
-  v1::StreamTelemetryRequest request;
-  *request.mutable_frame_batch() = batcher_.Take();
-  state_.Append(std::move(request));
+  const protocol::FrameBatch batch = batcher_.Take();
+  const FrameSample& first = batch.frames.front();
+  state_.Append({.message = protocol::Encode(batch),
+                 .frame_count = static_cast<uint32_t>(batch.frames.size()),
+                 .active_arm = first.arm,
+                 .switch_epoch = first.switch_epoch});
 }
 
 }  // namespace sweepstake

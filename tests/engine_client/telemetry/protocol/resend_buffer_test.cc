@@ -1,21 +1,17 @@
-#include "engine_client/telemetry/session_state.h"
+#include "engine_client/telemetry/protocol/session_state.h"
 
 #include <gtest/gtest.h>
 
 namespace sweepstake {
 namespace {
 
-v1::StreamTelemetryRequest BatchOf(int frame_count) {
-  v1::StreamTelemetryRequest request;
-  for (int i = 0; i < frame_count; ++i) request.mutable_frame_batch()->add_frame_time_ns(1);
-  return request;
-}
+Evidence BatchOf(uint32_t frame_count) { return {.message = "batch", .frame_count = frame_count}; }
 
 // Returns the sequence numbers of the messages that a connection would send.
 std::vector<uint64_t> SendAll(ResendBuffer& buffer) {
   std::vector<uint64_t> sequences;
   while (const auto* entry = buffer.Next()) {
-    sequences.push_back(entry->request.sequence());
+    sequences.push_back(entry->sequence);
     buffer.MarkSent();
   }
   return sequences;
@@ -47,7 +43,7 @@ TEST(ResendBuffer, KeepsItsPlaceWhenAcknowledgementsComeWhileSending) {
   buffer.MarkSent();
   buffer.MarkSent();
   buffer.Acknowledge(1);
-  EXPECT_EQ(buffer.Next()->request.sequence(), 3U);
+  EXPECT_EQ(buffer.Next()->sequence, 3U);
   buffer.Acknowledge(3);  // more than was sent here: sent on an earlier connection
   EXPECT_EQ(SendAll(buffer), Sequences{4});
 }

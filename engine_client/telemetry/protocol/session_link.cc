@@ -1,0 +1,404 @@
+#include "engine_client/telemetry/protocol/session_link.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include "engine_client/telemetry/embedded/decider_loop.h"
+#include "engine_client/telemetry/protocol/wire.h"
+
+namespace sweepstake {
+namespace {
+
+// The versions of the protocol that a game speaks.
+constexpr uint32_t kMinProtocolVersion = 1;
+constexpr uint32_t kMaxProtocolVersion = 2;
+constexpr uint64_t kNsPerMs = 1'000'000;
+// A daemon that neither answers Hello nor ends a stream that we ended within this time is given up.
+constexpr uint64_t kAnswerTimeoutNs = 10'000 * kNsPerMs;
+// After a connection that lasted this long, the next back-off starts from its minimum.
+constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
+constexpr uint32_t kMaxBatchFrames = 240;
+// A refused token is tried again after the longest back-off times this.
+constexpr uint32_t kTokenDelayFactor = 6;
+
+// The codes of gRPC that mean something to a session.
+enum GrpcCode : uint32_t {
+  kGrpcOk = 0,
+  kGrpcInvalidArgument = 3,
+  kGrpcNotFound = 5,
+  kGrpcPermissionDenied = 7,
+  kGrpcFailedPrecondition = 9,
+  kGrpcUnimplemented = 12,
+  kGrpcUnavailable = 14,
+  kGrpcUnauthenticated = 16,
+};
+
+protocol::Hello MakeHello(const SessionOptions& options, const AdaptiveBroadPhase& adaptive) {
+  protocol::Hello hello;
+  hello.min_protocol_version = kMinProtocolVersion;
+  hello.protocol_version = kMaxProtocolVersion;
+  if (options.allow_operator_orders)
+    hello.capabilities.push_back(protocol::Capability::kOperatorOrders);
+  hello.project = options.project;
+  hello.scene = options.scene;
+  hello.build = options.build;
+  hello.machine_class = options.machine_class;
+  for (size_t arm = 0; arm < adaptive.arms().size(); ++arm)
+    hello.arms.push_back(
+        {.name = adaptive.arms()[arm], .backend_version = adaptive.arm_versions()[arm]});
+  hello.time_scale = options.time_scale;
+  hello.ignore_priors = options.ignore_priors;
+  hello.seed = options.seed;
+  hello.policy = options.policy;
+  return hello;
+}
+
+BatchLimits LimitsOf(const SessionOptions& options) {
+  return {.interval_ns = options.batch_interval_ms * kNsPerMs,
+          .frames = options.batch_frames,
+          .bytes = options.batch_bytes};
+}
+
+// Returns the limits of a batch. The daemon may ask for smaller batches. If the decision interval
+// is scaled down, batches are sent more often, since there would be decisions without frames
+// otherwise.
+BatchLimits LimitsOf(const SessionOptions& options, const protocol::Welcome& welcome) {
+  uint64_t interval_ms = options.batch_interval_ms;
+  if (welcome.batch_interval_ms > 0) interval_ms = welcome.batch_interval_ms;
+  if (welcome.decision_interval_ms > 0)
+    interval_ms = std::min<uint64_t>(interval_ms, welcome.decision_interval_ms / 2 + 1);
+  BatchLimits limits = LimitsOf(options);
+  limits.interval_ns = interval_ms * kNsPerMs;
+  if (welcome.max_batch_frames > 0)
+    limits.frames = std::min({limits.frames, welcome.max_batch_frames, kMaxBatchFrames});
+  if (welcome.max_message_bytes > 0)
+    limits.bytes = std::min(limits.bytes, welcome.max_message_bytes);
+  return limits;
+}
+
+// Returns why no session is possible with a daemon that speaks this version; empty if one is.
+std::string VersionMismatch(const protocol::Welcome& welcome) {
+  const uint32_t version = std::max(welcome.protocol_version, 1U);
+  if (version >= kMinProtocolVersion && version <= kMaxProtocolVersion) return "";
+  return "speaks version " + std::to_string(version) + " of the protocol, this game speaks " +
+         std::to_string(kMinProtocolVersion) + " to " + std::to_string(kMaxProtocolVersion) +
+         "; update the older one";
+}
+
+bool Has(const protocol::Welcome& welcome, protocol::Capability capability) {
+  const auto& chosen = welcome.capabilities;
+  return std::find(chosen.begin(), chosen.end(), capability) != chosen.end();
+}
+
+// Returns whether the daemon refuses the session, which is likely to persist, so that trying again
+// soon does not help.
+bool IsLasting(uint32_t code) {
+  return code == kGrpcInvalidArgument || code == kGrpcFailedPrecondition ||
+         code == kGrpcUnauthenticated || code == kGrpcPermissionDenied ||
+         code == kGrpcUnimplemented;
+}
+
+// Returns whether the daemon refuses the token. Another one needs a person, so that it is tried
+// rarely.
+bool IsTokenRefused(uint32_t code, const std::string& reason) {
+  return code == kGrpcUnauthenticated || reason == "TOO_MANY_FAILURES";
+}
+
+std::string TryingAgain(uint32_t delay_ms) {
+  return "; trying again in " + std::to_string(delay_ms) + " ms";
+}
+
+std::string WithReason(const std::string& message, const std::string& reason) {
+  return reason.empty() ? message : message + " (" + reason + ")";
+}
+
+std::string Describe(const StreamEnd& end, const std::string& reason, const std::string& daemon) {
+  std::string what = daemon + " ended the connection";
+  // With details it is the daemon that says so.
+  if (end.code == kGrpcUnavailable && end.details.empty()) what = "no connection to " + daemon;
+  if (IsLasting(end.code)) what = daemon + " refuses the session";
+  return end.message.empty() ? what : what + ": " + WithReason(end.message, reason);
+}
+
+bool IsKnown(SwitchReason reason) {
+  return reason >= SwitchReason::kPolicy && reason <= SwitchReason::kManual;
+}
+
+bool IsBeta(const protocol::BetaPosterior& posterior) {
+  return std::isfinite(posterior.alpha) && std::isfinite(posterior.beta) && posterior.alpha > 0 &&
+         posterior.beta > 0;
+}
+
+}  // namespace
+
+SessionLink::SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
+                         SampleQueue& queue, AdaptiveBroadPhase& adaptive)
+    : options_(options),
+      daemon_(std::move(daemon)),
+      adaptive_(adaptive),
+      state_(MakeHello(options, adaptive), options.unacknowledged_messages),
+      intake_(queue, state_, LimitsOf(options)),
+      backoff_(options.backoff_min_ms, options.backoff_max_ms, jitter_seed) {}
+
+void SessionLink::Connected(uint64_t now_ns) {
+  assert(!stream_);
+  stream_.emplace();
+  stream_->deadline_ns = now_ns + kAnswerTimeoutNs;
+}
+
+LinkAction SessionLink::Advance(uint64_t now_ns) {
+  const bool queue_empty = intake_.Pump(now_ns);
+  next_ = stream_ ? NextStep(queue_empty, now_ns) : LinkAction::kNone;
+  return next_;
+}
+
+// REQUIRES: there is a stream.
+LinkAction SessionLink::NextStep(bool queue_empty, uint64_t now_ns) {
+  if (goodbye_deadline_ns_ && now_ns >= *goodbye_deadline_ns_) {
+    GiveUp();
+    return LinkAction::kCancel;
+  }
+  if (!stream_->mismatch.empty() || !stream_->fault.empty() || Overdue(now_ns))
+    return LinkAction::kCancel;
+  if (!stream_->hello_sent) return LinkAction::kSend;
+  if (stream_->finished || !state_.online()) return LinkAction::kNone;
+  if (stream_->reconnect_delay_ms || stream_->goodbye_sent) return LinkAction::kFinish;
+  const bool goodbye_is_due = goodbye_deadline_ns_ && queue_empty;
+  if (goodbye_is_due) intake_.Flush();
+  return goodbye_is_due || state_.Next() != nullptr ? LinkAction::kSend : LinkAction::kNone;
+}
+
+bool SessionLink::Overdue(uint64_t now_ns) {
+  const bool waiting = !state_.online() || stream_->finished;
+  if (!waiting || now_ns < stream_->deadline_ns) return false;
+  stream_->fault = stream_->finished ? "did not end the connection" : "has not answered";
+  return true;
+}
+
+std::string SessionLink::Take(uint64_t now_ns) {
+  assert(next_ == LinkAction::kSend || next_ == LinkAction::kFinish);
+  if (std::exchange(next_, LinkAction::kNone) == LinkAction::kFinish) {
+    stream_->finished = true;
+    stream_->deadline_ns = now_ns + kAnswerTimeoutNs;
+    return "";
+  }
+  if (!std::exchange(stream_->hello_sent, true)) {
+    return protocol::Encode(state_.Connect({.active_arm = adaptive_.active_arm(),
+                                            .switch_epoch = adaptive_.switch_epoch(),
+                                            .mode = adaptive_.mode()}));
+  }
+  if (const ResendBuffer::Entry* next = state_.Next()) {
+    std::string message = protocol::Numbered(next->sequence, next->evidence.message);
+    state_.MarkSent();
+    return message;
+  }
+  stream_->goodbye_sent = true;
+  return protocol::Encode(protocol::Goodbye{});
+}
+
+Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
+  if (!stream_) {
+    return {StatusCode::kFailedPrecondition, "there is no connection that a message could be from"};
+  }
+  if (!stream_->mismatch.empty() || !stream_->fault.empty()) return {};  // It is being cancelled.
+  const std::optional<protocol::Response> response = protocol::DecodeResponse(bytes);
+  if (!response) {
+    stream_->fault = "sent a message that cannot be read";
+    return {StatusCode::kDataLoss, daemon_ + " " + stream_->fault};
+  }
+  if (response->welcome) OnWelcome(*response->welcome, now_ns);
+  // A daemon of another version may say anything.
+  if (!state_.online()) return {};
+  if (response->switch_command) OnCommand(*response->switch_command);
+  if (response->acknowledgement) OnAcknowledgement(*response->acknowledgement);
+  if (response->posterior_snapshot) {
+    TakeBeliefs(response->posterior_snapshot->arms);
+    TakeVerdict(response->posterior_snapshot->verdict);
+  }
+  if (response->reconnect) stream_->reconnect_delay_ms = response->reconnect->delay_ms;
+  if (response->operator_order) OnOrder(*response->operator_order);
+  if (response->has_unknown) ++unknown_message_count_;
+  return {};
+}
+
+void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
+  if (state_.online()) return;  // A second welcome of a connection is ignored.
+  stream_->mismatch = VersionMismatch(welcome);
+  if (!stream_->mismatch.empty()) return;
+  state_.OnWelcome(welcome);
+  stream_->online_since_ns = now_ns;
+  last_error_.clear();
+  refusal_.clear();
+  takes_orders_ =
+      options_.allow_operator_orders && Has(welcome, protocol::Capability::kOperatorOrders);
+  welcome_ = welcome;
+  intake_.SetLimits(LimitsOf(options_, welcome));
+  TakeBeliefs(welcome.priors);
+  adaptive_.SetSettling(welcome.settling_ms * kNsPerMs);
+  adaptive_.SetBailOutLimit(welcome.bail_out_ms * kNsPerMs);
+  adaptive_.SetDeciderPresent(true);
+}
+
+void SessionLink::OnAcknowledgement(const protocol::Acknowledgement& message) {
+  state_.OnAcknowledgement(message.sequence);
+  if (message.batch_interval_ms == 0) return;
+  welcome_.batch_interval_ms = message.batch_interval_ms;
+  intake_.SetLimits(LimitsOf(options_, welcome_));
+}
+
+void SessionLink::OnCommand(const SwitchCommand& command) {
+  // An unknown reason is one of a newer protocol, and could not be answered within this one.
+  if (!IsKnown(command.reason)) {
+    ++unknown_message_count_;
+    return;
+  }
+  ++command_count_;
+  if (command.arm < adaptive_.arms().size()) return adaptive_.mailbox().Post(command);
+  state_.Append({protocol::Encode(SwitchOutcome{.command_id = command.command_id,
+                                                .arm = adaptive_.active_arm(),
+                                                .switch_epoch = adaptive_.switch_epoch(),
+                                                .reason = command.reason})});
+}
+
+void SessionLink::OnOrder(const OperatorOrder& order) {
+  const bool known = (order.mode == Mode::kManual || order.mode == Mode::kAi) &&
+                     (!order.arm || *order.arm < adaptive_.arms().size());
+  if (takes_orders_ && known) return adaptive_.Obey(order);
+  const auto reason = takes_orders_ ? protocol::OrderRefusalReason::kUnknown
+                                    : protocol::OrderRefusalReason::kNotAllowed;
+  state_.Append(
+      {protocol::Encode(protocol::OrderRefusal{.order_id = order.order_id, .reason = reason})});
+}
+
+// Beliefs are taken only where each is valid and there is one per arm.
+void SessionLink::TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors) {
+  const std::span<const std::string> arms = adaptive_.arms();
+  if (posteriors.size() != arms.size()) return;
+  if (!std::all_of(posteriors.begin(), posteriors.end(), IsBeta)) return;
+  beliefs_.clear();
+  for (const protocol::BetaPosterior& posterior : posteriors)
+    beliefs_.push_back({arms[beliefs_.size()], posterior.alpha, posterior.beta});
+  SetPosteriorMeans(beliefs_, adaptive_);
+}
+
+// A verdict of a newer protocol, or one out of range, is passed over.
+void SessionLink::TakeVerdict(const SceneVerdict& verdict) {
+  if (verdict.verdict > Verdict::kDegraded) {
+    ++unknown_message_count_;
+    return;
+  }
+  const double probability = verdict.leader_probability;
+  if (verdict.leader_arm >= adaptive_.arms().size() || !(probability >= 0 && probability <= 1))
+    return;
+  verdict_ = verdict;
+  adaptive_.SetVerdict(verdict_);
+}
+
+std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& end, uint64_t now_ns) {
+  if (finished()) return std::nullopt;
+  if (!stream_) {
+    const uint32_t delay_ms = backoff_.LongMs();
+    last_error_ = end.message + TryingAgain(delay_ms);
+    return delay_ms;
+  }
+  const Stream stream = *std::exchange(stream_, std::nullopt);
+  const std::string reason = protocol::ErrorReasonIn(end.details);
+  adaptive_.SetDeciderPresent(false);
+  if (reason == "FOREIGN_SESSION") state_.ForgetSession();
+  state_.Disconnect(end.code == kGrpcNotFound, end.code == kGrpcInvalidArgument);
+  const bool went_wrong = Explain(end, reason, stream);
+  const uint32_t delay_ms = DelayMs(end, reason, stream, now_ns);
+  if (finished() || reason == "SESSION_KICKED") return std::nullopt;
+  if (went_wrong) last_error_ += TryingAgain(delay_ms);
+  return delay_ms;
+}
+
+// Says what went wrong; returns false if the end was asked for.
+bool SessionLink::Explain(const StreamEnd& end, const std::string& reason, const Stream& stream) {
+  const bool refused = end.code == kGrpcInvalidArgument || IsTokenRefused(end.code, reason) ||
+                       reason == "NOT_ALLOWED";
+  refusal_ = refused ? WithReason(end.message, reason) : "";
+  if (!stream.mismatch.empty()) {
+    refusal_ = last_error_ = daemon_ + " " + stream.mismatch;
+  } else if (!stream.fault.empty()) {
+    last_error_ = daemon_ + " " + stream.fault;
+  } else if (end.code == kGrpcOk && (stream.finished || stream.goodbye_sent)) {
+    return false;
+  } else if (stream.goodbye_sent) {
+    last_error_ =
+        daemon_ + " did not confirm the session's end: " + WithReason(end.message, reason);
+  } else {
+    last_error_ = Describe(end, reason, daemon_);
+  }
+  return true;
+}
+
+uint32_t SessionLink::DelayMs(const StreamEnd& end, const std::string& reason, const Stream& stream,
+                              uint64_t now_ns) {
+  if (stream.online_since_ns && now_ns - *stream.online_since_ns >= kGoodConnectionNs)
+    backoff_.Reset();
+  if (!stream.mismatch.empty()) return backoff_.LongMs();
+  if (IsTokenRefused(end.code, reason)) return kTokenDelayFactor * backoff_.LongMs();
+  if (reason == "FOREIGN_SESSION") return backoff_.NextMs();
+  if (IsLasting(end.code)) return backoff_.LongMs();
+  if (!stream.reconnect_delay_ms) return backoff_.NextMs();
+  // A daemon that drains spreads its clients by the delay, over more than the longest back-off.
+  const uint64_t max_ms = uint64_t{4} * options_.backoff_max_ms;
+  const auto delay_ms =
+      static_cast<uint32_t>(std::min<uint64_t>(*stream.reconnect_delay_ms, max_ms));
+  return delay_ms +
+         backoff_.JitterMs(std::clamp(delay_ms, options_.backoff_min_ms, options_.backoff_max_ms));
+}
+
+void SessionLink::Goodbye(uint64_t deadline_ns) {
+  goodbye_deadline_ns_ = std::min(goodbye_deadline_ns_.value_or(deadline_ns), deadline_ns);
+}
+
+// Gives the stream up at the deadline of the goodbye, and says what the daemon owes until then.
+void SessionLink::GiveUp() {
+  stream_.reset();
+  adaptive_.SetDeciderPresent(false);
+  if (!state_.online()) {
+    if (last_error_.empty()) last_error_ = daemon_ + " has not answered";
+    return;
+  }
+  const uint64_t unacknowledged_count =
+      state_.counts().sent_sequence - state_.counts().acknowledged_sequence;
+  last_error_ = daemon_ + " did not confirm the session's end in time";
+  if (unacknowledged_count == 0) return;
+  last_error_ += ": it has not acknowledged the last " + std::to_string(unacknowledged_count) +
+                 " messages; its log and /readyz may say why";
+}
+
+SessionStats SessionLink::stats() const {
+  const SessionState::Counts& counts = state_.counts();
+  SessionStats stats;
+  stats.state = !stream_          ? ConnectionState::kOffline
+                : state_.online() ? ConnectionState::kOnline
+                                  : ConnectionState::kConnecting;
+  stats.last_error = last_error_;
+  stats.refusal = refusal_;
+  stats.session_id = state_.session_id();
+  stats.sent_frame_count = counts.sent_frame_count;
+  stats.dropped_frame_count = counts.discarded_frame_count;
+  stats.acknowledged_sequence = counts.acknowledged_sequence;
+  stats.sent_sequence = counts.sent_sequence;
+  stats.awaits_acknowledgement = state_.online() && state_.full();
+  stats.connection_count = counts.connection_count;
+  stats.resumed_count = counts.resumed_count;
+  stats.resent_message_count = counts.resent_message_count;
+  stats.command_count = command_count_;
+  stats.unknown_message_count = unknown_message_count_;
+  stats.prior_source_count = welcome_.prior_source_count;
+  stats.priors_unavailable = welcome_.priors_unavailable;
+  stats.daemon_version = welcome_.daemon_version;
+  stats.policy = welcome_.policy;
+  stats.seed = welcome_.seed;
+  stats.beliefs = beliefs_;
+  stats.verdict = verdict_;
+  return stats;
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,320 @@
+// The whole protocol of a session, message by message and in scripted time. The daemon's side is
+// protobuf's.
+#include "engine_client/telemetry/protocol/session_link.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sweepstake/v1/errors.pb.h"
+#include "sweepstake/v1/telemetry.pb.h"
+
+namespace sweepstake {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr uint64_t kMs = 1'000'000;
+constexpr uint32_t kUnavailable = 14;
+constexpr uint32_t kPermissionDenied = 7;
+
+v1::StreamTelemetryResponse WelcomeTo(const std::string& session, bool resumed = false,
+                                      uint64_t acknowledged = 0) {
+  v1::StreamTelemetryResponse response;
+  v1::Welcome& welcome = *response.mutable_welcome();
+  welcome.set_session_id(session);
+  welcome.set_resume_token("token of " + session);
+  welcome.set_resumed(resumed);
+  welcome.set_acknowledged_sequence(acknowledged);
+  welcome.set_protocol_version(2);
+  return response;
+}
+
+StreamEnd EndWith(uint32_t code, const std::string& message, const std::string& reason = "") {
+  v1::StatusDetails details;
+  if (!reason.empty()) {
+    v1::ErrorInfo info;
+    info.set_reason(reason);
+    info.set_domain("sweepstake");
+    google::protobuf::Any& detail = *details.add_details();
+    detail.set_type_url("type.googleapis.com/google.rpc.ErrorInfo");
+    detail.set_value(info.SerializeAsString());
+  }
+  return {code, message, details.SerializeAsString()};
+}
+
+SessionOptions Options() {
+  SessionOptions options;
+  options.batch_frames = 1;
+  options.backoff_min_ms = 100;
+  options.backoff_max_ms = 1000;
+  return options;
+}
+
+class SessionLinkTest : public ::testing::Test {
+ protected:
+  void Frames(int count) {
+    for (int i = 0; i < count; ++i) {
+      FrameSample sample{};
+      sample.frame_index = next_frame_++;
+      sample.frame_time_ns = 1000;
+      queue_.OnFrame(sample);
+    }
+  }
+
+  v1::StreamTelemetryRequest Take() {
+    v1::StreamTelemetryRequest request;
+    EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kSend);
+    EXPECT_TRUE(request.ParseFromString(link_.Take(now_ns_)));
+    return request;
+  }
+  // The numbers of the messages that can be sent now.
+  std::vector<uint64_t> TakeAll() {
+    std::vector<uint64_t> sequences;
+    while (link_.Advance(now_ns_) == LinkAction::kSend) sequences.push_back(Take().sequence());
+    return sequences;
+  }
+  Status Receive(const v1::StreamTelemetryResponse& response) {
+    return link_.OnMessage(response.SerializeAsString(), now_ns_);
+  }
+  // Opens a stream and returns its Hello.
+  v1::Hello Connect() {
+    link_.Connected(now_ns_);
+    return Take().hello();
+  }
+  void GoOnline() {
+    Connect();
+    EXPECT_TRUE(Receive(WelcomeTo("a")).ok());
+  }
+
+  using Sequences = std::vector<uint64_t>;
+  SampleQueue queue_{64};
+  std::unique_ptr<AdaptiveBroadPhase> adaptive_ =
+      std::move(*AdaptiveBroadPhase::Create({.arms = {"BruteForce", "Grid"}}, &queue_));
+  SessionLink link_{Options(), "the daemon", 7, queue_, *adaptive_};
+  uint64_t now_ns_ = 1000 * kMs;
+  uint64_t next_frame_ = 0;
+};
+
+TEST_F(SessionLinkTest, SaysHelloFirstAndNothingMoreBeforeTheWelcome) {
+  Frames(2);
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone) << "there is no stream";
+  const v1::Hello hello = Connect();
+  EXPECT_EQ(hello.arms(1).name(), "Grid");
+  EXPECT_EQ(hello.session_id(), "");
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone);
+  EXPECT_EQ(link_.stats().state, ConnectionState::kConnecting);
+  ASSERT_TRUE(Receive(WelcomeTo("a")).ok());
+  EXPECT_EQ(link_.stats().state, ConnectionState::kOnline);
+  EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
+}
+
+TEST_F(SessionLinkTest, EmptiesTheQueueWhileNothingCanBeWritten) {
+  GoOnline();
+  for (int i = 0; i < 10; ++i) {
+    Frames(60);
+    EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kSend);
+  }
+  EXPECT_EQ(queue_.dropped_frame_count(), 0U);
+  EXPECT_EQ(TakeAll().size(), 600U);
+}
+
+TEST_F(SessionLinkTest, ResumesInTheMidstOfWhatItWasSending) {
+  GoOnline();
+  Frames(5);
+  EXPECT_EQ(Take().sequence(), 1U);
+  EXPECT_EQ(Take().sequence(), 2U);
+  EXPECT_EQ(Take().sequence(), 3U);
+  EXPECT_TRUE(link_.Disconnected(EndWith(kUnavailable, "gone"), now_ns_));
+  const v1::Hello hello = Connect();
+  EXPECT_EQ(hello.session_id(), "a");
+  EXPECT_EQ(hello.resume_token(), "token of a");
+  ASSERT_TRUE(Receive(WelcomeTo("a", true, 1)).ok());
+  EXPECT_EQ(TakeAll(), (Sequences{2, 3, 4, 5}));
+  EXPECT_EQ(link_.stats().resumed_count, 1U);
+  EXPECT_EQ(link_.stats().resent_message_count, 2U);
+}
+
+TEST_F(SessionLinkTest, NumbersItsMessagesAnewInANewSession) {
+  GoOnline();
+  Frames(3);
+  TakeAll();
+  v1::StreamTelemetryResponse acknowledgement;
+  acknowledgement.mutable_acknowledgement()->set_sequence(1);
+  ASSERT_TRUE(Receive(acknowledgement).ok());
+  link_.Disconnected(EndWith(kUnavailable, "gone"), now_ns_);
+  EXPECT_EQ(Connect().session_id(), "a");
+  link_.Disconnected(EndWith(5, "no such session"), now_ns_);
+  EXPECT_EQ(Connect().session_id(), "");
+  ASSERT_TRUE(Receive(WelcomeTo("b")).ok());
+  EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
+}
+
+TEST_F(SessionLinkTest, ComesBackToADrainingDaemonAfterTheDelayThatItAsksFor) {
+  GoOnline();
+  v1::StreamTelemetryResponse response;
+  response.mutable_reconnect()->set_delay_ms(500);
+  ASSERT_TRUE(Receive(response).ok());
+  Frames(1);
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kFinish);
+  EXPECT_EQ(link_.Take(now_ns_), "");
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone);
+  const auto delay_ms = link_.Disconnected({}, now_ns_);
+  ASSERT_TRUE(delay_ms);
+  EXPECT_GE(*delay_ms, 500U);
+  EXPECT_LE(*delay_ms, 1000U);
+  EXPECT_EQ(link_.stats().last_error, "");
+  EXPECT_EQ(Connect().session_id(), "a");
+}
+
+TEST_F(SessionLinkTest, WaitsForADrainingDaemonAtMostFourTimesTheLongestBackOff) {
+  GoOnline();
+  v1::StreamTelemetryResponse response;
+  response.mutable_reconnect()->set_delay_ms(~0U);
+  ASSERT_TRUE(Receive(response).ok());
+  EXPECT_LE(link_.Disconnected({}, now_ns_), 5000U);
+}
+
+TEST_F(SessionLinkTest, DoesNotNameASessionAgainThatIsSomebodyElses) {
+  GoOnline();
+  link_.Disconnected(EndWith(kUnavailable, "gone"), now_ns_);
+  Connect();
+  link_.Disconnected(EndWith(kPermissionDenied, "not yours", "FOREIGN_SESSION"), now_ns_);
+  EXPECT_EQ(Connect().session_id(), "");
+}
+
+TEST_F(SessionLinkTest, DoesNotComeBackOnceItWasKicked) {
+  GoOnline();
+  EXPECT_FALSE(link_.Disconnected(EndWith(kPermissionDenied, "enough", "SESSION_KICKED"), now_ns_));
+  EXPECT_EQ(link_.stats().last_error, "the daemon refuses the session: enough (SESSION_KICKED)");
+}
+
+TEST_F(SessionLinkTest, HasNoSessionWithADaemonOfAnotherVersion) {
+  Connect();
+  v1::StreamTelemetryResponse welcome = WelcomeTo("a");
+  welcome.mutable_welcome()->set_protocol_version(3);
+  welcome.mutable_switch_command()->set_command_id(1);
+  ASSERT_TRUE(Receive(welcome).ok());
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
+  const auto delay_ms = link_.Disconnected(EndWith(1, "cancelled"), now_ns_);
+  EXPECT_GE(delay_ms, 500U);
+  EXPECT_THAT(link_.stats().refusal, HasSubstr("speaks version 3"));
+  EXPECT_EQ(link_.stats().command_count, 0U);
+}
+
+TEST_F(SessionLinkTest, LosesNothingToAMessageThatCannotBeRead) {
+  GoOnline();
+  Frames(2);
+  TakeAll();
+  const Status status = link_.OnMessage("\x0a\xff", now_ns_);
+  EXPECT_EQ(status.code(), StatusCode::kDataLoss);
+  EXPECT_THAT(status.message(), HasSubstr("cannot be read"));
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
+  v1::StreamTelemetryResponse acknowledgement;
+  acknowledgement.mutable_acknowledgement()->set_sequence(2);
+  EXPECT_TRUE(Receive(acknowledgement).ok()) << "passed over";
+  EXPECT_TRUE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("cannot be read; trying again"));
+  EXPECT_EQ(Connect().session_id(), "a");
+  ASSERT_TRUE(Receive(WelcomeTo("a", true, 0)).ok());
+  EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
+}
+
+TEST_F(SessionLinkTest, ActsOnNothingBeforeTheWelcome) {
+  Connect();
+  v1::StreamTelemetryResponse response;
+  response.mutable_switch_command()->set_reason(v1::SWITCH_REASON_POLICY);
+  response.mutable_reconnect()->set_delay_ms(1);
+  ASSERT_TRUE(Receive(response).ok());
+  EXPECT_EQ(link_.stats().command_count, 0U);
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kNone);
+}
+
+TEST_F(SessionLinkTest, GivesADaemonUpThatDoesNotAnswerWithinTenSeconds) {
+  Connect();
+  EXPECT_EQ(link_.Advance(now_ns_ + 9'999 * kMs), LinkAction::kNone);
+  EXPECT_EQ(link_.Advance(now_ns_ + 10'000 * kMs), LinkAction::kCancel);
+  link_.Disconnected(EndWith(1, "cancelled"), now_ns_);
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("the daemon has not answered; trying again"));
+}
+
+TEST_F(SessionLinkTest, SendsTheRestOfTheQueueBeforeItsGoodbye) {
+  GoOnline();
+  Frames(3);
+  link_.Goodbye(now_ns_ + 500 * kMs);
+  EXPECT_EQ(Take().sequence(), 1U);
+  EXPECT_EQ(Take().sequence(), 2U);
+  EXPECT_EQ(Take().sequence(), 3U);
+  EXPECT_TRUE(Take().has_goodbye());
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kFinish);
+  link_.Take(now_ns_);
+  EXPECT_FALSE(link_.finished());
+  EXPECT_FALSE(link_.Disconnected({}, now_ns_)) << "there is no next stream";
+  EXPECT_TRUE(link_.finished());
+  EXPECT_EQ(link_.stats().last_error, "");
+}
+
+TEST_F(SessionLinkTest, SendsABatchThatIsNotDueWithItsGoodbye) {
+  SampleQueue queue(64);
+  SessionOptions options = Options();
+  options.batch_frames = 240;
+  SessionLink link(options, "the daemon", 7, queue, *adaptive_);
+  link.Connected(now_ns_);
+  link.Advance(now_ns_);
+  link.Take(now_ns_);
+  ASSERT_TRUE(link.OnMessage(WelcomeTo("a").SerializeAsString(), now_ns_).ok());
+  queue.OnFrame(FrameSample{});
+  EXPECT_EQ(link.Advance(now_ns_), LinkAction::kNone);
+  link.Goodbye(now_ns_ + 500 * kMs);
+  ASSERT_EQ(link.Advance(now_ns_), LinkAction::kSend);
+  v1::StreamTelemetryRequest request;
+  ASSERT_TRUE(request.ParseFromString(link.Take(now_ns_)));
+  EXPECT_EQ(request.frame_batch().frame_time_ns_size(), 1);
+}
+
+TEST_F(SessionLinkTest, GivesItsGoodbyeUpAtTheDeadlineAndSaysWhatIsOwed) {
+  GoOnline();
+  Frames(2);
+  TakeAll();
+  link_.Goodbye(now_ns_ + 500 * kMs);
+  link_.Goodbye(now_ns_ + 800 * kMs);
+  EXPECT_EQ(link_.Advance(now_ns_ + 499 * kMs), LinkAction::kSend);
+  EXPECT_EQ(link_.Advance(now_ns_ + 500 * kMs), LinkAction::kCancel);
+  EXPECT_TRUE(link_.finished());
+  EXPECT_EQ(link_.Advance(now_ns_ + 500 * kMs), LinkAction::kNone);
+  EXPECT_FALSE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("not acknowledged the last 2 messages"));
+}
+
+TEST_F(SessionLinkTest, IsFinishedAtOnceWithoutAStream) {
+  link_.Goodbye(now_ns_ + 500 * kMs);
+  EXPECT_TRUE(link_.finished());
+}
+
+TEST_F(SessionLinkTest, TakesNoMessageWithoutAStream) {
+  EXPECT_EQ(Receive(WelcomeTo("a")).code(), StatusCode::kFailedPrecondition);
+}
+
+TEST_F(SessionLinkTest, KeepsItsSessionWhileNoStreamCanBeOpened) {
+  GoOnline();
+  link_.Disconnected(EndWith(kUnavailable, "gone"), now_ns_);
+  EXPECT_GE(link_.Disconnected(EndWith(0, "no such file"), now_ns_), 500U);
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("no such file; trying again in"));
+  EXPECT_EQ(Connect().session_id(), "a");
+}
+
+TEST_F(SessionLinkTest, TriesARefusedTokenAgainRarely) {
+  Connect();
+  EXPECT_GE(link_.Disconnected(EndWith(16, "who?", "TOKEN_REFUSED"), now_ns_), 3000U);
+  EXPECT_EQ(link_.stats().refusal, "who? (TOKEN_REFUSED)");
+}
+
+TEST_F(SessionLinkTest, HurriesBackAfterAConnectionThatHeld) {
+  for (int i = 0; i < 8; ++i) {
+    GoOnline();
+    now_ns_ += 1000 * kMs;
+    EXPECT_LE(link_.Disconnected(EndWith(kUnavailable, "gone"), now_ns_), 100U);
+  }
+}
+
+}  // namespace
+}  // namespace sweepstake
