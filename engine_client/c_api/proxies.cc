@@ -1,12 +1,10 @@
 // Proxies: the set of proxy_set.h behind handles of C.
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "engine_client/c_api/executor.h"
 #include "engine_client/c_api/live.h"
@@ -47,17 +45,12 @@ struct Proxies {
   std::optional<std::span<const OverlapPair>> pairs;  // absent: nothing resolved yet
 };
 
-// What the queries of a thread write to before the caller's memory; it keeps its room.
-thread_local std::vector<ProxyHandle> found_proxies;
-thread_local std::vector<RayHit> found_hits;
-
 swp_result NoSuchProxy() {
   return Fail(SWP_NOT_FOUND, "no proxy has this handle: it was removed, or never was one");
 }
 
 ProxyHandle ToHandle(swp_proxy proxy) { return std::bit_cast<ProxyHandle>(proxy); }
 swp_proxy ToProxy(ProxyHandle handle) { return std::bit_cast<swp_proxy>(handle); }
-swp_ray_hit ToHit(const RayHit& hit) { return {ToProxy(hit.proxy), hit.distance, 0}; }
 CollisionFilter ToFilter(const swp_filter& filter) { return {filter.category, filter.mask}; }
 CollisionFilter FilterOrAll(const swp_filter* filter) {
   return filter == nullptr ? CollisionFilter{~0U, ~0U} : ToFilter(*filter);
@@ -128,25 +121,26 @@ class Batch {
   uint32_t count_ = 0;
 };
 
-swp_result NotPrepared() {
+// Returns the result of a query.
+swp_result ToQueryResult(const sweepstake::Status& status) {
+  if (status.code() != sweepstake::StatusCode::kFailedPrecondition) return ToResult(status);
   return Fail(SWP_FAILED_PRECONDITION,
               "call swp_proxies_prepare_queries first, and again after every change");
 }
 
-// Queries change nothing once they are prepared, and may then run side by side.
-ProxySet& ForQueries(const Proxies& proxies) { return const_cast<ProxySet&>(proxies.set); }
+// A query writes its hits to the beginning of the caller's array, where they are closer together.
+std::span<RayHit> Packed(swp_ray_hit* hits, uint64_t capacity) {
+  static_assert(sizeof(RayHit) <= sizeof(swp_ray_hit));
+  return {reinterpret_cast<RayHit*>(hits), capacity};
+}
 
-swp_result CheckRays(const swp_ray* rays, uint32_t count) {
-  if (rays == nullptr && count > 0) return NullArgument("rays");
-  for (const swp_ray& ray : std::span(rays, count)) {
-    bool finite = std::isfinite(ray.max_distance);
-    for (int axis = 0; axis < 3; ++axis) {
-      finite = finite && std::isfinite(ray.origin[axis]) && std::isfinite(ray.direction[axis]);
-    }
-    if (finite && ray.max_distance >= 0) continue;
-    return Fail(SWP_INVALID_ARGUMENT, "a ray must be finite, and its max_distance not negative");
+// Spreads them: from the last one on, so that each is read before another is written over it.
+void Unpack(swp_ray_hit* hits, uint64_t count) {
+  for (uint64_t k = count; k-- > 0;) {
+    RayHit hit;
+    std::memcpy(&hit, reinterpret_cast<const RayHit*>(hits) + k, sizeof hit);
+    hits[k] = {ToProxy(hit.proxy), hit.distance, 0};
   }
-  return SWP_OK;
 }
 
 }  // namespace
@@ -308,34 +302,23 @@ swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* b
     if ((boxes == nullptr || ends == nullptr) && box_count > 0)
       return NullArgument("boxes and ends");
     if (found == nullptr && capacity > 0) return NullArgument("found");
-    if (!live.set.queries_prepared()) return NotPrepared();
-    uint64_t total = 0;
-    for (uint32_t k = 0; k < box_count; ++k) {
-      ForQueries(live).QueryBox(ToBoxes(boxes, box_count)[k], FilterOrAll(filter), found_proxies);
-      if (total + found_proxies.size() <= capacity) {
-        std::transform(found_proxies.begin(), found_proxies.end(), found + total, ToProxy);
-      }
-      total += found_proxies.size();
-      ends[k] = total;
-    }
-    return total > capacity ? TooFewPlaces() : kOk;
+    const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
+    const std::span places{reinterpret_cast<size_t*>(ends), box_count};
+    const auto status =
+        live.set.QueryBoxes(ToBoxes(boxes, box_count), FilterOrAll(filter), out, places);
+    if (!status.ok()) return ToQueryResult(status);
+    return !places.empty() && places.back() > capacity ? TooFewPlaces() : kOk;
   });
 }
 
 swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                  uint32_t ray_count, const swp_filter* filter, swp_ray_hit* hits) {
   return Use(proxies, [&](const Proxies& live) {
-    if (const swp_result wrong = CheckRays(rays, ray_count); wrong != SWP_OK) return wrong;
-    if (hits == nullptr && ray_count > 0) return NullArgument("hits");
-    if (!live.set.queries_prepared()) return NotPrepared();
-    for (uint32_t k = 0; k < ray_count; ++k) {
-      RayHit nearest;
-      const Ray& ray = reinterpret_cast<const Ray&>(rays[k]);
-      const auto status = ForQueries(live).CastRayNearest(ray, FilterOrAll(filter), nearest);
-      if (!status.ok()) return ToResult(status);
-      if (nearest.proxy.is_null()) nearest.distance = rays[k].max_distance;
-      hits[k] = ToHit(nearest);
-    }
+    if ((rays == nullptr || hits == nullptr) && ray_count > 0) return NullArgument("rays and hits");
+    const std::span cast{reinterpret_cast<const Ray*>(rays), ray_count};
+    const auto status = live.set.CastRays(cast, FilterOrAll(filter), Packed(hits, ray_count));
+    if (!status.ok()) return ToQueryResult(status);
+    Unpack(hits, ray_count);
     return kOk;
   });
 }
@@ -344,16 +327,16 @@ swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
                                 const swp_filter* filter, swp_ray_hit* hits, uint64_t capacity,
                                 uint64_t* count) {
   return Use(proxies, [&](const Proxies& live) {
-    if (const swp_result wrong = CheckRays(ray, 1); wrong != SWP_OK) return wrong;
-    if (count == nullptr) return NullArgument("count");
+    if (ray == nullptr || count == nullptr) return NullArgument("ray and count");
     if (hits == nullptr && capacity > 0) return NullArgument("hits");
-    if (!live.set.queries_prepared()) return NotPrepared();
     const Ray& cast = *reinterpret_cast<const Ray*>(ray);
-    const auto status = ForQueries(live).CastRay(cast, FilterOrAll(filter), found_hits);
-    if (!status.ok()) return ToResult(status);
-    *count = found_hits.size();
-    if (*count > capacity) return TooFewPlaces();
-    std::transform(found_hits.begin(), found_hits.end(), hits, ToHit);
+    size_t hit_count = 0;
+    const auto status =
+        live.set.CastRay(cast, FilterOrAll(filter), Packed(hits, capacity), hit_count);
+    if (!status.ok()) return ToQueryResult(status);
+    *count = hit_count;
+    if (hit_count > capacity) return TooFewPlaces();
+    Unpack(hits, hit_count);
     return kOk;
   });
 }

@@ -241,9 +241,6 @@ std::span<const ProxyPair> ProxySet::added() const { return impl_->events_.added
 std::span<const ProxyPair> ProxySet::removed() const { return impl_->events_.removed(); }
 
 void ProxySet::PrepareQueries() { impl_->RefreshTrees(); }
-bool ProxySet::queries_prepared() const {
-  return impl_->moving_.trees_are_fresh() && impl_->resting_.trees_are_fresh();
-}
 uint64_t ProxySet::refit_count() const {
   return impl_->moving_.refit_count() + impl_->resting_.refit_count();
 }

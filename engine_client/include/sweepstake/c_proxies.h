@@ -143,28 +143,27 @@ SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_pro
 
 /* Queries over the current moving and static proxies whose filter and the query's filter pass. They
  * take a const set and write to the caller's memory, so that any number of threads may query at the
- * same time. A thread's first queries allocate, the others do not. SWP_FAILED_PRECONDITION if
- * something has changed since swp_proxies_prepare_queries. */
+ * same time; none allocates. SWP_FAILED_PRECONDITION if something has changed since
+ * swp_proxies_prepare_queries. */
 
 /* Makes the queries ready, as ProxySet::PrepareQueries: O(1) if nothing has changed, otherwise
  * O(proxies of the kind that has). */
 SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 /* For each box, gives all proxies that overlap it, by ascending id: those of box k are in `found`
  * from ends[k - 1] (0 for the first box) to ends[k]. If the capacity of `found` is too small, the
- * result is SWP_RESOURCE_EXHAUSTED; `ends` is right, its last says what is needed, and `found`
- * holds the results of the first boxes as far as they fit. */
+ * result is SWP_RESOURCE_EXHAUSTED; `ends` is right, its last says what is needed, and what `found`
+ * holds is undefined. */
 SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                            uint32_t box_count, const swp_filter* filter,
                                            swp_proxy* found, uint64_t capacity, uint64_t* ends);
-/* For each ray, gives the nearest hit; without one, its proxy is 0 and the distance the ray's
- * max_distance. SWP_INVALID_ARGUMENT for a ray that is not finite or has a negative max_distance.
- */
+/* For each ray, gives the nearest hit; without one, proxy and distance are 0. SWP_INVALID_ARGUMENT
+ * for a ray that is not finite or has a negative max_distance. */
 SWP_API swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                          uint32_t ray_count, const swp_filter* filter,
                                          swp_ray_hit* hits);
 /* Gives all hits of one ray by ascending distance, at equal distance by id. If the capacity is too
- * small, the result is SWP_RESOURCE_EXHAUSTED, `count` says what is needed and no hit is written.
- */
+ * small, the result is SWP_RESOURCE_EXHAUSTED, `count` says what is needed, and what `hits` holds
+ * is undefined. */
 SWP_API swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
                                         const swp_filter* filter, swp_ray_hit* hits,
                                         uint64_t capacity, uint64_t* count);

