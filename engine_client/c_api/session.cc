@@ -35,6 +35,8 @@ swp_session_options DefaultOptions() {
   options.settling_ns = defaults.settling_ns;
   options.queue_frames = kDefaultQueueFrames;
   options.shadow = SWP_SHADOW_OFF;
+  options.shadow_duty_ratio = defaults.shadow.duty_ratio;
+  options.shadow_memory_bytes = defaults.shadow.memory_cap_bytes;
   return options;
 }
 
@@ -62,6 +64,9 @@ swp_result CheckOptions(const swp_session_options& options) {
     return Fail(SWP_INVALID_ARGUMENT, "shadow must be one of SWP_SHADOW_*, 0 to 2");
   }
   if (options.sorted_pairs > 1) return Fail(SWP_INVALID_ARGUMENT, "sorted_pairs must be 0 or 1");
+  if (!(options.shadow_duty_ratio > 0 && options.shadow_duty_ratio <= 1)) {
+    return Fail(SWP_INVALID_ARGUMENT, "shadow_duty_ratio must be over 0 and at most 1");
+  }
   return SWP_OK;
 }
 
@@ -73,6 +78,8 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
   options.bail_out_ns = given.bail_out_ns;
   options.settling_ns = given.settling_ns;
   options.shadow.enabled = static_cast<ShadowMode>(given.shadow);
+  options.shadow.duty_ratio = given.shadow_duty_ratio;
+  options.shadow.memory_cap_bytes = given.shadow_memory_bytes;
   options.sorted_pairs = given.sorted_pairs != 0;
   return options;
 }

@@ -29,6 +29,9 @@ EmbeddedOptions ToEmbeddedOptions(const swp_decider_options& given) {
   }
   options.seed = given.seed;
   options.time_scale = given.time_scale;
+  options.decision_interval_ns = given.decision_interval_ns;
+  options.cooldown_ns = given.cooldown_ns;
+  options.fps_floor = given.fps_floor;
   return options;
 }
 
@@ -38,6 +41,9 @@ swp_decider_options DefaultOptions() {
   options.struct_size = sizeof options;
   options.seed = defaults.seed;
   options.time_scale = defaults.time_scale;
+  options.decision_interval_ns = defaults.decision_interval_ns;
+  options.cooldown_ns = defaults.cooldown_ns;
+  options.fps_floor = defaults.fps_floor;
   return options;
 }
 

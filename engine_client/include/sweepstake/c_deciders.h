@@ -39,6 +39,9 @@ typedef struct swp_decider_options {
   uint64_t priors_data_bytes; /* 0 if priors_data is NULL */
   uint64_t seed;
   double time_scale; /* 1 to 1000: every interval but the bail-out limit is divided by it */
+  uint64_t decision_interval_ns; /* from one decision to the next, 1 to 8.64e15 (100 days); 2 s */
+  uint64_t cooldown_ns; /* between switches that the policy chooses, at most 100 days; 40 s */
+  double fps_floor;     /* SWP_VERDICT_DEGRADED if the best arm has fewer frames/s, 0 to 1000; 30 */
 } swp_decider_options;
 
 /* A posterior of an arm's reward, Beta(alpha, beta). */
@@ -59,9 +62,9 @@ SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
 /* Ends the decider and what it has learnt; the session then switches by itself at a bail-out. */
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
-/* Takes the costs of the frames since the last poll, decides if a decision is due (every 2 s), and
- * posts the command. `commanded` is 1 if one was posted, which is then also written to `command`;
- * both may be NULL. Poll every 250 ms or more often. */
+/* Takes the costs of the frames since the last poll, decides if a decision is due
+ * (decision_interval_ns), and posts the command. `commanded` is 1 if one was posted, which is then
+ * also written to `command`; both may be NULL. Poll every 250 ms or more often. */
 SWP_API swp_result swp_session_poll_decider(swp_session* session, uint64_t now_ns,
                                             swp_switch_command* command, uint32_t* commanded);
 /* Writes the posteriors in the order of arms; `count` is the number of arms. If `capacity` is

@@ -75,6 +75,9 @@ typedef struct swp_session_options {
   swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a lockstep
                              game sees no switch; no part of a sample's detection time */
+  double shadow_duty_ratio; /* the lane's share of one core in the long run, over 0 to 1; 0.15 */
+  uint64_t shadow_memory_bytes; /* the lane's maximum, half of it for copied boxes; 64 MiB. If the
+                                   frames do not fit, there is SWP_SHADOW_STATE_TOO_BIG */
 } swp_session_options;
 
 /* The cost of one frame. Of several searches, times and checks are summed; the counts of bytes,

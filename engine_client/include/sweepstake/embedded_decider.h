@@ -89,6 +89,14 @@ struct EmbeddedOptions {
   std::string source_id;
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
+  // Time from one decision to the next, 1 ns to 100 days; what a decision learns is averaged over
+  // it. Half of it doubles the noise and the cost, and finds a change twice as soon.
+  uint64_t decision_interval_ns = 2'000'000'000;
+  // Minimum time from an executed switch to the next one that the policy chooses, at most 100 days.
+  // Some policies wait for less after a switch that was cheap. Bail-outs do not wait.
+  uint64_t cooldown_ns = 40'000'000'000;
+  // Frames/s, 0–1000: a scene whose best arm has fewer gets the verdict degraded. 0: no scene does.
+  double fps_floor = 30;
   Mode mode = Mode::kAi;
   // Called with every decision as it is made, on the thread that drives the decider. It must not
   // call the decider.

@@ -1,6 +1,7 @@
 // Step 9 in the game process: frames and outcomes go to the decision core, its commands come back.
 #include "sweepstake/embedded_decider.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +21,21 @@
 namespace sweepstake {
 namespace {
 
+// An interval that is beyond the maximum stays beyond it.
+int64_t ToSigned(uint64_t interval_ns) {
+  constexpr uint64_t kBeyond = decision::kMaxIntervalNs + 1;
+  return static_cast<int64_t>(std::min(interval_ns, kBeyond));
+}
+
+decision::DecisionOptions UnscaledOptions(const EmbeddedOptions& options) {
+  decision::DecisionOptions unscaled;
+  unscaled.policy = options.policy;
+  unscaled.decision_interval_ns = ToSigned(options.decision_interval_ns);
+  unscaled.cooldown_ns = ToSigned(options.cooldown_ns);
+  unscaled.fps_floor = options.fps_floor;
+  return unscaled;
+}
+
 Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t version_count) {
   const auto invalid = [](std::string message) {
     return Status(StatusCode::kInvalidArgument, std::move(message));
@@ -31,6 +47,8 @@ Status ValidateEmbedded(const EmbeddedOptions& options, size_t arm_count, size_t
   if (options.mode != Mode::kManual && options.mode != Mode::kAi) {
     return invalid("mode is neither kManual (1) nor kAi (2)");
   }
+  const std::vector<std::string> problems = decision::NumberProblems(UnscaledOptions(options));
+  if (!problems.empty()) return invalid(problems.front());
   for (const auto& [field, name] :
        {std::pair{"project", &options.project}, {"scene", &options.scene}}) {
     if (!math::IsName(*name)) {
@@ -83,8 +101,7 @@ EvidenceLedger MakeLedger(std::vector<PriorRecord> records, const EmbeddedOption
 decision::SessionSetup MakeSetup(const EmbeddedOptions& options, std::span<const std::string> arms,
                                  uint64_t now_ns) {
   decision::SessionSetup setup;
-  setup.options.policy = options.policy;
-  setup.options = setup.options.Scaled(options.time_scale);
+  setup.options = UnscaledOptions(options).Scaled(options.time_scale);
   setup.arms.assign(arms.begin(), arms.end());
   setup.seed = options.seed;
   setup.mode = ToDecision(options.mode);

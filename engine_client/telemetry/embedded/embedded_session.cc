@@ -13,8 +13,6 @@
 namespace sweepstake {
 namespace {
 
-constexpr double kDecisionIntervalMs = 2000;
-
 class EmbeddedSession final : public SessionBase {
  public:
   EmbeddedSession(StudyMaker maker, EmbeddedOptions embedded, const SessionOptions& options)
@@ -28,7 +26,8 @@ class EmbeddedSession final : public SessionBase {
   bool Step(bool stopping) override;
   // Returns at most a tenth of the scaled decision interval, so that decisions are made on time.
   std::chrono::milliseconds poll_interval() const override {
-    const double tenth_ms = kDecisionIntervalMs / embedded_.time_scale / 10;
+    const auto interval_ns = static_cast<double>(embedded_.decision_interval_ns);
+    const double tenth_ms = interval_ns * 1e-6 / embedded_.time_scale / 10;
     return std::chrono::milliseconds(static_cast<int64_t>(std::clamp(tenth_ms, 1.0, 5.0)));
   }
 

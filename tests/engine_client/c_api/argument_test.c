@@ -249,6 +249,8 @@ static void check_session_options(void) {
   WITH(bail_out_ns, 0);
   WITH(thread_count, 257);
   WITH(sorted_pairs, 2);
+  WITH(shadow_duty_ratio, 0);
+  WITH(shadow_duty_ratio, 1.5);
   for (int i = 1; i <= 32; ++i) strcat(many, ",SAP");
   WITH(arms, many);
 #undef WITH

@@ -125,6 +125,31 @@ static void check_manual(game* played) {
   CHECK(before == after);
 }
 
+/* Ten frames of 50 ms in a row, which are under the floor unless it is lower, and ten decisions. */
+static void check_intervals_and_floor(void) {
+  for (int is_low = 0; is_low <= 1; ++is_low) {
+    swp_decider_options options = {.struct_size = sizeof options};
+    swp_verdict verdict = {99, 99, 99};
+    uint64_t decision_count = 0;
+    game played = {NULL, make_scene("suite-b", kObjects), 0, 0, {0, 0, 0}};
+    CHECK_OK(swp_session_create(NULL, &played.session));
+    CHECK_OK(swp_decider_options_init(&options));
+    CHECK(options.decision_interval_ns == 2000000000 && options.cooldown_ns == 40000000000);
+    CHECK(options.fps_floor == 30);
+    options.policy = "paper";
+    options.decision_interval_ns = 500000000;
+    options.fps_floor = is_low ? 10 : 30;
+    CHECK_OK(swp_session_attach_decider(played.session, &options, played.now_ns));
+    for (int frame = 0; frame < 20 * 60; ++frame) run_frame(&played, 50000000);
+    CHECK_OK(swp_session_verdict(played.session, &verdict));
+    CHECK((verdict.kind == SWP_VERDICT_DEGRADED) == !is_low);
+    CHECK_OK(swp_session_decision_count(played.session, &decision_count));
+    CHECK(decision_count >= 119 && decision_count <= 121);
+    swp_session_destroy(played.session);
+    swp_scene_destroy(played.scene);
+  }
+}
+
 static void check_attach_errors(void) {
   swp_decider_options options = {.struct_size = sizeof options};
   swp_session* session = NULL;
@@ -143,6 +168,18 @@ static void check_attach_errors(void) {
   options.time_scale = 0;
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
   options.time_scale = 1;
+  options.decision_interval_ns = 0;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "decision_interval_ns") != NULL);
+  options.decision_interval_ns = 1;
+  options.cooldown_ns = UINT64_MAX;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "cooldown_ns") != NULL);
+  options.cooldown_ns = 0;
+  options.fps_floor = -1;
+  CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "fps_floor") != NULL);
+  options.fps_floor = 0;
   options.reserved = 1;
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_attach_decider(session, NULL, 0));
@@ -206,5 +243,6 @@ void test_decider(void) {
   CHECK(count == 0);
   swp_session_destroy(played.session);
   swp_scene_destroy(played.scene);
+  check_intervals_and_floor();
   check_attach_errors();
 }

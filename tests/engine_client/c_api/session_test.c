@@ -261,6 +261,26 @@ static void check_shadow_lane(swp_scene* scene) {
   swp_session_destroy(session);
 }
 
+/* A lane without memory is there, and says why it does nothing. */
+static void check_shadow_memory(swp_scene* scene) {
+  swp_session_options options = {.struct_size = sizeof options};
+  swp_session* session = NULL;
+  swp_shadow_stats stats = {.struct_size = sizeof stats};
+  CHECK_OK(swp_session_options_init(&options));
+  CHECK(options.shadow_duty_ratio == 0.15 && options.shadow_memory_bytes == 64 * 1024 * 1024);
+  options.shadow = SWP_SHADOW_AUTO;
+  options.shadow_duty_ratio = 1;
+  options.shadow_memory_bytes = 1000;
+  CHECK_OK(swp_session_create(&options, &session));
+  CHECK_OK(swp_session_shadow_stats(session, &stats));
+  for (int i = 0; i < 1000000 && stats.state == SWP_SHADOW_STATE_RUNNING; ++i) {
+    run_frame(session, scene);
+    CHECK_OK(swp_session_shadow_stats(session, &stats));
+  }
+  CHECK(stats.state == SWP_SHADOW_STATE_TOO_BIG || stats.state == SWP_SHADOW_STATE_NO_SPARE_CORE);
+  swp_session_destroy(session);
+}
+
 /* What the transport heard from the daemon is what the game polls; what is none changes nothing. */
 static void check_verdict_of_transport(swp_session* session) {
   const swp_verdict told = {SWP_VERDICT_TIE, 1, 0.5};
@@ -296,6 +316,7 @@ void test_transport(void) {
   CHECK_OK(swp_session_set_settling(session, 1000));
   check_bail_out_limit(session, scene);
   check_shadow_lane(scene);
+  check_shadow_memory(scene);
   swp_session_destroy(session);
   swp_scene_destroy(scene);
 }

@@ -2,7 +2,7 @@
 #include "tests/engine_client/c_api/abi.h"
 
 /* clang-format off */
-SIZE(swp_decider_options, 88)
+SIZE(swp_decider_options, 112)
 FIELD(swp_decider_options, struct_size, 0, uint32_t)
 FIELD(swp_decider_options, reserved, 4, uint32_t)
 FIELD(swp_decider_options, policy, 8, const char*)
@@ -15,6 +15,9 @@ FIELD(swp_decider_options, priors_data, 56, const char*)
 FIELD(swp_decider_options, priors_data_bytes, 64, uint64_t)
 FIELD(swp_decider_options, seed, 72, uint64_t)
 FIELD(swp_decider_options, time_scale, 80, double)
+FIELD(swp_decider_options, decision_interval_ns, 88, uint64_t)
+FIELD(swp_decider_options, cooldown_ns, 96, uint64_t)
+FIELD(swp_decider_options, fps_floor, 104, double)
 SIZE(swp_belief, 16)
 FIELD(swp_belief, alpha, 0, double)
 FIELD(swp_belief, beta, 8, double)

@@ -398,6 +398,51 @@ TEST_F(EmbeddedDeciderPriors, OfAFileAndOfATextAreUnited) {
   EXPECT_EQ(RecordsOf(decider->ExportPriors()).size(), 3U);
 }
 
+TEST(EmbeddedDeciderIntervals, AreThoseOfTheDecisionCoreUnlessGiven) {
+  const decision::DecisionOptions core;
+  const EmbeddedOptions options;
+  EXPECT_EQ(options.decision_interval_ns, static_cast<uint64_t>(core.decision_interval_ns));
+  EXPECT_EQ(options.cooldown_ns, static_cast<uint64_t>(core.cooldown_ns));
+  EXPECT_EQ(options.fps_floor, core.fps_floor);
+}
+
+// Runs the paper's policy for 400 s, which explores the three arms in the first 20 s.
+size_t SwitchesAfterExploration(uint64_t cooldown_ns) {
+  EmbeddedOptions options = PaperOptions();
+  options.cooldown_ns = cooldown_ns;
+  const auto decider = MakeDecider(options);
+  Game game({20, 20, 20});
+  game.RunFor(*decider, 400'000);
+  return std::count_if(game.commands.begin(), game.commands.end(),
+                       [](const auto& command) { return command.reason == SwitchReason::kPolicy; });
+}
+
+TEST(EmbeddedDeciderIntervals, LetAShortCooldownSwitchOftenAndALongOneNever) {
+  EXPECT_GT(SwitchesAfterExploration(4'000 * kMs), 20U);
+  EXPECT_LE(SwitchesAfterExploration(40'000 * kMs), 10U);
+  EXPECT_EQ(SwitchesAfterExploration(4'000'000 * kMs), 0U);
+}
+
+TEST(EmbeddedDeciderIntervals, DecideAsOftenAsAsked) {
+  EmbeddedOptions options = PaperOptions();
+  options.decision_interval_ns = 500 * kMs;
+  const auto decider = MakeDecider(options);
+  Game game({20, 20, 20});
+  game.RunFor(*decider, 60'000);
+  EXPECT_NEAR(static_cast<double>(decider->decision_count()), 120, 2);
+}
+
+TEST(EmbeddedDeciderIntervals, HaveAFrameRateFloorThatMayBeLowered) {
+  for (const double fps_floor : {30.0, 10.0}) {
+    EmbeddedOptions options = PaperOptions();
+    options.fps_floor = fps_floor;
+    const auto decider = MakeDecider(options);
+    Game game({50, 50, 50});
+    game.RunFor(*decider, 100'000);
+    EXPECT_EQ(decider->verdict().verdict == Verdict::kDegraded, fps_floor == 30) << fps_floor;
+  }
+}
+
 TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
   const auto status = [](auto change) {
     EmbeddedOptions options;
@@ -406,6 +451,14 @@ TEST(EmbeddedDeciderCreate, SaysWhatIsWrong) {
   };
   EXPECT_EQ(status([](auto& o) { o.priors_file = "no/such/file"; }).code(), StatusCode::kNotFound);
   EXPECT_EQ(status([](auto& o) { o.time_scale = 0; }).code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status([](auto& o) { o.decision_interval_ns = 0; }).message(),
+              HasSubstr("decision_interval_ns"));
+  EXPECT_THAT(status([](auto& o) {
+                o.cooldown_ns = ~uint64_t{0};
+                o.time_scale = 1000;
+              }).message(),
+              HasSubstr("cooldown_ns"));
+  EXPECT_THAT(status([](auto& o) { o.fps_floor = 1001; }).message(), HasSubstr("fps_floor"));
   const Status data = status([](auto& o) { o.priors_data = "{"; });
   EXPECT_EQ(data.code(), StatusCode::kDataLoss);
   EXPECT_THAT(data.message(), HasSubstr("priors_data: "));
