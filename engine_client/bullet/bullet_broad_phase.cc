@@ -1,10 +1,16 @@
 #include "sweepstake/bullet.h"
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 namespace sweepstake {
 namespace {
+
+// A proxy that the world has sent so often with the same box rests. Bodies that are awake seldom
+// get there, since their last bits move.
+constexpr uint32_t kRestCount = 8;
 
 constexpr CollisionFilter kEverything{.category = ~0U, .mask = ~0U};
 
@@ -12,19 +18,12 @@ Aabb BoxOf(const btVector3& min, const btVector3& max) {
   return {{min.x(), min.y(), min.z()}, {max.x(), max.y(), max.z()}};
 }
 
+ProxyHandle HandleOf(ProxyHandle handle) { return handle; }
+ProxyHandle HandleOf(const RayHit& hit) { return hit.proxy; }
+
 // Two such proxies cannot pass each other's filters.
 bool IsStatic(int group, int mask) {
   return group == btBroadphaseProxy::StaticFilter && (mask & btBroadphaseProxy::StaticFilter) == 0;
-}
-
-// Returns the bounds of the box `min` to `max` on its way along the ray.
-Aabb SweptBounds(const btVector3& from, const btVector3& to, const btVector3& min,
-                 const btVector3& max) {
-  btVector3 low = from;
-  btVector3 high = from;
-  low.setMin(to);
-  high.setMax(to);
-  return BoxOf(low + min, high + max);
 }
 
 }  // namespace
@@ -42,6 +41,7 @@ btBroadphaseProxy* BulletBroadPhase::createProxy(const btVector3& min, const btV
   proxy.m_aabbMin = min;
   proxy.m_aabbMax = max;
   proxy.filter = FilterOf(proxy);
+  proxy.rest_count = IsStatic(group, mask) ? kRestCount : 0;
   proxy.handle = proxies_.Add(BoxOf(min, max), {.filter = proxy.filter,
                                                 .is_static = IsStatic(group, mask),
                                                 .user = reinterpret_cast<uintptr_t>(&proxy)});
@@ -72,12 +72,27 @@ void BulletBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& min, c
                                btDispatcher* /*dispatcher*/) {
   auto& own = static_cast<Proxy&>(*proxy);
   TakeFilter(own);
-  // The world sends the boxes of all bodies in every step, those at rest included.
   const Aabb box = BoxOf(min, max);
-  if (box == *proxies_.box(own.handle)) return;
+  if (box == *proxies_.box(own.handle)) return Rest(own);
   own.m_aabbMin = min;
   own.m_aabbMax = max;
-  proxies_.Move(own.handle, box);
+  Move(own, box);
+}
+
+// A kinematic body that moves must not cost as much as all static ones, whose tree would have to be
+// refitted in each step.
+void BulletBroadPhase::Move(Proxy& proxy, const Aabb& box) {
+  proxies_.Move(proxy.handle, box);  // which wakes it
+  if (std::exchange(proxy.rest_count, 0) == kRestCount) proxies_.SetStatic(proxy.handle, false);
+}
+
+void BulletBroadPhase::Rest(Proxy& proxy) {
+  if (proxy.rest_count == kRestCount || ++proxy.rest_count < kRestCount) return;
+  if (IsStatic(proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask)) {
+    proxies_.SetStatic(proxy.handle, true);
+  } else {
+    proxies_.SetSleeping(proxy.handle, true);
+  }
 }
 
 void BulletBroadPhase::getAabb(btBroadphaseProxy* proxy, btVector3& min, btVector3& max) const {
@@ -132,33 +147,53 @@ void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   }
 }
 
+// Everything is found before the callback is called, which may change what there is to find.
+template <typename Found, typename Query>
+void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& callback) {
+  if (!proxies_.queries_prepared()) proxies_.PrepareQueries();
+  std::array<Found, 64> few;
+  std::vector<Found> many;
+  std::span<Found> found = few;
+  size_t count = 0;
+  Status status = query(found, count);
+  if (status.ok() && count > found.size()) {
+    many.resize(count);
+    found = many;
+    status = query(found, count);
+  }
+  if (!status.ok()) return;  // what is not finite finds nothing
+  for (const Found& one : found.first(count)) {
+    if (const Proxy* const proxy = Find(HandleOf(one))) callback.process(proxy);
+  }
+}
+
 void BulletBroadPhase::rayTest(const btVector3& from, const btVector3& to,
                                btBroadphaseRayCallback& callback, const btVector3& min,
                                const btVector3& max) {
-  if (!min.isZero() || !max.isZero()) {
-    const Aabb bounds = SweptBounds(from, to, min, max);
-    return aabbTest({bounds.min[0], bounds.min[1], bounds.min[2]},
-                    {bounds.max[0], bounds.max[1], bounds.max[2]}, callback);
-  }
+  const ProxySet& proxies = proxies_;
   const btVector3 way = to - from;
-  const Ray ray{{from.x(), from.y(), from.z()}, {way.x(), way.y(), way.z()}, /*max_distance=*/1};
-  // The memory is taken, not shared: the callback may cast a ray itself.
-  std::vector<RayHit> hits = std::move(hits_);
-  if (!proxies_.CastRay(ray, kEverything, hits).ok()) hits.clear();
-  for (const RayHit& hit : hits) {
-    if (const Proxy* const proxy = Find(hit.proxy)) callback.process(proxy);
+  const auto cast = [&](std::span<RayHit> hits, size_t& count) {
+    const Ray ray{{from.x(), from.y(), from.z()}, {way.x(), way.y(), way.z()}, /*max_distance=*/1};
+    return proxies.CastRay(ray, kEverything, hits, count);
+  };
+  const auto sweep = [&](std::span<RayHit> hits, size_t& count) {
+    const BoxSweep box{BoxOf(from + min, from + max), {way.x(), way.y(), way.z()}};
+    return proxies.SweepBox(box, kEverything, hits, count);
+  };
+  if (min.isZero() && max.isZero()) {
+    PassFound<RayHit>(cast, callback);
+  } else {
+    PassFound<RayHit>(sweep, callback);
   }
-  hits_ = std::move(hits);
 }
 
 void BulletBroadPhase::aabbTest(const btVector3& min, const btVector3& max,
                                 btBroadphaseAabbCallback& callback) {
-  std::vector<ProxyHandle> found = std::move(found_);
-  proxies_.QueryBox(BoxOf(min, max), kEverything, found);
-  for (const ProxyHandle handle : found) {
-    if (const Proxy* const proxy = Find(handle)) callback.process(proxy);
-  }
-  found_ = std::move(found);
+  const ProxySet& proxies = proxies_;
+  const auto query = [&](std::span<ProxyHandle> found, size_t& count) {
+    return proxies.QueryBox(BoxOf(min, max), kEverything, found, count);
+  };
+  PassFound<ProxyHandle>(query, callback);
 }
 
 void BulletBroadPhase::getBroadphaseAabb(btVector3& min, btVector3& max) const {

@@ -21,21 +21,27 @@
 // overlap filter callback, if that says so when the boxes begin to overlap. Groups and masks that
 // the game writes into a proxy count from its next setAabb on, which is the world's next step.
 //
-// Static bodies: a proxy whose group is StaticFilter alone and whose mask lacks it, as the world
-// gives to static and kinematic bodies, costs nothing while its box stays the same, and meets no
-// other such proxy, not even where a callback would let it.
+// What rests costs next to nothing. A proxy whose group is StaticFilter alone and whose mask lacks
+// it, as the world gives to static and kinematic bodies, is static (proxy_set.h) while its box
+// stays the same; another counts as sleeping when the world has sent the same box in eight steps.
+// It does so for bodies that are asleep, unless btCollisionWorld::setForceUpdateAllAabbs(false).
+// Two static proxies do not meet, not even where a callback would let them.
 //
-// Thread safety: one thread at a time, queries included. Ownership: the search and the executor are
-// borrowed and must outlive the broad phase, which must outlive the world. Units: those of the
-// world. Cost: setAabb O(1), and nothing if the box is the same; calculateOverlappingPairs one
-// search and O(pairs); destroyProxy O(pairs), since it clears its pairs at once. Memory: that of
-// ProxySet, Bullet's pair cache, and 96 bytes per proxy. Errors: a box that is not valid overlaps
-// nothing; std::bad_alloc. Bullet in double precision is refused when it is compiled.
+// Thread safety: one thread at a time. Queries alone may be made by any number of threads at the
+// same time between proxies().PrepareQueries() and the next change, which is what worlds with
+// threads of their own need. Ownership: the search and the executor are borrowed and must outlive
+// the broad phase, which must outlive the world. Units: those of the world. Cost: setAabb O(1), and
+// nothing if the box is the same; calculateOverlappingPairs one search and O(pairs); destroyProxy
+// O(pairs), since it clears its pairs at once; queries as in proxy_set.h, and memory is allocated
+// for a query that finds more than 64. Memory: that of ProxySet, Bullet's pair cache, and 80 bytes
+// per proxy. Errors: a box that is not valid overlaps nothing; std::bad_alloc. Bullet in double
+// precision is refused when it is compiled.
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 
+#include <cstdint>
 #include <deque>
 #include <vector>
 
@@ -63,9 +69,9 @@ class BulletBroadPhase final : public btBroadphaseInterface {
                btDispatcher* dispatcher) override;
   void getAabb(btBroadphaseProxy* proxy, btVector3& min, btVector3& max) const override;
 
-  // Passes every proxy that the ray, or the box `min` to `max` swept along it, may hit to the
-  // callback; those that a ray hits by ascending distance. What the callback returns is ignored, as
-  // by Bullet's own broad phases. The callback may cast rays itself, and remove proxies.
+  // Passes every proxy that the ray hits, or the box `min` to `max` on its way along it, to the
+  // callback by ascending distance. What the callback returns is ignored, as by Bullet's own broad
+  // phases. The callback may query too, and add and remove proxies.
   void rayTest(const btVector3& from, const btVector3& to, btBroadphaseRayCallback& callback,
                const btVector3& min = {0, 0, 0}, const btVector3& max = {0, 0, 0}) override;
   // Passes every proxy that overlaps the box to the callback, as rayTest does.
@@ -93,14 +99,19 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   struct Proxy : btBroadphaseProxy {
     using btBroadphaseProxy::btBroadphaseProxy;
     ProxyHandle handle;
-    CollisionFilter filter;  // the one that `proxies_` has
+    CollisionFilter filter;   // the one that `proxies_` has
+    uint32_t rest_count = 0;  // how often the same box has come, up to that at which it rests
   };
 
   CollisionFilter FilterOf(const btBroadphaseProxy& proxy) const;
   void TakeFilter(Proxy& proxy);
   void TakeFilterCallback();
+  void Move(Proxy& proxy, const Aabb& box);
+  void Rest(Proxy& proxy);
   Proxy& NewPlace();
   Proxy* Find(ProxyHandle handle) const;
+  template <typename Found, typename Query>
+  void PassFound(const Query& query, btBroadphaseAabbCallback& callback);
 
   AdaptiveBroadPhase& search_;
   const ProxySetOptions options_;
@@ -109,8 +120,6 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   bool callback_filters_ = false;  // the cache has an overlap filter callback
   std::deque<Proxy> places_;       // free ones have a null handle
   std::vector<Proxy*> free_;
-  std::vector<RayHit> hits_;
-  std::vector<ProxyHandle> found_;
 };
 
 }  // namespace sweepstake

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <thread>
 
+#include "tests/support/allocation_counter.h"
 #include "tests/support/bullet/adaptive_bullet_game.h"
 
 namespace sweepstake::test_support {
@@ -35,6 +37,13 @@ class BulletBroadPhaseTest : public ::testing::Test {
     search_->BeginFrame();
     broad_phase_.calculateOverlappingPairs(nullptr);
     search_->EndFrame({.frame_time_ns = 1});
+  }
+  int SleepingCount() {
+    std::vector<ProxyHandle> all;
+    broad_phase_.proxies().QueryBox({{-99, -99, -99}, {99, 99, 99}}, {~0U, ~0U}, all);
+    return static_cast<int>(std::count_if(all.begin(), all.end(), [&](ProxyHandle handle) {
+      return broad_phase_.proxies().is_sleeping(handle);
+    }));
   }
   btOverlappingPairCache& cache() { return *broad_phase_.getOverlappingPairCache(); }
   bool AreKept(btBroadphaseProxy* a, btBroadphaseProxy* b) {
@@ -193,6 +202,90 @@ TEST_F(BulletBroadPhaseTest, ABoxThatIsNotValidOverlapsNothingAndNoQueryFindsIt)
   Move(b, 0);
   Step();
   EXPECT_TRUE(AreKept(a, b));
+}
+
+TEST_F(BulletBroadPhaseTest, WhatTheWorldSendsUnchangedForEightStepsSleepsAndKeepsItsPairs) {
+  btBroadphaseProxy* const a = Add(0);
+  btBroadphaseProxy* const b = Add(0.5F);
+  for (int step = 0; step < 8; ++step) {
+    EXPECT_EQ(SleepingCount(), 0);
+    Move(a, 0);
+    Move(b, 0.5F);
+    Step();
+  }
+  EXPECT_EQ(SleepingCount(), 2);
+  EXPECT_TRUE(AreKept(a, b));
+  Move(b, 0.75F);
+  EXPECT_EQ(SleepingCount(), 1);
+  Step();
+  EXPECT_TRUE(AreKept(a, b));
+  Move(b, 5);
+  Step();
+  EXPECT_FALSE(AreKept(a, b));
+}
+
+// A kinematic body has the filter of a static one.
+TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesCountsAsMovingUntilItRests) {
+  constexpr int kNotStatic = kAll ^ kStatic;
+  btBroadphaseProxy* const lift = Add(0, kStatic, kNotStatic);
+  btBroadphaseProxy* const wall = Add(0, kStatic, kNotStatic);
+  btBroadphaseProxy* const ball = Add(1);
+  Step();
+  Move(lift, 0.5F);
+  EXPECT_EQ(broad_phase_.proxies().static_count(), 1U);
+  Step();
+  EXPECT_FALSE(AreKept(lift, wall));
+  EXPECT_TRUE(AreKept(lift, ball) && AreKept(wall, ball));
+  for (int step = 0; step < 8; ++step) Move(lift, 0.5F);
+  EXPECT_EQ(broad_phase_.proxies().static_count(), 2U);
+  Step();
+  EXPECT_EQ(cache().getNumOverlappingPairs(), 2);
+}
+
+TEST_F(BulletBroadPhaseTest, AQueryThatFindsManyFindsAll) {
+  for (int i = 0; i < 200; ++i) Add(static_cast<float>(i) * 0.01F);
+  Collector query;
+  broad_phase_.aabbTest({0, 0, 0}, {3, 1, 1}, query);
+  EXPECT_EQ(query.found.size(), 200U);
+  Collector ray;
+  broad_phase_.rayTest({-1, 0.5F, 0.5F}, {4, 0.5F, 0.5F}, ray);
+  EXPECT_EQ(ray.found.size(), 200U);
+  EXPECT_EQ(ray.found.front()->m_uniqueId, 1);
+}
+
+TEST_F(BulletBroadPhaseTest, PreparedQueriesMayBeMadeByManyThreads) {
+  for (int i = 0; i < 100; ++i) Add(static_cast<float>(i) * 0.01F, i % 2 == 0 ? kDefault : kStatic);
+  broad_phase_.proxies().PrepareQueries();
+  Collector collectors[4];
+  std::vector<std::thread> threads;
+  for (Collector& collector : collectors) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 20; ++i) {
+        broad_phase_.rayTest({-1, 0.5F, 0.5F}, {4, 0.5F, 0.5F}, collector);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const Collector& collector : collectors) EXPECT_EQ(collector.found.size(), 2000U);
+}
+
+TEST_F(BulletBroadPhaseTest, AStepAllocatesNothingOnceItsMemoryIsThere) {
+  std::vector<btBroadphaseProxy*> proxies;
+  for (int i = 0; i < 100; ++i) proxies.push_back(Add(static_cast<float>(i)));
+  const auto play = [&] {
+    for (int step = 0; step < 40; ++step) {
+      for (int i = 0; i < 100; ++i) {
+        Move(proxies[static_cast<size_t>(i)], static_cast<float>(i * (1 + step % 3)));
+      }
+      broad_phase_.destroyProxy(proxies.back(), nullptr);
+      proxies.back() = Add(99);
+      Step();
+    }
+  };
+  play();
+  const uint64_t before = ThreadAllocationCount();
+  play();
+  EXPECT_EQ(ThreadAllocationCount(), before);
 }
 
 TEST_F(BulletBroadPhaseTest, RaysFindBoxesFromNearToFar) {
