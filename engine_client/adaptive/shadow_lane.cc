@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <new>
 #include <numeric>
 #include <utility>
+
+#include "engine_client/broad_phase/host/exceptions.h"
 
 namespace sweepstake {
 namespace {
@@ -98,15 +99,19 @@ void ShadowLane::Run() {
 }
 
 std::chrono::microseconds ShadowLane::Step() {
-  try {
-    if (PrepareSwitch()) return kBusyPoll;
-    if (!enabled()) return kIdlePoll;
-    if (!tap_.complete()) return kBusyPoll;
-    if (std::exchange(collecting_, false)) OnBurst();
-    if (!collecting_ && sweep_is_due()) RequestBurst();
-  } catch (const std::bad_alloc&) {
-    FreeMemory();
-  }
+  return CatchOutOfMemory([&] { return StepWithMemory(); },
+                          [&] {
+                            FreeMemory();
+                            return collecting_ ? kBusyPoll : kIdlePoll;
+                          });
+}
+
+std::chrono::microseconds ShadowLane::StepWithMemory() {
+  if (PrepareSwitch()) return kBusyPoll;
+  if (!enabled()) return kIdlePoll;
+  if (!tap_.complete()) return kBusyPoll;
+  if (std::exchange(collecting_, false)) OnBurst();
+  if (!collecting_ && sweep_is_due()) RequestBurst();
   return collecting_ ? kBusyPoll : kIdlePoll;
 }
 

@@ -103,6 +103,8 @@ class ShadowLane {
   class Watch;
 
   void Run();
+  // Step, which frees the lane's memory where there is none left for this.
+  std::chrono::microseconds StepWithMemory();
   bool enabled() const;
   bool sweep_is_due() const;
   bool interrupted(const SwitchHandover::Order* followed) const;

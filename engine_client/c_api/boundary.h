@@ -3,11 +3,10 @@
 // thread has its own message.
 #pragma once
 
-#include <exception>
-#include <new>
 #include <span>
 #include <string_view>
 
+#include "engine_client/broad_phase/host/exceptions.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/c_api.h"
 #include "sweepstake/status.h"
@@ -27,15 +26,9 @@ swp_result NullArgument(std::string_view name) noexcept;
 // Runs `body`, which returns a swp_result, and turns an exception into one.
 template <typename Body>
 swp_result Guard(const Body& body) noexcept {
-  try {
-    return body();
-  } catch (const std::bad_alloc&) {
-    return Fail(SWP_RESOURCE_EXHAUSTED, "memory is out: use fewer objects");
-  } catch (const std::exception& error) {
-    return Fail(SWP_INTERNAL, error.what());
-  } catch (...) {
-    return Fail(SWP_INTERNAL, "an unknown exception");
-  }
+  return CatchOutOfMemory(
+      [&] { return CatchFailure(body, [](const char* what) { return Fail(SWP_INTERNAL, what); }); },
+      [] { return Fail(SWP_RESOURCE_EXHAUSTED, "memory is out: use fewer objects"); });
 }
 
 // Returns the text of a C string, or `absent` for NULL.

@@ -1,7 +1,5 @@
 #include "engine_client/c_api/executor.h"
 
-#include <system_error>
-
 #include "engine_client/c_api/sized_struct.h"
 
 namespace sweepstake::c_api {
@@ -63,12 +61,14 @@ swp_result MakeExecutor(uint32_t thread_count, const swp_executor* given,
     return wrong;
   }
   if (thread_count <= 1) return SWP_OK;
-  try {
-    executor = MakeThreadPool(thread_count);
-    return SWP_OK;
-  } catch (const std::system_error&) {
-    return Fail(SWP_RESOURCE_EXHAUSTED, "the system has no more threads: ask for fewer");
-  }
+  return CatchFailure(
+      [&]() -> swp_result {
+        executor = MakeThreadPool(thread_count);
+        return SWP_OK;
+      },
+      [](const char*) {
+        return Fail(SWP_RESOURCE_EXHAUSTED, "the system has no more threads: ask for fewer");
+      });
 }
 
 }  // namespace sweepstake::c_api

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "engine_client/scene/aabbs_format.h"
+#include "engine_client/scene/utf8_path.h"
 #include "server/decision/math/names.h"
 #include "sweepstake/scene.h"
 
@@ -19,8 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Status CannotWrite(const fs::path& path, const std::string& reason) {
-  return {StatusCode::kUnavailable,
-          math::PrintableLine(path.string()) + " cannot be written: " + reason};
+  return {StatusCode::kUnavailable, PathText(path) + " cannot be written: " + reason};
 }
 
 std::string SystemReason() {
@@ -153,8 +154,7 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
                                               std::to_string(frame_count)};
   }
   if (!path.has_filename()) {
-    return {StatusCode::kInvalidArgument,
-            "'" + math::PrintableLine(path.string()) + "' is no file name to record to"};
+    return {StatusCode::kInvalidArgument, "'" + PathText(path) + "' is no file name to record to"};
   }
   std::error_code error;
   const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -169,9 +169,13 @@ Status CheckTarget(uint64_t frame_count, const fs::path& path) {
 
 }  // namespace
 
-Status RecordScene(Scene& scene, uint64_t frame_count, const fs::path& path) {
-  if (Status status = CheckTarget(frame_count, path); !status.ok()) return status;
-  PendingFile file(path);
+Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path) {
+  const std::optional<fs::path> target = PathOfUtf8(path);
+  if (!target) {
+    return {StatusCode::kInvalidArgument, "'" + math::PrintableLine(path) + "' is not UTF-8"};
+  }
+  if (Status status = CheckTarget(frame_count, *target); !status.ok()) return status;
+  PendingFile file(*target);
   if (Status status = file.status(); !status.ok()) return status;
   FrameWriter writer(file);
   Status status = writer.Append(scene.aabbs());

@@ -5,7 +5,7 @@
 #include <string>
 #include <system_error>
 
-#include "server/decision/math/names.h"
+#include "engine_client/scene/utf8_path.h"
 
 namespace sweepstake {
 namespace {
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 Status Broken(std::string message) { return {StatusCode::kDataLoss, std::move(message)}; }
 
 Status InFile(const fs::path& path, const Status& status) {
-  return {status.code(), math::PrintableLine(path.string()) + ": " + status.message()};
+  return {status.code(), PathText(path) + ": " + status.message()};
 }
 
 bool ReadExactly(std::ifstream& file, std::span<std::byte> bytes) {

@@ -3,16 +3,17 @@
 #include <array>
 #include <filesystem>
 #include <locale>
-#include <new>
+#include <optional>
 #include <sstream>
 #include <string>
-#include <system_error>
 
+#include "engine_client/broad_phase/host/exceptions.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/changing_scenes.h"
 #include "engine_client/scene/recorded_scene.h"
 #include "engine_client/scene/scenarios.h"
 #include "engine_client/scene/suite_scene.h"
+#include "engine_client/scene/utf8_path.h"
 #include "server/decision/math/names.h"
 #include "sweepstake/scene.h"
 
@@ -111,7 +112,10 @@ constexpr auto kNames = [] {
   return names;
 }();
 
-static_assert(std::ranges::is_sorted(kDescriptions, {}, &SceneDescription::group));
+constexpr bool IsBefore(const SceneDescription& left, const SceneDescription& right) {
+  return left.group < right.group;
+}
+static_assert(std::is_sorted(kDescriptions.begin(), kDescriptions.end(), IsBefore));
 
 template <typename T>
 Status OutOfRange(const char* name, T min, T max, T value) {
@@ -164,8 +168,8 @@ Result<ScenePointer> MakeNamedScene(std::string_view scene, const SceneOptions& 
   for (const Entry& entry : kEntries) {
     if (entry.description.name == scene) return MakeEntry(entry, options);
   }
-  const std::filesystem::path path(std::u8string(scene.begin(), scene.end()));
-  if (path.extension() == ".aabbs") return RecordedScene::Open(path);
+  const std::optional<std::filesystem::path> path = PathOfUtf8(scene);
+  if (path && path->extension() == ".aabbs") return RecordedScene::Open(*path);
   return UnknownScene(scene);
 }
 
@@ -176,20 +180,19 @@ std::span<const SceneDescription> SceneDescriptions() { return kDescriptions; }
 std::span<const std::string_view> SceneNames() { return kNames; }
 
 std::span<const std::string_view> SceneNames(SceneGroup group) {
-  const auto range = std::ranges::equal_range(kDescriptions, group, {}, &SceneDescription::group);
-  const auto first = static_cast<size_t>(range.begin() - kDescriptions.begin());
-  return std::span(kNames).subspan(first, range.size());
+  const auto [first, last] = std::equal_range(kDescriptions.begin(), kDescriptions.end(),
+                                              SceneDescription{{}, group, {}}, IsBefore);
+  return std::span(kNames).subspan(static_cast<size_t>(first - kDescriptions.begin()),
+                                   static_cast<size_t>(last - first));
 }
 
 Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOptions& options) {
-  try {
-    return MakeNamedScene(scene, options);
-  } catch (const std::bad_alloc&) {
-    return Status(StatusCode::kResourceExhausted,
-                  "not enough memory for the scene: choose a smaller object_count or file");
-  } catch (const std::system_error&) {
-    return UnknownScene(scene);  // A name that is not UTF-8 names no file on Windows.
-  }
+  return CatchOutOfMemory([&] { return MakeNamedScene(scene, options); },
+                          [] {
+                            return Status(StatusCode::kResourceExhausted,
+                                          "not enough memory for the scene: choose a smaller "
+                                          "object_count or file");
+                          });
 }
 
 }  // namespace sweepstake

@@ -101,7 +101,7 @@ class Fingerprint {
   }
 
   void AddRecording(Scene& scene, int frame_count, const std::filesystem::path& path) {
-    const Status recorded = RecordScene(scene, static_cast<uint64_t>(frame_count), path);
+    const Status recorded = RecordScene(scene, static_cast<uint64_t>(frame_count), path.string());
     if (!recorded.ok()) {
       std::fprintf(stderr, "fingerprint: %s\n", recorded.message().c_str());
       std::exit(1);

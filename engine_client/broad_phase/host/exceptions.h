@@ -3,13 +3,13 @@
 // body and nothing else.
 #pragma once
 
+#include <atomic>
 #include <exception>
 #include <new>
-#include <utility>
 
+// The second name is MSVC's.
 #if defined(__cpp_exceptions) || defined(_CPPUNWIND)
 #define SWEEPSTAKE_HAS_EXCEPTIONS 1
-#include <atomic>
 #else
 #define SWEEPSTAKE_HAS_EXCEPTIONS 0
 #endif
@@ -17,6 +17,7 @@
 namespace sweepstake {
 
 #if SWEEPSTAKE_HAS_EXCEPTIONS
+inline namespace with_exceptions {
 
 [[noreturn]] inline void ThrowOutOfMemory() { throw std::bad_alloc(); }
 
@@ -65,7 +66,9 @@ class FirstException {
   std::exception_ptr error_;
 };
 
+}  // namespace with_exceptions
 #else
+inline namespace without_exceptions {
 
 inline void ThrowOutOfMemory() {}
 
@@ -88,6 +91,7 @@ class FirstException {
   void Rethrow() const {}
 };
 
+}  // namespace without_exceptions
 #endif
 
 }  // namespace sweepstake

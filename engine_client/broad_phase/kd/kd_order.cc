@@ -226,7 +226,8 @@ void KdOrder::TakeSlots(std::span<uint32_t> slots) const {
   }
   const std::span<uint32_t> last = slots.last(invalid_count_);
   std::fill(slots.data() + at, last.data(), kHole);
-  std::ranges::copy(InvalidBoxes(), last.begin());
+  const std::span<const uint32_t> invalid = InvalidBoxes();
+  std::copy(invalid.begin(), invalid.end(), last.begin());
 }
 
 void KdOrder::TakeBoxes(std::span<uint32_t> order) const {
@@ -234,7 +235,8 @@ void KdOrder::TakeBoxes(std::span<uint32_t> order) const {
   for (size_t k = 0; k < run_count_; ++k) {
     to = std::copy(result_ + runs_[k].begin, result_ + runs_[k].end, to);
   }
-  std::ranges::copy(InvalidBoxes(), to);
+  const std::span<const uint32_t> invalid = InvalidBoxes();
+  std::copy(invalid.begin(), invalid.end(), to);
 }
 
 void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop) {

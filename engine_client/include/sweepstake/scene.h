@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -84,11 +83,11 @@ std::span<const std::string_view> SceneNames(SceneGroup group);
 Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOptions& options);
 
 // Steps `scene` `frame_count` times and writes it as Broadmark's .aabbs (1 + frame_count frames,
-// its present state first). The file appears whole or not at all and replaces an existing one.
-// kInvalidArgument: a coordinate is not finite, no frame has an object, frame_count is over
-// 2^31 - 1, or `path` is no file name; kNotFound: no such directory; kUnavailable: the system's
-// reason (Windows replaces no file that is open, a scene being replayed from it included). Takes 4
-// bytes of memory per frame besides one frame.
-Status RecordScene(Scene& scene, uint64_t frame_count, const std::filesystem::path& path);
+// its present state first) to `path`, in UTF-8. The file appears whole or not at all and replaces
+// an existing one. kInvalidArgument: a coordinate is not finite, no frame has an object,
+// frame_count is over 2^31 - 1, or `path` is no file name; kNotFound: no such directory;
+// kUnavailable: the system's reason (Windows replaces no file that is open, a scene being replayed
+// from it included). Takes 4 bytes of memory per frame besides one frame.
+Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path);
 
 }  // namespace sweepstake

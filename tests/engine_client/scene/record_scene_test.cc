@@ -27,7 +27,7 @@ TEST_F(Recording, ReadingARecordingGivesTheSameBoxesBitForBit) {
   const auto path = PathOf("scene.aabbs");
   for (const std::string_view name : SceneNames(SceneGroup::kReference)) {
     const std::unique_ptr<Scene> recorded = MustMakeScene(name, WithCount(70));
-    ASSERT_TRUE(RecordScene(*recorded, 50, path).ok());
+    ASSERT_TRUE(RecordScene(*recorded, 50, path.string()).ok());
     EXPECT_EQ(recorded->frame_index(), 50U);
     const std::unique_ptr<Scene> replayed = MustMakeScene(path.string(), {});
     EXPECT_EQ(replayed->name(), name);
@@ -38,7 +38,7 @@ TEST_F(Recording, ReadingARecordingGivesTheSameBoxesBitForBit) {
 
 TEST_F(Recording, WritesBroadmarksLayoutByteForByte) {
   ScriptedScene scene({{BoxAt(0), BoxAt(1)}, {BoxAt(2), BoxAt(3)}});
-  ASSERT_TRUE(RecordScene(scene, 1, PathOf("scene.aabbs")).ok());
+  ASSERT_TRUE(RecordScene(scene, 1, PathOf("scene.aabbs").string()).ok());
   const FileBytes expected = FileBytes()
                                  .Text("scripted", 128)
                                  .Text("AABB", 128)
@@ -54,7 +54,7 @@ TEST_F(Recording, WritesBroadmarksLayoutByteForByte) {
 TEST_F(Recording, ChangingCountsUseTheExtensionAndComeBackAsTheyWere) {
   ScriptedScene scene({{}, {BoxAt(0)}, {BoxAt(1), BoxAt(2)}, {BoxAt(3)}});
   const auto path = PathOf("scene.aabbs");
-  ASSERT_TRUE(RecordScene(scene, 3, path).ok());
+  ASSERT_TRUE(RecordScene(scene, 3, path.string()).ok());
   const std::string bytes = Read(path);
   EXPECT_EQ(bytes.size(), 304U + 4 * 32 + 4 * 4);
   EXPECT_EQ(bytes.substr(304), FileBytes().Boxes(4).Int(0).Int(1).Int(2).Int(1).str());
@@ -68,21 +68,21 @@ TEST_F(Recording, ChangingCountsUseTheExtensionAndComeBackAsTheyWere) {
 
 TEST_F(Recording, ZeroFramesRecordTheSpawnState) {
   ScriptedScene scene({{BoxAt(0)}});
-  ASSERT_TRUE(RecordScene(scene, 0, PathOf("scene.aabbs")).ok());
+  ASSERT_TRUE(RecordScene(scene, 0, PathOf("scene.aabbs").string()).ok());
   EXPECT_EQ(Read(PathOf("scene.aabbs")).size(), 304U + 32);
 }
 
 TEST_F(Recording, LongAndUnprintableNamesAreMadeLegal) {
   ScriptedScene scene({{BoxAt(0)}});
   scene.set_name("line\nbreak" + std::string(300, 'x'));
-  ASSERT_TRUE(RecordScene(scene, 0, PathOf("scene.aabbs")).ok());
+  ASSERT_TRUE(RecordScene(scene, 0, PathOf("scene.aabbs").string()).ok());
   const auto replayed = MustMakeScene(PathOf("scene.aabbs").string(), {});
   EXPECT_EQ(replayed->name(), "line?break" + std::string(117, 'x'));
 }
 
 TEST_F(Recording, ASceneWithoutObjectsCannotBeRecorded) {
   ScriptedScene scene(std::vector<std::vector<Aabb>>(1));
-  const Status status = RecordScene(scene, 3, PathOf("scene.aabbs"));
+  const Status status = RecordScene(scene, 3, PathOf("scene.aabbs").string());
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("the scene has 0"));
   EXPECT_EQ(FileCount(), 0U);
@@ -93,7 +93,7 @@ TEST_F(Recording, ABrokenCoordinateLeavesTheOldFileAndNothingElse) {
   Aabb bad = BoxAt(0);
   bad.max[1] = std::nanf("");
   ScriptedScene scene({{BoxAt(0), BoxAt(1)}, {BoxAt(2), bad}});
-  const Status status = RecordScene(scene, 5, path);
+  const Status status = RecordScene(scene, 5, path.string());
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("frame 1, object 1"));
   EXPECT_EQ(Read(path), "old");
@@ -102,7 +102,7 @@ TEST_F(Recording, ABrokenCoordinateLeavesTheOldFileAndNothingElse) {
 
 TEST_F(Recording, AMissingDirectoryIsNamed) {
   ScriptedScene scene({{BoxAt(0)}});
-  const Status status = RecordScene(scene, 1, PathOf("none") / "scene.aabbs");
+  const Status status = RecordScene(scene, 1, (PathOf("none") / "scene.aabbs").string());
   EXPECT_EQ(status.code(), StatusCode::kNotFound);
   EXPECT_THAT(status.message(), HasSubstr("none is no directory: create it first"));
 }
@@ -110,8 +110,10 @@ TEST_F(Recording, AMissingDirectoryIsNamed) {
 TEST_F(Recording, ADirectoryOrNoNameIsNoTarget) {
   ScriptedScene scene({{BoxAt(0)}});
   std::filesystem::create_directory(PathOf("folder.aabbs"));
-  EXPECT_EQ(RecordScene(scene, 1, PathOf("folder.aabbs")).code(), StatusCode::kUnavailable);
+  EXPECT_EQ(RecordScene(scene, 1, PathOf("folder.aabbs").string()).code(),
+            StatusCode::kUnavailable);
   EXPECT_EQ(RecordScene(scene, 1, "").code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(RecordScene(scene, 1, "\xff.aabbs").message(), HasSubstr("'?.aabbs' is not UTF-8"));
   EXPECT_EQ(FileCount(), 1U);
 }
 
@@ -119,7 +121,7 @@ TEST_F(Recording, ADirectoryOrNoNameIsNoTarget) {
 TEST_F(Recording, APipeOrADeviceIsNotReplacedByAFile) {
   ScriptedScene scene({{BoxAt(0)}});
   ASSERT_EQ(mkfifo(PathOf("pipe").c_str(), 0600), 0);
-  const Status status = RecordScene(scene, 1, PathOf("pipe"));
+  const Status status = RecordScene(scene, 1, PathOf("pipe").string());
   EXPECT_THAT(status.message(), HasSubstr("it is no file"));
   EXPECT_TRUE(std::filesystem::is_fifo(PathOf("pipe")));
 }
@@ -127,7 +129,7 @@ TEST_F(Recording, APipeOrADeviceIsNotReplacedByAFile) {
 
 TEST_F(Recording, MoreFramesThanTheHeaderCanSayAreRefusedAtOnce) {
   ScriptedScene scene({{BoxAt(0)}});
-  const Status status = RecordScene(scene, uint64_t{1} << 31U, PathOf("scene.aabbs"));
+  const Status status = RecordScene(scene, uint64_t{1} << 31U, PathOf("scene.aabbs").string());
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(scene.frame_index(), 0U);
   EXPECT_EQ(FileCount(), 0U);
@@ -135,9 +137,9 @@ TEST_F(Recording, MoreFramesThanTheHeaderCanSayAreRefusedAtOnce) {
 
 TEST_F(Recording, AFileCanBeRecordedOverWhileItIsReplayed) {
   const auto path = PathOf("scene.aabbs");
-  ASSERT_TRUE(RecordScene(*MustMakeScene("suite-b", WithCount(20)), 9, path).ok());
+  ASSERT_TRUE(RecordScene(*MustMakeScene("suite-b", WithCount(20)), 9, path.string()).ok());
   const std::string once = Read(path);
-  const Status again = RecordScene(*MustMakeScene(path.string(), {}), 9, path);
+  const Status again = RecordScene(*MustMakeScene(path.string(), {}), 9, path.string());
 #if defined(_WIN32)
   // On Windows an open file cannot be replaced.
   EXPECT_EQ(again.code(), StatusCode::kUnavailable);
@@ -178,7 +180,7 @@ TEST_F(Recording, AFullDiskLeavesTheOldFileAndNothingElse) {
   const std::unique_ptr<Scene> scene = MustMakeScene("brownian", WithCount(1000));
   const Status status = [&] {
     const FileSizeLimit limit(300'000);
-    return RecordScene(*scene, 100, path);
+    return RecordScene(*scene, 100, path.string());
   }();
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_THAT(status.message(), HasSubstr("cannot be written: File too large"));
@@ -190,7 +192,7 @@ TEST_F(Recording, ADiskThatFillsWithTheLastBytesIsNoticedToo) {
   ScriptedScene scene({{BoxAt(0)}});
   const Status status = [&] {
     const FileSizeLimit limit(100);
-    return RecordScene(scene, 0, PathOf("scene.aabbs"));
+    return RecordScene(scene, 0, PathOf("scene.aabbs").string());
   }();
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_EQ(FileCount(), 0U);

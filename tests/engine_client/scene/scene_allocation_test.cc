@@ -31,9 +31,9 @@ class RecordedSceneAllocation : public FileTest {};
 TEST_F(RecordedSceneAllocation, StepsOfRecordedScenesDoNotAllocateNotEvenWhenTheyStartAgain) {
   const auto path = PathOf("scene.aabbs");
   ScriptedScene changing({{BoxAt(0)}, {}, {BoxAt(1), BoxAt(2)}});
-  ASSERT_TRUE(RecordScene(changing, 2, path).ok());
+  ASSERT_TRUE(RecordScene(changing, 2, path.string()).ok());
   EXPECT_EQ(AllocationsOfSteps(*MustMakeScene(path.string(), {}), 10), 0U);
-  ASSERT_TRUE(RecordScene(*MustMakeScene("suite-g", WithCount(500)), 20, path).ok());
+  ASSERT_TRUE(RecordScene(*MustMakeScene("suite-g", WithCount(500)), 20, path.string()).ok());
   EXPECT_EQ(AllocationsOfSteps(*MustMakeScene(path.string(), {}), 100), 0U);
 }
 

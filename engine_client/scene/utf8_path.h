@@ -1,0 +1,26 @@
+// Paths in the API are UTF-8 on every platform; here they become the system's and text again,
+// without an exception. Pure functions.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/decision/math/names.h"
+
+namespace sweepstake {
+
+// Returns nothing for text that is not UTF-8 or holds a control character.
+inline std::optional<std::filesystem::path> PathOfUtf8(std::string_view text) {
+  if (!math::IsLine(text)) return std::nullopt;
+  return std::filesystem::path(std::u8string(text.begin(), text.end()));
+}
+
+// Returns the path for a message.
+inline std::string PathText(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return math::PrintableLine({reinterpret_cast<const char*>(text.data()), text.size()});
+}
+
+}  // namespace sweepstake
