@@ -89,6 +89,9 @@ target_include_directories(sweepstake_c_static INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/engine_client/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(sweepstake_c_static INTERFACE ${runtime} Threads::Threads)
 install(TARGETS sweepstake_c_static EXPORT sweepstake_c ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+list(TRANSFORM runtime PREPEND "-l" OUTPUT_VARIABLE runtime_flags)
+list(JOIN runtime_flags " " runtime_flags)
+sweepstake_c_pkg_config(sweepstake-static "an archive" " -DSWP_STATIC" "-lsweepstake_static ${runtime_flags} ${CMAKE_THREAD_LIBS_INIT}")
 
 # The plug-in. On Windows the shared library is one, if the tool chain links its runtime statically.
 string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" platform)
