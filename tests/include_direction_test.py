@@ -88,6 +88,7 @@ PUBLIC_HEADERS = {
     "c_sessions.h": "engine_client/c_api",
     "c_deciders.h": "engine_client/c_api",
     "c_proxies.h": "engine_client/c_api",
+    "c_link.h": "engine_client/c_api",
     "c_scenes.h": "engine_client/c_api",
 }
 PUBLIC_FOLDER = "engine_client/include/sweepstake"

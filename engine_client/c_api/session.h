@@ -37,6 +37,7 @@ struct Session {
   std::atomic<uint64_t> dropped_outcome_count = 0;  // read by any thread
   SceneDescriptor descriptor;
   std::optional<DeciderLoop> decider_loop;  // absent: no decider is attached
+  std::atomic<bool> link_is_attached = false;
 };
 
 }  // namespace sweepstake::c_api

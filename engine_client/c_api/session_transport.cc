@@ -40,8 +40,8 @@ swp_result CheckDrain(const Session& session, const void* out, uint32_t capacity
                       const uint32_t* count) {
   if (count == nullptr) return NullArgument("count");
   if (out == nullptr && capacity > 0) return NullArgument("the buffer");
-  if (!session.decider_loop) return SWP_OK;
-  return Fail(SWP_FAILED_PRECONDITION, "the attached decider takes the samples: detach it first");
+  if (!session.decider_loop && !session.link_is_attached) return SWP_OK;
+  return Fail(SWP_FAILED_PRECONDITION, "the attached decider or link takes the samples");
 }
 
 swp_result CheckArm(const Session& session, uint32_t arm) {

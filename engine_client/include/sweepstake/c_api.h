@@ -1,6 +1,6 @@
 /* The C ABI of Sweepstake: what Unity and other engines load from the shared library `sweepstake`.
  * This header has what holds for all of it, and includes one header per thing: c_worlds.h,
- * c_sessions.h, c_deciders.h, c_proxies.h and c_scenes.h.
+ * c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h.
  *
  * Threads: distinct objects are independent. An object belongs to one caller at a time: no call of
  * it may begin before the one before it has returned, wherever that one ran. "The frame thread" of
@@ -93,7 +93,8 @@ enum {
   SWP_KIND_WORLD = 1,
   SWP_KIND_SESSION = 2,
   SWP_KIND_PROXIES = 3,
-  SWP_KIND_SCENE = 4
+  SWP_KIND_SCENE = 4,
+  SWP_KIND_LINK = 5
 };
 
 /* How many objects of this kind live in the process; 0 of an unknown kind. Any thread, any time. */
@@ -152,7 +153,9 @@ enum {
   SWP_STRUCT_PROXY_PAIR = 19,
   SWP_STRUCT_RAY = 20,
   SWP_STRUCT_RAY_HIT = 21,
-  SWP_STRUCT_SCENE_OPTIONS = 22
+  SWP_STRUCT_SCENE_OPTIONS = 22,
+  SWP_STRUCT_LINK_OPTIONS = 23,
+  SWP_STRUCT_LINK_STATS = 24
 };
 
 /* The size in bytes of a struct below in this library, for bindings of other languages; 0 for an
@@ -209,6 +212,8 @@ SWP_API swp_result swp_executor_init(swp_executor* executor);
 #include "sweepstake/c_sessions.h" /* IWYU pragma: export */
 /* "AI Decides" without a daemon. */
 #include "sweepstake/c_deciders.h" /* IWYU pragma: export */
+/* A session with a daemon, over a transport of the caller's. */
+#include "sweepstake/c_link.h" /* IWYU pragma: export */
 /* Objects by handle, filters, static objects, pair events and queries. */
 #include "sweepstake/c_proxies.h" /* IWYU pragma: export */
 /* Moving boxes to try a broad phase on. */

@@ -151,6 +151,7 @@ void SessionLink::Connected(uint64_t now_ns) {
 LinkAction SessionLink::Advance(uint64_t now_ns) {
   const bool queue_empty = intake_.Pump(now_ns);
   next_ = stream_ ? NextStep(queue_empty, now_ns) : LinkAction::kNone;
+  if (next_ == LinkAction::kSend) next_message_ = NextMessage();
   return next_;
 }
 
@@ -177,6 +178,18 @@ bool SessionLink::Overdue(uint64_t now_ns) {
   return true;
 }
 
+// REQUIRES: there is one to send.
+std::string SessionLink::NextMessage() {
+  if (!stream_->hello_sent) {
+    return protocol::Encode(state_.Connect({.active_arm = adaptive_.active_arm(),
+                                            .switch_epoch = adaptive_.switch_epoch(),
+                                            .mode = adaptive_.mode()}));
+  }
+  const ResendBuffer::Entry* next = state_.Next();
+  return next != nullptr ? protocol::Numbered(next->sequence, next->evidence.message)
+                         : protocol::Encode(protocol::Goodbye{});
+}
+
 std::string SessionLink::Take(uint64_t now_ns) {
   assert(next_ == LinkAction::kSend || next_ == LinkAction::kFinish);
   if (std::exchange(next_, LinkAction::kNone) == LinkAction::kFinish) {
@@ -184,18 +197,14 @@ std::string SessionLink::Take(uint64_t now_ns) {
     stream_->deadline_ns = now_ns + kAnswerTimeoutNs;
     return "";
   }
-  if (!std::exchange(stream_->hello_sent, true)) {
-    return protocol::Encode(state_.Connect({.active_arm = adaptive_.active_arm(),
-                                            .switch_epoch = adaptive_.switch_epoch(),
-                                            .mode = adaptive_.mode()}));
-  }
-  if (const ResendBuffer::Entry* next = state_.Next()) {
-    std::string message = protocol::Numbered(next->sequence, next->evidence.message);
+  if (!stream_->hello_sent) {
+    stream_->hello_sent = true;
+  } else if (state_.Next() != nullptr) {
     state_.MarkSent();
-    return message;
+  } else {
+    stream_->goodbye_sent = true;
   }
-  stream_->goodbye_sent = true;
-  return protocol::Encode(protocol::Goodbye{});
+  return std::move(next_message_);
 }
 
 Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {

@@ -54,12 +54,17 @@ class SessionLink {
   SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
               SampleQueue& queue, AdaptiveBroadPhase& adaptive);
 
+  // Returns whether there is a stream: between Connected and Disconnected.
+  bool connected() const { return stream_.has_value(); }
   // Notes that a stream was opened, or is being opened: the first message is for it. REQUIRES: the
   // former one, if any, was Disconnected.
   void Connected(uint64_t now_ns);
   // Empties the queue and returns what to do now. kSend and kFinish are done with Take, once the
   // stream can be written to; until then, Advance goes on to be called.
   LinkAction Advance(uint64_t now_ns);
+  // Returns the size in bytes of the next message, without taking it. REQUIRES: Advance returned
+  // kSend, and nothing was called since.
+  size_t next_message_bytes() const { return next_message_.size(); }
   // Returns the message to write; empty after kFinish. REQUIRES: Advance returned kSend or kFinish,
   // and nothing was called since.
   std::string Take(uint64_t now_ns);
@@ -94,6 +99,7 @@ class SessionLink {
     bool finished = false;  // nothing more will be sent
   };
 
+  std::string NextMessage();
   LinkAction NextStep(bool queue_empty, uint64_t now_ns);
   bool Overdue(uint64_t now_ns);
   void GiveUp();
@@ -115,6 +121,7 @@ class SessionLink {
   Backoff backoff_;
   std::optional<Stream> stream_;
   LinkAction next_ = LinkAction::kNone;  // what Advance returned
+  std::string next_message_;             // the one to send, if that is kSend
   std::optional<uint64_t> goodbye_deadline_ns_;
 
   std::string last_error_;

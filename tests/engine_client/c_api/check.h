@@ -40,6 +40,7 @@ void test_scenes(void);
 void test_frames(void);
 void test_transport(void);
 void test_decider(void);
+void test_link(void);
 void test_structs(void);
 void test_arguments(void);
 

@@ -36,6 +36,8 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_RAY_HIT) == sizeof(swp_ray_hit));
   CHECK(swp_struct_size(SWP_STRUCT_SHADOW_SAMPLE) == sizeof(swp_shadow_sample));
   CHECK(swp_struct_size(SWP_STRUCT_SHADOW_STATS) == sizeof(swp_shadow_stats));
+  CHECK(swp_struct_size(SWP_STRUCT_LINK_OPTIONS) == sizeof(swp_link_options));
+  CHECK(swp_struct_size(SWP_STRUCT_LINK_STATS) == sizeof(swp_link_stats));
   CHECK(swp_struct_size(SWP_STRUCT_VERDICT) == sizeof(swp_verdict) && sizeof(swp_verdict) == 16);
   CHECK(swp_struct_size(0) == 0 && swp_struct_size(999) == 0);
 }

@@ -1,0 +1,291 @@
+// The session with a daemon over the caller's transport: SessionLink behind a lock.
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+#include <string>
+
+#include "engine_client/c_api/live.h"
+#include "engine_client/c_api/session.h"
+#include "engine_client/c_api/sized_struct.h"
+#include "engine_client/telemetry/common/validation.h"
+#include "engine_client/telemetry/protocol/session_link.h"
+#include "server/decision/math/hash.h"
+
+using sweepstake::ConnectionState;
+using sweepstake::LinkAction;
+using sweepstake::SessionLink;
+using sweepstake::SessionOptions;
+using sweepstake::SessionStats;
+using sweepstake::StreamEnd;
+using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
+
+static_assert(SWP_LINK_SEND == static_cast<int>(LinkAction::kSend));
+static_assert(SWP_LINK_FINISH == static_cast<int>(LinkAction::kFinish));
+static_assert(SWP_LINK_CANCEL == static_cast<int>(LinkAction::kCancel));
+static_assert(static_cast<int>(SWP_LINK_OFFLINE) == static_cast<int>(ConnectionState::kOffline));
+static_assert(SWP_LINK_CONNECTING == static_cast<int>(ConnectionState::kConnecting));
+static_assert(SWP_LINK_ONLINE == static_cast<int>(ConnectionState::kOnline));
+static_assert(SWP_LINK_CLOSED == static_cast<int>(ConnectionState::kClosed));
+
+namespace sweepstake::c_api {
+
+struct Link {
+  static constexpr swp_kind kKind = SWP_KIND_LINK;
+  static constexpr std::string_view kName = "link";
+
+  Link(swp_session& owner, const SessionOptions& options, std::string daemon, uint64_t jitter_seed)
+      : session(owner),
+        protocol(options, std::move(daemon), jitter_seed, owner.content->queue,
+                 *owner.content->adaptive) {
+    session.content->link_is_attached = true;
+  }
+  // swp_shutdown_all may have freed the session already.
+  ~Link() {
+    if (session.content == nullptr) return;
+    session.content->link_is_attached = false;
+    session.content->adaptive->SetDeciderPresent(false);
+  }
+
+  swp_session& session;
+  std::mutex mutex;  // guards what follows
+  SessionLink protocol;
+};
+
+}  // namespace sweepstake::c_api
+
+struct swp_link final : Handle<Link> {
+  using Handle::Handle;
+};
+
+namespace {
+
+constexpr uint64_t kMaxTextBytes = 1 << 20;
+
+swp_link_options DefaultOptions() {
+  const SessionOptions defaults;
+  swp_link_options options{};
+  options.struct_size = sizeof options;
+  options.time_scale = defaults.time_scale;
+  options.batch_interval_ms = defaults.batch_interval_ms;
+  options.batch_frames = defaults.batch_frames;
+  options.batch_bytes = defaults.batch_bytes;
+  options.unacknowledged_messages = defaults.unacknowledged_messages;
+  options.backoff_min_ms = defaults.backoff_min_ms;
+  options.backoff_max_ms = defaults.backoff_max_ms;
+  return options;
+}
+
+SessionOptions ToSessionOptions(const swp_link_options& given) {
+  SessionOptions options;
+  options.project = TextOr(given.project, options.project);
+  options.scene = TextOr(given.scene, options.scene);
+  options.build = TextOr(given.build, "");
+  options.machine_class = TextOr(given.machine_class, "");
+  options.policy = TextOr(given.policy, "");
+  options.time_scale = given.time_scale;
+  options.ignore_priors = given.ignore_priors == 1;
+  options.seed = given.seed;
+  options.allow_operator_orders = given.allow_operator_orders == 1;
+  options.batch_interval_ms = given.batch_interval_ms;
+  options.batch_frames = given.batch_frames;
+  options.batch_bytes = given.batch_bytes;
+  options.unacknowledged_messages = given.unacknowledged_messages;
+  options.backoff_min_ms = given.backoff_min_ms;
+  options.backoff_max_ms = given.backoff_max_ms;
+  return options;
+}
+
+swp_result CheckOptions(const swp_link_options& given) {
+  if (given.allow_operator_orders > 1 || given.ignore_priors > 1) {
+    return Fail(SWP_INVALID_ARGUMENT, "allow_operator_orders and ignore_priors must be 0 or 1");
+  }
+  if (given.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+  return ToResult(sweepstake::ValidateSessionOptions(ToSessionOptions(given)));
+}
+
+uint64_t JitterSeed(const swp_link_options& given, const swp_session& session) {
+  if (given.jitter_seed != 0) return given.jitter_seed;
+  return sweepstake::math::Mix64(sweepstake::SteadyClock().NowNs() ^
+                                 reinterpret_cast<uintptr_t>(&session));
+}
+
+swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_link** link) {
+  if (session.content->decider_loop || session.content->link_is_attached) {
+    return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is attached already: end it first");
+  }
+  const std::string_view address = TextOr(given.daemon, "");
+  std::string daemon = "the daemon";
+  if (!address.empty()) daemon.append(" at ").append(address.substr(0, 300));
+  Publish(std::make_unique<Link>(session, ToSessionOptions(given), std::move(daemon),
+                                 JitterSeed(given, session)),
+          link);
+  return SWP_OK;
+}
+
+// Runs `body` with the link under its lock, while its session cannot be freed either.
+template <typename Body>
+swp_result UseLink(swp_link* link, const Body& body) noexcept {
+  return Use(link, [&](Link& live) {
+    return Use(&live.session, [&](Session& /*session*/) {
+      const std::lock_guard lock(live.mutex);
+      return body(live);
+    });
+  });
+}
+
+swp_result TakeMessage(Link& live, uint64_t now_ns, void* buffer, uint64_t capacity, uint64_t* size,
+                       swp_link_action* action) {
+  const LinkAction next = live.protocol.Advance(now_ns);
+  *action = static_cast<swp_link_action>(next);
+  *size = 0;
+  if (next == LinkAction::kFinish) live.protocol.Take(now_ns);
+  if (next != LinkAction::kSend) return SWP_OK;
+  *size = live.protocol.next_message_bytes();
+  if (*size > capacity) return TooFewPlaces();
+  const std::string message = live.protocol.Take(now_ns);
+  std::memcpy(buffer, message.data(), message.size());
+  return SWP_OK;
+}
+
+swp_link_stats ToStats(const SessionStats& stats, bool closed) {
+  return {sizeof(swp_link_stats),
+          static_cast<swp_link_state>(closed ? ConnectionState::kClosed : stats.state),
+          stats.sent_frame_count,
+          stats.dropped_frame_count,
+          stats.sent_sequence,
+          stats.acknowledged_sequence,
+          stats.connection_count,
+          stats.resumed_count,
+          stats.resent_message_count,
+          stats.command_count,
+          stats.unknown_message_count,
+          stats.prior_source_count,
+          stats.seed,
+          stats.priors_unavailable ? 1U : 0U,
+          stats.awaits_acknowledgement ? 1U : 0U};
+}
+
+// Returns null for an unknown text.
+const std::string* TextOf(const SessionStats& stats, swp_link_text which) {
+  switch (which) {
+    case SWP_LINK_LAST_ERROR:
+      return &stats.last_error;
+    case SWP_LINK_REFUSAL:
+      return &stats.refusal;
+    case SWP_LINK_SESSION_ID:
+      return &stats.session_id;
+    case SWP_LINK_DAEMON_VERSION:
+      return &stats.daemon_version;
+    case SWP_LINK_POLICY:
+      return &stats.policy;
+    default:
+      return nullptr;
+  }
+}
+
+}  // namespace
+
+swp_result swp_link_options_init(swp_link_options* options) {
+  return Guard([&] { return Give("swp_link_options", DefaultOptions(), options); });
+}
+
+swp_result swp_link_create(swp_session* session, const swp_link_options* options, swp_link** link) {
+  return Use(session, [&](Session& /*live*/) {
+    if (link == nullptr) return NullArgument("link");
+    swp_link_options known = DefaultOptions();
+    swp_result wrong = TakeOptions("swp_link_options", options, known);
+    if (wrong == SWP_OK) wrong = CheckOptions(known);
+    return wrong != SWP_OK ? wrong : CreateLink(*session, known, link);
+  });
+}
+
+void swp_link_destroy(swp_link* link) { Destroy(link); }
+
+swp_result swp_link_connected(swp_link* link, uint64_t now_ns) {
+  return UseLink(link, [&](Link& live) {
+    if (live.protocol.connected()) {
+      return Fail(SWP_FAILED_PRECONDITION, "a stream is open: call swp_link_disconnected first");
+    }
+    live.protocol.Connected(now_ns);
+    return kOk;
+  });
+}
+
+swp_result swp_link_next_message(swp_link* link, uint64_t now_ns, void* buffer, uint64_t capacity,
+                                 uint64_t* size, swp_link_action* action) {
+  return UseLink(link, [&](Link& live) {
+    if (size == nullptr || action == nullptr) return NullArgument("size and action");
+    if (buffer == nullptr && capacity > 0) return NullArgument("buffer");
+    return TakeMessage(live, now_ns, buffer, capacity, size, action);
+  });
+}
+
+swp_result swp_link_on_message(swp_link* link, const void* bytes, uint64_t size, uint64_t now_ns) {
+  return UseLink(link, [&](Link& live) {
+    if (bytes == nullptr && size > 0) return NullArgument("bytes");
+    const std::string_view message(static_cast<const char*>(bytes), size);
+    return ToResult(live.protocol.OnMessage(message, now_ns));
+  });
+}
+
+swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_code, const char* message,
+                                 const void* details, uint64_t details_size, uint64_t now_ns,
+                                 uint32_t* delay_ms) {
+  return UseLink(link, [&](Link& live) {
+    if (delay_ms == nullptr) return NullArgument("delay_ms");
+    if (details == nullptr && details_size > 0) return NullArgument("details");
+    if (details_size > kMaxTextBytes) {
+      return Fail(SWP_INVALID_ARGUMENT, "details_size is over 1048576");
+    }
+    const StreamEnd end = {.code = grpc_status_code,
+                           .message = std::string(TextOr(message, "")),
+                           .details = std::string(static_cast<const char*>(details), details_size)};
+    *delay_ms = live.protocol.Disconnected(end, now_ns).value_or(SWP_LINK_NEVER);
+    return kOk;
+  });
+}
+
+swp_result swp_link_goodbye(swp_link* link, uint64_t deadline_ns) {
+  return UseLink(link, [&](Link& live) {
+    live.protocol.Goodbye(deadline_ns);
+    return kOk;
+  });
+}
+
+swp_result swp_link_status(swp_link* link, swp_link_stats* stats) {
+  return UseLink(link, [&](Link& live) {
+    return Give("swp_link_stats", ToStats(live.protocol.stats(), live.protocol.finished()), stats);
+  });
+}
+
+swp_result swp_link_copy_text(swp_link* link, swp_link_text which, char* text, uint64_t capacity,
+                              uint64_t* size) {
+  return UseLink(link, [&](Link& live) {
+    if (size == nullptr) return NullArgument("size");
+    if (text == nullptr && capacity > 0) return NullArgument("text");
+    const SessionStats stats = live.protocol.stats();
+    const std::string* const chosen = TextOf(stats, which);
+    if (chosen == nullptr) {
+      return Fail(SWP_INVALID_ARGUMENT, "which must be one of SWP_LINK_LAST_ERROR to _POLICY, 0-4");
+    }
+    *size = chosen->size();
+    if (chosen->size() >= capacity) return TooFewPlaces();
+    std::memcpy(text, chosen->c_str(), chosen->size() + 1);
+    return kOk;
+  });
+}
+
+swp_result swp_link_beliefs(swp_link* link, swp_belief* beliefs, uint32_t capacity,
+                            uint32_t* count) {
+  return UseLink(link, [&](Link& live) {
+    if (count == nullptr) return NullArgument("count");
+    if (beliefs == nullptr && capacity > 0) return NullArgument("beliefs");
+    const SessionStats stats = live.protocol.stats();
+    *count = static_cast<uint32_t>(stats.beliefs.size());
+    if (stats.beliefs.size() > capacity) return TooFewPlaces();
+    std::transform(stats.beliefs.begin(), stats.beliefs.end(), beliefs, [](const auto& belief) {
+      return swp_belief{belief.alpha, belief.beta};
+    });
+    return kOk;
+  });
+}
