@@ -81,7 +81,7 @@ class Registry {
 
 namespace {
 
-constinit Registry registry;
+Registry registry;
 
 }  // namespace
 

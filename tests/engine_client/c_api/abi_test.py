@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Fails when the C ABI is not what golden/ says: every struct, field, value and function of each c_*.h.
 
-    abi_test.py ROOT           compares the headers of the tree at ROOT with the golden files
+    abi_test.py ROOT           compares the headers of the tree at ROOT with the golden files, and asks that each struct with a size
+                               and each function with a pointer has a test
     abi_test.py ROOT --write   writes the golden files again, after a change that is allowed
     abi_test.py --self-test    shows that each rule can fail
 
@@ -19,7 +20,8 @@ import re
 import sys
 
 HEADERS = "engine_client/include/sweepstake"
-GOLDEN = "tests/engine_client/c_api/golden"
+TESTS = "tests/engine_client/c_api"
+GOLDEN = TESTS + "/golden"
 EARLIER_SIZES = "engine_client/c_api/sized_struct.h"
 
 # SWP_ABI_REVISION of the latest release. From the first release on, --write refuses what its callers would notice.
@@ -190,12 +192,27 @@ def read(root):
     return Abi({name: (root / HEADERS / name).read_text(encoding="utf-8") for name in names})
 
 
-def unnamed_structs(abi):
-    """Bindings of other languages ask swp_struct_size for each struct."""
+def untested(lines, tests):
+    """What has no test of its sizes or its arguments; `tests` are the texts of the C tests."""
+    for line in lines:
+        struct = re.match(r"FIELD\((\w+), struct_size,", line)
+        if struct and f"{{sizeof({struct[1]})," not in tests:
+            yield f"{struct[1]} is not in structs_test.c: sizes that are shorter, longer or nonsense"
+        function = re.match(r"FUNCTION\((\w+), swp_result \(\*\)\(.*\*", line)
+        if function and not re.search(rf"REFUSED\(\s*{function[1]}\(", tests):
+            yield f"{function[1]}: no test refuses NULL or nonsense, as argument_test.c does for the others"
+
+
+def unnamed(abi):
+    """The structs that bindings of other languages cannot ask swp_struct_size for."""
     for struct in (name for name, size in abi.structs.items() if size):
         constant = "SWP_STRUCT_" + struct.removeprefix("swp_").upper()
         if not any(line.startswith(f"VALUE({constant}, ") for line in abi.lines["c_api.h"]):
             yield f"{struct} has no {constant} in c_api.h and no case in swp_struct_size"
+
+
+def tests_of(root):
+    return "".join(path.read_text(encoding="utf-8") for path in sorted((root / TESTS).glob("*_test.c")))
 
 
 def read_golden(root, header):
@@ -254,6 +271,9 @@ def self_test():
         "a struct that grew needs its former size": refusals(lines(options), lines(longer), {}, 1, 0),
         "a field that is gone is refused": refusals(lines(longer), lines(options), sizes, 1, 0),
         "former sizes are read": earlier_sizes_of("std::array<uint32_t, 2> kEarlierSizes<swp_o>{8, 16};") == {"swp_o": [8, 16]},
+        "a struct without a test is found": len(list(untested(lines(options), ""))) == 1,
+        "a function without a test is found": len(list(untested(["FUNCTION(swp_f, swp_result (*)(const char*))"], "REFUSED(swp_g("))) == 1,
+        "a function with a test is found": not list(untested(["FUNCTION(swp_f, swp_result (*)(const char*))"], "REFUSED(swp_f(NULL")),
         "another order is seen": list(differences("c.h", ["A()", "B()"], ["B()", "A()"])),
     }
     return [f"not true: {what}" for what, holds in checks.items() if not holds]
@@ -276,9 +296,9 @@ def main(arguments):
     if arguments[1:] == ["--write"]:
         errors = write(root, abi)
     else:
-        errors = list(unnamed_structs(abi))
-        errors += [error for header, lines in abi.lines.items() for error in differences(header, read_golden(root, header), lines)]
-        errors += [ADVICE] if errors else []
+        errors = [*unnamed(abi), *untested(sum(abi.lines.values(), []), tests_of(root))]
+        changes = [error for header, lines in abi.lines.items() for error in differences(header, read_golden(root, header), lines)]
+        errors += [*changes, ADVICE] if changes else []
     done = "written" if arguments[1:] else "as they were"
     print("\n".join(errors) or f"{sum(map(len, abi.lines.values()))} declarations are {done}")
     return 1 if errors else 0
