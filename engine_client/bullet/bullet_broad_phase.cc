@@ -150,12 +150,15 @@ void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
 // Everything is found before the callback is called, which may change what there is to find.
 template <typename Found, typename Query>
 void BulletBroadPhase::PassFound(const Query& query, btBroadphaseAabbCallback& callback) {
-  if (!proxies_.queries_prepared()) proxies_.PrepareQueries();
   std::array<Found, 64> few;
   std::vector<Found> many;
   std::span<Found> found = few;
   size_t count = 0;
   Status status = query(found, count);
+  if (status.code() == StatusCode::kFailedPrecondition) {  // the first query after a change
+    proxies_.PrepareQueries();
+    status = query(found, count);
+  }
   if (status.ok() && count > found.size()) {
     many.resize(count);
     found = many;
