@@ -1,0 +1,129 @@
+"""Sweepstake for Conan 2, built from the tree that this recipe is part of: conan create deploy/conan"""
+import os
+import re
+
+from conan import ConanFile
+from conan.errors import ConanInvalidConfiguration
+from conan.tools.build import check_min_cppstd
+from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
+from conan.tools.files import copy, load, rmdir
+
+# What each static library of the package stands on, as its CMake target does.
+LIBRARIES = {
+    "math": [],
+    "decision": ["math"],
+    "audit": ["decision"],
+    "broad_phase": ["math", "highway::highway"],
+    "scene": ["math"],
+    "adaptive": ["broad_phase", "math"],
+    "embedded": ["adaptive", "audit", "math"],
+}
+TELEMETRY = {
+    "proto": ["grpc::grpc", "protobuf::protobuf"],
+    "tls": ["openssl::openssl", "grpc::grpc"],
+    "telemetry": ["embedded", "math", "proto", "tls", "abseil::abseil"],
+}
+
+
+class SweepstakeConan(ConanFile):
+    name = "sweepstake"
+    description = "Interchangeable broad phases of collision detection, and a decider that learns which one suits the running game"
+    license = "MIT"
+    topics = ("collision-detection", "broad-phase", "physics", "game-development")
+    settings = "os", "arch", "compiler", "build_type"
+    options = {"telemetry": [True, False], "daemon": [True, False]}
+    default_options = {"telemetry": False, "daemon": False}
+
+    def set_version(self):
+        project = load(self, os.path.join(self.recipe_folder, "..", "..", "CMakeLists.txt"))
+        self.version = re.search(r"project\(sweepstake VERSION ([0-9.]+)", project).group(1)
+
+    def export_sources(self):
+        root = os.path.join(self.recipe_folder, "..", "..")
+        for pattern in ("CMakeLists.txt", "LICENSE", "engine_client/*", "server/*", "proto/*"):
+            copy(self, pattern, src=root, dst=self.export_sources_folder, excludes="*/node_modules/*")
+
+    def config_options(self):
+        if self.settings.os != "Linux":
+            del self.options.daemon
+
+    def configure(self):
+        if self.options.get_safe("daemon"):
+            self.options.telemetry.value = True
+
+    def layout(self):
+        cmake_layout(self)
+
+    def requirements(self):
+        self.requires("highway/1.0.7")
+        self.requires("eigen/3.4.0")
+        self.requires("nlohmann_json/3.11.3")
+        self.requires("protozero/1.7.1")
+        if self.options.telemetry:
+            self.requires("grpc/1.54.3")
+            self.requires("protobuf/3.21.12")
+            self.requires("abseil/[>=20220623.0]")
+            self.requires("openssl/[>=3 <4]")
+        if self.options.get_safe("daemon"):
+            self.requires("boost/[>=1.81 <2]")
+            self.requires("cli11/[>=2.3 <3]")
+            self.requires("libsystemd/[>=252]")
+            self.requires("prometheus-cpp/[>=1.0 <2]")
+            self.requires("spdlog/[>=1.10 <2]")
+            self.requires("sqlite3/[>=3.40 <4]")
+            self.requires("tomlplusplus/[>=3.3 <4]")
+
+    def build_requirements(self):
+        self.tool_requires("cmake/[>=3.25]")
+        if self.options.telemetry:
+            self.tool_requires("grpc/<host_version>")
+            self.tool_requires("protobuf/<host_version>")
+
+    def validate(self):
+        check_min_cppstd(self, 20)
+        if self.settings.arch not in ("x86_64", "armv8"):
+            raise ConanInvalidConfiguration("Sweepstake is for 64-bit processors: x86_64 or armv8")
+
+    def generate(self):
+        toolchain = CMakeToolchain(self)
+        toolchain.cache_variables["BUILD_TESTING"] = False
+        toolchain.cache_variables["SWEEPSTAKE_LABORATORY"] = False
+        toolchain.cache_variables["SWEEPSTAKE_WITH_DAEMON"] = bool(self.options.get_safe("daemon"))
+        toolchain.cache_variables["CMAKE_DISABLE_FIND_PACKAGE_gRPC"] = not self.options.telemetry
+        toolchain.cache_variables["PROTOZERO_INCLUDE_DIR"] = self.dependencies["protozero"].cpp_info.includedirs[0]
+        toolchain.generate()
+        dependencies = CMakeDeps(self)
+        dependencies.set_property("highway", "cmake_file_name", "hwy")
+        dependencies.set_property("highway", "cmake_target_name", "hwy::hwy")
+        dependencies.generate()
+
+    def build(self):
+        cmake = CMake(self)
+        cmake.configure()
+        cmake.build()
+
+    def package(self):
+        copy(self, "LICENSE", src=self.source_folder, dst=os.path.join(self.package_folder, "licenses"))
+        CMake(self).install()
+        # Conan makes its own from package_info.
+        rmdir(self, os.path.join(self.package_folder, "lib", "cmake"))
+        rmdir(self, os.path.join(self.package_folder, "lib", "pkgconfig"))
+
+    def package_info(self):
+        self.cpp_info.components["c"].libs = ["sweepstake"]
+        libraries = dict(LIBRARIES)
+        if self.options.telemetry:
+            libraries.update(TELEMETRY)
+        for name, requires in libraries.items():
+            component = self.cpp_info.components[name]
+            component.libs = ["sweepstake_" + name]
+            component.requires = requires
+            if self.settings.os == "Linux":
+                component.system_libs = ["m", "pthread"]
+        # Headers and sources alone: they are compiled into the libraries.
+        self.cpp_info.components["built_with"].requires = [
+            "eigen::eigen", "nlohmann_json::nlohmann_json", "protozero::protozero"]
+        if self.options.get_safe("daemon"):
+            self.cpp_info.components["programs"].requires = [
+                "boost::headers", "cli11::cli11", "libsystemd::libsystemd", "prometheus-cpp::prometheus-cpp", "spdlog::spdlog",
+                "sqlite3::sqlite3", "tomlplusplus::tomlplusplus"]

@@ -1,0 +1,45 @@
+# Runs a port's script as vcpkg does, with functions in the place of vcpkg's that write down how they are called. Variables:
+# PORTFILE, FOLDER (gets calls.txt and package/), FEATURES.
+cmake_minimum_required(VERSION 3.25)
+
+set(CMAKE_CURRENT_LIST_FILE ${PORTFILE})
+cmake_path(GET PORTFILE PARENT_PATH port_folder)
+cmake_path(GET port_folder FILENAME PORT)
+set(CURRENT_PACKAGES_DIR ${FOLDER}/package)
+
+foreach(name vcpkg_cmake_configure vcpkg_cmake_config_fixup vcpkg_fixup_pkgconfig vcpkg_copy_tools vcpkg_install_copyright)
+  cmake_language(EVAL CODE "
+    function(${name})
+      file(APPEND \${FOLDER}/calls.txt \"${name};\${ARGN}\\n\")
+    endfunction()")
+endforeach()
+
+function(vcpkg_cmake_install)
+  file(APPEND ${FOLDER}/calls.txt "vcpkg_cmake_install\n")
+  file(WRITE ${CURRENT_PACKAGES_DIR}/debug/include/sweepstake/c_api.h "")
+  file(WRITE ${CURRENT_PACKAGES_DIR}/include/sweepstake/c_api.h "")
+endfunction()
+
+# vcpkg_check_features(OUT_FEATURE_OPTIONS name [FEATURES feature option...] [INVERTED_FEATURES feature option...])
+function(vcpkg_check_features)
+  cmake_parse_arguments(PARSE_ARGV 0 ARG "" "OUT_FEATURE_OPTIONS" "FEATURES;INVERTED_FEATURES")
+  set(options)
+  foreach(kind FEATURES INVERTED_FEATURES)
+    while(ARG_${kind})
+      list(POP_FRONT ARG_${kind} feature option)
+      set(values OFF ON)
+      if(kind STREQUAL "INVERTED_FEATURES")
+        set(values ON OFF)
+      endif()
+      set(chosen 0)
+      if(feature IN_LIST FEATURES)
+        set(chosen 1)
+      endif()
+      list(GET values ${chosen} value)
+      list(APPEND options -D${option}=${value})
+    endwhile()
+  endforeach()
+  set(${ARG_OUT_FEATURE_OPTIONS} ${options} PARENT_SCOPE)
+endfunction()
+
+include(${PORTFILE})
