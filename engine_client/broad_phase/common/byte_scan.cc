@@ -121,14 +121,15 @@ HWY_INLINE uint64_t BitsBehind(size_t row, size_t at) {
   return row + 1 - at < 64 ? ~uint64_t{0} << (row + 1 - at) : 0;
 }
 
-// Scans all tiles of kRowsPerTile rows in [begin, end), kRegisters registers of slots at a time.
+// Scans tiles of kRowsPerTile rows from `row` on, kRegisters registers of slots at a time, to `end`
+// or until there have been `max_checks`. Returns the checks, and in `row` where it ended. Not
+// inlined: what its caller keeps would take registers.
 template <bool kSwept, bool kById, size_t kRegisters>
-HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_t end,
-                              PairBuffer& out, StopRequest* stop) {
+HWY_NOINLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t& row_to_scan, size_t end,
+                                uint64_t max_checks, PairBuffer& out) {
   const Bytes d;
   const size_t step = std::min(kRegisters * hn::Lanes(d), ByteBoxes::kGranule);
   const ByteLanes lanes = shared_lanes;
-  StopPoll poll(stop, out);
   PairCursor cursor(out);
   Candidates candidates[kCandidatesRoom + 2] = {};
   size_t count = 0;
@@ -137,7 +138,8 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
     count += bits != 0 ? 1 : 0;
   };
   uint64_t checks = 0;
-  for (size_t row = begin; row < end && !poll.Ends(checks); row += kRowsPerTile) {
+  size_t row = row_to_scan;
+  for (; row < end && checks < max_checks; row += kRowsPerTile) {
     // The four rows of the tile stay in registers.
     const RowBytes row0 = RowAt(lanes, row);
     const RowBytes row1 = RowAt(lanes, row + 1);
@@ -177,6 +179,19 @@ HWY_INLINE uint64_t ScanTiles(const ByteLanes& shared_lanes, size_t begin, size_
   // Tests the remaining candidates.
   TestExactly<kById>(lanes, candidates, count, cursor);
   cursor.Flush();
+  row_to_scan = row;
+  return checks;
+}
+
+template <bool kSwept, bool kById, size_t kRegisters>
+uint64_t Scan(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
+              StopRequest* stop) {
+  StopPoll poll(stop, out);
+  uint64_t checks = 0;
+  for (size_t row = begin; row < end && !poll.Ends(checks);) {
+    const uint64_t max_checks = poll.next_question() - checks;
+    checks += ScanTiles<kSwept, kById, kRegisters>(lanes, row, end, max_checks, out);
+  }
   return checks;
 }
 
@@ -191,15 +206,15 @@ uint64_t ScanAll(const ByteLanes& lanes, size_t begin, size_t end,
                  [[maybe_unused]] size_t expected_pairs, PairBuffer& out, StopRequest* stop) {
 #if HWY_MAX_BYTES != 64  // a register there is a granule, and a step
   if (expected_pairs * kSlotsPerPair > uint64_t{lanes.count} * lanes.count)
-    return ScanTiles<false, false, 2>(lanes, begin, end, out, stop);
+    return Scan<false, false, 2>(lanes, begin, end, out, stop);
 #endif
-  return ScanTiles<false, false, 1>(lanes, begin, end, out, stop);
+  return Scan<false, false, 1>(lanes, begin, end, out, stop);
 }
 
 uint64_t ScanSwept(const ByteLanes& lanes, size_t begin, size_t end, PairBuffer& out,
                    StopRequest* stop) {
-  if (lanes.records_by_id) return ScanTiles<true, true, 1>(lanes, begin, end, out, stop);
-  return ScanTiles<true, false, 1>(lanes, begin, end, out, stop);
+  if (lanes.records_by_id) return Scan<true, true, 1>(lanes, begin, end, out, stop);
+  return Scan<true, false, 1>(lanes, begin, end, out, stop);
 }
 
 // Timed with AVX-512, AVX2 and SSE4; whatever else runs is taken as SSE4.

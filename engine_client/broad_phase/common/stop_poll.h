@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "hwy/base.h"
 #include "sweepstake/broad_phase.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -33,11 +34,15 @@ class StopPoll {
 
   // Returns whether to end the search, which has made `check_count` checks so far.
   bool Ends(uint64_t check_count) { return check_count >= next_ && Ask(check_count); }
+  // Returns the number of checks at which to call Ends next; the greatest there is without a
+  // request.
+  uint64_t next_question() const { return next_; }
   // Returns whether Ends has returned true.
   bool has_ended() const { return next_ == 0; }
 
  private:
-  bool Ask(uint64_t check_count) {
+  // Not inlined: its call would take registers of the kernels' loops.
+  HWY_NOINLINE bool Ask(uint64_t check_count) {
     if (next_ == 0) return true;
     next_ = stop_->WantsStop(NewBytes()) ? 0 : check_count + kChecksPerQuestion;
     return next_ == 0;

@@ -193,6 +193,15 @@ HWY_INLINE void SearchLeaf(DbvtSearch& search, uint32_t group, uint32_t lane) {
   TestFoundSlots(search);
 }
 
+// Searches the leaves of a group from `lane` on, until there have been `max_checks`. Returns the
+// lane where it ended. Not inlined: what its caller keeps would take registers.
+HWY_NOINLINE uint32_t SearchLeaves(DbvtSearch& search, uint32_t group, uint32_t lane,
+                                   uint64_t max_checks) {
+  const uint32_t count = search.links[group].count;
+  for (; lane < count && search.checks < max_checks; ++lane) SearchLeaf(search, group, lane);
+  return lane;
+}
+
 uint64_t GroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, PairBuffer& out,
                     StopRequest* stop) {
   StopPoll poll(stop, out);
@@ -200,8 +209,8 @@ uint64_t GroupPairs(const DbvtTree& tree, std::span<const uint32_t> groups, Pair
   DbvtSearch search(tree, cursor);
   for (const uint32_t group : groups) {
     const uint32_t count = search.links[group].count;
-    for (uint32_t lane = 0; lane < count && !poll.Ends(search.checks); ++lane) {
-      SearchLeaf(search, group, lane);
+    for (uint32_t lane = 0; lane < count && !poll.Ends(search.checks);) {
+      lane = SearchLeaves(search, group, lane, poll.next_question());
     }
   }
   cursor.Flush();
