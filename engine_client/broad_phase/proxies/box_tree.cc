@@ -44,7 +44,7 @@ void BoxTree::Update(std::span<const Aabb> boxes, KdOrder& splitter, std::span<u
     return;
   }
   if (any_new_) SortNewMembers(boxes, splitter, slots);
-  tree_.Refit(boxes, order_, nullptr);
+  Refit(boxes);
   if (SortIsDue()) SortMembers(boxes, splitter, slots);
 }
 
@@ -57,11 +57,12 @@ void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
   first_new_ = (count_ + LeafTree::kWidth - 1) / LeafTree::kWidth * LeafTree::kWidth;
   order_.resize(first_new_, KdOrder::kHole);
   any_new_ = false;
-  tree_.Refit(boxes, order_, nullptr);
+  Refit(boxes);
   debt_.Clear();
-  sorted_leaf_count_ = tree_.leaves().size();
-  sorted_extents_.EnsureDiscarding(sorted_leaf_count_);
-  for (size_t leaf = 0; leaf < sorted_leaf_count_; ++leaf) sorted_extents_[leaf] = ExtentOf(leaf);
+  sorted_extents_.resize(tree_.leaves().size());
+  for (size_t leaf = 0; leaf < sorted_extents_.size(); ++leaf) {
+    sorted_extents_[leaf] = ExtentOf(leaf);
+  }
 }
 
 void BoxTree::SortNewMembers(std::span<const Aabb> boxes, KdOrder& splitter,
@@ -92,10 +93,10 @@ bool BoxTree::SortIsDue() const {
 // Leaves are counted, since in a sum one box that has flown far away would outweigh all others.
 bool BoxTree::HasGrown() const {
   size_t grown = 0;
-  for (size_t leaf = 0; leaf < sorted_leaf_count_; ++leaf) {
+  for (size_t leaf = 0; leaf < sorted_extents_.size(); ++leaf) {
     if (ExtentOf(leaf) > 2 * sorted_extents_[leaf]) ++grown;
   }
-  return grown * 8 > sorted_leaf_count_;
+  return grown * 8 > sorted_extents_.size();
 }
 
 // Returns the sum over the axes; 0 if the leaf has no valid box.

@@ -17,7 +17,6 @@
 #include <cstdint>
 #include <span>
 
-#include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/common/rebuild_debt.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/kd/kd_order.h"
@@ -46,9 +45,22 @@ class BoxTree {
   // Reports the AABB checks that a search with all boxes has made; at most once per Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
+  // The fields of a snapshot (snapshot.h). If Update was called after the latest change, Refit must
+  // follow.
+  template <typename Self, typename Archive>
+  static void Visit(Self& self, Archive& archive) {
+    archive.Array(self.order_);
+    archive.Value(self.count_);
+    archive.Value(self.first_new_);
+    archive.Value(self.any_new_);
+    archive.Array(self.sorted_extents_);
+    archive.Value(self.debt_);
+  }
+  void Refit(std::span<const Aabb> boxes) { tree_.Refit(boxes, order_, nullptr); }
+
   size_t native_bytes() const {
     return order_.capacity() * sizeof(uint32_t) + tree_.native_bytes() +
-           sorted_extents_.capacity_bytes();
+           sorted_extents_.capacity() * sizeof(float);
   }
 
  private:
@@ -66,9 +78,8 @@ class BoxTree {
   size_t first_new_ = 0;          // the slot from which on members were added since the latest sort
   bool any_new_ = false;          // whether some of those are not sorted among themselves yet
   LeafTree tree_;
-  AlignedBuffer<float> sorted_extents_;  // the leaves' extents after the latest sort
-  size_t sorted_leaf_count_ = 0;
-  RebuildDebt debt_;  // the debt of the order
+  HookedVector<float> sorted_extents_;  // the leaves' extents after the latest sort
+  RebuildDebt debt_;                    // the debt of the order
 };
 
 }  // namespace sweepstake

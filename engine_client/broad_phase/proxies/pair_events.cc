@@ -1,5 +1,9 @@
 #include "engine_client/broad_phase/proxies/pair_events.h"
 
+#include <algorithm>
+
+#include "engine_client/broad_phase/proxies/populations.h"
+
 namespace sweepstake {
 namespace {
 
@@ -36,7 +40,47 @@ class Owners {
   const bool any_new_;
 };
 
+bool AreWithin(const Aabb& a, const Aabb& b, float margin) {
+  if (!IsValid(a) || !IsValid(b)) return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a.min[axis] - b.max[axis] > margin || b.min[axis] - a.max[axis] > margin) return false;
+  }
+  return true;
+}
+
+// Returns whether a pair that has begun goes on, although its boxes may be apart.
+bool GoesOn(const OverlapPair& pair, float margin, const ProxyTable& moving,
+            const ProxyTable& resting) {
+  const ProxyTable* tables[2];
+  uint32_t places[2];
+  bool all_static = true;
+  for (size_t k = 0; k < 2; ++k) {
+    const uint32_t id = k == 0 ? pair.a : pair.b;
+    tables[k] = (id & kStaticProxyBit) != 0 ? &resting : &moving;
+    places[k] = id & ~kStaticProxyBit;
+    if (!tables[k]->Holds(places[k], tables[k]->seen_generation(places[k]))) return false;
+    all_static = all_static && IsStaticIn(tables[k]->population(places[k]));
+  }
+  return !all_static && Passes(tables[0]->filters()[places[0]], tables[1]->filters()[places[1]]) &&
+         AreWithin(tables[0]->boxes()[places[0]], tables[1]->boxes()[places[1]], margin);
+}
+
 }  // namespace
+
+void PairEvents::Hold(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
+                      float margin, const ProxyTable& moving, const ProxyTable& resting,
+                      PairBuffer& out) {
+  OverlapPair* to = out.EnsureRoom(before.size() + now.size());
+  const OverlapPair* const first = to;
+  size_t n = 0;
+  for (const OverlapPair& pair : before) {
+    while (n < now.size() && PairKey(now[n]) < PairKey(pair)) *to++ = now[n++];
+    if (n < now.size() && now[n] == pair) continue;
+    if (GoesOn(pair, margin, moving, resting)) *to++ = pair;
+  }
+  to = std::copy(now.begin() + static_cast<std::ptrdiff_t>(n), now.end(), to);
+  out.Advance(static_cast<size_t>(to - first));
+}
 
 void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                          const ProxyTable& moving, const ProxyTable& resting) {

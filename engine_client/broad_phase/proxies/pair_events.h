@@ -10,6 +10,7 @@
 
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/proxies/proxy_table.h"
+#include "sweepstake/pair_buffer.h"
 #include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
@@ -25,8 +26,20 @@ class PairEvents {
   void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                const ProxyTable& moving, const ProxyTable& resting);
 
+  // Appends to `out` the pairs `now` and those `before` that have not ended: their owners are the
+  // same, may form a pair, and are at most `margin` apart on each axis. All ascend. Cost: O(pairs).
+  static void Hold(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
+                   float margin, const ProxyTable& moving, const ProxyTable& resting,
+                   PairBuffer& out);
+
   std::span<const ProxyPair> added() const { return added_; }
   std::span<const ProxyPair> removed() const { return removed_; }
+  // The fields of a snapshot (snapshot.h).
+  template <typename Self, typename Archive>
+  static void Visit(Self& self, Archive& archive) {
+    archive.Array(self.added_);
+    archive.Array(self.removed_);
+  }
   // Frees spare room.
   void Compact() {
     added_.shrink_to_fit();

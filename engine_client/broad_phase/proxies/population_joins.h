@@ -20,6 +20,7 @@
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/kd/kd_order.h"
 #include "engine_client/broad_phase/proxies/proxy_kind.h"
+#include "engine_client/broad_phase/proxies/snapshot.h"
 #include "sweepstake/executor.h"
 #include "sweepstake/pair_buffer.h"
 
@@ -39,6 +40,12 @@ class PopulationJoins {
 
   // Frees what it holds; the next FindPairs makes it anew. REQUIRES: the kinds were compacted.
   void Compact();
+  // The fields of a snapshot (snapshot.h).
+  template <typename Self, typename Archive>
+  static void Visit(Self& self, Archive& archive) {
+    PairList kept(self.kept_);
+    archive.Array(kept);
+  }
   size_t native_bytes() const;
 
  private:

@@ -93,6 +93,15 @@ void ProxyKind::RefreshTrees(KdOrder& splitter) {
   }
 }
 
+// Trees that are out of date are refitted before they are used.
+void ProxyKind::FinishRestore() {
+  table_.FinishRestore();
+  for (uint32_t population = 0; population < kPopulations; ++population) {
+    if (count(population) == 0 || (changed_ & 1U << population) != 0) continue;
+    trees_[population]->Refit(table_.boxes());
+  }
+}
+
 size_t ProxyKind::native_bytes() const {
   size_t bytes = table_.native_bytes();
   for (const auto& tree : trees_) bytes += tree == nullptr ? 0 : tree->native_bytes();

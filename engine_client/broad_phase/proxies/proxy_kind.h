@@ -17,25 +17,11 @@
 #include <memory>
 
 #include "engine_client/broad_phase/proxies/box_tree.h"
-#include "engine_client/broad_phase/proxies/filter_groups.h"
+#include "engine_client/broad_phase/proxies/populations.h"
 #include "engine_client/broad_phase/proxies/proxy_table.h"
 #include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
-
-// Populations as numbers: the groups that move, those that sleep, and the static proxies.
-inline constexpr uint8_t kSleepingPopulation = FilterGroups::kCount;
-inline constexpr uint8_t kStaticPopulation = 2 * FilterGroups::kCount;
-inline constexpr uint8_t kPopulations = kStaticPopulation + 1;
-
-constexpr bool MovesIn(uint32_t population) { return population < kSleepingPopulation; }
-constexpr bool IsStaticIn(uint32_t population) { return population == kStaticPopulation; }
-constexpr bool SleepsIn(uint32_t population) {
-  return !MovesIn(population) && !IsStaticIn(population);
-}
-constexpr uint32_t GroupOf(uint32_t population) {
-  return IsStaticIn(population) ? 0 : population % FilterGroups::kCount;
-}
 
 class ProxyKind {
  public:
@@ -86,10 +72,31 @@ class ProxyKind {
   bool any_resting_changed() const { return resting_changed_; }
   void MarkRestingSeen() { resting_changed_ = false; }
 
+  // The fields of a snapshot (snapshot.h). FinishRestore must follow.
+  template <typename Self, typename Archive>
+  static void Visit(Self& self, Archive& archive) {
+    ProxyTable::Visit(self.table_, archive);
+    for (auto& tree : self.trees_) {
+      bool exists = tree != nullptr;
+      archive.Value(exists);
+      self.MatchTree(tree, exists);
+      if (exists) BoxTree::Visit(*tree, archive);
+    }
+    archive.Value(self.all_);
+    archive.Value(self.changed_);
+    archive.Value(self.resting_changed_);
+  }
+  void FinishRestore();
+
   uint64_t refit_count() const { return refit_count_; }
   size_t native_bytes() const;
 
  private:
+  // Makes or drops the tree as the snapshot has it.
+  static void MatchTree(std::unique_ptr<BoxTree>& tree, bool exists) {
+    if (exists != (tree != nullptr)) tree = exists ? std::make_unique<BoxTree>() : nullptr;
+  }
+  static void MatchTree(const std::unique_ptr<BoxTree>& /*saved*/, bool /*exists*/) {}
   void Enter(uint32_t place, uint8_t population);
   void Leave(uint32_t place);
   void NoteChange(uint8_t population) {

@@ -31,12 +31,25 @@ std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair
   if (any_joins) joins_.FindPairs(splitter_, next_);
   if (wants_sorted()) sorter_.Sort(next_.pairs());
   if (options_.pair_events) {
-    events_.Compare(pairs_.pairs(), next_.pairs(), moving_.table(), resting_.table());
+    FindEvents();
     moving_.MarkSeen();
     resting_.MarkSeen();
   }
   std::swap(pairs_, next_);
   return pairs_.pairs();
+}
+
+void ProxySet::Impl::FindEvents() {
+  const ProxyTable& moving = moving_.table();
+  const ProxyTable& resting = resting_.table();
+  if (options_.event_margin == 0) {
+    return events_.Compare(pairs_.pairs(), next_.pairs(), moving, resting);
+  }
+  next_begun_.Clear();
+  PairEvents::Hold(begun_.pairs(), next_.pairs(), options_.event_margin, moving, resting,
+                   next_begun_);
+  events_.Compare(begun_.pairs(), next_begun_.pairs(), moving, resting);
+  std::swap(begun_, next_begun_);
 }
 
 void ProxySet::Impl::AppendMoving(std::span<const OverlapPair> moving_pairs) {
@@ -103,8 +116,9 @@ void ProxySet::Impl::SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleepi
 void ProxySet::Impl::Compact() {
   size_t moving_places = 0;
   size_t static_places = 0;
-  for (const OverlapPair& pair :
-       options_.pair_events ? std::as_const(pairs_).pairs() : std::span<const OverlapPair>()) {
+  PairBuffer& latest = options_.event_margin == 0 ? pairs_ : begun_;
+  if (!options_.pair_events) latest.Clear();
+  for (const OverlapPair& pair : latest.pairs()) {
     for (const uint32_t id : {pair.a, pair.b}) {
       size_t& places = (id & kStaticProxyBit) != 0 ? static_places : moving_places;
       places = std::max(places, size_t{PlaceOf(id)} + 1);
@@ -115,17 +129,20 @@ void ProxySet::Impl::Compact() {
   joins_.Compact();
   events_.Compact();
   PairBuffer compact;
-  if (options_.pair_events) Append(pairs_.pairs(), compact);
-  pairs_ = std::move(compact);
+  Append(latest.pairs(), compact);
+  pairs_ = PairBuffer();
+  latest = std::move(compact);
   next_ = PairBuffer();
+  next_begun_ = PairBuffer();
   splitter_ = {};
   sorter_ = {};
 }
 
 size_t ProxySet::Impl::native_bytes() const {
   return moving_.native_bytes() + resting_.native_bytes() + splitter_.native_bytes() +
-         pairs_.capacity_bytes() + next_.capacity_bytes() + joins_.native_bytes() +
-         sorter_.native_bytes() + events_.native_bytes();
+         pairs_.capacity_bytes() + next_.capacity_bytes() + begun_.capacity_bytes() +
+         next_begun_.capacity_bytes() + joins_.native_bytes() + sorter_.native_bytes() +
+         events_.native_bytes();
 }
 
 ProxySet::ProxySet(const ProxySetOptions& options) : impl_(std::make_unique<Impl>(options)) {}

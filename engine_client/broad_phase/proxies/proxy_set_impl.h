@@ -67,6 +67,10 @@ class ProxySet::Impl {
   // Answers it if the shape is right.
   template <typename Shape, typename Question>
   Status RefreshAndAsk(const Shape& shape, const Question& question);
+  // Snapshots (proxy_set_snapshot.cc).
+  size_t snapshot_bytes() const;
+  Status Save(std::span<std::byte> snapshot) const;
+  Status Restore(std::span<const std::byte> snapshot);
   size_t native_bytes() const;
 
   ProxyKind moving_{0};
@@ -75,6 +79,9 @@ class ProxySet::Impl {
 
  private:
   bool wants_sorted() const { return options_.sorted_pairs || options_.pair_events; }
+  template <typename Self, typename Archive>
+  static void Visit(Self& self, Archive& archive);
+  void FindEvents();
   void AppendMoving(std::span<const OverlapPair> moving_pairs);
 
   ProxySetOptions options_;
@@ -83,6 +90,9 @@ class ProxySet::Impl {
   PopulationJoins joins_{moving_, resting_, options_.executor};
   PairBuffer pairs_;  // the pairs of the latest Resolve
   PairBuffer next_;   // the pairs of the Resolve under way
+  // With a margin: the pairs that have begun and not ended, at these two times.
+  PairBuffer begun_;
+  PairBuffer next_begun_;
   PairSorter sorter_;
 };
 

@@ -41,7 +41,10 @@ void ProxyTable::EnsureRoomForOne() {
   if (boxes_.size() == kMaxPlaces) OutOfMemory();
   // `boxes_` grows last: if another array failed to grow, the next Add tries again.
   if (boxes_.size() < boxes_.capacity()) return;
-  const size_t places = std::max<size_t>(64, boxes_.size() * 2);
+  Reserve(std::max<size_t>(64, boxes_.size() * 2));
+}
+
+void ProxyTable::Reserve(size_t places) {
   if (hides_others_) shown_.reserve(places);
   filters_.reserve(places);
   users_.reserve(places);
@@ -78,6 +81,15 @@ void ProxyTable::SetFilter(uint32_t place, const CollisionFilter& filter) {
 void ProxyTable::MarkSeen() {
   for (const uint32_t place : new_owners_) seen_[place] = generations_[place];
   new_owners_.clear();
+}
+
+void ProxyTable::FinishRestore() {
+  Reserve(boxes_.capacity());
+  shown_.clear();
+  if (!hides_others_) return;
+  for (uint32_t place = 0; place < boxes_.size(); ++place) {
+    shown_.push_back(populations_[place] == 0 ? boxes_[place] : kInvalidAabb);
+  }
 }
 
 void ProxyTable::Compact(size_t min_places) {

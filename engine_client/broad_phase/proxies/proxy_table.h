@@ -80,6 +80,25 @@ class ProxyTable {
   // Marks the present owners as seen. Cost: O(places with new owners).
   void MarkSeen();
 
+  // The fields of a snapshot (snapshot.h). FinishRestore must follow.
+  template <typename Self, typename Archive>
+  static void Visit(Self& self, Archive& archive) {
+    archive.Array(self.boxes_);
+    archive.Array(self.filters_);
+    archive.Array(self.users_);
+    archive.Array(self.generations_);
+    archive.Array(self.seen_);
+    archive.Array(self.slots_);
+    archive.Array(self.populations_);
+    archive.Array(self.new_owners_);
+    archive.Value(self.hides_others_);
+    archive.Value(self.freed_last_);
+    archive.Value(self.free_count_);
+    archive.Value(self.filtered_count_);
+    archive.Value(self.first_generation_);
+  }
+  void FinishRestore();
+
   size_t native_bytes() const;
 
  private:
@@ -89,6 +108,7 @@ class ProxyTable {
   static bool IsOdd(uint32_t generation) { return (generation & 1) != 0; }
 
   void EnsureRoomForOne();
+  void Reserve(size_t places);
   void Truncate(size_t places);
   void LinkFreePlaces();
   bool AnyHidden() const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <limits>
 
 namespace sweepstake {
 
@@ -45,6 +46,20 @@ inline bool Overlap(const Aabb& a, const Aabb& b) {
     if (a.min[axis] > b.max[axis] || b.min[axis] > a.max[axis]) return false;
   }
   return true;
+}
+
+// Returns the smallest box of floats that contains this box of doubles: min is rounded down and max
+// up. A coordinate that no float reaches becomes infinite, and the box invalid.
+inline Aabb RoundOutward(const double min[3], const double max[3]) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min[axis] = static_cast<float>(min[axis]);
+    box.max[axis] = static_cast<float>(max[axis]);
+    if (box.min[axis] > min[axis]) box.min[axis] = std::nextafter(box.min[axis], -kInfinity);
+    if (box.max[axis] < max[axis]) box.max[axis] = std::nextafter(box.max[axis], kInfinity);
+  }
+  return box;
 }
 
 }  // namespace sweepstake

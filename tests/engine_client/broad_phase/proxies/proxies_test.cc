@@ -229,6 +229,62 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
   }
 }
 
+TEST(PairEventsWithAMargin, EndAPairOnlyWhereItsBoxesAreFartherApart) {
+  ProxySet proxies({.pair_events = true, .event_margin = 0.5F});
+  Frames frames("BruteForce");
+  const auto at = [](float x) { return Aabb{{x, 0, 0}, {x + 1, 1, 1}}; };
+  const ProxyHandle a = proxies.Add(at(0));
+  const ProxyHandle b = proxies.Add(at(1.25F));
+  const auto resolve = [&](float x) {
+    EXPECT_TRUE(proxies.Move(b, at(x)));
+    return proxies.Resolve(frames.Find(proxies.moving_boxes())).size();
+  };
+  const auto events = [&] { return std::pair(proxies.added().size(), proxies.removed().size()); };
+  EXPECT_EQ(resolve(1.25F), 0U);  // near, but it has not begun
+  EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
+  EXPECT_EQ(resolve(1), 1U);
+  EXPECT_EQ(events(), std::pair(size_t{1}, size_t{0}));
+  EXPECT_EQ(resolve(1.5F), 0U);  // the pairs are exact
+  EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
+  EXPECT_EQ(resolve(1), 1U);
+  EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
+  EXPECT_EQ(resolve(1.625F), 0U);
+  EXPECT_EQ(events(), std::pair(size_t{0}, size_t{1}));
+  EXPECT_EQ(proxies.removed()[0], (ProxyPair{a, b}));
+  EXPECT_EQ(resolve(1.5F), 0U);
+  EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
+}
+
+TEST(PairEventsWithAMargin, EndAPairThatMayNotGoOnAtOnce) {
+  constexpr Aabb kNear = {{1.25F, 0, 0}, {2, 1, 1}};
+  Frames frames("BruteForce");
+  const auto ended_after = [&](const auto& change) {
+    ProxySet proxies({.pair_events = true, .event_margin = 0.5F});
+    const ProxyHandle a = proxies.Add(kUnit);
+    const ProxyHandle b = proxies.Add(kTouching, {.is_static = true});
+    proxies.Resolve(frames.Find(proxies.moving_boxes()));
+    EXPECT_TRUE(proxies.Move(b, kNear));
+    change(proxies, a, b);
+    proxies.Resolve(frames.Find(proxies.moving_boxes()));
+    EXPECT_TRUE(proxies.added().empty());
+    return proxies.removed().size() == 1 && proxies.removed()[0] == ProxyPair{a, b};
+  };
+  EXPECT_FALSE(ended_after([](ProxySet&, ProxyHandle, ProxyHandle) {}));
+  EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) { set.Remove(a); }));
+  EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) {
+    set.Remove(a);
+    set.Add(kUnit);  // in the same place, and near
+  }));
+  EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) {
+    set.SetFilter(a, {1, 0});
+  }));
+  EXPECT_TRUE(
+      ended_after([](ProxySet& set, ProxyHandle a, ProxyHandle) { set.SetStatic(a, true); }));
+  EXPECT_TRUE(ended_after([](ProxySet& set, ProxyHandle, ProxyHandle b) {
+    set.Move(b, {{1, 0, 0}, {0, 1, 1}});
+  }));
+}
+
 // Bullet sends the boxes of static objects again in each step.
 TEST(ProxiesWhoseBoxesAreSentAgain, CostNoRefitAndNoEvents) {
   ProxySet proxies({.pair_events = true});
