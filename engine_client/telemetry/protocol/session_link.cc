@@ -149,7 +149,7 @@ void SessionLink::Connected(uint64_t now_ns) {
 }
 
 LinkAction SessionLink::Advance(uint64_t now_ns) {
-  const bool queue_empty = intake_.Pump(now_ns);
+  const bool queue_empty = taken_all_ || intake_.Pump(now_ns);
   next_ = stream_ ? NextStep(queue_empty, now_ns) : LinkAction::kNone;
   if (next_ == LinkAction::kSend) next_message_ = NextMessage();
   return next_;
@@ -167,7 +167,7 @@ LinkAction SessionLink::NextStep(bool queue_empty, uint64_t now_ns) {
   if (stream_->finished || !state_.online()) return LinkAction::kNone;
   if (stream_->reconnect_delay_ms || stream_->goodbye_sent) return LinkAction::kFinish;
   const bool goodbye_is_due = goodbye_deadline_ns_ && queue_empty;
-  if (goodbye_is_due) intake_.Flush();
+  if (goodbye_is_due && !std::exchange(taken_all_, true)) intake_.Flush();
   return goodbye_is_due || state_.Next() != nullptr ? LinkAction::kSend : LinkAction::kNone;
 }
 

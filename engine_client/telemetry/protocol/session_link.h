@@ -76,8 +76,8 @@ class SessionLink {
   // it says why no stream could be opened at all.
   std::optional<uint32_t> Disconnected(const StreamEnd& end, uint64_t now_ns);
 
-  // Begins the end: the rest of the queue is sent, then a goodbye. At the deadline it is given up.
-  // A later call can only bring the deadline forward.
+  // Begins the end: what is in the queue is sent, then a goodbye, also if the game goes on. At the
+  // deadline it is given up. A later call can only bring the deadline forward.
   void Goodbye(uint64_t deadline_ns);
   // Returns whether Goodbye was called and there is nothing more to do.
   bool finished() const { return goodbye_deadline_ns_ && !stream_; }
@@ -123,6 +123,7 @@ class SessionLink {
   LinkAction next_ = LinkAction::kNone;  // what Advance returned
   std::string next_message_;             // the one to send, if that is kSend
   std::optional<uint64_t> goodbye_deadline_ns_;
+  bool taken_all_ = false;  // the queue was empty after Goodbye; later frames are not sent
 
   std::string last_error_;
   std::string refusal_;

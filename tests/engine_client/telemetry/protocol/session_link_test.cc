@@ -253,6 +253,15 @@ TEST_F(SessionLinkTest, SendsTheRestOfTheQueueBeforeItsGoodbye) {
   EXPECT_EQ(link_.stats().last_error, "");
 }
 
+TEST_F(SessionLinkTest, ComesToItsGoodbyeThoughTheGameGoesOn) {
+  GoOnline();
+  Frames(1);
+  link_.Goodbye(now_ns_ + 500 * kMs);
+  EXPECT_EQ(Take().sequence(), 1U);
+  Frames(1);
+  EXPECT_TRUE(Take().has_goodbye());
+}
+
 TEST_F(SessionLinkTest, SendsABatchThatIsNotDueWithItsGoodbye) {
   SampleQueue queue(64);
   SessionOptions options = Options();

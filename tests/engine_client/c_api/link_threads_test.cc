@@ -1,0 +1,81 @@
+// A link that is driven on one thread beside the frame thread.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sweepstake/c_api.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/wait_counter.h"
+
+namespace {
+
+using sweepstake::test_support::ThreadAllocationCount;
+using sweepstake::test_support::WaitCounter;
+
+// The welcome to session "a" in version 2 of the protocol.
+constexpr char kWelcome[] = "\x0a\x06\x0a\x01\x61\xa0\x01\x02";
+
+// Moves what the link has until `stop`, and counts the messages.
+uint64_t Drive(swp_link* link, const std::atomic<bool>& stop) {
+  std::vector<char> buffer(1 << 16);
+  uint64_t count = 0;
+  EXPECT_EQ(swp_link_connected(link, 0), SWP_OK);
+  while (!stop) {
+    uint64_t size = 0;
+    swp_link_action action = SWP_LINK_NONE;
+    EXPECT_EQ(swp_link_next_message(link, 0, buffer.data(), buffer.size(), &size, &action), SWP_OK);
+    if (action != SWP_LINK_SEND) continue;
+    if (count++ == 0) {
+      EXPECT_EQ(swp_link_on_message(link, kWelcome, sizeof kWelcome - 1, 0), SWP_OK);
+    }
+  }
+  return count;
+}
+
+TEST(LinkThreadsTest, TheFrameThreadNeitherWaitsNorAllocatesForALink) {
+  swp_session_options options{};
+  options.struct_size = sizeof options;
+  ASSERT_EQ(swp_session_options_init(&options), SWP_OK);
+  options.arms = "Grid";
+  swp_session* session = nullptr;
+  ASSERT_EQ(swp_session_create(&options, &session), SWP_OK);
+  swp_link_options link_options{};
+  link_options.struct_size = sizeof link_options;
+  ASSERT_EQ(swp_link_options_init(&link_options), SWP_OK);
+  link_options.batch_frames = 1;
+  swp_link* link = nullptr;
+  ASSERT_EQ(swp_link_create(session, &link_options, &link), SWP_OK);
+
+  const std::vector<swp_aabb> boxes(100, {{0, 0, 0}, {1, 1, 1}});
+  const auto frame = [&] {
+    EXPECT_EQ(swp_session_begin_frame(session), SWP_OK);
+    EXPECT_EQ(swp_session_find_pairs(session, boxes.data(), 100), SWP_OK);
+    EXPECT_EQ(swp_session_end_frame(session, 1000, 0), SWP_OK);
+  };
+  for (int i = 0; i < 10; ++i) frame();
+  std::atomic<bool> stop = false;
+  uint64_t message_count = 0;
+  std::thread transport([&] { message_count = Drive(link, stop); });
+  {
+    const WaitCounter waits;
+    const uint64_t before = ThreadAllocationCount();
+    for (int i = 0; i < 2000; ++i) frame();
+    EXPECT_EQ(ThreadAllocationCount(), before);
+    EXPECT_EQ(waits.count(), 0U) << waits.last_call();
+  }
+  while (swp_live_count(SWP_KIND_LINK) == 1 && !stop) {
+    swp_link_stats stats{};
+    stats.struct_size = sizeof stats;
+    EXPECT_EQ(swp_link_status(link, &stats), SWP_OK);
+    stop = stats.sent_frame_count > 10;
+  }
+  transport.join();
+  EXPECT_GT(message_count, 10U);
+  swp_link_destroy(link);
+  swp_session_destroy(session);
+}
+
+}  // namespace
