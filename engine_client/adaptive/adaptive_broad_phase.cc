@@ -250,7 +250,9 @@ void AdaptiveBroadPhase::Impl::GuardLocally() {
 }
 
 void AdaptiveBroadPhase::Impl::Report(const std::optional<SwitchOutcome>& outcome) {
-  if (outcome && sink_ != nullptr) sink_->OnSwitch(*outcome);
+  if (!outcome) return;
+  last_outcome.Set(*outcome);
+  if (sink_ != nullptr) sink_->OnSwitch(*outcome);
 }
 
 void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
@@ -308,6 +310,15 @@ void AdaptiveBroadPhase::SetBailOutLimit(uint64_t limit_ns) { impl_->guard.SetLi
 
 void AdaptiveBroadPhase::SetVerdict(const SceneVerdict& verdict) { impl_->verdict.Set(verdict); }
 SceneVerdict AdaptiveBroadPhase::verdict() const { return impl_->verdict.Get(); }
+void AdaptiveBroadPhase::SetLastDecision(const LastDecision& decision) {
+  impl_->last_decision.Set(decision);
+}
+std::optional<LastDecision> AdaptiveBroadPhase::last_decision() const {
+  return impl_->last_decision.Get();
+}
+std::optional<SwitchOutcome> AdaptiveBroadPhase::last_outcome() const {
+  return impl_->last_outcome.Get();
+}
 
 SwitchMailbox& AdaptiveBroadPhase::mailbox() { return impl_->mailbox; }
 Mode AdaptiveBroadPhase::mode() const { return impl_->mode.load(std::memory_order_relaxed); }

@@ -14,6 +14,7 @@
 #include "engine_client/adaptive/bail_out_guard.h"
 #include "engine_client/adaptive/descriptor_estimator.h"
 #include "engine_client/adaptive/order_mailbox.h"
+#include "engine_client/adaptive/sequence_slot.h"
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/adaptive/switch_cost_meter.h"
 #include "engine_client/adaptive/verdict_slot.h"
@@ -52,6 +53,8 @@ class AdaptiveBroadPhase::Impl {
   std::atomic<Mode> mode;
   BailOutGuard guard;
   VerdictSlot verdict;
+  LatestSlot<LastDecision> last_decision;
+  LatestSlot<SwitchOutcome> last_outcome;
   SwitchCostMeter switch_cost;
   FrameSample last_sample{};
   SwitchReason last_switch_reason = SwitchReason::kPolicy;

@@ -9,9 +9,11 @@
 #include "engine_client/c_api/sized_struct.h"
 
 using sweepstake::FrameSample;
+using sweepstake::LastDecision;
 using sweepstake::QueuedItem;
 using sweepstake::SampleQueue;
 using sweepstake::SceneDescriptor;
+using sweepstake::SceneVerdict;
 using sweepstake::ShadowSample;
 using sweepstake::ShadowStats;
 using sweepstake::SwitchOutcome;
@@ -34,6 +36,28 @@ void KeepOutcome(Session& session, const SwitchOutcome& outcome) {
 void KeepNote(Session& session, const QueuedItem& item) {
   if (const auto* outcome = std::get_if<SwitchOutcome>(&item)) KeepOutcome(session, *outcome);
   if (const auto* seen = std::get_if<SceneDescriptor>(&item)) session.descriptor = *seen;
+}
+
+swp_verdict ToC(const SceneVerdict& verdict) {
+  return {static_cast<swp_verdict_kind>(verdict.verdict), verdict.leader_arm,
+          verdict.leader_probability};
+}
+
+void Tell(const LastDecision& decision, swp_decision& told) {
+  told.outcome = static_cast<swp_decision_outcome>(decision.outcome);
+  told.decision_id = decision.decision_id;
+  told.time_ns = decision.time_ns;
+  told.active_arm = decision.active_arm;
+  told.candidate_arm = decision.candidate_arm.value_or(SWP_NO_ARM);
+  if (decision.command) {
+    told.command_id = decision.command->command_id;
+    told.command_arm = decision.command->arm;
+    told.command_reason = static_cast<swp_switch_reason>(decision.command->reason);
+  }
+  told.verdict = ToC(decision.verdict);
+  told.expected_loss_ratio = decision.expected_loss_ratio;
+  std::copy(decision.best_probability.begin(), decision.best_probability.end(),
+            told.best_probability);
 }
 
 swp_result CheckDrain(const Session& session, const void* out, uint32_t capacity,
@@ -81,9 +105,7 @@ swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
 swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict) {
   return Use(session, [&](const Session& live) {
     if (verdict == nullptr) return NullArgument("verdict");
-    const sweepstake::SceneVerdict latest = live.adaptive->verdict();
-    *verdict = {static_cast<swp_verdict_kind>(latest.verdict), latest.leader_arm,
-                latest.leader_probability};
+    *verdict = ToC(live.adaptive->verdict());
     return kOk;
   });
 }
@@ -95,6 +117,26 @@ swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_coun
     if (note_count != nullptr) {
       *note_count = live.queue.dropped_note_count() + live.dropped_outcome_count;
     }
+  });
+}
+
+swp_result swp_session_last_decision(const swp_session* session, swp_decision* decision) {
+  return Use(session, [&](const Session& live) {
+    const std::optional<LastDecision> latest = live.adaptive->last_decision();
+    swp_decision told{};
+    told.candidate_arm = told.command_arm = SWP_NO_ARM;
+    if (latest) Tell(*latest, told);
+    return Give("swp_decision", told, decision);
+  });
+}
+
+swp_result swp_session_last_outcome(const swp_session* session, swp_switch_outcome* outcome) {
+  return Use(session, [&](const Session& live) {
+    if (outcome == nullptr) return NullArgument("outcome");
+    const SwitchOutcome none{.reason = SwitchReason{0}};
+    const SwitchOutcome latest = live.adaptive->last_outcome().value_or(none);
+    std::memcpy(outcome, &latest, sizeof *outcome);
+    return kOk;
   });
 }
 

@@ -117,6 +117,8 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_shadow_sample);
     case SWP_STRUCT_SHADOW_STATS:
       return sizeof(swp_shadow_stats);
+    case SWP_STRUCT_DECISION:
+      return sizeof(swp_decision);
     case SWP_STRUCT_VERDICT:
       return sizeof(swp_verdict);
     default:

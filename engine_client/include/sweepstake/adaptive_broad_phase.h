@@ -151,6 +151,13 @@ class AdaptiveBroadPhase {
   void SetVerdict(const SceneVerdict& verdict);
   // Returns that verdict; kUnknown before the first. Any thread; lock-free.
   SceneVerdict verdict() const;
+  // Sets the decider's latest decision. Called by the decider, one call at a time.
+  void SetLastDecision(const LastDecision& decision);
+  // Returns that decision; absent before the first. Any thread; lock-free.
+  std::optional<LastDecision> last_decision() const;
+  // Returns the outcome that was reported to the sink latest: of a switch that has settled, or was
+  // refused; absent before the first. Any thread; lock-free.
+  std::optional<SwitchOutcome> last_outcome() const;
 
   SwitchMailbox& mailbox();
   // Any thread.

@@ -187,6 +187,41 @@ typedef struct swp_verdict {
 
 /* Fills in the defaults: all arms, the first one first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s
  * of settling, 4,096 samples, the calling thread alone, and no shadow lane. */
+/* What came of a decision's candidate. A later library may have more. */
+typedef uint32_t swp_decision_outcome;
+enum {
+  SWP_DECISION_NONE = 0,          /* there was no decision yet */
+  SWP_DECISION_KEPT = 1,          /* the candidate is active */
+  SWP_DECISION_SWITCHED = 2,      /* a switch was commanded */
+  SWP_DECISION_HELD_COOLDOWN = 3, /* the cooldown after the latest switch has not passed */
+  SWP_DECISION_HELD_SETTLING = 4, /* all frames were settling, or a switch is under way */
+  SWP_DECISION_NO_FRAMES = 5,     /* there was nothing to learn from since the decision before */
+  SWP_DECISION_MANUAL = 6,        /* SWP_MODE_MANUAL */
+  SWP_DECISION_EXPLORING = 7,     /* no candidate; the command goes to the next arm to try */
+  SWP_DECISION_REJECTED = 8,      /* a metric is not finite */
+  SWP_DECISION_HELD_GATE = 9,     /* the expected gain is not worth the cost of the switch */
+  SWP_DECISION_HELD_TIE = 12      /* the candidate is not better by as much as matters */
+};
+
+enum { SWP_MAX_ARMS = 32 };
+#define SWP_NO_ARM 0xffffffffU
+
+/* A decision and its reasons, for logs and debug views. */
+typedef struct swp_decision {
+  uint32_t struct_size;
+  swp_decision_outcome outcome;
+  uint64_t decision_id; /* from 1; 0: a daemon's, which tells its commands alone */
+  uint64_t time_ns;     /* on the clock of now_ns, so that its age is the time since then */
+  uint32_t active_arm;
+  uint32_t candidate_arm;           /* what the policy proposed; SWP_NO_ARM: nothing */
+  uint64_t command_id;              /* of the switch that was commanded; 0: none was */
+  uint32_t command_arm;             /* SWP_NO_ARM: none */
+  swp_switch_reason command_reason; /* 0: none */
+  swp_verdict verdict;
+  double expected_loss_ratio;  /* of choosing the leader, relative to the best arm's cost */
+  double best_probability[32]; /* of each arm to be the best; all 0: nothing is known */
+} swp_decision;
+
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends; SWP_RESOURCE_EXHAUSTED if
@@ -248,6 +283,14 @@ SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t 
  *   }
  */
 SWP_API swp_result swp_session_verdict(const swp_session* session, swp_verdict* verdict);
+/* The latest decision of the attached decider, or command of the daemon, with its reasons; its
+ * outcome is SWP_DECISION_NONE before the first. It stays when the decider is detached. Lock-free,
+ * and the frame thread does not wait for it. */
+SWP_API swp_result swp_session_last_decision(const swp_session* session, swp_decision* decision);
+/* The outcome of the latest switch that has settled or was refused, whoever asked for it; all 0
+ * before the first. Lock-free, and draining does not take it away. */
+SWP_API swp_result swp_session_last_outcome(const swp_session* session,
+                                            swp_switch_outcome* outcome);
 /* The numbers of samples, and of switch outcomes and descriptors together, that full queues dropped
  * since the session began. Either pointer may be NULL. */
 SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sample_count,

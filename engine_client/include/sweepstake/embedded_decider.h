@@ -35,20 +35,6 @@ struct ArmBelief {
   double beta = 1;
 };
 
-// The outcome of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
-enum class DecisionOutcome : uint32_t {
-  kKept = 1,
-  kSwitched = 2,
-  kHeldCooldown = 3,  // the cooldown after the latest switch has not passed
-  kHeldSettling = 4,  // all frames were settling frames, or a commanded switch is under way
-  kNoFrames = 5,      // there was no frame to learn from since the previous decision
-  kManual = 6,        // the mode is Mode::kManual
-  kExploring = 7,     // no candidate; a command goes to the next arm of the exploration
-  kRejected = 8,      // a metric of the window is not finite
-  kHeldGate = 9,      // the expected gain is not worth the cost of the switch
-  kHeldTie = 12,      // the candidate is not better by as much as matters
-};
-
 // One decision, as EmbeddedOptions::on_decision gets it.
 struct DecisionEvent {
   uint64_t decision_id = 0;  // from 1
@@ -134,6 +120,8 @@ class EmbeddedDecider {
   std::vector<ArmBelief> beliefs() const;
   // Returns the verdict of the latest decision.
   SceneVerdict verdict() const;
+  // Returns the latest decision, with its reasons; absent before the first.
+  const std::optional<DecisionEvent>& last_decision() const;
   uint64_t decision_count() const;
   // Returns the number of sources (sessions) in the priors that it started from; with 0 it started
   // from Beta(1,1).

@@ -1,6 +1,8 @@
 // The cost of one frame (paper §4: FPS, DET, MEM, CHK, and the context of these). Plain data.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
@@ -108,6 +110,43 @@ struct SceneVerdict {
   uint32_t leader_arm = 0;        // most probably the best; 0 while nothing is known
   double leader_probability = 0;  // of being the best, 0–1, to seven digits
 };
+
+// The outcome of a decision's candidate; the same values as sweepstake.v1.DecisionOutcome.
+enum class DecisionOutcome : uint32_t {
+  kKept = 1,
+  kSwitched = 2,
+  kHeldCooldown = 3,  // the cooldown after the latest switch has not passed
+  kHeldSettling = 4,  // all frames were settling frames, or a commanded switch is under way
+  kNoFrames = 5,      // there was no frame to learn from since the previous decision
+  kManual = 6,        // the mode is Mode::kManual
+  kExploring = 7,     // no candidate; a command goes to the next arm of the exploration
+  kRejected = 8,      // a metric of the window is not finite
+  kHeldGate = 9,      // the expected gain is not worth the cost of the switch
+  kHeldTie = 12,      // the candidate is not better by as much as matters
+};
+
+// The latest decision and why it came out as it did, for a game that shows or logs it
+// (AdaptiveBroadPhase::last_decision). A daemon tells of its decisions the commands alone: then
+// there is the latest command, and the verdict that was told latest.
+struct LastDecision {
+  static constexpr size_t kMaxArms = 32;
+
+  uint64_t decision_id = 0;  // from 1; 0 with a daemon
+  // When it was made, or came from the daemon: SteadyClock() with a Session, otherwise the clock of
+  // now_ns. Its age is the time since then.
+  uint64_t time_ns = 0;
+  uint32_t active_arm = 0;
+  DecisionOutcome outcome = DecisionOutcome::kKept;
+  std::optional<uint32_t> candidate_arm = {};  // what the policy proposed
+  std::optional<SwitchCommand> command = {};   // what was commanded, with its reason
+  // The expected loss of choosing the leader, relative to the cost of the best arm; 0 with a
+  // daemon.
+  double expected_loss_ratio = 0;
+  SceneVerdict verdict = {};
+  uint64_t arm_count = 0;  // of best_probability; 0: nothing is known, or with a daemon
+  std::array<double, kMaxArms> best_probability{};  // of each arm to be the best
+};
+static_assert(std::is_trivially_copyable_v<LastDecision>);
 
 // The outcome of a switch.
 struct SwitchOutcome {

@@ -1,5 +1,6 @@
 #include "engine_client/telemetry/embedded/decider_loop.h"
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -9,6 +10,21 @@ namespace {
 // The maximum number of frames per call of the decider. It bounds the buffer, not the number of
 // frames taken.
 constexpr size_t kFrameRun = 256;
+
+LastDecision Summary(const DecisionEvent& event) {
+  LastDecision summary{.decision_id = event.decision_id,
+                       .time_ns = event.time_ns,
+                       .active_arm = event.active_arm,
+                       .outcome = event.outcome,
+                       .candidate_arm = event.candidate_arm,
+                       .command = event.command,
+                       .expected_loss_ratio = event.expected_loss_ratio,
+                       .verdict = event.verdict,
+                       .arm_count = event.best_probability.size()};
+  std::copy(event.best_probability.begin(), event.best_probability.end(),
+            summary.best_probability.begin());
+  return summary;
+}
 
 }  // namespace
 
@@ -59,6 +75,7 @@ void DeciderLoop::PublishBeliefs() {
   published_decision_count_ = decider_->decision_count();
   SetPosteriorMeans(decider_->beliefs(), adaptive_);
   adaptive_.SetVerdict(decider_->verdict());
+  if (decider_->last_decision()) adaptive_.SetLastDecision(Summary(*decider_->last_decision()));
 }
 
 void SetPosteriorMeans(const std::vector<ArmBelief>& beliefs, AdaptiveBroadPhase& adaptive) {

@@ -29,7 +29,7 @@ class DeciderLoop {
   std::optional<SwitchCommand> Decide(uint64_t now_ns);
   // Returns whether a decision was made since the latest PublishBeliefs, or none was published yet.
   bool has_news() const { return decider_->decision_count() != published_decision_count_; }
-  // Tells the broad phase the posterior means and the verdict.
+  // Tells the broad phase the posterior means, the verdict and the latest decision.
   void PublishBeliefs();
 
   EmbeddedDecider& decider() { return *decider_; }

@@ -147,6 +147,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
 
   const decision::DecisionSession& session() const { return session_; }
   const EvidenceLedger& ledger() const { return ledger_; }
+  const std::optional<DecisionEvent>& last_decision() const { return last_decision_; }
 
  private:
   void Fold();
@@ -160,6 +161,7 @@ class EmbeddedDecider::Impl : private decision::AuditSink {
   uint32_t latest_epoch_ = 0;                           // latest epoch of all frames and outcomes
   std::vector<decision::Frame> run_;  // frames not yet folded in; its memory is kept
   std::optional<SwitchCommand> pending_command_;
+  std::optional<DecisionEvent> last_decision_;
 };
 
 void EmbeddedDecider::Impl::Observe(std::span<const FrameSample> frames, int64_t now_ns) {
@@ -215,7 +217,8 @@ std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
 // Takes the decision's evidence, and its command, which replaces an earlier one.
 void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
   if (decision.increment) ledger_.Add(*decision.increment);
-  if (on_decision_) on_decision_(FromDecision(decision, session_.arms()));
+  last_decision_ = FromDecision(decision, session_.arms());
+  if (on_decision_) on_decision_(*last_decision_);
   if (decision.command) pending_command_ = FromDecision(*decision.command);
 }
 
@@ -273,6 +276,9 @@ std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
   return FromDecision(impl_->session().posteriors(), impl_->session().arms());
 }
 SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session().diagnosis()); }
+const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {
+  return impl_->last_decision();
+}
 uint64_t EmbeddedDecider::decision_count() const { return impl_->session().decision_count(); }
 uint64_t EmbeddedDecider::prior_source_count() const {
   return impl_->ledger().prior_source_count();

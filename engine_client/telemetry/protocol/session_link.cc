@@ -220,7 +220,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   if (response->welcome) OnWelcome(*response->welcome, now_ns);
   // A daemon of another version may say anything.
   if (!state_.online()) return {};
-  if (response->switch_command) OnCommand(*response->switch_command);
+  if (response->switch_command) OnCommand(*response->switch_command, now_ns);
   if (response->acknowledgement) OnAcknowledgement(*response->acknowledgement);
   if (response->posterior_snapshot) {
     TakeBeliefs(response->posterior_snapshot->arms);
@@ -257,14 +257,23 @@ void SessionLink::OnAcknowledgement(const protocol::Acknowledgement& message) {
   intake_.SetLimits(LimitsOf(options_, welcome_));
 }
 
-void SessionLink::OnCommand(const SwitchCommand& command) {
+void SessionLink::OnCommand(const SwitchCommand& command, uint64_t now_ns) {
   // An unknown reason is one of a newer protocol, and could not be answered within this one.
   if (!IsKnown(command.reason)) {
     ++unknown_message_count_;
     return;
   }
   ++command_count_;
-  if (command.arm < adaptive_.arms().size()) return adaptive_.mailbox().Post(command);
+  if (command.arm < adaptive_.arms().size()) {
+    last_decision_ = {.time_ns = now_ns,
+                      .active_arm = adaptive_.active_arm(),
+                      .outcome = DecisionOutcome::kSwitched,
+                      .candidate_arm = command.arm,
+                      .command = command,
+                      .verdict = verdict_};
+    adaptive_.SetLastDecision(last_decision_);
+    return adaptive_.mailbox().Post(command);
+  }
   state_.Append({protocol::Encode(SwitchOutcome{.command_id = command.command_id,
                                                 .arm = adaptive_.active_arm(),
                                                 .switch_epoch = adaptive_.switch_epoch(),
@@ -303,6 +312,9 @@ void SessionLink::TakeVerdict(const SceneVerdict& verdict) {
     return;
   verdict_ = verdict;
   adaptive_.SetVerdict(verdict_);
+  if (!last_decision_.command) return;
+  last_decision_.verdict = verdict_;
+  adaptive_.SetLastDecision(last_decision_);
 }
 
 std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& end, uint64_t now_ns) {

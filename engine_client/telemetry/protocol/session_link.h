@@ -105,7 +105,7 @@ class SessionLink {
   void GiveUp();
   void OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns);
   void OnAcknowledgement(const protocol::Acknowledgement& message);
-  void OnCommand(const SwitchCommand& command);
+  void OnCommand(const SwitchCommand& command, uint64_t now_ns);
   void OnOrder(const OperatorOrder& order);
   void TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors);
   void TakeVerdict(const SceneVerdict& verdict);
@@ -129,6 +129,7 @@ class SessionLink {
   std::string refusal_;
   std::vector<ArmBelief> beliefs_;
   SceneVerdict verdict_;
+  LastDecision last_decision_;
   uint64_t command_count_ = 0;
   uint64_t unknown_message_count_ = 0;
   protocol::Welcome welcome_;  // the latest one, with the batch interval of now

@@ -181,6 +181,32 @@ TEST_F(AdaptiveBroadPhaseTest, RefusesAllButManualCommandsInManualMode) {
   EXPECT_EQ(adaptive_->active_arm(), 1U);
 }
 
+TEST_F(AdaptiveBroadPhaseTest, KeepsTheLatestOutcomeToBeReadAlsoWithoutASink) {
+  auto backend = std::make_unique<ScriptedBroadPhase>(ArmScript{.name = "A"}, clock_);
+  std::vector<std::unique_ptr<BroadPhase>> backends;
+  backends.push_back(std::move(backend));
+  adaptive_ = std::move(*AdaptiveFactory::Make({}, std::move(backends), nullptr, clock_));
+  EXPECT_FALSE(adaptive_->last_outcome());
+  adaptive_->mailbox().Post({.command_id = 5, .arm = 1, .reason = SwitchReason::kExploration});
+  Frame();
+  ASSERT_TRUE(adaptive_->last_outcome());
+  EXPECT_EQ(adaptive_->last_outcome()->command_id, 5U);
+  EXPECT_EQ(adaptive_->last_outcome()->reason, SwitchReason::kExploration);
+  EXPECT_EQ(adaptive_->last_outcome()->executed, 0U);
+}
+
+TEST_F(AdaptiveBroadPhaseTest, PassesTheDecidersLatestDecisionOn) {
+  EXPECT_FALSE(adaptive_->last_decision());
+  LastDecision decision{.decision_id = 3, .candidate_arm = 2, .arm_count = 3};
+  decision.best_probability[2] = 0.75;
+  adaptive_->SetLastDecision(decision);
+  ASSERT_TRUE(adaptive_->last_decision());
+  EXPECT_EQ(adaptive_->last_decision()->decision_id, 3U);
+  EXPECT_EQ(adaptive_->last_decision()->candidate_arm, 2U);
+  EXPECT_FALSE(adaptive_->last_decision()->command);
+  EXPECT_EQ(adaptive_->last_decision()->best_probability[2], 0.75);
+}
+
 TEST_F(AdaptiveBroadPhaseTest, SelectsAnArmByNameAtTheNextFrame) {
   ASSERT_TRUE(adaptive_->SelectArm("C").ok());
   EXPECT_EQ(adaptive_->active_arm(), 0U);

@@ -312,6 +312,8 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_decision_count(NULL, &count));
   REFUSED(swp_session_prior_source_count(NULL, &count));
   REFUSED(swp_session_export_priors(NULL, NULL, 0, &count));
+  REFUSED(swp_session_last_decision(NULL, NULL));
+  REFUSED(swp_session_last_outcome(NULL, &outcome));
   swp_session_destroy(NULL);
 }
 
@@ -355,6 +357,8 @@ static void check_session_arguments(swp_session* session) {
   REFUSED(swp_session_decision_count(session, NULL));
   REFUSED(swp_session_prior_source_count(session, NULL));
   REFUSED(swp_session_export_priors(session, NULL, 0, NULL));
+  REFUSED(swp_session_last_decision(session, NULL));
+  REFUSED(swp_session_last_outcome(session, NULL));
   REFUSED(swp_session_export_priors(session, NULL, 1, &count));
 }
 

@@ -94,6 +94,42 @@ static void check_verdict(const game* played) {
   CHECK(verdict.leader_probability > 1.0 / swp_backend_count() && verdict.leader_probability <= 1);
 }
 
+static void check_no_decision(swp_session* session) {
+  swp_decision decision = {.struct_size = sizeof decision, .outcome = 99};
+  swp_switch_outcome outcome = {.command_id = 99, .reason = 99};
+  CHECK_OK(swp_session_last_decision(session, &decision));
+  CHECK(decision.outcome == SWP_DECISION_NONE && decision.decision_id == 0);
+  CHECK_OK(swp_session_last_outcome(session, &outcome));
+  CHECK(outcome.command_id == 0 && outcome.reason == 0);
+}
+
+/* The decision that commanded last, with its reasons, and what came of an earlier one's switch. */
+static void check_last_decision(game* played) {
+  const uint32_t arm_count = swp_backend_count();
+  const uint32_t before = played->command_count;
+  swp_decision decision = {.struct_size = sizeof decision};
+  swp_switch_outcome outcome;
+  uint64_t decision_count = 0;
+  double sum = 0;
+  for (int i = 0; i < 400 * 60 && played->command_count == before; ++i) run_frame(played, kFrameNs);
+  CHECK_OK(swp_session_last_decision(played->session, &decision));
+  CHECK_OK(swp_session_decision_count(played->session, &decision_count));
+  CHECK(decision.decision_id == decision_count && decision.time_ns == played->now_ns);
+  CHECK(decision.outcome == SWP_DECISION_SWITCHED);
+  CHECK(decision.candidate_arm == played->last_command.arm);
+  CHECK(decision.command_arm == played->last_command.arm);
+  CHECK(decision.command_id == played->last_command.command_id);
+  CHECK(decision.command_reason == SWP_SWITCH_POLICY);
+  CHECK(decision.active_arm != decision.candidate_arm);
+  for (uint32_t i = 0; i < SWP_MAX_ARMS; ++i) sum += decision.best_probability[i];
+  CHECK(sum > 0.999 && sum < 1.001 && decision.best_probability[arm_count] == 0);
+  CHECK(decision.best_probability[decision.verdict.leader_arm] ==
+        decision.verdict.leader_probability);
+  CHECK_OK(swp_session_last_outcome(played->session, &outcome));
+  CHECK(outcome.command_id > 0 && outcome.command_id < decision.command_id);
+  CHECK(outcome.executed == 1 && outcome.switch_epoch > 0);
+}
+
 /* Frames of 50 ms miss the floor of 30 frames/s whatever the arm. */
 static void check_degraded(game* played) {
   swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 0, 0};
@@ -231,10 +267,12 @@ void test_decider(void) {
   uint32_t count = 99;
   CHECK_OK(swp_session_verdict(played.session, &verdict));
   CHECK(verdict.kind == SWP_VERDICT_UNKNOWN);
+  check_no_decision(played.session);
   check_exploration(&played);
   check_beliefs(&played);
   check_priors(&played);
   check_verdict(&played);
+  check_last_decision(&played);
   check_degraded(&played);
   check_drain_is_refused(&played);
   check_manual(&played);

@@ -71,6 +71,7 @@ static swp_result fill_proxies_options(void* out) { return swp_proxies_options_i
 static swp_result fill_scene_options(void* out) { return swp_scene_options_init(out); }
 static swp_result fill_counters(void* out) { return swp_world_counters(world, out); }
 static swp_result fill_shadow_stats(void* out) { return swp_session_shadow_stats(session, out); }
+static swp_result fill_decision(void* out) { return swp_session_last_decision(session, out); }
 static swp_result fill_descriptor(void* out) { return swp_session_descriptor(session, out); }
 
 typedef struct options_struct {
@@ -102,6 +103,7 @@ static const output_struct kOutputs[] = {
     {sizeof(swp_scene_options), fill_scene_options},
     {sizeof(swp_counters), fill_counters},
     {sizeof(swp_shadow_stats), fill_shadow_stats},
+    {sizeof(swp_decision), fill_decision},
     {sizeof(swp_scene_descriptor), fill_descriptor},
 };
 

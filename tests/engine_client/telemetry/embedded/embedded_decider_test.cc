@@ -191,6 +191,7 @@ TEST(EmbeddedDecider, TellsWithADecisionWhatItBelievesAndCommands) {
   EXPECT_EQ(told.back().best_probability[decider->verdict().leader_arm],
             decider->verdict().leader_probability);
   EXPECT_TRUE(told.back().reward);
+  EXPECT_EQ(decider->last_decision()->decision_id, told.back().decision_id);
 }
 
 TEST(EmbeddedDecider, AnswersABailOutAtOnce) {

@@ -91,6 +91,27 @@ TEST_F(EmbeddedSessionTest, TellsTheVerdictToTheGame) {
   EXPECT_GE(session_->stats().verdict.leader_probability, 0.8);
 }
 
+TEST_F(EmbeddedSessionTest, TellsEachDecisionWithItsReasonsAndTheOutcomeOfTheSwitch) {
+  ASSERT_TRUE(session_->Start(*adaptive_).ok());
+  std::optional<LastDecision> decision;
+  RunUntil([&] {
+    decision = adaptive_->last_decision();
+    return decision && decision->command && decision->command->reason == SwitchReason::kPolicy;
+  });
+  EXPECT_EQ(decision->outcome, DecisionOutcome::kSwitched);
+  EXPECT_EQ(decision->candidate_arm, decision->command->arm);
+  EXPECT_GT(decision->decision_id, 1U);
+  EXPECT_LE(decision->time_ns, SteadyClock().NowNs());
+  ASSERT_EQ(decision->arm_count, 2U);
+  EXPECT_NEAR(decision->best_probability[0] + decision->best_probability[1], 1, 1e-6);
+  EXPECT_GT(decision->expected_loss_ratio, 0);
+  EXPECT_NE(decision->verdict.verdict, Verdict::kUnknown);
+  RunUntil([&] {
+    const std::optional<SwitchOutcome> outcome = adaptive_->last_outcome();
+    return outcome && outcome->command_id == decision->command->command_id;
+  });
+}
+
 TEST_F(EmbeddedSessionTest, ExportsWhatItHasLearntWhileItRunsAndAfterItsEnd) {
   EXPECT_EQ(session_->ExportPriors().status().code(), StatusCode::kFailedPrecondition);
   ASSERT_TRUE(session_->Start(*adaptive_).ok());

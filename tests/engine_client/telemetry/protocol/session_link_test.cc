@@ -149,6 +149,36 @@ TEST_F(SessionLinkTest, NumbersItsMessagesAnewInANewSession) {
   EXPECT_EQ(TakeAll(), (Sequences{1, 2}));
 }
 
+TEST_F(SessionLinkTest, KeepsTheDaemonsLatestCommandAndVerdictForTheGameToRead) {
+  GoOnline();
+  v1::StreamTelemetryResponse snapshot;
+  snapshot.mutable_posterior_snapshot()->set_verdict(v1::VERDICT_STABLE);
+  snapshot.mutable_posterior_snapshot()->set_leader_arm(1);
+  snapshot.mutable_posterior_snapshot()->set_leader_probability(0.875);
+  ASSERT_TRUE(Receive(snapshot).ok());
+  EXPECT_FALSE(adaptive_->last_decision()) << "there is a verdict, and no decision";
+  v1::StreamTelemetryResponse command;
+  command.mutable_switch_command()->set_command_id(4);
+  command.mutable_switch_command()->set_arm(1);
+  command.mutable_switch_command()->set_reason(v1::SWITCH_REASON_EXPLORATION);
+  ASSERT_TRUE(Receive(command).ok());
+  std::optional<LastDecision> decision = adaptive_->last_decision();
+  ASSERT_TRUE(decision);
+  EXPECT_EQ(decision->decision_id, 0U);
+  EXPECT_EQ(decision->time_ns, now_ns_);
+  EXPECT_EQ(decision->candidate_arm, 1U);
+  EXPECT_EQ(decision->command->command_id, 4U);
+  EXPECT_EQ(decision->command->reason, SwitchReason::kExploration);
+  EXPECT_EQ(decision->verdict.leader_probability, 0.875);
+  EXPECT_EQ(decision->arm_count, 0U);
+  snapshot.mutable_posterior_snapshot()->set_verdict(v1::VERDICT_TIE);
+  now_ns_ += kMs;
+  ASSERT_TRUE(Receive(snapshot).ok());
+  decision = adaptive_->last_decision();
+  EXPECT_EQ(decision->verdict.verdict, Verdict::kTie);
+  EXPECT_EQ(decision->time_ns, now_ns_ - kMs);
+}
+
 TEST_F(SessionLinkTest, ComesBackToADrainingDaemonAfterTheDelayThatItAsksFor) {
   GoOnline();
   v1::StreamTelemetryResponse response;
