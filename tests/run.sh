@@ -13,7 +13,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=tests/passed.sh
 source tests/passed.sh
 
-readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api[.].*|GoldenLog.*)$'
+readonly quick_tests='^(install_consumer|subproject|check_mixtures|c_api(_static)?[.].*|plugin[.].*|readme_program|GoldenLog.*)$'
 
 presets=()
 quick=
