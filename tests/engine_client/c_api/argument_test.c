@@ -3,12 +3,6 @@
 
 #include "tests/engine_client/c_api/check.h"
 
-#define REFUSED(call)                      \
-  do {                                     \
-    CHECK((call) == SWP_INVALID_ARGUMENT); \
-    CHECK(strlen(swp_last_error()) > 0);   \
-  } while (0)
-
 static void check_worlds(void) {
   swp_world* world = NULL;
   swp_world* none = NULL;

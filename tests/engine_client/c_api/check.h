@@ -19,6 +19,13 @@ extern int failure_count;
 
 #define CHECK_OK(call) CHECK((call) == SWP_OK)
 
+/* Nonsense is refused, and the message says what it is. */
+#define REFUSED(call)                      \
+  do {                                     \
+    CHECK((call) == SWP_INVALID_ARGUMENT); \
+    CHECK(swp_last_error()[0] != '\0');    \
+  } while (0)
+
 /* All overlapping pairs, in ascending order; the caller frees them. */
 swp_pair* brute_force(const swp_aabb* boxes, uint32_t count, uint64_t* pair_count);
 

@@ -47,6 +47,13 @@ static swp_result take_decider_options(void* options) {
   return result;
 }
 
+static swp_result take_link_options(void* options) {
+  swp_link* made = NULL;
+  const swp_result result = swp_link_create(session, options, &made);
+  swp_link_destroy(made);
+  return result;
+}
+
 static swp_result take_proxies_options(void* options) {
   swp_proxies* made = NULL;
   const swp_result result = swp_proxies_create(options, &made);
@@ -67,12 +74,20 @@ static swp_result fill_world_options(void* out) { return swp_world_options_init(
 static swp_result fill_executor(void* out) { return swp_executor_init(out); }
 static swp_result fill_session_options(void* out) { return swp_session_options_init(out); }
 static swp_result fill_decider_options(void* out) { return swp_decider_options_init(out); }
+static swp_result fill_link_options(void* out) { return swp_link_options_init(out); }
 static swp_result fill_proxies_options(void* out) { return swp_proxies_options_init(out); }
 static swp_result fill_scene_options(void* out) { return swp_scene_options_init(out); }
 static swp_result fill_counters(void* out) { return swp_world_counters(world, out); }
 static swp_result fill_shadow_stats(void* out) { return swp_session_shadow_stats(session, out); }
 static swp_result fill_decision(void* out) { return swp_session_last_decision(session, out); }
 static swp_result fill_descriptor(void* out) { return swp_session_descriptor(session, out); }
+static swp_result fill_link_stats(void* out) {
+  swp_link* link = NULL;
+  CHECK_OK(swp_link_create(session, NULL, &link));
+  const swp_result result = swp_link_status(link, out);
+  swp_link_destroy(link);
+  return result;
+}
 
 typedef struct options_struct {
   uint32_t size;
@@ -90,6 +105,7 @@ static const options_struct kOptions[] = {
     {sizeof(swp_executor), init_executor, take_executor},
     {sizeof(swp_session_options), fill_session_options, take_session_options},
     {sizeof(swp_decider_options), fill_decider_options, take_decider_options},
+    {sizeof(swp_link_options), fill_link_options, take_link_options},
     {sizeof(swp_proxies_options), fill_proxies_options, take_proxies_options},
     {sizeof(swp_scene_options), fill_scene_options, take_scene_options},
 };
@@ -99,12 +115,14 @@ static const output_struct kOutputs[] = {
     {sizeof(swp_executor), fill_executor},
     {sizeof(swp_session_options), fill_session_options},
     {sizeof(swp_decider_options), fill_decider_options},
+    {sizeof(swp_link_options), fill_link_options},
     {sizeof(swp_proxies_options), fill_proxies_options},
     {sizeof(swp_scene_options), fill_scene_options},
     {sizeof(swp_counters), fill_counters},
     {sizeof(swp_shadow_stats), fill_shadow_stats},
     {sizeof(swp_decision), fill_decision},
     {sizeof(swp_scene_descriptor), fill_descriptor},
+    {sizeof(swp_link_stats), fill_link_stats},
 };
 
 /* Memory of exactly this size, so that a sanitizer sees what is read or written beyond it. */
