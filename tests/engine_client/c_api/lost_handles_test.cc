@@ -16,6 +16,7 @@ constexpr uint32_t kLong = 60000;  // ms, a deadline that is never reached
 struct Objects {
   swp_world* world = nullptr;
   swp_session* session = nullptr;
+  swp_link* link = nullptr;
   swp_proxies* proxies = nullptr;
   swp_scene* scene = nullptr;
 };
@@ -39,6 +40,7 @@ Objects MakeObjects() {
   session.shadow = SWP_SHADOW_ON;
   session.thread_count = 2;
   EXPECT_EQ(swp_session_create(&session, &made.session), SWP_OK);
+  EXPECT_EQ(swp_link_create(made.session, nullptr, &made.link), SWP_OK);
   EXPECT_EQ(swp_proxies_create(nullptr, &made.proxies), SWP_OK);
   EXPECT_EQ(swp_scene_create("brownian", nullptr, &made.scene), SWP_OK);
   return made;
@@ -65,6 +67,8 @@ void ExpectEnded(const Objects& objects) {
   EXPECT_EQ(swp_session_pairs(objects.session, &pairs, &count), SWP_FAILED_PRECONDITION);
   EXPECT_EQ(swp_session_active_arm(objects.session, &arm), SWP_FAILED_PRECONDITION);
   EXPECT_EQ(swp_session_attach_decider(objects.session, nullptr, 0), SWP_FAILED_PRECONDITION);
+  EXPECT_EQ(swp_link_connected(objects.link, 1), SWP_FAILED_PRECONDITION);
+  EXPECT_NE(std::strstr(swp_last_error(), "swp_shutdown_all"), nullptr);
   EXPECT_EQ(swp_world_find_pairs(objects.world), SWP_FAILED_PRECONDITION);
   EXPECT_EQ(swp_proxies_resolve(objects.proxies, nullptr, 0), SWP_FAILED_PRECONDITION);
   EXPECT_EQ(swp_scene_step(objects.scene), SWP_FAILED_PRECONDITION);
@@ -72,6 +76,7 @@ void ExpectEnded(const Objects& objects) {
 
 void Destroy(const Objects& objects) {
   swp_world_destroy(objects.world);
+  swp_link_destroy(objects.link);
   swp_session_destroy(objects.session);
   swp_proxies_destroy(objects.proxies);
   swp_scene_destroy(objects.scene);
@@ -82,14 +87,15 @@ TEST(LostHandlesTest, WhatLivesIsCountedByItsKind) {
   const Objects objects = MakeObjects();
   EXPECT_EQ(swp_live_count(SWP_KIND_WORLD), 1U);
   EXPECT_EQ(swp_live_count(SWP_KIND_SESSION), 1U);
+  EXPECT_EQ(swp_live_count(SWP_KIND_LINK), 1U);
   EXPECT_EQ(swp_live_count(SWP_KIND_PROXIES), 1U);
   EXPECT_EQ(swp_live_count(SWP_KIND_SCENE), 1U);
-  EXPECT_EQ(swp_live_count(SWP_KIND_ANY), before + 4);
+  EXPECT_EQ(swp_live_count(SWP_KIND_ANY), before + 5);
   EXPECT_EQ(swp_live_count(99), 0U);
   swp_world_destroy(objects.world);
   EXPECT_EQ(swp_live_count(SWP_KIND_WORLD), 0U);
-  EXPECT_EQ(swp_live_count(SWP_KIND_ANY), before + 3);
-  Destroy({nullptr, objects.session, objects.proxies, objects.scene});
+  EXPECT_EQ(swp_live_count(SWP_KIND_ANY), before + 4);
+  Destroy({nullptr, objects.session, objects.link, objects.proxies, objects.scene});
   EXPECT_EQ(swp_live_count(SWP_KIND_ANY), before);
 }
 
@@ -131,9 +137,11 @@ TEST(LostHandlesTest, CallsThatAreUnderWayReturnAndNoneBeginsAfterThem) {
     }
   });
   std::thread transport([&] {
-    swp_frame_sample samples[16];
-    uint32_t count = 0;
-    while (swp_session_drain_samples(lost.session, samples, 16, &count) == SWP_OK) {
+    swp_link_stats stats = Sized<swp_link_stats>();
+    while (swp_link_status(lost.link, &stats) == SWP_OK) {
+      uint64_t size = 0;
+      swp_link_action action = 0;
+      swp_link_next_message(lost.link, 1, nullptr, 0, &size, &action);
     }
   });
   while (frame_count < 3) std::this_thread::yield();
