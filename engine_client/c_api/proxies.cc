@@ -12,6 +12,7 @@
 #include "sweepstake/proxy_set.h"
 
 using sweepstake::Aabb;
+using sweepstake::BoxSweep;
 using sweepstake::CollisionFilter;
 using sweepstake::OverlapPair;
 using sweepstake::ProxyHandle;
@@ -21,6 +22,7 @@ using sweepstake::ProxySet;
 using sweepstake::ProxySetOptions;
 using sweepstake::Ray;
 using sweepstake::RayHit;
+using sweepstake::Sphere;
 using namespace sweepstake::c_api;  // NOLINT(google-build-using-namespace)
 
 // The structs cross the boundary by pointer cast.
@@ -29,6 +31,8 @@ static_assert(std::endian::native == std::endian::little);  // index in the low 
 static_assert(sizeof(swp_proxy_pair) == sizeof(ProxyPair));
 static_assert(sizeof(swp_filter) == sizeof(CollisionFilter));
 static_assert(sizeof(swp_ray) == sizeof(Ray) && sizeof(swp_ray) == 28);
+static_assert(sizeof(swp_sphere) == sizeof(Sphere) && sizeof(swp_sphere) == 16);
+static_assert(sizeof(swp_box_sweep) == sizeof(BoxSweep) && sizeof(swp_box_sweep) == 36);
 static_assert(SWP_STATIC_PROXY_BIT == sweepstake::kStaticProxyBit);
 
 namespace {
@@ -62,10 +66,14 @@ swp_result CheckTruth(std::string_view message, uint32_t value) {
 
 swp_result CheckOptions(const swp_proxies_options& options) {
   const swp_result wrong = CheckTruth("pair_events must be 0 or 1", options.pair_events);
-  return wrong != SWP_OK ? wrong : CheckTruth("sorted_pairs must be 0 or 1", options.sorted_pairs);
+  if (wrong != SWP_OK) return wrong;
+  if (!(options.event_margin >= 0) || options.reserved != 0) {
+    return Fail(SWP_INVALID_ARGUMENT, "event_margin must not be negative, and reserved must be 0");
+  }
+  return CheckTruth("sorted_pairs must be 0 or 1", options.sorted_pairs);
 }
 
-constexpr swp_proxies_options kDefaults = {sizeof(swp_proxies_options), 0, 0, 0, nullptr};
+constexpr swp_proxies_options kDefaults = {sizeof(swp_proxies_options), 0, 0, 0, nullptr, 0, 0};
 
 swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxies) {
   std::unique_ptr<sweepstake::Executor> executor;
@@ -74,6 +82,7 @@ swp_result CreateProxies(const swp_proxies_options& options, swp_proxies** proxi
   ProxySetOptions chosen;
   chosen.sorted_pairs = options.sorted_pairs != 0;
   chosen.pair_events = options.pair_events != 0;
+  chosen.event_margin = options.event_margin;
   Publish(std::make_unique<Proxies>(std::move(executor), chosen), proxies);
   return SWP_OK;
 }
@@ -213,6 +222,61 @@ swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t 
   });
 }
 
+swp_result swp_proxies_set_static(swp_proxies* proxies, swp_proxy proxy, uint32_t is_static) {
+  return Use(proxies, [&](Proxies& live) {
+    const swp_result wrong = CheckTruth("is_static must be 0 or 1", is_static);
+    if (wrong != SWP_OK) return wrong;
+    return live.set.SetStatic(ToHandle(proxy), is_static != 0) ? kOk : NoSuchProxy();
+  });
+}
+
+swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy, uint32_t is_sleeping) {
+  return Use(proxies, [&](Proxies& live) {
+    const swp_result wrong = CheckTruth("is_sleeping must be 0 or 1", is_sleeping);
+    if (wrong != SWP_OK) return wrong;
+    return live.set.SetSleeping(ToHandle(proxy), is_sleeping != 0) ? kOk : NoSuchProxy();
+  });
+}
+
+swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset) {
+  return Use(proxies, [&](Proxies& live) {
+    if (offset == nullptr) return NullArgument("offset");
+    live.set.ShiftOrigin(offset);
+    return kOk;
+  });
+}
+
+swp_result swp_proxies_compact(swp_proxies* proxies) {
+  return Use(proxies, [](Proxies& live) {
+    live.set.Compact();
+    live.pairs.reset();
+  });
+}
+
+swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64_t* bytes) {
+  return Use(proxies, [&](const Proxies& live) {
+    if (bytes == nullptr) return NullArgument("bytes");
+    *bytes = live.set.snapshot_bytes();
+    return kOk;
+  });
+}
+
+swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, uint64_t capacity) {
+  return Use(proxies, [&](const Proxies& live) {
+    if (snapshot == nullptr) return NullArgument("snapshot");
+    return ToResult(live.set.Save({static_cast<std::byte*>(snapshot), capacity}));
+  });
+}
+
+swp_result swp_proxies_restore(swp_proxies* proxies, const void* snapshot, uint64_t bytes) {
+  return Use(proxies, [&](Proxies& live) {
+    if (snapshot == nullptr) return NullArgument("snapshot");
+    const auto status = live.set.Restore({static_cast<const std::byte*>(snapshot), bytes});
+    if (status.ok()) live.pairs.reset();
+    return ToResult(status);
+  });
+}
+
 swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
                            swp_proxy_options* options) {
   return Use(proxies, [&](const Proxies& live) {
@@ -222,7 +286,8 @@ swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb
     if (options == nullptr) return kOk;
     const auto chosen = live.set.options(ToHandle(proxy));
     *options = {{chosen->filter.category, chosen->filter.mask},
-                chosen->is_static ? uint32_t{SWP_PROXY_STATIC} : 0U,
+                (chosen->is_static ? uint32_t{SWP_PROXY_STATIC} : 0U) |
+                    (live.set.is_sleeping(ToHandle(proxy)) ? uint32_t{SWP_PROXY_SLEEPING} : 0U),
                 0,
                 chosen->user};
     return kOk;
@@ -311,6 +376,27 @@ swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* b
   });
 }
 
+swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_sphere* spheres,
+                                     uint32_t sphere_count, const swp_filter* filter,
+                                     swp_proxy* found, uint64_t capacity, uint64_t* ends) {
+  return Use(proxies, [&](const Proxies& live) {
+    if ((spheres == nullptr || ends == nullptr) && sphere_count > 0)
+      return NullArgument("spheres and ends");
+    if (found == nullptr && capacity > 0) return NullArgument("found");
+    uint64_t end = 0;
+    for (uint32_t k = 0; k < sphere_count; ++k) {
+      const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
+      size_t count = 0;
+      const auto status =
+          live.set.QuerySphere(reinterpret_cast<const Sphere&>(spheres[k]), FilterOrAll(filter),
+                               out.subspan(std::min(end, capacity)), count);
+      if (!status.ok()) return ToQueryResult(status);
+      ends[k] = end += count;
+    }
+    return end > capacity ? TooFewPlaces() : kOk;
+  });
+}
+
 swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                  uint32_t ray_count, const swp_filter* filter, swp_ray_hit* hits) {
   return Use(proxies, [&](const Proxies& live) {
@@ -319,6 +405,23 @@ swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays
     const auto status = live.set.CastRays(cast, FilterOrAll(filter), Packed(hits, ray_count));
     if (!status.ok()) return ToQueryResult(status);
     Unpack(hits, ray_count);
+    return kOk;
+  });
+}
+
+swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_sweep* sweeps,
+                                   uint32_t sweep_count, const swp_filter* filter,
+                                   swp_ray_hit* hits) {
+  return Use(proxies, [&](const Proxies& live) {
+    if ((sweeps == nullptr || hits == nullptr) && sweep_count > 0)
+      return NullArgument("sweeps and hits");
+    for (uint32_t k = 0; k < sweep_count; ++k) {
+      RayHit hit;
+      const auto& sweep = reinterpret_cast<const BoxSweep&>(sweeps[k]);
+      const auto status = live.set.SweepBoxNearest(sweep, FilterOrAll(filter), hit);
+      if (!status.ok()) return ToQueryResult(status);
+      hits[k] = {ToProxy(hit.proxy), hit.distance, 0};
+    }
     return kOk;
   });
 }
@@ -339,4 +442,11 @@ swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
     Unpack(hits, hit_count);
     return kOk;
   });
+}
+
+swp_result swp_round_outward(const double* min, const double* max, swp_aabb* box) {
+  if (min == nullptr || max == nullptr || box == nullptr) return NullArgument("min, max and box");
+  const Aabb rounded = sweepstake::RoundOutward(min, max);
+  std::memcpy(box, &rounded, sizeof *box);
+  return SWP_OK;
 }

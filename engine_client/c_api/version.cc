@@ -111,6 +111,10 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_proxy_pair);
     case SWP_STRUCT_RAY:
       return sizeof(swp_ray);
+    case SWP_STRUCT_SPHERE:
+      return sizeof(swp_sphere);
+    case SWP_STRUCT_BOX_SWEEP:
+      return sizeof(swp_box_sweep);
     case SWP_STRUCT_RAY_HIT:
       return sizeof(swp_ray_hit);
     case SWP_STRUCT_SHADOW_SAMPLE:

@@ -156,7 +156,9 @@ enum {
   SWP_STRUCT_SCENE_OPTIONS = 22,
   SWP_STRUCT_LINK_OPTIONS = 23,
   SWP_STRUCT_LINK_STATS = 24,
-  SWP_STRUCT_DECISION = 25
+  SWP_STRUCT_DECISION = 25,
+  SWP_STRUCT_SPHERE = 26,
+  SWP_STRUCT_BOX_SWEEP = 27
 };
 
 /* The size in bytes of a struct below in this library, for bindings of other languages; 0 for an

@@ -36,7 +36,7 @@ typedef struct swp_proxies swp_proxies;
 typedef uint64_t swp_proxy;
 #define SWP_PROXY_ID(proxy) ((uint32_t)(proxy))
 
-/* This bit is set in the ids of static proxies, and only there. */
+/* This bit is set in the ids of proxies that were added as static, and only there. */
 #define SWP_STATIC_PROXY_BIT 0x80000000U
 
 /* Two proxies may form a pair when the category of each shares a bit with the mask of the other.
@@ -48,7 +48,8 @@ typedef struct swp_filter {
 } swp_filter;
 
 enum {
-  SWP_PROXY_STATIC = 1 /* paired with moving proxies only */
+  SWP_PROXY_STATIC = 1,  /* paired with moving and sleeping proxies only */
+  SWP_PROXY_SLEEPING = 2 /* swp_proxies_get alone gives it: see swp_proxies_set_sleeping */
 };
 
 typedef struct swp_proxy_options {
@@ -71,9 +72,23 @@ typedef struct swp_ray {
   float max_distance;
 } swp_ray;
 
+/* The points up to `radius` (0 to 1e19) from the center; all values are finite. */
+typedef struct swp_sphere {
+  float center[3];
+  float radius;
+} swp_sphere;
+
+/* A valid box at all places from where it is to where the translation, which is finite, takes it.
+ */
+typedef struct swp_box_sweep {
+  swp_aabb box;
+  float translation[3];
+} swp_box_sweep;
+
 typedef struct swp_ray_hit {
   swp_proxy proxy;
-  float distance;    /* the t at which the ray enters the box; 0 if it starts inside */
+  float distance;    /* the t at which the ray enters the box, or the part of its way after which
+                      * a swept box touches it; 0 if it starts inside */
   uint32_t reserved; /* 0 */
 } swp_ray_hit;
 
@@ -83,6 +98,9 @@ typedef struct swp_proxies_options {
   uint32_t sorted_pairs;        /* 1: ascending pairs, whatever the backend; implied by events */
   uint32_t thread_count;        /* as in swp_world_options */
   const swp_executor* executor; /* as in swp_world_options */
+  float event_margin;           /* a pair's end is told when the boxes are farther apart than this
+                                 * on an axis; the pairs themselves stay exact; not negative */
+  uint32_t reserved;            /* 0 */
 } swp_proxies_options;
 
 /* Fills in the defaults: neither events nor sorted pairs, and the calling thread alone. */
@@ -112,6 +130,33 @@ SWP_API swp_result swp_proxies_set_filter(swp_proxies* proxies, swp_proxy proxy,
                                           const swp_filter* filter);
 /* Any value of the caller, which swp_proxies_get gives back. */
 SWP_API swp_result swp_proxies_set_user(swp_proxies* proxies, swp_proxy proxy, uint64_t user);
+/* 1 makes a moving proxy static, 0 a static one moving and awake. Handle and id stay. Cost: that of
+ * an add. */
+SWP_API swp_result swp_proxies_set_static(swp_proxies* proxies, swp_proxy proxy,
+                                          uint32_t is_static);
+/* 1 promises that the proxy does not move: its pairs with others that rest are kept, and no search
+ * begins at it. Another box wakes it. Pairs, events and queries do not depend on it; a static proxy
+ * stays as it is. Cost: that of an add; the next resolve searches once among all that rest. */
+SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy,
+                                            uint32_t is_sleeping);
+/* Subtracts offset[0..2] from all coordinates. No pair ends; boxes may begin to touch that are
+ * nearer than coordinates are rounded. Cost: O(proxies). */
+SWP_API swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset);
+/* Frees what former proxies held. Ids and handles of living ones stay. Cost: O(proxies), and the
+ * next use sorts all trees. */
+SWP_API swp_result swp_proxies_compact(swp_proxies* proxies);
+
+/* The bytes that a snapshot takes now. */
+SWP_API swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64_t* bytes);
+/* Writes the whole state to the caller's memory, without pointers, for a game that rolls back.
+ * SWP_INVALID_ARGUMENT if there is less room than swp_proxies_snapshot_bytes. */
+SWP_API swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, uint64_t capacity);
+/* Makes the set what it was: handles, pairs, events and queries go on as they did. Pointers to
+ * pairs and boxes end. The set stays as it is if the snapshot is refused: SWP_DATA_LOSS if it is
+ * cut off or damaged, SWP_INVALID_ARGUMENT if it is of another version of the library or of a set
+ * with other options. Do not restore what others may have made. */
+SWP_API swp_result swp_proxies_restore(swp_proxies* proxies, const void* snapshot, uint64_t bytes);
+
 /* The box and the options as they are now. Either output may be NULL. */
 SWP_API swp_result swp_proxies_get(const swp_proxies* proxies, swp_proxy proxy, swp_aabb* box,
                                    swp_proxy_options* options);
@@ -156,17 +201,30 @@ SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 SWP_API swp_result swp_proxies_query_boxes(const swp_proxies* proxies, const swp_aabb* boxes,
                                            uint32_t box_count, const swp_filter* filter,
                                            swp_proxy* found, uint64_t capacity, uint64_t* ends);
+/* The same for the proxies that spheres touch. */
+SWP_API swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_sphere* spheres,
+                                             uint32_t sphere_count, const swp_filter* filter,
+                                             swp_proxy* found, uint64_t capacity, uint64_t* ends);
 /* For each ray, gives the nearest hit; without one, proxy and distance are 0. SWP_INVALID_ARGUMENT
  * for a ray that is not finite or has a negative max_distance. */
 SWP_API swp_result swp_proxies_cast_rays(const swp_proxies* proxies, const swp_ray* rays,
                                          uint32_t ray_count, const swp_filter* filter,
                                          swp_ray_hit* hits);
+/* The same for boxes on their way. */
+SWP_API swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_sweep* sweeps,
+                                           uint32_t sweep_count, const swp_filter* filter,
+                                           swp_ray_hit* hits);
 /* Gives all hits of one ray by ascending distance, at equal distance by id. If the capacity is too
  * small, the result is SWP_RESOURCE_EXHAUSTED, `count` says what is needed, and what `hits` holds
  * is undefined. */
 SWP_API swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ray* ray,
                                         const swp_filter* filter, swp_ray_hit* hits,
                                         uint64_t capacity, uint64_t* count);
+
+/* The smallest box of floats that contains the box of doubles min[0..2] to max[0..2]: min is
+ * rounded down and max up. A coordinate that no float reaches becomes infinite, and the box
+ * invalid. */
+SWP_API swp_result swp_round_outward(const double* min, const double* max, swp_aabb* box);
 
 /* NOLINTEND(modernize-use-using) */
 

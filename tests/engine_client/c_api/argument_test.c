@@ -114,6 +114,8 @@ static void check_proxies_options(void) {
   WITH(pair_events, 2);
   WITH(sorted_pairs, 2);
   WITH(thread_count, 257);
+  WITH(event_margin, -1.0F);
+  WITH(reserved, 1);
 #undef WITH
   CHECK(proxies == NULL);
 }
@@ -122,6 +124,10 @@ static void check_proxies_without_one(void) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   const swp_aabb* boxes = NULL;
   const swp_ray ray = {{0, 0, 0}, {1, 0, 0}, 1};
+  const swp_sphere sphere = {{0, 0, 0}, 1};
+  const swp_box_sweep sweep = {{{0, 0, 0}, {1, 1, 1}}, {1, 0, 0}};
+  const double corner[3] = {0, 0, 0};
+  swp_aabb rounded;
   const swp_pair* pairs = NULL;
   const swp_proxy_pair* events = NULL;
   swp_proxy proxy = UINT64_C(1) << 32;
@@ -145,6 +151,18 @@ static void check_proxies_without_one(void) {
   REFUSED(swp_proxies_query_boxes(NULL, &box, 1, NULL, &proxy, 1, &count));
   REFUSED(swp_proxies_cast_rays(NULL, &ray, 1, NULL, &hit));
   REFUSED(swp_proxies_cast_ray(NULL, &ray, NULL, &hit, 1, &count));
+  REFUSED(swp_proxies_set_static(NULL, proxy, 1));
+  REFUSED(swp_proxies_set_sleeping(NULL, proxy, 1));
+  REFUSED(swp_proxies_shift_origin(NULL, box.min));
+  REFUSED(swp_proxies_compact(NULL));
+  REFUSED(swp_proxies_snapshot_bytes(NULL, &count));
+  REFUSED(swp_proxies_save(NULL, &rounded, sizeof rounded));
+  REFUSED(swp_proxies_restore(NULL, &box, sizeof box));
+  REFUSED(swp_proxies_query_spheres(NULL, &sphere, 1, NULL, &proxy, 1, &count));
+  REFUSED(swp_proxies_sweep_boxes(NULL, &sweep, 1, NULL, &hit));
+  REFUSED(swp_round_outward(NULL, corner, &rounded));
+  REFUSED(swp_round_outward(corner, NULL, &rounded));
+  REFUSED(swp_round_outward(corner, corner, NULL));
   swp_proxies_destroy(NULL);
 }
 
@@ -190,6 +208,35 @@ static void check_queries(swp_proxies* proxies) {
   REFUSED(swp_proxies_cast_ray(proxies, &ray, NULL, &hit, 1, NULL));
 }
 
+static void check_shapes(swp_proxies* proxies) {
+  const swp_sphere spheres[2] = {{{0, 0, 0}, 1}, {{0, 0, 0}, -1}};
+  const swp_box_sweep sweeps[2] = {{{{0, 0, 0}, {1, 1, 1}}, {1, 0, 0}},
+                                   {{{1, 0, 0}, {0, 1, 1}}, {1, 0, 0}}};
+  swp_proxy proxy = 0;
+  swp_ray_hit hit;
+  uint64_t count = 0;
+  REFUSED(swp_proxies_query_spheres(proxies, NULL, 1, NULL, &proxy, 1, &count));
+  REFUSED(swp_proxies_query_spheres(proxies, spheres, 1, NULL, NULL, 1, &count));
+  REFUSED(swp_proxies_query_spheres(proxies, spheres, 1, NULL, &proxy, 1, NULL));
+  REFUSED(swp_proxies_query_spheres(proxies, spheres + 1, 1, NULL, &proxy, 1, &count));
+  CHECK_OK(swp_proxies_query_spheres(proxies, NULL, 0, NULL, NULL, 0, NULL));
+  REFUSED(swp_proxies_sweep_boxes(proxies, NULL, 1, NULL, &hit));
+  REFUSED(swp_proxies_sweep_boxes(proxies, sweeps, 1, NULL, NULL));
+  REFUSED(swp_proxies_sweep_boxes(proxies, sweeps + 1, 1, NULL, &hit));
+  CHECK_OK(swp_proxies_sweep_boxes(proxies, NULL, 0, NULL, NULL));
+}
+
+static void check_states(swp_proxies* proxies, swp_proxy proxy) {
+  uint64_t too_short = 0;
+  REFUSED(swp_proxies_set_static(proxies, proxy, 2));
+  REFUSED(swp_proxies_set_sleeping(proxies, proxy, 2));
+  REFUSED(swp_proxies_shift_origin(proxies, NULL));
+  REFUSED(swp_proxies_snapshot_bytes(proxies, NULL));
+  REFUSED(swp_proxies_save(proxies, NULL, 1));
+  REFUSED(swp_proxies_save(proxies, &too_short, sizeof too_short));
+  REFUSED(swp_proxies_restore(proxies, NULL, 1));
+}
+
 static void check_proxies(void) {
   const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   const swp_aabb* boxes = NULL;
@@ -209,6 +256,7 @@ static void check_proxies(void) {
   CHECK_OK(swp_proxies_add_many(proxies, &box, NULL, 1, &proxy));
   for (int i = 0; i < 4; ++i) REFUSED(swp_proxies_resolve(proxies, &wrong[i], 1));
   REFUSED(swp_proxies_resolve(proxies, NULL, 1));
+  check_states(proxies, proxy);
   CHECK_OK(swp_proxies_resolve(proxies, NULL, 0));
   REFUSED(swp_proxies_pairs(proxies, NULL, &count));
   REFUSED(swp_proxies_pairs(proxies, &pairs, NULL));
@@ -217,6 +265,7 @@ static void check_proxies(void) {
   REFUSED(swp_proxies_removed(proxies, NULL, &count));
   REFUSED(swp_proxies_removed(proxies, &events, NULL));
   check_queries(proxies);
+  check_shapes(proxies);
   swp_proxies_destroy(proxies);
 }
 

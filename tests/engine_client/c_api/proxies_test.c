@@ -372,6 +372,94 @@ static void check_queries(swp_proxies* proxies) {
   check_rays(proxies, resting);
 }
 
+static void check_rest(void) {
+  const swp_proxy_options wall = {{1, 0xffffffffU}, SWP_PROXY_STATIC, 0, 0};
+  const float offset[3] = {1, 0, 0};
+  const swp_aabb* boxes = NULL;
+  const swp_pair* pairs = NULL;
+  swp_proxy_options options;
+  swp_aabb box;
+  uint64_t count = 0;
+  uint32_t moving = 0;
+  swp_proxies* proxies = NULL;
+  CHECK_OK(swp_proxies_create(NULL, &proxies));
+  const swp_proxy ball = add(proxies, &kUnit, NULL);
+  const swp_proxy other = add(proxies, &kTouching, &wall);
+  CHECK_OK(swp_proxies_set_sleeping(proxies, ball, 1));
+  CHECK_OK(swp_proxies_get(proxies, ball, NULL, &options));
+  CHECK(options.flags == SWP_PROXY_SLEEPING);
+  CHECK_OK(swp_proxies_resolve(proxies, NULL, 0));
+  CHECK_OK(swp_proxies_pairs(proxies, &pairs, &count));
+  CHECK(count == 1 && pairs[0].a == SWP_PROXY_ID(ball) && pairs[0].b == SWP_PROXY_ID(other));
+  CHECK_OK(swp_proxies_shift_origin(proxies, offset));
+  CHECK_OK(swp_proxies_get(proxies, ball, &box, NULL));
+  CHECK(box.min[0] == -1 && box.max[0] == 0 && box.max[1] == 1);
+  CHECK_OK(swp_proxies_set_static(proxies, ball, 1));
+  CHECK_OK(swp_proxies_resolve(proxies, NULL, 0));
+  CHECK_OK(swp_proxies_pairs(proxies, &pairs, &count));
+  CHECK(count == 0);
+  CHECK_OK(swp_proxies_remove_many(proxies, &ball, 1));
+  CHECK_OK(swp_proxies_compact(proxies));
+  CHECK(swp_proxies_pairs(proxies, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_proxies_moving_boxes(proxies, &boxes, &moving));
+  CHECK(moving == 0);
+  CHECK(swp_proxies_set_static(proxies, ball, 1) == SWP_NOT_FOUND);
+  CHECK(swp_proxies_set_sleeping(proxies, ball, 1) == SWP_NOT_FOUND);
+  swp_proxies_destroy(proxies);
+}
+
+static void check_snapshot(void) {
+  uint64_t bytes = 0;
+  uint64_t same = 0;
+  swp_proxies* proxies = NULL;
+  CHECK_OK(swp_proxies_create(NULL, &proxies));
+  const swp_proxy kept = add(proxies, &kUnit, NULL);
+  CHECK_OK(swp_proxies_snapshot_bytes(proxies, &bytes));
+  char* snapshot = malloc(bytes);
+  CHECK_OK(swp_proxies_save(proxies, snapshot, bytes));
+  const swp_proxy lost = add(proxies, &kUnit, NULL);
+  CHECK(swp_proxies_restore(proxies, snapshot, bytes - 1) == SWP_DATA_LOSS);
+  CHECK_OK(swp_proxies_get(proxies, lost, NULL, NULL));
+  CHECK_OK(swp_proxies_restore(proxies, snapshot, bytes));
+  CHECK_OK(swp_proxies_get(proxies, kept, NULL, NULL));
+  CHECK(swp_proxies_get(proxies, lost, NULL, NULL) == SWP_NOT_FOUND);
+  CHECK(add(proxies, &kUnit, NULL) == lost);
+  CHECK_OK(swp_proxies_snapshot_bytes(proxies, &same));
+  CHECK(same > bytes);
+  free(snapshot);
+  swp_proxies_destroy(proxies);
+}
+
+static void check_shapes(void) {
+  const swp_sphere spheres[2] = {{{-1, 0.5F, 0.5F}, 1}, {{5, 5, 5}, 1}};
+  const swp_box_sweep sweeps[2] = {{{{-3, 0, 0}, {-2, 1, 1}}, {4, 0, 0}},
+                                   {{{-3, 0, 0}, {-2, 1, 1}}, {1, 0, 0}}};
+  const double low[3] = {0.1, 0, 0};
+  const double high[3] = {0.1, 0, 0};
+  swp_aabb box;
+  swp_proxy found[2] = {0, 0};
+  swp_ray_hit hits[2];
+  uint64_t ends[2] = {9, 9};
+  swp_proxies* proxies = NULL;
+  CHECK_OK(swp_proxies_create(NULL, &proxies));
+  const swp_proxy ball = add(proxies, &kUnit, NULL);
+  CHECK(swp_proxies_query_spheres(proxies, spheres, 2, NULL, found, 2, ends) ==
+        SWP_FAILED_PRECONDITION);
+  CHECK(swp_proxies_sweep_boxes(proxies, sweeps, 2, NULL, hits) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_proxies_prepare_queries(proxies));
+  CHECK_OK(swp_proxies_query_spheres(proxies, spheres, 2, NULL, found, 2, ends));
+  CHECK(ends[0] == 1 && ends[1] == 1 && found[0] == ball);
+  CHECK(swp_proxies_query_spheres(proxies, spheres, 2, NULL, NULL, 0, ends) ==
+        SWP_RESOURCE_EXHAUSTED);
+  CHECK(ends[1] == 1);
+  CHECK_OK(swp_proxies_sweep_boxes(proxies, sweeps, 2, NULL, hits));
+  CHECK(hits[0].proxy == ball && hits[0].distance == 0.5F);
+  CHECK(hits[1].proxy == 0);
+  CHECK_OK(swp_round_outward(low, high, &box));
+  CHECK((double)box.min[0] <= 0.1 && (double)box.max[0] >= 0.1 && box.min[0] < box.max[0]);
+  swp_proxies_destroy(proxies);
+}
+
 void test_proxies(void) {
   swp_proxies* proxies = NULL;
   check_game();
@@ -381,4 +469,7 @@ void test_proxies(void) {
   check_resolve(proxies);
   check_queries(proxies);
   swp_proxies_destroy(proxies);
+  check_rest();
+  check_snapshot();
+  check_shapes();
 }

@@ -34,6 +34,8 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_PROXY_PAIR) == sizeof(swp_proxy_pair));
   CHECK(swp_struct_size(SWP_STRUCT_RAY) == sizeof(swp_ray));
   CHECK(swp_struct_size(SWP_STRUCT_RAY_HIT) == sizeof(swp_ray_hit));
+  CHECK(swp_struct_size(SWP_STRUCT_SPHERE) == sizeof(swp_sphere));
+  CHECK(swp_struct_size(SWP_STRUCT_BOX_SWEEP) == sizeof(swp_box_sweep));
   CHECK(swp_struct_size(SWP_STRUCT_SHADOW_SAMPLE) == sizeof(swp_shadow_sample));
   CHECK(swp_struct_size(SWP_STRUCT_SHADOW_STATS) == sizeof(swp_shadow_stats));
   CHECK(swp_struct_size(SWP_STRUCT_LINK_OPTIONS) == sizeof(swp_link_options));
