@@ -9,6 +9,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine_client/broad_phase/host/hook_points.h"
+
 namespace sweepstake {
 namespace {
 
@@ -52,6 +54,8 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
       guard(options.bail_out_ns, static_cast<uint32_t>(backends.size())),
       switch_cost(options.settling_ns),
       backends_(std::move(backends)),
+      make_(lane.make),
+      memory_budget_bytes_(options.memory_budget_bytes),
       sink_(sink),
       clock_(clock),
       active_(PackActive(initial_arm, 0)),
@@ -76,6 +80,7 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
 // Step 2: executes a pending switch, at most one per frame. A local decision takes precedence over
 // the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
+  const Zone zone(kZoneBeginFrame);
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
   const std::optional<OperatorOrder> order = orders.Take();
   if (order) TakeOrder(*order);
@@ -150,7 +155,36 @@ void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
   last_switch_reason = command.reason;
   built_ = lane_ != nullptr && lane_->TakeOver(command.arm, backends_[command.arm], pairs_);
   (built_ ? warm_switch_count_ : cold_switch_count_).fetch_add(1, std::memory_order_relaxed);
+  KeepBudget();
   Report(switch_cost.Begin(command, next_epoch, /*warm=*/built_));
+}
+
+void AdaptiveBroadPhase::Impl::KeepBudget() {
+  if (memory_budget_bytes_ == 0 || memory_bytes() <= memory_budget_bytes_) return;
+  FreeInactiveArms();
+  if (lane_ != nullptr && memory_bytes() > memory_budget_bytes_) lane_->Trim();
+}
+
+void AdaptiveBroadPhase::Impl::Trim() {
+  FreeInactiveArms();
+  pairs_ = PairBuffer();
+  if (lane_ != nullptr) lane_->Trim();
+}
+
+// A backend keeps its buffers as long as it lives.
+void AdaptiveBroadPhase::Impl::FreeInactiveArms() {
+  if (!make_) return;
+  for (uint32_t index = 0; index < backends_.size(); ++index) {
+    if (index == arm() || backends_[index].backend->native_bytes() == 0) continue;
+    backends_[index] = make_(index);
+    backends_[index].Attach(true);
+  }
+}
+
+uint64_t AdaptiveBroadPhase::Impl::memory_bytes() const {
+  uint64_t bytes = pairs_.capacity_bytes() + shadow_stats().memory_bytes;
+  for (const ArmBackend& own : backends_) bytes += own.backend->native_bytes();
+  return bytes;
 }
 
 void AdaptiveBroadPhase::Impl::Drop() {
@@ -170,14 +204,19 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
   const uint64_t start_ns = clock_.NowNs();
   UpdateStructure(boxes, start_ns);
-  pairs_.Clear();
-  backends_[sample_.arm].backend->FindPairs(pairs_);
-  built_ = true;
+  Search();
   MeasureDetection(boxes, start_ns);
   // Not measured: the lane's visits do not sort, and what is learnt must hold with and without it.
   if (sorter_) sorter_->Sort(pairs_.pairs());
   if (!std::exchange(searched_, true)) ShowFrame(boxes);
   return std::as_const(pairs_).pairs();
+}
+
+void AdaptiveBroadPhase::Impl::Search() {
+  const Zone zone(kZoneSearch);
+  pairs_.Clear();
+  backends_[sample_.arm].backend->FindPairs(pairs_);
+  built_ = true;
 }
 
 // Shows the first search's boxes to those who take one set of boxes per frame: from one first
@@ -193,6 +232,7 @@ void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
 // Builds or updates the structure. A backend that has run out of memory is rebuilt in the next
 // frame.
 void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns) {
+  const Zone zone(kZoneUpdate);
   if (std::exchange(built_, false)) {
     backends_[sample_.arm].backend->Update(boxes);
   } else {
@@ -292,6 +332,8 @@ std::span<const OverlapPair> AdaptiveBroadPhase::FindPairs(std::span<const Aabb>
   return impl_->FindPairs(boxes);
 }
 void AdaptiveBroadPhase::EndFrame(const FrameEnd& frame) { impl_->EndFrame(frame); }
+void AdaptiveBroadPhase::Trim() { impl_->Trim(); }
+uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes(); }
 
 Status AdaptiveBroadPhase::SelectArm(std::string_view arm) { return impl_->SelectArm(arm); }
 void AdaptiveBroadPhase::SetMode(Mode mode) { impl_->SetMode(mode); }

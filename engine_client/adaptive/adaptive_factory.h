@@ -49,9 +49,9 @@ struct ArmBackend {
 // Makes another, detached backend of the arm with this index. Throws std::bad_alloc.
 using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 
-// The parts of the shadow lane; there is no lane without `make`.
+// The parts of the shadow lane; there is no lane without `make`, and no arm's memory is freed.
 struct LaneParts {
-  ArmBackendFactory make;  // makes the lane's own backends
+  ArmBackendFactory make;  // makes the lane's own backends, and an arm's new one after Trim
   size_t core_count = 0;   // the machine's cores
 };
 

@@ -36,6 +36,8 @@ class AdaptiveBroadPhase::Impl {
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   void EndFrame(const FrameEnd& frame);
+  void Trim();
+  uint64_t memory_bytes() const;
 
   Status SelectArm(std::string_view name);
   void SetMode(Mode chosen);
@@ -73,9 +75,12 @@ class AdaptiveBroadPhase::Impl {
   bool IsAllowed(const SwitchCommand& command) const;
   bool WaitsForLane();
   void Execute(const SwitchCommand& command);
+  void KeepBudget();
+  void FreeInactiveArms();
   void Drop();
   void Refuse(const SwitchCommand& command);
   void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
+  void Search();
   void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
   void MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
   void ShowFrame(std::span<const Aabb> boxes);
@@ -85,6 +90,8 @@ class AdaptiveBroadPhase::Impl {
   void ReportMode(uint64_t order_id);
 
   std::vector<ArmBackend> backends_;
+  const ArmBackendFactory make_;  // null: arms are never freed
+  const uint64_t memory_budget_bytes_;
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;

@@ -91,6 +91,7 @@ void ShadowLane::Start() {
 }
 
 void ShadowLane::Run() {
+  NoteThreadStarted("swp lane");
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::chrono::microseconds pause = Step();
     std::unique_lock lock(mutex_);
@@ -108,6 +109,7 @@ std::chrono::microseconds ShadowLane::Step() {
 
 std::chrono::microseconds ShadowLane::StepWithMemory() {
   if (PrepareSwitch()) return kBusyPoll;
+  if (trim_is_wanted_.exchange(false, std::memory_order_relaxed)) Release();
   if (!enabled()) return kIdlePoll;
   if (!tap_.complete()) return kBusyPoll;
   if (std::exchange(collecting_, false)) OnBurst();
@@ -207,6 +209,7 @@ void ShadowLane::Sweep() {
 // does not count, unless it is the first and so long that the time cap ends it: an arm takes at
 // least as long then.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
+  const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
   const uint32_t frame_count = tap_.filled_count();
   std::array<uint64_t, kShadowBurstFrames> frame_ns{};
@@ -321,6 +324,7 @@ bool ShadowLane::RequestForPreparation() {
 // Processes the frame in the next slot. Returns false if the structure exceeds the memory cap, or
 // nobody wants it any more.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
+  const Zone zone(kZoneLanePreparation);
   BroadPhase& backend = *BackendOf(order.arm).backend;
   const TappedFrame frame = tap_.frame(next_slot_++);
   Watch watch(*this, &order, std::numeric_limits<uint64_t>::max(), bytes_of(backend));
@@ -372,12 +376,20 @@ void ShadowLane::TrimMemory(uint32_t arm) {
   counters_.memory_bytes.store(structure_bytes() + tap_.memory_bytes(), std::memory_order_relaxed);
 }
 
-void ShadowLane::FreeMemory() {
+// Copies that the frame thread is making are kept.
+void ShadowLane::Release() {
   for (ArmBackend& own : backends_) own = {};
   pairs_ = PairBuffer();
   progress_.reset();
-  if (tap_.complete()) tap_.Reserve(0, 0);
+  if (tap_.complete()) {
+    collecting_ = false;
+    tap_.Reserve(0, 0);
+  }
   counters_.memory_bytes.store(tap_.memory_bytes(), std::memory_order_relaxed);
+}
+
+void ShadowLane::FreeMemory() {
+  Release();
   next_try_ns_ = setup_.clock.NowNs() + kRetryNs;
 }
 

@@ -10,12 +10,12 @@
 // updates it on the following frames until its buffers have grown and the extra cost of a new
 // structure is over, and offers it (switch_handover.h).
 //
-// Thread safety: Ask, Cancel, TakeOver and OnFrame on the frame thread; they never wait, lock,
-// allocate, or make a system call other than the clock. stats() on any thread. Step belongs to the
-// lane's thread and is public for tests, which call it instead of Start. Ownership: sink, clock and
-// mode are borrowed. The destructor, Ask and Cancel end what the lane's backend is doing within
-// milliseconds, in the midst of a search too, and so do the caps of time and memory. Errors: if
-// memory runs out, the lane frees its own memory and tries again a second later.
+// Thread safety: Ask, Cancel, TakeOver, Trim and OnFrame on the frame thread; they never wait,
+// lock, allocate, or make a system call other than the clock. stats() on any thread. Step belongs
+// to the lane's thread and is public for tests, which call it instead of Start. Ownership: sink,
+// clock and mode are borrowed. The destructor, Ask and Cancel end what the lane's backend is doing
+// within milliseconds, in the midst of a search too, and so do the caps of time and memory. Errors:
+// if memory runs out, the lane frees its own memory and tries again a second later.
 #pragma once
 
 #include <array>
@@ -72,6 +72,8 @@ class ShadowLane {
   // Exchanges `own` for the backend prepared for `arm`, whose boxes are a few frames old; false if
   // none is ready. `pairs` gets the lane's buffer if that is larger, and then loses its content.
   bool TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs);
+  // Has the lane free its structures and copies once it prepares no switch.
+  void Trim() { trim_is_wanted_.store(true, std::memory_order_relaxed); }
   void OnFrame(std::span<const Aabb> boxes, const FrameNote& note) noexcept {
     tap_.OnFrame(boxes, note, setup_.clock);
   }
@@ -126,6 +128,7 @@ class ShadowLane {
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
   void TrimMemory(uint32_t arm);
+  void Release();
   void FreeMemory();
   uint64_t structure_cap_bytes() const { return setup_.options.memory_cap_bytes / 2; }
   uint64_t structure_bytes() const;
@@ -150,6 +153,7 @@ class ShadowLane {
   uint32_t next_slot_ = 0;  // the tap's slot that the preparation reads next
   std::optional<Progress> progress_;
 
+  std::atomic<bool> trim_is_wanted_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::atomic<bool> stopping_{false};  // set while mutex_ is held

@@ -80,6 +80,7 @@ AdaptiveOptions ToAdaptiveOptions(const swp_session_options& given) {
   options.shadow.enabled = static_cast<ShadowMode>(given.shadow);
   options.shadow.duty_ratio = given.shadow_duty_ratio;
   options.shadow.memory_cap_bytes = given.shadow_memory_bytes;
+  options.memory_budget_bytes = given.memory_budget_bytes;
   options.sorted_pairs = given.sorted_pairs != 0;
   return options;
 }
@@ -158,6 +159,17 @@ swp_result swp_session_end_frame(swp_session* session, uint64_t frame_time_ns, u
     }
     live.adaptive->EndFrame({.frame_time_ns = frame_time_ns, .flags = flags});
     live.in_frame = false;
+    return kOk;
+  });
+}
+
+swp_result swp_session_trim(swp_session* session) {
+  return Use(session, [](Session& live) {
+    if (live.in_frame) {
+      return Fail(SWP_FAILED_PRECONDITION, "a frame runs: call swp_session_end_frame first");
+    }
+    live.pairs.reset();
+    live.adaptive->Trim();
     return kOk;
   });
 }

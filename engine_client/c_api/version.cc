@@ -77,6 +77,8 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_pair);
     case SWP_STRUCT_COUNTERS:
       return sizeof(swp_counters);
+    case SWP_STRUCT_HOOKS:
+      return sizeof(swp_hooks);
     case SWP_STRUCT_LINK_OPTIONS:
       return sizeof(swp_link_options);
     case SWP_STRUCT_LINK_STATS:

@@ -14,12 +14,21 @@ namespace sweepstake {
 // The hooks of the process; null: none were set.
 extern std::atomic<const Hooks*> installed_hooks;
 
+// The names of zones that hooks.h promises.
+inline constexpr char kZoneBeginFrame[] = "sweepstake: begin frame";
+inline constexpr char kZoneUpdate[] = "sweepstake: update";
+inline constexpr char kZoneSearch[] = "sweepstake: search";
+inline constexpr char kZoneResolveProxies[] = "sweepstake: resolve proxies";
+inline constexpr char kZoneLaneVisit[] = "sweepstake: lane visit";
+inline constexpr char kZoneLanePreparation[] = "sweepstake: lane preparation";
+inline constexpr char kZoneDecide[] = "sweepstake: decide";
+
 // A stretch of work that a profiler shows, from here to the end of the scope.
 //
-//   const Zone zone("sweepstake: find pairs");
+//   const Zone zone(kZoneSearch);
 class Zone {
  public:
-  // `name` is a literal.
+  // `name` lives as long as the library.
   explicit Zone(const char* name) noexcept
       : hooks_(installed_hooks.load(std::memory_order_relaxed)), name_(name) {
     if (hooks_ != nullptr && hooks_->zone_begin != nullptr) hooks_->zone_begin(name_, hooks_->user);
@@ -35,14 +44,9 @@ class Zone {
   const char* name_;
 };
 
-// Called first on each thread that the library starts. `name` is a literal of at most 15
-// characters, what Linux shows.
-inline void NoteThreadStarted(const char* name) noexcept {
-  const Hooks* hooks = installed_hooks.load(std::memory_order_relaxed);
-  if (hooks != nullptr && hooks->thread_started != nullptr) {
-    hooks->thread_started(name, hooks->user);
-  }
-}
+// Called first on each thread that the library starts: names the thread, and calls the hook. `name`
+// is a literal of at most 15 characters, what Linux shows.
+void NoteThreadStarted(const char* name) noexcept;
 
 template <typename T>
 struct HookAllocator {

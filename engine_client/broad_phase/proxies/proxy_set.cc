@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/proxies/proxy_set_impl.h"
 
 namespace sweepstake {
@@ -24,6 +25,7 @@ size_t KeepPassing(std::span<const OverlapPair> pairs, const CollisionFilter* fi
 }  // namespace
 
 std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
+  const Zone zone(kZoneResolveProxies);
   const bool any_joins = joins_.Plan();
   if (moving_.table().all_pass() && !any_joins && !wants_sorted()) return moving_pairs;
   next_.Clear();

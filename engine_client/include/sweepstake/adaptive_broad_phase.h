@@ -10,9 +10,9 @@
 // "any thread". None of them waits, locks, or (between switches and while the object count is
 // steady) allocates; the only system call is the clock. With an executor the frame thread also
 // waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
-// Memory: an arm that has been active keeps its buffers, so that switching back is cheap;
-// native_bytes counts the active one alone. Errors: FindPairs throws std::bad_alloc if a backend
-// runs out of memory; the next call rebuilds.
+// Memory: an arm that has been active keeps its buffers, so that switching back is cheap, until
+// Trim or memory_budget_bytes; native_bytes counts the active one alone. Errors: FindPairs throws
+// std::bad_alloc if a backend runs out of memory; the next call rebuilds.
 //
 // If there is a spare core, a shadow lane (shadow.h) measures the other arms on its own thread and
 // prepares switches: a command waits some frames until the new arm's structure exists (a warm
@@ -92,6 +92,10 @@ struct AdaptiveOptions {
   // takes the same time for each arm and is no part of a sample's detection time, so that decisions
   // and what is learnt are those without it. Cost: pair_sorter.h.
   bool sorted_pairs = false;
+  // Memory of all arms, of the pairs and of the shadow lane; 0: no limit. If they take more at a
+  // switch, the inactive arms' and then the lane's is freed as by Trim, so that the switch and a
+  // later one to those arms allocate. What the active arm needs is not limited.
+  uint64_t memory_budget_bytes = 0;
 };
 
 // The engine's data about the frame that ends.
@@ -123,6 +127,14 @@ class AdaptiveBroadPhase {
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   // Makes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
+
+  // Frees what the next frame does not need: the buffers of inactive arms, the pairs, and, on its
+  // own thread and soon, what the shadow lane keeps. Call it between EndFrame and BeginFrame, for
+  // example when a level ends or the system is short of memory. Ends the validity of FindPairs'
+  // result. The next frame allocates again, and so do later switches. Cost: it frees memory.
+  void Trim();
+  // Returns the bytes that memory_budget_bytes limits.
+  uint64_t memory_bytes() const;
 
   // Chooses an arm manually; executed at the next BeginFrame. The mode stays as it is. kNotFound
   // lists the arms.

@@ -158,7 +158,8 @@ enum {
   SWP_STRUCT_LINK_STATS = 24,
   SWP_STRUCT_DECISION = 25,
   SWP_STRUCT_SPHERE = 26,
-  SWP_STRUCT_BOX_SWEEP = 27
+  SWP_STRUCT_BOX_SWEEP = 27,
+  SWP_STRUCT_HOOKS = 28
 };
 
 /* The size in bytes of a struct below in this library, for bindings of other languages; 0 for an
@@ -209,6 +210,8 @@ SWP_API swp_result swp_executor_init(swp_executor* executor);
 }
 #endif
 
+/* The game's own memory, profiling zones and threads. */
+#include "sweepstake/c_hooks.h" /* IWYU pragma: export */
 /* One backend, driven by hand. */
 #include "sweepstake/c_worlds.h" /* IWYU pragma: export */
 /* The frame path, which switches between backends. */

@@ -78,6 +78,8 @@ typedef struct swp_session_options {
   double shadow_duty_ratio; /* the lane's share of one core in the long run, over 0 to 1; 0.15 */
   uint64_t shadow_memory_bytes; /* the lane's maximum, half of it for copied boxes; 64 MiB. If the
                                    frames do not fit, there is SWP_SHADOW_STATE_TOO_BIG */
+  uint64_t memory_budget_bytes; /* of all arms, the pairs and the lane; 0: no limit. If they take
+                                   more at a switch, what the active arm does not need is freed */
 } swp_session_options;
 
 /* The cost of one frame. Of several searches, times and checks are summed; the counts of bytes,
@@ -250,6 +252,12 @@ SWP_API swp_result swp_session_end_frame(swp_session* session, uint64_t frame_ti
                                          uint32_t flags);
 
 /* Functions of the frame thread. */
+
+/* Frees what the next frame does not need: the buffers of inactive arms, the pairs, and soon, on
+ * its own thread, what the shadow lane keeps; for the end of a level, or where the system is short
+ * of memory. SWP_FAILED_PRECONDITION between begin_frame and end_frame. The pairs of the latest
+ * search are gone; the next frame and later switches allocate again. Cost: it frees memory. */
+SWP_API swp_result swp_session_trim(swp_session* session);
 
 /* Chooses an arm by hand, from the next begin_frame on; the mode stays. SWP_NOT_FOUND lists the
  * arms.

@@ -11,6 +11,16 @@
 // queue and messages of a session, the decider, scenes and files; so do results that the caller's
 // own std::vector receives.
 //
+// Zones, in the order of a frame, then those of other threads:
+//
+//   sweepstake: begin frame       AdaptiveBroadPhase::BeginFrame, with a switch if one is pending
+//   sweepstake: update            the active backend builds or takes the boxes
+//   sweepstake: search            it finds the pairs
+//   sweepstake: resolve proxies   ProxySet::Resolve
+//   sweepstake: lane visit        the shadow lane measures an arm
+//   sweepstake: lane preparation  it processes a frame for a switch
+//   sweepstake: decide            a decider takes samples, or decides
+//
 // Out of memory: if `allocate` returns null, the call ends as OutOfMemory() says.
 #pragma once
 
@@ -32,12 +42,15 @@ struct Hooks {
   void (*release)(void* pointer, size_t bytes, size_t alignment, void* user) = nullptr;
 
   // The begin and the end of a named stretch of work, for a profiler. Zones of one thread nest.
-  // `name` is the same pointer each time, to a string that lives as long as the library.
+  // `name` is one of those above; it stays the same in later versions, is the same pointer each
+  // time, and lives as long as the library.
   void (*zone_begin)(const char* name, void* user) = nullptr;
   void (*zone_end)(const char* name, void* user) = nullptr;
 
-  // Called first on each thread that the library starts, with a name for the profiler, the debugger
-  // and the choice of cores.
+  // Called first on each thread that the library starts, where a game sets its affinity and
+  // priority and tells a profiler: "swp lane" (the shadow lane), "swp pool" (MakeThreadPool), "swp
+  // session" (a session's own). The library has given it that name already, where the system has
+  // names.
   void (*thread_started)(const char* name, void* user) = nullptr;
 
   // Called before OutOfMemory() aborts, to save a report. Not called where it throws.

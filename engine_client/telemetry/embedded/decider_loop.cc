@@ -4,6 +4,8 @@
 #include <utility>
 #include <variant>
 
+#include "engine_client/broad_phase/host/hook_points.h"
+
 namespace sweepstake {
 namespace {
 
@@ -35,6 +37,7 @@ DeciderLoop::DeciderLoop(SampleQueue& queue, AdaptiveBroadPhase& adaptive,
 }
 
 uint64_t DeciderLoop::TakeQueue(uint64_t now_ns) {
+  const Zone zone(kZoneDecide);
   frame_count_ = 0;
   while (const std::optional<QueuedItem> item = queue_.Pop()) Take(*item, now_ns);
   FlushFrames(now_ns);
@@ -66,6 +69,7 @@ void DeciderLoop::FlushFrames(uint64_t now_ns) {
 }
 
 std::optional<SwitchCommand> DeciderLoop::Decide(uint64_t now_ns) {
+  const Zone zone(kZoneDecide);
   const std::optional<SwitchCommand> command = decider_->Poll(now_ns);
   if (command) adaptive_.mailbox().Post(*command);
   return command;

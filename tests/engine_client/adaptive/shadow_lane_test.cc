@@ -319,6 +319,27 @@ TEST_F(ShadowLaneTest, KeepsStructuresWithinItsMemory) {
   EXPECT_GT(made_count_, 3);  // The third had to go each time.
 }
 
+TEST_F(ShadowLaneTest, FreesWhatItKeepsWhenTrimmedAndGoesOn) {
+  FirstSweep();
+  EXPECT_GT(lane_->stats().memory_bytes, 0U);
+  lane_->Trim();
+  lane_->Step();
+  EXPECT_EQ(lane_->stats().memory_bytes, 0U);
+  Frames(200);
+  EXPECT_GE(lane_->stats().sweep_count, 2U);
+}
+
+TEST_F(ShadowLaneTest, KeepsAStructureForASwitchWhenTrimmed) {
+  FirstSweep();
+  lane_->Ask(2);
+  FramesUntilReady(2);
+  lane_->Trim();
+  Frame();
+  ArmBackend own = MakeBackend(2);
+  EXPECT_TRUE(lane_->TakeOver(2, own, pairs_));
+  EXPECT_FALSE(static_cast<LaneBackend&>(*own.backend).shown.empty());
+}
+
 TEST_F(ShadowLaneTest, LeavesAStructureThatAloneIsOverItsMemoryAfterTheFirstFrame) {
   scripts_[0].bytes = 150'000;
   Make({.memory_cap_bytes = 200'000});

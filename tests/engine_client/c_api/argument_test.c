@@ -325,6 +325,7 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_begin_frame(NULL));
   REFUSED(swp_session_find_pairs(NULL, &box, 1));
   REFUSED(swp_session_pairs(NULL, &pairs, &count));
+  REFUSED(swp_session_trim(NULL));
   REFUSED(swp_session_end_frame(NULL, 1, 0));
   REFUSED(swp_session_select_arm(NULL, "SAP"));
   REFUSED(swp_session_set_mode(NULL, SWP_MODE_AI));

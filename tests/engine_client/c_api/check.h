@@ -48,6 +48,7 @@ void test_frames(void);
 void test_transport(void);
 void test_decider(void);
 void test_link(void);
+void test_hooks(void);
 void test_structs(void);
 void test_arguments(void);
 

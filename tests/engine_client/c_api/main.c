@@ -87,6 +87,7 @@ int main(int argc, char** argv) {
       {"threads", test_threads}, {"proxies", test_proxies},     {"scenes", test_scenes},
       {"frames", test_frames},   {"transport", test_transport}, {"decider", test_decider},
       {"structs", test_structs}, {"arguments", test_arguments}, {"link", test_link},
+      {"hooks", test_hooks},
   };
   for (size_t i = 0; argc == 2 && i < sizeof tests / sizeof tests[0]; ++i) {
     if (strcmp(tests[i].name, argv[1]) != 0) continue;

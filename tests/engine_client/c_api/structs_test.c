@@ -41,6 +41,12 @@ static swp_result take_session_options(void* options) {
   return result;
 }
 
+static swp_result take_hooks(void* hooks) {
+  const swp_result result = swp_set_hooks(hooks);
+  if (result == SWP_OK) CHECK_OK(swp_set_hooks(NULL));
+  return result;
+}
+
 static swp_result take_decider_options(void* options) {
   const swp_result result = swp_session_attach_decider(session, options, 0);
   if (result == SWP_OK) CHECK_OK(swp_session_detach_decider(session));
@@ -71,6 +77,7 @@ static swp_result take_scene_options(void* options) {
 /* ---- calls that fill one ---- */
 
 static swp_result fill_world_options(void* out) { return swp_world_options_init(out); }
+static swp_result fill_hooks(void* out) { return swp_hooks_init(out); }
 static swp_result fill_executor(void* out) { return swp_executor_init(out); }
 static swp_result fill_session_options(void* out) { return swp_session_options_init(out); }
 static swp_result fill_decider_options(void* out) { return swp_decider_options_init(out); }
@@ -103,6 +110,7 @@ typedef struct output_struct {
 static const options_struct kOptions[] = {
     {sizeof(swp_world_options), fill_world_options, take_world_options},
     {sizeof(swp_executor), init_executor, take_executor},
+    {sizeof(swp_hooks), fill_hooks, take_hooks},
     {sizeof(swp_session_options), fill_session_options, take_session_options},
     {sizeof(swp_decider_options), fill_decider_options, take_decider_options},
     {sizeof(swp_link_options), fill_link_options, take_link_options},
@@ -113,6 +121,7 @@ static const options_struct kOptions[] = {
 static const output_struct kOutputs[] = {
     {sizeof(swp_world_options), fill_world_options},
     {sizeof(swp_executor), fill_executor},
+    {sizeof(swp_hooks), fill_hooks},
     {sizeof(swp_session_options), fill_session_options},
     {sizeof(swp_decider_options), fill_decider_options},
     {sizeof(swp_link_options), fill_link_options},

@@ -27,6 +27,7 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_DECIDER_OPTIONS) == sizeof(swp_decider_options));
   CHECK(swp_struct_size(SWP_STRUCT_BELIEF) == sizeof(swp_belief));
   CHECK(swp_struct_size(SWP_STRUCT_EXECUTOR) == sizeof(swp_executor));
+  CHECK(swp_struct_size(SWP_STRUCT_HOOKS) == sizeof(swp_hooks));
   CHECK(swp_struct_size(SWP_STRUCT_WORLD_OPTIONS) == sizeof(swp_world_options));
   CHECK(swp_struct_size(SWP_STRUCT_PROXIES_OPTIONS) == sizeof(swp_proxies_options));
   CHECK(swp_struct_size(SWP_STRUCT_FILTER) == sizeof(swp_filter));

@@ -1,0 +1,133 @@
+/* Memory, zones and threads of the game's own, over the life of a session. */
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/engine_client/c_api/check.h"
+
+typedef struct seen {
+  uint64_t allocation_count;
+  uint64_t release_count;
+  uint64_t search_count;
+  uint64_t open_zone_count;
+  uint64_t pool_thread_count;
+} seen;
+
+static void* allocate(uint64_t bytes, uint64_t alignment, void* user) {
+  ++((seen*)user)->allocation_count;
+  /* Windows has no aligned_alloc: the block's own address stands in front of what is given out. */
+  char* const block = malloc(bytes + alignment + sizeof block);
+  if (block == NULL) return NULL;
+  char* const first = block + sizeof block;
+  char* const given = first + (alignment - (uintptr_t)first % alignment) % alignment;
+  memcpy(given - sizeof block, &block, sizeof block);
+  return given;
+}
+
+static void release(void* pointer, uint64_t bytes, uint64_t alignment, void* user) {
+  (void)bytes;
+  (void)alignment;
+  ++((seen*)user)->release_count;
+  void* block = NULL;
+  memcpy(&block, (char*)pointer - sizeof block, sizeof block);
+  free(block);
+}
+
+static void begin_zone(const char* name, void* user) {
+  ++((seen*)user)->open_zone_count;
+  ((seen*)user)->search_count += strcmp(name, "sweepstake: search") == 0;
+}
+
+static void end_zone(const char* name, void* user) {
+  (void)name;
+  --((seen*)user)->open_zone_count;
+}
+
+static void start_thread(const char* name, void* user) {
+  ((seen*)user)->pool_thread_count += strcmp(name, "swp pool") == 0;
+}
+
+/* Returns a session on the hooks, with a pool of two threads. */
+static swp_session* make_session(uint64_t memory_budget_bytes) {
+  swp_session_options options = {.struct_size = sizeof options};
+  swp_session* session = NULL;
+  CHECK_OK(swp_session_options_init(&options));
+  options.arms = "SAP,KDTree";
+  options.mode = SWP_MODE_MANUAL;
+  options.thread_count = 2;
+  options.memory_budget_bytes = memory_budget_bytes;
+  CHECK_OK(swp_session_create(&options, &session));
+  return session;
+}
+
+static void run_frame(swp_session* session) {
+  static const swp_aabb boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
+  const swp_pair* pairs = NULL;
+  uint64_t count = 0;
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK(swp_session_trim(session) == SWP_FAILED_PRECONDITION);
+  CHECK_OK(swp_session_find_pairs(session, boxes, 2));
+  CHECK_OK(swp_session_pairs(session, &pairs, &count));
+  CHECK(count == 1);
+  CHECK_OK(swp_session_end_frame(session, 1000, 0));
+}
+
+static void check_trim(seen* counts) {
+  swp_session* session = make_session(0);
+  const swp_pair* pairs = NULL;
+  uint64_t count = 0;
+  run_frame(session);
+  CHECK_OK(swp_session_select_arm(session, "KDTree"));
+  run_frame(session);
+  const uint64_t held = counts->allocation_count - counts->release_count;
+  CHECK_OK(swp_session_trim(session));
+  CHECK(counts->allocation_count - counts->release_count < held);
+  CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
+  run_frame(session);
+  swp_session_destroy(session);
+}
+
+static void check_budget(seen* counts) {
+  for (uint64_t budget = 0; budget < 2; ++budget) {
+    swp_session* session = make_session(budget);
+    run_frame(session);
+    const uint64_t released = counts->release_count;
+    CHECK_OK(swp_session_select_arm(session, "KDTree"));
+    CHECK_OK(swp_session_begin_frame(session));
+    CHECK((counts->release_count > released) == (budget == 1));
+    swp_session_destroy(session);
+  }
+}
+
+void test_hooks(void) {
+  seen counts = {0};
+  swp_hooks hooks = {.struct_size = sizeof hooks};
+  REFUSED(swp_hooks_init(NULL));
+  CHECK_OK(swp_hooks_init(&hooks));
+  hooks.user = &counts;
+  hooks.allocate = allocate;
+  REFUSED(swp_set_hooks(&hooks));
+  hooks.release = release;
+  hooks.zone_begin = begin_zone;
+  REFUSED(swp_set_hooks(&hooks));
+  hooks.zone_end = end_zone;
+  hooks.thread_started = start_thread;
+  hooks.reserved = 1;
+  REFUSED(swp_set_hooks(&hooks));
+  hooks.reserved = 0;
+  CHECK_OK(swp_set_hooks(&hooks));
+  swp_session* session = make_session(0);
+  run_frame(session);
+  CHECK(counts.allocation_count > 0);
+  CHECK(counts.search_count == 1);
+  CHECK(swp_set_hooks(NULL) == SWP_FAILED_PRECONDITION);
+  run_frame(session);
+  CHECK(counts.search_count == 2);
+  swp_session_destroy(session);
+  CHECK(counts.pool_thread_count == 1);
+  check_trim(&counts);
+  check_budget(&counts);
+  CHECK(counts.allocation_count == counts.release_count);
+  CHECK(counts.open_zone_count == 0);
+  CHECK_OK(swp_set_hooks(NULL));
+}
