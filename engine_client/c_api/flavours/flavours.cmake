@@ -46,13 +46,11 @@ endif()
 set(objects $<TARGET_OBJECTS:${objects}>)
 sweepstake_c_parts(all_parts ${parts})
 
-unset(SWEEPSTAKE_C_HIDES CACHE)
 set(linker_help)
 if(UNIX AND NOT APPLE AND CMAKE_OBJCOPY)
   execute_process(COMMAND ${CMAKE_LINKER} --help OUTPUT_VARIABLE linker_help ERROR_QUIET)
 endif()
 if(linker_help MATCHES "force-group-allocation")
-  set(SWEEPSTAKE_C_HIDES ON CACHE INTERNAL "The archive shows swp_* alone, and there is a plug-in")
   set(merged ${CMAKE_CURRENT_BINARY_DIR}/sweepstake_c_merged.o)
   list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE archives)
   add_custom_command(OUTPUT ${merged}
@@ -93,10 +91,12 @@ list(TRANSFORM runtime PREPEND "-l" OUTPUT_VARIABLE runtime_flags)
 list(JOIN runtime_flags " " runtime_flags)
 sweepstake_c_pkg_config(sweepstake-static "an archive" " -DSWP_STATIC" "-lsweepstake_static ${runtime_flags} ${CMAKE_THREAD_LIBS_INIT}")
 
-# The plug-in. On Windows the shared library is one, if the tool chain links its runtime statically.
+# The plug-in, by the rules of glibc. Elsewhere the shared library is one, if the tool chain links its runtime statically.
 string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" platform)
 string(REPLACE "amd64" "x86_64" platform "${platform}")
-if(SWEEPSTAKE_C_HIDES)
+include(CheckSymbolExists)
+check_symbol_exists(__GLIBC__ features.h SWEEPSTAKE_HAS_GLIBC)
+if(TARGET sweepstake_c_merged AND SWEEPSTAKE_HAS_GLIBC AND platform MATCHES "^linux-(x86_64|aarch64)$")
   add_library(sweepstake_plugin SHARED flavours/older_glibc.c ${merged})
   add_dependencies(sweepstake_plugin sweepstake_c_merged)
   set_target_properties(sweepstake_plugin PROPERTIES
@@ -105,8 +105,8 @@ if(SWEEPSTAKE_C_HIDES)
   target_link_libraries(sweepstake_plugin PRIVATE $<BUILD_INTERFACE:sweepstake_flags>)
   # In glibc before 2.34 the threads are in a library of their own, which must be loaded then.
   target_link_options(sweepstake_plugin PRIVATE
-    -static-libstdc++ -static-libgcc LINKER:--gc-sections LINKER:--exclude-libs,ALL LINKER:--no-undefined LINKER:-z,noexecstack LINKER:-z,relro
-    LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map
+    -static-libstdc++ -static-libgcc LINKER:--gc-sections LINKER:--exclude-libs,ALL LINKER:--no-undefined LINKER:-z,noexecstack
+    LINKER:-z,relro LINKER:--version-script=${CMAKE_CURRENT_SOURCE_DIR}/exports.map
     LINKER:--push-state,--no-as-needed,-l:libpthread.so.0,--pop-state)
   set(plugin sweepstake_plugin)
 else()
