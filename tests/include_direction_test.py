@@ -71,6 +71,8 @@ PUBLIC_HEADERS = {
     "broad_phase.h": "engine_client/broad_phase",
     "executor.h": "engine_client/broad_phase",
     "hooks.h": "engine_client/broad_phase",
+    "names/begin.h": "engine_client/broad_phase",
+    "names/end.h": "engine_client/broad_phase",
     "pair_buffer.h": "engine_client/broad_phase",
     "simd.h": "engine_client/broad_phase",
     "pair_sorter.h": "engine_client/broad_phase",

@@ -8,6 +8,8 @@
 
 namespace sweepstake {
 
+static_assert(sizeof(void*) == 8, "Sweepstake needs a 64-bit target");
+
 // Six floats in world units, 24 bytes without padding: the layout of the engine's buffer and of the
 // C ABI.
 struct Aabb {

@@ -33,6 +33,8 @@
 #include "sweepstake/shadow.h"
 #include "sweepstake/status.h"
 
+#include "sweepstake/names/begin.h"
+
 namespace sweepstake {
 
 // Receives the frame path's results. All calls but OnShadow are made on the frame thread, where
@@ -195,3 +197,5 @@ class AdaptiveBroadPhase {
 };
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

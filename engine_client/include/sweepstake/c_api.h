@@ -37,6 +37,10 @@
 
 #include <stdint.h>
 
+#if UINTPTR_MAX < UINT64_MAX
+#error "Sweepstake needs a 64-bit target"
+#endif
+
 /* Programs that link the archive (sweepstake_static) define SWP_STATIC; those that link or load the
  * shared library define nothing. It makes a difference on Windows alone. */
 #if !defined(_WIN32)

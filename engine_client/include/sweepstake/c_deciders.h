@@ -9,12 +9,13 @@
  * detach while no frame runs. Cost: a poll takes microseconds, and some 0.1 ms where a decision is
  * due; it allocates, so that a game with little time to spare polls on another thread.
  */
+/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+#include "sweepstake/c_api.h"
+
 #ifndef SWEEPSTAKE_C_DECIDERS_H_
 #define SWEEPSTAKE_C_DECIDERS_H_
 
 #include <stdint.h>
-
-#include "sweepstake/c_api.h"
 
 #ifdef __cplusplus
 extern "C" {

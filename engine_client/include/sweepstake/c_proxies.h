@@ -16,12 +16,13 @@
  * run on any number of threads at the same time, with none of the others beside them. A handle of a
  * removed proxy, or one that never had a proxy, is SWP_NOT_FOUND and changes nothing.
  */
+/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+#include "sweepstake/c_api.h"
+
 #ifndef SWEEPSTAKE_C_PROXIES_H_
 #define SWEEPSTAKE_C_PROXIES_H_
 
 #include <stdint.h>
-
-#include "sweepstake/c_api.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -5,12 +5,13 @@
  * Threads: one caller at a time may use a scene; while none does, any number may read its boxes.
  * Cost: a step is O(objects); the boxes are not copied.
  */
+/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+#include "sweepstake/c_api.h"
+
 #ifndef SWEEPSTAKE_C_SCENES_H_
 #define SWEEPSTAKE_C_SCENES_H_
 
 #include <stdint.h>
-
-#include "sweepstake/c_api.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -17,12 +17,13 @@
  * for the boxes of the few frames that a shadow lane measures. The frame thread never waits, takes
  * no lock, and in steady state allocates nothing.
  */
+/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+#include "sweepstake/c_api.h"
+
 #ifndef SWEEPSTAKE_C_SESSIONS_H_
 #define SWEEPSTAKE_C_SESSIONS_H_
 
 #include <stdint.h>
-
-#include "sweepstake/c_api.h"
 
 #ifdef __cplusplus
 extern "C" {

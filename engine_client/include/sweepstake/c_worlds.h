@@ -11,12 +11,13 @@
  * Cost: an update and a search take what the backend takes, see engine_client/broad_phase/README.md
  * of the sources; boxes and pairs are not copied. In steady state nothing allocates.
  */
+/* Before the guard: c_api.h includes the headers in the order in which they need one another. */
+#include "sweepstake/c_api.h"
+
 #ifndef SWEEPSTAKE_C_WORLDS_H_
 #define SWEEPSTAKE_C_WORLDS_H_
 
 #include <stdint.h>
-
-#include "sweepstake/c_api.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -28,6 +28,8 @@
 
 #include "sweepstake/status.h"
 
+#include "sweepstake/names/begin.h"
+
 namespace sweepstake {
 
 // All functions may be called on any thread, several at a time, and must not throw or call the
@@ -74,3 +76,5 @@ void ReleaseMemory(void* pointer, size_t bytes, size_t alignment) noexcept;
 [[noreturn]] void OutOfMemory();
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

@@ -54,6 +54,8 @@
 #include "sweepstake/executor.h"
 #include "sweepstake/status.h"
 
+#include "sweepstake/names/begin.h"
+
 namespace sweepstake {
 
 // A handle names a proxy. `index` is its id in pairs for as long as it lives: its place in
@@ -110,7 +112,7 @@ struct ProxyPair {
 struct Ray {
   float origin[3];
   float direction[3];  // distances are in multiples of its length
-  float max_distance = std::numeric_limits<float>::max();
+  float max_distance = (std::numeric_limits<float>::max)();
 };
 
 // The box at all places from where it is to where `translation` takes it. It must be valid, and its
@@ -301,3 +303,5 @@ class ProxySet {
 };
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

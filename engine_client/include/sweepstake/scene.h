@@ -14,6 +14,8 @@
 #include "sweepstake/aabb.h"
 #include "sweepstake/status.h"
 
+#include "sweepstake/names/begin.h"
+
 namespace sweepstake {
 
 inline constexpr uint32_t kMaxSceneObjectCount = 16'777'216;
@@ -91,3 +93,5 @@ Result<std::unique_ptr<Scene>> MakeScene(std::string_view scene, const SceneOpti
 Status RecordScene(Scene& scene, uint64_t frame_count, std::string_view path);
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

@@ -19,6 +19,8 @@
 #include "sweepstake/embedded_decider.h"
 #include "sweepstake/status.h"
 
+#include "sweepstake/names/begin.h"
+
 namespace sweepstake {
 
 enum class ConnectionState : uint32_t {
@@ -144,3 +146,5 @@ Result<std::unique_ptr<Session>> MakeEmbeddedSession(const EmbeddedOptions& embe
                                                      const SessionOptions& options);
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

@@ -10,6 +10,8 @@
 
 #include "sweepstake/status.h"
 
+#include "sweepstake/names/begin.h"
+
 namespace sweepstake {
 
 // Returns the names of the instruction sets that this machine has kernels for, the best first: of
@@ -29,3 +31,5 @@ Status UseSimdTarget(std::string_view name);
 Status UseSimdTargetOfEnvironment();
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

@@ -1,12 +1,15 @@
 // The outcome of an operation that can fail for a reason outside the program: a code for the
 // program and a message that tells people what to do. Both are value types, safe to copy between
-// threads; constructing an OK status does not allocate.
+// threads; constructing an OK status does not allocate. Beside X11/Xlib.h, whose macro has the same
+// name: names/begin.h.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
+
+#include "sweepstake/names/begin.h"
 
 namespace sweepstake {
 
@@ -58,3 +61,5 @@ class [[nodiscard]] Result {
 };
 
 }  // namespace sweepstake
+
+#include "sweepstake/names/end.h"

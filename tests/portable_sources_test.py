@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Fails on a source that a game links and that another standard library or a build without exceptions cannot compile.
+
+    portable_sources_test.py BUILD             BUILD/compile_commands.json lists the sources and their definitions
+    portable_sources_test.py BUILD --quick     every fourth of them, for the suite
+
+Each is checked (not translated) by clang with libc++, without exceptions and RTTI, with all warnings; of the kernels one
+instruction set. tests/portable.sh builds and runs all of it. Exit status 77: clang or libc++ is missing.
+"""
+
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+LIBRARIES = re.compile(r"sweepstake_(?:adaptive|audit|broad_phase|c_objects|decision|embedded|math|scene)\.dir/")
+KEPT = re.compile(r"-(?:D|I|isystem$|std=|fexceptions$)")
+# clang reports libc++'s and Eigen's own use of what C++20 deprecates.
+FLAGS = ["-stdlib=libc++", "-fno-exceptions", "-fno-rtti", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wno-deprecated-declarations",
+         "-Werror", "-fsyntax-only", "-DHWY_COMPILE_ONLY_STATIC"]
+
+
+def command_of(clang, entry):
+    kept = []
+    words = iter(shlex.split(entry["command"]))
+    for word in words:
+        if KEPT.match(word):
+            kept.append(word)
+        if word == "-isystem":
+            kept.append(next(words))
+    return [clang, *FLAGS, *kept, entry["file"]]
+
+
+def error_of(command, folder):
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    return f"{command[-1]}:\n{done.stderr[:2000]}" if done.returncode else None
+
+
+def main():
+    clang = shutil.which("clang++")
+    if not clang or not list(pathlib.Path("/usr").glob("lib/llvm-*/include/c++/v1")):
+        print("SKIPPED: clang++ and libc++ (clang, libc++-dev) are not both here, so nothing was checked")
+        sys.exit(77)
+    entries = json.loads((pathlib.Path(sys.argv[1]) / "compile_commands.json").read_text(encoding="utf-8"))
+    entries = [entry for entry in entries if LIBRARIES.search(entry["command"])]
+    if len(entries) < 80:
+        sys.exit(f"only {len(entries)} sources were found: the libraries have other names now")
+    if "--quick" in sys.argv:
+        entries = entries[::4]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        errors = list(filter(None, pool.map(lambda entry: error_of(command_of(clang, entry), entry["directory"]), entries)))
+    print(f"{len(entries)} sources")
+    if errors:
+        sys.exit("\n".join(errors))
+
+
+main()
