@@ -12,7 +12,7 @@ import pathlib
 import sys
 import tomllib
 
-from judging import backends, daemon, decisions
+from judging import backends, daemon, decisions, proxies
 from judging.common import InputError, read_goals, read_json
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
@@ -44,6 +44,12 @@ def judge_daemon(options):
     return all(row["met"] is not False for row in rows)
 
 
+def judge_proxies(options):
+    rows = proxies.judge(read_json(options.document), read_goals(options.goals)["proxies"])
+    print_result({"figures": rows} if options.json else proxies.proxies_text(rows))
+    return all(row["met"] is not False for row in rows)
+
+
 def print_result(result):
     print(result if isinstance(result, str) else json.dumps(result, indent=2, ensure_ascii=False) + "\n", end="")
 
@@ -56,6 +62,7 @@ def parse(words):
         "  tests/bench/judge.py bench --json build/bench/suite.json\n"
         "  tests/bench/judge.py decisions --cells tests/bench/data/held_out_scenes.txt none.json right.json wrong.json time.json\n"
         "  tests/bench/daemon_load.py --json | tests/bench/judge.py daemon\n"
+        "  build/release/bin/proxy_ratios_bench | tests/bench/judge.py proxies\n"
         "tests/bench/run.sh and tests/bench/decisions.sh measure and call it.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     bench = commands.add_parser("bench", help="backends against peers: the document of `sweepstake bench --peers --json`")
@@ -73,7 +80,10 @@ def parse(words):
     load = commands.add_parser("daemon", help="what a daemon bears: the document of `daemon_load.py --json`")
     load.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     load.set_defaults(judge=judge_daemon)
-    for command in (bench, replays, load):
+    ratios = commands.add_parser("proxies", help="what proxies cost: the document of `proxy_ratios_bench`")
+    ratios.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
+    ratios.set_defaults(judge=judge_proxies)
+    for command in (bench, replays, load, ratios):
         command.add_argument("--goals", default=DATA / "goals.toml", metavar="FILE.toml", help="(default: %(default)s)")
         command.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)

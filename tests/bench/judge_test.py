@@ -404,6 +404,30 @@ class DaemonGoals(unittest.TestCase):
             self.assertEqual((code, out), (2, ""), err)
 
 
+class Proxies(unittest.TestCase):
+    """Each goal can be met and missed, and has to have its figure."""
+
+    def setUp(self):
+        self.goals = common.read_goals(judge.DATA / "goals.toml")["proxies"]
+        self.document = {"command": "proxy_ratios_bench", "save_ms": 0.1} | {goal["figure"]: beside(goal, True) for goal in self.goals}
+
+    def test_all_can_be_met(self):
+        code, out, _ = run(["proxies"], [self.document])
+        self.assertEqual((code, out.count(" met"), "NOT" in out), (0, len(self.goals), False))
+        code, out, _ = run(["proxies", "--json"], [self.document])
+        self.assertEqual([row["met"] for row in json.loads(out)["figures"]], [None] + [True] * len(self.goals))
+
+    def test_each_can_be_missed(self):
+        for goal in self.goals:
+            code, out, _ = run(["proxies"], [self.document | {goal["figure"]: beside(goal, False)}])
+            self.assertEqual((code, out.count("NOT MET")), (1, 1), goal)
+
+    def test_what_was_not_measured_is_an_error(self):
+        for document in ({"command": "proxy_ratios_bench"}, self.document | {"command": "bench"}):
+            code, out, err = run(["proxies"], [document])
+            self.assertEqual((code, out), (2, ""), err)
+
+
 class Incomplete(unittest.TestCase):
     """What is missing is an error, never a goal that is met."""
 

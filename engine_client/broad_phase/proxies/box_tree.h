@@ -2,7 +2,7 @@
 //
 // A member keeps its slot in the order until the next sort. Removed members leave holes, and new
 // ones are sorted among themselves behind the others, so that the leaves stay small for queries.
-// Update refits the tree. It sorts all members anew when the new ones are more than 1/32, when a
+// Update refits the tree. It sorts all members anew when the new ones are more than 1/128, when a
 // quarter of the slots are holes, when more than an eighth of the leaves have grown to twice their
 // size, or when searches have lost more checks to the old order than a new one costs.
 //

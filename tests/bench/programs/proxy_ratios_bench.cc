@@ -1,0 +1,284 @@
+// What proxies cost where engines notice it, as ratios that `judge.py proxies` holds against
+// goals.toml: one JSON document on stdout.
+//
+// The two sides of a ratio take turns in one run and are compared by their fastest turns, since
+// other programs can only slow a turn down. All boxes move a little in each frame; pairs come from
+// KDTree. `--quick` makes everything small, to see that it works.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "engine_client/scene/random.h"
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/proxy_set.h"
+
+namespace sweepstake {
+namespace {
+
+struct Sizes {
+  size_t ignored = 10'000;
+  size_t movers = 2'000;
+  size_t few_static = 20'000;
+  size_t many_static = 2'000'000;
+  size_t added = 100'000;
+  size_t churned = 10'000;
+  size_t churn = 1'000'000;
+  int turns = 15;
+};
+constexpr Sizes kQuick = {500, 100, 500, 5'000, 1'000, 500, 5'000, 2};
+
+constexpr CollisionFilter kDebris = {.category = 4, .mask = ~4U};
+
+template <typename Work>
+double Milliseconds(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+struct Fastest {
+  double a_ms = std::numeric_limits<double>::infinity();
+  double b_ms = std::numeric_limits<double>::infinity();
+};
+
+// a() and b() return their milliseconds.
+template <typename A, typename B>
+Fastest TakeTurns(int turns, const A& a, const B& b) {
+  Fastest fastest;
+  for (int turn = 0; turn < turns; ++turn) {
+    fastest.a_ms = std::min(fastest.a_ms, a());
+    fastest.b_ms = std::min(fastest.b_ms, b());
+  }
+  return fastest;
+}
+
+void Print(const char* figure, const Fastest& fastest, const char* a, const char* b) {
+  std::printf("%s  \"%s\": %.4f,\n  \"%s\": %.4f,\n  \"%s\": %.4f", ",\n", figure,
+              fastest.a_ms / fastest.b_ms, a, fastest.a_ms, b, fastest.b_ms);
+}
+
+// A cube of the boxes' density of suite-b, half of an edge beside the others.
+float SideFor(size_t count) { return std::cbrt(static_cast<float>(count)); }
+
+Aabb BoxWithin(SequentialRandom& random, float from, float to) {
+  Aabb box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float center = random.Between(from, to);
+    const float half = random.Between(0.2F, 0.4F);
+    box.min[axis] = center - half;
+    box.max[axis] = center + half;
+  }
+  return box;
+}
+
+std::vector<Aabb> BoxesWithin(size_t count, float side, uint64_t seed) {
+  SequentialRandom random(seed);
+  std::vector<Aabb> boxes;
+  for (size_t k = 0; k < count; ++k) boxes.push_back(BoxWithin(random, 0, side));
+  return boxes;
+}
+
+// Moving boxes, with a broad phase.
+class World {
+ public:
+  World(std::vector<Aabb> boxes, const CollisionFilter& filter)
+      : boxes_(std::move(boxes)), handles_(boxes_.size()) {
+    const ProxyOptions options{.filter = filter};
+    proxies.AddMany(boxes_, std::span(&options, 1), handles_);
+    backend_->Build(proxies.moving_boxes());
+  }
+
+  // Returns the milliseconds of moving all boxes and finding all pairs.
+  double Frame() {
+    step_ = -step_;
+    for (Aabb& box : boxes_) {
+      box.min[0] += step_;
+      box.max[0] += step_;
+    }
+    return Milliseconds([&] {
+      proxies.Move(handles_, boxes_);
+      backend_->Update(proxies.moving_boxes());
+      pairs_.Clear();
+      backend_->FindPairs(pairs_);
+      pair_count = proxies.Resolve(pairs_.pairs()).size();
+    });
+  }
+
+  ProxySet proxies;
+  size_t pair_count = 0;
+
+ private:
+  std::vector<Aabb> boxes_;
+  std::vector<ProxyHandle> handles_;
+  std::unique_ptr<BroadPhase> backend_ = std::move(*MakeBroadPhase("KDTree"));
+  PairBuffer pairs_;
+  float step_ = 0.0078125F;
+};
+
+// The time of one search of boxes that all stand in one place, or do not meet: what finding all
+// pairs first would cost a filter behind the search, and all checks one in the leaves.
+double SearchMilliseconds(const char* backend_name, const std::vector<Aabb>& boxes) {
+  const auto backend = std::move(*MakeBroadPhase(backend_name));
+  PairBuffer pairs;
+  double fastest = std::numeric_limits<double>::infinity();
+  for (int turn = 0; turn < 3; ++turn) {
+    backend->Build(boxes);
+    pairs.Clear();
+    fastest = std::min(fastest, Milliseconds([&] { backend->FindPairs(pairs); }));
+  }
+  return fastest;
+}
+
+void IgnoredInOnePlace(const Sizes& sizes) {
+  const std::vector<Aabb> together(sizes.ignored, Aabb{{0, 0, 0}, {1, 1, 1}});
+  std::vector<Aabb> apart;
+  for (size_t k = 0; k < sizes.ignored; ++k) {
+    const auto x = static_cast<float>(2 * (k % 22));
+    const auto y = static_cast<float>(2 * (k / 22 % 22));
+    const auto z = static_cast<float>(2 * (k / 484));
+    apart.push_back({{x, y, z}, {x + 1, y + 1, z + 1}});
+  }
+  World a(together, kDebris);
+  World b(apart, kDebris);
+  // They are searched for what they do not ignore, of which none is near.
+  for (ProxySet* const proxies : {&a.proxies, &b.proxies}) {
+    proxies->Add({{-9, -9, -9}, {-8, -8, -8}});
+    proxies->Add({{-9, -9, -9}, {-8, -8, -8}}, {.is_static = true});
+  }
+  Print("ignored_coincident_ratio",
+        TakeTurns(
+            20 * sizes.turns, [&] { return a.Frame(); }, [&] { return b.Frame(); }),
+        "ignored_coincident_ms", "ignored_apart_ms");
+  std::printf(",\n  \"all_pairs_first_ms\": %.4f,\n  \"all_checks_ms\": %.4f",
+              SearchMilliseconds("KDTree", together), SearchMilliseconds("BruteForce", apart));
+}
+
+// Both worlds have the same boxes where the movers are; the large one has others beside them.
+void MoversAmongStatic(const Sizes& sizes) {
+  const float side = SideFor(sizes.few_static);
+  const std::vector<Aabb> movers = BoxesWithin(sizes.movers, side, 1);
+  World few(movers, {});
+  World many(movers, {});
+  for (const Aabb& box : BoxesWithin(sizes.few_static, side, 2)) {
+    few.proxies.Add(box, {.is_static = true});
+    many.proxies.Add(box, {.is_static = true});
+  }
+  SequentialRandom random(3);
+  const float far = SideFor(sizes.many_static);
+  for (size_t k = sizes.few_static; k < sizes.many_static; ++k) {
+    Aabb box = BoxWithin(random, 0, far);
+    box.min[0] += side + 1;
+    box.max[0] += side + 1;
+    many.proxies.Add(box, {.is_static = true});
+  }
+  few.Frame();
+  many.Frame();
+  Print("many_static_ratio",
+        TakeTurns(
+            20 * sizes.turns, [&] { return many.Frame(); }, [&] { return few.Frame(); }),
+        "many_static_ms", "few_static_ms");
+}
+
+void SingleAdds(const Sizes& sizes) {
+  const std::vector<Aabb> boxes = BoxesWithin(sizes.added, SideFor(sizes.added), 4);
+  std::vector<ProxyHandle> handles(boxes.size());
+  const ProxyOptions options;
+  const auto singly = [&] {
+    ProxySet proxies;
+    return Milliseconds([&] {
+      for (size_t k = 0; k < boxes.size(); ++k) handles[k] = proxies.Add(boxes[k], options);
+    });
+  };
+  const auto together = [&] {
+    ProxySet proxies;
+    return Milliseconds([&] { proxies.AddMany(boxes, std::span(&options, 1), handles); });
+  };
+  Print("single_add_ratio", TakeTurns(sizes.turns, singly, together), "single_adds_ms",
+        "one_batch_ms");
+}
+
+double QueryMilliseconds(ProxySet& proxies, float side) {
+  SequentialRandom random(6);
+  std::vector<ProxyHandle> found;
+  RayHit hit;
+  proxies.PrepareQueries();
+  return Milliseconds([&] {
+    for (int k = 0; k < 2000; ++k) {
+      proxies.QueryBox(BoxWithin(random, 0, side), {}, found);
+      const Aabb start = BoxWithin(random, 0, side);
+      Ray ray{{start.min[0], start.min[1], start.min[2]},
+              {random.Symmetric(), random.Symmetric(), random.Symmetric()}};
+      ray.max_distance = 20;
+      (void)proxies.CastRayNearest(ray, {}, hit).ok();
+    }
+  });
+}
+
+// Proxies, of which every second is static, come and go, with queries between them.
+void QueriesAfterChurn(const Sizes& sizes) {
+  const float side = SideFor(sizes.churned);
+  std::vector<Aabb> boxes = BoxesWithin(sizes.churned, side, 5);
+  ProxySet churned;
+  std::vector<ProxyHandle> handles;
+  for (size_t k = 0; k < boxes.size(); ++k) {
+    handles.push_back(churned.Add(boxes[k], {.is_static = k % 2 == 0}));
+  }
+  SequentialRandom random(7);
+  for (size_t change = 0; change < sizes.churn; ++change) {
+    const size_t k = random.Below(boxes.size());
+    churned.Remove(handles[k]);
+    boxes[k] = BoxWithin(random, 0, side);
+    handles[k] = churned.Add(boxes[k], {.is_static = k % 2 == 0});
+    if (change % 97 == 0) churned.PrepareQueries();
+  }
+  ProxySet fresh;
+  for (size_t k = 0; k < boxes.size(); ++k) fresh.Add(boxes[k], {.is_static = k % 2 == 0});
+  Print("churned_query_ratio",
+        TakeTurns(
+            4 * sizes.turns, [&] { return QueryMilliseconds(churned, side); },
+            [&] { return QueryMilliseconds(fresh, side); }),
+        "churned_queries_ms", "fresh_queries_ms");
+}
+
+void Snapshots(const Sizes& sizes) {
+  World world(BoxesWithin(sizes.churned, SideFor(sizes.churned), 8), {});
+  world.Frame();
+  std::vector<std::byte> snapshot(world.proxies.snapshot_bytes());
+  const Fastest fastest = TakeTurns(
+      10 * sizes.turns,
+      [&] { return Milliseconds([&] { (void)world.proxies.Save(snapshot).ok(); }); },
+      [&] { return Milliseconds([&] { (void)world.proxies.Restore(snapshot).ok(); }); });
+  std::printf(
+      ",\n  \"snapshot_bytes_per_box\": %.2f,\n  \"save_ms\": %.4f,\n  \"restore_ms\": %.4f",
+      static_cast<double>(snapshot.size()) / static_cast<double>(sizes.churned), fastest.a_ms,
+      fastest.b_ms);
+}
+
+void MeasureAll(const Sizes& sizes) {
+  std::printf("{\"command\": \"proxy_ratios_bench\"");
+  IgnoredInOnePlace(sizes);
+  MoversAmongStatic(sizes);
+  SingleAdds(sizes);
+  QueriesAfterChurn(sizes);
+  Snapshots(sizes);
+  std::printf("\n}\n");
+}
+
+}  // namespace
+}  // namespace sweepstake
+
+int main(int argc, char** argv) {
+  const bool quick = argc == 2 && std::strcmp(argv[1], "--quick") == 0;
+  if (argc > 1 && !quick) {
+    std::fprintf(stderr, "Usage: proxy_ratios_bench [--quick]\n");
+    return 2;
+  }
+  sweepstake::MeasureAll(quick ? sweepstake::kQuick : sweepstake::Sizes{});
+  return 0;
+}
