@@ -324,7 +324,7 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& end, uint64_t
     last_error_ = end.message + TryingAgain(delay_ms);
     return delay_ms;
   }
-  const Stream stream = *std::exchange(stream_, std::nullopt);
+  const LinkStream stream = *std::exchange(stream_, std::nullopt);
   const std::string reason = protocol::ErrorReasonIn(end.details);
   adaptive_.SetDeciderPresent(false);
   if (reason == "FOREIGN_SESSION") state_.ForgetSession();
@@ -337,7 +337,8 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& end, uint64_t
 }
 
 // Says what went wrong; returns false if the end was asked for.
-bool SessionLink::Explain(const StreamEnd& end, const std::string& reason, const Stream& stream) {
+bool SessionLink::Explain(const StreamEnd& end, const std::string& reason,
+                          const LinkStream& stream) {
   const bool refused = end.code == kGrpcInvalidArgument || IsTokenRefused(end.code, reason) ||
                        reason == "NOT_ALLOWED";
   refusal_ = refused ? WithReason(end.message, reason) : "";
@@ -356,8 +357,8 @@ bool SessionLink::Explain(const StreamEnd& end, const std::string& reason, const
   return true;
 }
 
-uint32_t SessionLink::DelayMs(const StreamEnd& end, const std::string& reason, const Stream& stream,
-                              uint64_t now_ns) {
+uint32_t SessionLink::DelayMs(const StreamEnd& end, const std::string& reason,
+                              const LinkStream& stream, uint64_t now_ns) {
   if (stream.online_since_ns && now_ns - *stream.online_since_ns >= kGoodConnectionNs)
     backoff_.Reset();
   if (!stream.mismatch.empty()) return backoff_.LongMs();

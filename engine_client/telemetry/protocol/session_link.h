@@ -46,6 +46,18 @@ struct StreamEnd {
   std::string details;  // the bytes of grpc-status-details-bin; empty: none
 };
 
+// Of SessionLink: the stream that is being opened or is open.
+struct LinkStream {
+  uint64_t deadline_ns = 0;  // the daemon's next answer must come before it
+  std::optional<uint64_t> online_since_ns;
+  std::string mismatch;  // why there can be no session with this daemon; empty: there can be
+  std::string fault;     // what the daemon did wrong; empty: nothing
+  std::optional<uint32_t> reconnect_delay_ms;  // the daemon wants the client to come back after it
+  bool hello_sent = false;
+  bool goodbye_sent = false;
+  bool finished = false;  // nothing more will be sent
+};
+
 class SessionLink {
  public:
   // `daemon` is what messages call the other side, as "the daemon at 127.0.0.1:7433". The same seed
@@ -86,19 +98,6 @@ class SessionLink {
   SessionStats stats() const;
 
  private:
-  // The stream that is being opened or is open.
-  struct Stream {
-    uint64_t deadline_ns = 0;  // the daemon's next answer must come before it
-    std::optional<uint64_t> online_since_ns;
-    std::string mismatch;  // why there can be no session with this daemon; empty: there can be
-    std::string fault;     // what the daemon did wrong; empty: nothing
-    std::optional<uint32_t>
-        reconnect_delay_ms;  // the daemon wants the client to come back after it
-    bool hello_sent = false;
-    bool goodbye_sent = false;
-    bool finished = false;  // nothing more will be sent
-  };
-
   std::string NextMessage();
   LinkAction NextStep(bool queue_empty, uint64_t now_ns);
   bool Overdue(uint64_t now_ns);
@@ -109,8 +108,8 @@ class SessionLink {
   void OnOrder(const OperatorOrder& order);
   void TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors);
   void TakeVerdict(const SceneVerdict& verdict);
-  bool Explain(const StreamEnd& end, const std::string& reason, const Stream& stream);
-  uint32_t DelayMs(const StreamEnd& end, const std::string& reason, const Stream& stream,
+  bool Explain(const StreamEnd& end, const std::string& reason, const LinkStream& stream);
+  uint32_t DelayMs(const StreamEnd& end, const std::string& reason, const LinkStream& stream,
                    uint64_t now_ns);
 
   const SessionOptions options_;
@@ -119,7 +118,7 @@ class SessionLink {
   SessionState state_;
   EvidenceIntake intake_;
   Backoff backoff_;
-  std::optional<Stream> stream_;
+  std::optional<LinkStream> stream_;
   LinkAction next_ = LinkAction::kNone;  // what Advance returned
   std::string next_message_;             // the one to send, if that is kSend
   std::optional<uint64_t> goodbye_deadline_ns_;
