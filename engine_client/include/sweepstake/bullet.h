@@ -23,7 +23,7 @@
 //
 // What rests costs next to nothing. A proxy whose group is StaticFilter alone and whose mask lacks
 // it, as the world gives to static and kinematic bodies, is static (proxy_set.h) while its box
-// stays the same; another counts as sleeping when the world has sent the same box in eight steps.
+// stays the same; another counts as sleeping when the world has sent the same box in thirty steps.
 // It does so for bodies that are asleep, unless btCollisionWorld::setForceUpdateAllAabbs(false).
 // Two static proxies do not meet, not even where a callback would let them.
 //

@@ -204,10 +204,10 @@ TEST_F(BulletBroadPhaseTest, ABoxThatIsNotValidOverlapsNothingAndNoQueryFindsIt)
   EXPECT_TRUE(AreKept(a, b));
 }
 
-TEST_F(BulletBroadPhaseTest, WhatTheWorldSendsUnchangedForEightStepsSleepsAndKeepsItsPairs) {
+TEST_F(BulletBroadPhaseTest, WhatTheWorldSendsUnchangedForThirtyStepsSleepsAndKeepsItsPairs) {
   btBroadphaseProxy* const a = Add(0);
   btBroadphaseProxy* const b = Add(0.5F);
-  for (int step = 0; step < 8; ++step) {
+  for (int step = 0; step < 30; ++step) {
     EXPECT_EQ(SleepingCount(), 0);
     Move(a, 0);
     Move(b, 0.5F);
@@ -236,7 +236,7 @@ TEST_F(BulletBroadPhaseTest, AStaticProxyThatMovesCountsAsMovingUntilItRests) {
   Step();
   EXPECT_FALSE(AreKept(lift, wall));
   EXPECT_TRUE(AreKept(lift, ball) && AreKept(wall, ball));
-  for (int step = 0; step < 8; ++step) Move(lift, 0.5F);
+  for (int step = 0; step < 30; ++step) Move(lift, 0.5F);
   EXPECT_EQ(broad_phase_.proxies().static_count(), 2U);
   Step();
   EXPECT_EQ(cache().getNumOverlappingPairs(), 2);
