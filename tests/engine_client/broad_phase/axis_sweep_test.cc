@@ -1,6 +1,7 @@
 // The parts that only AxisSweep has: the kept orders, and the two ways between which it chooses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "engine_client/broad_phase/sweep/sorted_endpoints.h"
@@ -129,6 +130,24 @@ TEST_F(FacesOnAnAxis, AreInOrderAfterARepairOfTheFewThatMoved) {
       before = at;
     }
   }
+}
+
+TEST_F(FacesOnAnAxis, AreNotRepairedFurtherOnceSomebodyStopsIt) {
+  class StopAtTheSecondQuestion final : public StopRequest {
+   public:
+    bool WantsStop(uint64_t) noexcept override { return ++question_count >= 2; }
+    int question_count = 0;
+  };
+  constexpr int kCount = 1000;
+  std::vector<BoxRecord> records;
+  for (int i = 0; i < kCount; ++i) records.push_back(RecordOf(UnitBoxAt(2.0F * float(i))));
+  Sort(records, 0, 2.0F * kCount);
+  std::reverse(records.begin(), records.end());
+  StopAtTheSecondQuestion stop;
+  SwapAllowance allowance(10'000'000, &stop);
+  EXPECT_FALSE(
+      axis_.Repair(records, AllMoved(kCount), room_, allowance, [](uint32_t, uint32_t) {}));
+  EXPECT_EQ(stop.question_count, 2);
 }
 
 TEST_F(FacesOnAnAxis, AreNotRepairedBeyondTheBudget) {

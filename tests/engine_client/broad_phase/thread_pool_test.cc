@@ -101,5 +101,27 @@ TEST(PairPartsTest, JoinsWhatThePartsFoundInTheirOrder) {
   }
 }
 
+TEST(PairPartsTest, BeginNoPartAfterAStop) {
+  class Stop final : public StopRequest {
+   public:
+    bool WantsStop(uint64_t) noexcept override { return is_wanted; }
+    std::atomic<bool> is_wanted{false};
+  } stop;
+  const auto pool = MakeThreadPool(2);
+  PairParts parts;
+  PairBuffer pairs;
+  std::atomic<int> begun{0};
+  const auto find = [&](size_t, size_t, PairBuffer& out) {
+    out.Append({0, 1});
+    stop.is_wanted = true;
+    ++begun;
+    return uint64_t{1};
+  };
+  const uint64_t checks = parts.Run(pool.get(), 100'000, 100, 1, pairs, find, &stop);
+  EXPECT_LE(begun, 2) << "one on each thread";
+  EXPECT_EQ(checks, static_cast<uint64_t>(begun));
+  EXPECT_LE(pairs.size(), 1U) << "what other parts found is left";
+}
+
 }  // namespace
 }  // namespace sweepstake
