@@ -9,6 +9,7 @@ typedef struct seen {
   uint64_t allocation_count;
   uint64_t release_count;
   uint64_t search_count;
+  uint64_t decide_count;
   uint64_t open_zone_count;
   uint64_t pool_thread_count;
 } seen;
@@ -36,6 +37,7 @@ static void release(void* pointer, uint64_t bytes, uint64_t alignment, void* use
 static void begin_zone(const char* name, void* user) {
   ++((seen*)user)->open_zone_count;
   ((seen*)user)->search_count += strcmp(name, "sweepstake: search") == 0;
+  ((seen*)user)->decide_count += strcmp(name, "sweepstake: decide") == 0;
 }
 
 static void end_zone(const char* name, void* user) {
@@ -123,6 +125,10 @@ void test_hooks(void) {
   CHECK(swp_set_hooks(NULL) == SWP_FAILED_PRECONDITION);
   run_frame(session);
   CHECK(counts.search_count == 2);
+  CHECK_OK(swp_session_attach_decider(session, NULL, 0));
+  CHECK(counts.decide_count == 0);
+  CHECK_OK(swp_session_poll_decider(session, 1, NULL, NULL));
+  CHECK(counts.decide_count > 0);
   swp_session_destroy(session);
   CHECK(counts.pool_thread_count == 1);
   check_trim(&counts);
