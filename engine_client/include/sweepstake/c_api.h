@@ -7,7 +7,7 @@
  * a session means just that: one caller at a time, not one thread of the operating system, so that
  * a job may make a call on any worker, and the next one on another. Where two calls may run at the
  * same time, a comment says so. The library calls back only into an executor that was given, to run
- * parts of a search.
+ * parts of a search, and into hooks that were set (c_hooks.h).
  *
  * Ownership: what a _create function returns is ended by the matching _destroy, which takes NULL as
  * free() does; using it afterwards is undefined. Memory that a function hands out belongs to the
