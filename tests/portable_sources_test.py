@@ -5,7 +5,7 @@
     portable_sources_test.py BUILD --quick     every fourth of them, for the suite
 
 Each is checked (not translated) by clang with libc++, without exceptions and RTTI, with all warnings; of the kernels one
-instruction set. tests/portable.sh builds and runs all of it. Exit status 77: clang or libc++ is missing.
+instruction set. tests/portable.sh checks all, and builds and runs a game so. Exit status 77: clang or libc++ is missing.
 """
 
 import concurrent.futures

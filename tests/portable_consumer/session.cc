@@ -1,0 +1,59 @@
+// A game that plays with a session and has memory of its own, until that is used up: without
+// exceptions the library then calls the game's hook and ends.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#include "sweepstake/adaptive_broad_phase.h"
+#include "sweepstake/hooks.h"
+#include "sweepstake/scene.h"
+#include "sweepstake/session.h"
+
+namespace {
+
+using namespace sweepstake;
+
+bool memory_is_used_up = false;
+
+Hooks GameHooks() {
+  Hooks hooks;
+  hooks.allocate = [](size_t bytes, size_t alignment, void*) -> void* {
+    if (memory_is_used_up) return nullptr;
+    return ::operator new (bytes, std::align_val_t{alignment}, std::nothrow);
+  };
+  hooks.release = [](void* pointer, size_t, size_t alignment, void*) {
+    ::operator delete (pointer, std::align_val_t{alignment});
+  };
+  // What this program shows.
+  hooks.out_of_memory = [](void*) { std::_Exit(memory_is_used_up ? 0 : 2); };
+  return hooks;
+}
+
+bool PlaysWithASession() {
+  auto session = MakeEmbeddedSession({}, {});
+  auto scene = MakeScene("suite-b", {.object_count = 300});
+  if (!session.ok() || !scene.ok()) return false;
+  auto adaptive = AdaptiveBroadPhase::Create({}, &(*session)->sink());
+  if (!adaptive.ok() || !(*session)->Start(**adaptive).ok()) return false;
+  bool finds_pairs = true;
+  for (int frame = 0; frame < 200; ++frame) {
+    (*adaptive)->BeginFrame();
+    finds_pairs = finds_pairs && !(*adaptive)->FindPairs((*scene)->aabbs()).empty();
+    (*adaptive)->EndFrame({16'000'000, 0});
+    (*scene)->Step();
+  }
+  (*session)->Stop();
+  return finds_pairs && (*session)->stats().sent_frame_count == 200;
+}
+
+}  // namespace
+
+int main() {
+  if (!SetHooks(GameHooks()).ok() || !PlaysWithASession()) return 1;
+  PairBuffer pairs;
+  memory_is_used_up = true;
+  pairs.Append({0, 1});
+  return 3;
+}
