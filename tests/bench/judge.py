@@ -80,7 +80,7 @@ def parse(words):
     load = commands.add_parser("daemon", help="what a daemon bears: the document of `daemon_load.py --json`")
     load.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     load.set_defaults(judge=judge_daemon)
-    ratios = commands.add_parser("proxies", help="what proxies cost: the document of `proxy_ratios_bench`")
+    ratios = commands.add_parser("proxies", help="what proxies cost: the document of `proxy_ratios_bench` or `proxy_steps_bench`")
     ratios.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     ratios.set_defaults(judge=judge_proxies)
     for command in (bench, replays, load, ratios):
