@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -32,10 +31,7 @@ struct Session {
   bool in_frame = false;                              // between begin_frame and end_frame
   std::optional<std::span<const OverlapPair>> pairs;  // absent: not searched
 
-  // Transport thread.
-  std::deque<SwitchOutcome> outcomes;
-  std::atomic<uint64_t> dropped_outcome_count = 0;  // read by any thread
-  SceneDescriptor descriptor;
+  // Of whoever polls the decider or drives the link.
   std::optional<DeciderLoop> decider_loop;  // absent: no decider is attached
   std::atomic<bool> link_is_attached = false;
 };

@@ -23,12 +23,6 @@ static_assert(sizeof(swp_switch_outcome) == sizeof(SwitchOutcome) &&
 static_assert(offsetof(swp_switch_outcome, settling_cost_ns) ==
               offsetof(SwitchOutcome, settling_cost_ns));
 static_assert(offsetof(swp_switch_outcome, executed) == offsetof(SwitchOutcome, executed));
-static_assert(sizeof(swp_shadow_sample) == sizeof(ShadowSample) && sizeof(ShadowSample) == 56);
-static_assert(offsetof(swp_shadow_sample, native_bytes) == offsetof(ShadowSample, native_bytes));
-static_assert(offsetof(swp_shadow_sample, arm) == offsetof(ShadowSample, arm));
-static_assert(offsetof(swp_shadow_sample, flags) == offsetof(ShadowSample, flags));
-static_assert(static_cast<int>(SWP_SHADOW_FLAG_ACTIVE) == kShadowActive);
-static_assert(static_cast<int>(SWP_SHADOW_FLAG_CAPPED) == kShadowCapped);
 static_assert(SWP_SHADOW_OFF == static_cast<int>(ShadowMode::kOff));
 static_assert(SWP_SHADOW_AUTO == static_cast<int>(ShadowMode::kAuto));
 static_assert(SWP_SHADOW_ON == static_cast<int>(ShadowMode::kOn));
@@ -89,8 +83,6 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_session_options);
     case SWP_STRUCT_FRAME_SAMPLE:
       return sizeof(swp_frame_sample);
-    case SWP_STRUCT_SCENE_DESCRIPTOR:
-      return sizeof(swp_scene_descriptor);
     case SWP_STRUCT_SWITCH_COMMAND:
       return sizeof(swp_switch_command);
     case SWP_STRUCT_SWITCH_OUTCOME:
@@ -119,8 +111,6 @@ uint32_t swp_struct_size(swp_struct which) {
       return sizeof(swp_box_sweep);
     case SWP_STRUCT_RAY_HIT:
       return sizeof(swp_ray_hit);
-    case SWP_STRUCT_SHADOW_SAMPLE:
-      return sizeof(swp_shadow_sample);
     case SWP_STRUCT_SHADOW_STATS:
       return sizeof(swp_shadow_stats);
     case SWP_STRUCT_DECISION:

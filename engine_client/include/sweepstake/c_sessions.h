@@ -10,8 +10,8 @@
  *   swp_session_end_frame(session, frame_time_ns, 0);
  *
  * Threads: a session has a frame thread, that is one caller at a time, and optionally one other,
- * the transport or whoever polls the decider (c_deciders.h); each function below says which of them
- * may call it. With a shadow lane it has a thread of its own, which ends with it.
+ * whoever polls the decider (c_deciders.h) or drives the link (c_link.h); each function below says
+ * which of them may call it. With a shadow lane it has a thread of its own, which ends with it.
  *
  * Cost: a frame takes what its backend takes, and some 100 ns; boxes and pairs are not copied, but
  * for the boxes of the few frames that a shadow lane measures. The frame thread never waits, takes
@@ -71,8 +71,8 @@ typedef struct swp_session_options {
   uint64_t settling_ns;    /* how long after a switch the frames' extra cost is the switch's */
   const swp_executor* executor; /* as in swp_world_options */
   uint32_t thread_count;        /* as in swp_world_options */
-  uint32_t queue_frames;  /* samples kept for draining, a power of two, 2 to 2^20; full: the oldest
-                             is dropped */
+  uint32_t queue_frames;  /* samples kept for a decider or a link, a power of two, 2 to 2^20; full:
+                             the oldest is dropped */
   swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a lockstep
                              game sees no switch; no part of a sample's detection time */
@@ -99,19 +99,6 @@ typedef struct swp_frame_sample {
   uint32_t reserved;
 } swp_frame_sample;
 
-/* The properties of the scene; a negative value was not measured. SceneDescriptor in frame_sample.h
- * says what each value means. */
-typedef struct swp_scene_descriptor {
-  uint32_t struct_size;
-  float object_count;
-  float density_ratio;
-  float size_spread;
-  float speed_mean;
-  float speed_spread;
-  float clustering_ratio;
-  float static_ratio;
-} swp_scene_descriptor;
-
 typedef struct swp_switch_command {
   uint64_t command_id; /* below 2^48; 0: local */
   uint32_t arm;
@@ -127,25 +114,6 @@ typedef struct swp_switch_outcome {
   swp_switch_reason reason;
   uint32_t executed; /* 0: refused */
 } swp_switch_outcome;
-
-enum {
-  SWP_SHADOW_FLAG_ACTIVE = 1, /* the arm that was active on the frame thread */
-  SWP_SHADOW_FLAG_CAPPED = 2  /* stopped at a cap: the times are those of the frames until then */
-};
-
-/* The cost of an arm on the shadow lane, on copies of consecutive frames' boxes. Samples with the
- * same first_frame_index were measured on the same frames. */
-typedef struct swp_shadow_sample {
-  uint64_t first_frame_index;
-  uint64_t detection_time_ns; /* median over the measured frames */
-  uint64_t build_time_ns;     /* of the first frame, with its search */
-  uint64_t aabb_check_count;  /* mean over the measured frames */
-  uint64_t native_bytes;
-  uint32_t arm;
-  uint32_t object_count;
-  uint32_t frame_count; /* measured frames */
-  uint32_t flags;       /* SWP_SHADOW_FLAG_ bits */
-} swp_shadow_sample;
 
 typedef uint32_t swp_shadow_state;
 enum {
@@ -282,8 +250,8 @@ SWP_API swp_result swp_session_arm_name(const swp_session* session, uint32_t arm
                                         const char** name);
 SWP_API swp_result swp_session_arm_version(const swp_session* session, uint32_t arm,
                                            uint32_t* backend_version);
-/* The latest verdict, for the game to react to: from the attached decider, or as the transport set
- * it; SWP_VERDICT_UNKNOWN before the first. It is one atomic read, so a game may call it each
+/* The latest verdict, for the game to react to: of the attached decider, or the link's daemon;
+ * SWP_VERDICT_UNKNOWN before the first. It is one atomic read, so a game may call it each
  * frame:
  *
  *   swp_verdict verdict;
@@ -307,40 +275,6 @@ SWP_API swp_result swp_session_dropped(const swp_session* session, uint64_t* sam
 
 /* What the shadow lane has done, and why it runs or does not. */
 SWP_API swp_result swp_session_shadow_stats(const swp_session* session, swp_shadow_stats* stats);
-
-/* Functions of the transport, which is one caller at a time, beside the frame thread. Nothing can
- * be drained while a decider is attached, since it takes everything. */
-
-/* Moves the oldest samples, up to `capacity`, into `samples`, and their number into `count`. */
-SWP_API swp_result swp_session_drain_samples(swp_session* session, swp_frame_sample* samples,
-                                             uint32_t capacity, uint32_t* count);
-/* The same for the outcomes of switches that were reported before or right after the samples
- * drained so far, so drain samples first. 256 are kept; then the oldest is dropped and counted. */
-SWP_API swp_result swp_session_drain_outcomes(swp_session* session, swp_switch_outcome* outcomes,
-                                              uint32_t capacity, uint32_t* count);
-/* The same for what the shadow lane measured, in no order with the others; 256 are kept. */
-SWP_API swp_result swp_session_drain_shadow(swp_session* session, swp_shadow_sample* samples,
-                                            uint32_t capacity, uint32_t* count);
-/* The latest descriptor among what was drained; every value negative before the first. One is
- * measured per 256 frames. */
-SWP_API swp_result swp_session_descriptor(const swp_session* session,
-                                          swp_scene_descriptor* descriptor);
-/* Posts a switch that the next begin_frame executes, with a shadow lane a later one; the latest
- * wins. SWP_INVALID_ARGUMENT for an unknown arm or reason. */
-SWP_API swp_result swp_session_post_switch(swp_session* session, const swp_switch_command* command);
-/* Says whether somebody answers a bail-out. While nobody does, the session switches by itself. */
-SWP_API swp_result swp_session_set_decider_present(swp_session* session, uint32_t present);
-/* Sets the posterior means in the order of arms, by which the session then chooses; `count` is the
- * number of arms, each mean is in 0..1. */
-SWP_API swp_result swp_session_set_posterior_means(swp_session* session, const double* means,
-                                                   uint32_t count);
-/* Sets the verdict of the daemon's posterior snapshot. SWP_INVALID_ARGUMENT for an unknown kind or
- * arm, or a probability outside of 0..1. */
-SWP_API swp_result swp_session_set_verdict(swp_session* session, const swp_verdict* verdict);
-/* Sets the settling time from the daemon's welcome. */
-SWP_API swp_result swp_session_set_settling(swp_session* session, uint64_t settling_ns);
-/* Sets the bail-out limit from the daemon's welcome; SWP_INVALID_ARGUMENT for 0. */
-SWP_API swp_result swp_session_set_bail_out_limit(swp_session* session, uint64_t limit_ns);
 
 /* NOLINTEND(modernize-use-using) */
 

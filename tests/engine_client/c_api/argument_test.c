@@ -314,10 +314,7 @@ static void check_sessions_without_one(void) {
   swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
   swp_frame_sample sample;
   swp_switch_outcome outcome;
-  swp_switch_command command = {1, 1, SWP_SWITCH_POLICY};
-  swp_scene_descriptor descriptor = {.struct_size = sizeof descriptor};
   swp_belief belief;
-  const double mean = 0.5;
   const swp_pair* pairs = NULL;
   const char* name = NULL;
   uint32_t number = 0;
@@ -336,19 +333,9 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_arm_count(NULL, &number));
   REFUSED(swp_session_arm_name(NULL, 0, &name));
   REFUSED(swp_session_arm_version(NULL, 0, &number));
-  REFUSED(swp_session_descriptor(NULL, &descriptor));
   REFUSED(swp_session_dropped(NULL, &count, &count));
-  REFUSED(swp_session_drain_samples(NULL, &sample, 1, &number));
-  REFUSED(swp_session_drain_outcomes(NULL, &outcome, 1, &number));
-  REFUSED(swp_session_drain_shadow(NULL, NULL, 0, &number));
   REFUSED(swp_session_shadow_stats(NULL, NULL));
-  REFUSED(swp_session_post_switch(NULL, &command));
-  REFUSED(swp_session_set_decider_present(NULL, 1));
-  REFUSED(swp_session_set_posterior_means(NULL, &mean, 1));
   REFUSED(swp_session_verdict(NULL, &verdict));
-  REFUSED(swp_session_set_verdict(NULL, &verdict));
-  REFUSED(swp_session_set_settling(NULL, 1));
-  REFUSED(swp_session_set_bail_out_limit(NULL, 1));
   REFUSED(swp_session_attach_decider(NULL, NULL, 0));
   REFUSED(swp_session_detach_decider(NULL));
   REFUSED(swp_session_poll_decider(NULL, 0, NULL, NULL));
@@ -363,7 +350,6 @@ static void check_sessions_without_one(void) {
 
 static void check_session_arguments(swp_session* session) {
   const swp_pair* pairs = NULL;
-  swp_frame_sample sample;
   uint32_t number = 0;
   uint64_t count = 0;
   const char* name = NULL;
@@ -384,18 +370,9 @@ static void check_session_arguments(swp_session* session) {
   REFUSED(swp_session_arm_name(session, swp_backend_count(), &name));
   REFUSED(swp_session_arm_version(session, 0, NULL));
   REFUSED(swp_session_arm_version(session, swp_backend_count(), &number));
-  REFUSED(swp_session_descriptor(session, NULL));
   CHECK_OK(swp_session_dropped(session, NULL, NULL));
-  REFUSED(swp_session_drain_samples(session, NULL, 1, &number));
-  REFUSED(swp_session_drain_samples(session, &sample, 1, NULL));
-  REFUSED(swp_session_drain_outcomes(session, NULL, 1, &number));
-  REFUSED(swp_session_drain_shadow(session, NULL, 1, &number));
-  REFUSED(swp_session_drain_shadow(session, NULL, 0, NULL));
   REFUSED(swp_session_shadow_stats(session, NULL));
-  REFUSED(swp_session_post_switch(session, NULL));
-  REFUSED(swp_session_set_posterior_means(session, NULL, swp_backend_count()));
   REFUSED(swp_session_verdict(session, NULL));
-  REFUSED(swp_session_set_verdict(session, NULL));
   REFUSED(swp_session_beliefs(session, NULL, 1, &number));
   REFUSED(swp_session_beliefs(session, NULL, 0, NULL));
   REFUSED(swp_session_decision_count(session, NULL));

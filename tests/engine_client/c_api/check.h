@@ -45,7 +45,7 @@ void test_threads(void);
 void test_proxies(void);
 void test_scenes(void);
 void test_frames(void);
-void test_transport(void);
+void test_queue(void);
 void test_decider(void);
 void test_link(void);
 void test_hooks(void);

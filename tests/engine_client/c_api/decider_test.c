@@ -140,15 +140,6 @@ static void check_degraded(game* played) {
   CHECK(verdict.kind == SWP_VERDICT_DEGRADED);
 }
 
-static void check_drain_is_refused(const game* played) {
-  swp_frame_sample sample;
-  swp_switch_outcome outcome;
-  uint32_t count = 0;
-  CHECK(swp_session_drain_samples(played->session, &sample, 1, &count) == SWP_FAILED_PRECONDITION);
-  CHECK(swp_session_drain_outcomes(played->session, &outcome, 1, &count) ==
-        SWP_FAILED_PRECONDITION);
-}
-
 /* By hand nothing is decided. */
 static void check_manual(game* played) {
   uint32_t before = 99;
@@ -262,9 +253,7 @@ static void check_priors(const game* played) {
 
 void test_decider(void) {
   game played = start_game();
-  swp_frame_sample sample;
   swp_verdict verdict = {99, 99, 99};
-  uint32_t count = 99;
   CHECK_OK(swp_session_verdict(played.session, &verdict));
   CHECK(verdict.kind == SWP_VERDICT_UNKNOWN);
   check_no_decision(played.session);
@@ -274,11 +263,8 @@ void test_decider(void) {
   check_verdict(&played);
   check_last_decision(&played);
   check_degraded(&played);
-  check_drain_is_refused(&played);
   check_manual(&played);
   CHECK_OK(swp_session_detach_decider(played.session));
-  CHECK_OK(swp_session_drain_samples(played.session, &sample, 1, &count));
-  CHECK(count == 0);
   swp_session_destroy(played.session);
   swp_scene_destroy(played.scene);
   check_intervals_and_floor();

@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
   } tests[] = {
       {"version", test_version}, {"worlds", test_worlds},       {"world_rules", test_world_rules},
       {"threads", test_threads}, {"proxies", test_proxies},     {"scenes", test_scenes},
-      {"frames", test_frames},   {"transport", test_transport}, {"decider", test_decider},
+      {"frames", test_frames},   {"queue", test_queue},         {"decider", test_decider},
       {"structs", test_structs}, {"arguments", test_arguments}, {"link", test_link},
       {"hooks", test_hooks},
   };

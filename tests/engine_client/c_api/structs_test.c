@@ -87,7 +87,6 @@ static swp_result fill_scene_options(void* out) { return swp_scene_options_init(
 static swp_result fill_counters(void* out) { return swp_world_counters(world, out); }
 static swp_result fill_shadow_stats(void* out) { return swp_session_shadow_stats(session, out); }
 static swp_result fill_decision(void* out) { return swp_session_last_decision(session, out); }
-static swp_result fill_descriptor(void* out) { return swp_session_descriptor(session, out); }
 static swp_result fill_link_stats(void* out) {
   swp_link* link = NULL;
   CHECK_OK(swp_link_create(session, NULL, &link));
@@ -130,7 +129,6 @@ static const output_struct kOutputs[] = {
     {sizeof(swp_counters), fill_counters},
     {sizeof(swp_shadow_stats), fill_shadow_stats},
     {sizeof(swp_decision), fill_decision},
-    {sizeof(swp_scene_descriptor), fill_descriptor},
     {sizeof(swp_link_stats), fill_link_stats},
 };
 

@@ -21,7 +21,6 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_SESSION_OPTIONS) == sizeof(swp_session_options));
   CHECK(swp_struct_size(SWP_STRUCT_FRAME_SAMPLE) == sizeof(swp_frame_sample));
   CHECK(sizeof(swp_frame_sample) == 64);
-  CHECK(swp_struct_size(SWP_STRUCT_SCENE_DESCRIPTOR) == sizeof(swp_scene_descriptor));
   CHECK(swp_struct_size(SWP_STRUCT_SWITCH_COMMAND) == sizeof(swp_switch_command));
   CHECK(swp_struct_size(SWP_STRUCT_SWITCH_OUTCOME) == sizeof(swp_switch_outcome));
   CHECK(swp_struct_size(SWP_STRUCT_DECIDER_OPTIONS) == sizeof(swp_decider_options));
@@ -37,7 +36,6 @@ void test_version(void) {
   CHECK(swp_struct_size(SWP_STRUCT_RAY_HIT) == sizeof(swp_ray_hit));
   CHECK(swp_struct_size(SWP_STRUCT_SPHERE) == sizeof(swp_sphere));
   CHECK(swp_struct_size(SWP_STRUCT_BOX_SWEEP) == sizeof(swp_box_sweep));
-  CHECK(swp_struct_size(SWP_STRUCT_SHADOW_SAMPLE) == sizeof(swp_shadow_sample));
   CHECK(swp_struct_size(SWP_STRUCT_SHADOW_STATS) == sizeof(swp_shadow_stats));
   CHECK(swp_struct_size(SWP_STRUCT_LINK_OPTIONS) == sizeof(swp_link_options));
   CHECK(swp_struct_size(SWP_STRUCT_LINK_STATS) == sizeof(swp_link_stats));
