@@ -32,6 +32,7 @@
 OLDER(pthread_create, SINCE("2.2.5", "2.17"));
 OLDER(pthread_join, SINCE("2.2.5", "2.17"));
 OLDER(pthread_once, SINCE("2.2.5", "2.17"));
+OLDER(pthread_setname_np, SINCE("2.12", "2.17"));
 OLDER(pthread_cond_clockwait, "2.30");
 
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*start)(void*),
@@ -42,6 +43,10 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 int pthread_join(pthread_t thread, void** result) { return older_pthread_join(thread, result); }
 
 int pthread_once(pthread_once_t* once, void (*run)(void)) { return older_pthread_once(once, run); }
+
+int pthread_setname_np(pthread_t thread, const char* name) {
+  return older_pthread_setname_np(thread, name);
+}
 
 int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
                            const struct timespec* until) {

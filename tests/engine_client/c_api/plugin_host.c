@@ -87,7 +87,7 @@ int main(int argument_count, char** arguments) {
     LOAD(swp_abi_version);
     REQUIRE(loaded_swp_abi_version() == SWP_ABI_VERSION);
     FindsPairsOnThreads();
-    if (SWEEPSTAKE_EXCEPTIONS) RunsOutOfMemory(); /* without, it ends the program */
+    if (CATCHES_OUT_OF_MEMORY) RunsOutOfMemory();
     LooksAtFiles(arguments[2], arguments[3]);
     REQUIRE(dlclose(library) == 0);
     /* Nothing keeps it: an editor can build it anew and load that. */
