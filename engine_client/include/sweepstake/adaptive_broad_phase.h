@@ -11,8 +11,8 @@
 // steady) allocates; the only system call is the clock. With an executor the frame thread also
 // waits for the parts of its own search. Ownership: the sink and the clock must outlive the object.
 // Memory: an arm that has been active keeps its buffers, so that switching back is cheap, until
-// Trim or memory_budget_bytes; native_bytes counts the active one alone. Errors: FindPairs throws
-// std::bad_alloc if a backend runs out of memory; the next call rebuilds.
+// Trim or memory_budget_bytes; native_bytes counts the active one alone. Errors: where memory runs
+// out, FindPairs ends as OutOfMemory() says (hooks.h); the next call rebuilds.
 //
 // If there is a spare core, a shadow lane (shadow.h) measures the other arms on its own thread and
 // prepares switches: a command waits some frames until the new arm's structure exists (a warm

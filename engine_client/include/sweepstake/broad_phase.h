@@ -4,8 +4,8 @@
 // time and discards all state. The boxes are read during the call only, and the id of an object is
 // its index in the span. Thread safety: one thread at a time per object; distinct objects are
 // independent, unless they share an Executor. Units: world units of the caller. Memory is kept for
-// reuse until destruction. Errors: if memory runs out, a call throws std::bad_alloc, and the next
-// call must be Build.
+// reuse until destruction. Errors: if memory runs out, a call ends as OutOfMemory() says (hooks.h),
+// and the next call must be Build.
 #pragma once
 
 #include <cstddef>

@@ -32,7 +32,8 @@ class Executor {
 
 // Makes a pool of `thread_count` threads, of which the caller of RunParts is one, so that it starts
 // thread_count − 1. Threads without work spin for a fraction of a millisecond and then sleep.
-// REQUIRES: 1 <= thread_count <= 256. Throws std::system_error if the system has no more threads.
+// REQUIRES: 1 <= thread_count <= 256. If the system has no more threads, it
+// throws std::system_error, and aborts in a library built without exceptions (hooks.h).
 std::unique_ptr<Executor> MakeThreadPool(size_t thread_count);
 
 }  // namespace sweepstake

@@ -19,8 +19,8 @@ class PairSorter {
   PairSorter(PairSorter&&) noexcept;
   PairSorter& operator=(PairSorter&&) noexcept;
 
-  // Keeps equal pairs. Throws std::bad_alloc if memory runs out; the order is then unspecified, but
-  // no pair is lost.
+  // Keeps equal pairs. If memory runs out, it ends as OutOfMemory() says (hooks.h); the order is
+  // then unspecified, but no pair is lost.
   void Sort(std::span<OverlapPair> pairs);
 
   size_t native_bytes() const;

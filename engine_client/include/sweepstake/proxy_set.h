@@ -37,8 +37,9 @@
 // change takes 20 µs more for the moving proxies and 0.27 ms for the static ones.
 //
 // Errors: a handle that is null, stale (its proxy was removed) or unknown to this set is answered
-// with false, null or nothing, never with another proxy, and changes nothing. Throws std::bad_alloc
-// if memory or the 2^31 − 1 places of a kind are used up; the set is then unchanged.
+// with false, null or nothing, never with another proxy, and changes nothing. If memory or the
+// 2^31 − 1 places of a kind are used up, a call ends as OutOfMemory() says (hooks.h); the set is then
+// unchanged.
 #pragma once
 
 #include <compare>
