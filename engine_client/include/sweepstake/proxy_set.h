@@ -38,8 +38,8 @@
 //
 // Errors: a handle that is null, stale (its proxy was removed) or unknown to this set is answered
 // with false, null or nothing, never with another proxy, and changes nothing. If memory or the
-// 2^31 − 1 places of a kind are used up, a call ends as OutOfMemory() says (hooks.h); the set is then
-// unchanged.
+// 2^31 − 1 places of a kind are used up, a call ends as OutOfMemory() says (hooks.h); the set is
+// then unchanged.
 #pragma once
 
 #include <compare>
