@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine_client/telemetry/protocol/wire.h"
+
 namespace sweepstake::simulation {
 namespace {
 
@@ -30,7 +32,7 @@ SimulatedGame::SimulatedGame(World& world, v1::Hello hello, Network network,
       hello_(std::move(hello)),
       network_(std::move(network)),
       complain_(std::move(complain)),
-      state_(hello_, kMaxUnacknowledged),
+      state_({}, kMaxUnacknowledged),
       stubborn_(world.Happens(0.3)),
       interval_ns_(static_cast<int64_t>(static_cast<double>(kSecondNs) / hello_.time_scale())) {
   world_.After(world_.Draw(0, kSecondNs), [this] { Step(); });
@@ -59,8 +61,17 @@ void SimulatedGame::Connect() {
   goodbye_sent_ = half_closed_ = false;
   welcome_due_ns_ = world_.NowNs() + kWelcomePatienceNs;
   connection_ = network_(*this);
-  connection_->Send(
-      state_.Connect({.active_arm = arm_, .switch_epoch = switch_epoch_, .mode = v1::MODE_AI}));
+  const protocol::Hello position =
+      state_.Connect({.active_arm = arm_, .switch_epoch = switch_epoch_});
+  v1::StreamTelemetryRequest request;
+  v1::Hello& hello = *request.mutable_hello();
+  hello = hello_;
+  hello.set_session_id(position.session_id);
+  hello.set_resume_token(position.resume_token);
+  hello.set_mode(v1::MODE_AI);
+  hello.set_active_arm(position.active_arm);
+  hello.set_switch_epoch(position.switch_epoch);
+  connection_->Send(request);
   if (state_.session_id().empty() || !world_.Happens(0.1)) return;
   world_.After(world_.Draw(0, 100 * kMsNs), [this] {
     if (!state_.online()) BreakConnection();
@@ -87,7 +98,7 @@ void SimulatedGame::PlayFrames() {
     batch.add_switch_epoch(switch_epoch_);
     batch.add_flags(0);
   }
-  state_.Append(std::move(request));
+  Append(request);
   if (command_) AnswerCommand();
 }
 
@@ -104,7 +115,7 @@ void SimulatedGame::AnswerCommand() {
   }
   outcome.set_arm(arm_);
   outcome.set_switch_epoch(switch_epoch_);
-  state_.Append(std::move(request));
+  Append(request);
 }
 
 void SimulatedGame::BailOut() {
@@ -117,15 +128,28 @@ void SimulatedGame::BailOut() {
   bail_out.set_frame_time_ns(6 * kSecondNs);
   bail_out.set_detection_time_ns(5 * kSecondNs);
   bail_out.set_flags(v1::FRAME_FLAG_BAIL_OUT);
-  state_.Append(std::move(request));
+  Append(request);
+}
+
+void SimulatedGame::Append(const v1::StreamTelemetryRequest& evidence) {
+  const v1::FrameBatch& batch = evidence.frame_batch();
+  const bool has_frames = batch.arm_size() > 0;
+  state_.Append({.message = evidence.SerializeAsString(),
+                 .frame_count = static_cast<uint32_t>(batch.arm_size()),
+                 .active_arm = has_frames ? batch.arm(0) : 0,
+                 .switch_epoch = has_frames ? batch.switch_epoch(0) : 0});
 }
 
 void SimulatedGame::SendAll() {
   if (!connection_ || !state_.online() || goodbye_sent_ || half_closed_) return;
   SentSession& session = sessions_[state_.session_id()];
-  while (const v1::StreamTelemetryRequest* next = state_.Next()) {
-    if (next->sequence() > session.messages.size()) session.messages.push_back(Describe(*next));
-    connection_->Send(*next);
+  while (const ResendBuffer::Entry* const next = state_.Next()) {
+    v1::StreamTelemetryRequest request;
+    const bool parsed =
+        request.ParseFromString(protocol::Numbered(next->sequence, next->evidence.message));
+    if (!parsed) complain_("a message of evidence is none");
+    if (next->sequence > session.messages.size()) session.messages.push_back(Describe(request));
+    connection_->Send(request);
     state_.MarkSent();
   }
   if (!finishing_) return;
@@ -161,8 +185,13 @@ void SimulatedGame::OnResponse(const v1::StreamTelemetryResponse& response) {
 
 void SimulatedGame::OnWelcome(const v1::Welcome& welcome) {
   const bool resumed = welcome.resumed();
-  v1::Welcome heard = welcome;
-  if (stubborn_ && resumed) heard.set_acknowledged_sequence(state_.counts().acknowledged_sequence);
+  protocol::Welcome heard;
+  heard.session_id = welcome.session_id();
+  heard.resume_token = welcome.resume_token();
+  heard.resumed = resumed;
+  heard.priors_unavailable = welcome.priors_unavailable();
+  heard.acknowledged_sequence = stubborn_ && resumed ? state_.counts().acknowledged_sequence
+                                                     : welcome.acknowledged_sequence();
   state_.OnWelcome(heard);
   resumption_ = hello_;
   resumption_->set_session_id(welcome.session_id());

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine_client/telemetry/session_state.h"
+#include "engine_client/telemetry/protocol/session_state.h"
 #include "tests/server/simulation/connection.h"
 #include "tests/server/simulation/world.h"
 
@@ -63,6 +63,7 @@ class SimulatedGame final : public ConnectionUser {
   void PlayFrames();
   void AnswerCommand();
   void BailOut();
+  void Append(const v1::StreamTelemetryRequest& evidence);
   void SendAll();
   void OnWelcome(const v1::Welcome& welcome);
   template <typename Posteriors>
