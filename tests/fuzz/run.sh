@@ -3,7 +3,7 @@
 #
 #   tests/fuzz/run.sh                      30 seconds each, two at a time
 #   tests/fuzz/run.sh --seconds 3600       an hour each
-#   tests/fuzz/run.sh --seconds 60 http    only these targets: config database http import messages
+#   tests/fuzz/run.sh --seconds 60 http    only these targets: config database http import link messages
 #
 # What it finds to be new stays in build/fuzz/corpus and is used the next time. An input that ends a target is in
 # build/fuzz/failures; copy it to corpus/, mend, and see `build/fuzz/bin/NAME_fuzz FILE` pass.
@@ -18,19 +18,19 @@ while (($# > 0)); do
       seconds=${2:?"--seconds wants a number"}
       shift
       ;;
-    config | database | http | import | messages) targets+=("$1") ;;
+    config | database | http | import | link | messages) targets+=("$1") ;;
     --help)
       sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"
       exit 0
       ;;
     *)
-      echo "Unknown argument '$1'. There are --seconds N, --help, config, database, http, import and messages." >&2
+      echo "Unknown argument '$1'. There are --seconds N, --help, config, database, http, import, link and messages." >&2
       exit 2
       ;;
   esac
   shift
 done
-((${#targets[@]} > 0)) || targets=(messages import database config http)
+((${#targets[@]} > 0)) || targets=(messages import database config link http)
 
 # gcc has no libFuzzer.
 deploy/install_packages.sh clang libclang-rt-dev llvm
