@@ -89,7 +89,7 @@ void SessionState::BeginSession() {
 }
 
 void SessionState::OnAcknowledgement(uint64_t sequence) {
-  if (sequence > buffer_.last_sequence()) return;
+  if (sequence > counts_.sent_sequence) return;
   buffer_.Acknowledge(sequence);
   counts_.acknowledged_sequence = std::max(counts_.acknowledged_sequence, sequence);
 }

@@ -111,6 +111,7 @@ class SessionState {
   // not sent yet; where frames will be sent again, the oldest of them takes its place.
   protocol::Hello Connect(const Position& position);
   void OnWelcome(const protocol::Welcome& welcome);
+  // A number that was not sent yet, on any connection, is ignored: nothing is dropped unsent.
   void OnAcknowledgement(uint64_t sequence);
   bool online() const { return online_; }
 

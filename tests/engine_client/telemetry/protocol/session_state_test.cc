@@ -202,8 +202,34 @@ TEST_F(SessionStateTest, KeepsItsEvidenceWhenItsFirstHelloIsRefused) {
 
 TEST_F(SessionStateTest, IgnoresAcknowledgementsOfWhatWasNeverSent) {
   Begin();
+  for (int i = 0; i < 3; ++i) state_.Append(Batch());
+  state_.MarkSent();
+  state_.OnAcknowledgement(2);
   state_.OnAcknowledgement(1000);
   EXPECT_EQ(state_.counts().acknowledged_sequence, 0U);
+  EXPECT_EQ(SendAll(), (Sequences{2, 3}));
+}
+
+TEST_F(SessionStateTest, IgnoresAWelcomeThatAcknowledgesWhatWasNeverSent) {
+  Begin();
+  state_.Append(Batch());
+  SendAll();
+  state_.Append(Batch());
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("a", true, 2));
+  EXPECT_EQ(SendAll(), (Sequences{1, 2}));
+}
+
+TEST_F(SessionStateTest, AcknowledgesInANewSessionOnlyWhatWasSentInIt) {
+  Begin();
+  for (int i = 0; i < 3; ++i) state_.Append(Batch());
+  SendAll();
+  state_.Disconnect(false, false);
+  state_.Connect(kPosition);
+  state_.OnWelcome(WelcomeTo("b"));
+  state_.OnAcknowledgement(3);
+  EXPECT_EQ(SendAll(), (Sequences{1, 2, 3}));
 }
 
 }  // namespace
