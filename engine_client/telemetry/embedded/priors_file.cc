@@ -20,6 +20,8 @@ constexpr int kVersion = 1;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{64} << 20;
 constexpr size_t kMaxRecords = 200'000;
 constexpr double kMaxIncrement = 1e15;
+// As in the store, and far from where the ledger's next number would be 0.
+constexpr uint64_t kMaxSequence = std::numeric_limits<int64_t>::max();
 
 Status Broken(const std::string& why) { return {StatusCode::kDataLoss, why}; }
 
@@ -40,12 +42,13 @@ class RecordReader {
   }
 
   template <typename Integer>
-  void Count(const char* key, Integer& value, bool required) {
+  void Count(const char* key, Integer& value, bool required,
+             Integer max = std::numeric_limits<Integer>::max()) {
     const Json* field = Find(key, required);
     if (field == nullptr) return;
     if (!field->is_number_unsigned()) return SetError(key, "is not a whole number >= 0");
     const uint64_t number = field->get<uint64_t>();
-    if (number > std::numeric_limits<Integer>::max()) return SetError(key, "is too large");
+    if (number > max) return SetError(key, "is too large");
     if (required && number == 0) return SetError(key, "is 0");
     value = static_cast<Integer>(number);
   }
@@ -96,7 +99,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   reader.Name("machine_class", record.machine_class, false);
   reader.Count("reward_version", record.reward_version, true);
   reader.Name("source_id", record.source_id, true);
-  reader.Count("source_sequence", record.source_sequence, true);
+  reader.Count("source_sequence", record.source_sequence, true, kMaxSequence);
   reader.Increment("alpha_increment", record.alpha_increment);
   reader.Increment("beta_increment", record.beta_increment);
   reader.Count("window_count", record.window_count, false);

@@ -88,6 +88,8 @@ TEST(PriorsFile, NamesTheRecordAndTheFieldThatIsBroken) {
               HasSubstr("too large"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "-1")), HasSubstr("whole number"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "1.5")), HasSubstr("whole number"));
+  EXPECT_THAT(ComplaintAbout(DocumentWith("source_sequence", "9223372036854775808")),
+              HasSubstr("source_sequence is too large"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "-0.5")), HasSubstr("within"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("alpha_increment", "1e16")), HasSubstr("within"));
   EXPECT_THAT(ComplaintAbout(DocumentWith("beta_increment", "\"nan\"")), HasSubstr("number"));
