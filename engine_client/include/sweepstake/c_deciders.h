@@ -31,7 +31,10 @@ typedef struct swp_decider_options {
   const char* scene;         /* NULL: "default" */
   const char* machine_class; /* NULL: unknown */
   /* Under what name swp_session_export_priors gives what is learnt. A game that keeps a name per
-   * installation has records that grow from run to run; NULL: a new one each time. */
+   * installation has records that grow from run to run. If it loses its save, it needs a new name
+   * too: the numbers of its records begin at 1 again, and a store that has later ones ignores them.
+   * NULL: a new one each time, so that a save which is given back and exported again grows by the
+   * records of each run; at 200,000 records it is refused. */
   const char* source_id;
   /* Priors to start from, as `sweepstake priors export` and swp_session_export_priors write them: a
    * file, its content, or both, which are then united. NULL: Beta(1,1). */

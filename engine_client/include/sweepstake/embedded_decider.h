@@ -70,8 +70,10 @@ struct EmbeddedOptions {
   std::string priors_data;
   // What is learnt is exported under this name, at most 128 bytes. A game that keeps a name per
   // installation, such as a random number, has one record per arm that grows from run to run, which
-  // a store takes in place of the earlier one. Two installations must not share one. Empty: a new
-  // name in each run, so that each run adds records.
+  // a store takes in place of the earlier one. Two installations must not share one, and one that
+  // loses its save needs a new one: the numbers of its records begin at 1 again, and a store that
+  // has later ones ignores them. Empty: a new name in each run, so that a save which is given back
+  // and exported again grows by the records of each run; at 200,000 records it is refused.
   std::string source_id;
   uint64_t seed = 1;
   double time_scale = 1;  // 1–1000: every interval but the bail-out limit is divided by it
