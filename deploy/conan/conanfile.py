@@ -4,9 +4,9 @@ import re
 
 from conan import ConanFile
 from conan.errors import ConanInvalidConfiguration
-from conan.tools.build import check_min_cppstd
+from conan.tools.build import check_min_cppstd, stdcpp_library
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
-from conan.tools.files import copy, load, rmdir
+from conan.tools.files import collect_libs, copy, load, rmdir
 
 # What each static library of the package stands on, as its CMake target does.
 LIBRARIES = {
@@ -111,6 +111,16 @@ class SweepstakeConan(ConanFile):
 
     def package_info(self):
         self.cpp_info.components["c"].libs = ["sweepstake"]
+        # The archive, which CMake leaves out where Highway is shared.
+        if "sweepstake_static" in collect_libs(self):
+            archive = self.cpp_info.components["c_static"]
+            archive.libs = ["sweepstake_static"]
+            archive.defines = ["SWP_STATIC"]
+            if self.settings.os == "Linux":
+                archive.system_libs = ["m", "pthread"]
+            # A C compiler links it too.
+            if runtime := stdcpp_library(self):
+                archive.system_libs.append(runtime)
         libraries = dict(LIBRARIES)
         if self.options.telemetry:
             libraries.update(TELEMETRY)

@@ -13,7 +13,7 @@ class ConanInvalidConfiguration(Exception):
 
 class Component:
     def __init__(self):
-        self.libs, self.requires, self.system_libs = [], [], []
+        self.libs, self.defines, self.requires, self.system_libs = [], [], [], []
 
 
 class CppInfo:
@@ -112,9 +112,10 @@ def pretend_conan():
         "conan": {"ConanFile": ConanFile},
         "conan.errors": {"ConanInvalidConfiguration": ConanInvalidConfiguration},
         "conan.tools": {},
-        "conan.tools.build": {"check_min_cppstd": check_min_cppstd, "can_run": lambda recipe: True},
+        "conan.tools.build": {"check_min_cppstd": check_min_cppstd, "can_run": lambda recipe: True,
+                              "stdcpp_library": lambda recipe: {"Linux": "stdc++"}.get(recipe.settings.os)},
         "conan.tools.cmake": {"CMake": CMake, "CMakeDeps": Dependencies, "CMakeToolchain": Toolchain, "cmake_layout": lambda recipe: None},
-        "conan.tools.files": {"copy": copy, "load": lambda recipe, path: pathlib.Path(path).read_text(), "rmdir": lambda recipe, path: None},
+        "conan.tools.files": {"collect_libs": lambda recipe: recipe.installed, "copy": copy, "load": lambda recipe, path: pathlib.Path(path).read_text(), "rmdir": lambda recipe, path: None},
     }
     for name, members in modules.items():
         sys.modules[name] = types.ModuleType(name)
@@ -130,7 +131,7 @@ def recipe_class(path):
                 if isinstance(value, type) and issubclass(value, ConanFile) and value is not ConanFile)
 
 
-def load(path, os="Linux", arch="x86_64", **chosen):
+def load(path, os="Linux", arch="x86_64", installed=(), **chosen):
     made = recipe_class(path)
     recipe = made()
     recipe.recipe_folder = str(pathlib.Path(path).parent)
@@ -138,7 +139,7 @@ def load(path, os="Linux", arch="x86_64", **chosen):
     recipe.package_folder, recipe.export_sources_folder = "/package", "/export"
     recipe.settings = types.SimpleNamespace(os=os, arch=arch)
     recipe.required, recipe.tools, recipe.exported, recipe.built, recipe.ran, recipe.cache_variables = [], [], [], [], [], {}
-    recipe.cpp_info = CppInfo()
+    recipe.cpp_info, recipe.installed = CppInfo(), installed
     recipe.cpp = types.SimpleNamespace(build=CppInfo())
     recipe.dependencies = collections.defaultdict(lambda: types.SimpleNamespace(cpp_info=CppInfo()))
     recipe.tested_reference_str = "sweepstake/0"

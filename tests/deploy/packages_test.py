@@ -181,6 +181,16 @@ class ConanTest(unittest.TestCase):
             components = {name: needs for name, needs in components.items() if name not in ("telemetry", "proto", "tls")}
         self.assertEqual({name: {need for need in needs if "::" not in need} for name, needs in components.items()}, exported)
 
+    def test_the_archive_of_the_c_abi_is_a_component_where_it_was_installed(self):
+        flavours = (SOURCE / "engine_client/c_api/flavours/flavours.cmake").read_text()
+        installed, component = re.search(r"OUTPUT_NAME (\w+) EXPORT_NAME (c_\w+)", flavours).groups()
+        definition = re.search(r"target_compile_definitions\(sweepstake_c_static INTERFACE (\w+)\)", flavours).group(1)
+        self.assertNotIn(component, self.made(installed=["sweepstake"]).cpp_info.components)
+        for system, libraries in (("Linux", ["m", "pthread", "stdc++"]), ("Windows", [])):
+            archive = self.made(installed=["sweepstake", installed], os=system).cpp_info.components[component]
+            self.assertEqual((archive.libs, archive.defines, archive.requires), ([installed], [definition], []))
+            self.assertEqual(archive.system_libs, libraries)
+
     def test_it_sets_only_options_that_cmake_has(self):
         known = cmake_options() | {"CMAKE_DISABLE_FIND_PACKAGE_gRPC", "PROTOZERO_INCLUDE_DIR"}
         self.assertLessEqual(set(self.made().cache_variables), known)
