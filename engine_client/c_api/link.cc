@@ -29,24 +29,23 @@ static_assert(SWP_LINK_CLOSED == static_cast<int>(ConnectionState::kClosed));
 
 namespace sweepstake::c_api {
 
-struct Link {
+struct Link : LinkedSession {
   static constexpr swp_kind kKind = SWP_KIND_LINK;
   static constexpr std::string_view kName = "link";
 
   Link(swp_session& owner, const SessionOptions& options, std::string daemon, uint64_t jitter_seed)
-      : session(owner),
+      : LinkedSession{&owner},
         protocol(options, std::move(daemon), jitter_seed, owner.content->queue,
                  *owner.content->adaptive) {
-    session.content->link_is_attached = true;
+    owner.content->link = this;
   }
-  // swp_shutdown_all may have freed the session already.
   ~Link() {
-    if (session.content == nullptr) return;
-    session.content->link_is_attached = false;
-    session.content->adaptive->SetDeciderPresent(false);
+    swp_session* const owner = session;
+    if (owner == nullptr) return;
+    owner->content->link = nullptr;
+    owner->content->adaptive->SetDeciderPresent(false);
   }
 
-  swp_session& session;
   std::mutex mutex;  // guards what follows
   SessionLink protocol;
 };
@@ -110,7 +109,7 @@ uint64_t JitterSeed(const swp_link_options& given, const swp_session& session) {
 }
 
 swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_link** link) {
-  if (session.content->decider_loop || session.content->link_is_attached) {
+  if (session.content->decider_loop || session.content->link != nullptr) {
     return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is attached already: end it first");
   }
   const std::string_view address = TextOr(given.daemon, "");
@@ -126,7 +125,11 @@ swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_l
 template <typename Body>
 swp_result UseLink(swp_link* link, const Body& body) noexcept {
   return Use(link, [&](Link& live) {
-    return Use(&live.session, [&](Session& /*session*/) {
+    swp_session* const session = live.session;
+    if (session == nullptr) {
+      return Fail(SWP_FAILED_PRECONDITION, "the session of this link has ended: destroy the link");
+    }
+    return Use(session, [&](Session& /*session*/) {
       const std::lock_guard lock(live.mutex);
       return body(live);
     });
@@ -203,6 +206,9 @@ void swp_link_destroy(swp_link* link) { Destroy(link); }
 
 swp_result swp_link_connected(swp_link* link, uint64_t now_ns) {
   return UseLink(link, [&](Link& live) {
+    if (live.protocol.finished()) {
+      return Fail(SWP_FAILED_PRECONDITION, "the link is closed: destroy it and make another");
+    }
     if (live.protocol.connected()) {
       return Fail(SWP_FAILED_PRECONDITION, "a stream is open: call swp_link_disconnected first");
     }

@@ -14,12 +14,21 @@
 
 namespace sweepstake::c_api {
 
+// What a link knows of its session: whichever ends first tells the other, since the finalizers of a
+// garbage collector run in any order.
+struct LinkedSession {
+  std::atomic<swp_session*> session;  // null: it has ended
+};
+
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): grouped by thread, one per game.
 struct Session {
   static constexpr swp_kind kKind = SWP_KIND_SESSION;
   static constexpr std::string_view kName = "session";
 
   explicit Session(uint32_t queue_frames) : queue(queue_frames) {}
+  ~Session() {
+    if (LinkedSession* const attached = link) attached->session = nullptr;
+  }
 
   SampleQueue queue;
   std::unique_ptr<Executor> executor;
@@ -32,8 +41,8 @@ struct Session {
   std::optional<std::span<const OverlapPair>> pairs;  // absent: not searched
 
   // Of whoever polls the decider or drives the link.
-  std::optional<DeciderLoop> decider_loop;  // absent: no decider is attached
-  std::atomic<bool> link_is_attached = false;
+  std::optional<DeciderLoop> decider_loop;     // absent: no decider is attached
+  std::atomic<LinkedSession*> link = nullptr;  // null: none is attached
 };
 
 }  // namespace sweepstake::c_api

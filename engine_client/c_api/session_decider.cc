@@ -99,7 +99,7 @@ swp_result swp_decider_options_init(swp_decider_options* options) {
 swp_result swp_session_attach_decider(swp_session* session, const swp_decider_options* options,
                                       uint64_t now_ns) {
   return Use(session, [&](Session& live) {
-    if (live.decider_loop || live.link_is_attached) {
+    if (live.decider_loop || live.link != nullptr) {
       return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is attached already: end it first");
     }
     swp_decider_options known = DefaultOptions();

@@ -88,12 +88,11 @@ void DaemonSession::Receive(uint64_t now_ns) {
   const std::optional<grpc::Status> status = connection_->closed();
   if (!status) return;
   connection_.reset();
-  std::string message = status->error_message();
-  const std::string advice = ConnectionAdvice(message, options_.tls.has_value(), names_);
-  if (!advice.empty()) message += "; " + advice;
+  const std::string& message = status->error_message();
   OnClosed({.code = static_cast<uint32_t>(status->error_code()),
-            .message = std::move(message),
-            .details = status->error_details()},
+            .message = message,
+            .details = status->error_details(),
+            .advice = ConnectionAdvice(message, options_.tls.has_value(), names_)},
            now_ns);
 }
 

@@ -57,6 +57,7 @@ class Owner {
 
   void CheckStats() const {
     const SessionStats stats = link_.stats();
+    Require(stats.acknowledged_sequence <= stats.sent_sequence, "only what was sent is on disk");
     Require(stats.sent_frame_count <= next_frame_, "a frame is counted once");
     Require(stats.beliefs.empty() || stats.beliefs.size() == 2, "a belief for each arm");
   }
@@ -72,11 +73,11 @@ class Owner {
   }
 
   void Connect() {
-    if (link_.connected()) return;
+    if (link_.connected() || link_.finished()) return;
     link_.Connected(now_ns_);
     message_count_ = 0;
     last_sequence_.reset();
-    finished_ = false;
+    finished_ = cancelled_ = false;
   }
 
   void Receive(const std::string& bytes) {
@@ -87,10 +88,14 @@ class Owner {
 
   void Disconnect(uint32_t code, std::string details) {
     link_.Disconnected({.code = code, .message = "end", .details = std::move(details)}, now_ns_);
+    cancelled_ = false;
   }
 
   void Advance() {
     const LinkAction action = link_.Advance(now_ns_);
+    Require(!cancelled_ || action == LinkAction::kCancel,
+            "a stream is cancelled until it has ended");
+    cancelled_ = action == LinkAction::kCancel;
     if (action == LinkAction::kFinish) {
       Require(!finished_, "a stream is finished once");
       finished_ = link_.Take(now_ns_).empty();
@@ -117,6 +122,7 @@ class Owner {
   uint64_t message_count_ = 0;
   std::optional<uint64_t> last_sequence_;
   bool finished_ = false;
+  bool cancelled_ = false;
 };
 
 }  // namespace
@@ -125,7 +131,9 @@ class Owner {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   sweepstake::fuzz::Input input(data, size);
   sweepstake::Owner owner;
-  while (!input.empty()) owner.Do(input);
-  owner.CheckStats();
+  while (!input.empty()) {
+    owner.Do(input);
+    owner.CheckStats();
+  }
   return 0;
 }

@@ -69,7 +69,7 @@ enum {
   SWP_LINK_NONE = 0,   /* nothing now */
   SWP_LINK_SEND = 1,   /* write the message */
   SWP_LINK_FINISH = 2, /* there are no more messages: end writing, and read until the end */
-  SWP_LINK_CANCEL = 3  /* end the stream at once; said again until it has ended */
+  SWP_LINK_CANCEL = 3  /* end the stream at once; said again until swp_link_disconnected */
 };
 
 typedef uint32_t swp_link_state;
@@ -77,7 +77,8 @@ enum {
   SWP_LINK_OFFLINE = 0,
   SWP_LINK_CONNECTING = 1, /* from connected to the daemon's welcome */
   SWP_LINK_ONLINE = 2,
-  SWP_LINK_CLOSED = 4 /* after swp_link_goodbye: there is nothing more to do */
+  SWP_LINK_CLOSED = 4 /* after swp_link_goodbye: there is nothing more to do, but to end a stream
+                         that SWP_LINK_CANCEL is still said of */
 };
 
 /* Since the link was made. */
@@ -115,8 +116,8 @@ enum {
 SWP_API swp_result swp_link_options_init(swp_link_options* options);
 
 /* Attaches a link to the session, whose samples it takes from now on; `options` NULL takes the
- * defaults. SWP_FAILED_PRECONDITION if a decider or another link is attached. The session must
- * outlive the link. */
+ * defaults. SWP_FAILED_PRECONDITION if a decider or another link is attached. Once the session
+ * is destroyed or shut down, every call of the link is SWP_FAILED_PRECONDITION, but destroy. */
 SWP_API swp_result swp_link_create(swp_session* session, const swp_link_options* options,
                                    swp_link** link);
 /* Without swp_link_goodbye before it the daemon keeps the session, and another process may not
@@ -124,7 +125,7 @@ SWP_API swp_result swp_link_create(swp_session* session, const swp_link_options*
 SWP_API void swp_link_destroy(swp_link* link);
 
 /* A stream was opened, or is being opened. SWP_FAILED_PRECONDITION if the former one has not been
- * disconnected. */
+ * disconnected, or the state is SWP_LINK_CLOSED. */
 SWP_API swp_result swp_link_connected(swp_link* link, uint64_t now_ns);
 /* Takes the session's samples and says what to do. With SWP_LINK_SEND the next message is in
  * `buffer`, and counts as sent. If `capacity` is too small for it, the result is
@@ -145,15 +146,18 @@ SWP_API swp_result swp_link_on_message(swp_link* link, const void* bytes, uint64
                                        uint64_t now_ns);
 /* The stream has ended, and its last message was passed on: with this code and text of gRPC's
  * status, and the bytes of the trailer grpc-status-details-bin, decoded from base64 (`message` and
- * `details` may be NULL). `delay_ms` is how long to wait before the next stream, SWP_LINK_NEVER if
- * there must be none. Without swp_link_connected before it, it says why no stream could be opened
- * at all. */
+ * `details` may be NULL; of the text, the first 256 bytes are kept, and shown as one line of
+ * UTF-8). `delay_ms` is how long to wait before the next stream, SWP_LINK_NEVER if there must be
+ * none. Without swp_link_connected before it, it says why no stream could be opened at all. */
 SWP_API swp_result swp_link_disconnected(swp_link* link, uint32_t grpc_status_code,
                                          const char* message, const void* details,
                                          uint64_t details_size, uint64_t now_ns,
                                          uint32_t* delay_ms);
 /* Begins the end: what is left is sent, then a goodbye, and the state becomes SWP_LINK_CLOSED; at
- * the deadline at the latest. A later call can only bring the deadline forward. */
+ * the deadline at the latest, with SWP_LINK_CANCEL. There is no further stream: without one, or
+ * where it breaks before the end, the state becomes SWP_LINK_CLOSED at once, and what the daemon
+ * has not is dropped. So a caller that is offline waits for its next stream before it calls this,
+ * if the evidence is worth it. A later call can only bring the deadline forward. */
 SWP_API swp_result swp_link_goodbye(swp_link* link, uint64_t deadline_ns);
 
 /* Set stats->struct_size first. */

@@ -7,6 +7,7 @@
 
 #include "engine_client/telemetry/embedded/decider_loop.h"
 #include "engine_client/telemetry/protocol/wire.h"
+#include "server/decision/math/names.h"
 
 namespace sweepstake {
 namespace {
@@ -22,6 +23,8 @@ constexpr uint64_t kGoodConnectionNs = 1'000 * kNsPerMs;
 constexpr uint32_t kMaxBatchFrames = 240;
 // A refused token is tried again after the longest back-off times this.
 constexpr uint32_t kTokenDelayFactor = 6;
+// Of what a status says.
+constexpr size_t kMaxEndBytes = 256;
 
 // The codes of gRPC that mean something to a session.
 enum GrpcCode : uint32_t {
@@ -106,6 +109,18 @@ bool IsTokenRefused(uint32_t code, const std::string& reason) {
   return code == kGrpcUnauthenticated || reason == "TOO_MANY_FAILURES";
 }
 
+// Returns the text of another party as one that a log can show as it is: it may hold any bytes.
+std::string OneLine(std::string_view text) {
+  const std::string_view beginning = text.substr(0, kMaxEndBytes);
+  return math::IsLine(beginning) ? std::string(beginning) : math::PrintableLine(beginning);
+}
+
+StreamEnd Readable(StreamEnd end) {
+  end.message = OneLine(end.message);
+  if (!end.advice.empty()) end.message += "; " + end.advice;
+  return end;
+}
+
 std::string TryingAgain(uint32_t delay_ms) {
   return "; trying again in " + std::to_string(delay_ms) + " ms";
 }
@@ -143,7 +158,7 @@ SessionLink::SessionLink(const SessionOptions& options, std::string daemon, uint
       backoff_(options.backoff_min_ms, options.backoff_max_ms, jitter_seed) {}
 
 void SessionLink::Connected(uint64_t now_ns) {
-  assert(!stream_);
+  assert(!stream_ && !finished());
   stream_.emplace();
   stream_->deadline_ns = now_ns + kAnswerTimeoutNs;
 }
@@ -157,12 +172,8 @@ LinkAction SessionLink::Advance(uint64_t now_ns) {
 
 // REQUIRES: there is a stream.
 LinkAction SessionLink::NextStep(bool queue_empty, uint64_t now_ns) {
-  if (goodbye_deadline_ns_ && now_ns >= *goodbye_deadline_ns_) {
-    GiveUp();
-    return LinkAction::kCancel;
-  }
-  if (!stream_->mismatch.empty() || !stream_->fault.empty() || Overdue(now_ns))
-    return LinkAction::kCancel;
+  if (goodbye_deadline_ns_ && now_ns >= *goodbye_deadline_ns_) GiveUp();
+  if (stream_->IsBeingCancelled() || Overdue(now_ns)) return LinkAction::kCancel;
   if (!stream_->hello_sent) return LinkAction::kSend;
   if (stream_->finished || !state_.online()) return LinkAction::kNone;
   if (stream_->reconnect_delay_ms || stream_->goodbye_sent) return LinkAction::kFinish;
@@ -211,7 +222,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   if (!stream_) {
     return {StatusCode::kFailedPrecondition, "there is no connection that a message could be from"};
   }
-  if (!stream_->mismatch.empty() || !stream_->fault.empty()) return {};  // It is being cancelled.
+  if (stream_->IsBeingCancelled()) return {};
   const std::optional<protocol::Response> response = protocol::DecodeResponse(bytes);
   if (!response) {
     stream_->fault = "sent a message that cannot be read";
@@ -274,10 +285,10 @@ void SessionLink::OnCommand(const SwitchCommand& command, uint64_t now_ns) {
     adaptive_.SetLastDecision(last_decision_);
     return adaptive_.mailbox().Post(command);
   }
-  state_.Append({protocol::Encode(SwitchOutcome{.command_id = command.command_id,
-                                                .arm = adaptive_.active_arm(),
-                                                .switch_epoch = adaptive_.switch_epoch(),
-                                                .reason = command.reason})});
+  Answer(protocol::Encode(SwitchOutcome{.command_id = command.command_id,
+                                        .arm = adaptive_.active_arm(),
+                                        .switch_epoch = adaptive_.switch_epoch(),
+                                        .reason = command.reason}));
 }
 
 void SessionLink::OnOrder(const OperatorOrder& order) {
@@ -286,8 +297,16 @@ void SessionLink::OnOrder(const OperatorOrder& order) {
   if (takes_orders_ && known) return adaptive_.Obey(order);
   const auto reason = takes_orders_ ? protocol::OrderRefusalReason::kUnknown
                                     : protocol::OrderRefusalReason::kNotAllowed;
-  state_.Append(
-      {protocol::Encode(protocol::OrderRefusal{.order_id = order.order_id, .reason = reason})});
+  Answer(protocol::Encode(protocol::OrderRefusal{.order_id = order.order_id, .reason = reason}));
+}
+
+// A daemon that asks and does not acknowledge the answers must not fill the memory of the game.
+void SessionLink::Answer(std::string message) {
+  if (state_.full()) {
+    stream_->fault = "sends more that is refused than it acknowledges";
+    return;
+  }
+  state_.Append({std::move(message)});
 }
 
 // Beliefs are taken only where each is valid and there is one per arm.
@@ -317,8 +336,12 @@ void SessionLink::TakeVerdict(const SceneVerdict& verdict) {
   adaptive_.SetLastDecision(last_decision_);
 }
 
-std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& end, uint64_t now_ns) {
-  if (finished()) return std::nullopt;
+std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64_t now_ns) {
+  if (finished()) {
+    stream_.reset();
+    return std::nullopt;
+  }
+  const StreamEnd end = Readable(given);
   if (!stream_) {
     const uint32_t delay_ms = backoff_.LongMs();
     last_error_ = end.message + TryingAgain(delay_ms);
@@ -380,7 +403,7 @@ void SessionLink::Goodbye(uint64_t deadline_ns) {
 
 // Gives the stream up at the deadline of the goodbye, and says what the daemon owes until then.
 void SessionLink::GiveUp() {
-  stream_.reset();
+  if (std::exchange(stream_->given_up, true)) return;
   adaptive_.SetDeciderPresent(false);
   if (!state_.online()) {
     if (last_error_.empty()) last_error_ = daemon_ + " has not answered";
@@ -397,9 +420,9 @@ void SessionLink::GiveUp() {
 SessionStats SessionLink::stats() const {
   const SessionState::Counts& counts = state_.counts();
   SessionStats stats;
-  stats.state = !stream_          ? ConnectionState::kOffline
-                : state_.online() ? ConnectionState::kOnline
-                                  : ConnectionState::kConnecting;
+  stats.state = !stream_ || stream_->given_up ? ConnectionState::kOffline
+                : state_.online()             ? ConnectionState::kOnline
+                                              : ConnectionState::kConnecting;
   stats.last_error = last_error_;
   stats.refusal = refusal_;
   stats.session_id = state_.session_id();
@@ -407,7 +430,7 @@ SessionStats SessionLink::stats() const {
   stats.dropped_frame_count = counts.discarded_frame_count;
   stats.acknowledged_sequence = counts.acknowledged_sequence;
   stats.sent_sequence = counts.sent_sequence;
-  stats.awaits_acknowledgement = state_.online() && state_.full();
+  stats.awaits_acknowledgement = stats.state == ConnectionState::kOnline && state_.full();
   stats.connection_count = counts.connection_count;
   stats.resumed_count = counts.resumed_count;
   stats.resent_message_count = counts.resent_message_count;

@@ -11,7 +11,7 @@
 // Time: ns on any monotonic clock, the same for all calls. Thread safety: one caller at a time; it
 // is the queue's consumer. The frame thread never meets it: they share the queue and the mailboxes
 // of AdaptiveBroadPhase. Memory: the messages that are not acknowledged, at most
-// SessionOptions::unacknowledged_messages and a few more, and one batch.
+// SessionOptions::unacknowledged_messages and a few more, whatever the daemon sends, and one batch.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +41,10 @@ enum class LinkAction : uint32_t {
 
 // How a stream ended.
 struct StreamEnd {
-  uint32_t code = 0;    // of gRPC; 0: OK
-  std::string message;  // of the status
-  std::string details;  // the bytes of grpc-status-details-bin; empty: none
+  uint32_t code = 0;        // of gRPC; 0: OK
+  std::string message;      // of the status: any bytes, of which a line of at most 256 is told on
+  std::string details;      // the bytes of grpc-status-details-bin; empty: none
+  std::string advice = {};  // of the stream's owner, to follow the message; empty: none
 };
 
 // Of SessionLink: the stream that is being opened or is open.
@@ -56,6 +57,10 @@ struct LinkStream {
   bool hello_sent = false;
   bool goodbye_sent = false;
   bool finished = false;  // nothing more will be sent
+  bool given_up = false;  // at the deadline of the goodbye
+
+  // Nothing more is sent or taken, and the owner is told to cancel until it has.
+  bool IsBeingCancelled() const { return given_up || !mismatch.empty() || !fault.empty(); }
 };
 
 class SessionLink {
@@ -69,10 +74,11 @@ class SessionLink {
   // Returns whether there is a stream: between Connected and Disconnected.
   bool connected() const { return stream_.has_value(); }
   // Notes that a stream was opened, or is being opened: the first message is for it. REQUIRES: the
-  // former one, if any, was Disconnected.
+  // former one, if any, was Disconnected, and the link is not finished.
   void Connected(uint64_t now_ns);
   // Empties the queue and returns what to do now. kSend and kFinish are done with Take, once the
-  // stream can be written to; until then, Advance goes on to be called.
+  // stream can be written to; until then, Advance goes on to be called. kCancel is said again until
+  // Disconnected.
   LinkAction Advance(uint64_t now_ns);
   // Returns the size in bytes of the next message, without taking it. REQUIRES: Advance returned
   // kSend, and nothing was called since.
@@ -89,10 +95,12 @@ class SessionLink {
   std::optional<uint32_t> Disconnected(const StreamEnd& end, uint64_t now_ns);
 
   // Begins the end: what is in the queue is sent, then a goodbye, also if the game goes on. At the
-  // deadline it is given up. A later call can only bring the deadline forward.
+  // deadline it is given up; without a stream it is at once, and what was not sent is lost. A later
+  // call can only bring the deadline forward.
   void Goodbye(uint64_t deadline_ns);
-  // Returns whether Goodbye was called and there is nothing more to do.
-  bool finished() const { return goodbye_deadline_ns_ && !stream_; }
+  // Returns whether Goodbye was called and there is nothing more to do, but to end a stream that
+  // was given up.
+  bool finished() const { return goodbye_deadline_ns_ && (!stream_ || stream_->given_up); }
 
   // The frames that the queue dropped are not in it.
   SessionStats stats() const;
@@ -106,6 +114,7 @@ class SessionLink {
   void OnAcknowledgement(const protocol::Acknowledgement& message);
   void OnCommand(const SwitchCommand& command, uint64_t now_ns);
   void OnOrder(const OperatorOrder& order);
+  void Answer(std::string message);
   void TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors);
   void TakeVerdict(const SceneVerdict& verdict);
   bool Explain(const StreamEnd& end, const std::string& reason, const LinkStream& stream);

@@ -299,6 +299,23 @@ static void check_goodbye(void) {
   end_game(&played);
 }
 
+/* At the deadline of the goodbye the caller is told to end its stream until it has. */
+static void check_goodbye_deadline(void) {
+  game played = make_game();
+  bytes message;
+  go_online(&played);
+  CHECK_OK(swp_link_goodbye(played.link, played.now_ns));
+  for (int i = 0; i < 3; ++i) {
+    CHECK(next(&played, &message) == SWP_LINK_CANCEL && message.size == 0);
+    CHECK(stats_of(&played).state == SWP_LINK_CLOSED);
+    CHECK(swp_link_connected(played.link, played.now_ns) == SWP_FAILED_PRECONDITION);
+  }
+  CHECK(disconnect(&played, 1, "") == SWP_LINK_NEVER);
+  CHECK(next(&played, &message) == SWP_LINK_NONE);
+  CHECK(swp_link_connected(played.link, played.now_ns) == SWP_FAILED_PRECONDITION);
+  end_game(&played);
+}
+
 /* NULL where a pointer is needed is refused, and changes nothing. */
 static void check_null(void) {
   game played = make_game();
@@ -330,6 +347,21 @@ static void check_null(void) {
   end_game(&played);
 }
 
+/* Finalizers run in any order. */
+static void check_session_ends_first(void) {
+  game played = make_game();
+  bytes message;
+  swp_link_action action = 99;
+  go_online(&played);
+  swp_session_destroy(played.session);
+  CHECK(swp_link_next_message(played.link, played.now_ns, message.data, sizeof message.data,
+                              &message.size, &action) == SWP_FAILED_PRECONDITION);
+  CHECK(strstr(swp_last_error(), "session of this link has ended") != NULL);
+  CHECK(receive(&played, switch_command(7, 1)) == SWP_FAILED_PRECONDITION);
+  CHECK(action == 99);
+  swp_link_destroy(played.link);
+}
+
 /* Handles that a host has lost: the link ends with its session, and answers afterwards. */
 static void check_shutdown(void) {
   game played = make_game();
@@ -348,5 +380,7 @@ void test_link(void) {
   check_small_buffer();
   check_lost_connection();
   check_goodbye();
+  check_goodbye_deadline();
+  check_session_ends_first();
   check_shutdown();
 }

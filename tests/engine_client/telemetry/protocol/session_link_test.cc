@@ -319,8 +319,13 @@ TEST_F(SessionLinkTest, GivesItsGoodbyeUpAtTheDeadlineAndSaysWhatIsOwed) {
   EXPECT_EQ(link_.Advance(now_ns_ + 499 * kMs), LinkAction::kSend);
   EXPECT_EQ(link_.Advance(now_ns_ + 500 * kMs), LinkAction::kCancel);
   EXPECT_TRUE(link_.finished());
-  EXPECT_EQ(link_.Advance(now_ns_ + 500 * kMs), LinkAction::kNone);
+  EXPECT_EQ(link_.stats().state, ConnectionState::kOffline);
+  EXPECT_EQ(link_.Advance(now_ns_ + 501 * kMs), LinkAction::kCancel) << "until it has ended";
+  EXPECT_TRUE(link_.connected());
+  EXPECT_TRUE(Receive(WelcomeTo("a")).ok()) << "passed over";
   EXPECT_FALSE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
+  EXPECT_FALSE(link_.connected());
+  EXPECT_EQ(link_.Advance(now_ns_ + 502 * kMs), LinkAction::kNone);
   EXPECT_THAT(link_.stats().last_error, HasSubstr("not acknowledged the last 2 messages"));
 }
 
@@ -345,6 +350,43 @@ TEST_F(SessionLinkTest, TriesARefusedTokenAgainRarely) {
   Connect();
   EXPECT_GE(link_.Disconnected(EndWith(16, "who?", "TOKEN_REFUSED"), now_ns_), 3000U);
   EXPECT_EQ(link_.stats().refusal, "who? (TOKEN_REFUSED)");
+}
+
+TEST_F(SessionLinkTest, BoundsTheAnswersThatADaemonDoesNotAcknowledge) {
+  GoOnline();
+  v1::StreamTelemetryResponse order;
+  order.mutable_operator_order()->set_order_id(3);
+  order.mutable_operator_order()->set_mode(v1::MODE_AI);
+  for (int i = 0; i < 10'000; ++i) ASSERT_TRUE(Receive(order).ok());
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
+  EXPECT_TRUE(link_.Disconnected(EndWith(1, "cancelled"), now_ns_));
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("more that is refused than it acknowledges"));
+  Connect();
+  ASSERT_TRUE(Receive(WelcomeTo("a", true, 0)).ok());
+  EXPECT_EQ(TakeAll().size(), Options().unacknowledged_messages);
+}
+
+TEST_F(SessionLinkTest, BoundsTheAnswersToCommandsThatCannotBeObeyed) {
+  GoOnline();
+  v1::StreamTelemetryResponse command;
+  command.mutable_switch_command()->set_arm(99);
+  command.mutable_switch_command()->set_reason(v1::SWITCH_REASON_POLICY);
+  for (int i = 0; i < 10'000; ++i) ASSERT_TRUE(Receive(command).ok());
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
+}
+
+TEST_F(SessionLinkTest, TellsWhatAStatusSaysAsOneLine) {
+  Connect();
+  link_.Disconnected(EndWith(13, "bad \xff\n\x1b[31m text"), now_ns_);
+  EXPECT_THAT(link_.stats().last_error, HasSubstr(": bad ???[31m text; trying again"));
+  link_.Disconnected(EndWith(0, "no such\nfile"), now_ns_);
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("no such?file; trying again"));
+  Connect();
+  link_.Disconnected(EndWith(16, std::string(100'000, 'x'), "TOKEN_REFUSED"), now_ns_);
+  EXPECT_EQ(link_.stats().refusal, std::string(256, 'x') + " (TOKEN_REFUSED)");
+  Connect();
+  link_.Disconnected(EndWith(16, "f\u00fcr dich"), now_ns_);
+  EXPECT_EQ(link_.stats().refusal, "f\u00fcr dich");
 }
 
 TEST_F(SessionLinkTest, HurriesBackAfterAConnectionThatHeld) {
