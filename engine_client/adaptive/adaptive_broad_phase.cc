@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine_client/broad_phase/host/exceptions.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 
 namespace sweepstake {
@@ -74,7 +75,19 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .sink = sink,
                         .clock = SteadyClock(),
                         .mode = mode});
-  lane_->Start();
+}
+
+Status AdaptiveBroadPhase::Impl::StartLane() {
+  if (!lane_) return {};
+  return CatchFailure(
+      [&]() -> Status {
+        lane_->Start();
+        return {};
+      },
+      [](const char*) -> Status {
+        return {StatusCode::kResourceExhausted,
+                "the system has no more threads: end some, or turn the shadow lane off"};
+      });
 }
 
 // Step 2: executes a pending switch, at most one per frame. A local decision takes precedence over

@@ -78,6 +78,7 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveFactory::Make(const Adaptive
   if (!initial) return UnknownArm(options.initial_arm, arms);
   auto impl = std::make_unique<AdaptiveBroadPhase::Impl>(
       options, std::move(arms), std::move(backends), *initial, lane, sink, clock);
+  if (Status status = impl->StartLane(); !status.ok()) return status;
   return std::unique_ptr<AdaptiveBroadPhase>(new AdaptiveBroadPhase(std::move(impl)));
 }
 

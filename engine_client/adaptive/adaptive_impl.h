@@ -33,6 +33,9 @@ class AdaptiveBroadPhase::Impl {
        std::vector<ArmBackend> backends, uint32_t initial_arm, const LaneParts& lane,
        FrameSink* sink, Clock& clock);
 
+  // Starts the shadow lane's thread, where there is to be one. Called once, before the first frame.
+  // kResourceExhausted if the system has no more threads.
+  Status StartLane();
   void BeginFrame();
   std::span<const OverlapPair> FindPairs(std::span<const Aabb> boxes);
   void EndFrame(const FrameEnd& frame);

@@ -108,7 +108,8 @@ struct FrameEnd {
 
 class AdaptiveBroadPhase {
  public:
-  // kNotFound for an unknown arm, kInvalidArgument for other errors. `clock` and `sink` are
+  // kNotFound for an unknown arm, kResourceExhausted if the system has no thread for the shadow
+  // lane, kInvalidArgument for other errors. `clock` and `sink` are
   // borrowed; sink may be null. The shadow lane uses SteadyClock() whatever `clock` is.
   static Result<std::unique_ptr<AdaptiveBroadPhase>> Create(const AdaptiveOptions& options,
                                                             FrameSink* sink,
