@@ -64,6 +64,10 @@ swp_result swp_set_hooks(const swp_hooks* hooks) {
     const swp_result wrong = TakeOptions("swp_hooks", hooks, known);
     if (wrong != SWP_OK) return wrong;
     if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+    if (swp_live_count(SWP_KIND_ANY) > 0) {  // its threads read the hooks
+      return Fail(SWP_FAILED_PRECONDITION,
+                  "an object lives: set hooks before the first is made, or after the last is gone");
+    }
     return InstallHooks(known);
   });
 }

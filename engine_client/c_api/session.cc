@@ -136,6 +136,7 @@ swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, u
     if (!live.in_frame) {
       return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
     }
+    live.pairs.reset();
     live.pairs = live.adaptive->FindPairs(ToBoxes(boxes, box_count));
     return kOk;
   });

@@ -43,8 +43,9 @@ SWP_API swp_result swp_hooks_init(swp_hooks* hooks);
 
 /* Replaces the hooks by a copy of these; NULL restores the defaults. Call it before the first
  * object is made and after the last is destroyed, while no other thread is in a call:
- * SWP_FAILED_PRECONDITION if an object holds memory of the present hooks. SWP_INVALID_ARGUMENT: of
- * `allocate` and `release`, or of `zone_begin` and `zone_end`, one alone is NULL. */
+ * SWP_FAILED_PRECONDITION while an object lives (swp_live_count), since its threads read the hooks.
+ * SWP_INVALID_ARGUMENT: of `allocate` and `release`, or of `zone_begin` and `zone_end`, one alone
+ * is NULL. */
 SWP_API swp_result swp_set_hooks(const swp_hooks* hooks);
 
 /* NOLINTEND(modernize-use-using) */

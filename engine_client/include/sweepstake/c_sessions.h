@@ -156,8 +156,6 @@ typedef struct swp_verdict {
   double leader_probability; /* the probability that it is the best, 0 to 1 */
 } swp_verdict;
 
-/* Fills in the defaults: all arms, the first one first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s
- * of settling, 4,096 samples, the calling thread alone, and no shadow lane. */
 /* What came of a decision's candidate. A later library may have more. */
 typedef uint32_t swp_decision_outcome;
 enum {
@@ -193,6 +191,8 @@ typedef struct swp_decision {
   double best_probability[32]; /* of each arm to be the best; all 0: nothing is known */
 } swp_decision;
 
+/* Fills in the defaults: all arms, the first one first, SWP_MODE_AI, a bail-out limit of 5 s, 2 s
+ * of settling, 4,096 samples, the calling thread alone, and no shadow lane. */
 SWP_API swp_result swp_session_options_init(swp_session_options* options);
 
 /* `options` NULL takes the defaults. SWP_NOT_FOUND lists the backends; SWP_RESOURCE_EXHAUSTED if
@@ -208,11 +208,13 @@ SWP_API void swp_session_destroy(swp_session* session);
 SWP_API swp_result swp_session_begin_frame(swp_session* session);
 /* The active backend takes these boxes, whose count may change as in swp_world_update, and
  * searches. A frame with substeps or several fixed updates calls it for each; together they are one
- * sample. */
+ * sample. After SWP_RESOURCE_EXHAUSTED (memory) there are no pairs until the next search, which
+ * rebuilds; the frame ends as any other. */
 SWP_API swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes,
                                           uint32_t box_count);
 /* The pairs of the latest search, in the library's memory, where any thread may read them until the
- * next find_pairs or begin_frame. SWP_FAILED_PRECONDITION if this frame has not searched. */
+ * next find_pairs or begin_frame. SWP_FAILED_PRECONDITION if this frame has not searched, or
+ * its latest search failed. */
 SWP_API swp_result swp_session_pairs(const swp_session* session, const swp_pair** pairs,
                                      uint64_t* count);
 /* `frame_time_ns` is the unscaled time since the previous end; `flags` of SWP_FRAME_PAUSED and

@@ -12,10 +12,14 @@ typedef struct seen {
   uint64_t decide_count;
   uint64_t open_zone_count;
   uint64_t pool_thread_count;
+  uint64_t allocations_left; /* counted while memory is short */
+  int is_short;
 } seen;
 
 static void* allocate(uint64_t bytes, uint64_t alignment, void* user) {
-  ++((seen*)user)->allocation_count;
+  seen* counts = user;
+  if (counts->is_short && counts->allocations_left-- == 0) return NULL;
+  ++counts->allocation_count;
   /* Windows has no aligned_alloc: the block's own address stands in front of what is given out. */
   char* const block = malloc(bytes + alignment + sizeof block);
   if (block == NULL) return NULL;
@@ -101,8 +105,60 @@ static void check_budget(seen* counts) {
   }
 }
 
+/* The second search of a frame has memory for `allocation_count` blocks only. Returns its result.
+ */
+static swp_result search_short_of_memory(seen* counts, uint64_t allocation_count) {
+  enum { kMany = 3000 };
+  static swp_aabb boxes[kMany];
+  const swp_pair* pairs = NULL;
+  uint64_t count = 99;
+  for (int i = 0; i < kMany; ++i) {
+    const float x = (float)i;
+    boxes[i] = (swp_aabb){{x, 0, 0}, {x + 1, 1, 1}};
+  }
+  swp_session_options options = {.struct_size = sizeof options};
+  swp_session* session = NULL;
+  CHECK_OK(swp_session_options_init(&options));
+  CHECK_OK(swp_session_create(&options, &session));
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK_OK(swp_session_find_pairs(session, boxes, 2));
+  counts->is_short = 1;
+  counts->allocations_left = allocation_count;
+  const swp_result result = swp_session_find_pairs(session, boxes, kMany);
+  counts->is_short = 0;
+  if (result != SWP_OK) {
+    CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
+    CHECK(pairs == NULL && count == 99);
+    CHECK_OK(swp_session_find_pairs(session, boxes, kMany));
+  }
+  CHECK_OK(swp_session_pairs(session, &pairs, &count));
+  CHECK(count == kMany - 1);
+  CHECK_OK(swp_session_end_frame(session, 1000, 0));
+  swp_session_destroy(session);
+  return result;
+}
+
+/* Whichever of its allocations fails, no pairs of the search before are left. */
+static void check_out_of_memory(seen* counts) {
+  uint64_t allocation_count = 0;
+  while (search_short_of_memory(counts, allocation_count) == SWP_RESOURCE_EXHAUSTED) {
+    ++allocation_count;
+  }
+  CHECK(allocation_count > 0);
+}
+
+/* A world holds no memory of the hooks before it is built; its threads read them all the same. */
+static void check_beside_an_object(void) {
+  swp_world* world = NULL;
+  CHECK_OK(swp_world_create("SAP", NULL, &world));
+  CHECK(swp_set_hooks(NULL) == SWP_FAILED_PRECONDITION);
+  swp_world_destroy(world);
+  CHECK_OK(swp_set_hooks(NULL));
+}
+
 void test_hooks(void) {
   seen counts = {0};
+  check_beside_an_object();
   swp_hooks hooks = {.struct_size = sizeof hooks};
   REFUSED(swp_hooks_init(NULL));
   CHECK_OK(swp_hooks_init(&hooks));
@@ -133,6 +189,7 @@ void test_hooks(void) {
   CHECK(counts.pool_thread_count == 1);
   check_trim(&counts);
   check_budget(&counts);
+  if (CATCHES_OUT_OF_MEMORY) check_out_of_memory(&counts);
   CHECK(counts.allocation_count == counts.release_count);
   CHECK(counts.open_zone_count == 0);
   CHECK_OK(swp_set_hooks(NULL));

@@ -109,13 +109,15 @@ typedef struct output_struct {
 static const options_struct kOptions[] = {
     {sizeof(swp_world_options), fill_world_options, take_world_options},
     {sizeof(swp_executor), init_executor, take_executor},
-    {sizeof(swp_hooks), fill_hooks, take_hooks},
     {sizeof(swp_session_options), fill_session_options, take_session_options},
     {sizeof(swp_decider_options), fill_decider_options, take_decider_options},
     {sizeof(swp_link_options), fill_link_options, take_link_options},
     {sizeof(swp_proxies_options), fill_proxies_options, take_proxies_options},
     {sizeof(swp_scene_options), fill_scene_options, take_scene_options},
 };
+
+/* Taken while there is no object alone. */
+static const options_struct kHooks = {sizeof(swp_hooks), fill_hooks, take_hooks};
 
 static const output_struct kOutputs[] = {
     {sizeof(swp_world_options), fill_world_options},
@@ -185,6 +187,7 @@ static void check_filled(const output_struct* type) {
 }
 
 void test_structs(void) {
+  check_taken(&kHooks);
   CHECK_OK(swp_session_create(NULL, &session));
   CHECK_OK(swp_world_create("SAP", NULL, &world));
   for (size_t i = 0; i < sizeof kOptions / sizeof kOptions[0]; ++i) check_taken(&kOptions[i]);
