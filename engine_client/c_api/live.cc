@@ -99,12 +99,14 @@ void LiveObject::KeepError() const noexcept {
   writing_error_.clear();
 }
 
-swp_result Ended(std::string_view name) noexcept {
+swp_result Ended(const LiveObject& object, std::string_view name) noexcept {
   std::array<char, 128> message;
   std::snprintf(message.data(), message.size(),
                 "swp_shutdown_all has ended this %.*s: destroy it and make another",
                 static_cast<int>(name.size()), name.data());
-  return Fail(SWP_FAILED_PRECONDITION, message.data());
+  const swp_result result = Fail(SWP_FAILED_PRECONDITION, message.data());
+  object.KeepError();
+  return result;
 }
 
 }  // namespace sweepstake::c_api
@@ -118,16 +120,15 @@ swp_result swp_shutdown_all(uint32_t deadline_ms) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point deadline = Clock::now() + std::chrono::milliseconds(deadline_ms);
   registry.EndAll();
-  do {
+  for (;;) {
     const Registry::Freed freed = registry.FreeOne();
+    if (freed == Registry::Freed::kOne) continue;
     if (freed == Registry::Freed::kNoneLeft) return SWP_OK;
-    if (freed == Registry::Freed::kOthersInCalls) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-  } while (Clock::now() < deadline);
+    if (Clock::now() >= deadline) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   return sweepstake::c_api::Fail(
-      SWP_UNAVAILABLE,
-      "not every object is freed yet: let their calls return, then shut down again");
+      SWP_UNAVAILABLE, "objects are in calls still: let those return, then shut down again");
 }
 
 swp_result swp_last_error_of(const void* object, char* text, uint32_t capacity) {

@@ -79,8 +79,8 @@ class Handle : public LiveObject {
 void Register(LiveObject& object) noexcept;
 void Unregister(LiveObject& object) noexcept;
 
-// Fails with "swp_shutdown_all has ended this NAME: …".
-swp_result Ended(std::string_view name) noexcept;
+// Fails with "swp_shutdown_all has ended this NAME: …", which the object keeps.
+swp_result Ended(const LiveObject& object, std::string_view name) noexcept;
 
 // Hands `content` to the caller.
 template <typename Object, typename Content>
@@ -120,10 +120,10 @@ swp_result Use(Object* object, const Body& body) noexcept {
   using Content = typename Object::Content;
   if (object == nullptr) return NullArgument(Content::kName);
   if constexpr (std::is_const_v<Object>) {
-    if (object->has_ended()) return Ended(Content::kName);
+    if (object->has_ended()) return Ended(*object, Content::kName);
     return RunWith(*object, std::as_const(*object->content), body);
   } else {
-    if (!object->Enter()) return Ended(Content::kName);
+    if (!object->Enter()) return Ended(*object, Content::kName);
     const swp_result result = RunWith(*object, *object->content, body);
     object->Leave();
     return result;

@@ -1,6 +1,6 @@
 /* The C ABI of Sweepstake: what Unity and other engines load from the shared library `sweepstake`.
- * This header has what holds for all of it, and includes one header per thing: c_worlds.h,
- * c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h.
+ * This header has what holds for all of it, and includes one header per thing: c_hooks.h,
+ * c_worlds.h, c_sessions.h, c_deciders.h, c_link.h, c_proxies.h and c_scenes.h.
  *
  * Threads: distinct objects are independent. An object belongs to one caller at a time: no call of
  * it may begin before the one before it has returned, wherever that one ran. "The frame thread" of
@@ -108,9 +108,10 @@ SWP_API uint32_t swp_live_count(swp_kind kind);
  * reloaded and has left its handles behind, before it makes new ones.
  *
  * No call begins any more: each is answered with SWP_FAILED_PRECONDITION. Those under way are
- * waited for, at most deadline_ms (and the time of freeing one object: a session's lane stops
- * within 50 ms). SWP_UNAVAILABLE if some have not returned by then; what they use lives on, and a
- * later call goes on. With 0 nothing is waited for. What is made meanwhile lives.
+ * waited for, at most deadline_ms; freeing takes its time beside that (a session's lane stops
+ * within 50 ms). SWP_UNAVAILABLE if some have not returned by then: what they use lives on, all
+ * else is freed, and a later call goes on. With 0 no call is waited for. What is made meanwhile
+ * lives.
  *
  * Safe: any thread may call it, at any time, also beside calls that take an object as non-const,
  * and more than once. A handle that turns up afterwards may be given to any function, on any

@@ -113,6 +113,15 @@ TEST(LostHandlesTest, ShutdownEndsAllAndAnOldHandleIsAnswered) {
   Destroy(next);
 }
 
+TEST(LostHandlesTest, WithoutADeadlineWhatIsInNoCallIsFreedAtOnce) {
+  const Objects first = MakeObjects();
+  const Objects second = MakeObjects();
+  EXPECT_EQ(swp_shutdown_all(0), SWP_OK);
+  EXPECT_EQ(swp_live_count(SWP_KIND_ANY), 0U);
+  Destroy(first);
+  Destroy(second);
+}
+
 TEST(LostHandlesTest, AnotherThreadThanTheOneThatMadeThemShutsThemDown) {
   Objects lost;
   std::thread([&] {
@@ -193,7 +202,7 @@ TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsItsObjectOnly) {
     swp_world_find_pairs(busy);  // the shutdown may be there first
   });
   while (!gate.reached) std::this_thread::yield();
-  EXPECT_EQ(swp_shutdown_all(200), SWP_UNAVAILABLE);
+  EXPECT_EQ(swp_shutdown_all(0), SWP_UNAVAILABLE);
   EXPECT_EQ(swp_live_count(SWP_KIND_ANY), 1U);
   EXPECT_EQ(swp_live_count(SWP_KIND_WORLD), 1U);
   gate.open = true;
@@ -203,6 +212,20 @@ TEST(LostHandlesTest, ACallThatDoesNotReturnKeepsItsObjectOnly) {
   swp_world_destroy(busy);
   swp_scene_destroy(scene);
   Destroy(others);
+}
+
+TEST(LostHandlesTest, AnObjectThatWasShutDownTellsSo) {
+  const Objects lost = MakeObjects();
+  char text[256] = "";
+  uint32_t arm = 0;
+  EXPECT_EQ(swp_shutdown_all(kLong), SWP_OK);
+  EXPECT_EQ(swp_world_find_pairs(lost.world), SWP_FAILED_PRECONDITION);
+  EXPECT_EQ(swp_last_error_of(lost.world, text, sizeof text), SWP_OK);
+  EXPECT_NE(std::strstr(text, "has ended this world"), nullptr);
+  EXPECT_EQ(swp_session_active_arm(lost.session, &arm), SWP_FAILED_PRECONDITION);
+  EXPECT_EQ(swp_last_error_of(lost.session, text, sizeof text), SWP_OK);
+  EXPECT_NE(std::strstr(text, "has ended this session"), nullptr);
+  Destroy(lost);
 }
 
 TEST(LostHandlesTest, AnObjectTellsItsLastErrorOnEveryThread) {
