@@ -383,17 +383,12 @@ swp_result swp_proxies_query_spheres(const swp_proxies* proxies, const swp_spher
     if ((spheres == nullptr || ends == nullptr) && sphere_count > 0)
       return NullArgument("spheres and ends");
     if (found == nullptr && capacity > 0) return NullArgument("found");
-    uint64_t end = 0;
-    for (uint32_t k = 0; k < sphere_count; ++k) {
-      const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
-      size_t count = 0;
-      const auto status =
-          live.set.QuerySphere(reinterpret_cast<const Sphere&>(spheres[k]), FilterOrAll(filter),
-                               out.subspan(std::min(end, capacity)), count);
-      if (!status.ok()) return ToQueryResult(status);
-      ends[k] = end += count;
-    }
-    return end > capacity ? TooFewPlaces() : kOk;
+    const std::span asked{reinterpret_cast<const Sphere*>(spheres), sphere_count};
+    const std::span out{reinterpret_cast<ProxyHandle*>(found), capacity};
+    const std::span places{reinterpret_cast<size_t*>(ends), sphere_count};
+    const auto status = live.set.QuerySpheres(asked, FilterOrAll(filter), out, places);
+    if (!status.ok()) return ToQueryResult(status);
+    return !places.empty() && places.back() > capacity ? TooFewPlaces() : kOk;
   });
 }
 
@@ -415,13 +410,10 @@ swp_result swp_proxies_sweep_boxes(const swp_proxies* proxies, const swp_box_swe
   return Use(proxies, [&](const Proxies& live) {
     if ((sweeps == nullptr || hits == nullptr) && sweep_count > 0)
       return NullArgument("sweeps and hits");
-    for (uint32_t k = 0; k < sweep_count; ++k) {
-      RayHit hit;
-      const auto& sweep = reinterpret_cast<const BoxSweep&>(sweeps[k]);
-      const auto status = live.set.SweepBoxNearest(sweep, FilterOrAll(filter), hit);
-      if (!status.ok()) return ToQueryResult(status);
-      hits[k] = {ToProxy(hit.proxy), hit.distance, 0};
-    }
+    const std::span swept{reinterpret_cast<const BoxSweep*>(sweeps), sweep_count};
+    const auto status = live.set.SweepBoxes(swept, FilterOrAll(filter), Packed(hits, sweep_count));
+    if (!status.ok()) return ToQueryResult(status);
+    Unpack(hits, sweep_count);
     return kOk;
   });
 }

@@ -64,6 +64,14 @@ class ProxySet::Impl {
   // (proxy_set_queries.cc)
   template <typename Shape, typename Question>
   Status Ask(const Shape& shape, const Question& question) const;
+  // Gives the nearest hit of each shape; NAME is what one of them is called where it is refused.
+  template <typename Shape>
+  Status FindNearestHits(const char* name, std::span<const Shape> shapes,
+                         const CollisionFilter& filter, std::span<RayHit> hits) const;
+  // Calls search(queries, shape, found) for each shape, whose results follow one another in `out`.
+  template <typename Shape, typename Search>
+  Status FindMany(std::span<const Shape> shapes, std::span<ProxyHandle> out, std::span<size_t> ends,
+                  const Search& search) const;
   // Answers it if the shape is right.
   template <typename Shape, typename Question>
   Status RefreshAndAsk(const Shape& shape, const Question& question);

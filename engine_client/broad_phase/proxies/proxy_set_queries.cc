@@ -38,6 +38,17 @@ Status Check(const Sphere& sphere) {
 // A box that is not valid is found nowhere.
 Status Check(const Aabb&) { return {}; }
 
+// Refuses many shapes before any is asked about, so that results stay as they were.
+template <typename Shape>
+Status CheckAll(const char* name, std::span<const Shape> shapes) {
+  for (size_t k = 0; k < shapes.size(); ++k) {
+    const Status wrong = Check(shapes[k]);
+    if (wrong.ok()) continue;
+    return {wrong.code(), name + (" " + std::to_string(k)) + ": " + wrong.message()};
+  }
+  return {};
+}
+
 }  // namespace
 
 template <typename Shape, typename Question>
@@ -50,6 +61,34 @@ Status ProxySet::Impl::Ask(const Shape& shape, const Question& question) const {
   }
   question(ProxyQueries(moving_, resting_));
   return {};
+}
+
+template <typename Shape>
+Status ProxySet::Impl::FindNearestHits(const char* name, std::span<const Shape> shapes,
+                                       const CollisionFilter& filter,
+                                       std::span<RayHit> hits) const {
+  assert(shapes.size() == hits.size());
+  Status wrong = CheckAll(name, shapes);
+  if (!wrong.ok()) return wrong;
+  return Ask(Aabb{}, [&](const ProxyQueries& queries) {
+    for (size_t k = 0; k < shapes.size(); ++k) {
+      hits[k] = queries.FindNearestHit(SlabsOf(shapes[k]), filter);
+    }
+  });
+}
+
+template <typename Shape, typename Search>
+Status ProxySet::Impl::FindMany(std::span<const Shape> shapes, std::span<ProxyHandle> out,
+                                std::span<size_t> ends, const Search& search) const {
+  assert(shapes.size() == ends.size());
+  return Ask(Aabb{}, [&](const ProxyQueries& queries) {
+    size_t end = 0;
+    for (size_t k = 0; k < shapes.size(); ++k) {
+      Found found(out.subspan(end < out.size() ? end : out.size()));
+      search(queries, shapes[k], found);
+      ends[k] = end += found.count();
+    }
+  });
 }
 
 template <typename Shape, typename Question>
@@ -150,29 +189,30 @@ Status ProxySet::SweepBoxNearest(const BoxSweep& sweep, const CollisionFilter& f
 
 Status ProxySet::CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
                           std::span<RayHit> hits) const {
-  assert(rays.size() == hits.size());
-  for (size_t k = 0; k < rays.size(); ++k) {
-    const Status wrong = Check(rays[k]);
-    if (!wrong.ok()) return {wrong.code(), "ray " + std::to_string(k) + ": " + wrong.message()};
-  }
-  return std::as_const(*impl_).Ask(Aabb{}, [&](const ProxyQueries& queries) {
-    for (size_t k = 0; k < rays.size(); ++k) {
-      hits[k] = queries.FindNearestHit(SlabsOf(rays[k]), filter);
-    }
-  });
+  return std::as_const(*impl_).FindNearestHits("ray", rays, filter, hits);
+}
+
+Status ProxySet::SweepBoxes(std::span<const BoxSweep> sweeps, const CollisionFilter& filter,
+                            std::span<RayHit> hits) const {
+  return std::as_const(*impl_).FindNearestHits("sweep", sweeps, filter, hits);
 }
 
 Status ProxySet::QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
                             std::span<ProxyHandle> out, std::span<size_t> ends) const {
-  assert(boxes.size() == ends.size());
-  return std::as_const(*impl_).Ask(Aabb{}, [&](const ProxyQueries& queries) {
-    size_t end = 0;
-    for (size_t k = 0; k < boxes.size(); ++k) {
-      Found found(out.subspan(end < out.size() ? end : out.size()));
-      queries.FindInBox(boxes[k], filter, found);
-      ends[k] = end += found.count();
-    }
-  });
+  return std::as_const(*impl_).FindMany(
+      boxes, out, ends, [&](const ProxyQueries& queries, const Aabb& box, auto& found) {
+        queries.FindInBox(box, filter, found);
+      });
+}
+
+Status ProxySet::QuerySpheres(std::span<const Sphere> spheres, const CollisionFilter& filter,
+                              std::span<ProxyHandle> out, std::span<size_t> ends) const {
+  Status wrong = CheckAll("sphere", spheres);
+  if (!wrong.ok()) return wrong;
+  return std::as_const(*impl_).FindMany(
+      spheres, out, ends, [&](const ProxyQueries& queries, const Sphere& sphere, auto& found) {
+        queries.FindInSphere(sphere, filter, found);
+      });
 }
 
 }  // namespace sweepstake

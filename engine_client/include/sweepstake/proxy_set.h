@@ -286,10 +286,16 @@ class ProxySet {
   // leaves all hits as they were. REQUIRES: equal sizes.
   Status CastRays(std::span<const Ray> rays, const CollisionFilter& filter,
                   std::span<RayHit> hits) const;
+  // The same for boxes on their way.
+  Status SweepBoxes(std::span<const BoxSweep> sweeps, const CollisionFilter& filter,
+                    std::span<RayHit> hits) const;
   // The proxies in boxes[k] are out[ends[k − 1]] to out[ends[k]]; `ends` counts on where `out` is
   // too small. REQUIRES: equal sizes of boxes and ends.
   Status QueryBoxes(std::span<const Aabb> boxes, const CollisionFilter& filter,
                     std::span<ProxyHandle> out, std::span<size_t> ends) const;
+  // The same for spheres; one that is refused is named and leaves all results as they were.
+  Status QuerySpheres(std::span<const Sphere> spheres, const CollisionFilter& filter,
+                      std::span<ProxyHandle> out, std::span<size_t> ends) const;
 
   // Does the work of the first query after a change.
   void PrepareQueries();

@@ -1,4 +1,5 @@
 /* NULL and nonsense in every place give SWP_INVALID_ARGUMENT and a message, and change nothing. */
+#include <math.h>
 #include <string.h>
 
 #include "tests/engine_client/c_api/check.h"
@@ -118,6 +119,44 @@ static void check_proxies_options(void) {
   WITH(reserved, 1);
 #undef WITH
   CHECK(proxies == NULL);
+}
+
+/* A shape that is refused leaves all outputs as they were. */
+static void check_refused_shapes(const swp_proxies* proxies) {
+  const swp_sphere spheres[2] = {{{0, 0, 0}, 1}, {{0, 0, 0}, -1}};
+  const swp_box_sweep sweeps[2] = {{{{0, 0, 0}, {1, 1, 1}}, {1, 0, 0}},
+                                   {{{0, 0, 0}, {1, 1, 1}}, {NAN, 0, 0}}};
+  swp_proxy found = 9;
+  swp_ray_hit hits[2] = {{9, 9, 9}, {9, 9, 9}};
+  uint64_t ends[2] = {9, 9};
+  CHECK(swp_proxies_query_spheres(proxies, spheres, 2, NULL, &found, 1, ends) ==
+        SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "sphere 1: ") != NULL);
+  CHECK(found == 9 && ends[0] == 9);
+  CHECK(swp_proxies_sweep_boxes(proxies, sweeps, 2, NULL, hits) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "sweep 1: ") != NULL);
+  CHECK(hits[0].proxy == 9 && hits[0].distance == 9);
+}
+
+/* Without a shape too, the queries have to be made ready. */
+static void check_unprepared(const swp_proxies* proxies) {
+  CHECK(swp_proxies_query_boxes(proxies, NULL, 0, NULL, NULL, 0, NULL) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_proxies_query_spheres(proxies, NULL, 0, NULL, NULL, 0, NULL) ==
+        SWP_FAILED_PRECONDITION);
+  CHECK(swp_proxies_cast_rays(proxies, NULL, 0, NULL, NULL) == SWP_FAILED_PRECONDITION);
+  CHECK(swp_proxies_sweep_boxes(proxies, NULL, 0, NULL, NULL) == SWP_FAILED_PRECONDITION);
+}
+
+static void check_many_shapes(void) {
+  const swp_aabb box = {{0, 0, 0}, {1, 1, 1}};
+  swp_proxy added = 0;
+  swp_proxies* proxies = NULL;
+  CHECK_OK(swp_proxies_create(NULL, &proxies));
+  CHECK_OK(swp_proxies_add_many(proxies, &box, NULL, 1, &added));
+  check_unprepared(proxies);
+  CHECK_OK(swp_proxies_prepare_queries(proxies));
+  check_refused_shapes(proxies);
+  swp_proxies_destroy(proxies);
 }
 
 static void check_proxies_without_one(void) {
@@ -395,6 +434,7 @@ void test_arguments(void) {
   check_worlds();
   check_executors();
   check_proxies_options();
+  check_many_shapes();
   check_proxies_without_one();
   check_proxies();
   check_scenes();
