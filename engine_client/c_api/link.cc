@@ -121,7 +121,8 @@ swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_l
   return SWP_OK;
 }
 
-// Runs `body` with the link under its lock, while its session cannot be freed either.
+// Runs `body` with the link under its lock, while its session cannot be freed either. What fails is
+// kept by the link alone: the session has errors of its own.
 template <typename Body>
 swp_result UseLink(swp_link* link, const Body& body) noexcept {
   return Use(link, [&](Link& live) {
@@ -129,10 +130,11 @@ swp_result UseLink(swp_link* link, const Body& body) noexcept {
     if (session == nullptr) {
       return Fail(SWP_FAILED_PRECONDITION, "the session of this link has ended: destroy the link");
     }
-    return Use(session, [&](Session& /*session*/) {
-      const std::lock_guard lock(live.mutex);
-      return body(live);
-    });
+    if (!session->Enter()) return Ended(*link, Session::kName);
+    const auto leave = [](swp_session* entered) { entered->Leave(); };
+    const std::unique_ptr<swp_session, decltype(leave)> stay(session, leave);
+    const std::lock_guard lock(live.mutex);
+    return swp_result{body(live)};
   });
 }
 
@@ -144,7 +146,10 @@ swp_result TakeMessage(Link& live, uint64_t now_ns, void* buffer, uint64_t capac
   if (next == LinkAction::kFinish) live.protocol.Take(now_ns);
   if (next != LinkAction::kSend) return SWP_OK;
   *size = live.protocol.next_message_bytes();
-  if (*size > capacity) return TooFewPlaces();
+  if (*size > capacity) {
+    return Fail(SWP_RESOURCE_EXHAUSTED,
+                "the message is larger than the buffer: size says how large");
+  }
   const std::string message = live.protocol.Take(now_ns);
   std::memcpy(buffer, message.data(), message.size());
   return SWP_OK;
@@ -275,7 +280,9 @@ swp_result swp_link_copy_text(swp_link* link, swp_link_text which, char* text, u
       return Fail(SWP_INVALID_ARGUMENT, "which must be one of SWP_LINK_LAST_ERROR to _POLICY, 0-4");
     }
     *size = chosen->size();
-    if (chosen->size() >= capacity) return TooFewPlaces();
+    if (chosen->size() >= capacity) {
+      return Fail(SWP_RESOURCE_EXHAUSTED, "the text and its NUL are longer than the buffer");
+    }
     std::memcpy(text, chosen->c_str(), chosen->size() + 1);
     return kOk;
   });

@@ -245,6 +245,7 @@ static void check_small_buffer(void) {
   run_frames(&played, 1);
   CHECK(swp_link_next_message(played.link, played.now_ns, NULL, 0, &size, &action) ==
         SWP_RESOURCE_EXHAUSTED);
+  CHECK(strstr(swp_last_error(), "message") != NULL);
   CHECK(size > 10 && size < 100);
   CHECK(swp_link_next_message(played.link, played.now_ns, message.data, size - 1, &message.size,
                               &action) == SWP_RESOURCE_EXHAUSTED);
@@ -316,6 +317,20 @@ static void check_goodbye_deadline(void) {
   end_game(&played);
 }
 
+/* What fails with the link is no failure of its session, of which the frame thread reports. */
+static void check_errors(void) {
+  game played = make_game();
+  char text[256];
+  uint64_t size = 0;
+  CHECK(swp_session_end_frame(played.session, 0, 0) == SWP_FAILED_PRECONDITION);
+  REFUSED(swp_link_copy_text(played.link, 99, NULL, 0, &size));
+  CHECK_OK(swp_last_error_of(played.session, text, sizeof text));
+  CHECK(strstr(text, "swp_session_begin_frame") != NULL);
+  CHECK_OK(swp_last_error_of(played.link, text, sizeof text));
+  CHECK(strstr(text, "which must be") != NULL);
+  end_game(&played);
+}
+
 /* NULL where a pointer is needed is refused, and changes nothing. */
 static void check_null(void) {
   game played = make_game();
@@ -376,6 +391,7 @@ static void check_shutdown(void) {
 void test_link(void) {
   check_options();
   check_null();
+  check_errors();
   check_session();
   check_small_buffer();
   check_lost_connection();
