@@ -22,9 +22,15 @@ Aabb BoxOf(const btVector3& min, const btVector3& max) {
 ProxyHandle HandleOf(ProxyHandle handle) { return handle; }
 ProxyHandle HandleOf(const RayHit& hit) { return hit.proxy; }
 
+CollisionFilter WrittenFilterOf(const btBroadphaseProxy& proxy) {
+  return {.category = static_cast<uint32_t>(proxy.m_collisionFilterGroup),
+          .mask = static_cast<uint32_t>(proxy.m_collisionFilterMask)};
+}
+
 // Two such proxies cannot pass each other's filters.
-bool IsStatic(int group, int mask) {
-  return group == btBroadphaseProxy::StaticFilter && (mask & btBroadphaseProxy::StaticFilter) == 0;
+bool IsStatic(const CollisionFilter& filter) {
+  constexpr uint32_t kStatic = btBroadphaseProxy::StaticFilter;
+  return filter.category == kStatic && (filter.mask & kStatic) == 0;
 }
 
 }  // namespace
@@ -35,31 +41,31 @@ BulletBroadPhase::BulletBroadPhase(AdaptiveBroadPhase& search, Executor* executo
 btBroadphaseProxy* BulletBroadPhase::createProxy(const btVector3& min, const btVector3& max,
                                                  int /*shape_type*/, void* client, int group,
                                                  int mask, btDispatcher* /*dispatcher*/) {
-  Proxy& proxy = NewPlace();
+  Proxy& proxy = FreePlace();
   proxy.m_clientObject = client;
   proxy.m_collisionFilterGroup = group;
   proxy.m_collisionFilterMask = mask;
   proxy.m_aabbMin = min;
   proxy.m_aabbMax = max;
-  proxy.filter = FilterOf(proxy);
-  proxy.rest_count = IsStatic(group, mask) ? kRestCount : 0;
-  proxy.handle = proxies_.Add(BoxOf(min, max), {.filter = proxy.filter,
-                                                .is_static = IsStatic(group, mask),
+  proxy.filter = WrittenFilterOf(proxy);
+  proxy.rest_count = IsStatic(proxy.filter) ? kRestCount : 0;
+  proxy.is_refiltered = false;
+  proxy.handle = proxies_.Add(BoxOf(min, max), {.filter = WideFilter(proxy.filter),
+                                                .is_static = IsStatic(proxy.filter),
                                                 .user = reinterpret_cast<uintptr_t>(&proxy)});
+  free_.pop_back();  // not before, since Add may find no memory
   return &proxy;
 }
 
 // The id of a proxy, by which the pair cache knows it, is that of its place, and the same for the
 // same history of calls.
-BulletBroadPhase::Proxy& BulletBroadPhase::NewPlace() {
+BulletBroadPhase::Proxy& BulletBroadPhase::FreePlace() {
   if (free_.empty()) {
     free_.reserve(places_.size() + 1);
     free_.push_back(&places_.emplace_back());
     free_.back()->m_uniqueId = static_cast<int>(places_.size());
   }
-  Proxy& proxy = *free_.back();
-  free_.pop_back();
-  return proxy;
+  return *free_.back();
 }
 
 void BulletBroadPhase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
@@ -89,7 +95,7 @@ void BulletBroadPhase::Move(Proxy& proxy, const Aabb& box) {
 
 void BulletBroadPhase::Rest(Proxy& proxy) {
   if (proxy.rest_count == kRestCount || ++proxy.rest_count < kRestCount) return;
-  if (IsStatic(proxy.m_collisionFilterGroup, proxy.m_collisionFilterMask)) {
+  if (IsStatic(proxy.filter)) {
     proxies_.SetStatic(proxy.handle, true);
   } else {
     proxies_.SetSleeping(proxy.handle, true);
@@ -104,25 +110,31 @@ void BulletBroadPhase::getAabb(btBroadphaseProxy* proxy, btVector3& min, btVecto
 // The cache asks its callback, or looks at the groups, for each pair that it gets. What passes here
 // is a superset: with a callback everything, and a proxy that nothing passes too, since queries
 // must find it.
-CollisionFilter BulletBroadPhase::FilterOf(const btBroadphaseProxy& proxy) const {
-  const CollisionFilter filter{.category = static_cast<uint32_t>(proxy.m_collisionFilterGroup),
-                               .mask = static_cast<uint32_t>(proxy.m_collisionFilterMask)};
+CollisionFilter BulletBroadPhase::WideFilter(const CollisionFilter& filter) const {
   const bool passes_nothing = filter.category == 0 || filter.mask == 0;
-  return callback_filters_ || passes_nothing ? kEverything : filter;
+  return filter_callback_ != nullptr || passes_nothing ? kEverything : filter;
 }
 
 void BulletBroadPhase::TakeFilter(Proxy& proxy) {
-  const CollisionFilter filter = FilterOf(proxy);
+  const CollisionFilter filter = WrittenFilterOf(proxy);
   if (filter == proxy.filter) return;
+  proxies_.SetFilter(proxy.handle, WideFilter(filter));
+  const bool is_static = IsStatic(filter);
+  if (is_static != IsStatic(proxy.filter)) {
+    proxies_.SetStatic(proxy.handle, is_static);
+    proxy.rest_count = is_static ? kRestCount : 0;
+  }
   proxy.filter = filter;
-  proxies_.SetFilter(proxy.handle, filter);
+  proxy.is_refiltered = is_refiltered_ = true;
 }
 
 void BulletBroadPhase::TakeFilterCallback() {
-  const bool has_callback = cache_.getOverlapFilterCallback() != nullptr;
-  if (std::exchange(callback_filters_, has_callback) == has_callback) return;
+  btOverlapFilterCallback* const callback = cache_.getOverlapFilterCallback();
+  if (std::exchange(filter_callback_, callback) == callback) return;
   for (Proxy& proxy : places_) {
-    if (!proxy.handle.is_null()) TakeFilter(proxy);
+    if (proxy.handle.is_null()) continue;
+    proxies_.SetFilter(proxy.handle, WideFilter(proxy.filter));
+    proxy.is_refiltered = is_refiltered_ = true;
   }
 }
 
@@ -136,7 +148,7 @@ BulletBroadPhase::Proxy* BulletBroadPhase::Find(ProxyHandle handle) const {
 // The events ascend by handle, and so depend on no arm; the order of the cache follows from them.
 void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   TakeFilterCallback();
-  proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()));
+  const auto pairs = proxies_.Resolve(search_.FindPairs(proxies_.moving_boxes()));
   for (const ProxyPair& pair : proxies_.removed()) {
     Proxy* const a = Find(pair.a);
     Proxy* const b = Find(pair.b);
@@ -146,6 +158,20 @@ void BulletBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   for (const ProxyPair& pair : proxies_.added()) {
     cache_.addOverlappingPair(Find(pair.a), Find(pair.b));
   }
+  if (std::exchange(is_refiltered_, false)) Refilter(pairs, dispatcher);
+}
+
+// Boxes that overlap before and after a change of filters are no event where the wide filters let
+// them pass both times. A pair that stays keeps its contacts. The pairs ascend as events do.
+void BulletBroadPhase::Refilter(std::span<const OverlapPair> pairs, btDispatcher* dispatcher) {
+  for (const auto& [first, second] : pairs) {
+    Proxy* const a = Find(proxies_.handle(first));
+    Proxy* const b = Find(proxies_.handle(second));
+    if (!a->is_refiltered && !b->is_refiltered) continue;
+    const bool passes = cache_.addOverlappingPair(a, b) != nullptr;
+    if (!passes) cache_.removeOverlappingPair(a, b, dispatcher);
+  }
+  for (Proxy& proxy : places_) proxy.is_refiltered = false;
 }
 
 // Everything is found before the callback is called, which may change what there is to find.

@@ -18,8 +18,10 @@
 // near; Bullet makes islands of those too, so that their bodies fall asleep at other moments.
 //
 // Filters: a pair passes if each group is in the mask of the other, or, where the pair cache has an
-// overlap filter callback, if that says so when the boxes begin to overlap. Groups and masks that
-// the game writes into a proxy count from its next setAabb on, which is the world's next step.
+// overlap filter callback, if that says so. It is asked when the boxes begin to overlap, and again
+// when a group or a mask of the two changes or the cache gets another callback. Groups and masks
+// that the game writes into a proxy count from its next setAabb on, with the same box too, which is
+// the world's next step: a mask of 0 takes the pairs away, and the former one brings them back.
 //
 // What rests costs next to nothing. A proxy whose group is StaticFilter alone and whose mask lacks
 // it, as the world gives to static and kinematic bodies, is static (proxy_set.h) while its box
@@ -43,6 +45,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <span>
 #include <vector>
 
 #include "sweepstake/adaptive_broad_phase.h"
@@ -63,8 +66,12 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   btBroadphaseProxy* createProxy(const btVector3& min, const btVector3& max, int shape_type,
                                  void* client, int group, int mask,
                                  btDispatcher* dispatcher) override;
-  // The proxy's pairs leave the cache, and the ghost objects that it is in.
+  // The proxy's pairs leave the cache, and the ghost objects that it is in, at once.
   void destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) override;
+  // Adds no pairs, and neither does createProxy: the next calculateOverlappingPairs does. Bullet's
+  // btDbvtBroadphase adds them at once unless its m_deferedcollide is set. Code that moves an
+  // object and reads its pairs within a step, as btKinematicCharacterController does, learns of a
+  // new pair one search later, or calls calculateOverlappingPairs in between.
   void setAabb(btBroadphaseProxy* proxy, const btVector3& min, const btVector3& max,
                btDispatcher* dispatcher) override;
   void getAabb(btBroadphaseProxy* proxy, btVector3& min, btVector3& max) const override;
@@ -99,16 +106,18 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   struct Proxy : btBroadphaseProxy {
     using btBroadphaseProxy::btBroadphaseProxy;
     ProxyHandle handle;
-    CollisionFilter filter;   // the one that `proxies_` has
-    uint32_t rest_count = 0;  // how often the same box has come, up to that at which it rests
+    CollisionFilter filter;      // the group and the mask that count
+    uint32_t rest_count = 0;     // how often the same box has come, up to that at which it rests
+    bool is_refiltered = false;  // the next search filters its pairs anew
   };
 
-  CollisionFilter FilterOf(const btBroadphaseProxy& proxy) const;
+  CollisionFilter WideFilter(const CollisionFilter& filter) const;
   void TakeFilter(Proxy& proxy);
   void TakeFilterCallback();
+  void Refilter(std::span<const OverlapPair> pairs, btDispatcher* dispatcher);
   void Move(Proxy& proxy, const Aabb& box);
   void Rest(Proxy& proxy);
-  Proxy& NewPlace();
+  Proxy& FreePlace();
   Proxy* Find(ProxyHandle handle) const;
   template <typename Found, typename Query>
   void PassFound(const Query& query, btBroadphaseAabbCallback& callback);
@@ -117,8 +126,9 @@ class BulletBroadPhase final : public btBroadphaseInterface {
   const ProxySetOptions options_;
   ProxySet proxies_;
   btHashedOverlappingPairCache cache_;
-  bool callback_filters_ = false;  // the cache has an overlap filter callback
-  std::deque<Proxy> places_;       // free ones have a null handle
+  btOverlapFilterCallback* filter_callback_ = nullptr;  // the one that counts
+  bool is_refiltered_ = false;                          // some proxy is
+  std::deque<Proxy> places_;                            // free ones have a null handle
   std::vector<Proxy*> free_;
 };
 

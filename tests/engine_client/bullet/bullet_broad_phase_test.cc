@@ -2,13 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <new>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "sweepstake/hooks.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/bullet/adaptive_bullet_game.h"
+#include "tests/support/bullet/bullet_broad_phase_fixture.h"
 
 namespace sweepstake::test_support {
 namespace {
@@ -18,42 +23,6 @@ using ::testing::IsEmpty;
 using ::testing::UnorderedElementsAre;
 
 using Proxies = std::vector<const btBroadphaseProxy*>;
-
-constexpr int kDefault = btBroadphaseProxy::DefaultFilter;
-constexpr int kStatic = btBroadphaseProxy::StaticFilter;
-constexpr int kAll = btBroadphaseProxy::AllFilter;
-
-class BulletBroadPhaseTest : public ::testing::Test {
- protected:
-  // A cube of edge 1 whose lowest corner is (x, 0, 0).
-  btBroadphaseProxy* Add(float x, int group = kDefault, int mask = kAll) {
-    return broad_phase_.createProxy({x, 0, 0}, {x + 1, 1, 1}, BOX_SHAPE_PROXYTYPE, nullptr, group,
-                                    mask, nullptr);
-  }
-  void Move(btBroadphaseProxy* proxy, float x) {
-    broad_phase_.setAabb(proxy, {x, 0, 0}, {x + 1, 1, 1}, nullptr);
-  }
-  void Step() {
-    search_->BeginFrame();
-    broad_phase_.calculateOverlappingPairs(nullptr);
-    search_->EndFrame({.frame_time_ns = 1});
-  }
-  int SleepingCount() {
-    std::vector<ProxyHandle> all;
-    broad_phase_.proxies().QueryBox({{-99, -99, -99}, {99, 99, 99}}, {~0U, ~0U}, all);
-    return static_cast<int>(std::count_if(all.begin(), all.end(), [&](ProxyHandle handle) {
-      return broad_phase_.proxies().is_sleeping(handle);
-    }));
-  }
-  btOverlappingPairCache& cache() { return *broad_phase_.getOverlappingPairCache(); }
-  bool AreKept(btBroadphaseProxy* a, btBroadphaseProxy* b) {
-    return cache().findPair(a, b) != nullptr;
-  }
-
-  std::unique_ptr<AdaptiveBroadPhase> search_ =
-      std::move(*AdaptiveBroadPhase::Create(OneArm("Grid"), nullptr));
-  BulletBroadPhase broad_phase_{*search_};
-};
 
 // Collects what a ray or a box finds, and does what the test wants besides.
 class Collector final : public btBroadphaseRayCallback {
@@ -66,20 +35,6 @@ class Collector final : public btBroadphaseRayCallback {
 
   Proxies found;
   std::function<void()> on_found;
-};
-
-class RefuseAll final : public btOverlapFilterCallback {
- public:
-  bool needBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override {
-    return false;
-  }
-};
-
-class LetAllPass final : public btOverlapFilterCallback {
- public:
-  bool needBroadphaseCollision(btBroadphaseProxy*, btBroadphaseProxy*) const override {
-    return true;
-  }
 };
 
 TEST_F(BulletBroadPhaseTest, KeepsAPairFromTheStepInWhichTheBoxesMeetToTheOneInWhichTheyPart) {
@@ -121,49 +76,6 @@ TEST_F(BulletBroadPhaseTest, AProxyInThePlaceOfAnotherHasPairsOfItsOwn) {
   Step();
   EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
   EXPECT_TRUE(AreKept(a, c));
-}
-
-TEST_F(BulletBroadPhaseTest, APairPassesIfEachGroupIsInTheMaskOfTheOther) {
-  constexpr int kOwnGroup = 64;
-  btBroadphaseProxy* const plain = Add(0);
-  btBroadphaseProxy* const shy = Add(0, kOwnGroup, kOwnGroup);
-  btBroadphaseProxy* const other_shy = Add(0, kOwnGroup, kOwnGroup);
-  btBroadphaseProxy* const last_bit = Add(0, std::numeric_limits<int>::min(), kDefault);
-  Step();
-  EXPECT_EQ(cache().getNumOverlappingPairs(), 2);
-  EXPECT_TRUE(AreKept(shy, other_shy));
-  EXPECT_TRUE(AreKept(plain, last_bit));
-}
-
-TEST_F(BulletBroadPhaseTest, AMaskThatTheGameWritesCountsFromTheNextBox) {
-  btBroadphaseProxy* const a = Add(0);
-  btBroadphaseProxy* const b = Add(0, kDefault, kStatic);
-  Step();
-  EXPECT_FALSE(AreKept(a, b));
-  b->m_collisionFilterMask = kAll;
-  Move(b, 0);
-  Step();
-  EXPECT_TRUE(AreKept(a, b));
-}
-
-TEST_F(BulletBroadPhaseTest, ACallbackOfTheCacheTakesThePlaceOfTheGroups) {
-  RefuseAll none;
-  cache().setOverlapFilterCallback(&none);
-  btBroadphaseProxy* const a = Add(0);
-  Step();
-  btBroadphaseProxy* const b = Add(0, kDefault, kStatic);
-  Step();
-  EXPECT_EQ(cache().getNumOverlappingPairs(), 0);
-  LetAllPass all;
-  cache().setOverlapFilterCallback(&all);
-  Move(b, 5);
-  Step();
-  Move(b, 0);
-  Step();
-  EXPECT_TRUE(AreKept(a, b));  // which the groups forbid
-  cache().setOverlapFilterCallback(nullptr);
-  Step();
-  EXPECT_FALSE(AreKept(a, b));
 }
 
 TEST_F(BulletBroadPhaseTest, StaticProxiesMeetMovingOnesOnly) {
@@ -372,6 +284,32 @@ TEST_F(BulletBroadPhaseTest, AnEmptyWorldThatIsResetGivesTheFirstIdsAgain) {
   EXPECT_NE(Add(0)->m_uniqueId, first);
   Step();
   EXPECT_EQ(cache().getNumOverlappingPairs(), 1);
+}
+
+TEST(BulletMemoryTest, AProxyForWhichThereIsNoMemoryLeavesItsPlaceToTheNext) {
+  bool is_empty = false;
+  Hooks hooks{.user = &is_empty};
+  hooks.allocate = [](size_t bytes, size_t alignment, void* user) -> void* {
+    if (*static_cast<bool*>(user)) return nullptr;
+    return ::operator new (bytes, std::align_val_t{alignment});
+  };
+  hooks.release = [](void* pointer, size_t, size_t alignment, void*) {
+    ::operator delete (pointer, std::align_val_t{alignment});
+  };
+  ASSERT_TRUE(SetHooks(hooks).ok());
+  {
+    const auto search = std::move(*AdaptiveBroadPhase::Create(OneArm("Grid"), nullptr));
+    BulletBroadPhase broad_phase(*search);
+    const auto add = [&] {
+      return broad_phase.createProxy({0, 0, 0}, {1, 1, 1}, BOX_SHAPE_PROXYTYPE, nullptr, kDefault,
+                                     kAll, nullptr);
+    };
+    is_empty = true;
+    EXPECT_THROW(add(), std::bad_alloc);
+    is_empty = false;
+    EXPECT_EQ(add()->m_uniqueId, 1);
+  }
+  EXPECT_TRUE(SetHooks({}).ok());
 }
 
 TEST(BulletGhostTest, AGhostObjectKnowsWhatIsInItsBox) {

@@ -19,10 +19,12 @@ constexpr BulletGameOptions kSmallWorld{.stack_height = 4,
                                         .visitor_interval = 23,
                                         .visitor_limit = 12,
                                         .blow_interval = 420,
+                                        .phase_interval = 50,
                                         .query_interval = 7,
                                         .half_width = 5};
 // Enough boxes for backends and proxies to spread their work over threads.
-constexpr BulletGameOptions kLargeWorld{.pile_count = 3000, .visitor_interval = 2};
+constexpr BulletGameOptions kLargeWorld{
+    .pile_count = 3000, .visitor_interval = 2, .phase_interval = 12};
 
 int StepCount() { return static_cast<int>(FromEnvironment("TEST_STEPS", 900)); }
 

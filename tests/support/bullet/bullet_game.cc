@@ -85,6 +85,7 @@ void BulletGame::Step() {
   MoveLifts();
   LetVisitorsCome();
   if (options_.blow_interval > 0 && step_count_ % options_.blow_interval == 0) Blow();
+  if (options_.phase_interval > 0) Phase();
   if (options_.query_interval > 0 && step_count_ % options_.query_interval == 0) Query();
   world_.stepSimulation(kStepS, /*maxSubSteps=*/0, kStepS);
   HashBodies();
@@ -214,6 +215,17 @@ void BulletGame::Blow() {
     if (body->isStaticOrKinematicObject() || Random(0, 1) > 0.3F) continue;
     body->activate();
     body->applyCentralImpulse({Random(-3, 3), Random(2, 6), Random(-3, 3)});
+  }
+}
+
+void BulletGame::Phase() {
+  constexpr int kPhaseSteps = 10;
+  const int step = step_count_ % options_.phase_interval;
+  if (step != 0 && step != kPhaseSteps) return;
+  for (const auto& body : bodies_) {
+    if (body->isStaticOrKinematicObject()) continue;
+    const bool collides = step == kPhaseSteps || Random(0, 1) > 0.3F;
+    body->getBroadphaseProxy()->m_collisionFilterMask = collides ? btBroadphaseProxy::AllFilter : 0;
   }
 }
 

@@ -27,7 +27,9 @@ struct BulletGameOptions {
   // A body comes in every so many steps, and then the oldest of `visitor_limit` leaves; 0: none.
   int visitor_interval = 0;
   int visitor_limit = 20;
-  int blow_interval = 0;   // steps between two blows, which wake what sleeps; 0: none
+  int blow_interval = 0;  // steps between two blows, which wake what sleeps; 0: none
+  // Every so many steps some bodies collide with nothing for a sixth of a second; 0: none.
+  int phase_interval = 0;
   int query_interval = 0;  // steps between two rays, sweeps and box queries; 0: none
   float half_width = 12;   // from the middle to a wall
   // Solves contacts in an order that does not depend on that of the pairs in the cache, but on the
@@ -83,6 +85,7 @@ class BulletGame {
   void MoveLifts();
   void LetVisitorsCome();
   void Blow();
+  void Phase();
   void Query();
   void HashRay(const btVector3& from, const btVector3& to);
   void HashSweep(const btVector3& from, const btVector3& to);
