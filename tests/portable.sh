@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What a game links, on the other standard library and without exceptions and RTTI: checks every source with clang and
-# libc++, then builds a game so and runs it. The suite checks a quarter of the sources (tests/portable_sources_test.py).
+# libc++, then builds a game so and runs it. Before that, whether the rules of the public headers can fail (headers_test.py).
 # Installs what is missing; everything is under build/portable.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -12,6 +12,7 @@ launcher=()
 cmake -S tests/portable_consumer -B build/portable -G Ninja "${launcher[@]}" -DCMAKE_BUILD_TYPE=Debug \
   -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_EXPORT_COMPILE_COMMANDS=ON \
   -DCMAKE_CXX_FLAGS='-stdlib=libc++ -O0 -DHWY_COMPILE_ONLY_STATIC' -DCMAKE_CXX_FLAGS_DEBUG=
+tests/headers_test.py --self-test
 tests/portable_sources_test.py build/portable
 cmake --build build/portable -j "$(nproc)"
 ctest --test-dir build/portable --output-on-failure
