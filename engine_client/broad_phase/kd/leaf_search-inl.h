@@ -19,6 +19,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -78,7 +79,8 @@ class LeafSearch {
       hn::StoreU(CompressLanes(index, hn::RebindMask(du, hits)), du, near_leaf_ + near_count_);
       near_count_ += hn::CountTrue(d, hits);
     }
-    if (!kWithinOne || first != begin_) Prefetch(before);
+    if (kWithinOne && first == begin_) return;
+    for (size_t k = before; k < near_count_; ++k) Prefetch(near_leaf_[k]);
   }
 
   // Tests the leaves of the block against the near list, and empties it. REQUIRES: called at the
@@ -96,6 +98,27 @@ class LeafSearch {
     }
     near_count_ = 0;
     own_pairs_pending_ = false;
+  }
+
+  // Fetches a leaf of `others`, which in large scenes is not in the cache, before it is used.
+  void Prefetch(size_t leaf) const {
+    constexpr size_t kCacheLine = 64;
+    const auto* const bytes = reinterpret_cast<const char*>(others_ + leaf);
+    for (size_t at = 0; at < sizeof(LeafBlock); at += kCacheLine) hwy::Prefetch(bytes + at);
+  }
+
+  // Finds the pairs of one box of `own` with those of a leaf of `others`, beside the stages.
+  void TestBox(const Aabb& box, uint32_t id, size_t leaf) {
+    const Lanes16 d;
+    const LeafBlock& others = others_[leaf];
+    for (size_t at = 0; at < kWidth; at += hn::Lanes(d)) {
+      uint32_t hits = BitsOfMask(d, Hits(d, box, LanesOf(others), at));
+      for (; hits != 0; hits &= hits - 1) {
+        const size_t lane = at + static_cast<size_t>(std::countr_zero(hits));
+        cursor_.Append(id, other_bit_ | others.id[lane]);
+      }
+    }
+    checks_ += kWidth;
   }
 
   void AddChecks(uint64_t checks) { checks_ += checks; }
@@ -124,15 +147,6 @@ class LeafSearch {
     uint32_t place[kTestedTogether + kWidth + 1];
     uint16_t lanes[kTestedTogether + kWidth + 1];
   };
-
-  // Prefetches the leaves found, which in large scenes are not in the cache.
-  void Prefetch(size_t begin) const {
-    constexpr size_t kCacheLine = 64;
-    for (size_t k = begin; k < near_count_; ++k) {
-      const auto* const leaf = reinterpret_cast<const char*>(others_ + near_leaf_[k]);
-      for (size_t at = 0; at < sizeof(LeafBlock); at += kCacheLine) hwy::Prefetch(leaf + at);
-    }
-  }
 
   // Stage 2: lists the near leaves that overlap the bounds; within one tree only the later ones.
   size_t FindLeaves(const Aabb& bounds, size_t leaf) {

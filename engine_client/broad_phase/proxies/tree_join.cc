@@ -1,5 +1,7 @@
 // Overlaps between the boxes of two trees: a block of 16 leaves of the one goes down the other, and
-// the rest is the search that KDTree uses (kd/leaf_search-inl.h).
+// the rest is the search that KDTree uses (kd/leaf_search-inl.h). Where the boxes of a block stand
+// apart, its bounds are near to much that no box of it is near to; then each leaf goes down alone,
+// and in a leaf of which the same holds each box.
 #include <algorithm>
 
 #include "engine_client/broad_phase/proxies/tree_walk.h"
@@ -25,24 +27,116 @@ Aabb BoundsOfLeaves(const BoxLanes& leaves, size_t begin, size_t end) {
   return all;
 }
 
+class TreeJoin {
+ public:
+  TreeJoin(const LeafTree::View& leaves, const LeafTree::View& tree, uint32_t other_bit,
+           PairBuffer& out)
+      : own_(leaves), tree_(tree), search_(leaves, tree, other_bit, out) {}
+
+  // Finds the pairs of the leaves [begin, end), at most 16.
+  void Run(size_t begin, size_t end) {
+    const BoxLanes& bounds = own_.levels[1];
+    if (SearchTogether(begin, end, BoundsOfLeaves(bounds, begin, end), kMaxNodesOfBlock)) return;
+    for (size_t leaf = begin; leaf < end; ++leaf) {
+      if (!SearchTogether(leaf, leaf + 1, BoxAt(bounds, leaf), kMaxNodesOfLeaf)) SearchApart(leaf);
+    }
+  }
+
+  uint64_t Finish() { return search_.Finish(); }
+
+ private:
+  // How many nodes of 16 leaves the bounds of a block and of a leaf may overlap: beyond them the
+  // search takes longer than one for each part.
+  static constexpr size_t kMaxNodesOfBlock = 16;
+  static constexpr size_t kMaxNodesOfLeaf = 8;
+  static constexpr size_t kMeetings = 256;
+
+  // A box, by its lane in its leaf, and a leaf of the tree whose bounds it overlaps.
+  struct Meeting {
+    uint32_t lane;
+    uint32_t leaf;
+  };
+
+  // Searches with these bounds of the leaves. Returns false, and has found nothing, if they overlap
+  // more nodes than that.
+  bool SearchTogether(size_t begin, size_t end, const Aabb& bounds, size_t max_nodes) {
+    uint32_t nodes[kMaxNodesOfBlock + LeafTree::kWidth] = {0};
+    const size_t count = tree_.top == 1 ? 1 : FindNodes(bounds, max_nodes, nodes);
+    if (count > max_nodes) return false;
+    search_.BeginBlock(begin, end);
+    for (size_t k = 0; k < count; ++k) search_.AddNear(bounds, FirstChild(2, nodes[k]));
+    search_.AddChecks(count * LeafTree::kWidth);
+    search_.TestNear();
+    return true;
+  }
+
+  // Lists the nodes above leaves that overlap the bounds. Ends early, with a count above
+  // `max_nodes`, if they are more.
+  size_t FindNodes(const Aabb& bounds, size_t max_nodes, uint32_t* nodes) {
+    size_t count = 0;
+    const uint64_t groups = Descend(
+        tree_, 2,
+        [&](size_t level, size_t base, FoundGroup& found) HWY_ATTR {
+          found.count = 0;
+          if (count <= max_nodes) CollectOverlapping(bounds, tree_.levels[level], base, found);
+        },
+        [&](const FoundGroup& found) {
+          if (count > max_nodes) return;
+          std::copy_n(found.entry, found.count, nodes + count);
+          count += found.count;
+        });
+    search_.AddChecks(groups * LeafTree::kWidth);
+    return count;
+  }
+
+  // Searches for each box of the leaf. Those of the tree's leaves that boxes meet are fetched
+  // while others descend.
+  void SearchApart(size_t leaf) {
+    const BoxLanes boxes = LanesOf(own_.leaves[leaf]);
+    for (uint32_t lane = 0; lane < LeafTree::kWidth; ++lane) {
+      const Aabb box = BoxAt(boxes, lane);
+      if (!IsValid(box)) continue;
+      const uint64_t groups = Descend(
+          tree_, 1,
+          [&](size_t level, size_t base, FoundGroup& found)
+              HWY_ATTR { CollectOverlapping(box, tree_.levels[level], base, found); },
+          [&](const FoundGroup& found) HWY_ATTR { Meet(leaf, lane, found); });
+      search_.AddChecks(groups * LeafTree::kWidth);
+    }
+    TestMeetings(leaf);
+  }
+
+  HWY_INLINE void Meet(size_t leaf, uint32_t lane, const FoundGroup& found) {
+    if (meeting_count_ + found.count > kMeetings) TestMeetings(leaf);
+    for (size_t k = 0; k < found.count; ++k) {
+      meetings_[meeting_count_++] = {lane, found.entry[k]};
+      search_.Prefetch(found.entry[k]);
+    }
+  }
+
+  void TestMeetings(size_t leaf) {
+    const LeafBlock& own = own_.leaves[leaf];
+    for (size_t k = 0; k < meeting_count_; ++k) {
+      const Meeting& meeting = meetings_[k];
+      search_.TestBox(BoxAt(LanesOf(own), meeting.lane), own.id[meeting.lane], meeting.leaf);
+    }
+    meeting_count_ = 0;
+  }
+
+  const LeafTree::View& own_;
+  const LeafTree::View& tree_;
+  LeafSearch<false> search_;
+  size_t meeting_count_ = 0;
+  Meeting meetings_[kMeetings];
+};
+
 uint64_t JoinTrees(const LeafTree::View& leaves, size_t begin, size_t end,
                    const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out) {
-  LeafSearch<false> search(leaves, tree, other_bit, out);
+  TreeJoin join(leaves, tree, other_bit, out);
   for (size_t first = begin; first < end; first += LeafTree::kWidth) {
-    const size_t last = std::min(end, first + LeafTree::kWidth);
-    const Aabb bounds = BoundsOfLeaves(leaves.levels[1], first, last);
-    search.BeginBlock(first, last);
-    const uint64_t groups = Descend(
-        tree, 1,
-        [&](size_t level, size_t base, FoundGroup& found) HWY_ATTR {
-          if (level > 1) return CollectOverlapping(bounds, tree.levels[level], base, found);
-          search.AddNear(bounds, base);
-        },
-        [](const FoundGroup&) {});
-    search.AddChecks(groups * LeafTree::kWidth);
-    search.TestNear();
+    join.Run(first, std::min(end, first + LeafTree::kWidth));
   }
-  return search.Finish();
+  return join.Finish();
 }
 
 }  // namespace sweepstake::HWY_NAMESPACE

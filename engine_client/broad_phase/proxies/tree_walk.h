@@ -2,7 +2,8 @@
 // the pairs between two trees.
 //
 // Thread safety: nothing is kept, so that any number of searches may run side by side. Ownership:
-// views are borrowed. Order of the results: depth first, the same on every target. No allocation.
+// views are borrowed. Order of the results: depth first, the same on every target; that of pairs
+// depends on the target's registers. No allocation.
 #pragma once
 
 #include <cstddef>
@@ -43,8 +44,9 @@ bool FindNearestHit(const LeafTree::View& tree, const Slabs& slabs, const IdPred
                     NearestHit& hit);
 
 // Appends {id of `leaves`, other_bit | id of `tree`} for the boxes of the leaves [begin, end) of
-// `leaves` that overlap boxes of `tree`. Returns the AABB checks. Keeps its lists on the stack (51
-// KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
+// `leaves` that overlap boxes of `tree`. Returns the AABB checks: of boxes that stand apart,
+// wherever they stand, O(log boxes of `tree`) for each, and 16 for each leaf found. Keeps its lists
+// on the stack (53 KiB or less). REQUIRES: begin is a multiple of 16; other_bit is above all ids.
 uint64_t FindPairsBetween(const LeafTree::View& leaves, size_t begin, size_t end,
                           const LeafTree::View& tree, uint32_t other_bit, PairBuffer& out);
 

@@ -185,6 +185,26 @@ void MoversAmongStatic(const Sizes& sizes) {
         "many_static_ms", "few_static_ms");
 }
 
+// Both worlds have the same density, and the same number of movers anywhere in them.
+void MoversApart(const char* figure, const char* many_ms, const char* few_ms, size_t movers,
+                 const Sizes& sizes) {
+  const auto make = [&](size_t statics) {
+    const float side = SideFor(statics);
+    auto world = std::make_unique<World>(BoxesWithin(movers, side, 9), CollisionFilter{});
+    for (const Aabb& box : BoxesWithin(statics, side, 10)) {
+      world->proxies.Add(box, {.is_static = true});
+    }
+    world->Frame();
+    return world;
+  };
+  const auto few = make(sizes.few_static);
+  const auto many = make(sizes.many_static);
+  Print(figure,
+        TakeTurns(
+            20 * sizes.turns, [&] { return many->Frame(); }, [&] { return few->Frame(); }),
+        many_ms, few_ms);
+}
+
 void SingleAdds(const Sizes& sizes) {
   const std::vector<Aabb> boxes = BoxesWithin(sizes.added, SideFor(sizes.added), 4);
   std::vector<ProxyHandle> handles(boxes.size());
@@ -264,6 +284,10 @@ void MeasureAll(const Sizes& sizes) {
   std::printf("{\"command\": \"proxy_ratios_bench\"");
   IgnoredInOnePlace(sizes);
   MoversAmongStatic(sizes);
+  MoversApart("apart_many_static_ratio", "apart_many_static_ms", "apart_few_static_ms",
+              sizes.movers, sizes);
+  MoversApart("ten_apart_many_static_ratio", "ten_apart_many_static_ms", "ten_apart_few_static_ms",
+              10, sizes);
   SingleAdds(sizes);
   QueriesAfterChurn(sizes);
   Snapshots(sizes);
