@@ -3,8 +3,11 @@
 // hit; each arm with a ProxySet, beside Bullet's tree and Embree in the same run. One JSON document
 // on stdout; `--quick` makes everything small.
 //
-// All contestants take turns frame by frame and are compared by their fastest frames, since other
-// programs can only slow a frame down. Embree takes one thread. Rays end after 20 units.
+// All contestants take turns frame by frame, each frame beginning with the next of them, and are
+// compared by their fastest frames, since other programs can only slow a frame down. In each frame
+// all arms must find the same pairs and hits, and their peers as many: Embree as many pairs and
+// hits as they, Bullet, whose boxes are larger, at least as many pairs. The run fails otherwise.
+// Embree takes one thread. Rays end after 20 units.
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
 #if __has_include(<embree4/rtcore.h>)
@@ -245,23 +248,49 @@ std::vector<Ray> AnyRays(size_t count, const std::vector<Aabb>& boxes) {
   return rays;
 }
 
+// Where the contestants stand in the list.
+constexpr size_t kBullet = 0;
+constexpr size_t kEmbree = 1;
+constexpr size_t kFirstArm = 2;
+
 void Print(const std::vector<std::unique_ptr<Contestant>>& contestants) {
   double slowest_arm = 0;
   std::printf("{\"command\": \"proxy_steps_bench\"");
   for (size_t k = 0; k < contestants.size(); ++k) {
     const Contestant& one = *contestants[k];
-    if (k >= 2) slowest_arm = std::max(slowest_arm, one.fastest_ms);
+    if (k >= kFirstArm) slowest_arm = std::max(slowest_arm, one.fastest_ms);
     std::printf(",\n  \"%s_step_ms\": %.4f", one.name().c_str(), one.fastest_ms);
     std::fprintf(stderr, "%s: %zu pairs, %zu rays hit\n", one.name().c_str(), one.pair_count,
                  one.hit_count);
   }
   std::printf(",\n  \"slowest_arm_to_bullet_ratio\": %.4f",
-              slowest_arm / contestants[0]->fastest_ms);
+              slowest_arm / contestants[kBullet]->fastest_ms);
   std::printf(",\n  \"slowest_arm_to_embree_ratio\": %.4f\n}\n",
-              slowest_arm / contestants[1]->fastest_ms);
+              slowest_arm / contestants[kEmbree]->fastest_ms);
 }
 
-void Measure(uint32_t object_count, int frames) {
+// Returns whether all have done the whole work. The peers round a ray's way through their trees
+// otherwise: in a thousand rays they may differ by one.
+bool Agree(const std::vector<std::unique_ptr<Contestant>>& contestants) {
+  const Contestant& arm = *contestants[kFirstArm];
+  const size_t tolerated = arm.hit_count / 1000;
+  for (size_t k = 0; k < contestants.size(); ++k) {
+    const Contestant& one = *contestants[k];
+    const bool pairs =
+        k == kBullet ? one.pair_count >= arm.pair_count : one.pair_count == arm.pair_count;
+    const bool hits = k >= kFirstArm ? one.hit_count == arm.hit_count
+                                     : one.hit_count + tolerated >= arm.hit_count &&
+                                           one.hit_count <= arm.hit_count + tolerated;
+    if (pairs && hits) continue;
+    std::fprintf(stderr, "%s finds %zu pairs and %zu hits, %s %zu and %zu\n", one.name().c_str(),
+                 one.pair_count, one.hit_count, arm.name().c_str(), arm.pair_count, arm.hit_count);
+    return false;
+  }
+  return true;
+}
+
+// Returns whether the contestants agree.
+bool Measure(uint32_t object_count, int frames) {
   SceneOptions options;
   options.object_count = object_count;
   const auto scene = std::move(*MakeScene("suite-b", options));
@@ -275,9 +304,13 @@ void Measure(uint32_t object_count, int frames) {
     scene->Step();
     const std::vector<Aabb> boxes(scene->aabbs().begin(), scene->aabbs().end());
     const std::vector<Ray> rays = AnyRays(object_count, boxes);
-    for (const auto& contestant : contestants) contestant->TimeStep(boxes, rays);
+    for (size_t k = 0; k < contestants.size(); ++k) {
+      contestants[(static_cast<size_t>(frame) + k) % contestants.size()]->TimeStep(boxes, rays);
+    }
+    if (!Agree(contestants)) return false;
   }
   Print(contestants);
+  return true;
 }
 
 }  // namespace
@@ -289,6 +322,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "Usage: proxy_steps_bench [--quick]\n");
     return 2;
   }
-  sweepstake::Measure(quick ? 300 : 10'000, quick ? 3 : 40);
-  return 0;
+  return sweepstake::Measure(quick ? 300 : 10'000, quick ? 3 : 40) ? 0 : 1;
 }
