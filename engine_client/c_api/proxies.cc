@@ -241,8 +241,7 @@ swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy, uint3
 swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset) {
   return Use(proxies, [&](Proxies& live) {
     if (offset == nullptr) return NullArgument("offset");
-    live.set.ShiftOrigin(offset);
-    return kOk;
+    return ToResult(live.set.ShiftOrigin(offset));
   });
 }
 

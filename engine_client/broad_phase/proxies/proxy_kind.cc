@@ -66,17 +66,18 @@ void ProxyKind::ShiftOrigin(const float offset[3]) {
 
 // Trees are made anew from their members; the next refresh sorts them.
 void ProxyKind::Compact(size_t min_places) {
-  table_.Compact(min_places);
-  resting_changed_ = true;
-  changed_ = 0;
-  for (uint8_t population = 0; population < kPopulations; ++population) {
-    const size_t members = count(population);
-    trees_[population].reset();
-    if (members == 0) continue;
-    trees_[population] = std::make_unique<BoxTree>();
-    trees_[population]->EnsureRoomFor(members);
-    changed_ |= 1U << population;
+  std::array<std::unique_ptr<BoxTree>, kPopulations> trees;
+  uint32_t changed = 0;
+  for (uint32_t population = 0; population < kPopulations; ++population) {
+    if (count(population) == 0) continue;
+    trees[population] = std::make_unique<BoxTree>();
+    trees[population]->EnsureRoomFor(count(population));
+    changed |= 1U << population;
   }
+  trees_ = std::move(trees);
+  changed_ = changed;
+  resting_changed_ = true;
+  table_.Compact(min_places);
   for (uint32_t place = 0; place < table_.boxes().size(); ++place) {
     if (table_.generation(place) == 0) continue;
     trees_[table_.population(place)]->Add(place, table_.slots());

@@ -25,8 +25,8 @@ namespace sweepstake {
 
 class ProxyKind {
  public:
-  // `id_bit` is set in the ids of all proxies of this kind.
-  explicit ProxyKind(uint32_t id_bit) : id_bit_(id_bit) {}
+  // `id_bit` is set in the ids of all proxies of this kind; `notes_owners` as in ProxyTable.
+  ProxyKind(uint32_t id_bit, bool notes_owners) : table_(notes_owners), id_bit_(id_bit) {}
 
   uint32_t id_bit() const { return id_bit_; }
   const ProxyTable& table() const { return table_; }
@@ -60,7 +60,8 @@ class ProxyKind {
   void RefreshTrees(KdOrder& splitter);
   // Moves the origin of all coordinates. Invalid boxes stay as they are.
   void ShiftOrigin(const float offset[3]);
-  // Frees what former proxies held; free places below `min_places` are kept.
+  // Frees what former proxies held; free places below `min_places` are kept. Changes nothing if
+  // memory runs out.
   void Compact(size_t min_places);
   bool trees_are_fresh() const { return changed_ == 0; }
   // REQUIRES, here and below: count(population) > 0.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -126,12 +127,12 @@ void ProxySet::Impl::Compact() {
       places = std::max(places, size_t{PlaceOf(id)} + 1);
     }
   }
+  PairBuffer compact;
+  Append(latest.pairs(), compact);
   moving_.Compact(moving_places);
   resting_.Compact(static_places);
   joins_.Compact();
   events_.Compact();
-  PairBuffer compact;
-  Append(latest.pairs(), compact);
   pairs_ = PairBuffer();
   latest = std::move(compact);
   next_ = PairBuffer();
@@ -216,9 +217,13 @@ bool ProxySet::is_sleeping(ProxyHandle handle) const {
   return kind != nullptr && SleepsIn(kind->table().population(PlaceOf(handle.index)));
 }
 
-void ProxySet::ShiftOrigin(const float offset[3]) {
+Status ProxySet::ShiftOrigin(const float offset[3]) {
+  if (!std::isfinite(offset[0]) || !std::isfinite(offset[1]) || !std::isfinite(offset[2])) {
+    return {StatusCode::kInvalidArgument, "the offset must be finite"};
+  }
   impl_->moving_.ShiftOrigin(offset);
   impl_->resting_.ShiftOrigin(offset);
+  return {};
 }
 
 void ProxySet::Compact() { impl_->Compact(); }

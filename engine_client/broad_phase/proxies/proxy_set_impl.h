@@ -24,7 +24,12 @@ constexpr uint32_t PlaceOf(uint32_t id) { return id & ~kStaticProxyBit; }
 
 class ProxySet::Impl {
  public:
-  explicit Impl(const ProxySetOptions& options) : options_(options) {}
+  explicit Impl(const ProxySetOptions& options)
+      : moving_(0, options.pair_events),
+        resting_(kStaticProxyBit, options.pair_events),
+        options_(options) {
+    if (!(options_.event_margin > 0)) options_.event_margin = 0;
+  }
 
   ProxyKind& KindOf(uint32_t id) { return (id & kStaticProxyBit) != 0 ? resting_ : moving_; }
   const ProxyKind& KindOf(uint32_t id) const {
@@ -81,8 +86,8 @@ class ProxySet::Impl {
   Status Restore(std::span<const std::byte> snapshot);
   size_t native_bytes() const;
 
-  ProxyKind moving_{0};
-  ProxyKind resting_{kStaticProxyBit};
+  ProxyKind moving_;
+  ProxyKind resting_;
   PairEvents events_;
 
  private:

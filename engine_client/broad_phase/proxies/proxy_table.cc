@@ -9,7 +9,7 @@ uint32_t ProxyTable::Add(const Aabb& box, const CollisionFilter& filter, uint64_
   const uint32_t place = TakePlace();
   // The place is not in the list yet if its owner at the last MarkSeen is still there or was the
   // latest one.
-  if (generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
+  if (notes_owners_ && generations_[place] - seen_[place] <= 1) new_owners_.push_back(place);
   ++generations_[place];
   filters_[place] = filter;
   users_[place] = user;
@@ -52,7 +52,7 @@ void ProxyTable::Reserve(size_t places) {
   seen_.reserve(places);
   slots_.reserve(places);
   populations_.reserve(places);
-  new_owners_.reserve(places);
+  if (notes_owners_) new_owners_.reserve(places);
   boxes_.reserve(places);
 }
 
@@ -119,7 +119,6 @@ void ProxyTable::Truncate(size_t places) {
   shrink(slots_);
   shrink(populations_);
   shrink(boxes_);
-  new_owners_.reserve(boxes_.capacity());
 }
 
 // The least free place is used next.

@@ -141,10 +141,13 @@ SWP_API swp_result swp_proxies_set_static(swp_proxies* proxies, swp_proxy proxy,
 SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy proxy,
                                             uint32_t is_sleeping);
 /* Subtracts offset[0..2] from all coordinates. No pair ends; boxes may begin to touch that are
- * nearer than coordinates are rounded. Cost: O(proxies). */
+ * nearer than coordinates are rounded. A box that the shift takes beyond the largest float is
+ * invalid until it gets another. SWP_INVALID_ARGUMENT for an offset that is not finite, which
+ * changes nothing. Cost: O(proxies). */
 SWP_API swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset);
 /* Frees what former proxies held. Ids and handles of living ones stay. Cost: O(proxies), and the
- * next use sorts all trees. */
+ * next use sorts all trees. Pointers to pairs and boxes end. If memory is out, all proxies are as
+ * they were. */
 SWP_API swp_result swp_proxies_compact(swp_proxies* proxies);
 
 /* The bytes that a snapshot takes now. */
@@ -155,7 +158,8 @@ SWP_API swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, 
 /* Makes the set what it was: handles, pairs, events and queries go on as they did. Pointers to
  * pairs and boxes end. The set stays as it is if the snapshot is refused: SWP_DATA_LOSS if it is
  * cut off or damaged, SWP_INVALID_ARGUMENT if it is of another version of the library or of a set
- * with other options. Do not restore what others may have made. */
+ * with other options. Do not restore what others may have made. If memory is out, part of the
+ * state is lost: only another restore or swp_proxies_destroy may follow. */
 SWP_API swp_result swp_proxies_restore(swp_proxies* proxies, const void* snapshot, uint64_t bytes);
 
 /* The box and the options as they are now. Either output may be NULL. */
@@ -167,13 +171,14 @@ SWP_API swp_result swp_proxies_handle(const swp_proxies* proxies, uint32_t id, s
 SWP_API swp_result swp_proxies_counts(const swp_proxies* proxies, uint32_t* moving_count,
                                       uint32_t* static_count, uint64_t* native_bytes);
 
-/* The boxes to give to a world or a session, valid until the next add. A free place holds an
+/* The boxes to give to a world or a session, valid until the next change of the set: an add, a
+ * removal, other boxes, filters or flags, a shift, compact or restore. A free place holds an
  * invalid box, which overlaps nothing. */
 SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const swp_aabb** boxes,
                                             uint32_t* count);
-/* To be called once per frame with all pairs that were found in those boxes. Keeps the pairs of ids
- * that pass the filters, and adds those with static proxies. SWP_INVALID_ARGUMENT for a pair that
- * is not of those boxes. */
+/* To be called once per frame with all pairs that were found in those boxes, with no change of the
+ * set since they were taken. Keeps the pairs of ids that pass the filters, and adds those with
+ * static proxies. SWP_INVALID_ARGUMENT for a pair that is not of those boxes. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count);
 /* The pairs of the latest resolve: valid until the next one, and no longer than the moving_pairs

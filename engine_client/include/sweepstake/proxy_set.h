@@ -24,10 +24,10 @@
 // Thread safety: one thread at a time, except for const calls between changes: any number of
 // threads may make those at the same time. Ownership: the set owns what its spans refer to. Units:
 // world units of the caller. An invalid box (aabb.h) is accepted: it overlaps nothing, and no query
-// finds it, until it is moved. Memory: 61 bytes per place, 24 more for each place of a moving proxy
-// once one of them is not in the array, and 30 more for proxies in a tree that was searched (after
-// the first query all) with 36 for the largest such tree; 16 bytes per pair, 24 where pairs are
-// sorted, 8 per kept pair.
+// finds it, until it is moved. Memory: 57 bytes per place, 4 more with events, 24 more for each
+// place of a moving proxy once one of them is not in the array, and 30 more for proxies in a tree
+// that was searched (after the first query all) with 36 for the largest such tree; 16 bytes per
+// pair, 24 where pairs are sorted, 8 per kept pair.
 //
 // Cost (tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, 10,000 moving boxes of
 // suite-b with 14,500 pairs): 5 ns per Move. Resolve takes 13 µs with filters and nothing without,
@@ -39,7 +39,7 @@
 // Errors: a handle that is null, stale (its proxy was removed) or unknown to this set is answered
 // with false, null or nothing, never with another proxy, and changes nothing. If memory or the
 // 2^31 − 1 places of a kind are used up, a call ends as OutOfMemory() says (hooks.h); the set is
-// then unchanged.
+// then unchanged where its comment does not say otherwise.
 #pragma once
 
 #include <compare>
@@ -148,7 +148,8 @@ struct ProxySetOptions {
   bool pair_events = false;
   // Delays the end of a pair, so that one that trembles does not begin and end in each frame: it
   // begins when the boxes overlap, and ends when they are more than this far apart on an axis, or
-  // one is removed or no longer passes. The pairs of Resolve are exact all the same. Not negative.
+  // one is removed or no longer passes. The pairs of Resolve are exact all the same. What is
+  // negative or NaN counts as 0.
   float event_margin = 0;
   // Runs the parts of the search among static proxies (executor.h). It is borrowed and must outlive
   // the set.
@@ -196,32 +197,35 @@ class ProxySet {
 
   // Subtracts `offset` from all coordinates, for a world whose origin follows the camera. Boxes
   // that overlap still do, so that no pair ends; boxes may begin to touch that are nearer than
-  // coordinates are rounded. Cost: O(proxies).
-  void ShiftOrigin(const float offset[3]);
+  // coordinates are rounded. A box that the shift takes beyond the largest float becomes invalid,
+  // and stays so until it is moved. An offset that is not finite is kInvalidArgument and changes
+  // nothing. Cost: O(proxies).
+  Status ShiftOrigin(const float offset[3]);
   // Frees what former proxies held. Ids and handles of living ones stay; places at the end of
   // moving_boxes() that are free go. Cost: O(proxies), and the next use sorts all trees.
-  // Ends the validity of all spans.
+  // Ends the validity of all spans. If memory runs out, all proxies are as they were, and some of
+  // what could be freed may have been.
   void Compact();
 
   // A snapshot is the whole state as flat bytes in the caller's memory, for a game that rolls back:
   // restored, the set gives the pairs, events, handles, query results and orders that it gave after
   // it was saved (pairs of a backend in its own order excepted: sort them, or let the backend build
-  // anew in both cases). It takes snapshot_bytes() bytes, some 57 per place and 4 per proxy, and 8
-  // per pair with events.
-  // Cost (tests/bench/programs/proxy_ratios_bench.cc on AMD Zen 4, 10,000 proxies in 61 bytes
-  // each): 0.05 ms to save, 0.06 ms to restore; no allocation where the set has had as many
-  // proxies.
+  // anew in both cases). It takes snapshot_bytes() bytes, some 53 per place and 4 per proxy, and
+  // with events 8 per pair and 4 per proxy that has come since the latest Resolve. Cost
+  // (tests/bench/programs/proxy_ratios_bench.cc on AMD Zen 4, 10,000 proxies in 57 bytes each):
+  // 0.05 ms to save, 0.06 ms to restore; no allocation where the set has had as many proxies.
   size_t snapshot_bytes() const;
   // kInvalidArgument if there is less room than that; what follows in `snapshot` is left alone.
   Status Save(std::span<std::byte> snapshot) const;
   // Takes the first snapshot_bytes() of a set with the same options. Spans end. The set is as it
   // was if the snapshot is refused: kDataLoss if it is cut off or damaged, kInvalidArgument if it
   // is of another version of the library or of other options. A checksum finds damage, not intent:
-  // do not restore what others may have made.
+  // do not restore what others may have made. If memory runs out, part of the state is lost: only
+  // another Restore or the end of the set may follow.
   Status Restore(std::span<const std::byte> snapshot);
 
   bool is_alive(ProxyHandle handle) const;
-  // Returns null for a handle without a proxy. Valid until the next Add.
+  // Returns null for a handle without a proxy. Valid until the next Add, Compact or Restore.
   const Aabb* box(ProxyHandle handle) const;
   std::optional<ProxyOptions> options(ProxyHandle handle) const;
   // Returns the proxy that has this id now, for example in a pair of Resolve, or null.
@@ -239,7 +243,8 @@ class ProxySet {
   // Returns those that pass their filters, followed by the pairs of moving and static proxies that
   // pass theirs, as ids with a < b. They are in the order of the searches, or ascending
   // (ProxySetOptions). Valid until the next Resolve, and as long as `moving_pairs` is. REQUIRES: no
-  // Add, Remove or Move since the broad phase took the boxes.
+  // change of the set since the broad phase took the boxes, SetFilter, SetStatic, SetSleeping,
+  // ShiftOrigin, Compact and Restore among them.
   std::span<const OverlapPair> Resolve(std::span<const OverlapPair> moving_pairs);
 
   // Returns the pairs by which the latest Resolve differs from the one before it, ascending; none

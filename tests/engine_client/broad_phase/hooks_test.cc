@@ -127,6 +127,28 @@ TEST(HooksTest, ABackendWithoutMemoryThrowsAndGoesOnOnceThereIsSome) {
   }
 }
 
+TEST(HooksTest, ProxiesWithoutMemoryForCompactAreAsTheyWere) {
+  GameMemory memory;
+  ProxySet proxies({.pair_events = true});
+  std::vector<ProxyHandle> handles;
+  const auto scene = SceneOf("brownian", 1000);
+  for (const Aabb& box : scene->aabbs()) {
+    handles.push_back(proxies.Add(box, {.is_static = handles.size() % 2 == 0}));
+  }
+  std::vector<ProxyHandle> found;
+  std::vector<ProxyHandle> found_after;
+  proxies.QueryBox(scene->aabbs()[1], {}, found);
+  memory.is_empty = true;
+  EXPECT_THROW(proxies.Compact(), std::bad_alloc);
+  memory.is_empty = false;
+  EXPECT_EQ(proxies.moving_count(), 500U);
+  EXPECT_EQ(proxies.static_count(), 500U);
+  proxies.QueryBox(scene->aabbs()[1], {}, found_after);
+  EXPECT_EQ(found_after, found);
+  proxies.Compact();
+  EXPECT_TRUE(proxies.RemoveMany(handles));
+}
+
 TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {
   GameMemory memory;
   {

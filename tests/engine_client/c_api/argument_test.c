@@ -267,9 +267,11 @@ static void check_shapes(swp_proxies* proxies) {
 
 static void check_states(swp_proxies* proxies, swp_proxy proxy) {
   uint64_t too_short = 0;
+  const float nowhere[3] = {0, INFINITY, 0};
   REFUSED(swp_proxies_set_static(proxies, proxy, 2));
   REFUSED(swp_proxies_set_sleeping(proxies, proxy, 2));
   REFUSED(swp_proxies_shift_origin(proxies, NULL));
+  REFUSED(swp_proxies_shift_origin(proxies, nowhere));
   REFUSED(swp_proxies_snapshot_bytes(proxies, NULL));
   REFUSED(swp_proxies_save(proxies, NULL, 1));
   REFUSED(swp_proxies_save(proxies, &too_short, sizeof too_short));

@@ -255,6 +255,23 @@ TEST(PairEventsWithAMargin, EndAPairOnlyWhereItsBoxesAreFartherApart) {
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
 }
 
+TEST(PairEventsWithAMargin, TakeOneThatIsNegativeOrNoNumberAsNone) {
+  for (const float margin : {-1.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    ProxySet proxies({.pair_events = true, .event_margin = margin});
+    Frames frames("BruteForce");
+    const ProxyHandle ball = proxies.Add(kUnit);
+    proxies.Add(kTouching);
+    proxies.Resolve(frames.Find(proxies.moving_boxes()));
+    EXPECT_EQ(proxies.added().size(), 1U);
+    std::vector<std::byte> snapshot(proxies.snapshot_bytes());
+    ASSERT_TRUE(proxies.Save(snapshot).ok());
+    EXPECT_TRUE(ProxySet({.pair_events = true}).Restore(snapshot).ok());
+    ASSERT_TRUE(proxies.Move(ball, {{9, 9, 9}, {10, 10, 10}}));
+    proxies.Resolve(frames.Find(proxies.moving_boxes()));
+    EXPECT_EQ(proxies.removed().size(), 1U);
+  }
+}
+
 TEST(PairEventsWithAMargin, EndAPairThatMayNotGoOnAtOnce) {
   constexpr Aabb kNear = {{1.25F, 0, 0}, {2, 1, 1}};
   Frames frames("BruteForce");

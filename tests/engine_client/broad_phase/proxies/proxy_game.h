@@ -84,7 +84,7 @@ class ProxyGame {
     const bool exact = random_.Below(2) == 0;
     float offset[3];
     for (float& along : offset) along = exact ? 0.125F : random_.Symmetric();
-    proxies.ShiftOrigin(offset);
+    failed |= !proxies.ShiftOrigin(offset).ok();
     for (ListedProxy& proxy : listed) {
       if (!IsValid(proxy.box)) continue;
       for (int axis = 0; axis < 3; ++axis) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "sweepstake/broad_phase.h"
@@ -169,12 +170,40 @@ TEST_F(Populations, StayPairedWhenTheOriginIsShifted) {
   const auto before = Resolve();
   EXPECT_GE(before.size(), 50U);
   const float offset[3] = {1024, -512, 0.5F};
-  proxies_.ShiftOrigin(offset);
+  ASSERT_TRUE(proxies_.ShiftOrigin(offset).ok());
   EXPECT_EQ(Resolve(), before);
   EXPECT_FALSE(AnyEvents());
   EXPECT_EQ(*proxies_.box(handles[2]), (Aabb{{-1022, 514, 1.5F}, {-1021, 515, 2.5F}}));
   EXPECT_TRUE(proxies_.is_sleeping(handles[4]));
   EXPECT_EQ(*proxies_.box(broken), (Aabb{{1, 0, 0}, {0, 1, 1}}));
+}
+
+TEST_F(Populations, StayWhereTheyAreWhenTheOriginWouldBeNowhere) {
+  const ProxyHandle handle = proxies_.Add(kUnit);
+  const ProxyHandle wall = proxies_.Add(kUnit, {.is_static = true});
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float beyond : {kInfinity, -kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      float offset[3] = {1, 1, 1};
+      offset[axis] = beyond;
+      EXPECT_EQ(proxies_.ShiftOrigin(offset).code(), StatusCode::kInvalidArgument);
+      EXPECT_EQ(*proxies_.box(handle), kUnit);
+      EXPECT_EQ(*proxies_.box(wall), kUnit);
+    }
+  }
+}
+
+TEST_F(Populations, TakeNoPartBeyondTheLargestFloatUntilTheyAreMoved) {
+  const float offset[3] = {-std::numeric_limits<float>::max(), 0, 0};
+  const ProxyHandle handle = proxies_.Add(kUnit);
+  const ProxyHandle gone = proxies_.Add({{0, 0, 0}, {std::numeric_limits<float>::max() / 2, 1, 1}});
+  EXPECT_EQ(Resolve().size(), 1U);
+  ASSERT_TRUE(proxies_.ShiftOrigin(offset).ok());
+  EXPECT_TRUE(IsValid(*proxies_.box(handle)));
+  EXPECT_FALSE(IsValid(*proxies_.box(gone)));
+  EXPECT_TRUE(Resolve().empty());
+  ASSERT_TRUE(proxies_.Move(gone, *proxies_.box(handle)));
+  EXPECT_EQ(Resolve().size(), 1U);
 }
 
 TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {

@@ -179,7 +179,7 @@ TEST(SnapshotsOfManyProxies, TakeTheBytesThatTheHeaderSays) {
   proxies.AddMany(std::vector<Aabb>(10'000, Aabb{{0, 0, 0}, {1, 1, 1}}), std::span(&options, 1),
                   handles);
   proxies.Resolve({});
-  EXPECT_LE(proxies.snapshot_bytes() - empty, 10'000U * 65);
+  EXPECT_LE(proxies.snapshot_bytes() - empty, 10'000U * 58);
   EXPECT_LE(empty, 2000U);
 }
 
