@@ -313,8 +313,8 @@ TEST(BulletMemoryTest, AProxyForWhichThereIsNoMemoryLeavesItsPlaceToTheNext) {
 }
 
 TEST(BulletGhostTest, AGhostObjectKnowsWhatIsInItsBox) {
+  btGhostPairCallback callback;  // which the end of the world calls too
   AdaptiveBulletGame played(OneArm("DBVT"), {.stack_height = 1});
-  btGhostPairCallback callback;
   played.broad_phase().getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
   btBoxShape room({2, 2, 2});
   btGhostObject ghost;
