@@ -52,6 +52,8 @@ inline bool Overlap(const Aabb& a, const Aabb& b) {
 
 // Returns the smallest box of floats that contains this box of doubles: min is rounded down and max
 // up. A coordinate that no float reaches becomes infinite, and the box invalid.
+//
+// A box that is not min <= max gives an invalid one too, however near its faces are.
 inline Aabb RoundOutward(const double min[3], const double max[3]) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Aabb box;
@@ -60,6 +62,7 @@ inline Aabb RoundOutward(const double min[3], const double max[3]) {
     box.max[axis] = static_cast<float>(max[axis]);
     if (box.min[axis] > min[axis]) box.min[axis] = std::nextafter(box.min[axis], -kInfinity);
     if (box.max[axis] < max[axis]) box.max[axis] = std::nextafter(box.max[axis], kInfinity);
+    if (!(min[axis] <= max[axis])) box.min[axis] = kInfinity;
   }
   return box;
 }

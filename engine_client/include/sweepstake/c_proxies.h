@@ -229,7 +229,7 @@ SWP_API swp_result swp_proxies_cast_ray(const swp_proxies* proxies, const swp_ra
 
 /* The smallest box of floats that contains the box of doubles min[0..2] to max[0..2]: min is
  * rounded down and max up. A coordinate that no float reaches becomes infinite, and the box
- * invalid. */
+ * invalid. A box that is not min <= max gives an invalid one too. */
 SWP_API swp_result swp_round_outward(const double* min, const double* max, swp_aabb* box);
 
 /* NOLINTEND(modernize-use-using) */

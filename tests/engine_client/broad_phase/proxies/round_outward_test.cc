@@ -52,6 +52,12 @@ TEST(RoundingOutward, GivesAnInvalidBoxWhereNoFloatIsFarEnough) {
   EXPECT_FALSE(IsValid(Rounded(2, 1)));
 }
 
+TEST(RoundingOutward, LeavesABoxInvertedWhoseFacesAreLessThanOneFloatApart) {
+  EXPECT_FALSE(IsValid(Rounded(1 + 1e-12, 1)));
+  EXPECT_FALSE(IsValid(Rounded(0.1, std::nextafter(0.1, 0.0))));
+  EXPECT_FALSE(IsValid(Rounded(1e-300, -1e-300)));
+}
+
 TEST(RoundingOutward, ContainsWithinOneFloatOnEachSide) {
   SequentialRandom random(1);
   for (int k = 0; k < 10'000; ++k) {
