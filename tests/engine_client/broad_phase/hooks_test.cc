@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 #include <mutex>
 #include <new>
@@ -46,7 +47,8 @@ class GameMemory {
     return bytes;
   }
 
-  bool is_empty = false;
+  static constexpr size_t kPlenty = std::numeric_limits<size_t>::max();
+  size_t blocks_left = kPlenty;
 
  private:
   struct Block {
@@ -57,7 +59,8 @@ class GameMemory {
 
   void* Allocate(size_t bytes, size_t alignment) {
     const std::lock_guard lock(mutex_);
-    if (is_empty) return nullptr;
+    if (blocks_left == 0) return nullptr;
+    --blocks_left;
     void* const pointer = ::operator new (bytes, std::align_val_t{alignment});
     blocks_[pointer] = {bytes, alignment};
     return pointer;
@@ -117,10 +120,10 @@ TEST(HooksTest, ABackendWithoutMemoryThrowsAndGoesOnOnceThereIsSome) {
   for (const std::string_view name : BroadPhaseNames()) {
     const auto backend = std::move(*MakeBroadPhase(name));
     PairBuffer pairs;
-    memory.is_empty = true;
+    memory.blocks_left = 0;
     EXPECT_THROW((backend->Build(scene->aabbs()), backend->FindPairs(pairs)), std::bad_alloc)
         << name;
-    memory.is_empty = false;
+    memory.blocks_left = GameMemory::kPlenty;
     backend->Build(scene->aabbs());
     backend->FindPairs(pairs);
     EXPECT_FALSE(pairs.empty()) << name;
@@ -138,14 +141,26 @@ TEST(HooksTest, ProxiesWithoutMemoryForCompactAreAsTheyWere) {
   std::vector<ProxyHandle> found;
   std::vector<ProxyHandle> found_after;
   proxies.QueryBox(scene->aabbs()[1], {}, found);
-  memory.is_empty = true;
-  EXPECT_THROW(proxies.Compact(), std::bad_alloc);
-  memory.is_empty = false;
-  EXPECT_EQ(proxies.moving_count(), 500U);
-  EXPECT_EQ(proxies.static_count(), 500U);
-  proxies.QueryBox(scene->aabbs()[1], {}, found_after);
-  EXPECT_EQ(found_after, found);
-  proxies.Compact();
+  const auto compact_with = [&](size_t blocks) {
+    memory.blocks_left = blocks;
+    bool done = true;
+    try {
+      proxies.Compact();
+    } catch (const std::bad_alloc&) {
+      done = false;
+    }
+    memory.blocks_left = GameMemory::kPlenty;
+    return done;
+  };
+  size_t blocks = 0;
+  for (bool done = false; !done; ++blocks) {
+    done = compact_with(blocks);
+    EXPECT_EQ(proxies.moving_count(), 500U);
+    EXPECT_EQ(proxies.static_count(), 500U);
+    proxies.QueryBox(scene->aabbs()[1], {}, found_after);
+    EXPECT_EQ(found_after, found);
+  }
+  EXPECT_GT(blocks, 2U);
   EXPECT_TRUE(proxies.RemoveMany(handles));
 }
 
