@@ -108,15 +108,15 @@ SWP_API uint32_t swp_live_count(swp_kind kind);
  * reloaded and has left its handles behind, before it makes new ones.
  *
  * No call begins any more: each is answered with SWP_FAILED_PRECONDITION. Those under way are
- * waited for, at most deadline_ms; freeing takes its time beside that (a session's lane stops
- * within 50 ms). SWP_UNAVAILABLE if some have not returned by then: what they use lives on, all
- * else is freed, and a later call goes on. With 0 no call is waited for. What is made meanwhile
- * lives.
+ * waited for, at most deadline_ms; freeing takes its time beside that (a session's lane leaves
+ * its search in its midst). SWP_UNAVAILABLE if some have not returned by then: what they use lives
+ * on, all else is freed, and a later call goes on. With 0 no call is waited for. What is made
+ * meanwhile lives.
  *
  * Safe: any thread may call it, at any time, also beside calls that take an object as non-const,
  * and more than once. A handle that turns up afterwards may be given to any function, on any
  * thread: it is SWP_FAILED_PRECONDITION, and _destroy takes it once, as ever. Each lost handle
- * keeps some 400 bytes until then.
+ * keeps a small block of memory until then.
  *
  * Not safe: a call that takes the object as const (to read pairs, or to query proxies), or a
  * _destroy, under way on another thread; reading memory that an object has handed out; and a handle

@@ -6,8 +6,9 @@
  *   ... every 250 ms: swp_session_poll_decider(session, now_ns, NULL, NULL);
  *
  * Threads: these are functions of one caller at a time, which may be the frame thread; attach and
- * detach while no frame runs. Cost: a poll takes microseconds, and some 0.1 ms where a decision is
- * due; it allocates, so that a game with little time to spare polls on another thread.
+ * detach while no frame runs. Cost: a poll is linear in the frames since the last one, and takes
+ * longer where a decision is due; it allocates, so that a game with little time to spare polls on
+ * another thread.
  */
 /* Before the guard: c_api.h includes the headers in the order in which they need one another. */
 #include "sweepstake/c_api.h"

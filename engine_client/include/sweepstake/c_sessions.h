@@ -13,9 +13,9 @@
  * whoever polls the decider (c_deciders.h) or drives the link (c_link.h); each function below says
  * which of them may call it. With a shadow lane it has a thread of its own, which ends with it.
  *
- * Cost: a frame takes what its backend takes, and some 100 ns; boxes and pairs are not copied, but
- * for the boxes of the few frames that a shadow lane measures. The frame thread never waits, takes
- * no lock, and in steady state allocates nothing.
+ * Cost: a frame takes what its backend takes, and a few atomic operations and readings of the
+ * clock; boxes and pairs are not copied, but for the boxes of the few frames that a shadow lane
+ * measures. The frame thread never waits, takes no lock, and in steady state allocates nothing.
  */
 /* Before the guard: c_api.h includes the headers in the order in which they need one another. */
 #include "sweepstake/c_api.h"

@@ -1,6 +1,7 @@
 // What a client sends, against protobuf: each message, with each of its fields, byte by byte.
 #include <gtest/gtest.h>
 
+#include "engine_client/telemetry/proto_conversion.h"
 #include "engine_client/telemetry/protocol/wire.h"
 #include "sweepstake/v1/telemetry.pb.h"
 #include "tests/engine_client/telemetry/protocol/random_messages.h"
@@ -35,18 +36,6 @@ Hello PlainOf(const v1::Hello& message) {
   return hello;
 }
 
-SceneDescriptor PlainOf(const v1::SceneDescriptor& message) {
-  SceneDescriptor descriptor;
-  if (message.has_object_count()) descriptor.object_count = message.object_count();
-  if (message.has_density_ratio()) descriptor.density_ratio = message.density_ratio();
-  if (message.has_size_spread()) descriptor.size_spread = message.size_spread();
-  if (message.has_speed_mean()) descriptor.speed_mean = message.speed_mean();
-  if (message.has_speed_spread()) descriptor.speed_spread = message.speed_spread();
-  if (message.has_clustering_ratio()) descriptor.clustering_ratio = message.clustering_ratio();
-  if (message.has_static_ratio()) descriptor.static_ratio = message.static_ratio();
-  return descriptor;
-}
-
 ShadowSample PlainOf(const v1::ShadowSample& message) {
   return {.first_frame_index = message.first_frame_index(),
           .detection_time_ns = message.detection_time_ns(),
@@ -75,7 +64,8 @@ FrameBatch PlainOf(const v1::FrameBatch& message) {
                             .flags = message.flags(i),
                             .reserved = 0});
   }
-  if (message.has_scene_descriptor()) batch.scene_descriptor = PlainOf(message.scene_descriptor());
+  if (message.has_scene_descriptor())
+    batch.scene_descriptor = FromProto(message.scene_descriptor());
   batch.dropped_frame_count = message.dropped_frame_count();
   for (const v1::ShadowSample& sample : message.shadow_samples())
     batch.shadow_samples.push_back(PlainOf(sample));
