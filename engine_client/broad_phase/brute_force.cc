@@ -44,7 +44,8 @@ void BruteForce::Load(std::span<const Aabb> boxes) {
   const size_t part_count = PartCount(executor_, boxes.size(), kMinBoxesPerPart);
   RunParts(executor_, part_count, [&](size_t part) {
     const PartRange slots = RangeOfPart(boxes.size(), part, part_count, ByteBoxes::kGranule);
-    boxes_.Fill(boxes, range, {}, slots.begin, slots.end);
+    ForEachBlock(stop(), slots.begin, slots.end,
+                 [&](size_t from, size_t to) { boxes_.Fill(boxes, range, {}, from, to); });
   });
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine_client/broad_phase/common/stop_poll.h"
+
 namespace sweepstake {
 namespace {
 
@@ -29,43 +31,52 @@ std::span<uint64_t> RadixSort::Items(size_t count) {
   return {items_.data(), count};
 }
 
-std::span<const uint64_t> RadixSort::Sort() {
-  Sort(items_, count_);
+std::span<const uint64_t> RadixSort::Sort(StopRequest* stop) {
+  Sort(items_, count_, stop);
   return {items_.data(), count_};
 }
 
-void RadixSort::Sort(AlignedBuffer<uint64_t>& items, size_t count) {
+void RadixSort::Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* stop) {
   if (count <= kInsertionLimit) {
     InsertionSort({items.data(), count});
     return;
   }
   spare_.EnsureDiscarding(count);
-  CountDigits(items.data(), count);
-  for (size_t pass = 0; pass < kPasses; ++pass) Scatter(pass, items, count);
+  if (!CountDigits(items.data(), count, stop)) return;
+  for (size_t pass = 0; pass < kPasses; ++pass) {
+    if (!Scatter(pass, items, count, stop)) return;
+  }
 }
 
-void RadixSort::CountDigits(const uint64_t* items, size_t count) {
+// Returns false once `stop` is to end the sort, as does Scatter.
+bool RadixSort::CountDigits(const uint64_t* items, size_t count, StopRequest* stop) {
   starts_.EnsureDiscarding(kPasses * kBuckets);
   std::fill_n(starts_.data(), kPasses * kBuckets, 0U);
   uint32_t* const low = starts_.data();
   uint32_t* const middle = low + kBuckets;
   uint32_t* const high = middle + kBuckets;
-  for (size_t i = 0; i < count; ++i) {
-    ++low[Digit(items[i], 0)];
-    ++middle[Digit(items[i], 1)];
-    ++high[Digit(items[i], 2)];
-  }
+  return ForEachBlock(stop, 0, count, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      ++low[Digit(items[i], 0)];
+      ++middle[Digit(items[i], 1)];
+      ++high[Digit(items[i], 2)];
+    }
+  });
 }
 
-void RadixSort::Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count) {
+bool RadixSort::Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count,
+                        StopRequest* stop) {
   uint32_t* const starts = starts_.data() + pass * kBuckets;
   const uint64_t* const from = items.data();
-  if (starts[Digit(from[0], pass)] == count) return;  // One bucket holds all: nothing to move.
+  if (starts[Digit(from[0], pass)] == count) return true;  // One bucket holds all.
   uint32_t sum = 0;
   for (size_t bucket = 0; bucket < kBuckets; ++bucket) sum += std::exchange(starts[bucket], sum);
   uint64_t* const to = spare_.data();
-  for (size_t i = 0; i < count; ++i) to[starts[Digit(from[i], pass)]++] = from[i];
-  std::swap(items, spare_);
+  const bool is_done = ForEachBlock(stop, 0, count, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) to[starts[Digit(from[i], pass)]++] = from[i];
+  });
+  if (is_done) std::swap(items, spare_);
+  return is_done;
 }
 
 }  // namespace sweepstake

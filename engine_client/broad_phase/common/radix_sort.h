@@ -10,6 +10,7 @@
 #include <span>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
 
@@ -34,10 +35,10 @@ class RadixSort {
   // Returns `count` items, which the caller fills with PackSortItem; valid until the next call.
   std::span<uint64_t> Items(size_t count);
   // Sorts these items; those of equal rank keep their order. The result is valid until the next
-  // call.
-  std::span<const uint64_t> Sort();
+  // call. Asks `stop`, which may be null; the items are undefined once that is true.
+  std::span<const uint64_t> Sort(StopRequest* stop = nullptr);
   // Sorts the first `count` of the caller's items; swaps their storage with the sorter's.
-  void Sort(AlignedBuffer<uint64_t>& items, size_t count);
+  void Sort(AlignedBuffer<uint64_t>& items, size_t count, StopRequest* stop = nullptr);
 
   size_t native_bytes() const {
     return items_.capacity_bytes() + spare_.capacity_bytes() + starts_.capacity_bytes();
@@ -47,8 +48,8 @@ class RadixSort {
   static constexpr size_t kPasses = 3;
   static constexpr size_t kBuckets = 2048;
 
-  void CountDigits(const uint64_t* items, size_t count);
-  void Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count);
+  bool CountDigits(const uint64_t* items, size_t count, StopRequest* stop);
+  bool Scatter(size_t pass, AlignedBuffer<uint64_t>& items, size_t count, StopRequest* stop);
 
   AlignedBuffer<uint64_t> items_;
   AlignedBuffer<uint64_t> spare_;

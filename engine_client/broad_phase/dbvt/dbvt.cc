@@ -32,6 +32,8 @@ constexpr uint32_t kMaxCalmFrames = 256;
 constexpr uint32_t kShortRest = 32;
 // A part with fewer lowest inner nodes (some 1,500 objects) takes less time than waking a thread.
 constexpr size_t kMinGroupsPerPart = 8;
+// The insertions of objects between two questions whether to stop; each takes 1 µs or less.
+constexpr size_t kInsertionsPerQuestion = 2048;
 
 bool IsOtherScene(size_t count, size_t old_count) {
   const auto [fewer, more] = std::minmax(count, old_count);
@@ -106,7 +108,8 @@ void Dbvt::AdoptOrder(std::span<const Aabb> boxes) {
   const std::span<uint32_t> slots{order_.data(), splitter_.slot_count()};
   splitter_.TakeSlots(slots);
   outside_.clear();
-  tree_.Build(boxes, slots, executor_, outside_);
+  tree_.Build(boxes, slots, executor_, outside_, stop());
+  if (IsStopped(stop())) return;
   for (size_t object = ordered_count_; object < boxes.size(); ++object) {
     outside_.push_back(static_cast<uint32_t>(object));
   }
@@ -164,18 +167,24 @@ void Dbvt::Resize(size_t count) {
 void Dbvt::Refit(std::span<const Aabb> boxes) {
   if (AdvanceRebuild(boxes)) return;
   const DbvtTree::Motion motion = tree_.Refit(boxes, margins_.Step(), executor_, outside_);
+  if (IsStopped(stop())) return;
   if (motion.needs_build || tree_.waiting_count() > boxes.size() / kEntriesPerMisplaced) {
     return Rebuild(boxes);
   }
-  tree_.Settle();
+  tree_.Settle(stop());
   InsertReturning(boxes);
+  if (IsStopped(stop())) return;
   MaybeUseMargins(boxes, motion);
 }
 
-// Inserts the objects whose boxes have become valid.
+// Inserts the objects whose boxes have become valid, until it is stopped.
 void Dbvt::InsertReturning(std::span<const Aabb> boxes) {
+  size_t valid = 0;
+  bool is_stopped = false;
   std::erase_if(outside_, [&](uint32_t object) {
     if (!IsValid(boxes[object])) return false;
+    if (valid++ % kInsertionsPerQuestion == 0) is_stopped = IsStopped(stop());
+    if (is_stopped) return false;
     tree_.Insert(object, boxes[object]);
     return true;
   });

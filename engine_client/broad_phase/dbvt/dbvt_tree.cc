@@ -194,7 +194,7 @@ void DbvtTree::Reserve(size_t object_count) {
 }
 
 void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots,
-                     Executor* executor, HookedVector<uint32_t>& lost) {
+                     Executor* executor, HookedVector<uint32_t>& lost, StopRequest* stop) {
   Reserve(boxes.size());
   object_count_ = boxes.size();
   std::fill_n(slots_.data(), object_count_, kNone);
@@ -213,6 +213,7 @@ void DbvtTree::Build(std::span<const Aabb> boxes, std::span<const uint32_t> slot
     first = end;
   } while (node_limit_ - first > 1);
   root_ = first;
+  if (IsStopped(stop)) return;
   // The nodes have no boxes yet: Refit takes those of the objects and computes all bounds.
   Refit(boxes, 0, executor, lost);
   Settle();
@@ -328,12 +329,16 @@ void DbvtTree::Split(uint32_t node, const Entry& entry) {
   AddTo(links_[node].parent, {NodeBounds(nodes_[sibling]), sibling, level + 1});
 }
 
-void DbvtTree::Settle() {
+void DbvtTree::Settle(StopRequest* stop) {
+  constexpr size_t kEntriesPerQuestion = 2048;
   // Subtrees are inserted first, since lower entries may be inserted into them.
   for (uint32_t level = links_[root_].level + 1; level-- > 0 && !waiting_.empty();) {
-    for (const Entry& entry : waiting_) {
-      if (entry.level == level) Attach(entry);
-    }
+    const auto attach = [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        if (waiting_[k].level == level) Attach(waiting_[k]);
+      }
+    };
+    if (!ForEachBlock(stop, 0, waiting_.size(), attach, kEntriesPerQuestion)) break;
   }
   waiting_.clear();
   while (links_[root_].level > 1 && links_[root_].count == 1) {

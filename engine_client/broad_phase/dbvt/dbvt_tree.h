@@ -22,6 +22,7 @@
 #include "engine_client/broad_phase/common/aligned_buffer.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 
 namespace sweepstake {
@@ -68,8 +69,9 @@ class DbvtTree {
   // Discards everything and takes the objects in `slots`, of which sixteen at a time become a leaf.
   // kNone and numbers that are no index of `boxes` leave a gap. Objects with invalid boxes are
   // appended to `lost`. The tree can hold objects 0 … boxes.size() − 1 from now on.
+  // Asks `stop`, which may be null; the tree is undefined once that is true.
   void Build(std::span<const Aabb> boxes, std::span<const uint32_t> slots, Executor* executor,
-             HookedVector<uint32_t>& lost);
+             HookedVector<uint32_t>& lost, StopRequest* stop = nullptr);
   // Sets the number of objects that the tree can hold. REQUIRES: none from `object_count` on is in
   // it.
   void Resize(size_t object_count);
@@ -98,8 +100,9 @@ class DbvtTree {
   // objects in the tree are valid.
   void TakeBoxes(std::span<const Aabb> boxes, Executor* executor);
   size_t waiting_count() const { return waiting_.size(); }
-  // Inserts the waiting entries.
-  void Settle();
+  // Inserts the waiting entries. Asks `stop`, which may be null; the others are lost once that is
+  // true.
+  void Settle(StopRequest* stop = nullptr);
 
   bool Contains(uint32_t object) const { return slots_[object] != kNone; }
   size_t object_count() const { return object_count_; }

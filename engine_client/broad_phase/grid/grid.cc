@@ -23,8 +23,9 @@ class Grid final : public BroadPhase {
   void Update(std::span<const Aabb> boxes) override {
     checks_ = 0;
     count_ = boxes.size();
-    plan_.MakeGrids(executor_, boxes);
-    sort_.Sort(executor_, boxes, plan_.grids(), plan_.choice());
+    plan_.MakeGrids(executor_, boxes, stop());
+    if (IsStopped(stop())) return;
+    sort_.Sort(executor_, boxes, plan_.grids(), plan_.choice(), stop());
   }
   void FindPairs(PairBuffer& out) override {
     const GridView view{sort_.lanes(), sort_.starts(), plan_.grids(), plan_.searches()};

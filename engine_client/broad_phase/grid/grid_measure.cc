@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine_client/broad_phase/common/stop_poll.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine_client/broad_phase/grid/grid_measure.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
@@ -119,9 +121,12 @@ uint32_t GridMeasure::count() const {
   return sum;
 }
 
-GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes) {
+GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes,
+                         StopRequest* stop) {
   GridMeasure measure;
-  HWY_DYNAMIC_DISPATCH(Measure)(boxes, classes, measure);
+  ForEachBlock(stop, 0, boxes.size(), [&](size_t begin, size_t end) {
+    HWY_DYNAMIC_DISPATCH(Measure)(boxes.subspan(begin, end - begin), classes, measure);
+  });
   return measure;
 }
 

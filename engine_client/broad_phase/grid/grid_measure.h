@@ -11,6 +11,7 @@
 
 #include "engine_client/broad_phase/grid/group_grid.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 
 namespace sweepstake {
 
@@ -37,7 +38,9 @@ struct GridMeasure {
   uint32_t count() const;
 };
 
-// Ignores invalid boxes (aabb.h).
-GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes);
+// Ignores invalid boxes (aabb.h). Asks `stop`, which may be null, and leaves boxes out once that is
+// true.
+GridMeasure MeasureBoxes(std::span<const Aabb> boxes, const ShapeClasses& classes,
+                         StopRequest* stop = nullptr);
 
 }  // namespace sweepstake

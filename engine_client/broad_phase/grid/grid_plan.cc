@@ -20,14 +20,15 @@ constexpr size_t kCornerSample = 64;
 constexpr double kThresholdSpacings = 0.75;
 
 GridMeasure MeasureInParts(Executor* executor, std::span<const Aabb> boxes,
-                           const ShapeClasses& classes) {
+                           const ShapeClasses& classes, StopRequest* stop) {
   const size_t max_parts = executor == nullptr ? 1 : std::min(executor->thread_count(), kMaxParts);
   const size_t parts = std::clamp<size_t>(boxes.size() / kMinBoxesPerPart, 1, max_parts);
-  if (parts == 1) return MeasureBoxes(boxes, classes);
+  if (parts == 1) return MeasureBoxes(boxes, classes, stop);
   std::array<GridMeasure, kMaxParts> measures;
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(boxes.size(), part, parts, 64);
-    measures[part] = MeasureBoxes(boxes.subspan(range.begin, range.end - range.begin), classes);
+    measures[part] =
+        MeasureBoxes(boxes.subspan(range.begin, range.end - range.begin), classes, stop);
   });
   for (size_t part = 1; part < parts; ++part) measures[0].Join(measures[part]);
   return measures[0];
@@ -98,10 +99,10 @@ void GridPlan::Reset() {
   choice_.classes.threshold = std::numeric_limits<float>::max();
 }
 
-void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes) {
-  GridMeasure measure = MeasureInParts(executor, boxes, choice_.classes);
+void GridPlan::MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop) {
+  GridMeasure measure = MeasureInParts(executor, boxes, choice_.classes, stop);
   if (UpdateClasses(boxes, measure)) {
-    measure = MeasureInParts(executor, boxes, choice_.classes);
+    measure = MeasureInParts(executor, boxes, choice_.classes, stop);
   }
   if (!Fits(measure)) Plan(measure);
   LayOut(boxes, measure);

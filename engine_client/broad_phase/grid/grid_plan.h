@@ -16,6 +16,7 @@
 #include "engine_client/broad_phase/grid/grid_measure.h"
 #include "engine_client/broad_phase/grid/grid_sort.h"
 #include "engine_client/broad_phase/grid/group_grid.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 
 namespace sweepstake {
@@ -27,7 +28,8 @@ class GridPlan {
   // Drops the plan: the next MakeGrids makes a new one.
   void Reset();
   // Measures the boxes, makes a new plan if the present one does not fit them, and makes the grids.
-  void MakeGrids(Executor* executor, std::span<const Aabb> boxes);
+  // Asks `stop`, which may be null; the grids fit no boxes once that is true.
+  void MakeGrids(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop = nullptr);
 
   std::span<const GroupGrid> grids() const { return {grids_.data(), group_count_}; }
   const GroupChoice& choice() const { return choice_; }

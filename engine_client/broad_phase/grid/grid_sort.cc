@@ -125,19 +125,22 @@ BoxLanes GridColumns::lanes() const {
 }
 
 void GridSort::Sort(Executor* executor, std::span<const Aabb> boxes,
-                    std::span<const GroupGrid> grids, const GroupChoice& choice) {
+                    std::span<const GroupGrid> grids, const GroupChoice& choice,
+                    StopRequest* stop) {
   count_ = boxes.size();
   cells_ = size_t{grids.back().last_cell()} + 1;
   const size_t parts = PartsFor(executor, count_);
   MakeRoom(parts);
-  CountInParts(executor, parts, boxes, grids, choice);
+  CountInParts(executor, parts, boxes, grids, choice, stop);
+  if (IsStopped(stop)) return;
   SumCounts(parts);
   // Parts are ranges of cells, not of boxes, so that threads do not write to the same cache lines.
   RunParts(executor, parts, [&](size_t part) {
     const size_t begin = FirstCellOfPart(part, parts);
     const size_t end = FirstCellOfPart(part + 1, parts);
-    Place(begin, end);
-    columns_.Gather(boxes, starts_[begin], starts_[end]);
+    if (!Place(begin, end, stop)) return;
+    ForEachBlock(stop, starts_[begin], starts_[end],
+                 [&](size_t from, size_t to) { columns_.Gather(boxes, from, to); });
   });
 }
 
@@ -150,14 +153,16 @@ void GridSort::MakeRoom(size_t parts) {
 }
 
 void GridSort::CountInParts(Executor* executor, size_t parts, std::span<const Aabb> boxes,
-                            std::span<const GroupGrid> grids, const GroupChoice& choice) {
+                            std::span<const GroupGrid> grids, const GroupChoice& choice,
+                            StopRequest* stop) {
   RunParts(executor, parts, [&](size_t part) {
     uint32_t* const counts = part_counts_.data() + part * cells_;
     std::fill_n(counts, cells_, 0U);
     const PartRange range = RangeOfPart(count_, part, parts, SoaBoxes::kPadding);
-    HWY_DYNAMIC_DISPATCH(CountKeys)
-    (boxes.subspan(range.begin, range.end - range.begin), grids, choice, keys_.data() + range.begin,
-     counts);
+    ForEachBlock(stop, range.begin, range.end, [&](size_t from, size_t to) {
+      HWY_DYNAMIC_DISPATCH(CountKeys)
+      (boxes.subspan(from, to - from), grids, choice, keys_.data() + from, counts);
+    });
   });
 }
 
@@ -182,14 +187,15 @@ size_t GridSort::FirstCellOfPart(size_t part, size_t parts) const {
   return static_cast<size_t>(std::lower_bound(starts, starts + cells_, slot) - starts);
 }
 
-// Writes the boxes of the cells [begin, end) to their slots.
-void GridSort::Place(size_t begin, size_t end) {
+// Writes the boxes of the cells [begin, end) to their slots. Returns false if it was stopped.
+bool GridSort::Place(size_t begin, size_t end, StopRequest* stop) {
   uint32_t* const next = part_counts_.data();
   uint32_t* const order = columns_.ids();
   const uint32_t* const keys = keys_.data();
   if (begin == 0 && end == cells_) {
-    for (size_t i = 0; i < count_; ++i) order[next[keys[i]]++] = static_cast<uint32_t>(i);
-    return;
+    return ForEachBlock(stop, 0, count_, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) order[next[keys[i]]++] = static_cast<uint32_t>(i);
+    });
   }
   // Lists the boxes of these cells before it places them, since a branch on the cell is
   // mispredicted.
@@ -204,6 +210,7 @@ void GridSort::Place(size_t begin, size_t end) {
     }
     for (size_t k = 0; k < count; ++k) order[next[keys[listed[k]]]++] = listed[k];
   }
+  return !IsStopped(stop);
 }
 
 }  // namespace sweepstake

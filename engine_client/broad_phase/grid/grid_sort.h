@@ -14,6 +14,7 @@
 #include "engine_client/broad_phase/grid/grid_measure.h"
 #include "engine_client/broad_phase/grid/group_grid.h"
 #include "sweepstake/aabb.h"
+#include "sweepstake/broad_phase.h"
 #include "sweepstake/executor.h"
 
 namespace sweepstake {
@@ -52,9 +53,10 @@ struct GroupChoice {
 
 class GridSort {
  public:
-  // REQUIRES: the cell numbers of the grids follow one another, from 0.
+  // Asks `stop`, which may be null; the order is undefined once that is true. REQUIRES: the cell
+  // numbers of the grids follow one another, from 0.
   void Sort(Executor* executor, std::span<const Aabb> boxes, std::span<const GroupGrid> grids,
-            const GroupChoice& choice);
+            const GroupChoice& choice, StopRequest* stop = nullptr);
 
   // Returns the boxes in the order of the cells, then the invalid ones, then padding.
   BoxLanes lanes() const { return columns_.lanes(); }
@@ -68,10 +70,10 @@ class GridSort {
  private:
   void MakeRoom(size_t parts);
   void CountInParts(Executor* executor, size_t parts, std::span<const Aabb> boxes,
-                    std::span<const GroupGrid> grids, const GroupChoice& choice);
+                    std::span<const GroupGrid> grids, const GroupChoice& choice, StopRequest* stop);
   void SumCounts(size_t parts);
   size_t FirstCellOfPart(size_t part, size_t parts) const;
-  void Place(size_t begin, size_t end);
+  bool Place(size_t begin, size_t end, StopRequest* stop);
 
   AlignedBuffer<uint32_t> keys_;
   AlignedBuffer<uint32_t> starts_;

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -44,9 +45,16 @@ class Zone {
   const char* name_;
 };
 
-// Called first on each thread that the library starts: names the thread, and calls the hook. `name`
-// is a literal of at most 15 characters, what Linux shows.
-void NoteThreadStarted(const char* name) noexcept;
+enum class ThreadPriority { kOfTheStarter, kLow };
+
+// Called first on each thread that the library starts: names the thread, sets its priority and
+// calls the hook. `name` is a literal of at most 15 characters, what Linux shows.
+void NoteThreadStarted(const char* name,
+                       ThreadPriority priority = ThreadPriority::kOfTheStarter) noexcept;
+
+// How long the calling thread has run, without the time in which others had its core. 0 where the
+// system does not tell. A system call.
+uint64_t ThreadTimeNs() noexcept;
 
 template <typename T>
 struct HookAllocator {

@@ -50,11 +50,13 @@ void KdOrder::Reserve(size_t count) {
   }
   result_ = words_.data() + 2 * capacity_;
   waiting_ = run_count_ = valid_count_ = invalid_count_ = 0;
+  run_parts_ = kPart;
 }
 
 void KdOrder::PushRun(const KdRange& range, size_t columns) {
   runs_[run_count_++] = {range.begin, range.end};
-  stack_[waiting_++] = {range, columns};
+  stack_[waiting_] = {range, columns};
+  stack_[waiting_++].range.run_parts = run_parts_;
 }
 
 void KdOrder::FormRuns() {
@@ -239,8 +241,10 @@ void KdOrder::TakeBoxes(std::span<uint32_t> order) const {
   std::copy(invalid.begin(), invalid.end(), to);
 }
 
-void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop) {
+void KdOrder::Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop,
+                   size_t run_parts) {
   Reserve(order.size());
+  run_parts_ = run_parts;
   for (const uint32_t index : order) Collect(boxes[index], index);
   StartSplitting();
   if (Finish(nullptr, stop)) TakeBoxes(order);

@@ -60,8 +60,9 @@ class KdOrder {
   void TakeBoxes(std::span<uint32_t> order) const;
 
   // Orders only the boxes whose indices `order` names, each at most once, and rearranges it unless
-  // it is stopped.
-  void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop = nullptr);
+  // it is stopped. Runs of `run_parts` parts, and of 16 times as many and so on, straddle no split.
+  void Sort(std::span<const Aabb> boxes, std::span<uint32_t> order, StopRequest* stop = nullptr,
+            size_t run_parts = kPart);
 
   size_t native_bytes() const { return floats_.capacity_bytes() + words_.capacity_bytes(); }
 
@@ -105,6 +106,7 @@ class KdOrder {
   size_t invalid_count_ = 0;
   std::array<Run, SizeClasses::kCount> runs_;
   size_t run_count_ = 0;
+  size_t run_parts_ = kPart;
   std::array<Waiting, kStackSize> stack_;
   size_t waiting_ = 0;
   // Ranges up to this size are split down to parts in one step.

@@ -329,7 +329,7 @@ HWY_EXPORT(SplitDown);
 size_t KdSplitPoint(const KdRange& range) {
   const size_t count = range.count();
   size_t block = KdRange::kPart;
-  while (block * 16 < count) block *= 16;
+  for (size_t width = range.run_parts; block * width < count; width = 16) block *= width;
   const size_t nearest = (count / 2 + block / 2) / block * block;
   return range.begin + std::clamp(nearest, block, (count - 1) / block * block);
 }

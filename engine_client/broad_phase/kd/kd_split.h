@@ -29,13 +29,15 @@ struct KdRange {
   size_t end;
   // A split is across the axis on which the spread of the centers times this is largest.
   float axis_weight[3];
+  // Splits are at multiples of this many parts where they can be.
+  size_t run_parts = kPart;
 
   size_t count() const { return end - begin; }
 };
 
-// Returns the slot at which a range of more than kPart slots is split: the multiple of 16, 256,
-// 4096 … slots from its begin that is nearest to the middle. Aligned runs of as many slots then
-// never straddle a split.
+// Returns the slot at which a range of more than kPart slots is split: the multiple of a part, of
+// run_parts parts, of 16 times as many and so on, from its begin, that is nearest to the middle.
+// Aligned runs of as many slots then never straddle a split.
 size_t KdSplitPoint(const KdRange& range);
 
 // Moves the centers of the range from `from` to `to`, so that those before the split point are

@@ -156,7 +156,7 @@ void KdTree::ReserveSlots(size_t count) {
 
 void KdTree::Refit(std::span<const Aabb> boxes) {
   checks_ = 0;
-  tree_.Refit(boxes, {order_.data(), slot_count_}, executor_);
+  tree_.Refit(boxes, {order_.data(), slot_count_}, executor_, stop());
 }
 
 // Returns the mean logarithm of the leaves' volumes. The sum of their extents would depend on a few
@@ -206,9 +206,11 @@ void KdTree::AdoptSplit(std::span<const Aabb> boxes) {
 }
 
 void KdTree::SplitAtOnce(std::span<const Aabb> boxes) {
+  if (IsStopped(stop())) return;
   BeginSplit();
   if (!splitter_.Finish(executor_, stop())) return;
   AdoptSplit(boxes);
+  if (IsStopped(stop())) return;
   Refit(boxes);
   fresh_leaf_size_ = MeanLeafSize();
 }

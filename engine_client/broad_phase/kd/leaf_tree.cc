@@ -46,9 +46,9 @@ void FinishLeaves(LeafBlock* leaves, size_t begin, size_t end, float* columns, s
   }
 }
 
-void BoundNodes(const BoxLanes& below, size_t node_count, float* columns, size_t stride) {
+void BoundNodes(const BoxLanes& below, size_t begin, size_t end, float* columns, size_t stride) {
   for (size_t axis = 0; axis < 3; ++axis) {
-    for (size_t node = 0; node < node_count; ++node) {
+    for (size_t node = begin; node < end; ++node) {
       columns[2 * axis * stride + node] = MinOf16(below.min[axis] + node * LeafTree::kWidth);
       columns[(2 * axis + 1) * stride + node] = MaxOf16(below.max[axis] + node * LeafTree::kWidth);
     }
@@ -103,27 +103,29 @@ void GatherLeaf(std::span<const Aabb> boxes, std::span<const uint32_t> order, si
 
 }  // namespace
 
-void LeafTree::Reserve(size_t slot_count) {
+void LeafTree::Reserve(size_t slot_count, size_t capacity) {
   view_.top = 0;
   leaf_count_ = 0;
-  leaves_.EnsureDiscarding(GroupsOf16(slot_count));
-  LayOut(slot_count);
+  leaves_.EnsureDiscarding(GroupsOf16(capacity));
+  LayOut(slot_count, capacity);
 }
 
 // Divides `bounds_` into the columns of all levels, and writes the sentinels behind each.
-void LeafTree::LayOut(size_t slot_count) {
-  view_.top = 0;
+void LeafTree::LayOut(size_t slot_count, size_t capacity) {
+  capacity_ = capacity;
+  level_count_ = 0;
   size_t floats = 0;
-  for (size_t count = GroupsOf16(slot_count); count > 0; count = GroupsOf16(count)) {
-    view_.levels[++view_.top].count = count;
+  for (size_t count = GroupsOf16(capacity); count > 0; count = GroupsOf16(count)) {
+    stride_[++level_count_] = PaddedColumn(count);
     floats += 6 * PaddedColumn(count);
     if (count <= kWidth) break;
   }
   bounds_.EnsureDiscarding(floats);
+  SetCounts(slot_count);
   float* column = bounds_.data();
-  for (size_t level = 1; level <= view_.top; ++level) {
+  for (size_t level = 1; level <= level_count_; ++level) {
     BoxLanes& lanes = view_.levels[level];
-    const size_t stride = PaddedColumn(lanes.count);
+    const size_t stride = stride_[level];
     first_column_[level] = column;
     for (size_t axis = 0; axis < 3; ++axis, column += 2 * stride) {
       lanes.min[axis] = column;
@@ -134,9 +136,19 @@ void LeafTree::LayOut(size_t slot_count) {
   }
 }
 
+void LeafTree::SetCounts(size_t slot_count) {
+  view_.top = 0;
+  size_t count = slot_count;
+  for (size_t level = 1; level <= level_count_; ++level) {
+    count = GroupsOf16(count);
+    view_.levels[level].count = count;
+    if (view_.top == 0 && count > 0 && count <= kWidth) view_.top = level;
+  }
+}
+
 void LeafTree::Refit(std::span<const Aabb> boxes, std::span<const uint32_t> order,
-                     Executor* executor) {
-  Reserve(order.size());
+                     Executor* executor, StopRequest* stop, size_t spare_slots) {
+  Reserve(order.size(), order.size() + spare_slots);
   if (order.empty()) return;
   leaf_count_ = GroupsOf16(order.size());
   view_.leaves = leaves_.data();
@@ -145,13 +157,52 @@ void LeafTree::Refit(std::span<const Aabb> boxes, std::span<const uint32_t> orde
   const size_t part_count = PartCount(executor, leaf_count_, kMinLeavesPerPart);
   RunParts(executor, part_count, [&](size_t part) {
     const PartRange range = RangeOfPart(leaf_count_, part, part_count, 1);
-    GatherLeaves(boxes, order, range.begin, range.end);
+    const auto gather = [&](size_t from, size_t to) { GatherLeaves(boxes, order, from, to); };
+    ForEachBlock(stop, range.begin, range.end, gather, kBoxesPerQuestion / kWidth);
   });
-  for (size_t level = 2; level <= view_.top; ++level) {
-    const size_t count = view_.levels[level].count;
-    HWY_DYNAMIC_DISPATCH(BoundNodes)
-    (view_.levels[level - 1], count, first_column_[level], PaddedColumn(count));
+  if (IsStopped(stop)) return;
+  for (size_t level = 2; level <= level_count_; ++level) {
+    BoundFrom(level, 0, view_.levels[level].count);
   }
+}
+
+void LeafTree::RefitBlocks(std::span<const Aabb> boxes, std::span<const uint32_t> order,
+                           std::span<const uint32_t> blocks) {
+  if (order.size() > capacity_) Grow(order.size());
+  SetCounts(order.size());
+  leaf_count_ = GroupsOf16(order.size());
+  view_.levels[0].count = order.size();
+  for (const uint32_t block : blocks) {
+    const size_t first = size_t{block} * kWidth;
+    GatherLeaves(boxes, order, first, std::min(first + kWidth, leaf_count_));
+  }
+  for (size_t level = 2; level <= level_count_; ++level) {
+    size_t next = 0;
+    for (const uint32_t block : blocks) {
+      const size_t node = size_t{block} >> kWidthBits * (level - 2);
+      if (node >= next) BoundFrom(level, node, node + 1);
+      next = node + 1;
+    }
+  }
+}
+
+// Moves the leaves to a larger piece of memory and bounds them anew.
+void LeafTree::Grow(size_t slot_count) {
+  leaves_.EnsureKeeping(GroupsOf16(slot_count), leaf_count_);
+  LayOut(leaf_count_ * kWidth, leaves_.capacity() * kWidth);
+  view_.leaves = leaves_.data();
+  view_.levels[0] = LanesOf(leaves_[0]);
+  HWY_DYNAMIC_DISPATCH(FinishLeaves)
+  (leaves_.data(), 0, leaf_count_, first_column_[1], stride_[1]);
+  for (size_t level = 2; level <= level_count_; ++level) {
+    BoundFrom(level, 0, view_.levels[level].count);
+  }
+}
+
+// Bounds the nodes [begin, end) of a level by those below them.
+void LeafTree::BoundFrom(size_t level, size_t begin, size_t end) {
+  HWY_DYNAMIC_DISPATCH(BoundNodes)
+  (view_.levels[level - 1], begin, end, first_column_[level], stride_[level]);
 }
 
 void LeafTree::GatherLeaves(std::span<const Aabb> boxes, std::span<const uint32_t> order,
@@ -162,7 +213,7 @@ void LeafTree::GatherLeaves(std::span<const Aabb> boxes, std::span<const uint32_
       GatherLeaf(boxes, order, leaf * kWidth, leaves_[leaf]);
     }
     HWY_DYNAMIC_DISPATCH(FinishLeaves)
-    (leaves_.data(), first, last, first_column_[1], PaddedColumn(leaf_count_));
+    (leaves_.data(), first, last, first_column_[1], stride_[1]);
   }
 }
 

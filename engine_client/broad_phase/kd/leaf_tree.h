@@ -7,7 +7,8 @@
 // two of them (proxies/tree_walk.h).
 //
 // Not thread-safe; const calls may run side by side. Owns its memory. Cost: Refit O(slots);
-// FindPairs O(leaves · log leaves + candidates + pairs). Memory: 30 bytes per slot.
+// RefitBlocks O(slots of the blocks + blocks · levels); FindPairs O(leaves · log leaves +
+// candidates + pairs). Memory: 30 bytes per slot.
 #pragma once
 
 #include <array>
@@ -47,6 +48,8 @@ class LeafTree {
  public:
   static constexpr size_t kWidth = LeafBlock::kWidth;
   static constexpr uint32_t kWidthBits = 4;
+  // The slots of a block: 16 leaves, the unit of a search.
+  static constexpr size_t kBlockSlots = kWidth * kWidth;
   // 16^8 = 2^32 slots.
   static constexpr size_t kMaxLevels = 8;
 
@@ -61,14 +64,21 @@ class LeafTree {
   };
 
   // Makes room for `slot_count` slots; the content is lost.
-  void Reserve(size_t slot_count);
+  void Reserve(size_t slot_count) { Reserve(slot_count, slot_count); }
   // Slot k takes boxes[order[k]] with id order[k]. An invalid box (aabb.h) and an entry that is no
-  // index of `boxes` become sentinels.
-  void Refit(std::span<const Aabb> boxes, std::span<const uint32_t> order, Executor* executor);
+  // index of `boxes` become sentinels. Asks `stop`, which may be null; the tree is undefined once
+  // that is true. There is room for `spare_slots` more slots.
+  void Refit(std::span<const Aabb> boxes, std::span<const uint32_t> order, Executor* executor,
+             StopRequest* stop = nullptr, size_t spare_slots = 0);
+  // Refits these blocks, ascending, and the nodes above them; the others stay. The order may have
+  // grown since the latest Refit. Beyond the spare slots this moves the whole tree. REQUIRES: all
+  // blocks that are new are among these.
+  void RefitBlocks(std::span<const Aabb> boxes, std::span<const uint32_t> order,
+                   std::span<const uint32_t> blocks);
 
   const View& view() const { return view_; }
   std::span<const LeafBlock> leaves() const { return {leaves_.data(), leaf_count_}; }
-  // Returns the number of blocks. A block is 16 leaves (256 slots), the unit of a search.
+  // Returns the number of blocks.
   size_t block_count() const { return (leaf_count_ + kWidth - 1) / kWidth; }
 
   // Appends every overlapping pair of which the earlier box is in the blocks [begin, end); returns
@@ -78,7 +88,11 @@ class LeafTree {
   size_t native_bytes() const { return leaves_.capacity_bytes() + bounds_.capacity_bytes(); }
 
  private:
-  void LayOut(size_t slot_count);
+  void Reserve(size_t slot_count, size_t capacity);
+  void LayOut(size_t slot_count, size_t capacity);
+  void SetCounts(size_t slot_count);
+  void Grow(size_t slot_count);
+  void BoundFrom(size_t level, size_t begin, size_t end);
   void GatherLeaves(std::span<const Aabb> boxes, std::span<const uint32_t> order, size_t begin,
                     size_t end);
 
@@ -87,6 +101,10 @@ class LeafTree {
   // The columns of all levels above the boxes, from the leaves' bounds upwards.
   AlignedBuffer<float> bounds_;
   std::array<float*, kMaxLevels + 1> first_column_{};  // the first column of each level
+  std::array<size_t, kMaxLevels + 1> stride_{};        // the length of each column of a level
+  size_t capacity_ = 0;                                // the slots for which there are columns
+  // The levels that so many slots have, `top` or more.
+  size_t level_count_ = 0;
   View view_;
 };
 

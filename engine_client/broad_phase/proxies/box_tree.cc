@@ -7,88 +7,192 @@ namespace {
 
 // The cost of making an order, in checks per box.
 constexpr uint64_t kChecksPerSort = 20;
-// One member in so many may be behind the order. After a million adds and removes queries take 1.07
-// times what they take in a tree that was sorted at once, with one in 32 they took 1.25 times
-// (tests/bench/programs/proxy_ratios_bench.cc, AMD Zen 4).
-constexpr size_t kMembersPerNewOne = 128;
+// If more than one member in so many is new, a sort of all takes less time.
+constexpr size_t kMembersPerNewOne = 8;
+// A block that has lost all but so many loses these too.
+constexpr size_t kMinMembers = 48;
+// So many are sorted in a few milliseconds.
+constexpr size_t kQuicklySorted = 65'536;
+// If more than one in so many has moved, a refit of all takes less time.
+constexpr size_t kMembersPerMovedOne = 256;
+
+constexpr size_t RoundUp(size_t count, size_t unit) { return (count + unit - 1) / unit * unit; }
+
+void CloseHoles(HookedVector<uint32_t>& ids) {
+  ids.erase(std::remove(ids.begin(), ids.end(), KdOrder::kHole), ids.end());
+}
 
 }  // namespace
 
 void BoxTree::EnsureRoomFor(size_t new_members) {
-  const size_t needed = order_.size() + new_members;
-  if (needed <= order_.capacity()) return;
-  order_.reserve(order_.empty() ? needed : std::max(needed, 2 * order_.size()));
+  const size_t needed = new_.size() + new_members;
+  if (needed <= new_.capacity()) return;
+  new_.reserve(new_.empty() ? needed : std::max(needed, 2 * new_.size()));
 }
 
 void BoxTree::Add(uint32_t id, std::span<uint32_t> slots) {
-  // Members that come and go without an Update between them must not take ever more slots.
-  if (HasManyHoles()) {
-    CloseHoles(0);
-    NumberSlots(0, slots);
-    first_new_ = 0;
+  // Members that come and go without an Update between them must not take ever more memory.
+  if (new_.size() - new_count_ > new_.size() / 4 + 32) {
+    CloseHoles(new_);
+    for (size_t k = 0; k < new_.size(); ++k) slots[new_[k]] = static_cast<uint32_t>(k) | kMark;
   }
-  order_.push_back(id);
-  slots[id] = static_cast<uint32_t>(order_.size() - 1);
+  slots[id] = static_cast<uint32_t>(new_.size()) | kMark;
+  new_.push_back(id);
+  ++new_count_;
   ++count_;
-  any_new_ = true;
 }
 
 void BoxTree::Remove(uint32_t slot) {
-  order_[slot] = KdOrder::kHole;
   --count_;
-}
-
-void BoxTree::Update(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots) {
-  const size_t new_slots = order_.size() - std::min(first_new_, order_.size());
-  if (first_new_ == 0 || HasManyHoles() || new_slots * kMembersPerNewOne > count_) {
-    SortMembers(boxes, splitter, slots);
+  if ((slot & kMark) != 0) {
+    new_[slot & ~kMark] = kHole;
+    --new_count_;
     return;
   }
-  if (any_new_) SortNewMembers(boxes, splitter, slots);
-  Refit(boxes);
-  if (SortIsDue()) SortMembers(boxes, splitter, slots);
+  if (IsMoved(order_[slot])) --moved_count_;
+  order_[slot] = kHole;
+  Mark(slot / kBlock, BlockState::kChanged);
 }
 
-// Fills the last leaf with holes, so that what is added later begins with a leaf of its own.
+void BoxTree::Move(uint32_t slot) {
+  if ((slot & kMark) != 0 || IsMoved(order_[slot])) return;
+  order_[slot] |= kMark;
+  ++moved_count_;
+  Mark(slot / kBlock, BlockState::kChanged);
+}
+
+void BoxTree::Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& splitter,
+                     std::span<uint32_t> slots) {
+  const bool refits_all =
+      any_moved || order_.size() <= kBlock || moved_count_ * kMembersPerMovedOne > count_;
+  // A refit reads all slots.
+  const size_t max_slots = (refits_all || count_ <= kQuicklySorted ? 2 : 4) * (count_ + kBlock);
+  const size_t max_inserted = count_ / (count_ <= kQuicklySorted ? 16 : 2);
+  if (!is_sorted_ || new_count_ * kMembersPerNewOne > count_ || order_.size() > max_slots ||
+      inserted_count_ > max_inserted || (new_count_ > 0 && order_.size() <= kBlock)) {
+    return SortMembers(boxes, splitter, slots);
+  }
+  if (refits_all) {
+    RefitAll(boxes);
+  } else {
+    TakeOut(slots);
+    RefitChanged(boxes);
+  }
+  if (new_count_ > 0) InsertNew(boxes, splitter, slots);
+  if (count_ == 0) return;
+  if (debt_.Exceeds(kChecksPerSort * count_) || (refits_all && HasGrown())) {
+    SortMembers(boxes, splitter, slots);
+  }
+}
+
+void BoxTree::ReserveBlocks(size_t block_count) {
+  changed_blocks_.reserve(block_count);
+  states_.reserve(block_count);
+}
+
+void BoxTree::RefitAll(std::span<const Aabb> boxes) {
+  if (moved_count_ > 0) {
+    for (uint32_t& entry : order_) {
+      if (IsMoved(entry)) entry &= ~kMark;
+    }
+  }
+  moved_count_ = 0;
+  for (const uint32_t block : changed_blocks_) states_[block] = BlockState::kFresh;
+  changed_blocks_.clear();
+  // Should memory run out, the next Update sorts all members.
+  is_sorted_ = false;
+  Refit(boxes);
+  is_sorted_ = true;
+}
+
+void BoxTree::RefitChanged(std::span<const Aabb> boxes) {
+  if (changed_blocks_.empty()) return;
+  sorted_extents_.resize(RoundUp(order_.size(), LeafTree::kWidth) / LeafTree::kWidth);
+  std::sort(changed_blocks_.begin(), changed_blocks_.end());
+  tree_.RefitBlocks(boxes, order_, changed_blocks_);
+  for (const uint32_t block : changed_blocks_) {
+    const size_t first = size_t{block} * LeafTree::kWidth;
+    if (states_[block] == BlockState::kSorted) {
+      NoteExtents(first, std::min(first + LeafTree::kWidth, sorted_extents_.size()));
+    }
+    states_[block] = BlockState::kFresh;
+  }
+  changed_blocks_.clear();
+}
+
+// Makes new members of those that have moved, and of the few that are left in a block.
+void BoxTree::TakeOut(std::span<uint32_t> slots) {
+  EnsureRoomFor(moved_count_ + changed_blocks_.size() * kMinMembers);
+  for (const size_t block : changed_blocks_) {
+    const std::span<uint32_t> entries =
+        std::span(order_).subspan(block * kBlock, std::min(kBlock, order_.size() - block * kBlock));
+    const auto holes = static_cast<size_t>(std::count(entries.begin(), entries.end(), kHole));
+    const bool takes_all = entries.size() - holes <= kMinMembers;
+    for (size_t k = 0; k < entries.size(); ++k) {
+      if (entries[k] == kHole || !(takes_all || IsMoved(entries[k]))) continue;
+      const uint32_t id = entries[k] & ~kMark;
+      Remove(static_cast<uint32_t>(block * kBlock + k));
+      Add(id, slots);
+    }
+  }
+}
+
 void BoxTree::SortMembers(std::span<const Aabb> boxes, KdOrder& splitter,
                           std::span<uint32_t> slots) {
-  CloseHoles(0);
-  if (!order_.empty()) splitter.Sort(boxes, order_);
-  NumberSlots(0, slots);
-  first_new_ = (count_ + LeafTree::kWidth - 1) / LeafTree::kWidth * LeafTree::kWidth;
-  order_.resize(first_new_, KdOrder::kHole);
-  any_new_ = false;
+  const size_t slot_count = count_ <= kBlock ? RoundUp(count_, LeafTree::kWidth)
+                                             : RoundUp(count_, kSorted) / kSorted * kBlock;
+  (order_.empty() ? new_ : order_).reserve(slot_count + SpareSlots(slot_count));
+  ReserveBlocks((slot_count + SpareSlots(slot_count)) / kBlock + 1);
+  // Until the end the tree is out of date; should memory run out, the next Update sorts again.
+  is_sorted_ = false;
+  if (order_.empty()) std::swap(order_, new_);
+  JoinMembers();
+  states_.assign(RoundUp(slot_count, kBlock) / kBlock, BlockState::kFresh);
+  changed_blocks_.clear();
+  NumberSlots(slots);
+  if (!order_.empty()) splitter.Sort(boxes, order_, nullptr, kSortedLeaves);
+  order_.resize(slot_count, kHole);
+  if (count_ > kBlock) SpreadMembers();
+  NumberSlots(slots);
   Refit(boxes);
   debt_.Clear();
   sorted_extents_.resize(tree_.leaves().size());
-  for (size_t leaf = 0; leaf < sorted_extents_.size(); ++leaf) {
-    sorted_extents_[leaf] = ExtentOf(leaf);
+  NoteExtents(0, sorted_extents_.size());
+  is_sorted_ = true;
+}
+
+// Moves the new members to the others, without holes and marks.
+void BoxTree::JoinMembers() {
+  CloseHoles(new_);
+  CloseHoles(order_);
+  order_.insert(order_.end(), new_.begin(), new_.end());
+  for (uint32_t& entry : order_) entry &= ~kMark;
+  new_.clear();
+  new_count_ = moved_count_ = inserted_count_ = 0;
+}
+
+void BoxTree::NumberSlots(std::span<uint32_t> slots) const {
+  for (size_t slot = 0; slot < order_.size(); ++slot) {
+    if (order_[slot] != kHole) slots[order_[slot]] = static_cast<uint32_t>(slot);
   }
 }
 
-void BoxTree::SortNewMembers(std::span<const Aabb> boxes, KdOrder& splitter,
-                             std::span<uint32_t> slots) {
-  CloseHoles(first_new_);
-  const std::span<uint32_t> added = std::span(order_).subspan(first_new_);
-  if (!added.empty()) splitter.Sort(boxes, added);
-  NumberSlots(first_new_, slots);
-  any_new_ = false;
-}
-
-void BoxTree::CloseHoles(size_t begin) {
-  order_.erase(std::remove(order_.begin() + static_cast<std::ptrdiff_t>(begin), order_.end(),
-                           KdOrder::kHole),
-               order_.end());
-}
-
-void BoxTree::NumberSlots(size_t begin, std::span<uint32_t> slots) const {
-  for (size_t slot = begin; slot < order_.size(); ++slot) {
-    slots[order_[slot]] = static_cast<uint32_t>(slot);
+// Moves the members from the first slots to those that blocks have for them.
+void BoxTree::SpreadMembers() {
+  const auto slot = [&](size_t at) { return order_.begin() + static_cast<std::ptrdiff_t>(at); };
+  for (size_t block = order_.size() / kBlock; block-- > 0;) {
+    const size_t begin = block * kSorted;
+    const size_t end = std::min(begin + kSorted, count_);
+    const auto last = slot(block * kBlock + end - begin);
+    std::copy_backward(slot(begin), slot(end), last);
+    std::fill(last, slot((block + 1) * kBlock), kHole);
   }
 }
 
-bool BoxTree::SortIsDue() const {
-  return count_ > 0 && (debt_.Exceeds(kChecksPerSort * count_) || HasGrown());
+void BoxTree::Refit(std::span<const Aabb> boxes) {
+  // Room for as many as `states_` can grow to, so that Remove and Move need none.
+  ReserveBlocks(states_.capacity());
+  tree_.Refit(boxes, order_, nullptr, nullptr, SpareSlots(order_.size()));
 }
 
 // Leaves are counted, since in a sum one box that has flown far away would outweigh all others.
@@ -100,6 +204,10 @@ bool BoxTree::HasGrown() const {
   return grown * 8 > sorted_extents_.size();
 }
 
+void BoxTree::NoteExtents(size_t begin, size_t end) {
+  for (size_t leaf = begin; leaf < end; ++leaf) sorted_extents_[leaf] = ExtentOf(leaf);
+}
+
 // Returns the sum over the axes; 0 if the leaf has no valid box.
 float BoxTree::ExtentOf(size_t leaf) const {
   const BoxLanes& bounds = view().levels[1];
@@ -108,6 +216,13 @@ float BoxTree::ExtentOf(size_t leaf) const {
     sum += std::max(0.0F, bounds.max[axis][leaf] - bounds.min[axis][leaf]);
   }
   return sum;
+}
+
+size_t BoxTree::native_bytes() const {
+  return tree_.native_bytes() + states_.capacity() * sizeof(BlockState) +
+         (order_.capacity() + new_.capacity() + changed_blocks_.capacity() + ids_.capacity()) *
+             sizeof(uint32_t) +
+         sorted_extents_.capacity() * sizeof(float) + placed_.capacity() * sizeof(uint64_t);
 }
 
 }  // namespace sweepstake

@@ -1,16 +1,27 @@
 // A tree over some of a table's boxes, the members, kept between changes: a LeafTree in a KdOrder.
 //
-// A member keeps its slot in the order until the next sort. Removed members leave holes, and new
-// ones are sorted among themselves behind the others, so that the leaves stay small for queries.
-// Update refits the tree. It sorts all members anew when the new ones are more than 1/128, when a
-// quarter of the slots are holes, when more than an eighth of the leaves have grown to twice their
-// size, or when searches have lost more checks to the old order than a new one costs.
+// A block of sixteen leaves is the unit of change. Update refits the blocks of members that were
+// removed or whose boxes have changed, and the nodes above them. Those that have moved, and new
+// members, go to the block that grows least, as in an R-tree, and it is sorted anew. A block that
+// has no room for them has its branch sorted anew, the blocks of one node, half of which may go to
+// another branch. Many that come together and stand close get branches of their own, where there
+// are free ones: that of a tile of the world, which leaves them as it goes. Branches stand in any
+// order: the nodes above them, one for 65,536 slots, prune little after many changes, and cost
+// little. Where more than 1/256 have moved, or any may have, the whole tree is refitted.
+//
+// All members are sorted anew when more than an eighth of them are new (more than 1/64 that do not
+// stand close), when the slots are many
+// more than they, when half as many as they have gone to blocks (a sixteenth, where that takes
+// milliseconds), when after a refit of the tree more than an eighth of the leaves have grown to
+// twice their size, or when searches have lost more checks to the old order than a new one costs.
 //
 // Thread safety: const calls may run at the same time, but not beside others. Owns its memory.
-// Units: the boxes'. Cost: Add and Remove O(1) amortized, Remove without an allocation; Update
-// O(n), with a new order O(n log n). Memory: 4 bytes per slot, and 30 more from the first Update
-// on. Errors: std::bad_alloc from EnsureRoomFor, which then changes nothing, and from Update, which
-// must then be called again.
+// Units: the boxes'. Cost: Add, Remove and Move O(1) amortized, the latter two without an
+// allocation; Update O(changes · block · log block) amortized, the worst one that does not sort all
+// O(branch) for each change; with a refit of the tree O(n), with a new order O(n log n). Memory: 4
+// bytes per slot, and 30 more from the first Update on; 16 slots for 15 members after a sort, and
+// room for an eighth more in large trees; four slots for a member at most. Errors: std::bad_alloc
+// from EnsureRoomFor, which then changes nothing, and from Update, which must then be called again.
 #pragma once
 
 #include <cstddef>
@@ -32,12 +43,17 @@ class BoxTree {
   // Adds box `id`. `slots` is indexed by id, here and in Update: the tree writes the slots of its
   // members there. REQUIRES: it is no member.
   void Add(uint32_t id, std::span<uint32_t> slots);
-  // REQUIRES: `slot` is the slot of a member.
+  // REQUIRES, here and in Move: `slot` is the slot of a member.
   void Remove(uint32_t slot);
   size_t count() const { return count_; }
 
+  // Must be called when the box of the member in this slot has changed, unless Update is told that
+  // any may have.
+  void Move(uint32_t slot);
+
   // Takes the members' boxes of `boxes`, which is indexed by id. Invalid ones are never found.
-  void Update(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
+  void Update(std::span<const Aabb> boxes, bool any_moved, KdOrder& splitter,
+              std::span<uint32_t> slots);
 
   const LeafTree::View& view() const { return tree_.view(); }
   const LeafTree& leaves() const { return tree_; }
@@ -45,41 +61,97 @@ class BoxTree {
   // Reports the AABB checks that a search with all boxes has made; at most once per Update.
   void NoteSearch(uint64_t checks) { debt_.AddSearch(checks); }
 
-  // The fields of a snapshot (snapshot.h). If Update was called after the latest change, Refit must
-  // follow.
+  // The fields of a snapshot (snapshot.h). Refit must follow.
   template <typename Self, typename Archive>
   static void Visit(Self& self, Archive& archive) {
     archive.Array(self.order_);
-    archive.Value(self.count_);
-    archive.Value(self.first_new_);
-    archive.Value(self.any_new_);
+    archive.Array(self.new_);
+    archive.Array(self.states_);
+    archive.Array(self.changed_blocks_);
     archive.Array(self.sorted_extents_);
+    archive.Value(self.count_);
+    archive.Value(self.new_count_);
+    archive.Value(self.moved_count_);
+    archive.Value(self.inserted_count_);
+    archive.Value(self.is_sorted_);
     archive.Value(self.debt_);
   }
-  void Refit(std::span<const Aabb> boxes) { tree_.Refit(boxes, order_, nullptr); }
+  void Refit(std::span<const Aabb> boxes);
 
-  size_t native_bytes() const {
-    return order_.capacity() * sizeof(uint32_t) + tree_.native_bytes() +
-           sorted_extents_.capacity() * sizeof(float);
-  }
+  size_t native_bytes() const;
 
  private:
-  bool HasManyHoles() const { return order_.size() - count_ > order_.size() / 4 + 32; }
-  bool SortIsDue() const;
+  static constexpr uint32_t kHole = KdOrder::kHole;
+  static constexpr size_t kBlock = LeafTree::kBlockSlots;
+  static constexpr size_t kBranch = LeafTree::kWidth * kBlock;
+  // A sort of many members leaves the last leaf of each block free.
+  static constexpr size_t kSortedLeaves = LeafTree::kWidth - 1;
+  static constexpr size_t kSorted = kSortedLeaves * LeafTree::kWidth;
+  // In a slot: it is one of `new_`. In an entry of `order_`: the member's box has changed. Places
+  // have this bit free (ProxyTable::kMaxPlaces); slots have it free up to 500,000,000 members,
+  // which take some 60 GB.
+  static constexpr uint32_t kMark = 0x80000000;
+
+  // What the next refit has to do with a block.
+  enum class BlockState : uint8_t { kFresh, kChanged, kSorted };
+
+  static bool IsMoved(uint32_t entry) { return entry != kHole && (entry & kMark) != 0; }
+  static size_t SpareSlots(size_t slot_count) {
+    return slot_count < 16 * kBranch ? 0 : slot_count / 8;
+  }
+
+  // Notes what the next refit has to do with a block; of two things the later one.
+  void Mark(size_t block, BlockState state) {
+    if (states_[block] == BlockState::kFresh) {
+      changed_blocks_.push_back(static_cast<uint32_t>(block));  // has room for all blocks
+    }
+    states_[block] = state;
+  }
+  void ReserveBlocks(size_t block_count);
+
+  // What Update consists of.
+  void RefitAll(std::span<const Aabb> boxes);
+  void RefitChanged(std::span<const Aabb> boxes);
+  void TakeOut(std::span<uint32_t> slots);
+  void SortMembers(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
+  void JoinMembers();
+  void SpreadMembers();
+  void NumberSlots(std::span<uint32_t> slots) const;
   bool HasGrown() const;
   float ExtentOf(size_t leaf) const;
-  void SortMembers(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
-  void SortNewMembers(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
-  void CloseHoles(size_t begin);
-  void NumberSlots(size_t begin, std::span<uint32_t> slots) const;
+  void NoteExtents(size_t begin, size_t end);
 
-  HookedVector<uint32_t> order_;  // the members' ids by slot, KdOrder::kHole in holes
-  size_t count_ = 0;              // the number of members
-  size_t first_new_ = 0;          // the slot from which on members were added since the latest sort
-  bool any_new_ = false;          // whether some of those are not sorted among themselves yet
+  // How new members get into blocks (box_tree_inserts.cc).
+  void InsertNew(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
+  bool InsertRun(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
+  void InsertEach(std::span<const Aabb> boxes, KdOrder& splitter, std::span<uint32_t> slots);
+  bool InsertIntoBlocks(std::span<const uint64_t> placed, std::span<const Aabb> boxes,
+                        KdOrder& splitter, std::span<uint32_t> slots);
+  void SortBranch(size_t branch, std::span<const uint64_t> placed, std::span<const Aabb> boxes,
+                  KdOrder& splitter, std::span<uint32_t> slots);
+  void AppendMembers(size_t block);
+  void WriteBranch(size_t branch, size_t begin, size_t end, std::span<uint32_t> slots);
+  void WriteBlock(size_t block, std::span<const uint32_t> ids, std::span<uint32_t> slots);
+  bool IsFree(size_t first_slot, size_t slot_count) const;
+  size_t FreeBranch(size_t from) const;
+  void ReserveSlots(size_t slot_count);
+
+  HookedVector<uint32_t> order_;  // the sorted members' ids by slot, kHole in holes
+  HookedVector<uint32_t> new_;    // the ids of members added since the latest Update
+  HookedVector<BlockState> states_;
+  HookedVector<uint32_t> changed_blocks_;  // those that are not kFresh
+  HookedVector<float> sorted_extents_;     // the leaves' extents when they were sorted
+  size_t count_ = 0;                       // the number of members
+  size_t new_count_ = 0;                   // of those in `new_`
+  size_t moved_count_ = 0;                 // of those marked in `order_`
+  size_t inserted_count_ = 0;              // how many have got into blocks since the latest sort
+  bool is_sorted_ = false;                 // whether `tree_` has the members in `order_`
   LeafTree tree_;
-  HookedVector<float> sorted_extents_;  // the leaves' extents after the latest sort
-  RebuildDebt debt_;                    // the debt of the order
+  RebuildDebt debt_;  // the debt of the order
+
+  // What Update works with; nothing is kept in it.
+  HookedVector<uint64_t> placed_;  // new members: their block, and in the lower half the id
+  HookedVector<uint32_t> ids_;
 };
 
 }  // namespace sweepstake

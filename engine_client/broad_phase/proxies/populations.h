@@ -1,12 +1,62 @@
-// The populations of a kind of proxies (proxy_kind.h), as numbers: the groups of those that move
-// (filter_groups.h), the groups of those that sleep, and the static ones. Stateless.
+// The populations of a kind of proxies (proxy_kind.h), as numbers: the groups of those that move,
+// the groups of those that sleep, and the static ones; and who may be in which group.
+//
+// A group is of proxies that all ignore one another, as debris that collides with everything but
+// debris. The search leaves the pairs within a group out, so that a pile of such proxies costs
+// nothing. A proxy may be in a group if its category is in no mask of the group, its own included,
+// and its mask has no category of the group.
+//
+// Not thread-safe. Plain values, no allocation. Cost: O(kCount) per call.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
-#include "engine_client/broad_phase/proxies/filter_groups.h"
+#include "sweepstake/proxy_set.h"
 
 namespace sweepstake {
+
+class FilterGroups {
+ public:
+  // Group 0 has the proxies that may form pairs with one another, and those for which there is no
+  // other group left.
+  static constexpr uint32_t kCount = 8;
+
+  // Returns the group that a proxy with this filter may join.
+  uint32_t GroupFor(const CollisionFilter& filter) const {
+    const CollisionFilter own = Counted(filter);
+    for (uint32_t k = 1; k < kCount; ++k) {
+      const CollisionFilter& all = groups_[k].all;
+      if (((all.category | own.category) & (all.mask | own.mask)) == 0) return k;
+    }
+    return 0;
+  }
+  // REQUIRES: group == GroupFor(filter).
+  void Join(uint32_t group, const CollisionFilter& filter) {
+    if (group == 0) return;
+    const CollisionFilter own = Counted(filter);
+    groups_[group].all.category |= own.category;
+    groups_[group].all.mask |= own.mask;
+    ++groups_[group].count;
+  }
+  void Leave(uint32_t group) {
+    if (group != 0 && --groups_[group].count == 0) groups_[group] = {};
+  }
+
+ private:
+  // What passes with nothing fits everywhere.
+  static CollisionFilter Counted(const CollisionFilter& filter) {
+    const bool passes_never = filter.category == 0 || filter.mask == 0;
+    return passes_never ? CollisionFilter{0, 0} : filter;
+  }
+
+  struct Group {
+    CollisionFilter all{0, 0};  // the categories and masks that members have had
+    size_t count = 0;
+  };
+  std::array<Group, kCount> groups_{};
+};
 
 inline constexpr uint8_t kSleepingPopulation = FilterGroups::kCount;
 inline constexpr uint8_t kStaticPopulation = 2 * FilterGroups::kCount;

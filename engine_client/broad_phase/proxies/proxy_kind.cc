@@ -76,6 +76,7 @@ void ProxyKind::Compact(size_t min_places) {
   }
   trees_ = std::move(trees);
   changed_ = changed;
+  moved_ = 0;
   resting_changed_ = true;
   table_.Compact(min_places);
   for (uint32_t place = 0; place < table_.boxes().size(); ++place) {
@@ -88,18 +89,17 @@ void ProxyKind::RefreshTrees(KdOrder& splitter) {
   for (uint32_t population = 0; population < kPopulations; ++population) {
     const uint32_t bit = 1U << population;
     if ((changed_ & bit) == 0) continue;
-    trees_[population]->Update(table_.boxes(), splitter, table_.slots());
+    trees_[population]->Update(table_.boxes(), (moved_ & bit) != 0, splitter, table_.slots());
     changed_ &= ~bit;
+    moved_ &= ~bit;
     ++refit_count_;
   }
 }
 
-// Trees that are out of date are refitted before they are used.
 void ProxyKind::FinishRestore() {
   table_.FinishRestore();
-  for (uint32_t population = 0; population < kPopulations; ++population) {
-    if (count(population) == 0 || (changed_ & 1U << population) != 0) continue;
-    trees_[population]->Refit(table_.boxes());
+  for (const auto& tree : trees_) {
+    if (tree != nullptr) tree->Refit(table_.boxes());
   }
 }
 

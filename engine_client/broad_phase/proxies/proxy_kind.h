@@ -1,7 +1,7 @@
 // The proxies of one kind, added as moving ones or as static ones, in populations.
 //
 // A population is the proxies that take part in the search in the same way: they move, sleep or are
-// static, and, while they are not static, belong to the same group (filter_groups.h). Each
+// static, and, while they are not static, belong to the same group (populations.h). Each
 // population has a tree of its own, in which queries find it and in which other populations are
 // searched for. Population 0 is what the broad phase gets, of the proxies added as moving ones.
 //
@@ -42,8 +42,15 @@ class ProxyKind {
   uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user, uint8_t population);
   void Remove(uint32_t place);
   void SetBox(uint32_t place, const Aabb& box) {
+    const uint8_t population = table_.population(place);
     table_.SetBox(place, box);
-    NoteChange(table_.population(place));
+    NoteChange(population);
+    // Where one moves all are expected to.
+    if (MovesIn(population)) {
+      moved_ |= 1U << population;
+    } else {
+      trees_[population]->Move(table_.slots()[place]);
+    }
   }
   void SetFilter(uint32_t place, const CollisionFilter& filter);
   void SetUser(uint32_t place, uint64_t user) { table_.SetUser(place, user); }
@@ -85,6 +92,7 @@ class ProxyKind {
     }
     archive.Value(self.all_);
     archive.Value(self.changed_);
+    archive.Value(self.moved_);
     archive.Value(self.resting_changed_);
   }
   void FinishRestore();
@@ -109,6 +117,7 @@ class ProxyKind {
   std::array<std::unique_ptr<BoxTree>, kPopulations> trees_;
   std::array<CollisionFilter, kPopulations> all_{};
   uint32_t changed_ = 0;  // the populations whose trees are out of date, as bits
+  uint32_t moved_ = 0;    // those of which any box may have changed
   bool resting_changed_ = false;
   uint32_t id_bit_;
   uint64_t refit_count_ = 0;

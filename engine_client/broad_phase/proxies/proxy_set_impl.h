@@ -10,9 +10,9 @@
 #include <span>
 
 #include "engine_client/broad_phase/kd/kd_order.h"
-#include "engine_client/broad_phase/proxies/filter_groups.h"
 #include "engine_client/broad_phase/proxies/pair_events.h"
 #include "engine_client/broad_phase/proxies/population_joins.h"
+#include "engine_client/broad_phase/proxies/populations.h"
 #include "engine_client/broad_phase/proxies/proxy_kind.h"
 #include "sweepstake/pair_buffer.h"
 #include "sweepstake/pair_sorter.h"

@@ -9,7 +9,7 @@ namespace sweepstake {
 namespace {
 
 // Changes with the fields and their order.
-constexpr uint32_t kSnapshotVersion = 1;
+constexpr uint32_t kSnapshotVersion = 2;
 // "SWPS" where the byte order is that of the machine that wrote it.
 constexpr uint32_t kMagic = 0x53505753;
 

@@ -147,8 +147,9 @@ void AxisSweep::LoadBoxes(std::span<const Aabb> boxes) {
   const size_t part_count = BoxParts();
   RunParts(executor_, part_count, [&](size_t part) {
     const PartRange range = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
-    StoreRecords(boxes.subspan(range.begin, range.end - range.begin),
-                 records_.data() + range.begin);
+    ForEachBlock(stop(), range.begin, range.end, [&](size_t from, size_t to) {
+      StoreRecords(boxes.subspan(from, to - from), records_.data() + from);
+    });
   });
   records_[count_] = kInvalidRecord;
 }
@@ -165,6 +166,7 @@ bool AxisSweep::ChangeCount(std::span<const Aabb> boxes) {
   records_[count_] = kInvalidRecord;
   pairs_.Truncate(count_);
   for (SortedEndpoints& axis : axes_) {
+    if (IsStopped(stop())) return false;
     axis.Truncate(count_);
     if (count_ > before) axis.Append(records(), before, rooms_[0]);
   }
@@ -203,12 +205,13 @@ bool AxisSweep::RepairOrders(std::span<const Aabb> boxes) {
   if (!exact) budget += kSwapsPerFace * 6 * count_;
   SwapAllowance allowance(budget, stop());
   for (size_t axis = 0; axis < 3; ++axis) {
-    if (RepairAxis(boxes, axis, allowance)) continue;
+    if (!IsStopped(stop()) && RepairAxis(boxes, axis, allowance)) continue;
     pairs_.ClearTouched();
     return false;
   }
   if (!pairs_known_) return true;
-  pairs_.Settle([this](uint32_t a, uint32_t b) { return Overlap(records_[a], records_[b]); });
+  pairs_.Settle([this](uint32_t a, uint32_t b) { return Overlap(records_[a], records_[b]); },
+                stop());
   return true;
 }
 
@@ -244,19 +247,21 @@ SweepAxis AxisSweep::StepsOn(size_t axis) const {
 }
 
 void AxisSweep::SortAxis(size_t axis, size_t room) {
-  axes_[axis].Sort(records(), StepsOn(axis), rooms_[room]);
+  axes_[axis].Sort(records(), StepsOn(axis), rooms_[room], stop());
 }
 
 // With threads, two axes are sorted in parallel, then the third while the lanes are filled.
 void AxisSweep::SortAll() {
   pairs_known_ = false;
+  if (IsStopped(stop())) return;
   const auto first = static_cast<size_t>(range_.sweep_axis);
   const bool threads = BoxParts() > 1;
   swept_.ResizeFor(records_.data(), count_);
   RunParts(threads ? executor_ : nullptr, 2, [&](size_t part) {
     SortAxis((first + part) % 3, threads ? part : 0);
-    if (part == 0) SetSweepOrder();
+    if (part == 0 && !IsStopped(stop())) SetSweepOrder();
   });
+  if (IsStopped(stop())) return;
   const size_t fill_parts = BoxParts();
   RunParts(executor_, 1 + fill_parts, [&](size_t part) {
     part == 0 ? SortAxis((first + 2) % 3, 0) : FillLanes(part - 1, fill_parts);
@@ -279,7 +284,8 @@ void AxisSweep::FillLanes(size_t part, size_t part_count) {
   const PartRange slots = RangeOfPart(count_, part, part_count, ByteBoxes::kGranule);
   const auto axis = static_cast<size_t>(range_.sweep_axis);
   const SweepAxis sweep = axes_[axis].is_exact() ? SweepAxis{} : StepsOn(axis);
-  swept_.Fill(range_, sweep, slots.begin, slots.end);
+  ForEachBlock(stop(), slots.begin, slots.end,
+               [&](size_t from, size_t to) { swept_.Fill(range_, sweep, from, to); });
 }
 
 void AxisSweep::PrepareSweep() {

@@ -64,12 +64,15 @@ void Sap::Update(std::span<const Aabb> boxes) {
   boxes_.Resize(boxes.size(), true);
   part_count_ = PartCount(executor_, boxes.size(), kMinSortedPerPart);
   CountSteps(boxes, axis);
+  if (IsStopped(stop())) return;
   sweep_.exact = !CountSlots();
   sweep_.exact ? SortExactly(boxes, axis) : SortBySteps();
+  if (IsStopped(stop())) return;
   const size_t fill_parts = PartCount(executor_, boxes.size(), kMinFilledPerPart);
   RunParts(executor_, fill_parts, [&](size_t part) {
     const PartRange slots = RangeOfPart(boxes.size(), part, fill_parts, ByteBoxes::kGranule);
-    boxes_.Fill(boxes, range, sweep_, slots.begin, slots.end);
+    ForEachBlock(stop(), slots.begin, slots.end,
+                 [&](size_t from, size_t to) { boxes_.Fill(boxes, range, sweep_, from, to); });
   });
 }
 
@@ -82,12 +85,14 @@ void Sap::CountSteps(std::span<const Aabb> boxes, size_t axis) {
     std::fill_n(counts, step_count(), 0U);
     const SweepAxis sweep = sweep_;
     const PartRange range = BoxesOfPart(part);
-    for (size_t i = range.begin; i < range.end; ++i) {
-      const Aabb& box = boxes[i];
-      const uint32_t step = sweep.Step(IsValid(box) ? box.min[axis] : kInfinity);
-      steps_[i] = step;
-      ++counts[step];
-    }
+    ForEachBlock(stop(), range.begin, range.end, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) {
+        const Aabb& box = boxes[i];
+        const uint32_t step = sweep.Step(IsValid(box) ? box.min[axis] : kInfinity);
+        steps_[i] = step;
+        ++counts[step];
+      }
+    });
   });
 }
 
@@ -111,18 +116,22 @@ void Sap::SortBySteps() {
     uint32_t* const starts = starts_.data() + part * step_count();
     uint32_t* const ids = boxes_.ids();
     const PartRange range = BoxesOfPart(part);
-    for (size_t i = range.begin; i < range.end; ++i)
-      ids[starts[steps_[i]]++] = static_cast<uint32_t>(i);
+    ForEachBlock(stop(), range.begin, range.end, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) ids[starts[steps_[i]]++] = static_cast<uint32_t>(i);
+    });
   });
 }
 
 void Sap::SortExactly(std::span<const Aabb> boxes, size_t axis) {
   const std::span<uint64_t> items = sort_.Items(boxes.size());
-  for (size_t i = 0; i < boxes.size(); ++i) {
-    const float position = IsValid(boxes[i]) ? boxes[i].min[axis] : kInfinity;
-    items[i] = PackSortItem(SortableKey(position), static_cast<uint32_t>(i));
-  }
-  const std::span<const uint64_t> sorted = sort_.Sort();
+  const bool is_loaded = ForEachBlock(stop(), 0, boxes.size(), [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i) {
+      const float position = IsValid(boxes[i]) ? boxes[i].min[axis] : kInfinity;
+      items[i] = PackSortItem(SortableKey(position), static_cast<uint32_t>(i));
+    }
+  });
+  if (!is_loaded) return;
+  const std::span<const uint64_t> sorted = sort_.Sort(stop());
   std::transform(sorted.begin(), sorted.end(), boxes_.ids(), SortItemPayload);
 }
 

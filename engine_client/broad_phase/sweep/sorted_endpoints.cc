@@ -18,44 +18,65 @@ uint64_t ItemOf(float coordinate, Endpoint endpoint) {
 }  // namespace
 
 void SortedEndpoints::Sort(std::span<const BoxRecord> records, const SweepAxis& steps,
-                           EndpointRoom& room) {
+                           EndpointRoom& room, StopRequest* stop) {
   count_ = 2 * records.size();
   endpoints_.EnsureDiscarding(count_);
-  is_exact_ = !SortBySteps(records, steps, room);
-  if (!is_exact_) return;
-  room.items.EnsureDiscarding(count_);
-  for (size_t i = 0; i < records.size(); ++i) {
-    const auto owner = static_cast<Endpoint>(i);
-    room.items[2 * i] = ItemOf(records[i].min[axis_], owner);
-    room.items[2 * i + 1] = ItemOf(records[i].max[axis_], owner | kUpperFace);
-  }
-  room.radix.Sort(room.items, count_);
-  std::transform(room.items.data(), room.items.data() + count_, endpoints_.data(), SortItemPayload);
+  is_exact_ = !CountSteps(records, steps, room, stop);
+  if (IsStopped(stop)) return;
+  is_exact_ ? SortExactly(records, room, stop) : SortBySteps(records, steps, room, stop);
 }
 
-// Sorts the faces by steps. Returns false if too many faces share a step.
-bool SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
-                                  EndpointRoom& room) {
+// Counts the faces of each step. Returns false if too many faces share a step.
+bool SortedEndpoints::CountSteps(std::span<const BoxRecord> records, const SweepAxis& steps,
+                                 EndpointRoom& room, StopRequest* stop) {
   const SweepAxis step = steps;  // a copy that no store can alias
   const auto step_count = static_cast<size_t>(step.last) + 1;
   room.starts.EnsureDiscarding(step_count);
   uint32_t* const starts = room.starts.data();
   std::fill_n(starts, step_count, 0U);
   uint64_t neighbours = 0;  // the pairs of faces that share a step
-  for (const BoxRecord& record : records) {
-    neighbours += starts[step.Step(record.min[axis_])]++;
-    neighbours += starts[step.Step(record.max[axis_])]++;
-  }
-  if (neighbours > kMaxFacesSharingStep * count_) return false;
+  ForEachBlock(stop, 0, records.size(), [&](size_t begin, size_t end) {
+    uint64_t sum = 0;
+    for (const BoxRecord& record : records.subspan(begin, end - begin)) {
+      sum += starts[step.Step(record.min[axis_])]++;
+      sum += starts[step.Step(record.max[axis_])]++;
+    }
+    neighbours += sum;
+  });
+  return neighbours <= kMaxFacesSharingStep * count_;
+}
+
+// REQUIRES: CountSteps has counted the faces in room.starts.
+void SortedEndpoints::SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps,
+                                  EndpointRoom& room, StopRequest* stop) {
+  const SweepAxis step = steps;  // a copy that no store can alias
+  uint32_t* const starts = room.starts.data();
+  const auto step_count = static_cast<size_t>(step.last) + 1;
   uint32_t sum = 0;
   for (size_t k = 0; k < step_count; ++k) sum += std::exchange(starts[k], sum);
   Endpoint* const order = endpoints_.data();
-  for (size_t i = 0; i < records.size(); ++i) {
-    const auto owner = static_cast<Endpoint>(i);
-    order[starts[step.Step(records[i].min[axis_])]++] = owner;
-    order[starts[step.Step(records[i].max[axis_])]++] = owner | kUpperFace;
-  }
-  return true;
+  ForEachBlock(stop, 0, records.size(), [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const auto owner = static_cast<Endpoint>(i);
+      order[starts[step.Step(records[i].min[axis_])]++] = owner;
+      order[starts[step.Step(records[i].max[axis_])]++] = owner | kUpperFace;
+    }
+  });
+}
+
+void SortedEndpoints::SortExactly(std::span<const BoxRecord> records, EndpointRoom& room,
+                                  StopRequest* stop) {
+  room.items.EnsureDiscarding(count_);
+  const bool is_loaded = ForEachBlock(stop, 0, records.size(), [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const auto owner = static_cast<Endpoint>(i);
+      room.items[2 * i] = ItemOf(records[i].min[axis_], owner);
+      room.items[2 * i + 1] = ItemOf(records[i].max[axis_], owner | kUpperFace);
+    }
+  });
+  if (!is_loaded) return;
+  room.radix.Sort(room.items, count_, stop);
+  std::transform(room.items.data(), room.items.data() + count_, endpoints_.data(), SortItemPayload);
 }
 
 void SortedEndpoints::StoreRanks(std::span<const BoxRecord> records, EndpointRoom& room) const {

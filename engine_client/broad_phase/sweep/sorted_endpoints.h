@@ -99,8 +99,10 @@ class SortedEndpoints {
 
   // Sorts the faces of all `records` by `steps` in one pass, O(n). Those of one step stay in the
   // order of their ids, which a sweep by steps allows and Repair corrects. If many faces share a
-  // step, they are sorted exactly in three passes.
-  void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
+  // step, they are sorted exactly in three passes. Asks `stop`, which may be null; the order is
+  // undefined once that is true.
+  void Sort(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room,
+            StopRequest* stop = nullptr);
   // Returns whether the faces are sorted exactly, and not only by steps.
   bool is_exact() const { return is_exact_; }
   // Inserts the faces of the boxes from `first` on, which should be few: the position of each is
@@ -131,7 +133,11 @@ class SortedEndpoints {
   uint64_t Rank(std::span<const BoxRecord> records, Endpoint endpoint) const {
     return SortItemRank(PackSortItem(SortableKey(Coordinate(records, endpoint)), endpoint));
   }
-  bool SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room);
+  bool CountSteps(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room,
+                  StopRequest* stop);
+  void SortBySteps(std::span<const BoxRecord> records, const SweepAxis& steps, EndpointRoom& room,
+                   StopRequest* stop);
+  void SortExactly(std::span<const BoxRecord> records, EndpointRoom& room, StopRequest* stop);
   // Stores the ranks of all faces in room.items, by owner, the lower face before the upper one.
   void StoreRanks(std::span<const BoxRecord> records, EndpointRoom& room) const;
   template <typename RankOf, typename HasMoved, typename OnSwap>

@@ -2,29 +2,42 @@
 
 #include <utility>
 
-#include "engine_client/broad_phase/common/stop_poll.h"
-
 namespace sweepstake {
 
-// Sorts by a in one pass, then by b inside each group.
 void SortedPairs::Adopt(std::span<const OverlapPair> pairs, size_t box_count, StopRequest* stop) {
-  constexpr size_t kBoxesPerQuestion = 4096;
+  box_count_ = box_count;
   count_ = pairs.size();
   touched_count_ = 0;
   // Reserves some more, so that a few more pairs in each frame do not allocate.
   pairs_.EnsureDiscarding(count_ + count_ / 8 + 64);
-  starts_.EnsureDiscarding(box_count + 1);
-  std::fill_n(starts_.data(), box_count + 1, 0U);
-  for (const OverlapPair pair : pairs) ++starts_[pair.a];
+  SortTo(pairs_.data(), pairs, stop);
+}
+
+// Sorts by a in one pass, then by b inside each group.
+void SortedPairs::SortTo(OverlapPair* sorted, std::span<const OverlapPair> pairs,
+                         StopRequest* stop) {
+  constexpr size_t kGroupsPerQuestion = 4096;
+  starts_.EnsureDiscarding(box_count_ + 1);
+  uint32_t* const starts = starts_.data();
+  std::fill_n(starts, box_count_ + 1, 0U);
+  const auto count = [&](size_t from, size_t to) {
+    for (size_t k = from; k < to; ++k) ++starts[pairs[k].a];
+  };
+  if (!ForEachBlock(stop, 0, pairs.size(), count)) return;
   uint32_t sum = 0;
-  for (size_t box = 0; box < box_count; ++box) sum += std::exchange(starts_[box], sum);
-  for (const OverlapPair pair : pairs) pairs_[starts_[pair.a]++] = pair;
+  for (size_t box = 0; box < box_count_; ++box) sum += std::exchange(starts[box], sum);
+  const auto place = [&](size_t from, size_t to) {
+    for (size_t k = from; k < to; ++k) sorted[starts[pairs[k].a]++] = pairs[k];
+  };
+  if (!ForEachBlock(stop, 0, pairs.size(), place)) return;
   size_t begin = 0;
-  for (size_t box = 0; box < box_count; ++box) {
-    if (box % kBoxesPerQuestion == 0 && IsStopped(stop)) return;
-    std::sort(pairs_.data() + begin, pairs_.data() + starts_[box]);
-    begin = starts_[box];
-  }
+  const auto sort_groups = [&](size_t from, size_t to) {
+    for (size_t box = from; box < to; ++box) {
+      std::sort(sorted + begin, sorted + starts[box]);
+      begin = starts[box];
+    }
+  };
+  ForEachBlock(stop, 0, box_count_, sort_groups, kGroupsPerQuestion);
 }
 
 void SortedPairs::Truncate(size_t count) {
@@ -34,8 +47,17 @@ void SortedPairs::Truncate(size_t count) {
   touched_count_ = 0;
 }
 
-size_t SortedPairs::UniqueTouched() {
-  std::sort(touched_.data(), touched_.data() + touched_count_);
+// Sorts many marks as Adopt does, since that is faster and asks; few would not pay for its pass
+// over all boxes.
+size_t SortedPairs::UniqueTouched(StopRequest* stop) {
+  constexpr size_t kBoxesPerMark = 8;
+  if (touched_count_ > box_count_ / kBoxesPerMark) {
+    spare_.EnsureDiscarding(touched_count_);
+    SortTo(spare_.data(), {touched_.data(), touched_count_}, stop);
+    std::swap(touched_, spare_);
+  } else {
+    std::sort(touched_.data(), touched_.data() + touched_count_);
+  }
   const auto end = std::unique(touched_.data(), touched_.data() + touched_count_);
   return static_cast<size_t>(end - touched_.data());
 }
@@ -54,17 +76,19 @@ void SortedPairs::Drop(std::span<const OverlapPair> dropped) {
   count_ -= dropped.size();
 }
 
-void SortedPairs::Insert(std::span<const OverlapPair> inserted) {
+void SortedPairs::Insert(std::span<const OverlapPair> inserted, StopRequest* stop) {
   if (inserted.empty()) return;
   pairs_.EnsureKeeping(count_ + inserted.size(), count_);
   OverlapPair* const begin = pairs_.data();
   OverlapPair* end = begin + count_;
-  for (size_t left = inserted.size(); left > 0; --left) {
-    OverlapPair* const place = std::lower_bound(begin, end, inserted[left - 1]);
-    std::copy_backward(place, end, end + left);
-    place[left - 1] = inserted[left - 1];
-    end = place;
-  }
+  ForEachBlock(stop, 0, inserted.size(), [&](size_t from, size_t to) {
+    for (size_t left = inserted.size() - from; left > inserted.size() - to; --left) {
+      OverlapPair* const place = std::lower_bound(begin, end, inserted[left - 1]);
+      std::copy_backward(place, end, end + left);
+      place[left - 1] = inserted[left - 1];
+      end = place;
+    }
+  });
   count_ += inserted.size();
 }
 

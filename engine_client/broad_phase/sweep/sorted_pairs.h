@@ -8,6 +8,7 @@
 #include <span>
 
 #include "engine_client/broad_phase/common/aligned_buffer.h"
+#include "engine_client/broad_phase/common/stop_poll.h"
 #include "sweepstake/aabb.h"
 #include "sweepstake/broad_phase.h"
 
@@ -29,9 +30,9 @@ class SortedPairs {
     touched_[touched_count_++] = {std::min(a, b), std::max(a, b)};
   }
   // Calls overlaps(a, b) for each pair marked since the last call, and adds or removes it. O(log
-  // pairs) for each; the other pairs are moved as blocks.
+  // pairs) for each; the other pairs are moved as blocks. `stop` is as in Adopt.
   template <typename Overlaps>
-  void Settle(Overlaps&& overlaps);
+  void Settle(Overlaps&& overlaps, StopRequest* stop = nullptr);
   // Removes the marks.
   void ClearTouched() { touched_count_ = 0; }
 
@@ -42,40 +43,46 @@ class SortedPairs {
   }
 
  private:
-  size_t UniqueTouched();
+  void SortTo(OverlapPair* sorted, std::span<const OverlapPair> pairs, StopRequest* stop);
+  size_t UniqueTouched(StopRequest* stop);
   void Drop(std::span<const OverlapPair> dropped);
-  void Insert(std::span<const OverlapPair> inserted);
+  void Insert(std::span<const OverlapPair> inserted, StopRequest* stop);
 
   AlignedBuffer<OverlapPair> pairs_;
   AlignedBuffer<OverlapPair> spare_;
   AlignedBuffer<OverlapPair> touched_;
   AlignedBuffer<uint32_t> starts_;
+  size_t box_count_ = 0;
   size_t count_ = 0;
   size_t touched_count_ = 0;
 };
 
 template <typename Overlaps>
-void SortedPairs::Settle(Overlaps&& overlaps) {
-  OverlapPair* const touched = touched_.data();
-  const size_t count = UniqueTouched();
+void SortedPairs::Settle(Overlaps&& overlaps, StopRequest* stop) {
+  const size_t count = UniqueTouched(stop);
+  if (IsStopped(stop)) return;
   // Collects the pairs to insert at the front of `touched_` and those to remove in `spare_`.
-  OverlapPair* const end = touched + count;
+  OverlapPair* const touched = touched_.data();
   const OverlapPair* from = pairs_.data();
   size_t inserted = 0;
   size_t dropped = 0;
   spare_.EnsureDiscarding(count);
-  for (OverlapPair* pair = touched; pair != end; ++pair) {
-    from = std::lower_bound(from, static_cast<const OverlapPair*>(pairs_.data()) + count_, *pair);
-    const bool present = from != pairs_.data() + count_ && *from == *pair;
-    if (overlaps(pair->a, pair->b) == present) continue;
-    if (present) {
-      spare_[dropped++] = *pair;
-    } else {
-      touched[inserted++] = *pair;
+  const bool is_done = ForEachBlock(stop, 0, count, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const OverlapPair pair = touched[k];
+      from = std::lower_bound(from, static_cast<const OverlapPair*>(pairs_.data()) + count_, pair);
+      const bool present = from != pairs_.data() + count_ && *from == pair;
+      if (overlaps(pair.a, pair.b) == present) continue;
+      if (present) {
+        spare_[dropped++] = pair;
+      } else {
+        touched[inserted++] = pair;
+      }
     }
-  }
+  });
+  if (!is_done) return;
   Drop({spare_.data(), dropped});
-  Insert({touched, inserted});
+  Insert({touched, inserted}, stop);
   touched_count_ = 0;
 }
 

@@ -85,9 +85,10 @@ void Tracy::Build(std::span<const Aabb> boxes) {
 void Tracy::LayOut(std::span<const Aabb> boxes) {
   checks_ = 0;
   plan_.Reset();
-  plan_.MakeGrids(executor_, boxes);
+  plan_.MakeGrids(executor_, boxes, stop());
+  if (IsStopped(stop())) return;
   lists_.Reset(RowGrids(plan_));
-  lists_.Update(executor_, boxes);
+  lists_.Update(executor_, boxes, 0, stop());
   debt_.Clear();
   frames_ = 0;
   inefficient_ = false;
@@ -134,7 +135,8 @@ void Tracy::UpdateInMotion(std::span<const Aabb> boxes) {
   if (wait_ > 0) --wait_;
   const bool try_another = inefficient_ && frames_ >= kFramesPerTrial;
   if (try_another || debt_.Exceeds(kChecksPerLayout * boxes.size())) return LayOut(boxes);
-  lists_.Update(executor_, boxes);
+  lists_.Update(executor_, boxes, 0, stop());
+  if (IsStopped(stop())) return;
   if (lists_.long_count() > boxes.size() / kBoxesPerLong + kLongAllowance) LayOut(boxes);
 }
 

@@ -88,7 +88,8 @@ void TracyLists::SetCount(size_t count) {
   count_ = count;
 }
 
-void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count) {
+void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count,
+                        StopRequest* stop) {
   const size_t parts = PartsFor(executor, boxes.size());
   // Copies the lists, which will be overwritten.
   order_.EnsureDiscarding(std::max(boxes.size(), size_) + SoaBoxes::kPadding);
@@ -99,17 +100,14 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t 
   RunParts(executor, parts, [&](size_t index) {
     const PartRange range = RangeOfPart(boxes.size(), index, parts, SoaBoxes::kPadding);
     parts_[index].begin = range.begin;
-    MoveBoxes(boxes, parts_[index], range.end);
+    MoveBoxes(boxes, parts_[index], range.end, stop);
   });
+  if (IsStopped(stop)) return;
   PlaceLists(parts);
   // Appends the boxes that have arrived to their lists.
   columns_.Resize(size_ + query_count);
-  for (size_t index = 0; index < parts; ++index) {
-    const Part& part = parts_[index];
-    for (size_t k = part.begin; k < part.begin + part.arrived; ++k) {
-      columns_.ids()[arrivals_[rows_[arrived_[k]]]++] = arrived_[k];
-    }
-  }
+  for (size_t index = 0; index < parts; ++index) PlaceArrivals(parts_[index], stop);
+  if (IsStopped(stop)) return;
   // Sorts the lists, in parts of about the same number of boxes.
   RunParts(executor, parts, [&](size_t index) {
     const uint32_t* const slots = first_slots_.data();
@@ -119,7 +117,7 @@ void TracyLists::Update(Executor* executor, std::span<const Aabb> boxes, size_t 
       const auto slot = static_cast<uint32_t>(size_ * k / parts);
       return static_cast<uint32_t>(k == 0 ? 0 : std::lower_bound(slots, end, slot) - slots);
     };
-    SweepRows(boxes, border(index), border(index + 1), parts_[index]);
+    SweepRows(boxes, border(index), border(index + 1), parts_[index], stop);
   });
   starts_[grids_.grids[grids_.group_count - 1].last_cell()] = static_cast<uint32_t>(size_);
 }
@@ -178,12 +176,17 @@ uint64_t TracyLists::SearchFor(std::span<const Aabb> boxes, std::span<const uint
 }
 
 // Finds the boxes of [part.begin, end) that have moved from list to list.
-void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end) {
+void TracyLists::MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end, StopRequest* stop) {
   uint32_t moved[kBatch + SoaBoxes::kPadding];
   uint32_t new_rows[kBatch + SoaBoxes::kPadding];
   int32_t* const change = part.change.data();
   size_t arrived = part.begin;
+  size_t next_question = part.begin;
   for (size_t begin = part.begin; begin < end; begin += kBatch) {
+    if (begin >= next_question) {
+      if (IsStopped(stop)) return;
+      next_question = begin + kBoxesPerQuestion;
+    }
     const size_t count = FindMovedRows(boxes.subspan(begin, std::min(kBatch, end - begin)), grids_,
                                        rows_.data() + begin, moved, new_rows);
     for (size_t k = 0; k < count; ++k) {
@@ -225,12 +228,26 @@ void TracyLists::PlaceLists(size_t parts) {
   size_ = slot;
 }
 
-void TracyLists::SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part) {
+void TracyLists::PlaceArrivals(const Part& part, StopRequest* stop) {
+  ForEachBlock(stop, part.begin, part.begin + part.arrived, [&](size_t from, size_t to) {
+    for (size_t k = from; k < to; ++k) {
+      columns_.ids()[arrivals_[rows_[arrived_[k]]]++] = arrived_[k];
+    }
+  });
+}
+
+void TracyLists::SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part,
+                           StopRequest* stop) {
+  size_t next_question = first_slots_[begin];
   for (size_t group = 0; group < grids_.group_count; ++group) {
     const GroupGrid& grid = grids_.grids[group];
     const uint32_t first_row = grids_.row_grids[group].first_cell;
     const uint32_t last_row = first_row + grid.cells[grid.AxisOf(1)] * grid.cells[grid.AxisOf(2)];
     for (uint32_t row = std::max(begin, first_row); row < std::min(end, last_row); ++row) {
+      if (first_slots_[row] >= next_question) {
+        if (IsStopped(stop)) return;
+        next_question = first_slots_[row] + kBoxesPerQuestion;
+      }
       SweepRow(boxes, row, grid, row - first_row, part);
     }
   }

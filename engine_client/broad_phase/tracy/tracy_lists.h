@@ -28,8 +28,10 @@ class TracyLists {
   // Makes empty lists for these grids.
   void Reset(const RowGrids& grids);
   // Moves boxes to their present rows, adds new and removes deleted boxes, and restores the order.
-  // Leaves room for `query_count` boxes of SearchFor.
-  void Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count = 0);
+  // Leaves room for `query_count` boxes of SearchFor. Asks `stop`, which may be null; the lists are
+  // undefined once that is true.
+  void Update(Executor* executor, std::span<const Aabb> boxes, size_t query_count = 0,
+              StopRequest* stop = nullptr);
 
   // Makes boxes that are enlarged by `margin` on each side fit their grids.
   void SetMargin(float margin);
@@ -71,11 +73,13 @@ class TracyLists {
   size_t PartsFor(const Executor* executor, size_t count) const;
   void MakeRoom(size_t count, size_t parts);
   void SetCount(size_t count);
-  void MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end);
+  void MoveBoxes(std::span<const Aabb> boxes, Part& part, size_t end, StopRequest* stop);
   void PlaceLists(size_t parts);
   void SweepRow(std::span<const Aabb> boxes, uint32_t row, const GroupGrid& grid, uint32_t grid_row,
                 Part& part);
-  void SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part);
+  void PlaceArrivals(const Part& part, StopRequest* stop);
+  void SweepRows(std::span<const Aabb> boxes, uint32_t begin, uint32_t end, Part& part,
+                 StopRequest* stop);
   size_t CollectItems(std::span<const Aabb> boxes, uint32_t row, size_t axis, Part& part);
   void MarkCells(const GroupGrid& grid, uint32_t first_cell, size_t begin, size_t end, Part& part);
 

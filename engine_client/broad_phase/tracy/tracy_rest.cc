@@ -115,11 +115,15 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
   margins_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   is_outside_.EnsureDiscarding(count_);
   std::fill_n(is_outside_.data(), count_, uint8_t{0});
-  for (size_t i = 0; i < count_; ++i) margins_[i] = Enlarged(boxes[i], margin);
+  const bool is_loaded = ForEachBlock(stop, 0, count_, [&](size_t from, size_t to) {
+    for (size_t i = from; i < to; ++i) margins_[i] = Enlarged(boxes[i], margin);
+  });
+  if (!is_loaded) return 0;
   std::fill_n(margins_.data() + count_, SoaBoxes::kPadding, kInvalidMargin);
   listed_.EnsureDiscarding(count_ + SoaBoxes::kPadding);
   outside_.EnsureDiscarding(MaxOutsideCount() + 1);
-  lists.Update(executor, {margins_.data(), count_}, MaxOutsideCount());
+  lists.Update(executor, {margins_.data(), count_}, MaxOutsideCount(), stop);
+  if (IsStopped(stop)) return 0;
   kept_.Clear();
   outside_pairs_.Clear();
   const GridView view = lists.View();
@@ -129,7 +133,7 @@ uint64_t TracyRest::Start(Executor* executor, std::span<const Aabb> boxes, float
         return SearchGrids(view, begin, end, pairs, stop);
       },
       stop);
-  TestPairs(executor, boxes);
+  TestPairs(executor, boxes, stop);
   return checks + kept_.size();
 }
 
@@ -139,7 +143,7 @@ bool TracyRest::Step(Executor* executor, std::span<const Aabb> boxes, TracyLists
   const size_t listed = HWY_DYNAMIC_DISPATCH(ListOutside)(boxes, margins_.data(), listed_.data());
   if (outside_count_ + listed > MaxOutsideCount()) return false;
   AddOutside({listed_.data(), listed}, lists);
-  TestPairs(executor, boxes);
+  TestPairs(executor, boxes, stop);
   checks += count_ + kept_.size();
   outside_pairs_.Clear();
   if (outside_count_ == 0) return true;
@@ -164,17 +168,20 @@ void TracyRest::AddOutside(std::span<const uint32_t> listed, TracyLists& lists) 
   }
 }
 
-void TracyRest::TestPairs(Executor* executor, std::span<const Aabb> boxes) {
+void TracyRest::TestPairs(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop) {
   const auto pairs = kept_.pairs();
   overlaps_.EnsureDiscarding(pairs.size());
   const size_t parts = PartCount(executor, pairs.size(), kMinPairsPerPart);
   RunParts(executor, parts, [&](size_t part) {
     const PartRange range = RangeOfPart(pairs.size(), part, parts, 64);
-    for (size_t k = range.begin; k < range.end; ++k) {
-      const OverlapPair& pair = pairs[k];
-      const bool inside = (is_outside_[pair.a] | is_outside_[pair.b]) == 0;
-      overlaps_[k] = static_cast<uint8_t>(inside & ValidBoxesOverlap(boxes[pair.a], boxes[pair.b]));
-    }
+    ForEachBlock(stop, range.begin, range.end, [&](size_t from, size_t to) {
+      for (size_t k = from; k < to; ++k) {
+        const OverlapPair& pair = pairs[k];
+        const bool inside = (is_outside_[pair.a] | is_outside_[pair.b]) == 0;
+        overlaps_[k] =
+            static_cast<uint8_t>(inside & ValidBoxesOverlap(boxes[pair.a], boxes[pair.b]));
+      }
+    });
   });
 }
 

@@ -26,7 +26,7 @@ namespace sweepstake {
 class TracyRest {
  public:
   // Encloses the boxes in margins and updates `lists` to these. Returns the number of AABB checks.
-  // The searches of Start and Step ask `stop`, which may be null.
+  // Start and Step ask `stop`, which may be null.
   uint64_t Start(Executor* executor, std::span<const Aabb> boxes, float margin, TracyLists& lists,
                  StopRequest* stop);
   // Processes the boxes of the next frame and adds its AABB checks to `checks`. Returns false if
@@ -42,7 +42,7 @@ class TracyRest {
  private:
   size_t MaxOutsideCount() const;
   void AddOutside(std::span<const uint32_t> listed, TracyLists& lists);
-  void TestPairs(Executor* executor, std::span<const Aabb> boxes);
+  void TestPairs(Executor* executor, std::span<const Aabb> boxes, StopRequest* stop);
 
   // The margin of each object: the enlarged box, all space if the object is outside, NaN if its box
   // was invalid.

@@ -37,14 +37,11 @@ function(sweepstake_c_parts result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-if(WIN32)  # without the marks of a DLL's functions
-  set(objects sweepstake_c_static_objects)
-  sweepstake_c_objects(${objects} SWP_STATIC)
-else()
-  set(objects sweepstake_c_objects)
-endif()
-set(objects $<TARGET_OBJECTS:${objects}>)
+# Without the marks of a shared library's functions, which a game's own shared library would export too.
+sweepstake_c_objects(sweepstake_c_static_objects SWP_STATIC)
+set(objects $<TARGET_OBJECTS:sweepstake_c_static_objects>)
 sweepstake_c_parts(all_parts ${parts})
+list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE archives)
 
 set(linker_help)
 if(UNIX AND NOT APPLE AND CMAKE_OBJCOPY)
@@ -52,7 +49,6 @@ if(UNIX AND NOT APPLE AND CMAKE_OBJCOPY)
 endif()
 if(linker_help MATCHES "force-group-allocation")
   set(merged ${CMAKE_CURRENT_BINARY_DIR}/sweepstake_c_merged.o)
-  list(TRANSFORM all_parts REPLACE "(.+)" "$<TARGET_FILE:\\1>" OUTPUT_VARIABLE archives)
   add_custom_command(OUTPUT ${merged}
     COMMAND ${CMAKE_COMMAND} -DLINKER=${CMAKE_LINKER} -DOBJCOPY=${CMAKE_OBJCOPY} -DNM=${CMAKE_NM} "-DOBJECTS=${objects}"
       "-DARCHIVES=${archives};${highway}" -DOUT=${merged} -P ${CMAKE_CURRENT_LIST_DIR}/merge_objects.cmake
@@ -96,13 +92,15 @@ string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" platform)
 string(REPLACE "amd64" "x86_64" platform "${platform}")
 include(CheckSymbolExists)
 check_symbol_exists(__GLIBC__ features.h SWEEPSTAKE_HAS_GLIBC)
-if(TARGET sweepstake_c_merged AND SWEEPSTAKE_HAS_GLIBC AND platform MATCHES "^linux-(x86_64|aarch64)$")
-  add_library(sweepstake_plugin SHARED flavours/older_glibc.c ${merged})
-  add_dependencies(sweepstake_plugin sweepstake_c_merged)
+if(SWEEPSTAKE_HAS_GLIBC AND platform MATCHES "^linux-(x86_64|aarch64)$")
+  add_library(sweepstake_plugin SHARED flavours/older_glibc.c $<TARGET_OBJECTS:sweepstake_c_objects>)
   set_target_properties(sweepstake_plugin PROPERTIES
     OUTPUT_NAME sweepstake LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/plugin
     BUILD_WITH_INSTALL_RPATH ON LINK_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/exports.map)
-  target_link_libraries(sweepstake_plugin PRIVATE $<BUILD_INTERFACE:sweepstake_flags>)
+  list(JOIN archives "," plugin_parts)  # as files, since the targets would bring a Highway that is shared
+  target_link_libraries(sweepstake_plugin PRIVATE
+    $<BUILD_INTERFACE:sweepstake_flags> $<LINK_GROUP:RESCAN,${plugin_parts},${highway}>)
+  add_dependencies(sweepstake_plugin ${all_parts})
   # In glibc before 2.34 the threads are in a library of their own, which must be loaded then.
   target_link_options(sweepstake_plugin PRIVATE
     -static-libstdc++ -static-libgcc LINKER:--gc-sections LINKER:--exclude-libs,ALL LINKER:--no-undefined LINKER:-z,noexecstack

@@ -94,9 +94,11 @@ struct AdaptiveOptions {
   // takes the same time for each arm and is no part of a sample's detection time, so that decisions
   // and what is learnt are those without it. Cost: pair_sorter.h.
   bool sorted_pairs = false;
-  // Memory of all arms, of the pairs and of the shadow lane; 0: no limit. If they take more at a
-  // switch, the inactive arms' and then the lane's is freed as by Trim, so that the switch and a
-  // later one to those arms allocate. What the active arm needs is not limited.
+  // Memory of all arms, of the pairs, of their sort and of the shadow lane; 0: no limit. The lane
+  // takes half of it at most. If all take more at a switch, or after a frame in which the active
+  // arm has grown, the inactive arms' and then the lane's is freed as by Trim, so that this frame
+  // and a later switch to those arms allocate. What the active arm and the pairs need is not
+  // limited.
   uint64_t memory_budget_bytes = 0;
 };
 
@@ -131,10 +133,11 @@ class AdaptiveBroadPhase {
   // Makes the sample and passes it to the sink.
   void EndFrame(const FrameEnd& frame);
 
-  // Frees what the next frame does not need: the buffers of inactive arms, the pairs, and, on its
-  // own thread and soon, what the shadow lane keeps. Call it between EndFrame and BeginFrame, for
-  // example when a level ends or the system is short of memory. Ends the validity of FindPairs'
-  // result. The next frame allocates again, and so do later switches. Cost: it frees memory.
+  // Frees what the next frame does not need: the buffers of inactive arms, the pairs and those of
+  // their sort, and, on its own thread and soon, what the shadow lane keeps. Call it between
+  // EndFrame and BeginFrame, for example when a level ends or the system is short of memory. Ends
+  // the validity of FindPairs' result. The next frame allocates again, and so do later switches and
+  // the lane's next sweep. Cost: it frees memory.
   void Trim();
   // Returns the bytes that memory_budget_bytes limits.
   uint64_t memory_bytes() const;

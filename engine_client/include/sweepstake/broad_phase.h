@@ -26,9 +26,12 @@ class StopRequest {
  public:
   virtual ~StopRequest() = default;
   // Returns whether the call is to end now; true stays true until the call has returned. The
-  // backend asks every few hundred thousand checks, which take 2 ms or less, on each thread that
-  // runs a part of the call. `grown_bytes` is what its pair buffers have grown by since it last
-  // asked.
+  // backend asks on each thread that runs a part of the call: in a search every few hundred
+  // thousand checks, which take 2 ms or less, and in Build and Update for each block of some ten
+  // thousand boxes in the passes that load and sort them. It does not ask while it splits a whole
+  // tree in two, or doubles a pair buffer and copies it. Measured on a machine with other work, a
+  // call ended 7 ms or less after it was to with 300,000 boxes, and 40 ms or less with 1,000,000.
+  // `grown_bytes` is what its pair buffers have grown by since it last asked.
   virtual bool WantsStop(uint64_t grown_bytes) noexcept = 0;
 };
 

@@ -41,12 +41,13 @@
 #error "Sweepstake needs a 64-bit target"
 #endif
 
-/* Programs that link the archive (sweepstake_static) define SWP_STATIC; those that link or load the
- * shared library define nothing. It makes a difference on Windows alone. */
-#if !defined(_WIN32)
-#define SWP_API __attribute__((visibility("default")))
-#elif defined(SWP_STATIC)
+/* What links the archive (sweepstake_static) defines SWP_STATIC; what links or loads the shared
+ * library defines nothing. A shared library that links the archive does not export the archive's
+ * functions. */
+#if defined(SWP_STATIC)
 #define SWP_API
+#elif !defined(_WIN32)
+#define SWP_API __attribute__((visibility("default")))
 #elif defined(SWP_BUILDING_LIBRARY)
 #define SWP_API __declspec(dllexport)
 #else

@@ -32,7 +32,8 @@ typedef struct swp_hooks {
   /* The begin and the end of a named stretch of work; those of one thread nest. */
   void (*zone_begin)(const char* name, void* user);
   void (*zone_end)(const char* name, void* user);
-  /* Called first on each thread that the library starts, where affinity and priority are set. */
+  /* Called first on each thread that the library starts, where affinity and priority are set; the
+   * lane's has a low priority already (hooks.h). */
   void (*thread_started)(const char* name, void* user);
   /* Called before a library that was built without exceptions aborts for want of memory. */
   void (*out_of_memory)(void* user);

@@ -123,7 +123,8 @@ SWP_API swp_result swp_proxies_add_many(swp_proxies* proxies, const swp_aabb* bo
 SWP_API swp_result swp_proxies_remove_many(swp_proxies* proxies, const swp_proxy* removed,
                                            uint32_t count);
 /* Gives boxes[k] to moved[k]. If one handle is SWP_NOT_FOUND, no proxy is moved. Cost: O(1) each,
- * and nothing more for a box that is the same as before. */
+ * and nothing more for a box that is the same as before; what rests costs an add at the next use.
+ */
 SWP_API swp_result swp_proxies_set_boxes(swp_proxies* proxies, const swp_proxy* moved,
                                          const swp_aabb* boxes, uint32_t count);
 /* The next resolve and the next query see the new filter. */
@@ -197,8 +198,8 @@ SWP_API swp_result swp_proxies_removed(const swp_proxies* proxies, const swp_pro
  * same time; none allocates. SWP_FAILED_PRECONDITION if something has changed since
  * swp_proxies_prepare_queries. */
 
-/* Makes the queries ready, as ProxySet::PrepareQueries: O(1) if nothing has changed, otherwise
- * O(proxies of the kind that has). */
+/* Makes the queries ready, as ProxySet::PrepareQueries: O(1) if nothing has changed, O(moving
+ * proxies) if one of those has, otherwise O(changes). */
 SWP_API swp_result swp_proxies_prepare_queries(swp_proxies* proxies);
 /* For each box, gives all proxies that overlap it, by ascending id: those of box k are in `found`
  * from ends[k - 1] (0 for the first box) to ends[k]. If the capacity of `found` is too small, the

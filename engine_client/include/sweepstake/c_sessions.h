@@ -79,8 +79,9 @@ typedef struct swp_session_options {
   double shadow_duty_ratio; /* the lane's share of one core in the long run, over 0 to 1; 0.15 */
   uint64_t shadow_memory_bytes; /* the lane's maximum, half of it for copied boxes; 64 MiB. If the
                                    frames do not fit, there is SWP_SHADOW_STATE_TOO_BIG */
-  uint64_t memory_budget_bytes; /* of all arms, the pairs and the lane; 0: no limit. If they take
-                                   more at a switch, what the active arm does not need is freed */
+  uint64_t memory_budget_bytes; /* of all arms, the pairs and the lane, which takes half of it at
+                                   most; 0: no limit. If they take more at a switch or when the
+                                   active arm grows, what it does not need is freed */
 } swp_session_options;
 
 /* The cost of one frame. Of several searches, times and checks are summed; the counts of bytes,

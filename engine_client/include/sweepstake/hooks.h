@@ -52,7 +52,8 @@ struct Hooks {
   // Called first on each thread that the library starts, where a game sets its affinity and
   // priority and tells a profiler: "swp lane" (the shadow lane), "swp pool" (MakeThreadPool), "swp
   // session" (a session's own). The library has given it that name already, where the system has
-  // names.
+  // names, and the lane a low priority: a thread that has to share its core goes first (Linux: nice
+  // plus 10; Windows: lowest; Apple: QOS_CLASS_UTILITY).
   void (*thread_started)(const char* name, void* user) = nullptr;
 
   // Called before OutOfMemory() aborts, to save a report. Not called where it throws.

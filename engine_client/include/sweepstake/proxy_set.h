@@ -25,8 +25,9 @@
 // threads may make those at the same time. Ownership: the set owns what its spans refer to. Units:
 // world units of the caller. An invalid box (aabb.h) is accepted: it overlaps nothing, and no query
 // finds it, until it is moved. Memory: 57 bytes per place, 4 more with events, 24 more for each
-// place of a moving proxy once one of them is not in the array, and 30 more for proxies in a tree
-// that was searched (after the first query all) with 36 for the largest such tree; 16 bytes per
+// place of a moving proxy once one of them is not in the array, and 32 more for proxies in a tree
+// that was searched (after the first query all) with 36 for the largest such tree: 36 in trees of
+// more than 60,000, and more where many have come and gone, four times that at most; 16 bytes per
 // pair, 24 where pairs are sorted, 8 per kept pair.
 //
 // Cost (tests/bench/programs/proxies_bench.cc on one thread of AMD Zen 5, measured before there
@@ -35,7 +36,11 @@
 // pairs are sorted and 120 µs with events; with 100,000 static boxes and their 29,400 pairs 0.28
 // ms, on two threads 0.19 ms. A query among all of these takes 0.33 µs for a box that finds five,
 // 0.33 µs for the first hit of a ray and 1.1 µs for all twelve; the first query after a change
-// takes 20 µs more for the moving proxies and 0.27 ms for the static ones.
+// takes 20 µs more for the moving proxies. What rests costs a frame what changes of it
+// (tests/bench/programs/proxy_ratios_bench.cc, AMD EPYC): 12 µs for a static proxy that is replaced
+// among 20,000, 33 µs among 2,000,000, and 5 ms for 18,000 that come together, as a tile of a world
+// does. If they stand all over the world, or once half as many have come one by one as there are,
+// their tree is sorted anew, for 2,000,000 in 0.25 s; Compact has that done when a game chooses.
 //
 // Errors: a handle that is null, stale (its proxy was removed) or unknown to this set is answered
 // with false, null or nothing, never with another proxy, and changes nothing. If memory or the
@@ -164,8 +169,8 @@ class ProxySet {
   ProxySet(ProxySet&&) noexcept;
   ProxySet& operator=(ProxySet&&) noexcept;
 
-  // Adds a proxy, which the next Resolve and the next query see. Cost: O(1) for a moving proxy; for
-  // all changes of those in a tree together, the next use refits the tree once, O(its proxies).
+  // Adds a proxy, which the next Resolve and the next query see. Cost: O(1) for a moving proxy. One
+  // that rests gets into its tree at the next use: some µs, or less where many come close together.
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options = {});
   // Adds boxes[k] as handles[k]. `options` has one entry per box or one for all. If memory runs
   // out, those added before are in the set and the other handles are null. REQUIRES: as many
@@ -262,10 +267,10 @@ class ProxySet {
   // a box that is not valid.
   //
   // Each query comes twice. The first overwrites a vector; after a change it refits the trees
-  // concerned first, O(their proxies). The const one writes to the caller's array, and `count` says
-  // how many there are: where that is more than the array's size, the array holds some of them. It
-  // needs PrepareQueries after each change, and is kFailedPrecondition without; any number of
-  // threads may make const queries at the same time.
+  // concerned first, O(changes), or O(their proxies) where these move. The const one writes to the
+  // caller's array, and `count` says how many there are: where that is more than the array's size,
+  // the array holds some of them. It needs PrepareQueries after each change, and is
+  // kFailedPrecondition without; any number of threads may make const queries at the same time.
 
   void QueryBox(const Aabb& box, const CollisionFilter& filter, std::vector<ProxyHandle>& out);
   Status QueryBox(const Aabb& box, const CollisionFilter& filter, std::span<ProxyHandle> out,

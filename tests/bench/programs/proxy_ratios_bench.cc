@@ -28,9 +28,10 @@ struct Sizes {
   size_t added = 100'000;
   size_t churned = 10'000;
   size_t churn = 1'000'000;
+  size_t tile = 18'000;
   int turns = 15;
 };
-constexpr Sizes kQuick = {500, 100, 500, 5'000, 1'000, 500, 5'000, 2};
+constexpr Sizes kQuick = {500, 100, 500, 5'000, 1'000, 500, 5'000, 500, 2};
 
 constexpr CollisionFilter kDebris = {.category = 4, .mask = ~4U};
 
@@ -266,6 +267,89 @@ void QueriesAfterChurn(const Sizes& sizes) {
         "churned_queries_ms", "fresh_queries_ms");
 }
 
+// Static proxies that fill a cube, at the density of suite-b.
+class StaticWorld {
+ public:
+  explicit StaticWorld(size_t count) : side(SideFor(count)) {
+    for (const Aabb& box : BoxesWithin(count, side, 11)) {
+      handles_.push_back(proxies.Add(box, {.is_static = true}));
+    }
+    proxies.PrepareQueries();
+  }
+
+  // Returns the milliseconds of a frame in which one is removed and one added.
+  double ChangeOne() {
+    const size_t k = random_.Below(handles_.size());
+    const Aabb box = BoxWithin(random_, 0, side);
+    return Milliseconds([&] {
+      proxies.Remove(handles_[k]);
+      handles_[k] = proxies.Add(box, {.is_static = true});
+      proxies.PrepareQueries();
+    });
+  }
+
+  float side;
+  ProxySet proxies;
+
+ private:
+  std::vector<ProxyHandle> handles_;
+  SequentialRandom random_{12};
+};
+
+void OneChange(const Sizes& sizes) {
+  StaticWorld few(sizes.few_static);
+  StaticWorld many(sizes.many_static);
+  const auto frames = [](StaticWorld& world) {
+    double sum = 0;
+    for (int frame = 0; frame < 20; ++frame) sum += world.ChangeOne();
+    return sum / 20;
+  };
+  Print("one_change_many_static_ratio",
+        TakeTurns(
+            4 * sizes.turns, [&] { return frames(many); }, [&] { return frames(few); }),
+        "one_change_many_static_ms", "one_change_few_static_ms");
+}
+
+// Tiles of static boxes beside a world of them come and, four tiles later, go. The worst of these
+// frames is compared with the first one, which sorts the world.
+void StreamedTiles(const Sizes& sizes) {
+  ProxySet fresh;
+  for (const Aabb& box : BoxesWithin(sizes.many_static, SideFor(sizes.many_static), 11)) {
+    fresh.Add(box, {.is_static = true});
+  }
+  const double sort_ms = Milliseconds([&] { fresh.PrepareQueries(); });
+  StaticWorld world(sizes.many_static);
+  const float tile_side = SideFor(sizes.tile);
+  const ProxyOptions options{.is_static = true};
+  std::vector<std::vector<ProxyHandle>> tiles;
+  double worst_ms = 0;
+  for (int k = 0; k < 60; ++k) {
+    std::vector<Aabb> boxes = BoxesWithin(sizes.tile, tile_side, 13 + static_cast<uint64_t>(k));
+    for (Aabb& box : boxes) {
+      box.min[0] += world.side;
+      box.max[0] += world.side;
+      box.min[1] += tile_side * static_cast<float>(k % 8);
+      box.max[1] += tile_side * static_cast<float>(k % 8);
+    }
+    tiles.emplace_back(boxes.size());
+    worst_ms = std::max(worst_ms, Milliseconds([&] {
+                          world.proxies.AddMany(boxes, std::span(&options, 1), tiles.back());
+                          world.proxies.PrepareQueries();
+                        }));
+    if (k < 4) continue;
+    worst_ms = std::max(worst_ms, Milliseconds([&] {
+                          world.proxies.RemoveMany(tiles[static_cast<size_t>(k) - 4]);
+                          world.proxies.PrepareQueries();
+                        }));
+  }
+  Print("stream_worst_frame_ratio", {worst_ms, sort_ms}, "stream_worst_frame_ms", "sort_all_ms");
+  Print("streamed_query_ratio",
+        TakeTurns(
+            4 * sizes.turns, [&] { return QueryMilliseconds(world.proxies, world.side); },
+            [&] { return QueryMilliseconds(fresh, world.side); }),
+        "streamed_queries_ms", "unstreamed_queries_ms");
+}
+
 void Snapshots(const Sizes& sizes) {
   World world(BoxesWithin(sizes.churned, SideFor(sizes.churned), 8), {});
   world.Frame();
@@ -290,6 +374,8 @@ void MeasureAll(const Sizes& sizes) {
               10, sizes);
   SingleAdds(sizes);
   QueriesAfterChurn(sizes);
+  OneChange(sizes);
+  StreamedTiles(sizes);
   Snapshots(sizes);
   std::printf("\n}\n");
 }

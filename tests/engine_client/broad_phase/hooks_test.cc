@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -106,7 +107,8 @@ TEST(HooksTest, AllMemoryThatABackendCountsIsTheGames) {
 TEST(HooksTest, AllMemoryThatProxiesCountIsTheGames) {
   GameMemory memory;
   ProxySet proxies({.pair_events = true});
-  for (const Aabb& box : SceneOf("brownian", 1000)->aabbs()) proxies.Add(box);
+  const auto scene = SceneOf("brownian", 1000);
+  for (const Aabb& box : scene->aabbs()) proxies.Add(box);
   const std::vector<OverlapPair> pairs = {{0, 1}};
   proxies.Resolve(pairs);
   EXPECT_GE(memory.held_bytes(), 1000 * sizeof(Aabb));
@@ -162,6 +164,83 @@ TEST(HooksTest, ProxiesWithoutMemoryForCompactAreAsTheyWere) {
   }
   EXPECT_GT(blocks, 2U);
   EXPECT_TRUE(proxies.RemoveMany(handles));
+}
+
+// Static proxies whose tree has no memory at one of its allocations; afterwards there is some.
+class StaticProxiesWithoutMemory {
+ public:
+  void Add(size_t count, float from) {
+    for (size_t k = 0; k < count; ++k) {
+      const float x = from + static_cast<float>(k % 100);
+      const float y = static_cast<float>(k / 100);
+      boxes_.push_back({{x, y, 0}, {x + 0.9F, y + 0.9F, 1}});
+      handles_.push_back(proxies_.Add(boxes_.back(), {.is_static = true}));
+    }
+  }
+  void MoveEvery(size_t step) {
+    for (size_t k = 0; k < handles_.size(); k += step) {
+      boxes_[k].max[0] += 0.05F;
+      EXPECT_TRUE(proxies_.Move(handles_[k], boxes_[k]));
+    }
+  }
+  void RemoveEvery(size_t step) {
+    for (size_t k = handles_.size(); k-- > 0;) {
+      if (k % step != 0) continue;
+      EXPECT_TRUE(proxies_.Remove(handles_[k]));
+      handles_.erase(handles_.begin() + static_cast<std::ptrdiff_t>(k));
+      boxes_.erase(boxes_.begin() + static_cast<std::ptrdiff_t>(k));
+    }
+  }
+  // Returns whether the memory was enough.
+  bool PrepareWith(size_t block_count) {
+    memory_.blocks_left = block_count;
+    bool done = true;
+    try {
+      proxies_.PrepareQueries();
+    } catch (const std::bad_alloc&) {
+      done = false;
+    }
+    memory_.blocks_left = GameMemory::kPlenty;
+    return done;
+  }
+  void ExpectWhole() {
+    std::vector<ProxyHandle> found;
+    proxies_.QueryBox({{-1e6F, -1e6F, -1e6F}, {1e6F, 1e6F, 1e6F}}, {}, found);
+    std::sort(handles_.begin(), handles_.end());
+    ASSERT_EQ(found, handles_);
+  }
+
+ private:
+  GameMemory memory_;
+  ProxySet proxies_;
+  std::vector<Aabb> boxes_;
+  std::vector<ProxyHandle> handles_;
+};
+
+TEST(HooksTest, AFirstTreeOfStaticProxiesWithoutMemoryIsWholeAtTheNextUse) {
+  bool has_all = false;
+  for (size_t block_count = 0; !has_all; ++block_count) {
+    StaticProxiesWithoutMemory game;
+    game.Add(1000, 0);
+    has_all = game.PrepareWith(block_count);
+    game.RemoveEvery(30);
+    game.ExpectWhole();
+  }
+}
+
+TEST(HooksTest, ATreeOfStaticProxiesWithoutMemoryToGrowIsWholeAtTheNextUse) {
+  bool has_all = false;
+  for (size_t block_count = 0; !has_all; ++block_count) {
+    StaticProxiesWithoutMemory game;
+    game.Add(70'000, 0);
+    EXPECT_TRUE(game.PrepareWith(GameMemory::kPlenty));
+    game.Add(3000, 200);
+    EXPECT_TRUE(game.PrepareWith(GameMemory::kPlenty));
+    game.MoveEvery(140);  // so many that the whole tree is refitted
+    has_all = game.PrepareWith(block_count);
+    game.RemoveEvery(2000);
+    game.ExpectWhole();
+  }
 }
 
 TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {

@@ -34,6 +34,39 @@ TEST(SortedPairs, AddAndDropWhatWasTouched) {
   EXPECT_EQ(PairsOf(pairs), (std::vector<OverlapPair>{{0, 2}, {0, 5}, {3, 4}}));
 }
 
+// Says yes to one of the questions.
+class StopAt final : public StopRequest {
+ public:
+  explicit StopAt(uint64_t question) : question_(question) {}
+  bool WantsStop(uint64_t) noexcept override { return ++asked >= question_; }
+
+  uint64_t asked = 0;
+
+ private:
+  const uint64_t question_;
+};
+
+TEST(SortedPairs, AskWhetherToEndForEachBlockOfManyMarks) {
+  constexpr size_t kBlocks = 4;
+  constexpr size_t kMarks = kBlocks * kBoxesPerQuestion;
+  for (const uint64_t stop_at : {uint64_t{1000}, uint64_t{1}, uint64_t{3 * kBlocks}}) {
+    SortedPairs pairs;
+    pairs.Adopt({}, kMarks + 1);
+    for (size_t k = kMarks; k > 0; --k) {
+      pairs.Touch(static_cast<uint32_t>(k), static_cast<uint32_t>(k - 1));
+    }
+    StopAt stop(stop_at);
+    pairs.Settle([](uint32_t a, uint32_t) { return a % 2 == 0; }, &stop);
+    if (stop_at < 1000) {
+      EXPECT_LE(stop.asked, stop_at + 2) << "it ends";
+    } else {
+      EXPECT_EQ(pairs.pairs().size(), kMarks / 2);
+      // Two passes of the sort, the groups, the test of each mark, and half of them to insert.
+      EXPECT_GE(stop.asked, 4 * kBlocks);
+    }
+  }
+}
+
 TEST(SortedPairs, DropThePairsOfObjectsThatAreGone) {
   SortedPairs pairs;
   const OverlapPair found[] = {{0, 2}, {1, 5}, {3, 4}};

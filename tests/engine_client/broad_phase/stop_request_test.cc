@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/scene/box_scenes.h"
@@ -46,6 +48,8 @@ class PartsInARow final : public Executor {
 
 // What a search may still do before its next question: a tile, a leaf or a list of near leaves.
 constexpr uint64_t kMaxChecksBetween = 3 * StopPoll::kChecksPerQuestion;
+// The questions that a call still asks on its way out.
+constexpr uint64_t kQuestionsToLeave = 8;
 
 class EveryBackendThatIsStopped : public testing::TestWithParam<std::string_view> {
  protected:
@@ -151,6 +155,79 @@ TEST_P(EveryBackendThatIsStopped, FindsTheSameSequenceWhileNobodyStopsIt) {
 INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendThatIsStopped,
                          testing::ValuesIn(BroadPhaseNames()),
                          [](const auto& name) { return std::string(name.param); });
+
+// A scene of so many boxes is loaded and sorted in blocks, between which a backend asks.
+constexpr size_t kBlocks = 5;
+constexpr size_t kManyBoxes = kBlocks * kBoxesPerQuestion;
+
+TEST_P(EveryBackendThatIsStopped, LeavesABuildOfManyBoxesAtAnyQuestion) {
+  const auto many = MakeSuiteBrownian(kManyBoxes);
+  const auto next = MakeSuiteBrownian(500);
+  bool has_ended = false;
+  for (uint64_t stop_at = 1; !has_ended; stop_at += 1 + stop_at / 4) {
+    stop_ = ScriptedStop();
+    stop_.stop_at = stop_at;
+    backend_->SetStop(&stop_);
+    backend_->Build(many->aabbs());
+    has_ended = !stop_.has_stopped;
+    EXPECT_TRUE(has_ended || stop_.question_count <= stop_at + kQuestionsToLeave);
+    backend_->SetStop(nullptr);
+    backend_->Build(next->aabbs());
+    ASSERT_EQ(FindPairsError(*backend_, next->aabbs(), pairs_), "") << "stopped at " << stop_at;
+  }
+}
+
+// The passes of a backend over all boxes or faces, each of which asks for each block.
+struct Passes {
+  std::string_view backend;
+  uint64_t in_build;
+  uint64_t in_update;         // where every box is elsewhere
+  uint64_t with_equal_boxes;  // in Build
+};
+
+class EveryBackendInBlocks : public testing::TestWithParam<Passes> {};
+
+TEST_P(EveryBackendInBlocks, AsksInEachPassOverTheBoxes) {
+  const auto scene = MakeSuiteBrownian(kManyBoxes);
+  std::vector<Aabb> boxes(scene->aabbs().begin(), scene->aabbs().end());
+  const auto backend = MakeOrThrow(GetParam().backend);
+  ScriptedStop stop;
+  backend->SetStop(&stop);
+  backend->Build(boxes);
+  EXPECT_GE(stop.question_count, GetParam().in_build * kBlocks);
+  stop.question_count = 0;
+  std::reverse(boxes.begin(), boxes.end());
+  backend->Update(boxes);
+  EXPECT_GE(stop.question_count, GetParam().in_update * kBlocks);
+  stop.question_count = 0;
+  backend->Build(std::vector<Aabb>(kManyBoxes, boxes[0]));
+  EXPECT_GE(stop.question_count, GetParam().with_equal_boxes * kBlocks);
+}
+
+// Grid: measure, count, place, gather; SAP: count, place, fill; AxisSweep: load, two for each axis,
+// fill; Tracy: measure, find rows, place, sort; the trees gather twice. Equal boxes are sorted
+// exactly, where SAP counts, loads, counts digits and fills, and AxisSweep loads, counts and loads
+// on each axis, and counts the digits of two faces per box.
+INSTANTIATE_TEST_SUITE_P(BroadPhase, EveryBackendInBlocks,
+                         testing::Values(Passes{"BruteForce", 1, 1, 1}, Passes{"Grid", 4, 4, 4},
+                                         Passes{"SAP", 3, 3, 4}, Passes{"AxisSweep", 8, 8, 14},
+                                         Passes{"Tracy", 4, 3, 3}, Passes{"KDTree", 2, 1, 2}),
+                         [](const auto& tested) { return std::string(tested.param.backend); });
+
+TEST(ADbvtThatIsStopped, AsksWhileItInsertsManyBoxesThatBecomeValid) {
+  constexpr size_t kReturning = 20'000;
+  const auto scene = MakeSuiteBrownian(3 * kReturning);
+  std::vector<Aabb> boxes(scene->aabbs().begin(), scene->aabbs().end());
+  std::fill_n(boxes.begin(), kReturning, kInvalidAabb);
+  const auto backend = MakeOrThrow("DBVT");
+  backend->Build(boxes);
+  ScriptedStop stop;
+  stop.stop_at = 8;
+  backend->SetStop(&stop);
+  backend->Update(scene->aabbs());
+  EXPECT_TRUE(stop.has_stopped) << "after one of about ten blocks";
+  EXPECT_LE(stop.question_count, stop.stop_at + kQuestionsToLeave);
+}
 
 // The search for pairs of enlarged boxes is a part of Update.
 class EveryBackendWithMargins : public EveryBackendThatIsStopped {};

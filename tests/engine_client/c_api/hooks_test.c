@@ -147,6 +147,45 @@ static void check_out_of_memory(seen* counts) {
   CHECK(allocation_count > 0);
 }
 
+/* A set of one moving and one static proxy gets many more, with memory for `allocation_count`
+ * blocks only. Returns the result. */
+static swp_result add_short_of_memory(seen* counts, uint64_t allocation_count) {
+  enum { kMany = 300 };
+  static const swp_aabb unit = {{0, 0, 0}, {1, 1, 1}};
+  swp_aabb boxes[kMany];
+  swp_proxy_options options[kMany];
+  swp_proxy added[kMany];
+  swp_proxy first[2];
+  for (uint32_t k = 0; k < kMany; ++k) {
+    boxes[k] = unit;
+    options[k] = (swp_proxy_options){{1, ~0U}, k % 2 == 0 ? SWP_PROXY_STATIC : 0U, 0, 0};
+  }
+  swp_proxies* proxies = NULL;
+  CHECK_OK(swp_proxies_create(NULL, &proxies));
+  CHECK_OK(swp_proxies_add_many(proxies, boxes, options, 2, first));
+  counts->is_short = 1;
+  counts->allocations_left = allocation_count;
+  const swp_result result = swp_proxies_add_many(proxies, boxes, options, kMany, added);
+  counts->is_short = 0;
+  uint32_t moving_count = 0;
+  uint32_t static_count = 0;
+  CHECK_OK(swp_proxies_counts(proxies, &moving_count, &static_count, NULL));
+  CHECK(moving_count == (result == SWP_OK ? 1 + kMany / 2 : 1));
+  CHECK(static_count == moving_count);
+  CHECK_OK(swp_proxies_remove_many(proxies, first, 2));
+  swp_proxies_destroy(proxies);
+  return result;
+}
+
+/* Whichever of its allocations fails, nothing was added. */
+static void check_add_without_memory(seen* counts) {
+  uint64_t allocation_count = 0;
+  while (add_short_of_memory(counts, allocation_count) == SWP_RESOURCE_EXHAUSTED) {
+    ++allocation_count;
+  }
+  CHECK(allocation_count > 2);
+}
+
 /* A world holds no memory of the hooks before it is built; its threads read them all the same. */
 static void check_beside_an_object(void) {
   swp_world* world = NULL;
@@ -189,7 +228,10 @@ void test_hooks(void) {
   CHECK(counts.pool_thread_count == 1);
   check_trim(&counts);
   check_budget(&counts);
-  if (CATCHES_OUT_OF_MEMORY) check_out_of_memory(&counts);
+  if (CATCHES_OUT_OF_MEMORY) {
+    check_out_of_memory(&counts);
+    check_add_without_memory(&counts);
+  }
   CHECK(counts.allocation_count == counts.release_count);
   CHECK(counts.open_zone_count == 0);
   CHECK_OK(swp_set_hooks(NULL));

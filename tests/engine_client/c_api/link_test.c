@@ -132,14 +132,31 @@ static swp_link_action next(const game* played, bytes* message) {
   return action;
 }
 
-/* The kind and the number of the next message; a kind of 0: none is due. */
+static uint64_t take_varint(const bytes* in, uint64_t* at) {
+  uint64_t value = 0;
+  for (unsigned shift = 0; *at < in->size; shift += 7) {
+    const unsigned char part = in->data[(*at)++];
+    value |= (uint64_t)(part & 127) << shift;
+    if (part < 128) break;
+  }
+  return value;
+}
+
+/* The kind and the number of the next message, which ends where its size says; a kind of 0: none is
+ * due. */
 static unsigned next_kind(const game* played, unsigned* sequence) {
   bytes message;
+  uint64_t at = 0;
   *sequence = 0;
   if (next(played, &message) != SWP_LINK_SEND) return 0;
-  if (message.data[0] != 1 << 3) return message.data[0] >> 3;
-  *sequence = message.data[1];
-  return message.data[2] >> 3;
+  uint64_t key = take_varint(&message, &at);
+  if (key == 1 << 3) {
+    *sequence = (unsigned)take_varint(&message, &at);
+    key = take_varint(&message, &at);
+  }
+  const uint64_t size = take_varint(&message, &at);
+  CHECK(at + size == message.size);
+  return (unsigned)(key >> 3);
 }
 
 static swp_result receive(const game* played, bytes message) {

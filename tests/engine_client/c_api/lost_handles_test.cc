@@ -138,12 +138,14 @@ TEST(LostHandlesTest, CallsThatAreUnderWayReturnAndNoneBeginsAfterThem) {
   const Objects lost = MakeObjects();
   const swp_aabb boxes[2] = {{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}};
   std::atomic<int> frame_count = 0;
+  std::atomic<bool> frames_ended = false;
   std::thread frame_thread([&] {
     while (swp_session_begin_frame(lost.session) == SWP_OK) {
       swp_session_find_pairs(lost.session, boxes, 2);
       swp_session_end_frame(lost.session, 5000000, 0);
       ++frame_count;
     }
+    frames_ended = true;
   });
   std::thread transport([&] {
     swp_link_stats stats = Sized<swp_link_stats>();
@@ -153,7 +155,8 @@ TEST(LostHandlesTest, CallsThatAreUnderWayReturnAndNoneBeginsAfterThem) {
       swp_link_next_message(lost.link, 1, nullptr, 0, &size, &action);
     }
   });
-  while (frame_count < 3) std::this_thread::yield();
+  while (frame_count < 3 && !frames_ended) std::this_thread::yield();
+  EXPECT_GE(frame_count, 3);
   EXPECT_EQ(swp_shutdown_all(kLong), SWP_OK);
   frame_thread.join();
   transport.join();

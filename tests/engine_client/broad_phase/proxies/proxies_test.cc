@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <tuple>
 
 #include "engine_client/scene/box_scenes.h"
 #include "sweepstake/adaptive_broad_phase.h"
@@ -229,10 +230,19 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
   }
 }
 
-TEST(PairEventsWithAMargin, EndAPairOnlyWhereItsBoxesAreFartherApart) {
+// The second box goes along one axis, to one side of the first.
+class PairEventsAlongAnAxis : public testing::TestWithParam<std::tuple<size_t, float>> {};
+
+TEST_P(PairEventsAlongAnAxis, EndAPairOnlyWhereItsBoxesAreFartherApartThanTheMargin) {
+  const auto [axis, side] = GetParam();
   ProxySet proxies({.pair_events = true, .event_margin = 0.5F});
   Frames frames("BruteForce");
-  const auto at = [](float x) { return Aabb{{x, 0, 0}, {x + 1, 1, 1}}; };
+  const auto at = [axis = axis, side = side](float x) {
+    Aabb box = kUnit;
+    box.min[axis] = side * x;
+    box.max[axis] = side * x + 1;
+    return box;
+  };
   const ProxyHandle a = proxies.Add(at(0));
   const ProxyHandle b = proxies.Add(at(1.25F));
   const auto resolve = [&](float x) {
@@ -248,12 +258,16 @@ TEST(PairEventsWithAMargin, EndAPairOnlyWhereItsBoxesAreFartherApart) {
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
   EXPECT_EQ(resolve(1), 1U);
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
-  EXPECT_EQ(resolve(1.625F), 0U);
-  EXPECT_EQ(events(), std::pair(size_t{0}, size_t{1}));
+  EXPECT_EQ(resolve(1.5078125F), 0U);
+  ASSERT_EQ(events(), std::pair(size_t{0}, size_t{1}));
   EXPECT_EQ(proxies.removed()[0], (ProxyPair{a, b}));
   EXPECT_EQ(resolve(1.5F), 0U);
   EXPECT_EQ(events(), std::pair(size_t{0}, size_t{0}));
 }
+
+INSTANTIATE_TEST_SUITE_P(EachWay, PairEventsAlongAnAxis,
+                         testing::Combine(testing::Values(0U, 1U, 2U),
+                                          testing::Values(1.0F, -1.0F)));
 
 TEST(PairEventsWithAMargin, TakeOneThatIsNegativeOrNoNumberAsNone) {
   for (const float margin : {-1.0F, std::numeric_limits<float>::quiet_NaN()}) {

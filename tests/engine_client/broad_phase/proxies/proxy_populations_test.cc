@@ -194,16 +194,20 @@ TEST_F(Populations, StayWhereTheyAreWhenTheOriginWouldBeNowhere) {
 }
 
 TEST_F(Populations, TakeNoPartBeyondTheLargestFloatUntilTheyAreMoved) {
-  const float offset[3] = {-std::numeric_limits<float>::max(), 0, 0};
-  const ProxyHandle handle = proxies_.Add(kUnit);
-  const ProxyHandle gone = proxies_.Add({{0, 0, 0}, {std::numeric_limits<float>::max() / 2, 1, 1}});
-  EXPECT_EQ(Resolve().size(), 1U);
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  const ProxyHandle above = proxies_.Add({{0, 0, 0}, {kLargest / 2, 1, 1}});
+  const ProxyHandle below = proxies_.Add({{0, -kLargest / 2, 0}, {1, 1, 1}});
+  const ProxyHandle within = proxies_.Add(kUnit);
+  EXPECT_EQ(Resolve().size(), 3U);
+  const float offset[3] = {-kLargest, kLargest, 0};
   ASSERT_TRUE(proxies_.ShiftOrigin(offset).ok());
-  EXPECT_TRUE(IsValid(*proxies_.box(handle)));
-  EXPECT_FALSE(IsValid(*proxies_.box(gone)));
+  EXPECT_FALSE(IsValid(*proxies_.box(above)));
+  EXPECT_FALSE(IsValid(*proxies_.box(below)));
+  EXPECT_EQ(*proxies_.box(within), (Aabb{{kLargest, -kLargest, 0}, {kLargest, -kLargest, 1}}));
   EXPECT_TRUE(Resolve().empty());
-  ASSERT_TRUE(proxies_.Move(gone, *proxies_.box(handle)));
-  EXPECT_EQ(Resolve().size(), 1U);
+  ASSERT_TRUE(proxies_.Move(above, *proxies_.box(within)));
+  ASSERT_TRUE(proxies_.Move(below, *proxies_.box(within)));
+  EXPECT_EQ(Resolve().size(), 3U);
 }
 
 TEST_F(Populations, OfWhatWasRemovedHoldNothingAfterCompact) {

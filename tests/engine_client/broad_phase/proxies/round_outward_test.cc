@@ -52,10 +52,23 @@ TEST(RoundingOutward, GivesAnInvalidBoxWhereNoFloatIsFarEnough) {
   EXPECT_FALSE(IsValid(Rounded(2, 1)));
 }
 
+// Each axis alone, so that no other one makes the box invalid.
 TEST(RoundingOutward, LeavesABoxInvertedWhoseFacesAreLessThanOneFloatApart) {
-  EXPECT_FALSE(IsValid(Rounded(1 + 1e-12, 1)));
-  EXPECT_FALSE(IsValid(Rounded(0.1, std::nextafter(0.1, 0.0))));
-  EXPECT_FALSE(IsValid(Rounded(1e-300, -1e-300)));
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto is_valid = [axis](double min, double max) {
+      double mins[3] = {0, 0, 0};
+      double maxs[3] = {1, 1, 1};
+      mins[axis] = min;
+      maxs[axis] = max;
+      return IsValid(RoundOutward(mins, maxs));
+    };
+    EXPECT_TRUE(is_valid(0.1, 0.1));
+    EXPECT_FALSE(is_valid(1 + 1e-12, 1));
+    EXPECT_FALSE(is_valid(0.1, std::nextafter(0.1, 0.0)));
+    EXPECT_FALSE(is_valid(1e-300, -1e-300));
+    EXPECT_FALSE(is_valid(std::numeric_limits<double>::quiet_NaN(), 1));
+    EXPECT_FALSE(is_valid(0, std::numeric_limits<double>::quiet_NaN()));
+  }
 }
 
 TEST(RoundingOutward, ContainsWithinOneFloatOnEachSide) {

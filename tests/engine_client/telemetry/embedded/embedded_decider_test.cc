@@ -289,7 +289,7 @@ TEST_F(EmbeddedDeciderPriors, AreSummedOverTheSourcesOfMatchingArms) {
 TEST_F(EmbeddedDeciderPriors, AreOfThePolicysVersionOfTheReward) {
   std::vector<PriorRecord> records = {RecordOf("SAP", 1, "a"), RecordOf("SAP", 1, "b"),
                                       RecordOf("DBVT", 1, "c")};
-  records[1].reward_version = records[2].reward_version = 2;
+  records[1].reward_version = records[2].reward_version = 3;
   ASSERT_TRUE(WritePriorsFile(records, path_).ok());
   EXPECT_EQ(MakeDecider(Options())->prior_source_count(), 1U);
   EmbeddedOptions adaptive = Options();

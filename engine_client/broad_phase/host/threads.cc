@@ -1,4 +1,5 @@
-// The begin of a thread: its name in debuggers and profilers, by the system's own call.
+// What a thread asks of the system: its name in debuggers and profilers, its priority, and how long
+// it has run.
 #include "engine_client/broad_phase/host/hook_points.h"
 
 #if defined(_WIN32)
@@ -11,6 +12,12 @@
 #include <windows.h>
 #elif defined(__linux__) || defined(__APPLE__)
 #include <pthread.h>
+#include <time.h>
+#endif
+#if defined(__linux__)
+#include <sys/resource.h>
+#elif defined(__APPLE__)
+#include <pthread/qos.h>
 #endif
 
 namespace sweepstake {
@@ -31,24 +38,49 @@ void NameThisThread(const char* name) noexcept {
   set_description(GetCurrentThread(), wide);
 }
 
+void LowerThisThreadsPriority() noexcept {
+  SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_LOWEST);
+}
+
 #elif defined(__APPLE__)
 
 void NameThisThread(const char* name) noexcept { pthread_setname_np(name); }
+
+void LowerThisThreadsPriority() noexcept { pthread_set_qos_class_self_np(QOS_CLASS_UTILITY, 0); }
 
 #elif defined(__linux__)
 
 void NameThisThread(const char* name) noexcept { pthread_setname_np(pthread_self(), name); }
 
+// Ten steps are a tenth of the weight of another thread on the same core. With less, whoever waits
+// for the thread's end would wait for long on a machine without an idle core.
+void LowerThisThreadsPriority() noexcept {
+  constexpr int kSteps = 10;
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kSteps);  // of the calling thread
+}
+
 #else
 
 void NameThisThread(const char* /*name*/) noexcept {}
+void LowerThisThreadsPriority() noexcept {}
 
 #endif
 
 }  // namespace
 
-void NoteThreadStarted(const char* name) noexcept {
+uint64_t ThreadTimeNs() noexcept {
+#if defined(CLOCK_THREAD_CPUTIME_ID)
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<uint64_t>(time.tv_sec) * 1'000'000'000 + static_cast<uint64_t>(time.tv_nsec);
+#else
+  return 0;
+#endif
+}
+
+void NoteThreadStarted(const char* name, ThreadPriority priority) noexcept {
   NameThisThread(name);
+  if (priority == ThreadPriority::kLow) LowerThisThreadsPriority();
   const Hooks* const hooks = installed_hooks.load(std::memory_order_relaxed);
   if (hooks != nullptr && hooks->thread_started != nullptr) {
     hooks->thread_started(name, hooks->user);
