@@ -40,6 +40,15 @@ ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_
   return used < lane.core_count ? ShadowState::kRunning : ShadowState::kNoSpareCore;
 }
 
+// Half of the budget is the lane's, so that it needs no agreement with the frame thread about what
+// the arms leave.
+ShadowOptions LaneOptions(const AdaptiveOptions& options) {
+  ShadowOptions shadow = options.shadow;
+  if (options.memory_budget_bytes == 0) return shadow;
+  shadow.memory_cap_bytes = std::min(shadow.memory_cap_bytes, options.memory_budget_bytes / 2);
+  return shadow;
+}
+
 }  // namespace
 
 Clock& SteadyClock() {
@@ -69,12 +78,13 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
   sample_.arm = initial_arm;
   if (lane_state_ != ShadowState::kRunning) return;
   lane_ = std::make_unique<ShadowLane>(
-      ShadowLane::Setup{.options = options.shadow,
+      ShadowLane::Setup{.options = LaneOptions(options),
                         .arm_count = static_cast<uint32_t>(backends_.size()),
                         .make = lane.make,
                         .sink = sink,
                         .clock = SteadyClock(),
-                        .mode = mode});
+                        .mode = mode,
+                        .thread_time_ns = ThreadTimeNs});
 }
 
 Status AdaptiveBroadPhase::Impl::StartLane() {
@@ -94,6 +104,7 @@ Status AdaptiveBroadPhase::Impl::StartLane() {
 // the mailbox.
 void AdaptiveBroadPhase::Impl::BeginFrame() {
   const Zone zone(kZoneBeginFrame);
+  KeepBudgetOfGrowing();
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
   const std::optional<OperatorOrder> order = orders.Take();
   if (order) TakeOrder(*order);
@@ -173,14 +184,22 @@ void AdaptiveBroadPhase::Impl::Execute(const SwitchCommand& command) {
 }
 
 void AdaptiveBroadPhase::Impl::KeepBudget() {
+  budgeted_bytes_ = backends_[arm()].backend->native_bytes();
   if (memory_budget_bytes_ == 0 || memory_bytes() <= memory_budget_bytes_) return;
   FreeInactiveArms();
   if (lane_ != nullptr && memory_bytes() > memory_budget_bytes_) lane_->Trim();
 }
 
+// Looks at the budget between switches only after frames in which the active arm has grown, and so
+// has allocated anyway.
+void AdaptiveBroadPhase::Impl::KeepBudgetOfGrowing() {
+  if (memory_budget_bytes_ != 0 && last_sample.native_bytes > budgeted_bytes_) KeepBudget();
+}
+
 void AdaptiveBroadPhase::Impl::Trim() {
   FreeInactiveArms();
   pairs_ = PairBuffer();
+  if (sorter_) sorter_.emplace();
   if (lane_ != nullptr) lane_->Trim();
 }
 
@@ -196,6 +215,7 @@ void AdaptiveBroadPhase::Impl::FreeInactiveArms() {
 
 uint64_t AdaptiveBroadPhase::Impl::memory_bytes() const {
   uint64_t bytes = pairs_.capacity_bytes() + shadow_stats().memory_bytes;
+  if (sorter_) bytes += sorter_->native_bytes();
   for (const ArmBackend& own : backends_) bytes += own.backend->native_bytes();
   return bytes;
 }

@@ -79,6 +79,7 @@ class AdaptiveBroadPhase::Impl {
   bool WaitsForLane();
   void Execute(const SwitchCommand& command);
   void KeepBudget();
+  void KeepBudgetOfGrowing();
   void FreeInactiveArms();
   void Drop();
   void Refuse(const SwitchCommand& command);
@@ -95,6 +96,7 @@ class AdaptiveBroadPhase::Impl {
   std::vector<ArmBackend> backends_;
   const ArmBackendFactory make_;  // null: arms are never freed
   const uint64_t memory_budget_bytes_;
+  uint64_t budgeted_bytes_ = 0;  // what the active arm took when the budget was last looked at
   FrameSink* const sink_;
   Clock& clock_;
   std::atomic<uint64_t> active_;

@@ -91,7 +91,7 @@ void ShadowLane::Start() {
 }
 
 void ShadowLane::Run() {
-  NoteThreadStarted("swp lane");
+  NoteThreadStarted("swp lane", ThreadPriority::kLow);
   while (!stopping_.load(std::memory_order_relaxed)) {
     const std::chrono::microseconds pause = Step();
     std::unique_lock lock(mutex_);
@@ -163,6 +163,7 @@ bool ShadowLane::MakeRoom(size_t object_count) {
   state_.store(fits ? ShadowState::kRunning : ShadowState::kTooBig, std::memory_order_relaxed);
   if (fits) {
     tap_.Reserve(static_cast<uint32_t>(std::min<uint64_t>(max_slots, BoxTap::kMaxSlots)), capacity);
+    CountMemory();
   } else {
     FreeMemory();
   }
@@ -284,6 +285,7 @@ void ShadowLane::Prepare(const SwitchHandover::Order& order) {
   }
   while (AwaitFrame(order)) {
     if (!Follow(order)) {
+      TrimMemory(order.arm);
       handover_.Decline(order);
       return;
     }
@@ -331,15 +333,21 @@ bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   schedule_.Spend(Feed(backend, progress_->frame_count == 0, frame.boxes, watch));
   ++progress_->frame_count;
   progress_->frame_index = frame.note.frame_index;
+  FreeOthers(order.arm);
   return watch.end() == Watch::End::kNone && backend.native_bytes() <= structure_cap_bytes();
+}
+
+uint64_t ShadowLane::WorkNs() const {
+  const uint64_t work_ns = setup_.thread_time_ns == nullptr ? 0 : setup_.thread_time_ns();
+  return work_ns > 0 ? work_ns : setup_.clock.NowNs();
 }
 
 // Builds or updates, and searches, since a search makes a backend's buffers grow to the size that
 // the scene needs. Returns the time.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes,
                           Watch& watch) {
-  const uint64_t start_ns = setup_.clock.NowNs();
-  watch.Begin(start_ns);
+  watch.Begin(setup_.clock.NowNs());
+  const uint64_t start_ns = WorkNs();
   backend.SetStop(&watch);
   if (build) {
     backend.Build(boxes);
@@ -349,8 +357,9 @@ uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb>
   pairs_.Clear();
   if (watch.end() == Watch::End::kNone) backend.FindPairs(pairs_);
   backend.SetStop(nullptr);
-  const uint64_t time_ns = setup_.clock.NowNs() - start_ns;
+  const uint64_t time_ns = WorkNs() - start_ns;
   Add(counters_.busy_time_ns, time_ns);
+  CountMemory();
   return time_ns;
 }
 
@@ -373,6 +382,21 @@ void ShadowLane::TrimMemory(uint32_t arm) {
     backends_[arm] = {};
     pairs_ = PairBuffer();
   }
+  CountMemory();
+}
+
+// Frees all structures but that of the arm to prepare if all together exceed the cap: the switch
+// has priority, and a visit begins with a new structure anyway.
+void ShadowLane::FreeOthers(uint32_t arm) {
+  if (structure_bytes() <= structure_cap_bytes()) return;
+  for (uint32_t index = 0; index < backends_.size(); ++index) {
+    if (index != arm) backends_[index] = {};
+  }
+  CountMemory();
+}
+
+// Called on the lane's thread, and by TakeOver while the lane waits for it.
+void ShadowLane::CountMemory() {
   counters_.memory_bytes.store(structure_bytes() + tap_.memory_bytes(), std::memory_order_relaxed);
 }
 
@@ -385,7 +409,7 @@ void ShadowLane::Release() {
     collecting_ = false;
     tap_.Reserve(0, 0);
   }
-  counters_.memory_bytes.store(tap_.memory_bytes(), std::memory_order_relaxed);
+  CountMemory();
 }
 
 void ShadowLane::FreeMemory() {
@@ -413,6 +437,7 @@ bool ShadowLane::TakeOver(uint32_t arm, ArmBackend& own, PairBuffer& pairs) {
   if (pairs_.capacity_bytes() > pairs.capacity_bytes()) std::swap(pairs, pairs_);
   own.Attach(true);
   backends_[arm].Attach(false);
+  CountMemory();
   handover_.Done();
   return true;
 }

@@ -14,8 +14,8 @@
 // lock, allocate, or make a system call other than the clock. stats() on any thread. Step belongs
 // to the lane's thread and is public for tests, which call it instead of Start. Ownership: sink,
 // clock and mode are borrowed. The destructor, Ask and Cancel end what the lane's backend is doing
-// within milliseconds, in the midst of a search too, and so do the caps of time and memory. Errors:
-// if memory runs out, the lane frees its own memory and tries again a second later.
+// (StopRequest has the times), in the midst of a search too, and so do the caps of time and memory.
+// Errors: if memory runs out, the lane frees its own memory and tries again a second later.
 #pragma once
 
 #include <array>
@@ -45,6 +45,9 @@ class ShadowLane {
     FrameSink* sink = nullptr;  // may be null
     Clock& clock;
     const std::atomic<Mode>& mode;
+    // How long the lane's thread has run, which is what arms cost it even where it has to share its
+    // core; null: the clock.
+    uint64_t (*thread_time_ns)() noexcept = nullptr;
   };
 
   // The state of a requested preparation.
@@ -124,10 +127,13 @@ class ShadowLane {
   bool RequestForPreparation();
   bool Follow(const SwitchHandover::Order& order);
 
+  uint64_t WorkNs() const;
   uint64_t Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes, Watch& watch);
   ArmBackend& BackendOf(uint32_t arm);
   void AccountCopies();
   void TrimMemory(uint32_t arm);
+  void FreeOthers(uint32_t arm);
+  void CountMemory();
   void Release();
   void FreeMemory();
   uint64_t structure_cap_bytes() const { return setup_.options.memory_cap_bytes / 2; }

@@ -139,6 +139,31 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
                      "Of the frame, beside detection (default: nothing)");
   command.add_flag("--no-shadow", request.no_shadow,
                    "Without the shadow lane; else the policies that learn from it have it");
+  LaneErrors& errors = request.lane_errors;
+  command
+      .add_option("--lane-ratio", request.lane_ratios,
+                  "What the lane measures of an arm ÷ what the frame thread takes (default: 1)")
+      ->type_name("ARM RATIO");
+  command
+      .add_option("--lane-bias", errors.bias_deviation,
+                  "Standard deviation of that ratio's logarithm between arms, drawn for each game")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
+  command
+      .add_option("--lane-noise", errors.noise_deviation,
+                  "Standard deviation of the logarithm of what visits of one arm measure")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
+  command
+      .add_option("--lane-spikes", errors.spike_ratio,
+                  "Share of visits that are interrupted (Pareto, shape 1.5)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option("--lane-contention", errors.contention_ratio,
+                  "Frame time during a visit ÷ without one")
+      ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
   command
       .add_option(
           "--priors", request.priors,

@@ -182,7 +182,7 @@ def measure_watchers(daemon, streams, watchers, options):
 
 def measure_hello(daemon, sources, options):
     """Welcomes of a scene that so many sessions have taught."""
-    records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 2,
+    records = [{"project": "load", "scene": "scene 0", "arm": "arm 0", "backend_version": 1, "reward_version": 3,
                 "source_id": f"{number:032x}", "source_sequence": 1, "alpha_increment": 1, "beta_increment": 1,
                 "window_count": 2} for number in range(sources)]
     path = daemon.data / "sources.json"

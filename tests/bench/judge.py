@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds what `sweepstake bench`, `sweepstake replay` and `daemon_load.py` measured against the goals.
+"""Holds what `sweepstake bench`, `sweepstake replay`, `live.py` and `daemon_load.py` measured against the goals.
 
 Reads documents that these commands print with --json, the goals of data/goals.toml and the times that were published or
 measured elsewhere, data/published_figures.csv. Needs Python 3.11 and nothing else. Exit code: 0 every goal is met, 1 a
@@ -12,7 +12,7 @@ import pathlib
 import sys
 import tomllib
 
-from judging import backends, daemon, decisions, proxies
+from judging import backends, daemon, decisions, live, proxies
 from judging.common import InputError, read_goals, read_json
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
@@ -50,6 +50,12 @@ def judge_proxies(options):
     return all(row["met"] is not False for row in rows)
 
 
+def judge_live(options):
+    rows = live.judge(read_json(options.document), read_goals(options.goals)["live"])
+    print_result({"figures": rows} if options.json else live.live_text(rows))
+    return all(row["met"] for row in rows)
+
+
 def print_result(result):
     print(result if isinstance(result, str) else json.dumps(result, indent=2, ensure_ascii=False) + "\n", end="")
 
@@ -63,6 +69,7 @@ def parse(words):
         "  tests/bench/judge.py decisions --cells tests/bench/data/held_out_scenes.txt none.json right.json wrong.json time.json\n"
         "  tests/bench/daemon_load.py --json | tests/bench/judge.py daemon\n"
         "  build/release/bin/proxy_ratios_bench | tests/bench/judge.py proxies\n"
+        "  tests/bench/live.py --json | tests/bench/judge.py live\n"
         "tests/bench/run.sh and tests/bench/decisions.sh measure and call it.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     bench = commands.add_parser("bench", help="backends against peers: the document of `sweepstake bench --peers --json`")
@@ -83,7 +90,10 @@ def parse(words):
     ratios = commands.add_parser("proxies", help="what proxies cost: the document of `proxy_ratios_bench` or `proxy_steps_bench`")
     ratios.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     ratios.set_defaults(judge=judge_proxies)
-    for command in (bench, replays, load, ratios):
+    games = commands.add_parser("live", help="AI Decides in live games: the document of `live.py --json`")
+    games.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
+    games.set_defaults(judge=judge_live)
+    for command in (bench, replays, load, ratios, games):
         command.add_argument("--goals", default=DATA / "goals.toml", metavar="FILE.toml", help="(default: %(default)s)")
         command.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)

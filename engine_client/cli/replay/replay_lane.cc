@@ -1,6 +1,10 @@
 #include "engine_client/cli/replay/replay_lane.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "server/decision/math/portable_math.h"
+#include "server/decision/math/random.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -8,10 +12,35 @@ namespace {
 // The real lane (shadow_lane.h) builds the next arm on one frame and follows it over three more.
 constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 
+constexpr double kSpikeShape = 1.5;
+constexpr double kMaxSpike = 100;
+
+// The visits are numbered from 1; the biases of a game are drawn as number 0.
+decision::RandomStream StreamOf(uint64_t seed, uint64_t visit, uint32_t arm) {
+  return {seed, decision::RandomPurpose::kReplayLane, visit, arm};
+}
+
 }  // namespace
 
-ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options)
-    : scene_(scene), schedule_(options, scene.arm_count()) {}
+ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& options,
+                       LaneErrors errors, uint64_t seed)
+    : scene_(scene),
+      errors_(std::move(errors)),
+      seed_(seed),
+      schedule_(options, scene.arm_count()) {}
+
+// Returns what the visit's times are multiplied by.
+double ReplayLane::ErrorOfVisit(uint32_t arm) const {
+  decision::RandomStream of_arm = StreamOf(seed_, 0, arm);
+  decision::RandomStream of_visit = StreamOf(seed_, visit_count_ + 1, arm);
+  const double error =
+      errors_.bias_deviation * DrawNormal(of_arm) + errors_.noise_deviation * DrawNormal(of_visit);
+  double ratio = math::Exp(error) * (errors_.arm_ratios.empty() ? 1 : errors_.arm_ratios[arm]);
+  if (of_visit.NextUniform() < errors_.spike_ratio) {
+    ratio *= std::min(math::Pow(of_visit.NextUniform(), -1 / kSpikeShape), kMaxSpike);
+  }
+  return ratio;
+}
 
 std::optional<decision::ShadowSample> ReplayLane::Advance(const Place& place) {
   if (!visit_) {
@@ -48,18 +77,22 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
     next_event_ns_ = static_cast<int64_t>(schedule_.next_sweep_ns());
     return;
   }
-  visit_ = SummarizeVisit(FreshFrames(sweep_.trace_frame, *arm), schedule_.options().visit_cap_ns);
+  visit_ = SummarizeVisit(FreshFrames(sweep_.trace_frame, *arm, ErrorOfVisit(*arm)),
+                          schedule_.options().visit_cap_ns);
   visit_->arm = *arm;
   visit_->native_bytes = scene_.native_bytes(sweep_.trace_frame, *arm);
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
 }
 
-// Returns the times of a structure of `arm` that is built on this frame, for the frames of a visit.
-std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t arm) {
+// Returns the times of a structure of `arm` that is built on this frame, for the frames of a visit,
+// multiplied by `ratio`.
+std::span<const uint64_t> ReplayLane::FreshFrames(uint32_t trace_frame, uint32_t arm,
+                                                  double ratio) {
   fresh_ns_.clear();
   for (const double slowdown : scene_.slowdown(trace_frame, arm)) {
     if (fresh_ns_.size() == kShadowBurstFrames) break;
-    fresh_ns_.push_back(static_cast<uint64_t>(scene_.detection_ns(trace_frame, arm) * slowdown));
+    const double ns = scene_.detection_ns(trace_frame, arm) * slowdown * ratio;
+    fresh_ns_.push_back(static_cast<uint64_t>(std::max(ns, 1.0)));
     trace_frame = trace_frame + 1 < scene_.trace_frame_count() ? trace_frame + 1 : 0;
   }
   return fresh_ns_;

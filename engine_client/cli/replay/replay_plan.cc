@@ -1,6 +1,7 @@
 #include "engine_client/cli/replay/replay_plan.h"
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 #include <utility>
 
@@ -99,6 +100,26 @@ Result<std::vector<StudyScene>> ReadScenes(const ReplayRequest& request) {
   return scenes;
 }
 
+// Returns the ratio of each arm of the traces, 1 for those that are not named; nothing if none is.
+Result<std::vector<double>> LaneRatios(const ReplayRequest& request,
+                                       std::span<const std::string> arms) {
+  std::vector<double> ratios(request.lane_ratios.empty() ? 0 : arms.size(), 1);
+  for (const auto& [name, text] : request.lane_ratios) {
+    const auto arm = std::find(arms.begin(), arms.end(), name);
+    if (arm == arms.end()) {
+      const std::vector<std::string_view> valid(arms.begin(), arms.end());
+      return Invalid(math::UnknownName("arm of the traces", name, valid));
+    }
+    double ratio = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), ratio);
+    if (read.ptr != text.data() + text.size() || !(ratio >= 0.01 && ratio <= 100)) {
+      return Invalid("--lane-ratio " + name + ": give a ratio of 0.01 to 100, as 0.9");
+    }
+    ratios[static_cast<size_t>(arm - arms.begin())] = ratio;
+  }
+  return ratios;
+}
+
 }  // namespace
 
 Result<std::vector<ReplayPlayer>> ReplayPlayers(std::span<const std::string> words,
@@ -130,6 +151,8 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   if (!scenes.ok()) return scenes.status();
   auto players = ReplayPlayers(request.policies, scenes->front().scene.arms());
   if (!players.ok()) return players.status();
+  auto ratios = LaneRatios(request, scenes->front().scene.arms());
+  if (!ratios.ok()) return ratios.status();
   const auto priors =
       std::find(kReplayPriorsNames.begin(), kReplayPriorsNames.end(), request.priors);
   ReplayPlan plan{.scenes = std::move(*scenes), .study = {}};
@@ -137,6 +160,8 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   plan.study.seed_count = request.seed_count;
   plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());
   if (request.no_shadow) plan.study.shadow_lane = false;
+  plan.study.lane_errors = request.lane_errors;
+  plan.study.lane_errors.arm_ratios = std::move(*ratios);
   plan.study.thread_count = request.thread_count;
   return plan;
 }

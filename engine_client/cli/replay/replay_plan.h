@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine_client/cli/replay/replay_study.h"
@@ -22,6 +23,8 @@ struct ReplayRequest {
   std::vector<std::string> passes{};  // none, one for all traces, or one for each
   std::string priors = "none";        // REQUIRES: one of kReplayPriorsNames
   bool no_shadow = false;
+  LaneErrors lane_errors{};  // REQUIRES: no arm_ratios, which lane_ratios name
+  std::vector<std::pair<std::string, std::string>> lane_ratios{};  // arm and number
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;
 };

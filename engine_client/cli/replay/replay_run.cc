@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine_client/adaptive/switch_cost_meter.h"
-#include "engine_client/cli/replay/replay_lane.h"
 #include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "server/decision/study/ablations.h"
 
@@ -84,7 +83,9 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
       meter_(static_cast<uint64_t>(setup.options.settling_ns)),
       arm_(session_.active_arm()) {
   const bool learns_from_lane = session_.policy_kind().uses_shadow;
-  if (setup.shadow_lane.value_or(learns_from_lane)) lane_.emplace(scene, setup.shadow);
+  if (setup.shadow_lane.value_or(learns_from_lane)) {
+    lane_.emplace(scene, setup.shadow, setup.lane_errors, setup.seed);
+  }
   result_.active_ns.resize(scene.arm_count());
   result_.first_active_ns.resize(scene.arm_count());
   result_.timeline.initial_arm = arm_;
@@ -145,6 +146,7 @@ decision::Frame Game::NextFrame() {
     detection_ns *= slowdown_.front();
     slowdown_ = slowdown_.subspan(1);
   }
+  if (lane_) detection_ns *= lane_->frame_ratio();
   decision::Frame frame{.detection_time_ns = static_cast<uint64_t>(detection_ns),
                         .aabb_check_count = scene_.aabb_check_count(trace_frame_, arm_),
                         .native_bytes = scene_.native_bytes(trace_frame_, arm_),

@@ -20,7 +20,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine_client/adaptive/shadow_schedule.h"
+#include "engine_client/cli/replay/replay_lane.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "server/decision/session/decision_session.h"
 
@@ -33,7 +33,9 @@ struct ReplaySetup {
   std::optional<bool> shadow_lane;                // absent: on if the policy learns from it
   std::vector<decision::BetaPosterior> priors{};  // one per arm; empty: none
   bool keep_timeline = false;
-  ShadowScheduleOptions shadow = {};  // for the lane, if there is one
+  // For the lane, if there is one.
+  ShadowScheduleOptions shadow = {};
+  LaneErrors lane_errors = {};
 };
 
 struct Activation {

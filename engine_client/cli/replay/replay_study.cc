@@ -93,6 +93,7 @@ class SeedGames {
         .options = options_.decision, .seed = seed, .shadow_lane = options_.shadow_lane};
     setup.options.policy = policy;
     setup.shadow = options_.shadow;
+    setup.lane_errors = options_.lane_errors;
     return setup;
   }
 

@@ -42,6 +42,7 @@ struct StudyOptions {
   std::optional<bool> shadow_lane;  // absent: on for policies that learn from it
   uint32_t thread_count = 1;
   ShadowScheduleOptions shadow = {};
+  LaneErrors lane_errors = {};
 };
 
 struct StudyScene {

@@ -7,11 +7,14 @@
 
 #include "server/decision/math/portable_math.h"
 #include "server/decision/math/random.h"
+#include "server/decision/policy/log_cost.h"
 
 namespace sweepstake::decision {
 namespace {
 
 constexpr double kMinEvidence = 1e-6;  // keeps a bound finite for all priors
+
+constexpr double kUnseen = 1e9;  // the log-cost of an arm before the lane's first visit
 
 using Row = std::array<std::string_view, 2>;  // arms in order of preference
 
@@ -81,6 +84,37 @@ Choice ThresholdsPolicy::Choose(const ChoiceInput& input) const {
     if (const std::optional<uint32_t> arm = Find(name)) return ChoiceOf(*arm);
   }
   return ChoiceOf(input.active_arm);
+}
+
+LaneArgminPolicy::LaneArgminPolicy(const PolicySetup& setup)
+    : RewardPolicy(setup),
+      cooldown_ns_(std::min(setup.options.cooldown_ns,
+                            setup.options.settling_ns + setup.options.decision_interval_ns)),
+      log_costs_(setup.arms.size(), kUnseen),
+      bailed_out_(setup.arms.size()) {}
+
+Increment LaneArgminPolicy::LearnBailOut(uint32_t arm) {
+  bailed_out_[arm] = true;
+  return RewardPolicy::LearnBailOut(arm);
+}
+
+void LaneArgminPolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t /*now_ns*/) {
+  for (const ShadowSample& sample : samples) {
+    const double log_cost = LogCostOf(static_cast<double>(sample.detection_time_ns) * 1e-3);
+    double& mean = log_costs_[sample.arm];
+    mean = mean < kUnseen ? mean + kWeight * (log_cost - mean) : log_cost;
+  }
+}
+
+Choice LaneArgminPolicy::Choose(const ChoiceInput& input) const {
+  uint32_t candidate = input.active_arm;
+  double cheapest = bailed_out_[candidate] ? kUnseen : log_costs_[candidate] - kMargin;
+  for (uint32_t arm = 0; arm < log_costs_.size(); ++arm) {
+    if (bailed_out_[arm] || log_costs_[arm] >= cheapest) continue;
+    cheapest = log_costs_[arm];
+    candidate = arm;
+  }
+  return ChoiceOf(candidate);
 }
 
 }  // namespace sweepstake::decision

@@ -1,8 +1,10 @@
 // Baselines that learn by the paper's reward and choose in some other way than Thompson sampling:
-// at random, by UCB1, ε-greedily, or by hand-written thresholds.
+// at random, by UCB1, ε-greedily, by hand-written thresholds, or by the shadow lane alone.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -97,6 +99,32 @@ class ThresholdsPolicy : public RewardPolicy {
   std::vector<bool> bailed_out_;
   std::optional<double> object_count_;
   double density_ratio_ = 0;  // the scene counts as sparse until one is measured
+};
+
+// Runs the arm that the shadow lane finds the cheapest (`lane-argmin`), the trivial policy that
+// anything cleverer which learns from the lane has to beat.
+//
+// Each arm has a smoothed log-cost of its visits, and the cheapest one is chosen if it is cheaper
+// than the active arm by a small margin; the cooldown is settling and one window. The learnt
+// rewards are not used, but an arm that bailed out is not chosen again.
+class LaneArgminPolicy : public RewardPolicy {
+ public:
+  static constexpr PolicyKind kKind = {
+      .name = "lane-argmin", .explores = false, .uses_shadow = true};
+  static constexpr double kWeight = 0.3;    // of a new visit in an arm's mean
+  static constexpr double kMargin = 0.025;  // of log-cost
+
+  explicit LaneArgminPolicy(const PolicySetup& setup);
+
+  Increment LearnBailOut(uint32_t arm) override;
+  void LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) override;
+  Choice Choose(const ChoiceInput& input) const override;
+  std::optional<int64_t> cooldown_ns() const override { return cooldown_ns_; }
+
+ private:
+  int64_t cooldown_ns_;
+  std::vector<double> log_costs_;
+  std::vector<bool> bailed_out_;
 };
 
 }  // namespace sweepstake::decision

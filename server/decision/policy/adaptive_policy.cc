@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/decision/math/normal_distribution.h"
+#include "server/decision/math/portable_math.h"
 #include "server/decision/policy/diagnosis.h"
 #include "server/decision/policy/log_cost.h"
 #include "server/decision/policy/posterior_update.h"
@@ -28,7 +29,10 @@ constexpr double kTie = 0.005;            // a smaller expected gain does not ma
 constexpr double kCostsPerCooldown = 20;  // switching takes at most 5 % of the time
 constexpr double kFirstCostShare = 0.05;  // share of the settling time until a switch is measured
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
-constexpr uint64_t kShareWindows = 10;    // memory of detection's share of the frame time
+// The share of the frame time that an arm which is tried live may be believed to cost more.
+constexpr double kMaxTrialLoss = 0.2;
+constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
+constexpr double kBanGrowth = 4;
 // The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
 constexpr double kMaxAdvance = 30;
 // If the lane has not reported after this many windows, arms are tried live.
@@ -37,6 +41,8 @@ constexpr uint64_t kPatienceWindows = 2;
 double Seconds(int64_t ns) { return static_cast<double>(ns) * 1e-9; }
 
 double LogCostOfNs(uint64_t ns) { return LogCostOf(static_cast<double>(ns) * 1e-3); }
+
+bool IsBetter(const GateTerms& terms) { return terms.gain > terms.loss; }
 
 bool IsFlat(const BetaPosterior& prior) { return prior.evidence() < kFlatEvidence; }
 
@@ -48,6 +54,9 @@ AdaptivePolicy::AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponent
       filter_(static_cast<uint32_t>(setup.arms.size()), components.filter),
       has_prior_(setup.arms.size(), false),
       observed_(setup.arms.size(), false),
+      bans_(setup.arms.size()),
+      was_live_(setup.arms.size(), false),
+      first_visits_(setup.arms.size()),
       posteriors_(setup.arms.size()),
       switch_cost_s_(kFirstCostShare * Seconds(setup.options.settling_ns)) {
   if (setup.has_priors) SetPriors(setup.priors);
@@ -70,46 +79,61 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
     if (has_prior_[arm]) belief = BeliefOf(priors[arm]);
     belief.variance = std::max(belief.variance, kPriorVariance);
     filter_.SetPrior(arm, belief);
+    if (!has_prior_[arm]) continue;
+    if (!expected_arm_ || belief.mean < filter_.LogCost(*expected_arm_).mean) expected_arm_ = arm;
   }
 }
 
 // Compares the arm that the priors expect to be the cheapest with the cheapest one of the lane's
-// first visits.
+// first visit to each arm, which may come with several ticks.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
-  const ShadowSample* expected = nullptr;
-  const ShadowSample* cheapest = nullptr;
+  if (!expected_arm_) return;
   for (const ShadowSample& sample : samples) {
-    if (!has_prior_[sample.arm]) continue;
-    if (!expected || filter_.LogCost(sample.arm).mean < filter_.LogCost(expected->arm).mean)
-      expected = &sample;
-    if (!cheapest || sample.detection_time_ns < cheapest->detection_time_ns) cheapest = &sample;
+    std::optional<double>& first = first_visits_[sample.arm];
+    if (!first && has_prior_[sample.arm]) first = LogCostOfNs(sample.detection_time_ns);
   }
-  if (!expected) return;
-  const double excess =
-      LogCostOfNs(expected->detection_time_ns) - LogCostOfNs(cheapest->detection_time_ns);
-  if (excess < kContradiction) return;
-  filter_ = RelativeCostFilter(filter_.arm_count(), components_.filter);
-  std::fill(has_prior_.begin(), has_prior_.end(), false);
+  const std::optional<double> expected = first_visits_[*expected_arm_];
+  for (const std::optional<double>& visit : first_visits_) {
+    if (!expected || !visit || *expected - *visit < kContradiction) continue;
+    filter_ = RelativeCostFilter(filter_.arm_count(), components_.filter);
+    std::fill(has_prior_.begin(), has_prior_.end(), false);
+    expected_arm_.reset();
+    return;
+  }
 }
 
 void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
   if (last_advance_ns_ && now_ns > *last_advance_ns_) {
     const double passed_ns = static_cast<double>(now_ns) - static_cast<double>(*last_advance_ns_);
     const double intervals = passed_ns / static_cast<double>(options_.decision_interval_ns);
-    filter_.Advance(std::min(intervals, kMaxAdvance));
+    const double advance = std::min(intervals, kMaxAdvance);
+    filter_.Advance(advance);
+    AdvanceBans(advance);
   }
   last_advance_ns_ = now_ns;
 }
 
+void AdaptivePolicy::AdvanceBans(double intervals) {
+  for (uint32_t arm = 0; arm < bans_.size(); ++arm) {
+    double& left = bans_[arm].intervals_left;
+    if (left <= 0) continue;
+    left -= intervals;
+    if (left <= 0 && !last_shadow_ns_) filter_.Assume(arm, bans_[arm].log_cost);
+  }
+}
+
 void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) {
   if (!components_.shadow) return;
-  if (!last_shadow_ns_) DropContradictedPriors(samples);
+  DropContradictedPriors(samples);
   last_shadow_ns_ = now_ns;
   AdvanceTo(now_ns);
   for (const ShadowSample& sample : samples) {
-    filter_.ObserveShadow(sample.arm, sample.first_frame_index,
-                          LogCostOfNs(sample.detection_time_ns));
+    const double log_cost = LogCostOfNs(sample.detection_time_ns);
     observed_[sample.arm] = true;
+    // A visit that a cap has ended says that the arm costs at least so much.
+    const bool is_bound = (sample.flags & kShadowCapped) != 0;
+    if (is_bound && log_cost <= filter_.LogCost(sample.arm).mean) continue;
+    filter_.ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
   }
   UpdatePosteriors();
 }
@@ -121,6 +145,7 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   const double log_cost = LogCostOf(metrics.detection_ms * 1e3);
   filter_.ObserveLive(observation.arm, log_cost);
   observed_[observation.arm] = true;
+  was_live_[observation.arm] = true;
   ++window_count_;
   const double share = std::clamp(metrics.detection_ms * metrics.fps * 1e-3, 1e-4, 1.0);
   const auto windows = static_cast<double>(std::min(window_count_, kShareWindows));
@@ -135,6 +160,10 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
 // beside which the paper's ten would not be seen in stored priors.
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
   const double window_evidence = EvidenceOf(posteriors_[arm].mean(), filter_.live_noise());
+  Ban& ban = bans_[arm];
+  if (ban.intervals_left <= 0) ban.log_cost = filter_.LogCost(arm).mean;
+  ban.intervals_left = ban.next_intervals;
+  ban.next_intervals *= kBanGrowth;
   filter_.Assume(arm, LogCostOfNs(static_cast<uint64_t>(options_.bail_out_ns)));
   observed_[arm] = true;
   UpdatePosteriors();
@@ -142,9 +171,9 @@ Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
 }
 
 void AdaptivePolicy::LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& cost) {
+  // The settling frames include the one that rebuilds.
   const double cost_s =
-      (static_cast<double>(cost.rebuild_time_ns) + static_cast<double>(cost.settling_cost_ns)) *
-      1e-9;
+      static_cast<double>(std::max(cost.rebuild_time_ns, cost.settling_cost_ns)) * 1e-9;
   const double max_s = Seconds(options_.settling_ns) + Seconds(options_.decision_interval_ns);
   switch_cost_s_ += kCostRate * (std::min(cost_s, max_s) - switch_cost_s_);
 }
@@ -203,6 +232,14 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
   return result;
 }
 
+// Returns whether a live window of an arm that is believed to be worse may be worth having. While
+// the lane reports, that is so only until there is one, which tells the lane's bias for this arm.
+bool AdaptivePolicy::IsWorthATrial(const ChoiceInput& input, uint32_t arm) const {
+  if (!LaneReports(input.now_ns)) return true;
+  const double cost_ratio = math::Exp(filter_.Difference(arm, input.active_arm).mean);
+  return !was_live_[arm] && detection_share_ * (cost_ratio - 1) < kMaxTrialLoss;
+}
+
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
     const ChoiceInput& input) const {
   std::optional<Assessment> best;
@@ -210,6 +247,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
     if (arm == input.active_arm) continue;
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
     const Assessment assessment = Assess(input.active_arm, arm);
+    if (!IsBetter(assessment.terms) && !IsWorthATrial(input, arm)) continue;
     if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }
   return best;
@@ -221,9 +259,8 @@ Choice AdaptivePolicy::Choose(const ChoiceInput& input) const {
   const std::optional<Assessment> best = BestSwitch(input);
   if (!best) return choice;
   choice.gate = best->terms;
-  // While the lane reports, exploration has no value, since the lane explores without a switch.
-  const bool better = best->terms.gain > best->terms.loss;
-  const bool worthwhile = best->worth_s > 0 && (better || !LaneReports(input.now_ns));
+  const bool better = IsBetter(best->terms);
+  const bool worthwhile = best->worth_s > 0;
   // An arm that does not pass the gate is still shown as the candidate if it is believed better.
   if (worthwhile || better) choice.candidate = best->arm;
   if (!worthwhile) choice.hold = Outcome::kHeldGate;

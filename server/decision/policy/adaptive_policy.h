@@ -1,7 +1,7 @@
 // The policy of "AI Decides" (`adaptive`): it estimates every arm's cost from the shadow lane and
 // the live windows, and switches to a cheaper arm if the gain pays for the switch.
 //
-// - Costs are log-costs (log_cost.h, reward version 2), and beliefs are those of the filter in
+// - Costs are log-costs (log_cost.h, reward version 3), and beliefs are those of the filter in
 //   relative_cost_filter.h. They are shown as one Beta distribution per arm, such that the
 //   differences to the leader have the filter's variances.
 // - A switch must pass the gate of GateTerms, horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
@@ -10,12 +10,15 @@
 // - An arm that may exceed three fifths of the bail-out limit (3 s of 5) with a probability of 1 %
 //   is not chosen. Exceptions are a bail-out of the active arm and, without the lane, an arm never
 //   seen that is believed to cost no more than the active one.
-// - While the shadow lane reports, only arms that were measured or have priors are chosen, and only
-//   if they are believed to be better, since the lane explores without a switch. Without the lane,
-//   the value of exploration (E⁺ of an arm never seen) leads to every arm being tried live.
+// - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
+//   that is believed to be worse is tried live once, if the gate finds that its window is worth it,
+//   since the lane's bias is unknown until there is one, and if it is believed to make a frame at
+//   most a fifth longer. Without the lane, the value of exploration (E⁺ of an arm never seen) leads
+//   to every arm being tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
+// - A visit of the lane that a cap has ended is a lower bound of the arm's cost.
 //
 // Nothing is drawn: the same observations give the same choices for every seed. All constants that
 // are times are multiples of the options' intervals, so that a time scale changes nothing.
@@ -42,10 +45,13 @@ struct AdaptiveComponents {
 class AdaptivePolicy : public Policy {
  public:
   static constexpr PolicyKind kKind = {.name = "adaptive",
-                                       .reward_version = 2,
+                                       .reward_version = 3,
                                        .explores = false,
                                        .starts_from_priors = true,
                                        .uses_shadow = true};
+  // The ban of an arm's first bail-out, in decision intervals; each later one is four times as
+  // long.
+  static constexpr double kFirstBan = 200;
 
   explicit AdaptivePolicy(const PolicySetup& setup, const AdaptiveComponents& components = {});
 
@@ -61,6 +67,13 @@ class AdaptivePolicy : public Policy {
   Diagnosis Diagnose() const override;
 
  private:
+  // What became of an arm that bailed out. It counts as a stall until a lane shows otherwise; where
+  // there is none, for a while, and then as what it was believed to cost before.
+  struct Ban {
+    double intervals_left = 0;  // decision intervals; 0: none
+    double next_intervals = kFirstBan;
+    double log_cost = 0;
+  };
   struct Assessment {
     uint32_t arm = 0;
     GateTerms terms{};
@@ -70,10 +83,12 @@ class AdaptivePolicy : public Policy {
   void SetPriors(const std::vector<BetaPosterior>& priors);
   void DropContradictedPriors(std::span<const ShadowSample> samples);
   void AdvanceTo(int64_t now_ns);
+  void AdvanceBans(double intervals);
   void UpdatePosteriors();
   bool LaneReports(int64_t now_ns) const;
   bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
+  bool IsWorthATrial(const ChoiceInput& input, uint32_t arm) const;
   Assessment Assess(uint32_t active, uint32_t candidate) const;
   std::optional<Assessment> BestSwitch(const ChoiceInput& input) const;
 
@@ -82,6 +97,12 @@ class AdaptivePolicy : public Policy {
   RelativeCostFilter filter_;
   std::vector<bool> has_prior_;
   std::vector<bool> observed_;  // arms observed in this session, live or by the lane
+  std::vector<Ban> bans_;
+  std::vector<bool> was_live_;  // arms with a live window in this session
+  // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
+  // the log-cost of the lane's first visit to each arm with a prior.
+  std::optional<uint32_t> expected_arm_;
+  std::vector<std::optional<double>> first_visits_;
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
   std::optional<int64_t> last_shadow_ns_;

@@ -7,7 +7,8 @@
 namespace sweepstake::decision {
 namespace {
 
-constexpr double kLogStall = 0x1.ed992d88db147p+3;  // ln(5 s in µs)
+constexpr double kLogRange = 0x1.6552c12aad88bp+4;  // ln(5 s in ns): the rewards from 1 to 0
+constexpr double kLogNs = -0x1.ba18a998fffa0p+2;    // ln(1 ns in µs), whose reward is 1
 constexpr double kMaxEvidence = 1e12;
 constexpr double kMinDistance = 1e-6;  // minimum distance of a mean from 0 and from 1
 
@@ -18,12 +19,14 @@ double LogCostOf(double detection_us) {
   return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
 }
 
-double RewardOf(double log_cost) { return std::clamp(1 - log_cost / kLogStall, 0.0, 1.0); }
+double RewardOf(double log_cost) {
+  return std::clamp(1 - (log_cost - kLogNs) / kLogRange, 0.0, 1.0);
+}
 
-double LogCostOfReward(double reward) { return (1 - reward) * kLogStall; }
+double LogCostOfReward(double reward) { return kLogNs + (1 - reward) * kLogRange; }
 
 double EvidenceOf(double reward, double log_cost_variance) {
-  const double variance = log_cost_variance / (kLogStall * kLogStall);
+  const double variance = log_cost_variance / (kLogRange * kLogRange);
   const double bernoulli_variance = reward * (1 - reward);
   return bernoulli_variance < kMaxEvidence * variance ? std::max(bernoulli_variance / variance, 1.0)
                                                       : kMaxEvidence;
@@ -38,7 +41,7 @@ BetaPosterior BetaOf(const NormalBelief& log_cost) {
 NormalBelief BeliefOf(const BetaPosterior& posterior) {
   const double mean = posterior.mean();
   return {.mean = LogCostOfReward(mean),
-          .variance = mean * (1 - mean) / (posterior.evidence() + 1) * kLogStall * kLogStall};
+          .variance = mean * (1 - mean) / (posterior.evidence() + 1) * kLogRange * kLogRange};
 }
 
 Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance) {

@@ -1,10 +1,10 @@
-// Reward version 2 depends on the logarithm of the detection time alone and is absolute, so that
+// Reward version 3 depends on the logarithm of the detection time alone and is absolute, so that
 // rewards of different times and arms can be compared.
 //
-// A log-cost is y = ln(mean detection time in µs), and its reward is r = clamp(1 − y / ln(5 s in
-// µs), 0, 1): a stall of 5 s has reward 0, 1 µs has reward 1. A normal belief about y is shown and
-// stored as the Beta distribution with the same mean and variance of r. Pure functions; no result
-// is infinite or NaN.
+// A log-cost is y = ln(mean detection time in µs), and its reward is r = clamp(1 − ln(detection
+// time in ns) / ln(5 s in ns), 0, 1): a stall of 5 s has reward 0, 1 ns has reward 1. A normal
+// belief about y is shown and stored as the Beta distribution with the same mean and variance of r.
+// Pure functions; no result is infinite or NaN.
 #pragma once
 
 #include "server/decision/types.h"
@@ -30,7 +30,7 @@ double EvidenceOf(double reward, double log_cost_variance);
 BetaPosterior BetaOf(const NormalBelief& log_cost);
 NormalBelief BeliefOf(const BetaPosterior& posterior);
 
-// Returns the increment of one window with this reward (version 2's update rule).
+// Returns the increment of one window with this reward (version 3's update rule).
 Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance);
 
 }  // namespace sweepstake::decision

@@ -3,7 +3,7 @@
 // reward 0.
 //
 // A change is an Increment first, so that what is stored and what the session believes are the same
-// numbers. Rewards of version 2 weigh each window by its own noise (LogCostIncrement in
+// numbers. Rewards of version 3 weigh each window by its own noise (LogCostIncrement in
 // log_cost.h). Pure functions.
 #pragma once
 

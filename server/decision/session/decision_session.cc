@@ -234,6 +234,7 @@ Decision DecisionSession::Close(Decision decision) {
 // `fps` is the active arm's frame rate, absent if there is no new window.
 void DecisionSession::Diagnose(std::optional<double> fps) {
   diagnosis_ = policy_->Diagnose();
+  diagnosis_.verdict = verdict_.Observe(diagnosis_.verdict);
   if (diagnosis_.best_probability.empty()) return;
   if (fps) frame_rate_floor_.Observe(run().arm(), *fps, diagnosis_.leader);
   if (frame_rate_floor_.degraded()) diagnosis_.verdict = Verdict::kDegraded;

@@ -191,6 +191,7 @@ class DecisionSession {
   const std::unique_ptr<Policy> policy_;
   std::unique_ptr<DecisionObserver> observer_;  // may be null
   Diagnosis diagnosis_;
+  SteadyVerdict verdict_;
   FrameRateFloor frame_rate_floor_;
   Exploration exploration_;
   SwitchGate gate_;

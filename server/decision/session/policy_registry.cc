@@ -28,7 +28,8 @@ constexpr std::array kShipped = {
     PolicyEntry{{.name = "epsilon-greedy"}, Make<EpsilonGreedyPolicy>},
     PolicyEntry{{.name = "discounted-ts"}, Make<DiscountedPolicy>},
     PolicyEntry{{.name = "lin-ts"}, Make<LinTsPolicy>},
-    PolicyEntry{{.name = "calibrated", .reward_version = 2}, Make<CalibratedPolicy>},
+    PolicyEntry{LaneArgminPolicy::kKind, Make<LaneArgminPolicy>},
+    PolicyEntry{{.name = "calibrated", .reward_version = 3}, Make<CalibratedPolicy>},
 };
 
 }  // namespace

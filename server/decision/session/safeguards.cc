@@ -71,4 +71,13 @@ void FrameRateFloor::Observe(uint32_t arm, double fps, uint32_t leader) {
   contrary_count_ = 0;
 }
 
+Verdict SteadyVerdict::Observe(Verdict verdict) {
+  if (verdict != latest_) latest_count_ = 0;
+  latest_ = verdict;
+  ++latest_count_;
+  const bool is_due = shown_ == Verdict::kUnknown || verdict == Verdict::kUnknown;
+  if (is_due || latest_count_ >= kTickCount) shown_ = verdict;
+  return shown_;
+}
+
 }  // namespace sweepstake::decision

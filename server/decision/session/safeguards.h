@@ -1,6 +1,6 @@
 // The rules that limit switching (paper §4, §6.3): which long frame is blamed on the arm and which
-// of those are evidence, the cooldown with at most one command at a time, and whether the scene as
-// a whole is too slow.
+// of those are evidence, the cooldown with at most one command at a time, whether the scene as a
+// whole is too slow, and when what is said of it changes.
 //
 // Plain values; not thread-safe.
 #pragma once
@@ -98,6 +98,21 @@ class FrameRateFloor {
   std::vector<bool> missed_;  // whether each arm's latest window was under the floor
   bool degraded_ = false;
   uint32_t contrary_count_ = 0;  // successive windows that contradict the current state
+};
+
+// Holds a verdict until another one was given kTickCount times in a row, so that a game which acts
+// on it does not flicker: at the paper's interval 6 s. The first one is taken at once.
+class SteadyVerdict {
+ public:
+  static constexpr uint32_t kTickCount = 3;
+
+  // Returns the verdict to show. kUnknown stands for no verdict, and is shown at once.
+  Verdict Observe(Verdict verdict);
+
+ private:
+  Verdict shown_ = Verdict::kUnknown;
+  Verdict latest_ = Verdict::kUnknown;
+  uint32_t latest_count_ = 0;  // how often in a row
 };
 
 }  // namespace sweepstake::decision

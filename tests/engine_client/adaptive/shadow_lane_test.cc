@@ -68,6 +68,9 @@ class LaneBackend final : public BroadPhase {
   ScriptedClock& clock_;
 };
 
+// The lane's copies of 20 objects, and of the room that it leaves for more.
+constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
+
 // A lane that is driven by hand: a frame, then a step.
 class ShadowLaneTest : public ::testing::Test {
  protected:
@@ -319,9 +322,44 @@ TEST_F(ShadowLaneTest, KeepsStructuresWithinItsMemory) {
   EXPECT_GT(made_count_, 3);  // The third had to go each time.
 }
 
+TEST_F(ShadowLaneTest, CountsItsCopiesBeforeItsFirstVisit) {
+  lane_->Step();
+  Frame();
+  EXPECT_EQ(lane_->stats().visit_count, 0U);
+  EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes);
+}
+
+TEST_F(ShadowLaneTest, CountsAPreparedStructureUntilItIsTaken) {
+  lane_->Ask(2);
+  FramesUntilReady(2);
+  EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes + scripts_[2].bytes);
+  ArmBackend own = MakeBackend(2);
+  ASSERT_TRUE(lane_->TakeOver(2, own, pairs_));
+  EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes);
+}
+
+TEST_F(ShadowLaneTest, FreesWhatItPreparedWhereThatOutgrowsItsMemory) {
+  scripts_[0].bytes = 150'000;
+  Make({.memory_cap_bytes = 200'000});
+  lane_->Ask(0);
+  FramesUntilReady(0);
+  EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
+  EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes);
+}
+
+TEST_F(ShadowLaneTest, FreesOtherStructuresForOneThatItPrepares) {
+  for (Script& script : scripts_) script.bytes = 40'000;
+  Make({.memory_cap_bytes = 200'000});
+  FirstSweep();
+  EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes + 80'000) << "two of them fit";
+  lane_->Ask(2);
+  FramesUntilReady(2);
+  EXPECT_EQ(lane_->Ask(2), Preparation::kReady);
+  EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes + 40'000);
+}
+
 TEST_F(ShadowLaneTest, FreesWhatItKeepsWhenTrimmedAndGoesOn) {
   FirstSweep();
-  EXPECT_GT(lane_->stats().memory_bytes, 0U);
   lane_->Trim();
   lane_->Step();
   EXPECT_EQ(lane_->stats().memory_bytes, 0U);

@@ -76,13 +76,13 @@ TEST_F(RewardVersionTest, EvidenceOfTwoVersionsIsNeverMerged) {
   Learn("paper", 1);
   const priors::SceneEvidence first = Stored("harbour", 1);
   ASSERT_EQ(first.arms.size(), 1u);
-  EXPECT_TRUE(Stored("harbour", 2).arms.empty());
+  EXPECT_TRUE(Stored("harbour", 3).arms.empty());
 
   EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 0u);
   Learn("adaptive", 2);
   EXPECT_EQ(Stored("harbour", 1).arms[0].evidence, first.arms[0].evidence);
   EXPECT_EQ(Stored("harbour", 1).source_count, 1u);
-  EXPECT_EQ(Stored("harbour", 2).arms[0].evidence.window_count, 1u);
+  EXPECT_EQ(Stored("harbour", 3).arms[0].evidence.window_count, 1u);
 
   // Each begins where its own version left off, also after a restart.
   RestartServer();
@@ -107,11 +107,11 @@ TEST_F(RewardVersionTest, ASceneIsListedAndReadOncePerVersion) {
   Learn("adaptive", 2);
   const std::vector<v1::ScenePosterior> scenes = List();
   ASSERT_EQ(scenes.size(), 2u);
-  for (uint32_t version : {1u, 2u}) {
-    EXPECT_EQ(scenes[version - 1].reward_version(), version);
+  for (const v1::ScenePosterior& scene : scenes) {
+    const uint32_t version = scene.reward_version();
+    EXPECT_EQ(version, &scene == &scenes[0] ? 1u : 3u);
     EXPECT_EQ(Get(version).reward_version(), version);
-    EXPECT_EQ(Get(version).arms(0).posterior().alpha(),
-              scenes[version - 1].arms(0).posterior().alpha());
+    EXPECT_EQ(Get(version).arms(0).posterior().alpha(), scene.arms(0).posterior().alpha());
   }
   EXPECT_EQ(Get(0).reward_version(), decision::PolicyKindOf("default").reward_version);
 }
@@ -122,7 +122,7 @@ TEST_F(RewardVersionTest, AWatcherSeesEachVersion) {
   grpc::ClientContext context;
   const auto stub = v1::PosteriorsService::NewStub(channel_);
   const auto watcher = stub->WatchPosteriors(&context, {});
-  for (uint32_t version : {1u, 2u}) {
+  for (uint32_t version : {1u, 3u}) {
     v1::WatchPosteriorsResponse event;
     ASSERT_TRUE(watcher->Read(&event));
     EXPECT_EQ(event.posterior().reward_version(), version);

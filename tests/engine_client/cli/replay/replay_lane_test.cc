@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <set>
 #include <vector>
 
 #include "tests/engine_client/cli/replay/replay_fixtures.h"
@@ -11,6 +14,8 @@
 namespace sweepstake::cli {
 namespace {
 
+using testing::DoubleNear;
+using testing::Each;
 using testing::ElementsAre;
 
 constexpr int64_t kMsNs = 1'000'000;
@@ -86,6 +91,66 @@ TEST_F(ReplayLaneTest, WarmingAnArmUpDelaysTheVisitUnderWay) {
   const int64_t ready_ns = lane_.WarmUp(0, {5 * kMsNs, 1, 1, 1});
   EXPECT_NEAR(static_cast<double>(ready_ns), (5 + 40 + 10 + 10 + 11) * 1e6, 10);
   EXPECT_EQ(lane_.next_event_ns(), visit_end_ns + ready_ns - 5 * kMsNs);
+}
+
+// What the lane measures of AxisSweep in its first sweeps ÷ what a lane without errors does.
+std::vector<double> RatiosWith(const LaneErrors& errors, uint64_t seed = 1) {
+  const ReplayScene scene = SceneOf(TwiceAsSlow());
+  ReplayLane lane(scene, {.duty_ratio = 1}, errors, seed);
+  std::vector<double> ratios;
+  while (ratios.size() < 200) {
+    const auto sample = lane.Advance({lane.next_event_ns(), 0, 0, 0});
+    if (sample && sample->arm == 0) {
+      ratios.push_back(static_cast<double>(sample->detection_time_ns) / 11e6);
+    }
+  }
+  return ratios;
+}
+
+double SpreadOf(const std::vector<double>& ratios) {
+  double squares = 0;
+  for (const double ratio : ratios) squares += std::log(ratio) * std::log(ratio);
+  return std::sqrt(squares / static_cast<double>(ratios.size()));
+}
+
+TEST(ReplayLane, MeasuresAnArmWithItsRatio) {
+  EXPECT_THAT(RatiosWith({.arm_ratios = {0.8, 1.2}}), Each(DoubleNear(0.8, 1e-6)));
+}
+
+TEST(ReplayLane, HasOneBiasForAnArmInAGame) {
+  std::vector<double> biases;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    const auto ratios = RatiosWith({.bias_deviation = 0.3}, seed);
+    EXPECT_THAT(ratios, Each(DoubleNear(ratios[0], 1e-6)));
+    biases.push_back(ratios[0]);
+  }
+  EXPECT_NEAR(SpreadOf(biases), 0.3, 0.07);
+}
+
+TEST(ReplayLane, HasNoiseInEachVisitOfItsOwn) {
+  const auto ratios = RatiosWith({.noise_deviation = 0.3});
+  EXPECT_NEAR(SpreadOf(ratios), 0.3, 0.05);
+  EXPECT_EQ(std::set(ratios.begin(), ratios.end()).size(), ratios.size());
+  EXPECT_EQ(RatiosWith({.noise_deviation = 0.3}), ratios) << "of one seed";
+}
+
+TEST(ReplayLane, IsInterruptedInAShareOfItsVisits) {
+  const auto ratios = RatiosWith({.spike_ratio = 0.1});
+  const auto spikes =
+      std::count_if(ratios.begin(), ratios.end(), [](double each) { return each > 1.001; });
+  EXPECT_NEAR(static_cast<double>(spikes), 20, 10);
+  EXPECT_GT(*std::max_element(ratios.begin(), ratios.end()), 2);
+  EXPECT_GE(*std::min_element(ratios.begin(), ratios.end()), 0.999);
+}
+
+TEST(ReplayLane, TakesFromFramesDuringAVisit) {
+  const ReplayScene scene = SceneOf(TwiceAsSlow());
+  ReplayLane lane(scene, {.duty_ratio = 0.5}, {.contention_ratio = 1.25});
+  EXPECT_EQ(lane.frame_ratio(), 1);
+  lane.Advance({});
+  EXPECT_EQ(lane.frame_ratio(), 1.25);
+  for (int visit = 0; visit < 2; ++visit) lane.Advance({lane.next_event_ns(), 0, 0, 0});
+  EXPECT_EQ(lane.frame_ratio(), 1) << "between two sweeps";
 }
 
 TEST(ReplayLane, WarmUpsGoOverTheEndOfTheTraceToItsBeginning) {

@@ -102,6 +102,25 @@ TEST_F(ReplayPlanTest, NamesTheWordThatIsWrong) {
               HasSubstr("unknown policy 'pape', must be one of paper, default, "));
 }
 
+TEST_F(ReplayPlanTest, TheLaneMisjudgesTheArmsThatAreNamed) {
+  ReplayRequest request = Request();
+  request.lane_errors.noise_deviation = 0.15;
+  auto plan = MakeReplayPlan(request);
+  ASSERT_TRUE(plan.ok());
+  EXPECT_EQ(plan->study.lane_errors.noise_deviation, 0.15);
+  EXPECT_TRUE(plan->study.lane_errors.arm_ratios.empty());
+  request.lane_ratios = {{"KDTree", "0.9"}};
+  plan = MakeReplayPlan(request);
+  ASSERT_TRUE(plan.ok());
+  EXPECT_EQ(plan->study.lane_errors.arm_ratios, (std::vector<double>{1, 0.9}));
+  request.lane_ratios = {{"KDTre", "0.9"}};
+  EXPECT_THAT(Problem(request), HasSubstr("KDTree"));
+  for (const char* wrong : {"0", "101", "fast", "1x", "", "nan"}) {
+    request.lane_ratios = {{"KDTree", wrong}};
+    EXPECT_THAT(Problem(request), HasSubstr("0.01 to 100"));
+  }
+}
+
 TEST_F(ReplayPlanTest, TracesHaveToHaveTheSameArms) {
   ReplayRequest request = Request();
   SyntheticTrace other = TwiceAsSlow();

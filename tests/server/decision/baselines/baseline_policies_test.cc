@@ -236,6 +236,30 @@ TEST(EpsilonGreedy, TakesTheHighestMeanButForOneChoiceInTen) {
   EXPECT_NEAR(greedy_count, 3'700, 5 * 16.7);
 }
 
+TEST(LaneArgmin, RunsWhatTheLaneFindsCheapestByMoreThanTheMargin) {
+  const auto policy = MakePolicy(PlainPolicy("lane-argmin", {"a", "b", "c"}));
+  const auto visit = [&](uint32_t arm, uint64_t us) {
+    const ShadowSample sample{.detection_time_ns = us * 1000, .arm = arm};
+    policy->LearnShadow({&sample, 1}, 0);
+  };
+  const auto choice = [&](uint32_t active) {
+    ChoiceInput input;
+    input.active_arm = active;
+    return policy->Choose(input).candidate;
+  };
+  EXPECT_EQ(choice(1), 1u) << "nothing is known";
+  visit(1, 1000);
+  EXPECT_EQ(choice(1), 1u);
+  EXPECT_EQ(choice(0), 1u) << "the only arm that is known";
+  visit(2, 980);
+  EXPECT_EQ(choice(1), 1u) << "within the margin";
+  visit(2, 500);
+  EXPECT_EQ(choice(1), 2u) << "smoothed, and clearly cheaper";
+  policy->LearnBailOut(2);
+  EXPECT_EQ(choice(1), 1u);
+  EXPECT_EQ(choice(2), 1u) << "an arm that bailed out is left and not chosen again";
+}
+
 TEST(Discounted, ForgetsAllArmsByTheFactorAndMakesWholeWindowsDurable) {
   PolicySetup setup = PlainPolicy("discounted-ts", {"a", "b"});
   setup.priors[1] = {31, 11};

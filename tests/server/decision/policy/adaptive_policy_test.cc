@@ -19,17 +19,17 @@ SessionSetup AdaptiveSetup(uint32_t arm_count) {
   return setup;
 }
 
-// Beta priors of reward version 2 with these costs, as a store sums them up.
+// Beta priors of reward version 3 with these costs, as a store sums them up.
 std::vector<BetaPosterior> PriorsOf(const std::vector<double>& cost_us) {
   std::vector<BetaPosterior> priors;
   for (const double cost : cost_us) {
-    const double reward = 1 - std::log(cost) / std::log(5e6);
+    const double reward = 1 - std::log(1e3 * cost) / std::log(5e9);
     priors.push_back({1e7 * reward, 1e7 * (1 - reward)});
   }
   return priors;
 }
 
-// A game all of whose frame time is detection.
+// A game all of whose frame time is detection, unless it is given other work.
 class Game {
  public:
   explicit Game(std::vector<double> costs_us, bool lane = true)
@@ -67,19 +67,22 @@ class Game {
   ScriptedClient client;
   std::vector<double> cost_us;
   bool lane_on;
+  std::vector<double> lane_ratio = std::vector<double>(cost_us.size(), 1.1);  // lane ÷ frame thread
+  double other_work_us = 0;
 
  private:
   // 100 frames per interval, each a little different.
   void SetFrame() {
     const double cost = cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
     client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
-    client.frame.frame_time_ns = client.frame.detection_time_ns;
+    client.frame.frame_time_ns =
+        client.frame.detection_time_ns + static_cast<uint64_t>(other_work_us * 1e3);
   }
 
   void Sweep() {
     ++sweep_;
     for (uint32_t arm = 0; arm < cost_us.size(); ++arm) {
-      const double cost = 1.1 * cost_us[arm] * std::exp(0.03 * DrawNormal(random_));
+      const double cost = lane_ratio[arm] * cost_us[arm] * std::exp(0.03 * DrawNormal(random_));
       const ShadowSample sample{.first_frame_index = sweep_,
                                 .detection_time_ns = static_cast<uint64_t>(cost * 1e3),
                                 .arm = arm,
@@ -106,6 +109,47 @@ TEST(AdaptivePolicy, NeverRunsAnArmThatTheLaneShowsToBeFarWorse) {
   for (const SwitchCommand& command : game.client.commands) EXPECT_NE(command.arm % 3, 0u);
 }
 
+TEST(AdaptivePolicy, TriesAnArmThatTheLaneMayMisjudge) {
+  Game game({10'000, 11'000, 30'000});
+  game.lane_ratio = {1.1, 0.9, 1};  // it finds the second arm cheaper by a tenth
+  game.RunTicks(20);
+  EXPECT_EQ(game.client.arm, 0u);
+  EXPECT_GE(game.TicksOn(0, 100), 99);
+}
+
+TEST(AdaptivePolicy, TriesOnlyWhatMakesAFrameHardlyLonger) {
+  for (const bool is_share_small : {false, true}) {
+    Game game({10'000, 9'000});
+    game.lane_ratio = {1, 1.4};  // it finds the second arm more expensive by a quarter
+    if (is_share_small) game.other_work_us = 20'000;
+    game.client.Execute(0, SwitchReason::kManual);
+    game.RunTicks(30);
+    EXPECT_EQ(game.client.arm, is_share_small ? 1u : 0u);
+  }
+}
+
+TEST(AdaptivePolicy, ACappedVisitSaysThatAnArmCostsAtLeastSoMuch) {
+  const auto cost_us = [](uint64_t capped_us) {
+    Game game({10'000, 40'000});
+    game.RunTicks(20);
+    const auto before = game.client.session.posteriors()[1].mean();
+    game.lane_on = false;
+    for (uint64_t sweep = 1000; sweep < 1010; ++sweep) {
+      const ShadowSample sample{.first_frame_index = sweep,
+                                .detection_time_ns = capped_us * 1000,
+                                .arm = 1,
+                                .object_count = 1'000,
+                                .frame_count = 1,
+                                .flags = kShadowCapped};
+      game.client.session.ObserveShadow({&sample, 1});
+    }
+    game.RunToTick();
+    return game.client.session.posteriors()[1].mean() - before;
+  };
+  EXPECT_NEAR(cost_us(15'000), 0, 0.01);
+  EXPECT_LT(cost_us(400'000), -0.05);
+}
+
 TEST(AdaptivePolicy, FollowsASceneThatMakesAnotherArmCheaper) {
   Game game({10'000, 12'000, 30'000});
   game.RunTicks(30);
@@ -123,7 +167,7 @@ TEST(AdaptivePolicy, SaysHowSureItIs) {
   EXPECT_GT(sure.best_probability[2], 0.95);
   Game tied({20'000, 10'010, 10'000});
   tied.RunTicks(100);
-  EXPECT_LT(tied.client.session.diagnosis().expected_loss_ratio, 0.02);
+  EXPECT_LT(tied.client.session.diagnosis().expected_loss_ratio, 0.03);
 }
 
 TEST(AdaptivePolicy, WithoutALaneTriesEachArmLiveAndEndsOnTheCheapest) {
@@ -189,6 +233,18 @@ TEST(AdaptivePolicy, WithoutALaneLeavesASlowArmHoweverSlow) {
   }
 }
 
+// The arm was not to blame.
+TEST(AdaptivePolicy, WithoutALaneOneBailOutKeepsAnArmOutForSomeMinutesOnly) {
+  Game game({10'000, 12'000}, /*lane=*/false);
+  game.RunTicks(20);
+  ASSERT_EQ(game.client.arm, 0u);
+  game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
+  EXPECT_EQ(game.TicksOn(0, 150), 0) << "five minutes";
+  EXPECT_GT(game.TicksOn(0, 100), 40);
+  game.client.Execute(game.BailOut().command->arm, SwitchReason::kBailOut);
+  EXPECT_EQ(game.TicksOn(0, 600), 0) << "a second one counts four times as much";
+}
+
 TEST(AdaptivePolicy, APriorOfThisMachineDecidesBeforeTheFirstFrame) {
   SessionSetup setup = AdaptiveSetup(4);
   setup.priors = PriorsOf({9'000, 1'200, 1'000, 3'000});  // of a faster machine
@@ -205,6 +261,25 @@ TEST(AdaptivePolicy, AWrongPriorIsDroppedAtTheFirstSweep) {
   EXPECT_GE(game.TicksOn(2, 50), 45);
 }
 
+TEST(AdaptivePolicy, AWrongPriorIsDroppedWhenTheFirstSweepTakesSeveralTicks) {
+  SessionSetup setup = AdaptiveSetup(3);
+  setup.priors = PriorsOf({1'000, 12'000, 10'000});
+  Game game(setup, {20'000, 12'000, 10'000}, /*lane=*/false);
+  for (const uint32_t arm : {0u, 1u, 2u}) {
+    const ShadowSample sample{.first_frame_index = 1,
+                              .detection_time_ns = static_cast<uint64_t>(game.cost_us[arm] * 1e3),
+                              .arm = arm,
+                              .object_count = 1'000,
+                              .frame_count = 5};
+    game.client.session.ObserveShadow({&sample, 1});
+    game.RunToTick();
+  }
+  // A prior that is held says nine tenths, with a deviation of a sixth.
+  EXPECT_LT(game.client.session.posteriors()[0].mean(), game.client.session.posteriors()[2].mean());
+  game.RunTicks(2);
+  EXPECT_NE(game.client.arm, 0u);
+}
+
 TEST(AdaptivePolicy, AWrongPriorIsFoundOutWithoutALaneToo) {
   SessionSetup setup = AdaptiveSetup(3);
   setup.priors = PriorsOf({1'000, 2'000, 4'000});
@@ -215,9 +290,9 @@ TEST(AdaptivePolicy, AWrongPriorIsFoundOutWithoutALaneToo) {
 
 TEST(AdaptivePolicy, ATimeScaleChangesNoDecision) {
   SessionSetup setup = AdaptiveSetup(3);
-  Game game(setup, {30'000, 12'000, 10'000});
+  Game game(setup, {30'000, 11'500, 10'000});
   setup.options = setup.options.Scaled(10);
-  Game fast(setup, {3'000, 1'200, 1'000});
+  Game fast(setup, {3'000, 1'150, 1'000});
   for (int i = 0; i < 60; ++i) {
     const Decision slow_decision = game.RunToTick();
     const Decision fast_decision = fast.RunToTick();
@@ -244,6 +319,21 @@ TEST(AdaptivePolicy, TheCooldownGrowsWithWhatSwitchesCost) {
   EXPECT_EQ(cooldown_s(kSecond * 100), 40);      // never longer than the paper's
 }
 
+TEST(AdaptivePolicy, CountsARebuildAmongTheSettlingFramesOnce) {
+  const auto cost_s = [](const SwitchCost& cost) {
+    Game game({20'000, 10'000, 10'500});
+    game.RunToTick();
+    game.client.session.ObserveSwitch(game.client.arm, game.client.epoch, SwitchReason::kPolicy,
+                                      game.client.now_ns, cost);
+    game.RunToTick();
+    game.RunToTick();
+    return game.RunToTick().record.gate->cost_s;
+  };
+  const double settled = cost_s({.rebuild_time_ns = 0, .settling_cost_ns = 300'000'000});
+  EXPECT_EQ(cost_s({.rebuild_time_ns = 300'000'000, .settling_cost_ns = 300'000'000}), settled);
+  EXPECT_LT(cost_s({.rebuild_time_ns = 0, .settling_cost_ns = 0}), settled);
+}
+
 TEST(AdaptivePolicy, TheSpreadOfTheShownBeliefsNarrowsWithEvidence) {
   Game game({10'000, 12'000});
   const double early = game.client.session.posteriors()[1].evidence();
@@ -257,7 +347,7 @@ TEST(AdaptivePolicy, StoresWhatALiveWindowSaysAsABetaOfItsWidth) {
   const Decision decision = game.RunToTick();
   ASSERT_TRUE(decision.increment);
   const double evidence = decision.increment->alpha + decision.increment->beta;
-  const double reward = 1 - std::log(game.cost_us[decision.increment->arm]) / std::log(5e6);
+  const double reward = 1 - std::log(1e3 * game.cost_us[decision.increment->arm]) / std::log(5e9);
   EXPECT_NEAR(decision.increment->alpha / evidence, reward, 0.01);
   EXPECT_GT(evidence, 1'000);  // noise of a few % of the cost is a few ‰ of the reward
 }

@@ -8,17 +8,19 @@
 namespace sweepstake::decision {
 namespace {
 
-TEST(LogCost, AMicrosecondIsAllOfTheRewardAndAStallOfFiveSecondsNoneOfIt) {
-  EXPECT_NEAR(RewardOf(LogCostOf(1)), 1, 1e-12);
-  EXPECT_NEAR(RewardOf(LogCostOf(std::sqrt(5e6))), 0.5, 1e-12);
+TEST(LogCost, ANanosecondIsAllOfTheRewardAndAStallOfFiveSecondsNoneOfIt) {
+  EXPECT_NEAR(RewardOf(LogCostOf(1e-3)), 1, 1e-12);
+  EXPECT_NEAR(RewardOf(LogCostOf(1e-3 * std::sqrt(5e9))), 0.5, 1e-12);
   EXPECT_NEAR(RewardOf(LogCostOf(5e6)), 0, 1e-12);
   EXPECT_EQ(RewardOf(LogCostOf(1e9)), 0);
-  EXPECT_EQ(RewardOf(LogCostOf(0.1)), 1);
+  EXPECT_EQ(RewardOf(LogCostOf(1e-4)), 1);
 }
 
 TEST(LogCost, EqualRatiosOfCostAreEqualDifferencesOfReward) {
   EXPECT_NEAR(RewardOf(LogCostOf(10)) - RewardOf(LogCostOf(11)),
               RewardOf(LogCostOf(10'000)) - RewardOf(LogCostOf(11'000)), 1e-12);
+  EXPECT_NEAR(RewardOf(LogCostOf(0.1)) - RewardOf(LogCostOf(0.11)),
+              RewardOf(LogCostOf(10)) - RewardOf(LogCostOf(11)), 1e-12);
 }
 
 TEST(LogCost, ABeliefSurvivesBeingShownAsABetaDistribution) {

@@ -57,6 +57,21 @@ TEST(FrameRateFloor, OfZeroIsNeverMissed) {
   EXPECT_FALSE(floor.degraded());
 }
 
+TEST(SteadyVerdict, ChangesAfterThreeTicksInARow) {
+  SteadyVerdict steady;
+  const auto observe = [&](Verdict verdict, int count) {
+    for (int i = 1; i < count; ++i) steady.Observe(verdict);
+    return steady.Observe(verdict);
+  };
+  EXPECT_EQ(observe(Verdict::kUnknown, 5), Verdict::kUnknown);
+  EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie) << "the first is taken at once";
+  EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie);
+  EXPECT_EQ(observe(Verdict::kTie, 1), Verdict::kTie);
+  EXPECT_EQ(observe(Verdict::kStable, 2), Verdict::kTie) << "not in a row";
+  EXPECT_EQ(observe(Verdict::kStable, 1), Verdict::kStable);
+  EXPECT_EQ(observe(Verdict::kUnknown, 1), Verdict::kUnknown);
+}
+
 TEST(Verdict, IsUnknownUntilAWindowTaughtSomething) {
   ScriptedClient client(PlainSetup(2));
   EXPECT_EQ(client.session.diagnosis().verdict, Verdict::kUnknown);

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Measures AI Decides live: frame time against the best fixed arm on the same frames, in turns.
+
+For each scene and condition, each round plays one game with AI Decides and one with every arm that comes near the best one,
+in an order that rotates, with `sweepstake run --embedded`. A round's regret is AI Decides' mean frame time ÷ that of the
+best fixed arm over the frames that all of them played, minus 1; the table shows the mean of the rounds with its 95 %
+interval. One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios
+of the mean and of the 99.9th percentile frame. Conditions:
+  quiet       nothing else runs
+  one-cpu     all of the game on one processor (taskset)
+  neighbours  two other processes copy 64 MiB from here to there without end
+Needs Linux and Python 3.11. Exit code: 0 measured, 2 could not be run. `judge.py live` holds the result against the goals.
+"""
+
+import argparse
+import contextlib
+import csv
+import json
+import math
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+from judging.common import percent, table
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CONDITIONS = ("quiet", "one-cpu", "neighbours")
+ARMS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
+SCENES = "hurricane:2000,brownian:1000,rest-and-motion:3000,suite-g:10000"
+STREAM = "a, b = bytearray(1 << 26), bytearray(1 << 26)\nwhile True:\n    a[:] = b"
+# Two-sided 95 % quantiles of Student's t distribution for 1, 2, ... degrees of freedom; then the normal one.
+STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23)
+
+
+class Failure(Exception):
+    """The measurement cannot go on; the message says why."""
+
+
+@contextlib.contextmanager
+def neighbours(count):
+    """So many processes that stream memory, ended with the block."""
+    processes = [subprocess.Popen([sys.executable, "-c", STREAM]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+class Game:
+    """Plays games of one scene; each returns the times of its frames in ns."""
+
+    def __init__(self, options, scene, objects, condition):
+        self.options, self.scene, self.objects = options, scene, objects
+        self.prefix = ["taskset", "-c", str(min(os.sched_getaffinity(0)))] if condition == "one-cpu" else []
+
+    def play(self, *words, seconds=None):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [*self.prefix, self.options.program, "run", "--embedded", "--scene", self.scene, "--objects", str(self.objects),
+                       "--duration", f"{seconds or self.options.seconds}s", "--csv", folder, *words]
+            done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+            if done.returncode != 0:
+                raise Failure(f"sweepstake run ended with {done.returncode}: {done.stderr.strip()[:800]}")
+            with open(pathlib.Path(folder) / "frames.csv", encoding="utf-8", newline="") as file:
+                return [int(row["frame_time_ns"]) for row in csv.DictReader(file)]
+
+    def fixed(self, arm, *words, seconds=None):
+        return self.play("--mode", "manual", "--arm", arm, *words, seconds=seconds)
+
+    def decided(self):
+        return self.play("--policy", self.options.policy, "--time-scale", str(self.options.time_scale))
+
+
+def means(games):
+    """The mean frame of each game over the frames that all have played."""
+    count = min(map(len, games.values()))
+    if count == 0:
+        raise Failure("a game played no frame: give more --seconds")
+    return {name: statistics.fmean(frames[:count]) for name, frames in games.items()}
+
+
+def near_arms(game, options):
+    """The arms that may be the best, from one short game each, the best first."""
+    short = means({arm: game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05)) for arm in ARMS})
+    best = min(short.values())
+    return sorted((arm for arm in ARMS if short[arm] <= options.near * best), key=short.get)
+
+
+def interval(values):
+    """Mean and half the width of its 95 % interval; the latter is absent for one value."""
+    if len(values) < 2:
+        return values[0], None
+    quantile = STUDENT[len(values) - 2] if len(values) - 2 < len(STUDENT) else 1.96
+    return statistics.fmean(values), quantile * statistics.stdev(values) / math.sqrt(len(values))
+
+
+def tail(frames):
+    return sorted(frames)[min(len(frames) - 1, int(0.999 * len(frames)))]
+
+
+def measure(game, options, condition, progress):
+    arms = near_arms(game, options)
+    regrets, lane_means, lane_tails, best_arms = [], [], [], []
+    for number in range(options.rounds):
+        names = ["AI Decides", *arms]
+        turn = number % len(names)
+        games = {name: game.decided() if name == "AI Decides" else game.fixed(name, "--shadow", "off")
+                 for name in names[turn:] + names[:turn]}
+        mean = means(games)
+        best = min(arms, key=mean.get)
+        regrets.append(mean["AI Decides"] / mean[best] - 1)
+        best_arms.append(best)
+        with_lane = game.fixed(best, "--shadow", "on")
+        lane_means.append(means({"on": with_lane, "off": games[best]}))
+        count = min(len(with_lane), len(games[best]))
+        lane_tails.append(tail(with_lane[:count]) / tail(games[best][:count]))
+        progress(f"{condition} {game.scene} {game.objects}: round {number + 1} of {options.rounds}, {percent(regrets[-1])}")
+    regret, half_width = interval(regrets)
+    return {"condition": condition, "scene": game.scene, "objects": game.objects, "rounds": options.rounds,
+            "best_arm": max(set(best_arms), key=best_arms.count), "near_arms": arms, "regret": regret,
+            "half_width": half_width, "regrets": regrets,
+            "lane_mean_ratio": statistics.median(mean["on"] / mean["off"] for mean in lane_means),
+            "lane_tail_ratio": statistics.median(lane_tails)}
+
+
+def parse_scenes(words):
+    for word in words.split(","):
+        scene, _, objects = word.partition(":")
+        if not scene or not objects.isdigit():
+            raise Failure(f"'{word}' is no SCENE:OBJECTS, as hurricane:2000")
+        yield scene, int(objects)
+
+
+def run(options):
+    bar = (lambda line: print(line, file=sys.stderr, flush=True)) if sys.stderr.isatty() or options.verbose else (lambda line: None)
+    rows = []
+    for condition in options.conditions.split(","):
+        if condition not in CONDITIONS:
+            raise Failure(f"unknown condition '{condition}', must be one of {', '.join(CONDITIONS)}")
+        with neighbours(2 if condition == "neighbours" else 0):
+            for scene, objects in parse_scenes(options.scenes):
+                rows.append(measure(Game(options, scene, objects, condition), options, condition, bar))
+    return {"command": "live", "policy": options.policy, "seconds": options.seconds, "time_scale": options.time_scale, "rows": rows}
+
+
+def text(document):
+    return table(("condition", "scene", "objects", "best arm", "regret", "± 95 %", "lane mean", "lane p99.9"), [
+        (row["condition"], row["scene"], str(row["objects"]), row["best_arm"], percent(row["regret"]),
+         "-" if row["half_width"] is None else f"{100 * row['half_width']:.2f}%", f"{row['lane_mean_ratio']:.3f}",
+         f"{row['lane_tail_ratio']:.2f}") for row in document["rows"]])
+
+
+def parse(words):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="examples:\n"
+        "  tests/bench/live.py\n"
+        "  tests/bench/live.py --conditions one-cpu --scenes hurricane:2000 --rounds 3\n"
+        "  tests/bench/live.py --json | tests/bench/judge.py live\n"
+        "All conditions with four scenes take some two hours; nothing else should run meanwhile.")
+    parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
+    parser.add_argument("--policy", default="default", help="(default: %(default)s)")
+    parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
+    parser.add_argument("--conditions", default=",".join(CONDITIONS), metavar="NAME,…", help="(default: %(default)s)")
+    parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=15, help="of a game (default: %(default)s)")
+    parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
+    parser.add_argument("--near", type=float, default=1.15, metavar="RATIO",
+                        help="a fixed arm takes part if a short game's mean frame is within this of the best (default: %(default)s)")
+    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    parser.add_argument("--verbose", action="store_true", help="a line on stderr for each round, also if that is no terminal")
+    options = parser.parse_args(words)
+    if options.rounds < 1 or not options.seconds > 0:
+        parser.error("give at least one round of more than 0 seconds")
+    if not os.access(options.program, os.X_OK):
+        parser.error(f"no program at {options.program}: build preset release, or give --program")
+    return options
+
+
+def main(words):
+    options = parse(words)
+    try:
+        document = run(options)
+    except (Failure, OSError) as failure:
+        print(f"live.py: {failure}", file=sys.stderr)
+        return 2
+    print(json.dumps(document, indent=2) if options.json else text(document), end="\n" if options.json else "")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""live.py with the real program and tiny games, and what judge.py says of its documents."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+PROGRAM = ""
+
+
+def live(*words):
+    return subprocess.run([HERE / "live.py", "--program", PROGRAM, "--rounds", "2", "--seconds", "0.1", *words],
+                          capture_output=True, text=True, check=False)
+
+
+def judged(document):
+    done = subprocess.run([HERE / "judge.py", "live", "--json"], input=json.dumps(document), capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def row(condition, regret, tail=1.0):
+    return {"condition": condition, "regret": regret, "lane_tail_ratio": tail}
+
+
+class Live(unittest.TestCase):
+    def test_plays_and_writes_what_judge_reads(self):
+        done = live("--scenes", "brownian:100", "--conditions", "one-cpu,neighbours", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        document = json.loads(done.stdout)
+        self.assertEqual([one["condition"] for one in document["rows"]], ["one-cpu", "neighbours"])
+        for one in document["rows"]:
+            self.assertEqual(len(one["regrets"]), 2)
+            self.assertGreater(one["half_width"], 0)
+            self.assertIn(one["best_arm"], one["near_arms"])
+        code, _, error = judged(document)
+        self.assertIn(code, (0, 1), error)
+
+    def test_says_what_is_wrong(self):
+        for words, expected in ((("--scenes", "brownian"), "brownian"), (("--conditions", "loud"), "quiet"),
+                                (("--scenes", "nowhere:10"), "nowhere")):
+            done = live(*words)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(expected, done.stderr)
+
+    def test_goals_are_held_by_condition(self):
+        met = {"command": "live", "rows": [row("quiet", 0.02), row("quiet", -0.01)]}
+        self.assertEqual(judged(met)[0], 0)
+        self.assertEqual(len(json.loads(judged(met)[1])["figures"]), 3)
+        for bad in (row("quiet", 0.031), row("quiet", 0.0, 1.2), row("neighbours", 0.021)):
+            self.assertEqual(judged({"command": "live", "rows": [bad]})[0], 1, bad)
+        self.assertEqual(judged({"command": "bench", "rows": [row("quiet", 0)]})[0], 2)
+        self.assertEqual(judged({"command": "live", "rows": [row("loud", 0)]})[0], 2)
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop(1)
+    unittest.main()

@@ -1,0 +1,94 @@
+// The lane's own thread: it goes last where it has to share a core, and counts the time that it
+// ran.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "engine_client/adaptive/shadow_lane.h"
+#include "engine_client/broad_phase/host/hook_points.h"
+#include "tests/support/recording_sink.h"
+#include "tests/support/scripted_broad_phase.h"
+#include "tests/support/scripted_clock.h"
+
+#if defined(__linux__)
+#include <sys/resource.h>
+#endif
+
+namespace sweepstake {
+namespace {
+
+using test_support::ArmScript;
+using test_support::kMs;
+using test_support::RecordingSink;
+using test_support::ScriptedBroadPhase;
+using test_support::ScriptedClock;
+
+// The thread runs for 3 ms between any two questions, however long that takes by the clock.
+uint64_t ThreeMsAtATime() noexcept {
+  static std::atomic<uint64_t> ran_ns{0};
+  return ran_ns += 3 * kMs;
+}
+
+TEST(LaneThread, MeasuresTheTimeThatItRan) {
+  ScriptedClock clock;
+  const ArmScript script{.update_ns = 7 * kMs};
+  RecordingSink sink;
+  const std::atomic<Mode> mode{Mode::kAi};
+  ShadowLane lane(
+      {.options = {},
+       .arm_count = 2,
+       .make =
+           [&](uint32_t) {
+             return ArmBackend{nullptr, std::make_unique<ScriptedBroadPhase>(script, clock)};
+           },
+       .sink = &sink,
+       .clock = clock,
+       .mode = mode,
+       .thread_time_ns = ThreeMsAtATime});
+  lane.Step();
+  for (uint64_t frame = 0; frame <= kShadowBurstFrames; ++frame) {
+    clock.Advance(10 * kMs);
+    lane.OnFrame(std::vector<Aabb>(20),
+                 {.frame_index = frame, .frame_time_ns = 10 * kMs, .arm = 1});
+    lane.Step();
+  }
+  ASSERT_EQ(sink.shadows.size(), 2U);
+  for (const ShadowSample& sample : sink.shadows) EXPECT_EQ(sample.detection_time_ns, 3 * kMs);
+  EXPECT_EQ(lane.stats().busy_time_ns, 2 * kShadowBurstFrames * 3 * kMs);
+}
+
+#if defined(__linux__)
+
+struct LanePriority {
+  std::atomic<int> lane_nice{-100};
+};
+
+TEST(LaneThread, GoesLastWhereItSharesACore) {
+  LanePriority seen;
+  const auto note = [](const char*, void* user) {
+    static_cast<LanePriority*>(user)->lane_nice = getpriority(PRIO_PROCESS, 0);
+  };
+  ASSERT_TRUE(SetHooks({.user = &seen, .thread_started = note}).ok());
+  {
+    const std::atomic<Mode> mode{Mode::kManual};
+    ShadowLane lane({.options = {},
+                     .arm_count = 2,
+                     .make = [](uint32_t) { return ArmBackend{}; },
+                     .clock = SteadyClock(),
+                     .mode = mode});
+    lane.Start();
+    while (seen.lane_nice == -100) std::this_thread::yield();
+  }
+  ASSERT_TRUE(SetHooks({}).ok());
+  const int own = getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(seen.lane_nice, std::min(own + 10, 19));
+}
+
+#endif
+
+}  // namespace
+}  // namespace sweepstake
