@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine_client/broad_phase/common/box_record.h"
 #include "engine_client/broad_phase/common/stop_poll.h"
 #include "engine_client/scene/box_scenes.h"
 #include "engine_client/scene/suite_scene.h"
