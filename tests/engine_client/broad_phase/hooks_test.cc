@@ -243,6 +243,45 @@ TEST(HooksTest, ATreeOfStaticProxiesWithoutMemoryToGrowIsWholeAtTheNextUse) {
   }
 }
 
+// A snapshot of many proxies in a set of a few, whose memory ends somewhere on the way.
+TEST(HooksTest, ARestoreWithoutMemoryIsMadeUpForByAnotherOne) {
+  const auto add = [](ProxySet& proxies, size_t count) {
+    for (size_t k = 0; k < count; ++k) {
+      const auto x = static_cast<float>(k);
+      proxies.Add({{x, 0, 0}, {x + 0.9F, 1, 1}}, {.is_static = k % 2 == 0});
+    }
+    proxies.PrepareQueries();
+  };
+  const auto all_of = [](ProxySet& proxies) {
+    std::vector<ProxyHandle> found;
+    proxies.QueryBox({{-1, -1, -1}, {1e6F, 2, 2}}, {}, found);
+    return found;
+  };
+  GameMemory memory;
+  ProxySet many({.pair_events = true});
+  add(many, 3000);
+  std::vector<std::byte> snapshot(many.snapshot_bytes());
+  ASSERT_TRUE(many.Save(snapshot).ok());
+  size_t block_count = 0;
+  for (bool has_all = false; !has_all; ++block_count) {
+    ProxySet few({.pair_events = true});
+    add(few, 10);
+    memory.blocks_left = block_count;
+    try {
+      ASSERT_TRUE(few.Restore(snapshot).ok());
+      has_all = true;
+    } catch (const std::bad_alloc&) {
+    }
+    memory.blocks_left = GameMemory::kPlenty;
+    if (block_count % 2 == 0) continue;  // the set ends as it is
+    ASSERT_TRUE(few.Restore(snapshot).ok());
+    ASSERT_EQ(all_of(few), all_of(many));
+    few.PrepareQueries();
+    ASSERT_EQ(all_of(few), all_of(many));
+  }
+  EXPECT_GT(block_count, 10U);
+}
+
 TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {
   GameMemory memory;
   {
