@@ -34,10 +34,13 @@ class ChronoSteadyClock final : public Clock {
 
 // Returns the lane's state, which is kRunning if there will be a lane.
 ShadowState LaneFor(const AdaptiveOptions& options, const LaneParts& lane, size_t arm_count) {
-  const size_t used = options.executor == nullptr ? 1 : options.executor->thread_count();
   if (!lane.make || options.shadow.enabled == ShadowMode::kOff) return ShadowState::kOff;
   if (arm_count < 2) return ShadowState::kOneArm;
-  return used < lane.core_count ? ShadowState::kRunning : ShadowState::kNoSpareCore;
+  return ShadowState::kRunning;
+}
+
+size_t EngineThreads(const AdaptiveOptions& options) {
+  return options.executor == nullptr ? 1 : options.executor->thread_count();
 }
 
 // Half of the budget is the lane's, so that it needs no agreement with the frame thread about what
@@ -84,7 +87,9 @@ AdaptiveBroadPhase::Impl::Impl(const AdaptiveOptions& options, std::vector<std::
                         .sink = sink,
                         .clock = SteadyClock(),
                         .mode = mode,
-                        .thread_time_ns = ThreadTimeNs});
+                        .thread_time_ns = ThreadTimeNs,
+                        .engine_threads = EngineThreads(options),
+                        .usable_cores = lane.usable_cores});
 }
 
 Status AdaptiveBroadPhase::Impl::StartLane() {
@@ -235,10 +240,13 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
 
 // Step 3, with its measurement (step 4).
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
+  const uint32_t work = lane_ == nullptr ? 0 : lane_->cost().Begin();
+  const bool is_steady = built_;
   const uint64_t start_ns = clock_.NowNs();
   UpdateStructure(boxes, start_ns);
   Search();
-  MeasureDetection(boxes, start_ns);
+  const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
+  if (lane_ != nullptr && is_steady) lane_->cost().End(work, detection_ns, epoch());
   // Not measured: the lane's visits do not sort, and what is learnt must hold with and without it.
   if (sorter_) sorter_->Sort(pairs_.pairs());
   if (!std::exchange(searched_, true)) ShowFrame(boxes);
@@ -280,14 +288,17 @@ void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t sta
 }
 
 // The searches of a frame add up; what can be had of one alone is the latest one's.
-void AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns) {
+uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
+                                                    uint64_t start_ns) {
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
   const BroadPhase& backend = *backends_[sample_.arm].backend;
-  sample_.detection_time_ns += clock_.NowNs() - start_ns;
+  const uint64_t detection_ns = clock_.NowNs() - start_ns;
+  sample_.detection_time_ns += detection_ns;
   sample_.aabb_check_count += backend.aabb_check_count();
   sample_.native_bytes = backend.native_bytes();
   sample_.pair_count = static_cast<uint32_t>(std::min(pairs_.size(), kMaxCount));
   sample_.object_count = static_cast<uint32_t>(boxes.size());
+  return detection_ns;
 }
 
 // Steps 4 to 6: completes the frame's sample, flags a bail-out, and passes the sample to the sink.

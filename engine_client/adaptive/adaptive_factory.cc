@@ -105,8 +105,7 @@ Result<std::unique_ptr<AdaptiveBroadPhase>> AdaptiveBroadPhase::Create(
   const auto make = [arms, executor = options.executor](uint32_t arm) {
     return std::move(*MakeArm(arms[arm], executor));
   };
-  const LaneParts lane{make, std::thread::hardware_concurrency()};
-  return AdaptiveFactory::Make(options, std::move(backends), lane, sink, clock);
+  return AdaptiveFactory::Make(options, std::move(backends), {make}, sink, clock);
 }
 
 }  // namespace sweepstake

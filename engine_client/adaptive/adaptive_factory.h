@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine_client/broad_phase/host/usable_cores.h"
 #include "sweepstake/adaptive_broad_phase.h"
 #include "sweepstake/broad_phase.h"
 
@@ -52,7 +53,8 @@ using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 // The parts of the shadow lane; there is no lane without `make`, and no arm's memory is freed.
 struct LaneParts {
   ArmBackendFactory make;  // makes the lane's own backends, and an arm's new one after Trim
-  size_t core_count = 0;   // the machine's cores
+  // How many cores the lane's thread may use, itself and the engine's threads.
+  size_t (*usable_cores)() noexcept = UsableCores;
 };
 
 class AdaptiveFactory {

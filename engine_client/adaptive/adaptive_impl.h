@@ -86,7 +86,7 @@ class AdaptiveBroadPhase::Impl {
   void UpdateStructure(std::span<const Aabb> boxes, uint64_t start_ns);
   void Search();
   void Rebuild(std::span<const Aabb> boxes, uint64_t start_ns);
-  void MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
+  uint64_t MeasureDetection(std::span<const Aabb> boxes, uint64_t start_ns);
   void ShowFrame(std::span<const Aabb> boxes);
   void Emit();
   void GuardLocally();

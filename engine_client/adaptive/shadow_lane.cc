@@ -20,6 +20,7 @@ constexpr std::chrono::microseconds kIdlePoll{4'000};
 // frames/s.
 constexpr int kMaxYields = 200;
 constexpr uint64_t kRetryNs = 1'000'000'000;
+constexpr std::chrono::seconds kCorePoll{1};
 
 void Add(std::atomic<uint64_t>& counter, uint64_t amount) {
   counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
@@ -72,10 +73,30 @@ class ShadowLane::Watch final : public StopRequest {
   End end_ = End::kNone;
 };
 
+// A stretch of work, and what it costs the frame thread.
+class ShadowLane::Work {
+ public:
+  explicit Work(ShadowLane& lane) : lane_(lane), begin_ns_(lane.setup_.clock.NowNs()) {
+    lane_.cost_.BeginWork();
+  }
+  ~Work() {
+    const uint64_t now_ns = lane_.setup_.clock.NowNs();
+    lane_.schedule_.Charge(now_ns, lane_.cost_.EndWork(now_ns - begin_ns_));
+  }
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+
+ private:
+  ShadowLane& lane_;
+  const uint64_t begin_ns_;
+};
+
 ShadowLane::ShadowLane(Setup setup)
     : setup_(std::move(setup)),
       schedule_(ScheduleOf(setup_.options), setup_.arm_count),
-      backends_(setup_.arm_count) {}
+      backends_(setup_.arm_count) {
+  HasCore();
+}
 
 ShadowLane::~ShadowLane() {
   {
@@ -111,6 +132,8 @@ std::chrono::microseconds ShadowLane::StepWithMemory() {
   if (PrepareSwitch()) return kBusyPoll;
   if (trim_is_wanted_.exchange(false, std::memory_order_relaxed)) Release();
   if (!enabled()) return kIdlePoll;
+  was_ai_.store(true, std::memory_order_relaxed);
+  if (!HasCore()) return kCorePoll;
   if (!tap_.complete()) return kBusyPoll;
   if (std::exchange(collecting_, false)) OnBurst();
   if (!collecting_ && sweep_is_due()) RequestBurst();
@@ -118,8 +141,24 @@ std::chrono::microseconds ShadowLane::StepWithMemory() {
 }
 
 bool ShadowLane::enabled() const {
-  return setup_.options.enabled == ShadowMode::kOn ||
+  return setup_.options.enabled == ShadowMode::kOn || was_ai_.load(std::memory_order_relaxed) ||
          setup_.mode.load(std::memory_order_relaxed) == Mode::kAi;
+}
+
+// Asks once a second. Frames that are being copied are awaited before the lane rests.
+bool ShadowLane::HasCore() {
+  const uint64_t now_ns = setup_.clock.NowNs();
+  if (setup_.usable_cores != nullptr && !collecting_ && now_ns >= next_core_count_ns_) {
+    next_core_count_ns_ = now_ns + std::chrono::nanoseconds(kCorePoll).count();
+    const bool has_core = setup_.engine_threads < setup_.usable_cores();
+    const ShadowState state = state_.load(std::memory_order_relaxed);
+    if (!has_core) {
+      state_.store(ShadowState::kNoSpareCore, std::memory_order_relaxed);
+    } else if (state == ShadowState::kNoSpareCore) {
+      state_.store(ShadowState::kRunning, std::memory_order_relaxed);
+    }
+  }
+  return state_.load(std::memory_order_relaxed) != ShadowState::kNoSpareCore;
 }
 
 bool ShadowLane::sweep_is_due() const {
@@ -196,6 +235,7 @@ void ShadowLane::AccountCopies() {
 void ShadowLane::Sweep() {
   const TappedFrame first = tap_.frame(0);
   schedule_.Begin(setup_.clock.NowNs(), first.note.arm, static_cast<uint32_t>(first.boxes.size()));
+  const Work work(*this);
   while (const std::optional<uint32_t> arm = schedule_.NextArm()) {
     const std::optional<ShadowVisit> visit = Visit(*arm);
     if (!visit) return;
@@ -327,6 +367,7 @@ bool ShadowLane::RequestForPreparation() {
 // nobody wants it any more.
 bool ShadowLane::Follow(const SwitchHandover::Order& order) {
   const Zone zone(kZoneLanePreparation);
+  const Work work(*this);
   BroadPhase& backend = *BackendOf(order.arm).backend;
   const TappedFrame frame = tap_.frame(next_slot_++);
   Watch watch(*this, &order, std::numeric_limits<uint64_t>::max(), bytes_of(backend));
@@ -418,7 +459,8 @@ void ShadowLane::FreeMemory() {
 }
 
 ShadowLane::Preparation ShadowLane::Ask(uint32_t arm) {
-  if (!enabled() || state_.load(std::memory_order_relaxed) == ShadowState::kTooBig) {
+  const ShadowState state = state_.load(std::memory_order_relaxed);
+  if (!enabled() || state == ShadowState::kTooBig || state == ShadowState::kNoSpareCore) {
     return Preparation::kNever;
   }
   const SwitchHandover::Order order = handover_.order();

@@ -4,7 +4,9 @@
 // For a sweep the frame thread copies up to kShadowBurstFrames consecutive frames (box_tap.h). Each
 // arm that is due (shadow_schedule.h) builds its structure on the first frame and updates it on the
 // others, so that all arms of a sweep are compared on the same boxes. Sweeps are also spaced so
-// that copying takes at most kCopyRatio of the frame time on average.
+// that copying takes at most kCopyRatio of the frame time on average, and so that their work costs
+// the frame thread little (lane_cost.h). Without a core to spare (UsableCores, asked every second)
+// the lane rests.
 //
 // A preparation has priority over sweeps: the lane builds the arm's structure on the next frame,
 // updates it on the following frames until its buffers have grown and the extra cost of a new
@@ -29,6 +31,7 @@
 
 #include "engine_client/adaptive/adaptive_factory.h"
 #include "engine_client/adaptive/box_tap.h"
+#include "engine_client/adaptive/lane_cost.h"
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/adaptive/switch_handover.h"
 #include "sweepstake/adaptive_broad_phase.h"
@@ -48,6 +51,9 @@ class ShadowLane {
     // How long the lane's thread has run, which is what arms cost it even where it has to share its
     // core; null: the clock.
     uint64_t (*thread_time_ns)() noexcept = nullptr;
+    // The lane rests where the engine's threads leave none of these cores; null: it never does.
+    size_t engine_threads = 1;
+    size_t (*usable_cores)() noexcept = nullptr;
   };
 
   // The state of a requested preparation.
@@ -81,6 +87,9 @@ class ShadowLane {
     tap_.OnFrame(boxes, note, setup_.clock);
   }
 
+  // For the frame thread to say how long its searches take.
+  LaneCost& cost() { return cost_; }
+
   // Returns all fields but the switch counts.
   ShadowStats stats() const;
 
@@ -106,11 +115,13 @@ class ShadowLane {
   };
 
   class Watch;
+  class Work;
 
   void Run();
   // Step, which frees the lane's memory where there is none left for this.
   std::chrono::microseconds StepWithMemory();
   bool enabled() const;
+  bool HasCore();
   bool sweep_is_due() const;
   bool interrupted(const SwitchHandover::Order* followed) const;
 
@@ -145,6 +156,7 @@ class ShadowLane {
   const Setup setup_;
   BoxTap tap_;
   SwitchHandover handover_;
+  LaneCost cost_;
   Counters counters_;
   std::atomic<ShadowState> state_{ShadowState::kRunning};
 
@@ -156,9 +168,11 @@ class ShadowLane {
   uint32_t accounted_frames_ = 0;  // the frames of the tap's request whose copies are accounted for
   uint64_t next_burst_frame_ = 0;
   uint64_t next_try_ns_ = 0;
+  uint64_t next_core_count_ns_ = 0;
   uint32_t next_slot_ = 0;  // the tap's slot that the preparation reads next
   std::optional<Progress> progress_;
 
+  std::atomic<bool> was_ai_{false};  // whether the mode has been kAi
   std::atomic<bool> trim_is_wanted_{false};
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -50,17 +50,30 @@ ShadowSchedule::ShadowSchedule(const ShadowScheduleOptions& options, uint32_t ar
 uint64_t ShadowSchedule::next_sweep_ns() const {
   if (sweep_ == 0) return 0;
   const double spacing_ns = static_cast<double>(busy_ns_) / options_.duty_ratio;
-  return begun_ns_ + std::max(options_.sweep_interval_min_ns, static_cast<uint64_t>(spacing_ns));
+  const uint64_t spaced_ns =
+      begun_ns_ + std::max(options_.sweep_interval_min_ns, static_cast<uint64_t>(spacing_ns));
+  return std::max(spaced_ns, paid_ns_);
+}
+
+void ShadowSchedule::Charge(uint64_t now_ns, double cost_ns) {
+  const uint64_t saved_ns = now_ns - std::min(now_ns, kSavingsNs);
+  paid_ns_ = std::max(paid_ns_, saved_ns) + static_cast<uint64_t>(cost_ns / kMaxCostRatio);
+}
+
+void ShadowSchedule::GrantSavings() {
+  if (begun_ns_ - granted_ns_ < kSavingsNs) return;
+  granted_ns_ = begun_ns_;
+  paid_ns_ = std::min(paid_ns_, begun_ns_ - kSavingsNs);
 }
 
 void ShadowSchedule::Begin(uint64_t now_ns, uint32_t active_arm, uint32_t object_count) {
   assert(active_arm < arms_.size());
+  begun_ns_ = now_ns;
   if (sweep_ == 0 || HasMoved(object_count, reference_count_)) {
     Renew(/*end_back_off=*/true);
     reference_count_ = object_count;
   }
   ++sweep_;
-  begun_ns_ = now_ns;
   busy_ns_ = 0;
   active_arm_ = active_arm;
 }
@@ -90,6 +103,7 @@ void ShadowSchedule::OnVisit(const ShadowVisit& visit) {
 }
 
 void ShadowSchedule::Renew(bool end_back_off) {
+  GrantSavings();
   for (Arm& arm : arms_) {
     if (end_back_off) arm.back_off = 0;
     arm.reference_ns = 0;

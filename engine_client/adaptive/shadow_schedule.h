@@ -17,6 +17,9 @@
 //   arm and arms within kContenderRatio are exempt. The same holds for an arm whose structure
 //   exceeds the memory cap, without these exceptions.
 // - Sweeps are spaced so that visits take duty_ratio of the time since the first one.
+// - They are spaced further so that they cost the frame thread kMaxCostRatio of its time at most in
+//   the long run (lane_cost.h). What was not spent in the last kSavingsNs may be spent at once, and
+//   is granted anew where the scene is a different one, once in that time.
 //
 // Pure and deterministic: time and costs come in as arguments. Not thread-safe. Times are ns of one
 // clock, from any origin, that does not go back.
@@ -65,6 +68,8 @@ class ShadowSchedule {
   static constexpr double kContenderRatio = 1.5;
   static constexpr double kChangeRatio = 0.25;
   static constexpr uint32_t kMaxPeriod = 64;
+  static constexpr double kMaxCostRatio = 0.005;
+  static constexpr uint64_t kSavingsNs = 5'000'000'000;
 
   // REQUIRES: arm_count >= 1.
   ShadowSchedule(const ShadowScheduleOptions& options, uint32_t arm_count);
@@ -82,6 +87,8 @@ class ShadowSchedule {
   void OnVisit(const ShadowVisit& visit);
   // Adds other work of the visiting thread to the sweep's cost.
   void Spend(uint64_t busy_ns) { busy_ns_ += busy_ns; }
+  // Adds what the work up to `now_ns` has cost the frame thread.
+  void Charge(uint64_t now_ns, double cost_ns);
 
  private:
   struct Arm {
@@ -93,6 +100,7 @@ class ShadowSchedule {
   };
 
   void Renew(bool end_back_off);
+  void GrantSavings();
   uint64_t BestCost() const;
   uint64_t Period(uint32_t arm, uint64_t best_ns) const;
   bool Due(uint32_t arm, uint64_t best_ns) const;
@@ -102,6 +110,8 @@ class ShadowSchedule {
   uint64_t sweep_ = 0;  // the number of the latest sweep
   uint64_t begun_ns_ = 0;
   uint64_t busy_ns_ = 0;  // the lane's time since the latest sweep began
+  uint64_t paid_ns_ = 0;  // when the frame thread's cost will have been in proportion
+  uint64_t granted_ns_ = 0;
   uint32_t active_arm_ = 0;
   uint64_t reference_count_ = 0;  // the object count at the latest Renew
 };

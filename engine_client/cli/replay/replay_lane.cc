@@ -74,6 +74,7 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
   const std::optional<uint32_t> arm = schedule_.NextArm();
   if (!arm) {
     visit_.reset();
+    Charge(sweep_.now_ns, start_ns);
     next_event_ns_ = static_cast<int64_t>(schedule_.next_sweep_ns());
     return;
   }
@@ -82,6 +83,12 @@ void ReplayLane::BeginVisit(int64_t start_ns) {
   visit_->arm = *arm;
   visit_->native_bytes = scene_.native_bytes(sweep_.trace_frame, *arm);
   next_event_ns_ = start_ns + static_cast<int64_t>(visit_->busy_ns);
+}
+
+// The real lane measures what its work costs (lane_cost.h); this one knows it.
+void ReplayLane::Charge(int64_t begin_ns, int64_t end_ns) {
+  schedule_.Charge(static_cast<uint64_t>(end_ns),
+                   (errors_.contention_ratio - 1) * static_cast<double>(end_ns - begin_ns));
 }
 
 // Returns the times of a structure of `arm` that is built on this frame, for the frames of a visit,
@@ -107,6 +114,7 @@ int64_t ReplayLane::WarmUp(uint32_t arm, const Place& place) {
     ready_ns += std::max(static_cast<int64_t>(ns), frame_ns);
   }
   schedule_.Spend(static_cast<uint64_t>(ready_ns - place.now_ns));
+  Charge(place.now_ns, ready_ns);
   next_event_ns_ = std::max(next_event_ns_, place.now_ns) + (ready_ns - place.now_ns);
   return ready_ns;
 }

@@ -57,8 +57,8 @@ enum {
 typedef uint32_t swp_shadow_mode;
 enum {
   SWP_SHADOW_OFF = 0,
-  SWP_SHADOW_AUTO = 1, /* in SWP_MODE_AI if there is a spare core */
-  SWP_SHADOW_ON = 2    /* in SWP_MODE_MANUAL too */
+  SWP_SHADOW_AUTO = 1, /* from the first SWP_MODE_AI on, while there is a spare core */
+  SWP_SHADOW_ON = 2    /* in a game that has always been manual too */
 };
 
 typedef struct swp_session_options {
@@ -76,7 +76,7 @@ typedef struct swp_session_options {
   swp_shadow_mode shadow; /* SWP_SHADOW_OFF unless set */
   uint32_t sorted_pairs;  /* 1: pairs ascend by a and then b whatever the arm, so that a lockstep
                              game sees no switch; no part of a sample's detection time */
-  double shadow_duty_ratio; /* the lane's share of one core in the long run, over 0 to 1; 0.15 */
+  double shadow_duty_ratio;     /* the lane's share of one core at most, over 0 to 1; 0.15 */
   uint64_t shadow_memory_bytes; /* the lane's maximum, half of it for copied boxes; 64 MiB. If the
                                    frames do not fit, there is SWP_SHADOW_STATE_TOO_BIG */
   uint64_t memory_budget_bytes; /* of all arms, the pairs and the lane, which takes half of it at
@@ -120,8 +120,8 @@ typedef uint32_t swp_shadow_state;
 enum {
   SWP_SHADOW_STATE_OFF = 0,           /* as asked for */
   SWP_SHADOW_STATE_ONE_ARM = 1,       /* off: there is nothing to compare */
-  SWP_SHADOW_STATE_NO_SPARE_CORE = 2, /* off: one core, or the executor uses all */
-  SWP_SHADOW_STATE_PAUSED = 3,        /* in SWP_MODE_MANUAL */
+  SWP_SHADOW_STATE_NO_SPARE_CORE = 2, /* at rest: the game's threads leave no core */
+  SWP_SHADOW_STATE_PAUSED = 3,        /* SWP_SHADOW_AUTO, and never in SWP_MODE_AI */
   SWP_SHADOW_STATE_RUNNING = 4,
   SWP_SHADOW_STATE_TOO_BIG = 5 /* the scene does not fit in the lane's memory */
 };

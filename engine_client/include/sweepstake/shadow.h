@@ -11,14 +11,14 @@ namespace sweepstake {
 // Values are stable: the C ABI has the same ones.
 enum class ShadowMode : uint32_t {
   kOff = 0,
-  kAuto = 1,  // on in Mode::kAi
-  kOn = 2,    // on in Mode::kManual too
+  kAuto = 1,  // on from the first Mode::kAi on: a game that goes manual then still learns
+  kOn = 2,    // on in a game that has always been manual too
 };
 
 struct ShadowOptions {
   ShadowMode enabled = ShadowMode::kAuto;
-  // The fraction of the worker's time that visits and preparations take in the long run; over 0, at
-  // most 1. The first sweep over all arms is made at once.
+  // The worker's time that visits and preparations take at most in the long run, over 0 to 1; less
+  // where it would cost the game's searches more than 0.5 %. The first sweep is made at once.
   double duty_ratio = 0.15;
   // Maximum memory of the lane: half for copied boxes, half for structures. If the frames do not
   // fit, fewer are copied, and none if not even four fit (from 250,000 objects on with the
@@ -37,8 +37,8 @@ struct ShadowOptions {
 enum class ShadowState : uint32_t {
   kOff = 0,          // as the options say
   kOneArm = 1,       // off: there is nothing to compare
-  kNoSpareCore = 2,  // off: the machine has one core, or the executor uses all cores
-  kPaused = 3,       // in manual mode
+  kNoSpareCore = 2,  // at rest: the game leaves none of the cores that it may use; asked again
+  kPaused = 3,       // kAuto in a game that has always been manual
   kRunning = 4,
   kTooBig = 5,  // the scene does not fit in the memory cap; tried again every second
 };

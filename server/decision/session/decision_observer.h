@@ -30,7 +30,7 @@ struct OrderReport {
   int64_t now_ns = 0;
 };
 
-// What a tick learns from besides the active arm's run. Both are empty in manual mode.
+// What a tick learns from besides the active arm's run.
 struct TickInput {
   int64_t now_ns = 0;
   std::span<const ShadowSample> shadow_samples;

@@ -175,16 +175,14 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   AdoptLaterRun(now_ns);
   gate_.OnTick(runs_.active_frames_seen(), now_ns);
   Decision decision = Open(now_ns);
+  LearnScene(now_ns);
   if (mode_ == Mode::kManual) {
     decision.record.outcome = Outcome::kManual;
+  } else if (exploring()) {
+    TickExploration(decision);
   } else {
-    LearnScene(now_ns);
-    if (exploring()) {
-      TickExploration(decision);
-    } else {
-      const std::optional<Outcome> hold = Learn(decision);
-      SampleAndGate(decision, hold);
-    }
+    const std::optional<Outcome> hold = Learn(decision);
+    SampleAndGate(decision, hold);
   }
   Diagnose(run().window().empty() ? std::nullopt : std::optional(run().window().Metrics().fps));
   shadow_samples_.clear();
@@ -195,12 +193,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
 }
 
 void DecisionSession::ReportTick(int64_t now_ns) {
-  TickInput input{.now_ns = now_ns, .shadow_samples = {}, .descriptor = std::nullopt};
-  if (mode_ == Mode::kAi) {
-    input.shadow_samples = shadow_samples_;
-    input.descriptor = descriptor_;
-  }
-  observer_->OnTick(input, runs_);
+  observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
 }
 
 // Learns from the scene descriptor and the shadow lane's samples.

@@ -94,8 +94,8 @@ class DecisionSession {
     return IsCharged(frame) && bail_out_budget_.HasRoom(now_ns);
   }
 
-  // Takes what the shadow lane measured, to be learnt at the next tick in AI mode. The latest
-  // kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or without a
+  // Takes what the shadow lane measured, to be learnt at the next tick, in manual mode too. The
+  // latest kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or without a
   // cost are ignored.
   static constexpr size_t kMaxShadowSamples = 256;
   void ObserveShadow(std::span<const ShadowSample> samples);

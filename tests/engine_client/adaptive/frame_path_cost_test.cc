@@ -107,8 +107,9 @@ std::unique_ptr<AdaptiveBroadPhase> MakeWithLane(FrameSink& sink) {
   std::vector<ArmBackend> backends;
   for (uint32_t arm = 0; arm < BroadPhaseNames().size(); ++arm) backends.push_back(make(arm));
   const AdaptiveOptions options{.shadow = {.duty_ratio = 1, .sweep_interval_min_ns = 0}};
-  return std::move(*AdaptiveFactory::Make(options, std::move(backends),
-                                          {.make = make, .core_count = 8}, &sink, SteadyClock()));
+  return std::move(*AdaptiveFactory::Make(
+      options, std::move(backends),
+      {.make = make, .usable_cores = []() noexcept { return size_t{8}; }}, &sink, SteadyClock()));
 }
 
 // The costs of frames on their thread, apart from time.

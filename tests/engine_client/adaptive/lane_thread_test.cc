@@ -1,5 +1,5 @@
-// The lane's own thread: it goes last where it has to share a core, and counts the time that it
-// ran.
+// The lane's own thread: it goes last where it has to share a core, rests where there is none, and
+// counts the time that it ran.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,11 +10,13 @@
 
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/broad_phase/host/hook_points.h"
+#include "engine_client/broad_phase/host/usable_cores.h"
 #include "tests/support/recording_sink.h"
 #include "tests/support/scripted_broad_phase.h"
 #include "tests/support/scripted_clock.h"
 
 #if defined(__linux__)
+#include <sched.h>
 #include <sys/resource.h>
 #endif
 
@@ -31,6 +33,49 @@ using test_support::ScriptedClock;
 uint64_t ThreeMsAtATime() noexcept {
   static std::atomic<uint64_t> ran_ns{0};
   return ran_ns += 3 * kMs;
+}
+
+std::atomic<size_t> cores_now{0};
+
+TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
+  ScriptedClock clock;
+  const ArmScript script{.update_ns = kMs};
+  const std::atomic<Mode> mode{Mode::kAi};
+  cores_now = 4;
+  ShadowLane lane(
+      {.options = {},
+       .arm_count = 2,
+       .make =
+           [&](uint32_t) {
+             return ArmBackend{nullptr, std::make_unique<ScriptedBroadPhase>(script, clock)};
+           },
+       .clock = clock,
+       .mode = mode,
+       .engine_threads = 4,
+       .usable_cores = []() noexcept { return cores_now.load(); }});
+  uint64_t frame = 0;
+  const auto play = [&](int frame_count) {
+    for (int k = 0; k < frame_count; ++k) {
+      clock.Advance(10 * kMs);
+      lane.OnFrame(std::vector<Aabb>(20),
+                   {.frame_index = frame++, .frame_time_ns = 10 * kMs, .arm = 1});
+      lane.Step();
+    }
+  };
+  EXPECT_EQ(lane.stats().state, ShadowState::kNoSpareCore);
+  play(200);
+  EXPECT_EQ(lane.stats().visit_count, 0U);
+  EXPECT_EQ(lane.Ask(0), ShadowLane::Preparation::kNever);
+  cores_now = 5;  // the process may run on more cores from now on
+  play(200);
+  EXPECT_EQ(lane.stats().state, ShadowState::kRunning);
+  EXPECT_GE(lane.stats().visit_count, 2U);
+  cores_now = 1;
+  play(200);
+  const uint64_t visit_count = lane.stats().visit_count;
+  EXPECT_EQ(lane.stats().state, ShadowState::kNoSpareCore);
+  play(200);
+  EXPECT_EQ(lane.stats().visit_count, visit_count);
 }
 
 TEST(LaneThread, MeasuresTheTimeThatItRan) {
@@ -61,7 +106,25 @@ TEST(LaneThread, MeasuresTheTimeThatItRan) {
   EXPECT_EQ(lane.stats().busy_time_ns, 2 * kShadowBurstFrames * 3 * kMs);
 }
 
+TEST(UsableCores, AreAtLeastOneAndNotMoreThanTheMachineHas) {
+  EXPECT_GE(UsableCores(), 1U);
+  EXPECT_LE(UsableCores(), std::max(std::thread::hardware_concurrency(), 1U));
+}
+
 #if defined(__linux__)
+
+TEST(UsableCores, AreThoseOfTheThreadsAffinity) {
+  size_t cores = 0;
+  std::thread pinned([&] {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(static_cast<size_t>(sched_getcpu()), &set);
+    EXPECT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
+    cores = UsableCores();
+  });
+  pinned.join();
+  EXPECT_EQ(cores, 1U);
+}
 
 struct LanePriority {
   std::atomic<int> lane_nice{-100};

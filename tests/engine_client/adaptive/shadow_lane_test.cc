@@ -3,132 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <functional>
 #include <limits>
 #include <thread>
 
-#include "tests/support/recording_sink.h"
-#include "tests/support/scripted_clock.h"
+#include "tests/engine_client/adaptive/driven_lane.h"
 
 namespace sweepstake {
 namespace {
 
-using test_support::RecordingSink;
-using test_support::ScriptedClock;
-using Preparation = ShadowLane::Preparation;
-
+using test_support::kCopiesBytes;
 using test_support::kMs;
-
-struct Script {
-  uint64_t build_ns = 5 * kMs;
-  uint64_t update_ns = 1 * kMs;
-  uint64_t find_ns = 1 * kMs;
-  size_t bytes = 1000;
-  std::function<void()> in_build = [] {};
-  // A search asks so often whether to end, and each time takes and grows by this.
-  uint64_t question_count = 0;
-  uint64_t question_ns = 0;
-  uint64_t question_bytes = 0;
-  std::function<void(uint64_t)> in_search = [](uint64_t) {};  // with the number of the question
-};
-
-// A backend that takes its scripted time and records its boxes.
-class LaneBackend final : public BroadPhase {
- public:
-  LaneBackend(const Script& script, ScriptedClock& clock) : script_(script), clock_(clock) {}
-
-  std::string_view name() const override { return "Lane"; }
-  uint32_t version() const override { return 1; }
-  void Build(std::span<const Aabb> boxes) override {
-    shown.assign(1, boxes.size());
-    script_.in_build();
-    clock_.Advance(script_.build_ns);
-  }
-  void Update(std::span<const Aabb> boxes) override {
-    shown.push_back(boxes.size());
-    clock_.Advance(script_.update_ns);
-  }
-  void FindPairs(PairBuffer&) override {
-    clock_.Advance(script_.find_ns);
-    for (questions = 1; questions <= script_.question_count; ++questions) {
-      clock_.Advance(script_.question_ns);
-      script_.in_search(questions);
-      if (stop()->WantsStop(script_.question_bytes)) return;
-    }
-  }
-  uint64_t aabb_check_count() const override { return 100 * shown.size(); }
-  size_t native_bytes() const override { return shown.empty() ? 0 : script_.bytes; }
-
-  std::vector<size_t> shown;  // object counts since the build
-  uint64_t questions = 0;     // of the latest search
-
- private:
-  const Script& script_;
-  ScriptedClock& clock_;
-};
-
-// The lane's copies of 20 objects, and of the room that it leaves for more.
-constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
-
-// A lane that is driven by hand: a frame, then a step.
-class ShadowLaneTest : public ::testing::Test {
- protected:
-  void SetUp() override { Make({}); }
-
-  void Make(const ShadowOptions& options) { Make(options, clock_); }
-  void Make(const ShadowOptions& options, Clock& clock) {
-    sink_ = RecordingSink();
-    made_count_ = 0;
-    lane_ = std::make_unique<ShadowLane>(ShadowLane::Setup{
-        .options = options,
-        .arm_count = static_cast<uint32_t>(scripts_.size()),
-        .make = [this](uint32_t arm) { return MakeBackend(arm); },
-        .sink = &sink_,
-        .clock = clock,
-        .mode = mode_,
-    });
-  }
-
-  ArmBackend MakeBackend(uint32_t arm) {
-    ++made_count_;
-    return {nullptr, std::make_unique<LaneBackend>(scripts_[arm], clock_)};
-  }
-
-  void Frame() {
-    clock_.Advance(10 * kMs);
-    lane_->OnFrame(std::vector<Aabb>(object_count_),
-                   {.frame_index = frame_index_++, .frame_time_ns = 10 * kMs, .arm = 1});
-    lane_->Step();
-  }
-  void Frames(int count) {
-    for (int i = 0; i < count; ++i) Frame();
-  }
-  // The lane requests room first, and then its frames.
-  void FirstSweep() {
-    lane_->Step();
-    Frames(1 + static_cast<int>(kShadowBurstFrames));
-  }
-  // Runs frames until the switch is ready.
-  int FramesUntilReady(uint32_t arm) {
-    int frames = 0;
-    while (lane_->Ask(arm) == Preparation::kUnderWay && frames < 100) {
-      Frame();
-      ++frames;
-    }
-    return frames;
-  }
-
-  ScriptedClock clock_;
-  std::atomic<Mode> mode_{Mode::kAi};
-  std::vector<Script> scripts_{3};
-  RecordingSink sink_;
-  PairBuffer pairs_;
-  std::unique_ptr<ShadowLane> lane_;
-  uint64_t frame_index_ = 0;
-  size_t object_count_ = 20;
-  int made_count_ = 0;
-};
+using test_support::LaneBackend;
+using test_support::LaneScript;
+using test_support::RecordingSink;
+using Preparation = ShadowLane::Preparation;
+using ShadowLaneTest = test_support::DrivenLane;
 
 TEST_F(ShadowLaneTest, MeasuresEveryArmOnTheSameFrames) {
   scripts_[2].update_ns = 3 * kMs;
@@ -171,7 +60,7 @@ TEST_F(ShadowLaneTest, KeepsWithinItsShareOfTheTime) {
 }
 
 TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
-  for (Script& script : scripts_) script = {.build_ns = 1, .update_ns = 1, .find_ns = 1};
+  for (LaneScript& script : scripts_) script = {.build_ns = 1, .update_ns = 1, .find_ns = 1};
   clock_.SetReading(kMs);  // A copy takes 1 ms: 8 of them may be made in 80 frames of 10 ms.
   FirstSweep();
   const uint64_t begin = frame_index_;
@@ -179,6 +68,21 @@ TEST_F(ShadowLaneTest, SpacesItsSweepsSoThatCopyingTakesOnePercentOfTheFrames) {
   const double copy_ms = static_cast<double>(lane_->stats().copy_time_ns) / kMs;
   EXPECT_LE(copy_ms, 0.01 * 10 * static_cast<double>(frame_index_ - begin) + 8);
   EXPECT_GT(copy_ms, 0.008 * 10 * static_cast<double>(frame_index_ - begin));
+}
+
+TEST_F(ShadowLaneTest, SweepsLessOftenWhereItsWorkMakesSearchesSlower) {
+  Frames(5000);
+  const uint64_t sweep_count = lane_->stats().sweep_count;
+  EXPECT_GT(sweep_count, 50U);
+  Make({});
+  MakeItCost(/*slowdown=*/1);
+  const uint64_t busy_before_ns = lane_->stats().busy_time_ns;
+  Frames(5000);
+  EXPECT_GE(lane_->stats().sweep_count, 2U);
+  EXPECT_LT(lane_->stats().sweep_count, sweep_count / 10);
+  // Of the 50 s that the frames take at least, and of 5 s that were saved up.
+  const auto busy_ns = static_cast<double>(lane_->stats().busy_time_ns - busy_before_ns);
+  EXPECT_LT(busy_ns * lane_->cost().slowdown(), 1.1 * ShadowSchedule::kMaxCostRatio * 55e9);
 }
 
 TEST_F(ShadowLaneTest, EndsAVisitAtTheTimeCap) {
@@ -274,7 +178,7 @@ TEST_F(ShadowLaneTest, LeavesASearchWhosePreparationIsCancelledAndBuildsAnewForT
 TEST_F(ShadowLaneTest, EndsASearchOnItsThreadWhenDestroyed) {
   std::atomic<bool> is_searching{false};
   scripts_.resize(2);
-  for (Script& script : scripts_) {
+  for (LaneScript& script : scripts_) {
     script.question_count = std::numeric_limits<uint64_t>::max();
     script.in_search = [&](uint64_t) { is_searching = true; };
   }
@@ -312,7 +216,7 @@ TEST_F(ShadowLaneTest, StaysOffWhileTheSceneIsTooBigForItsMemory) {
 }
 
 TEST_F(ShadowLaneTest, KeepsStructuresWithinItsMemory) {
-  for (Script& script : scripts_) script.bytes = 40'000;
+  for (LaneScript& script : scripts_) script.bytes = 40'000;
   Make({.memory_cap_bytes = 200'000});
   for (int i = 0; i < 40; ++i) {
     Frames(10);
@@ -348,7 +252,7 @@ TEST_F(ShadowLaneTest, FreesWhatItPreparedWhereThatOutgrowsItsMemory) {
 }
 
 TEST_F(ShadowLaneTest, FreesOtherStructuresForOneThatItPrepares) {
-  for (Script& script : scripts_) script.bytes = 40'000;
+  for (LaneScript& script : scripts_) script.bytes = 40'000;
   Make({.memory_cap_bytes = 200'000});
   FirstSweep();
   EXPECT_EQ(lane_->stats().memory_bytes, kCopiesBytes + 80'000) << "two of them fit";
@@ -389,7 +293,7 @@ TEST_F(ShadowLaneTest, LeavesAStructureThatAloneIsOverItsMemoryAfterTheFirstFram
   EXPECT_EQ(lane_->Ask(0), Preparation::kNever);
 }
 
-TEST_F(ShadowLaneTest, RestsInManualModeUnlessAskedNotTo) {
+TEST_F(ShadowLaneTest, RestsInAGameThatHasAlwaysBeenManualUnlessAskedNotTo) {
   mode_ = Mode::kManual;
   FirstSweep();
   EXPECT_EQ(lane_->stats().state, ShadowState::kPaused);
@@ -399,6 +303,7 @@ TEST_F(ShadowLaneTest, RestsInManualModeUnlessAskedNotTo) {
   FirstSweep();
   EXPECT_EQ(sink_.shadows.size(), 3U);
   mode_ = Mode::kManual;
+  EXPECT_EQ(lane_->stats().state, ShadowState::kRunning);
   Make({.enabled = ShadowMode::kOn});
   FirstSweep();
   EXPECT_EQ(sink_.shadows.size(), 3U);

@@ -99,6 +99,34 @@ TEST_F(ShadowScheduleTest, CountsOtherWorkOfItsThread) {
   EXPECT_GE(schedule_.next_sweep_ns(), before_ns + 1900 * kMs);
 }
 
+TEST_F(ShadowScheduleTest, CostsTheFrameThreadItsShareAndWhatItSaved) {
+  cost_ns_ = {3 * kMs, 4 * kMs, 9 * kMs};
+  const uint64_t begun_ns = now_ns_ = 100'000 * kMs;
+  const auto sweep = [&](double slowdown) {
+    const uint64_t busy_before_ns = busy_ns_;
+    Sweep();
+    const double cost_ns = slowdown * static_cast<double>(busy_ns_ - busy_before_ns);
+    schedule_.Charge(now_ns_, cost_ns);
+    return cost_ns;
+  };
+  double cost_ns = 0;
+  for (int k = 0; k < 500; ++k) cost_ns += sweep(0.5);
+  const auto whole_ns = static_cast<double>(schedule_.next_sweep_ns() - begun_ns);
+  const auto saved_ns = static_cast<double>(ShadowSchedule::kSavingsNs);
+  EXPECT_NEAR(cost_ns / (whole_ns + saved_ns), ShadowSchedule::kMaxCostRatio, 1e-4);
+
+  // A scene that changes all the time is granted what it could have saved, and no more.
+  const uint64_t changing_ns = now_ns_;
+  cost_ns = 0;
+  for (int k = 0; k < 500; ++k) {
+    cost_ns_[0] = 9 * kMs - cost_ns_[0];
+    cost_ns += sweep(0.5);
+  }
+  const auto changed_ns = static_cast<double>(schedule_.next_sweep_ns() - changing_ns);
+  EXPECT_LT(cost_ns / changed_ns, 2.2 * ShadowSchedule::kMaxCostRatio);
+  EXPECT_GT(cost_ns / changed_ns, 1.3 * ShadowSchedule::kMaxCostRatio);
+}
+
 TEST_F(ShadowScheduleTest, DoesNotRepeatCheapSweepsWithoutNeed) {
   cost_ns_ = {1000, 1000, 1000};
   const uint64_t begun_ns = now_ns_;

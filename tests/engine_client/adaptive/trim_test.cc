@@ -46,8 +46,9 @@ class TrimTest : public ::testing::Test {
     options_.shadow.enabled = ShadowMode::kOn;
     std::vector<ArmBackend> backends;
     for (uint32_t arm = 0; arm < options_.arms.size(); ++arm) backends.push_back(make(arm));
-    adaptive_ = std::move(
-        *AdaptiveFactory::Make(options_, std::move(backends), {make, 2}, nullptr, SteadyClock()));
+    adaptive_ = std::move(*AdaptiveFactory::Make(options_, std::move(backends),
+                                                 {make, []() noexcept { return size_t{2}; }},
+                                                 nullptr, SteadyClock()));
   }
   ShadowStats lane() const { return adaptive_->shadow_stats(); }
 

@@ -44,17 +44,22 @@ ArmBackend MakeArm(std::string_view name, Executor* executor) {
   return made;
 }
 
+template <size_t count>
+size_t Cores() noexcept {
+  return count;
+}
+
 // All arms on a machine with spare cores, and a scene that moves.
 class WarmSwitchTest : public ::testing::Test {
  protected:
-  void Make(AdaptiveOptions options, size_t core_count = 8) {
+  void Make(AdaptiveOptions options, size_t (*cores)() noexcept = Cores<8>) {
     const auto make = [executor = options.executor](uint32_t arm) {
       return MakeArm(BroadPhaseNames()[arm], executor);
     };
     std::vector<ArmBackend> backends;
     for (uint32_t arm = 0; arm < BroadPhaseNames().size(); ++arm) backends.push_back(make(arm));
-    adaptive_ = std::move(*AdaptiveFactory::Make(options, std::move(backends), {make, core_count},
-                                                 &sink_, SteadyClock()));
+    adaptive_ = std::move(
+        *AdaptiveFactory::Make(options, std::move(backends), {make, cores}, &sink_, SteadyClock()));
   }
 
   // Runs one frame, whose searches must find the pairs of brute force.
@@ -240,10 +245,10 @@ TEST_F(WarmSwitchTest, HasNoLaneWithoutNeedOrASpareCore) {
   const auto state = [this] { return adaptive_->shadow_stats().state; };
   Make({.shadow = {.enabled = ShadowMode::kOff}});
   EXPECT_EQ(state(), ShadowState::kOff);
-  Make({}, /*core_count=*/1);
+  Make({}, Cores<1>);
   EXPECT_EQ(state(), ShadowState::kNoSpareCore);
   LoneExecutor executor;
-  Make({.executor = &executor}, /*core_count=*/2);
+  Make({.executor = &executor}, Cores<2>);
   EXPECT_EQ(state(), ShadowState::kNoSpareCore);
   ASSERT_NO_FATAL_FAILURE(SwitchTo(3));
   EXPECT_EQ(adaptive_->shadow_stats().cold_switch_count, 1U);

@@ -89,7 +89,7 @@ class ZonesTest : public ::testing::Test {
     for (uint32_t arm = 0; arm < 2; ++arm) backends.push_back(SapOrKdTree(arm));
     AdaptiveOptions options;
     options.shadow.enabled = shadow;
-    const LaneParts lane{SapOrKdTree, /*core_count=*/8};
+    const LaneParts lane{SapOrKdTree, []() noexcept { return size_t{8}; }};
     adaptive_ = std::move(
         *AdaptiveFactory::Make(options, std::move(backends), lane, nullptr, SteadyClock()));
   }

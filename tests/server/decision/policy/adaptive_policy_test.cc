@@ -128,6 +128,19 @@ TEST(AdaptivePolicy, TriesOnlyWhatMakesAFrameHardlyLonger) {
   }
 }
 
+// So that a game which has gone manual knows when it is worth its while to be decided for again.
+TEST(AdaptivePolicy, LearnsFromTheLaneInManualModeAndCommandsNothing) {
+  SessionSetup setup = AdaptiveSetup(3);
+  setup.mode = Mode::kManual;
+  Game game(setup, {20'000, 12'000, 10'000}, /*lane=*/true);
+  game.RunTicks(20);
+  EXPECT_TRUE(game.client.commands.empty());
+  EXPECT_GT(game.client.session.diagnosis().best_probability[2], 0.8);
+  game.client.session.SetMode(Mode::kAi, 0, game.client.now_ns);
+  game.RunTicks(2);
+  EXPECT_EQ(game.client.arm, 2U);
+}
+
 TEST(AdaptivePolicy, ACappedVisitSaysThatAnArmCostsAtLeastSoMuch) {
   const auto cost_us = [](uint64_t capped_us) {
     Game game({10'000, 40'000});

@@ -1,0 +1,54 @@
+#include "engine_client/adaptive/lane_cost.h"
+
+#include <algorithm>
+
+namespace sweepstake {
+namespace {
+
+void Add(std::atomic<uint64_t>& sum, uint64_t amount) {
+  sum.store(sum.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void LaneCost::End(uint32_t begun, uint64_t detection_ns, uint32_t epoch) noexcept {
+  const bool is_beside = begun % 2 != 0 || work_.load(std::memory_order_relaxed) != begun;
+  Cell& cell = is_beside ? beside_ : alone_;
+  Add(cell.count, 1);
+  Add(cell.ns, detection_ns);
+  epoch_.store(epoch, std::memory_order_relaxed);
+}
+
+void LaneCost::BeginWork() {
+  alone_between_ = alone_.sum() - alone_before_;
+  beside_before_ = beside_.sum();
+  work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
+// Searches that the work ends or begins within count as beside it: their extra time is all there,
+// and what they took without the lane is at most the work's time. The few searches before a first
+// sweep, of structures that still grow, are no measure.
+double LaneCost::EndWork(uint64_t wall_ns) {
+  work_.store(work_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  const Searches beside = beside_.sum() - beside_before_;
+  const uint32_t epoch = epoch_.load(std::memory_order_relaxed);
+  const auto wall = static_cast<double>(wall_ns);
+  if (beside.count > 0 && alone_between_.count >= beside.count && epoch == epoch_before_) {
+    const double alone_ns =
+        static_cast<double>(alone_between_.ns) / static_cast<double>(alone_between_.count);
+    const double without_ns = alone_ns * static_cast<double>(beside.count);
+    const double base_ns = std::min(without_ns, wall);
+    const double extra_ns = static_cast<double>(beside.ns) - without_ns;
+    extra_ns_ = kKept * extra_ns_ + std::clamp(extra_ns, kLeast * base_ns, kMost * base_ns);
+    base_ns_ = kKept * base_ns_ + base_ns;
+  }
+  epoch_before_ = epoch;
+  alone_before_ = alone_.sum();
+  return wall * slowdown();
+}
+
+double LaneCost::slowdown() const {
+  return std::max((kPriorSlowdown * kPriorNs + extra_ns_) / (kPriorNs + base_ns_), 0.0);
+}
+
+}  // namespace sweepstake

@@ -1,0 +1,137 @@
+// A shadow lane that is driven by hand, with arms that take what their scripts say.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "engine_client/adaptive/shadow_lane.h"
+#include "tests/support/recording_sink.h"
+#include "tests/support/scripted_clock.h"
+
+namespace sweepstake::test_support {
+
+struct LaneScript {
+  uint64_t build_ns = 5 * kMs;
+  uint64_t update_ns = 1 * kMs;
+  uint64_t find_ns = 1 * kMs;
+  size_t bytes = 1000;
+  std::function<void()> in_build = [] {};
+  // A search asks so often whether to end, and each time takes and grows by this.
+  uint64_t question_count = 0;
+  uint64_t question_ns = 0;
+  uint64_t question_bytes = 0;
+  std::function<void(uint64_t)> in_search = [](uint64_t) {};  // with the number of the question
+};
+
+// A backend that takes its scripted time and records its boxes.
+class LaneBackend final : public BroadPhase {
+ public:
+  LaneBackend(const LaneScript& script, ScriptedClock& clock) : script_(script), clock_(clock) {}
+
+  std::string_view name() const override { return "Lane"; }
+  uint32_t version() const override { return 1; }
+  void Build(std::span<const Aabb> boxes) override {
+    shown.assign(1, boxes.size());
+    script_.in_build();
+    clock_.Advance(script_.build_ns);
+  }
+  void Update(std::span<const Aabb> boxes) override {
+    shown.push_back(boxes.size());
+    clock_.Advance(script_.update_ns);
+  }
+  void FindPairs(PairBuffer&) override {
+    clock_.Advance(script_.find_ns);
+    for (questions = 1; questions <= script_.question_count; ++questions) {
+      clock_.Advance(script_.question_ns);
+      script_.in_search(questions);
+      if (stop()->WantsStop(script_.question_bytes)) return;
+    }
+  }
+  uint64_t aabb_check_count() const override { return 100 * shown.size(); }
+  size_t native_bytes() const override { return shown.empty() ? 0 : script_.bytes; }
+
+  std::vector<size_t> shown;  // object counts since the build
+  uint64_t questions = 0;     // of the latest search
+
+ private:
+  const LaneScript& script_;
+  ScriptedClock& clock_;
+};
+
+// Copies of 20 objects, and of the room that the lane leaves for more.
+inline constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
+
+// A frame, then a step of the lane.
+class DrivenLane : public ::testing::Test {
+ protected:
+  void SetUp() override { Make({}); }
+
+  void Make(const ShadowOptions& options) { Make(options, clock_); }
+  void Make(const ShadowOptions& options, Clock& clock) {
+    sink_ = RecordingSink();
+    made_count_ = 0;
+    lane_ = std::make_unique<ShadowLane>(ShadowLane::Setup{
+        .options = options,
+        .arm_count = static_cast<uint32_t>(scripts_.size()),
+        .make = [this](uint32_t arm) { return MakeBackend(arm); },
+        .sink = &sink_,
+        .clock = clock,
+        .mode = mode_,
+    });
+    MakeItCost(0);
+  }
+
+  // By a search beside its work that took 1 + `slowdown` times as long as the one before.
+  void MakeItCost(uint64_t slowdown) {
+    LaneCost& cost = lane_->cost();
+    cost.End(cost.Begin(), 1000 * kMs, 0);
+    cost.BeginWork();
+    cost.End(cost.Begin(), (1 + slowdown) * 1000 * kMs, 0);
+    cost.EndWork((1 + slowdown) * 1000 * kMs);
+  }
+
+  ArmBackend MakeBackend(uint32_t arm) {
+    ++made_count_;
+    return {nullptr, std::make_unique<LaneBackend>(scripts_[arm], clock_)};
+  }
+
+  void Frame() {
+    clock_.Advance(10 * kMs);
+    lane_->OnFrame(std::vector<Aabb>(object_count_),
+                   {.frame_index = frame_index_++, .frame_time_ns = 10 * kMs, .arm = 1});
+    lane_->Step();
+  }
+  void Frames(int count) {
+    for (int i = 0; i < count; ++i) Frame();
+  }
+  // The lane requests room first, and then its frames.
+  void FirstSweep() {
+    lane_->Step();
+    Frames(1 + static_cast<int>(kShadowBurstFrames));
+  }
+  // Runs frames until the switch is ready.
+  int FramesUntilReady(uint32_t arm) {
+    int frames = 0;
+    while (lane_->Ask(arm) == ShadowLane::Preparation::kUnderWay && frames < 100) {
+      Frame();
+      ++frames;
+    }
+    return frames;
+  }
+
+  ScriptedClock clock_;
+  std::atomic<Mode> mode_{Mode::kAi};
+  std::vector<LaneScript> scripts_{3};
+  RecordingSink sink_;
+  PairBuffer pairs_;
+  std::unique_ptr<ShadowLane> lane_;
+  uint64_t frame_index_ = 0;
+  size_t object_count_ = 20;
+  int made_count_ = 0;
+};
+
+}  // namespace sweepstake::test_support
