@@ -109,7 +109,7 @@ PLATFORM_FOLDERS = {
     "engine_client/c_api/flavours", "engine_client/telemetry", "engine_client/cli", "server", "server/auth", "server/net", "server/priors", "server/storage",
     "server/tls", "server/watch", "server/rpc", "server/web"}
 # The names of threads are the system's alone; where it has none, this file does nothing.
-PLATFORM_FILES = {"engine_client/broad_phase/host/threads.cc"}
+PLATFORM_FILES = {"engine_client/broad_phase/host/threads.cc", "engine_client/broad_phase/host/usable_cores.cc"}
 PLATFORM_HEADER = re.compile(
     r"^(sys/|netinet/|arpa/|linux/|net/if|(unistd|fcntl|poll|pthread|dirent|dlfcn|termios|netdb|sched|ifaddrs|syslog|"
     r"pwd|grp|signal|spawn|windows|winsock2|ws2tcpip|io|direct)\.h$)")

@@ -33,8 +33,8 @@ class LaneCost {
   void End(uint32_t begun, uint64_t detection_ns, uint32_t epoch) noexcept;
 
   void BeginWork();
-  // The work took `wall_ns` by the clock. Returns what it has cost the frame thread, by the slowdown
-  // measured so far, even if no search fell into it.
+  // The work took `wall_ns` by the clock. Returns what it has cost the frame thread, by the
+  // slowdown measured so far, even if no search fell into it.
   double EndWork(uint64_t wall_ns);
   // Time of the frame thread beside the lane ÷ without, minus 1; >= 0.
   double slowdown() const;

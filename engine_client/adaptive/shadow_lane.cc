@@ -150,11 +150,9 @@ bool ShadowLane::HasCore() {
   const uint64_t now_ns = setup_.clock.NowNs();
   if (setup_.usable_cores != nullptr && !collecting_ && now_ns >= next_core_count_ns_) {
     next_core_count_ns_ = now_ns + std::chrono::nanoseconds(kCorePoll).count();
-    const bool has_core = setup_.engine_threads < setup_.usable_cores();
-    const ShadowState state = state_.load(std::memory_order_relaxed);
-    if (!has_core) {
+    if (setup_.engine_threads >= setup_.usable_cores()) {
       state_.store(ShadowState::kNoSpareCore, std::memory_order_relaxed);
-    } else if (state == ShadowState::kNoSpareCore) {
+    } else if (state_.load(std::memory_order_relaxed) == ShadowState::kNoSpareCore) {
       state_.store(ShadowState::kRunning, std::memory_order_relaxed);
     }
   }
