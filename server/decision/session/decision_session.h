@@ -95,8 +95,8 @@ class DecisionSession {
   }
 
   // Takes what the shadow lane measured, to be learnt at the next tick, in manual mode too. The
-  // latest kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or without a
-  // cost are ignored.
+  // latest kMaxShadowSamples samples since the last tick are kept. Samples of an unknown arm or
+  // without a cost are ignored.
   static constexpr size_t kMaxShadowSamples = 256;
   void ObserveShadow(std::span<const ShadowSample> samples);
   // Takes what the scene looks like. The latest descriptor is learnt at the next tick.
