@@ -39,7 +39,7 @@ double LaneCost::EndWork(uint64_t wall_ns) {
     const double without_ns = alone_ns * static_cast<double>(beside.count);
     const double base_ns = std::min(without_ns, wall);
     const double extra_ns = static_cast<double>(beside.ns) - without_ns;
-    extra_ns_ = kKept * extra_ns_ + std::clamp(extra_ns, kLeast * base_ns, kMost * base_ns);
+    extra_ns_ = kKept * extra_ns_ + std::clamp(extra_ns, -kMost * base_ns, kMost * base_ns);
     base_ns_ = kKept * base_ns_ + base_ns;
   }
   epoch_before_ = epoch;

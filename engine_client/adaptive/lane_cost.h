@@ -23,9 +23,9 @@ class LaneCost {
   static constexpr double kPriorNs = 2e6;
   // What is left of the weight of a stretch after the next one.
   static constexpr double kKept = 0.9;
-  // A stretch tells a ratio between 1 - 0.5 and 1 + 3 at most: a single hitch is no cost.
-  static constexpr double kLeast = -0.5;
-  static constexpr double kMost = 3;
+  // A stretch tells at most so much, and as little: what else goes on in the machine must not keep
+  // the lane from measuring for long.
+  static constexpr double kMost = 0.5;
 
   // Before a search, for End.
   uint32_t Begin() const noexcept { return work_.load(std::memory_order_relaxed); }
