@@ -10,6 +10,7 @@
 #include "engine_client/telemetry/common/validation.h"
 #include "engine_client/telemetry/protocol/session_link.h"
 #include "server/decision/math/hash.h"
+#include "server/decision/math/names.h"
 
 using sweepstake::ConnectionState;
 using sweepstake::LinkAction;
@@ -44,6 +45,8 @@ struct Link : LinkedSession {
     if (owner == nullptr) return;
     owner->content->link = nullptr;
     owner->content->adaptive->SetDeciderPresent(false);
+    owner->content->adaptive->SetSettling(owner->content->settling_ns);
+    owner->content->adaptive->SetBailOutLimit(owner->content->bail_out_ns);
   }
 
   std::mutex mutex;  // guards what follows
@@ -99,6 +102,10 @@ swp_result CheckOptions(const swp_link_options& given) {
     return Fail(SWP_INVALID_ARGUMENT, "allow_operator_orders and ignore_priors must be 0 or 1");
   }
   if (given.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+  if (!sweepstake::math::IsOptionalName(TextOr(given.daemon, ""))) {
+    return Fail(SWP_INVALID_ARGUMENT,
+                "daemon must be at most 128 bytes of UTF-8 without control characters");
+  }
   return ToResult(sweepstake::ValidateSessionOptions(ToSessionOptions(given)));
 }
 
@@ -114,7 +121,7 @@ swp_result CreateLink(swp_session& session, const swp_link_options& given, swp_l
   }
   const std::string_view address = TextOr(given.daemon, "");
   std::string daemon = "the daemon";
-  if (!address.empty()) daemon.append(" at ").append(address.substr(0, 300));
+  if (!address.empty()) daemon.append(" at ").append(address);
   Publish(std::make_unique<Link>(session, ToSessionOptions(given), std::move(daemon),
                                  JitterSeed(given, session)),
           link);
@@ -146,6 +153,7 @@ swp_result TakeMessage(Link& live, uint64_t now_ns, void* buffer, uint64_t capac
   if (next == LinkAction::kFinish) live.protocol.Take(now_ns);
   if (next != LinkAction::kSend) return SWP_OK;
   *size = live.protocol.next_message_bytes();
+  if (capacity == 0) return SWP_RESOURCE_EXHAUSTED;  // the caller asks, with a write under way
   if (*size > capacity) {
     return Fail(SWP_RESOURCE_EXHAUSTED,
                 "the message is larger than the buffer: size says how large");

@@ -95,6 +95,7 @@ swp_result CreateSession(const swp_session_options& options, swp_session** sessi
   if (!adaptive.ok()) return ToResult(adaptive.status());
   created->adaptive = std::move(*adaptive);
   created->settling_ns = options.settling_ns;
+  created->bail_out_ns = options.bail_out_ns;
   Publish(std::move(created), session);
   return SWP_OK;
 }
@@ -132,11 +133,11 @@ swp_result swp_session_begin_frame(swp_session* session) {
 
 swp_result swp_session_find_pairs(swp_session* session, const swp_aabb* boxes, uint32_t box_count) {
   return Use(session, [&](Session& live) {
+    live.pairs.reset();
     if (const swp_result wrong = CheckBoxes(boxes, box_count); wrong != SWP_OK) return wrong;
     if (!live.in_frame) {
       return Fail(SWP_FAILED_PRECONDITION, "call swp_session_begin_frame first");
     }
-    live.pairs.reset();
     live.pairs = live.adaptive->FindPairs(ToBoxes(boxes, box_count));
     return kOk;
   });

@@ -34,7 +34,9 @@ struct Session {
   std::unique_ptr<Executor> executor;
   // Ends before the queue, its sink, and the executor.
   std::unique_ptr<AdaptiveBroadPhase> adaptive;
+  // Its own; a daemon's welcome replaces them while there is a link.
   uint64_t settling_ns = 0;
+  uint64_t bail_out_ns = 0;
 
   // Frame thread.
   bool in_frame = false;                              // between begin_frame and end_frame

@@ -1,6 +1,7 @@
 #include "engine_client/broad_phase/proxies/pair_events.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine_client/broad_phase/proxies/populations.h"
 
@@ -85,8 +86,10 @@ void PairEvents::Hold(std::span<const OverlapPair> before, std::span<const Overl
 void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                          const ProxyTable& moving, const ProxyTable& resting) {
   const Owners owners(moving, resting);
-  added_.clear();
-  removed_.clear();
+  Clear();
+  // Lists that have not all are never the set's.
+  HookedVector<ProxyPair> added = std::move(added_);
+  HookedVector<ProxyPair> removed = std::move(removed_);
   size_t b = 0;
   size_t n = 0;
   while (b < before.size() && n < now.size()) {
@@ -98,11 +101,13 @@ void PairEvents::Compare(std::span<const OverlapPair> before, std::span<const Ov
       ++n;
       continue;
     }
-    if (key_before <= key_now) removed_.push_back(owners.Before(before[b++]));
-    if (key_now <= key_before) added_.push_back(owners.Now(now[n++]));
+    if (key_before <= key_now) removed.push_back(owners.Before(before[b++]));
+    if (key_now <= key_before) added.push_back(owners.Now(now[n++]));
   }
-  while (b < before.size()) removed_.push_back(owners.Before(before[b++]));
-  while (n < now.size()) added_.push_back(owners.Now(now[n++]));
+  while (b < before.size()) removed.push_back(owners.Before(before[b++]));
+  while (n < now.size()) added.push_back(owners.Now(now[n++]));
+  added_ = std::move(added);
+  removed_ = std::move(removed);
 }
 
 }  // namespace sweepstake

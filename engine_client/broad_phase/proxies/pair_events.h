@@ -1,7 +1,7 @@
 // Which pairs have begun and which have ended between two frames.
 //
 // Not thread-safe. Owns its memory. Memory: 16 bytes per event. Errors: std::bad_alloc from
-// Compare; the events are then incomplete.
+// Compare; there are no events then.
 #pragma once
 
 #include <cstddef>
@@ -25,6 +25,11 @@ class PairEvents {
   // Cost: O(pairs).
   void Compare(std::span<const OverlapPair> before, std::span<const OverlapPair> now,
                const ProxyTable& moving, const ProxyTable& resting);
+
+  void Clear() {
+    added_.clear();
+    removed_.clear();
+  }
 
   // Appends to `out` the pairs `now` and those `before` that have not ended: their owners are the
   // same, may form a pair, and are at most `margin` apart on each axis. All ascend. Cost: O(pairs).

@@ -29,9 +29,9 @@ void ProxyKind::ChangePopulation(uint32_t place, uint8_t population) {
   Enter(place, population);
 }
 
-void ProxyKind::EnsureRoomIn(uint8_t population) {
+void ProxyKind::EnsureRoomIn(uint8_t population, size_t newcomers) {
   if (trees_[population] == nullptr) trees_[population] = std::make_unique<BoxTree>();
-  trees_[population]->EnsureRoomFor(1);
+  trees_[population]->EnsureRoomFor(newcomers);
   if (id_bit_ == 0 && population != 0) table_.HideOthers();
 }
 

@@ -37,7 +37,8 @@ class ProxyKind {
   }
 
   // Allocates what Add and ChangePopulation to this population need.
-  void EnsureRoomIn(uint8_t population);
+  // For so many that are to enter the population.
+  void EnsureRoomIn(uint8_t population, size_t newcomers = 1);
   // Returns the place of the new proxy.
   uint32_t Add(const Aabb& box, const CollisionFilter& filter, uint64_t user, uint8_t population);
   void Remove(uint32_t place);

@@ -1,6 +1,7 @@
 #include "sweepstake/proxy_set.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -23,10 +24,13 @@ size_t KeepPassing(std::span<const OverlapPair> pairs, const CollisionFilter* fi
   return count;
 }
 
+bool IsSame(const Aabb& a, const Aabb& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
 }  // namespace
 
 std::span<const OverlapPair> ProxySet::Impl::Resolve(std::span<const OverlapPair> moving_pairs) {
   const Zone zone(kZoneResolveProxies);
+  events_.Clear();  // those of the former call, should memory run out in this one
   const bool any_joins = joins_.Plan();
   if (moving_.table().all_pass() && !any_joins && !wants_sorted()) return moving_pairs;
   next_.Clear();
@@ -77,12 +81,29 @@ void ProxySet::Impl::Remove(ProxyKind& kind, uint32_t place) {
 
 // A box of the same bytes changes nothing.
 void ProxySet::Impl::Move(ProxyKind& kind, uint32_t place, const Aabb& box) {
-  if (std::memcmp(&kind.table().boxes()[place], &box, sizeof box) == 0) return;
+  if (IsSame(kind.table().boxes()[place], box)) return;
   const uint8_t population = kind.table().population(place);
   if (SleepsIn(population)) {
     kind.ChangePopulation(place, static_cast<uint8_t>(population - kSleepingPopulation));
   }
   kind.SetBox(place, box);
+}
+
+// For those whose boxes change. Without memory for all of them none is moved.
+void ProxySet::Impl::EnsureRoomToWake(std::span<const ProxyHandle> handles,
+                                      std::span<const Aabb> boxes) {
+  std::array<std::array<size_t, kSleepingPopulation>, 2> waking{};  // of each kind, by group
+  for (size_t k = 0; k < handles.size(); ++k) {
+    const ProxyKind& kind = KindOf(handles[k].index);
+    const uint32_t place = PlaceOf(handles[k].index);
+    const uint8_t population = kind.table().population(place);
+    if (!SleepsIn(population) || IsSame(kind.table().boxes()[place], boxes[k])) continue;
+    ++waking[&kind == &resting_ ? 1 : 0][population - kSleepingPopulation];
+  }
+  for (uint8_t group = 0; group < kSleepingPopulation; ++group) {
+    if (waking[0][group] > 0) moving_.EnsureRoomIn(group, waking[0][group]);
+    if (waking[1][group] > 0) resting_.EnsureRoomIn(group, waking[1][group]);
+  }
 }
 
 void ProxySet::Impl::SetFilter(ProxyKind& kind, uint32_t place, const CollisionFilter& filter) {
@@ -186,6 +207,7 @@ bool ProxySet::Move(ProxyHandle handle, const Aabb& box) {
 bool ProxySet::Move(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes) {
   assert(handles.size() == boxes.size());
   if (!impl_->AllLive(handles)) return false;
+  impl_->EnsureRoomToWake(handles, boxes);
   for (size_t k = 0; k < handles.size(); ++k) {
     impl_->Move(impl_->KindOf(handles[k].index), PlaceOf(handles[k].index), boxes[k]);
   }

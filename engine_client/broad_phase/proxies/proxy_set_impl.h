@@ -55,6 +55,7 @@ class ProxySet::Impl {
   ProxyHandle Add(const Aabb& box, const ProxyOptions& options);
   void Remove(ProxyKind& kind, uint32_t place);
   void Move(ProxyKind& kind, uint32_t place, const Aabb& box);
+  void EnsureRoomToWake(std::span<const ProxyHandle> handles, std::span<const Aabb> boxes);
   void SetFilter(ProxyKind& kind, uint32_t place, const CollisionFilter& filter);
   void SetStatic(ProxyKind& kind, uint32_t place, bool is_static);
   void SetSleeping(ProxyKind& kind, uint32_t place, bool is_sleeping);

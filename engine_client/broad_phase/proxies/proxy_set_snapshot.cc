@@ -42,11 +42,13 @@ Status CheckHeader(std::span<const std::byte> snapshot, const ProxySetOptions& o
             "the snapshot is of version " + std::to_string(header.version) +
                 ", this library reads " + std::to_string(kSnapshotVersion)};
   }
-  if (header.bytes != snapshot.size()) {
+  if (header.bytes < sizeof header || header.bytes > snapshot.size()) {
     return Damaged("has " + std::to_string(snapshot.size()) + " of " +
                    std::to_string(header.bytes) + " bytes");
   }
-  if (header.checksum != Checksum(snapshot.subspan(sizeof header))) return Damaged("is damaged");
+  if (header.checksum != Checksum(snapshot.first(header.bytes).subspan(sizeof header))) {
+    return Damaged("is damaged");
+  }
   if (header.options != OptionBits(options) || header.event_margin != options.event_margin) {
     return {StatusCode::kInvalidArgument,
             "the snapshot is of a set with other options: sorted_pairs, pair_events and "
@@ -98,7 +100,9 @@ Status ProxySet::Impl::Save(std::span<std::byte> snapshot) const {
 Status ProxySet::Impl::Restore(std::span<const std::byte> snapshot) {
   Status wrong = CheckHeader(snapshot, options_);
   if (!wrong.ok()) return wrong;
-  SnapshotReader reader(snapshot.subspan(sizeof(Header)));
+  Header header;
+  std::memcpy(&header, snapshot.data(), sizeof header);
+  SnapshotReader reader(snapshot.first(header.bytes).subspan(sizeof header));
   Visit(*this, reader);
   if (reader.failed() || !reader.at_end()) {
     return {StatusCode::kInternal, "the snapshot's fields are not those of its version"};

@@ -6,7 +6,8 @@
  * moves bytes; batches, numbers, sending again, back-off, resuming, orders of operators and the
  * answers to the frame path are done here:
  *
- *   for (;;) {                                       // until the state is SWP_LINK_CLOSED
+ *   for (;;) {                                       // until the state is SWP_LINK_CLOSED,
+ *                                                    // or delay_ms SWP_LINK_NEVER
  *     open a stream; swp_link_connected(link, now());
  *     while (it is open) {                           // every 5 ms, and when a message has come
  *       for each message that has come: swp_link_on_message(link, bytes, size, now());
@@ -43,7 +44,8 @@ typedef struct swp_link swp_link;
 typedef struct swp_link_options {
   uint32_t struct_size;
   uint32_t allow_operator_orders; /* 1: operators may choose mode and arm. Not for players. */
-  const char* daemon;             /* what messages call the daemon, as its address; NULL: nothing */
+  const char* daemon;             /* what messages call the daemon, as its address; NULL or "":
+                                     nothing */
   const char* project;            /* NULL: "default" */
   const char* scene;              /* NULL: "default" */
   const char* build;              /* NULL: unknown */
@@ -58,8 +60,11 @@ typedef struct swp_link_options {
   uint32_t batch_bytes;       /* 512 to 262,144 */
   uint32_t unacknowledged_messages; /* 1 to 4,096; at the bound nothing more is sent, and the
                                        session's queue drops its oldest samples */
-  uint32_t backoff_min_ms; /* doubles with each attempt up to the maximum, with full jitter; 1 to */
-  uint32_t backoff_max_ms; /* 3,600,000 */
+  uint32_t backoff_min_ms; /* doubles with each stream that broke up to the maximum, with full */
+  uint32_t backoff_max_ms; /* jitter; 1 to 3,600,000. What will not pass soon (a refusal, no stream
+                              at all) waits around the maximum, a refused token some six times as
+                              long, a daemon that drains what it says, up to four times the maximum
+                              and jitter */
   uint32_t reserved;       /* 0 */
 } swp_link_options;
 
@@ -103,8 +108,9 @@ typedef struct swp_link_stats {
 /* A text that a link has. */
 typedef uint32_t swp_link_text;
 enum {
-  SWP_LINK_LAST_ERROR = 0,     /* what went wrong most recently and what to do; "": nothing */
-  SWP_LINK_REFUSAL = 1,        /* why the daemon refused the latest attempt; "": it did not */
+  SWP_LINK_LAST_ERROR = 0, /* what went wrong most recently and what to do; "": nothing */
+  SWP_LINK_REFUSAL = 1, /* why the daemon refused the token, the names or the protocol of the latest
+                           attempt; "": it did not (another end is in LAST_ERROR alone) */
   SWP_LINK_SESSION_ID = 2,     /* "" before the first welcome, as the next two */
   SWP_LINK_DAEMON_VERSION = 3, /* of the program */
   SWP_LINK_POLICY = 4          /* that decides */
@@ -130,8 +136,8 @@ SWP_API swp_result swp_link_connected(swp_link* link, uint64_t now_ns);
 /* Takes the session's samples and says what to do. With SWP_LINK_SEND the next message is in
  * `buffer`, and counts as sent. If `capacity` is too small for it, the result is
  * SWP_RESOURCE_EXHAUSTED, `size` is what it takes, and the message stays the next one; so a caller
- * with a write under way passes NULL and 0. batch_bytes or 8 KiB, whichever is more, is enough for
- * nearly all.
+ * with a write under way passes NULL and 0, which is no error: `action` is written too, and no last
+ * error. batch_bytes or 8 KiB, whichever is more, is enough for nearly all.
  * SWP_LINK_FINISH is said once; with any other action than SWP_LINK_SEND, `size` is 0. Call it
  * every few milliseconds, with and without a stream, until the action is another one than
  * SWP_LINK_SEND.

@@ -54,7 +54,7 @@ enum {
 };
 
 typedef struct swp_proxy_options {
-  swp_filter filter;
+  swp_filter filter; /* {0, 0} passes with nothing; {~0u, ~0u}, as without options, with all */
   uint32_t flags;    /* SWP_PROXY_ bits */
   uint32_t reserved; /* 0 */
   uint64_t user;     /* any value of the caller */
@@ -143,8 +143,8 @@ SWP_API swp_result swp_proxies_set_sleeping(swp_proxies* proxies, swp_proxy prox
                                             uint32_t is_sleeping);
 /* Subtracts offset[0..2] from all coordinates. No pair ends; boxes may begin to touch that are
  * nearer than coordinates are rounded. A box that the shift takes beyond the largest float is
- * invalid until it gets another. SWP_INVALID_ARGUMENT for an offset that is not finite, which
- * changes nothing. Cost: O(proxies). */
+ * invalid until it gets another, as one that was before. SWP_INVALID_ARGUMENT for an offset that is
+ * not finite, which changes nothing. Cost: O(proxies). */
 SWP_API swp_result swp_proxies_shift_origin(swp_proxies* proxies, const float* offset);
 /* Frees what former proxies held. Ids and handles of living ones stay. Cost: O(proxies), and the
  * next use sorts all trees. Pointers to pairs and boxes end. If memory is out, all proxies are as
@@ -156,11 +156,12 @@ SWP_API swp_result swp_proxies_snapshot_bytes(const swp_proxies* proxies, uint64
 /* Writes the whole state to the caller's memory, without pointers, for a game that rolls back.
  * SWP_INVALID_ARGUMENT if there is less room than swp_proxies_snapshot_bytes. */
 SWP_API swp_result swp_proxies_save(const swp_proxies* proxies, void* snapshot, uint64_t capacity);
-/* Makes the set what it was: handles, pairs, events and queries go on as they did. Pointers to
- * pairs and boxes end. The set stays as it is if the snapshot is refused: SWP_DATA_LOSS if it is
- * cut off or damaged, SWP_INVALID_ARGUMENT if it is of another version of the library or of a set
- * with other options. Do not restore what others may have made. If memory is out, part of the
- * state is lost: only another restore or swp_proxies_destroy may follow. */
+/* Makes the set what it was: handles, pairs, events and queries go on as they did; handles that
+ * were made since the save are given out again, then for others. `bytes` may be more than the
+ * snapshot has. Pointers to pairs and boxes end. The set stays as it is if the snapshot is refused:
+ * SWP_DATA_LOSS if it is cut off or damaged, SWP_INVALID_ARGUMENT if it is of another version of
+ * the library or of a set with other options. Do not restore what others may have made. If memory
+ * is out, part of the state is lost: only another restore or swp_proxies_destroy may follow. */
 SWP_API swp_result swp_proxies_restore(swp_proxies* proxies, const void* snapshot, uint64_t bytes);
 
 /* The box and the options as they are now. Either output may be NULL. */
@@ -179,7 +180,9 @@ SWP_API swp_result swp_proxies_moving_boxes(const swp_proxies* proxies, const sw
                                             uint32_t* count);
 /* To be called once per frame with all pairs that were found in those boxes, with no change of the
  * set since they were taken. Keeps the pairs of ids that pass the filters, and adds those with
- * static proxies. SWP_INVALID_ARGUMENT for a pair that is not of those boxes. */
+ * static proxies. SWP_INVALID_ARGUMENT for a pair that is not of those boxes. After
+ * SWP_RESOURCE_EXHAUSTED (memory) there are no pairs and no events; the next resolve has the events
+ * since the latest one that succeeded. */
 SWP_API swp_result swp_proxies_resolve(swp_proxies* proxies, const swp_pair* moving_pairs,
                                        uint64_t moving_pair_count);
 /* The pairs of the latest resolve: valid until the next one, and no longer than the moving_pairs

@@ -204,8 +204,8 @@ class ProxySet {
   // Subtracts `offset` from all coordinates, for a world whose origin follows the camera. Boxes
   // that overlap still do, so that no pair ends; boxes may begin to touch that are nearer than
   // coordinates are rounded. A box that the shift takes beyond the largest float becomes invalid,
-  // and stays so until it is moved. An offset that is not finite is kInvalidArgument and changes
-  // nothing. Cost: O(proxies).
+  // and stays so until it is moved, as one that was invalid before. An offset that is not finite is
+  // kInvalidArgument and changes nothing. Cost: O(proxies).
   Status ShiftOrigin(const float offset[3]);
   // Frees what former proxies held. Ids and handles of living ones stay; places at the end of
   // moving_boxes() that are free go. Cost: O(proxies), and the next use sorts all trees.
@@ -223,11 +223,11 @@ class ProxySet {
   size_t snapshot_bytes() const;
   // kInvalidArgument if there is less room than that; what follows in `snapshot` is left alone.
   Status Save(std::span<std::byte> snapshot) const;
-  // Takes the first snapshot_bytes() of a set with the same options. Spans end. The set is as it
-  // was if the snapshot is refused: kDataLoss if it is cut off or damaged, kInvalidArgument if it
-  // is of another version of the library or of other options. A checksum finds damage, not intent:
-  // do not restore what others may have made. If memory runs out, part of the state is lost: only
-  // another Restore or the end of the set may follow.
+  // Takes what a set with the same options has saved at the beginning of `snapshot`. Spans end, and
+  // handles made since the save are given out again. The set is as it was if the snapshot is
+  // refused: kDataLoss if it is cut off or damaged, kInvalidArgument if it is of another version of
+  // the library or of other options. Do not restore what others may have made: a checksum finds no
+  // intent. If memory runs out, only another Restore or the end of the set may follow.
   Status Restore(std::span<const std::byte> snapshot);
 
   bool is_alive(ProxyHandle handle) const;

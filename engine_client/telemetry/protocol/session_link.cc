@@ -247,6 +247,10 @@ void SessionLink::OnWelcome(const protocol::Welcome& welcome, uint64_t now_ns) {
   if (state_.online()) return;  // A second welcome of a connection is ignored.
   stream_->mismatch = VersionMismatch(welcome);
   if (!stream_->mismatch.empty()) return;
+  if (welcome.session_id.empty()) {
+    stream_->fault = "welcomes a session without naming it";
+    return;
+  }
   state_.OnWelcome(welcome);
   stream_->online_since_ns = now_ns;
   last_error_.clear();
@@ -344,7 +348,8 @@ std::optional<uint32_t> SessionLink::Disconnected(const StreamEnd& given, uint64
   const StreamEnd end = Readable(given);
   if (!stream_) {
     const uint32_t delay_ms = backoff_.LongMs();
-    last_error_ = end.message + TryingAgain(delay_ms);
+    last_error_ = (end.message.empty() ? "no stream to " + daemon_ : end.message);
+    last_error_ += TryingAgain(delay_ms);
     return delay_ms;
   }
   const LinkStream stream = *std::exchange(stream_, std::nullopt);

@@ -282,6 +282,53 @@ TEST(HooksTest, ARestoreWithoutMemoryIsMadeUpForByAnotherOne) {
   EXPECT_GT(block_count, 10U);
 }
 
+TEST(HooksTest, ProxiesWithoutMemoryToWakeAreNotMoved) {
+  size_t block_count = 0;
+  for (bool has_all = false; !has_all; ++block_count) {
+    GameMemory memory;
+    ProxySet proxies;
+    std::vector<ProxyHandle> handles;
+    for (size_t k = 0; k < 200; ++k) handles.push_back(proxies.Add({{0, 0, 0}, {1, 1, 1}}));
+    for (size_t k = 100; k < 200; ++k) ASSERT_TRUE(proxies.SetSleeping(handles[k], true));
+    proxies.PrepareQueries();
+    const Aabb moved = {{5, 5, 5}, {6, 6, 6}};
+    memory.blocks_left = block_count;
+    try {
+      has_all = proxies.Move(handles, std::vector<Aabb>(200, moved));
+    } catch (const std::bad_alloc&) {
+    }
+    memory.blocks_left = GameMemory::kPlenty;
+    const auto count = std::count_if(handles.begin(), handles.end(), [&](ProxyHandle handle) {
+      return *proxies.box(handle) == moved;
+    });
+    EXPECT_EQ(count, has_all ? 200 : 0);
+  }
+  EXPECT_GT(block_count, 1U);
+}
+
+TEST(HooksTest, ProxiesWithoutMemoryForEventsHaveNoneUntilTheNextResolve) {
+  std::vector<OverlapPair> pairs;
+  for (uint32_t k = 0; k < 100; ++k) pairs.push_back({2 * k, 2 * k + 1});
+  size_t block_count = 0;
+  for (bool has_all = false; !has_all; ++block_count) {
+    GameMemory memory;
+    ProxySet proxies({.pair_events = true});
+    for (size_t k = 0; k < 200; ++k) proxies.Add({{0, 0, 0}, {1, 1, 1}});
+    proxies.Resolve(std::span(pairs).first(1));
+    memory.blocks_left = block_count;
+    try {
+      has_all = proxies.Resolve(pairs).size() == pairs.size();
+    } catch (const std::bad_alloc&) {
+      EXPECT_TRUE(proxies.added().empty() && proxies.removed().empty());
+    }
+    memory.blocks_left = GameMemory::kPlenty;
+    if (!has_all) proxies.Resolve(pairs);
+    EXPECT_EQ(proxies.added().size(), 99U);
+    EXPECT_TRUE(proxies.removed().empty());
+  }
+  EXPECT_GT(block_count, 2U);
+}
+
 TEST(HooksTest, StayAsTheyAreWhileAnObjectHoldsTheirMemory) {
   GameMemory memory;
   {

@@ -207,6 +207,10 @@ static void check_options(void) {
   options.batch_frames = 240;
   options.ignore_priors = 2;
   CHECK(swp_link_create(played.session, &options, &link) == SWP_INVALID_ARGUMENT);
+  options.ignore_priors = 0;
+  options.daemon = "host\nname";
+  CHECK(swp_link_create(played.session, &options, &link) == SWP_INVALID_ARGUMENT);
+  CHECK(strstr(swp_last_error(), "daemon must be") != NULL);
   CHECK_OK(swp_session_attach_decider(played.session, NULL, 0));
   CHECK(swp_link_create(played.session, NULL, &link) == SWP_FAILED_PRECONDITION);
   CHECK_OK(swp_session_detach_decider(played.session));
@@ -262,15 +266,43 @@ static void check_small_buffer(void) {
   run_frames(&played, 1);
   CHECK(swp_link_next_message(played.link, played.now_ns, NULL, 0, &size, &action) ==
         SWP_RESOURCE_EXHAUSTED);
-  CHECK(strstr(swp_last_error(), "message") != NULL);
-  CHECK(size > 10 && size < 100);
+  CHECK(strstr(swp_last_error(), "larger than the buffer") == NULL); /* it only asks */
+  CHECK(size > 10 && size < 100 && action == SWP_LINK_SEND);
   CHECK(swp_link_next_message(played.link, played.now_ns, message.data, size - 1, &message.size,
                               &action) == SWP_RESOURCE_EXHAUSTED);
+  CHECK(strstr(swp_last_error(), "larger than the buffer") != NULL);
   CHECK(stats_of(&played).sent_sequence == 0);
   CHECK_OK(swp_link_next_message(played.link, played.now_ns, message.data, size, &message.size,
                                  &action));
   CHECK(action == SWP_LINK_SEND && message.size == size);
   CHECK(next_kind(&played, &sequence) == 0);
+  end_game(&played);
+}
+
+/* A welcome replaces the session's own limit for as long as there is a link. */
+static void check_limit(void) {
+  game played = make_game();
+  swp_frame_sample sample;
+  go_online(&played);
+  CHECK_OK(swp_session_begin_frame(played.session));
+  CHECK_OK(swp_session_end_frame(played.session, 4500 * (uint64_t)kMs, 0));
+  CHECK_OK(swp_session_last_sample(played.session, &sample));
+  CHECK((sample.flags & SWP_FRAME_BAIL_OUT) != 0);
+  swp_link_destroy(played.link);
+  CHECK_OK(swp_session_begin_frame(played.session));
+  CHECK_OK(swp_session_end_frame(played.session, 4500 * (uint64_t)kMs, 0));
+  CHECK_OK(swp_session_last_sample(played.session, &sample));
+  CHECK((sample.flags & SWP_FRAME_BAIL_OUT) == 0);
+  swp_session_destroy(played.session);
+}
+
+/* Without a stream, and without a word why. */
+static void check_no_stream(void) {
+  game played = make_game();
+  uint32_t delay_ms = 0;
+  CHECK_OK(swp_link_disconnected(played.link, 14, NULL, NULL, 0, played.now_ns, &delay_ms));
+  CHECK(delay_ms >= 5000 && delay_ms != SWP_LINK_NEVER);
+  CHECK(has_text(&played, SWP_LINK_LAST_ERROR, "no stream to the daemon at host:1; trying again"));
   end_game(&played);
 }
 
@@ -411,6 +443,8 @@ void test_link(void) {
   check_errors();
   check_session();
   check_small_buffer();
+  check_limit();
+  check_no_stream();
   check_lost_connection();
   check_goodbye();
   check_goodbye_deadline();

@@ -61,6 +61,8 @@ static void check_order(swp_session* session) {
   CHECK(swp_session_begin_frame(session) == SWP_FAILED_PRECONDITION);
   CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
   CHECK_OK(swp_session_find_pairs(session, &box, 1));
+  CHECK(swp_session_find_pairs(session, NULL, 4) == SWP_INVALID_ARGUMENT);
+  CHECK(swp_session_pairs(session, &pairs, &count) == SWP_FAILED_PRECONDITION);
   CHECK(swp_session_end_frame(session, 1, SWP_FRAME_REBUILD) == SWP_INVALID_ARGUMENT);
   CHECK_OK(swp_session_end_frame(session, 1, SWP_FRAME_PAUSED));
   CHECK(swp_session_find_pairs(session, &box, 1) == SWP_FAILED_PRECONDITION);

@@ -171,6 +171,15 @@ TEST_F(ASnapshot, NeedsAllOfItsRoomAndNoMore) {
   EXPECT_EQ(room.back(), std::byte{7});
 }
 
+TEST_F(ASnapshot, IsTakenOutOfARoomThatIsLarger) {
+  std::vector<std::byte> room(before_.size() + 100, std::byte{7});
+  ASSERT_TRUE(game_.proxies.Save(room).ok());
+  game_.Step();
+  ASSERT_NE(Saved(game_.proxies), before_);
+  ASSERT_TRUE(game_.proxies.Restore(room).ok());
+  EXPECT_EQ(Saved(game_.proxies), before_);
+}
+
 TEST_F(ASnapshot, TakesNoMemoryWhereTheSetHasHadAsMuch) {
   ASSERT_TRUE(game_.proxies.Restore(snapshot_).ok());
   const uint64_t allocations = test_support::ThreadAllocationCount();

@@ -231,6 +231,15 @@ TEST_F(SessionLinkTest, HasNoSessionWithADaemonOfAnotherVersion) {
   EXPECT_EQ(link_.stats().command_count, 0U);
 }
 
+TEST_F(SessionLinkTest, HasNoSessionThatTheDaemonDoesNotName) {
+  Connect();
+  ASSERT_TRUE(Receive(WelcomeTo("")).ok());
+  EXPECT_EQ(link_.Advance(now_ns_), LinkAction::kCancel);
+  link_.Disconnected(EndWith(1, "cancelled"), now_ns_);
+  EXPECT_THAT(link_.stats().last_error, HasSubstr("without naming it"));
+  EXPECT_EQ(link_.stats().connection_count, 0U);
+}
+
 TEST_F(SessionLinkTest, LosesNothingToAMessageThatCannotBeRead) {
   GoOnline();
   Frames(2);
