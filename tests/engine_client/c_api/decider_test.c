@@ -130,8 +130,8 @@ static void check_last_decision(game* played) {
   CHECK(outcome.executed == 1 && outcome.switch_epoch > 0);
 }
 
-/* Frames of 50 ms miss the floor of 30 frames/s whatever the arm, once the leading one has had some:
- * which one that is depends on what searches take here. */
+/* Frames of 50 ms miss the floor of 30 frames/s whatever the arm, once the leading one has had
+ * some: which one that is depends on what searches take here. */
 static void check_degraded(game* played) {
   swp_verdict verdict = {SWP_VERDICT_UNKNOWN, 0, 0};
   for (int frame = 0; frame < 60 * 400 && verdict.kind != SWP_VERDICT_DEGRADED; ++frame) {
