@@ -234,10 +234,11 @@ TEST(PairEvents, TellTheOldOwnerOfAPlaceFromTheNewOne) {
 class PairEventsAlongAnAxis : public testing::TestWithParam<std::tuple<size_t, float>> {};
 
 TEST_P(PairEventsAlongAnAxis, EndAPairOnlyWhereItsBoxesAreFartherApartThanTheMargin) {
-  const auto [axis, side] = GetParam();
+  const size_t axis = std::get<0>(GetParam());
+  const float side = std::get<1>(GetParam());
   ProxySet proxies({.pair_events = true, .event_margin = 0.5F});
   Frames frames("BruteForce");
-  const auto at = [axis = axis, side = side](float x) {
+  const auto at = [axis, side](float x) {
     Aabb box = kUnit;
     box.min[axis] = side * x;
     box.max[axis] = side * x + 1;
