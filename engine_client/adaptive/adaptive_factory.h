@@ -53,7 +53,7 @@ using ArmBackendFactory = std::function<ArmBackend(uint32_t arm)>;
 // The parts of the shadow lane; there is no lane without `make`, and no arm's memory is freed.
 struct LaneParts {
   ArmBackendFactory make;  // makes the lane's own backends, and an arm's new one after Trim
-  // How many cores the lane's thread may use, itself and the engine's threads.
+  // How many cores the lane's thread and the engine's may use together.
   size_t (*usable_cores)() noexcept = UsableCores;
 };
 

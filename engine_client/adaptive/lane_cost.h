@@ -2,14 +2,12 @@
 // since the two share caches, memory, a core's execution units, or the only core that there is.
 //
 // Searches during the lane's work are compared with those since its work before, of the same arm,
-// where there were as many.
-// Means forget: the latest ten stretches of work count for most of it.
+// where there were as many. Means forget: the latest ten stretches of work count for most of it.
 //
 // Thread safety: Begin and End on the frame thread, which never wait, lock or allocate; the rest on
 // the lane's. Times are ns.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 

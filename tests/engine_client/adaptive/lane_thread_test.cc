@@ -35,6 +35,22 @@ uint64_t ThreeMsAtATime() noexcept {
   return ran_ns += 3 * kMs;
 }
 
+ArmBackendFactory Making(const ArmScript& script, ScriptedClock& clock) {
+  return [&](uint32_t) {
+    return ArmBackend{nullptr, std::make_unique<ScriptedBroadPhase>(script, clock)};
+  };
+}
+
+// Frames of 10 ms, and a step of the lane after each.
+void Play(ShadowLane& lane, ScriptedClock& clock, uint64_t& frame, uint64_t frame_count) {
+  for (const uint64_t end = frame + frame_count; frame < end; ++frame) {
+    clock.Advance(10 * kMs);
+    lane.OnFrame(std::vector<Aabb>(20),
+                 {.frame_index = frame, .frame_time_ns = 10 * kMs, .arm = 1});
+    lane.Step();
+  }
+}
+
 std::atomic<size_t> cores_now{0};
 
 TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
@@ -42,26 +58,15 @@ TEST(LaneThread, RestsWhileTheEnginesThreadsLeaveNoCore) {
   const ArmScript script{.update_ns = kMs};
   const std::atomic<Mode> mode{Mode::kAi};
   cores_now = 4;
-  ShadowLane lane(
-      {.options = {},
-       .arm_count = 2,
-       .make =
-           [&](uint32_t) {
-             return ArmBackend{nullptr, std::make_unique<ScriptedBroadPhase>(script, clock)};
-           },
-       .clock = clock,
-       .mode = mode,
-       .engine_threads = 4,
-       .usable_cores = []() noexcept { return cores_now.load(); }});
+  ShadowLane lane({.options = {},
+                   .arm_count = 2,
+                   .make = Making(script, clock),
+                   .clock = clock,
+                   .mode = mode,
+                   .engine_threads = 4,
+                   .usable_cores = []() noexcept { return cores_now.load(); }});
   uint64_t frame = 0;
-  const auto play = [&](int frame_count) {
-    for (int k = 0; k < frame_count; ++k) {
-      clock.Advance(10 * kMs);
-      lane.OnFrame(std::vector<Aabb>(20),
-                   {.frame_index = frame++, .frame_time_ns = 10 * kMs, .arm = 1});
-      lane.Step();
-    }
-  };
+  const auto play = [&](uint64_t count) { Play(lane, clock, frame, count); };
   EXPECT_EQ(lane.stats().state, ShadowState::kNoSpareCore);
   play(200);
   EXPECT_EQ(lane.stats().visit_count, 0U);
@@ -83,24 +88,16 @@ TEST(LaneThread, MeasuresTheTimeThatItRan) {
   const ArmScript script{.update_ns = 7 * kMs};
   RecordingSink sink;
   const std::atomic<Mode> mode{Mode::kAi};
-  ShadowLane lane(
-      {.options = {},
-       .arm_count = 2,
-       .make =
-           [&](uint32_t) {
-             return ArmBackend{nullptr, std::make_unique<ScriptedBroadPhase>(script, clock)};
-           },
-       .sink = &sink,
-       .clock = clock,
-       .mode = mode,
-       .thread_time_ns = ThreeMsAtATime});
+  ShadowLane lane({.options = {},
+                   .arm_count = 2,
+                   .make = Making(script, clock),
+                   .sink = &sink,
+                   .clock = clock,
+                   .mode = mode,
+                   .thread_time_ns = ThreeMsAtATime});
   lane.Step();
-  for (uint64_t frame = 0; frame <= kShadowBurstFrames; ++frame) {
-    clock.Advance(10 * kMs);
-    lane.OnFrame(std::vector<Aabb>(20),
-                 {.frame_index = frame, .frame_time_ns = 10 * kMs, .arm = 1});
-    lane.Step();
-  }
+  uint64_t frame = 0;
+  Play(lane, clock, frame, 1 + kShadowBurstFrames);
   ASSERT_EQ(sink.shadows.size(), 2U);
   for (const ShadowSample& sample : sink.shadows) EXPECT_EQ(sample.detection_time_ns, 3 * kMs);
   EXPECT_EQ(lane.stats().busy_time_ns, 2 * kShadowBurstFrames * 3 * kMs);
