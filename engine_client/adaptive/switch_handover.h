@@ -34,10 +34,12 @@ class SwitchHandover {
   void Want(uint32_t arm) { Store({State::kWanted, arm, order().ticket + 1}); }
   void Cancel() { Store({State::kNone, 0, order().ticket + 1}); }
   // Returns true if the order is ready; the lane's backend of its arm then belongs to the caller
-  // until Done.
+  // until Done. An order that is not ready is void: nobody would take what is prepared for it later.
   bool Take() {
     const Order ready = order();
-    return ready.state == State::kReady && Replace(ready, State::kTaken);
+    if (ready.state == State::kReady && Replace(ready, State::kTaken)) return true;
+    if (ready.state != State::kTaken) Cancel();
+    return false;
   }
   void Done() { Store({State::kNone, 0, order().ticket}); }
 

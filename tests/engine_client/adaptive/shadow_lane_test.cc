@@ -376,6 +376,14 @@ TEST_F(ShadowLaneTest, BringsAStructureThatFellBehindUpToDateBeforeItIsOffered) 
   EXPECT_EQ(static_cast<LaneBackend&>(*own.backend).shown.back(), 9U);
 }
 
+TEST_F(ShadowLaneTest, SweepsOnAfterASwitchThatDidNotWaitForItsPreparation) {
+  ArmBackend own;
+  EXPECT_EQ(lane_->Ask(2), Preparation::kUnderWay);
+  EXPECT_FALSE(lane_->TakeOver(2, own, pairs_));
+  Frames(100);
+  EXPECT_GE(lane_->stats().sweep_count, 1U);
+}
+
 TEST_F(ShadowLaneTest, LeavesASweepForASwitch) {
   scripts_[0].in_build = [this] { lane_->Ask(2); };
   FirstSweep();
