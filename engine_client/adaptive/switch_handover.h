@@ -34,7 +34,8 @@ class SwitchHandover {
   void Want(uint32_t arm) { Store({State::kWanted, arm, order().ticket + 1}); }
   void Cancel() { Store({State::kNone, 0, order().ticket + 1}); }
   // Returns true if the order is ready; the lane's backend of its arm then belongs to the caller
-  // until Done. An order that is not ready is void: nobody would take what is prepared for it later.
+  // until Done. An order that is not ready is void: nobody would take what is prepared for it
+  // later.
   bool Take() {
     const Order ready = order();
     if (ready.state == State::kReady && Replace(ready, State::kTaken)) return true;
