@@ -41,13 +41,15 @@ TEST(ForeignSessionTest, IsNotNamedAgainAndTheGameBeginsANewOne) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const int port = daemon.port();
   daemon.Kill();
+  // A stream that is broken off may have been followed by another one before the port closed.
+  const size_t before = daemon.hellos.size();
   daemon.SetScript([](auto& script) { script.refusal = ForeignSession(); });
   daemon.Start(port);
-  daemon.WaitUntil([](const FakeDaemon& now) { return now.hellos.size() == 3; });
+  daemon.WaitUntil([=](const FakeDaemon& now) { return now.hellos.size() >= before + 2; });
   session->Stop(0);
   daemon.Kill();
-  EXPECT_EQ(daemon.hellos[1].session_id(), "session-1");
-  EXPECT_EQ(daemon.hellos[2].session_id(), "");
+  EXPECT_EQ(daemon.hellos[before].session_id(), "session-1");
+  EXPECT_EQ(daemon.hellos[before + 1].session_id(), "");
 }
 
 }  // namespace
