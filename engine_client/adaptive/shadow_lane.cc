@@ -245,8 +245,7 @@ void ShadowLane::Sweep() {
 }
 
 // Visits the arm. The result is absent if the visit was interrupted. A frame that is stopped midway
-// does not count, unless it is the first and so long that the time cap ends it: an arm takes at
-// least as long then.
+// does not count, unless it is the first and ran for most of the time cap, which then bounds it.
 std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   const Zone zone(kZoneLaneVisit);
   BroadPhase& backend = *BackendOf(arm).backend;
@@ -267,7 +266,9 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
     }
     native_bytes = backend.native_bytes();
     if (watch.end() == Watch::End::kMemory) native_bytes = watch.held_bytes();
-    if (watch.end() == Watch::End::kNone || (ran == 0 && watch.end() == Watch::End::kTime)) {
+    const bool is_bound =
+        ran == 0 && watch.end() == Watch::End::kTime && time_ns >= setup_.options.visit_cap_ns / 2;
+    if (watch.end() == Watch::End::kNone || is_bound) {
       if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
       frame_ns[ran++] = time_ns;
     }

@@ -65,6 +65,12 @@ class LaneBackend final : public BroadPhase {
 // Copies of 20 objects, and of the room that the lane leaves for more.
 inline constexpr uint64_t kCopiesBytes = kShadowBurstFrames * (20 + 2 + 64) * sizeof(Aabb);
 
+// A thread that runs for 3 ms between any two questions, however long that takes by the clock.
+inline uint64_t ThreeMsAtATime() noexcept {
+  static std::atomic<uint64_t> ran_ns{0};
+  return ran_ns += 3 * kMs;
+}
+
 // A frame, then a step of the lane.
 class DrivenLane : public ::testing::Test {
  protected:
@@ -81,6 +87,7 @@ class DrivenLane : public ::testing::Test {
         .sink = &sink_,
         .clock = clock,
         .mode = mode_,
+        .thread_time_ns = thread_time_ns_,
     });
     MakeItCost(0);
   }
@@ -125,6 +132,7 @@ class DrivenLane : public ::testing::Test {
 
   ScriptedClock clock_;
   std::atomic<Mode> mode_{Mode::kAi};
+  uint64_t (*thread_time_ns_)() noexcept = nullptr;
   std::vector<LaneScript> scripts_{3};
   RecordingSink sink_;
   PairBuffer pairs_;

@@ -11,6 +11,7 @@
 #include "engine_client/adaptive/shadow_lane.h"
 #include "engine_client/broad_phase/host/hook_points.h"
 #include "engine_client/broad_phase/host/usable_cores.h"
+#include "tests/engine_client/adaptive/driven_lane.h"
 #include "tests/support/recording_sink.h"
 #include "tests/support/scripted_broad_phase.h"
 #include "tests/support/scripted_clock.h"
@@ -28,12 +29,7 @@ using test_support::kMs;
 using test_support::RecordingSink;
 using test_support::ScriptedBroadPhase;
 using test_support::ScriptedClock;
-
-// The thread runs for 3 ms between any two questions, however long that takes by the clock.
-uint64_t ThreeMsAtATime() noexcept {
-  static std::atomic<uint64_t> ran_ns{0};
-  return ran_ns += 3 * kMs;
-}
+using test_support::ThreeMsAtATime;
 
 ArmBackendFactory Making(const ArmScript& script, ScriptedClock& clock) {
   return [&](uint32_t) {

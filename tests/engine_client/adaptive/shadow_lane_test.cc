@@ -16,6 +16,7 @@ using test_support::kMs;
 using test_support::LaneBackend;
 using test_support::LaneScript;
 using test_support::RecordingSink;
+using test_support::ThreeMsAtATime;
 using Preparation = ShadowLane::Preparation;
 using ShadowLaneTest = test_support::DrivenLane;
 
@@ -110,6 +111,18 @@ TEST_F(ShadowLaneTest, EndsASearchAtTheTimeCapInItsMidst) {
   EXPECT_EQ(sink_.shadows[1].frame_count, 0U);
   EXPECT_EQ(sink_.shadows[1].detection_time_ns, 256 * kMs);
   EXPECT_EQ(sink_.shadows[2].flags, 0U);
+  EXPECT_EQ(lane_->stats().capped_visit_count, 1U);
+}
+
+TEST_F(ShadowLaneTest, ACapThatPassesWhileTheLaneWaitsForACoreSaysNothing) {
+  thread_time_ns_ = ThreeMsAtATime;
+  scripts_[0].question_count = 1000;
+  scripts_[0].question_ns = 10 * kMs;
+  Make({});
+  FirstSweep();
+  ASSERT_EQ(sink_.shadows.size(), 2U);
+  EXPECT_EQ(sink_.shadows[0].arm, 1U);
+  EXPECT_EQ(sink_.shadows[1].arm, 2U);
   EXPECT_EQ(lane_->stats().capped_visit_count, 1U);
 }
 
