@@ -15,6 +15,13 @@ constexpr size_t kPreparationFrames = 1 + kShadowWarmUpFrames + 1;
 constexpr double kSpikeShape = 1.5;
 constexpr double kMaxSpike = 100;
 
+// Returns the options with a time cap that ends the same visits as where the trace was recorded.
+ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& scene) {
+  const double ratio = std::max(scene.time_ratio(), 1.0);
+  options.visit_cap_ns = static_cast<uint64_t>(static_cast<double>(options.visit_cap_ns) * ratio);
+  return options;
+}
+
 // The visits are numbered from 1; the biases of a game are drawn as number 0.
 decision::RandomStream StreamOf(uint64_t seed, uint64_t visit, uint32_t arm) {
   return {seed, decision::RandomPurpose::kReplayLane, visit, arm};
@@ -27,7 +34,7 @@ ReplayLane::ReplayLane(const ReplayScene& scene, const ShadowScheduleOptions& op
     : scene_(scene),
       errors_(std::move(errors)),
       seed_(seed),
-      schedule_(options, scene.arm_count()) {}
+      schedule_(Scaled(options, scene), scene.arm_count()) {}
 
 // Returns what the visit's times are multiplied by.
 double ReplayLane::ErrorOfVisit(uint32_t arm) const {

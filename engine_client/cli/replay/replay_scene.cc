@@ -105,6 +105,7 @@ Result<ReplayScene> ReplayScene::Create(const CostTrace& trace, const GameOption
 }
 
 void ReplayScene::TakeFrames(const CostTrace& trace, double scale) {
+  time_ratio_ = scale;
   trace_frame_count_ = trace.frame_count;
   detection_ns_.assign(trace.detection_ns.begin(), trace.detection_ns.end());
   for (double& ns : detection_ns_) ns *= scale;

@@ -71,6 +71,9 @@ class ReplayScene {
   }
   uint32_t burst_frame_count() const { return burst_frame_count_; }
 
+  // The factor of all times: the game's ÷ the recorded ones.
+  double time_ratio() const { return time_ratio_; }
+
   // The relative difference of the means of an arm that was measured twice: the regret due to noise
   // alone.
   double control_regret() const { return control_regret_; }
@@ -87,6 +90,7 @@ class ReplayScene {
   uint32_t frame_count_ = 0;
   uint32_t trace_frame_count_ = 0;
   uint32_t burst_frame_count_ = 0;
+  double time_ratio_ = 1;
   double control_regret_ = 0;
   std::vector<double> detection_ns_;
   std::vector<uint64_t> aabb_check_count_;

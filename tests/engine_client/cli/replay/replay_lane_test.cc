@@ -75,7 +75,8 @@ TEST_F(ReplayLaneTest, SpacesItsSweepsByTheBudget) {
 }
 
 TEST_F(ReplayLaneTest, AVisitEndsAtItsTimeCap) {
-  ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMsNs});
+  // The frames of 10 ms were recorded with 50 µs each.
+  ReplayLane capped(scene_, {.duty_ratio = 0.5, .visit_cap_ns = 45 * kMsNs / 200});
   capped.Advance({});
   const auto sample = capped.Advance({capped.next_event_ns(), 0, 0, 0});
   ASSERT_TRUE(sample);
