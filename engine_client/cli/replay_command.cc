@@ -165,6 +165,17 @@ void Declare(CLI::App& command, ReplayCommandOptions& options) {
       ->check(CLI::Range(1.0, 10.0))
       ->capture_default_str();
   command
+      .add_option("--frame-load", request.frame_load.ratio,
+                  "Frame time while other work uses the frame thread's core ÷ without it; regret "
+                  "does not count it")
+      ->check(CLI::Range(1.0, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--frame-load-share", request.frame_load.share,
+                  "Share of the time with that work, which stays for 10 s on average")
+      ->check(CLI::Range(0.001, 0.999))
+      ->capture_default_str();
+  command
       .add_option(
           "--priors", request.priors,
           "right: what another seed's game has learnt; wrong: that with the ranking reversed")

@@ -161,6 +161,7 @@ Result<ReplayPlan> MakeReplayPlan(const ReplayRequest& request) {
   plan.study.priors = static_cast<ReplayPriors>(priors - kReplayPriorsNames.begin());
   if (request.no_shadow) plan.study.shadow_lane = false;
   plan.study.lane_errors = request.lane_errors;
+  plan.study.frame_load = request.frame_load;
   plan.study.lane_errors.arm_ratios = std::move(*ratios);
   plan.study.thread_count = request.thread_count;
   return plan;

@@ -25,6 +25,7 @@ struct ReplayRequest {
   bool no_shadow = false;
   LaneErrors lane_errors{};  // REQUIRES: no arm_ratios, which lane_ratios name
   std::vector<std::pair<std::string, std::string>> lane_ratios{};  // arm and number
+  FrameLoad frame_load{};
   uint32_t seed_count = 30;
   uint32_t thread_count = 1;
 };

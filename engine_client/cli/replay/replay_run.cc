@@ -42,6 +42,7 @@ class Game {
   void ExecuteSwitch();
   decision::Frame NextFrame();
   void Account(const decision::Frame& frame);
+  void Load(decision::Frame& frame);
   void Batch(const decision::Frame& frame);
   void Flush();
   void TickUntil(int64_t now_ns);
@@ -59,6 +60,7 @@ class Game {
   const ReplaySetup& setup_;
   decision::DecisionSession session_;
   std::optional<ReplayLane> lane_;
+  ReplayLoad load_;
   SwitchCostMeter meter_;
   ReplayResult result_;
 
@@ -80,6 +82,7 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
     : scene_(scene),
       setup_(setup),
       session_(SetupOf(scene, setup), decision::StudyPolicies()),
+      load_(setup.frame_load, setup.seed),
       meter_(static_cast<uint64_t>(setup.options.settling_ns)),
       arm_(session_.active_arm()) {
   const bool learns_from_lane = session_.policy_kind().uses_shadow;
@@ -106,8 +109,10 @@ ReplayResult Game::Play() {
 
 void Game::PlayFrame() {
   if (pending_ && now_ns_ >= pending_->ready_ns) ExecuteSwitch();
-  const decision::Frame frame = NextFrame();
+  decision::Frame frame = NextFrame();
   Account(frame);
+  Load(frame);
+  now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
   TickUntil(now_ns_);
   Batch(frame);
   if (metering_) Meter(frame);
@@ -155,10 +160,16 @@ decision::Frame Game::NextFrame() {
                         .switch_epoch = epoch_,
                         .flags = std::exchange(next_frame_flags_, 0)};
   frame.frame_time_ns = frame.detection_time_ns + scene_.options().other_work_ns;
-  if (frame.frame_time_ns > static_cast<uint64_t>(setup_.options.bail_out_ns)) {
-    frame.flags |= decision::kFrameBailOut;
-  }
   return frame;
+}
+
+// Lengthens the frame by what else runs on its core.
+void Game::Load(decision::Frame& frame) {
+  const double ratio = load_.RatioAt(now_ns_);
+  for (uint64_t* ns : {&frame.detection_time_ns, &frame.frame_time_ns})
+    *ns = static_cast<uint64_t>(static_cast<double>(*ns) * ratio);
+  if (frame.frame_time_ns > static_cast<uint64_t>(setup_.options.bail_out_ns))
+    frame.flags |= decision::kFrameBailOut;
 }
 
 void Game::Account(const decision::Frame& frame) {
@@ -169,7 +180,6 @@ void Game::Account(const decision::Frame& frame) {
   if (!starting_up_) result_.after_start_up_ns += frame.frame_time_ns;
   result_.total_ns += frame.frame_time_ns;
   result_.active_ns[arm_] += frame.frame_time_ns;
-  now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
 }
 
 void Game::Batch(const decision::Frame& frame) {

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "engine_client/cli/replay/replay_lane.h"
+#include "engine_client/cli/replay/replay_load.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "server/decision/session/decision_session.h"
 
@@ -36,6 +37,7 @@ struct ReplaySetup {
   // For the lane, if there is one.
   ShadowScheduleOptions shadow = {};
   LaneErrors lane_errors = {};
+  FrameLoad frame_load = {};
 };
 
 struct Activation {
@@ -52,6 +54,7 @@ struct ReplayTimeline {
 };
 
 struct ReplayResult {
+  // The frames' times count without FrameLoad.
   uint64_t total_ns = 0;  // sum over all frames
   // The start-up ends with the live exploration, but not before kStartUpNs.
   uint32_t start_up_frame_count = 0;

@@ -94,6 +94,7 @@ class SeedGames {
     setup.options.policy = policy;
     setup.shadow = options_.shadow;
     setup.lane_errors = options_.lane_errors;
+    setup.frame_load = options_.frame_load;
     return setup;
   }
 

@@ -43,6 +43,7 @@ struct StudyOptions {
   uint32_t thread_count = 1;
   ShadowScheduleOptions shadow = {};
   LaneErrors lane_errors = {};
+  FrameLoad frame_load = {};
 };
 
 struct StudyScene {

@@ -22,7 +22,12 @@ using PhiloxKey = std::array<uint32_t, 2>;
 PhiloxBlock Philox4x32(PhiloxBlock counter, PhiloxKey key);
 
 // The purpose of a stream. It is part of the counter, so that streams never share numbers.
-enum class RandomPurpose : uint32_t { kExplorationOrder = 1, kChoice = 2, kReplayLane = 3 };
+enum class RandomPurpose : uint32_t {
+  kExplorationOrder = 1,
+  kChoice = 2,
+  kReplayLane = 3,
+  kReplayLoad = 4
+};
 
 class RandomStream {
  public:
