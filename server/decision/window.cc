@@ -5,10 +5,18 @@
 #include <cmath>
 
 namespace sweepstake::decision {
+namespace {
+
+constexpr double kTypicalStep = 1.02;  // by which each frame moves the typical one its way
+constexpr double kMaxCalmRatio = 2;
+// So many longer frames in a row are what has become typical.
+constexpr uint32_t kMaxLongFrames = 8;
+
+}  // namespace
 
 bool WindowMetrics::IsFinite() const {
-  return std::isfinite(fps) && std::isfinite(detection_ms) && std::isfinite(native_mib) &&
-         std::isfinite(check_ratio);
+  return std::isfinite(fps) && std::isfinite(detection_ms) && std::isfinite(calm_detection_ms) &&
+         std::isfinite(native_mib) && std::isfinite(check_ratio);
 }
 
 void Window::Add(const Frame& frame) {
@@ -20,6 +28,7 @@ void Window::Add(const Frame& frame) {
   } else {
     ++ordinary_frame_count_;
     ordinary_detection_ns_ += detection_ns;
+    AddCalm(detection_ns);
   }
   const double n = frame.object_count;
   check_count_ += static_cast<double>(frame.aabb_check_count);
@@ -27,16 +36,37 @@ void Window::Add(const Frame& frame) {
   peak_bytes_ = std::max(peak_bytes_, frame.native_bytes);
 }
 
+// Moved by so much up or down, whichever way a frame lies, the typical time comes to rest where as
+// many frames lie above as below.
+void Window::AddCalm(double detection_ns) {
+  double& typical_ns = typical_detection_ns_;
+  const bool is_long = detection_ns > kMaxCalmRatio * typical_ns;
+  long_frame_count_ = is_long ? long_frame_count_ + 1 : 0;
+  if (typical_ns == 0 || long_frame_count_ == kMaxLongFrames)
+    typical_ns = std::max(detection_ns, 1.0);
+  calm_detection_ns_ += std::min(detection_ns, kMaxCalmRatio * typical_ns);
+  typical_ns = std::max(
+      detection_ns > typical_ns ? typical_ns * kTypicalStep : typical_ns / kTypicalStep, 1.0);
+}
+
+void Window::Clear() {
+  const double typical_ns = typical_detection_ns_;
+  *this = Window();
+  typical_detection_ns_ = typical_ns;
+}
+
 WindowMetrics Window::Metrics() const {
   assert(!empty());
   const double frames = static_cast<double>(frame_count_);
   WindowMetrics metrics;
   metrics.fps = frames / time_ns_ * 1e9;
-  const double detection_ns =
-      ordinary_frame_count_ > 0
-          ? ordinary_detection_ns_ / static_cast<double>(ordinary_frame_count_)
-          : rebuild_detection_ns_ / frames;
-  metrics.detection_ms = detection_ns * 1e-6;
+  const bool rebuilds_only = ordinary_frame_count_ == 0;
+  const double rebuild_ms = rebuild_detection_ns_ / frames * 1e-6;
+  const auto ordinary_frames = static_cast<double>(ordinary_frame_count_);
+  metrics.detection_ms =
+      rebuilds_only ? rebuild_ms : ordinary_detection_ns_ / ordinary_frames * 1e-6;
+  metrics.calm_detection_ms =
+      rebuilds_only ? rebuild_ms : calm_detection_ns_ / ordinary_frames * 1e-6;
   metrics.native_mib = static_cast<double>(peak_bytes_) / (1024.0 * 1024.0);
   metrics.check_ratio =
       pair_count_ > 0 ? check_count_ / pair_count_ : (check_count_ > 0 ? 1.0 : 0.0);

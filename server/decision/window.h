@@ -15,7 +15,10 @@ namespace sweepstake::decision {
 struct WindowMetrics {
   double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
   double detection_ms = 0;  // mean of update and search per frame
-  double native_mib = 0;    // peak
+  // The same mean, with no frame counted for more than twice the typical one of the run: what
+  // interrupts the frame thread lengthens a few frames to many times their time, and is no arm's.
+  double calm_detection_ms = 0;
+  double native_mib = 0;  // peak
   // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
   // checked, else 1.
   double check_ratio = 0;
@@ -28,7 +31,8 @@ class Window {
   // the arm's ordinary frames. If every frame of the window rebuilt because the object count
   // changes all the time, rebuilding is what the arm costs, and the mean is over all frames.
   void Add(const Frame& frame);
-  void Clear() { *this = Window(); }
+  // Begins the next window of the same run, which keeps what is typical of it.
+  void Clear();
 
   bool empty() const { return frame_count_ == 0; }
   uint64_t frame_count() const { return frame_count_; }
@@ -38,17 +42,24 @@ class Window {
   // Returns references to every member of a Window or const Window, for the audit log.
   template <typename Self>
   static auto Fields(Self& window) {
-    auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, rebuild_detection_ns,
-           check_count, pair_count, peak_bytes] = window;
+    auto& [frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns, calm_detection_ns,
+           long_frame_count, typical_detection_ns, rebuild_detection_ns, check_count, pair_count,
+           peak_bytes] = window;
     return std::tie(frame_count, ordinary_frame_count, time_ns, ordinary_detection_ns,
-                    rebuild_detection_ns, check_count, pair_count, peak_bytes);
+                    calm_detection_ns, long_frame_count, typical_detection_ns, rebuild_detection_ns,
+                    check_count, pair_count, peak_bytes);
   }
 
  private:
+  void AddCalm(double detection_ns);
+
   uint64_t frame_count_ = 0;
   uint64_t ordinary_frame_count_ = 0;  // frames that did not rebuild
   double time_ns_ = 0;
   double ordinary_detection_ns_ = 0;
+  double calm_detection_ns_ = 0;     // as far as a frame does not exceed twice the typical one
+  uint32_t long_frame_count_ = 0;    // in a row, up to the latest
+  double typical_detection_ns_ = 0;  // near the median of the run's ordinary frames; 0: none yet
   double rebuild_detection_ns_ = 0;
   double check_count_ = 0;
   double pair_count_ = 0;  // n(n−1)/2, summed over the frames

@@ -35,6 +35,47 @@ TEST(Window, DetectionAndChecksAreMeansAndMemoryIsThePeak) {
   EXPECT_DOUBLE_EQ(metrics.check_ratio, 2'020.0 / 5'050);
 }
 
+// Adds so many frames whose detection takes this.
+void AddFrames(Window& window, int count, uint64_t detection_time_ns) {
+  for (int i = 0; i < count; ++i)
+    window.Add({.frame_time_ns = 16'000'000, .detection_time_ns = detection_time_ns});
+}
+
+TEST(Window, AnInterruptedFrameIsCalmAtTwiceTheTypicalTime) {
+  Window window;
+  for (int i = 0; i < 10; ++i) {
+    AddFrames(window, 9, 1'000'000);
+    AddFrames(window, 1, 50'000'000);
+  }
+  EXPECT_DOUBLE_EQ(window.Metrics().detection_ms, 5.9);
+  EXPECT_NEAR(window.Metrics().calm_detection_ms, 1.1, 0.02);
+}
+
+TEST(Window, WhatIsTypicalOutlastsAWindow) {
+  Window window;
+  AddFrames(window, 100, 1'000'000);
+  window.Clear();
+  EXPECT_TRUE(window.empty());
+  AddFrames(window, 1, 50'000'000);
+  EXPECT_NEAR(window.Metrics().calm_detection_ms, 2, 0.05);
+}
+
+TEST(Window, FramesThatStayLongBecomeTypical) {
+  Window window;
+  AddFrames(window, 100, 0);
+  AddFrames(window, 100, 1'000'000);
+  window.Clear();
+  AddFrames(window, 100, 10'000'000);
+  window.Clear();
+  AddFrames(window, 100, 10'000'000);
+  EXPECT_DOUBLE_EQ(window.Metrics().calm_detection_ms, 10);
+  AddFrames(window, 1000, 1'000'000);
+  window.Clear();
+  AddFrames(window, 9, 1'000'000);
+  AddFrames(window, 1, 50'000'000);
+  EXPECT_NEAR(window.Metrics().calm_detection_ms, 1.1, 0.02);
+}
+
 TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {
   Window window;
   window.Add({.frame_time_ns = 1'000'000, .detection_time_ns = 2'000'000});
@@ -44,6 +85,7 @@ TEST(Window, RebuildFramesStayOutOfTheDetectionMeanOnly) {
               .flags = kFrameRebuild});
   const WindowMetrics metrics = window.Metrics();
   EXPECT_DOUBLE_EQ(metrics.detection_ms, 2);
+  EXPECT_DOUBLE_EQ(metrics.calm_detection_ms, 2);
   EXPECT_DOUBLE_EQ(metrics.native_mib, 1);
   EXPECT_DOUBLE_EQ(metrics.fps, 500);
 }
@@ -53,6 +95,7 @@ TEST(Window, RebuildFramesAreTheDetectionMeanWhereThereIsNothingElse) {
   window.Add({.frame_time_ns = 1, .detection_time_ns = 2'000'000, .flags = kFrameRebuild});
   window.Add({.frame_time_ns = 1, .detection_time_ns = 6'000'000, .flags = kFrameRebuild});
   EXPECT_DOUBLE_EQ(window.Metrics().detection_ms, 4);
+  EXPECT_DOUBLE_EQ(window.Metrics().calm_detection_ms, 4);
 }
 
 TEST(Window, ChecksAreJudgedAgainstThePairsOfEachFramesOwnObjectCount) {
