@@ -5,10 +5,13 @@ For each scene and condition, each round plays one game with AI Decides and one 
 in an order that rotates, with `sweepstake run --embedded`. A round's regret is AI Decides' mean frame time ÷ that of the
 best fixed arm over the frames that all of them played, minus 1; the table shows the mean of the rounds with its 95 %
 interval. One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios
-of the mean and of the 99.9th percentile frame. Conditions:
+of the mean and of the 99.9th percentile frame. The choice tells apart what was chosen from what else the machine did: AI
+Decides' frames, each at the median frame of its arm's fixed game, against those of the best arm; it means something where
+the arms' costs stay what they are. Conditions:
   quiet       nothing else runs
   one-cpu     all of the game on one processor (taskset)
   neighbours  two other processes copy 64 MiB from here to there without end
+  bursts      four other processes compute for 1.2 s, and rest for 2.5 s
 Needs Linux and Python 3.11. Exit code: 0 measured, 2 could not be run. `judge.py live` holds the result against the goals.
 """
 
@@ -27,10 +30,16 @@ import tempfile
 from judging.common import percent, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-CONDITIONS = ("quiet", "one-cpu", "neighbours")
+CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts")
 ARMS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
 SCENES = "hurricane:2000,brownian:1000,rest-and-motion:3000,suite-g:10000"
 STREAM = "a, b = bytearray(1 << 26), bytearray(1 << 26)\nwhile True:\n    a[:] = b"
+BURST = """from time import sleep, time
+while True:
+    while time() % 3.7 < 1.2:
+        pass
+    sleep(3.7 - time() % 3.7)"""
+OTHER_WORK = {"neighbours": (2, STREAM), "bursts": (4, BURST)}
 # Two-sided 95 % quantiles of Student's t distribution for 1, 2, ... degrees of freedom; then the normal one.
 STUDENT = (12.71, 4.30, 3.18, 2.78, 2.57, 2.45, 2.36, 2.31, 2.26, 2.23)
 
@@ -40,9 +49,10 @@ class Failure(Exception):
 
 
 @contextlib.contextmanager
-def neighbours(count):
-    """So many processes that stream memory, ended with the block."""
-    processes = [subprocess.Popen([sys.executable, "-c", STREAM]) for _ in range(count)]
+def other_work(condition):
+    """What the condition's other processes do, ended with the block."""
+    count, code = OTHER_WORK.get(condition, (0, ""))
+    processes = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(count)]
     try:
         yield
     finally:
@@ -52,7 +62,7 @@ def neighbours(count):
 
 
 class Game:
-    """Plays games of one scene; each returns the times of its frames in ns."""
+    """Plays games of one scene; each returns the times of its frames in ns, and remembers its frames' arms."""
 
     def __init__(self, options, scene, objects, condition):
         self.options, self.scene, self.objects = options, scene, objects
@@ -66,7 +76,9 @@ class Game:
             if done.returncode != 0:
                 raise Failure(f"sweepstake run ended with {done.returncode}: {done.stderr.strip()[:800]}")
             with open(pathlib.Path(folder) / "frames.csv", encoding="utf-8", newline="") as file:
-                return [int(row["frame_time_ns"]) for row in csv.DictReader(file)]
+                rows = list(csv.DictReader(file))
+            self.arms = [row["arm"] for row in rows]
+            return [int(row["frame_time_ns"]) for row in rows]
 
     def fixed(self, arm, *words, seconds=None):
         return self.play("--mode", "manual", "--arm", arm, *words, seconds=seconds)
@@ -83,11 +95,18 @@ def means(games):
     return {name: statistics.fmean(frames[:count]) for name, frames in games.items()}
 
 
-def near_arms(game, options):
-    """The arms that may be the best, from one short game each, the best first."""
-    short = means({arm: game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05)) for arm in ARMS})
-    best = min(short.values())
-    return sorted((arm for arm in ARMS if short[arm] <= options.near * best), key=short.get)
+def median_frames(game, options):
+    """The median frame of every arm over the frames that all play in one short game each."""
+    games = {arm: game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05)) for arm in ARMS}
+    count = min(map(len, games.values()))
+    if count == 0:
+        raise Failure("a game played no frame: give more --seconds")
+    return {arm: statistics.median(frames[:count]) for arm, frames in games.items()}
+
+
+def choice(arms, medians):
+    """What was lost by the choice of these frames' arms."""
+    return statistics.fmean(medians[arm] for arm in arms) / min(medians.values()) - 1
 
 
 def interval(values):
@@ -103,13 +122,17 @@ def tail(frames):
 
 
 def measure(game, options, condition, progress):
-    arms = near_arms(game, options)
-    regrets, lane_means, lane_tails, best_arms = [], [], [], []
+    medians = median_frames(game, options)
+    arms = sorted((arm for arm in ARMS if medians[arm] <= options.near * min(medians.values())), key=medians.get)
+    regrets, choices, lane_means, lane_tails, best_arms = [], [], [], [], []
     for number in range(options.rounds):
         names = ["AI Decides", *arms]
         turn = number % len(names)
-        games = {name: game.decided() if name == "AI Decides" else game.fixed(name, "--shadow", "off")
-                 for name in names[turn:] + names[:turn]}
+        games = {}
+        for name in names[turn:] + names[:turn]:
+            games[name] = game.decided() if name == "AI Decides" else game.fixed(name, "--shadow", "off")
+            if name == "AI Decides":
+                choices.append(choice(game.arms, medians))
         mean = means(games)
         best = min(arms, key=mean.get)
         regrets.append(mean["AI Decides"] / mean[best] - 1)
@@ -122,7 +145,7 @@ def measure(game, options, condition, progress):
     regret, half_width = interval(regrets)
     return {"condition": condition, "scene": game.scene, "objects": game.objects, "rounds": options.rounds,
             "best_arm": max(set(best_arms), key=best_arms.count), "near_arms": arms, "regret": regret,
-            "half_width": half_width, "regrets": regrets,
+            "half_width": half_width, "regrets": regrets, "choice": statistics.fmean(choices), "choices": choices,
             "lane_mean_ratio": statistics.median(mean["on"] / mean["off"] for mean in lane_means),
             "lane_tail_ratio": statistics.median(lane_tails)}
 
@@ -141,16 +164,17 @@ def run(options):
     for condition in options.conditions.split(","):
         if condition not in CONDITIONS:
             raise Failure(f"unknown condition '{condition}', must be one of {', '.join(CONDITIONS)}")
-        with neighbours(2 if condition == "neighbours" else 0):
+        with other_work(condition):
             for scene, objects in parse_scenes(options.scenes):
                 rows.append(measure(Game(options, scene, objects, condition), options, condition, bar))
     return {"command": "live", "policy": options.policy, "seconds": options.seconds, "time_scale": options.time_scale, "rows": rows}
 
 
 def text(document):
-    return table(("condition", "scene", "objects", "best arm", "regret", "± 95 %", "lane mean", "lane p99.9"), [
+    return table(("condition", "scene", "objects", "best arm", "regret", "± 95 %", "choice", "lane mean", "lane p99.9"), [
         (row["condition"], row["scene"], str(row["objects"]), row["best_arm"], percent(row["regret"]),
-         "-" if row["half_width"] is None else f"{100 * row['half_width']:.2f}%", f"{row['lane_mean_ratio']:.3f}",
+         "-" if row["half_width"] is None else f"{100 * row['half_width']:.2f}%", percent(row["choice"]),
+         f"{row['lane_mean_ratio']:.3f}",
          f"{row['lane_tail_ratio']:.2f}") for row in document["rows"]])
 
 
@@ -161,7 +185,7 @@ def parse(words):
         "  tests/bench/live.py\n"
         "  tests/bench/live.py --conditions one-cpu --scenes hurricane:2000 --rounds 3\n"
         "  tests/bench/live.py --json | tests/bench/judge.py live\n"
-        "All conditions with four scenes take some two hours; nothing else should run meanwhile.")
+        "All conditions with four scenes take some two and a half hours; nothing else should run meanwhile.")
     parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
     parser.add_argument("--policy", default="default", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")

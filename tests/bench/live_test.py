@@ -7,6 +7,8 @@ import subprocess
 import sys
 import unittest
 
+from live import choice
+
 HERE = pathlib.Path(__file__).resolve().parent
 PROGRAM = ""
 
@@ -27,16 +29,22 @@ def row(condition, regret, tail=1.0):
 
 class Live(unittest.TestCase):
     def test_plays_and_writes_what_judge_reads(self):
-        done = live("--scenes", "brownian:100", "--conditions", "one-cpu,neighbours", "--json")
+        done = live("--scenes", "brownian:100", "--conditions", "one-cpu,bursts", "--json")
         self.assertEqual(done.returncode, 0, done.stderr)
         document = json.loads(done.stdout)
-        self.assertEqual([one["condition"] for one in document["rows"]], ["one-cpu", "neighbours"])
+        self.assertEqual([one["condition"] for one in document["rows"]], ["one-cpu", "bursts"])
         for one in document["rows"]:
             self.assertEqual(len(one["regrets"]), 2)
             self.assertGreater(one["half_width"], 0)
+            self.assertGreaterEqual(min(one["choices"]), 0)
             self.assertIn(one["best_arm"], one["near_arms"])
         code, _, error = judged(document)
         self.assertIn(code, (0, 1), error)
+
+    def test_a_choice_is_judged_by_the_arms_own_costs(self):
+        medians = {"Grid": 30, "KDTree": 10}
+        self.assertEqual(choice(["KDTree"] * 4, medians), 0)
+        self.assertEqual(choice(["KDTree", "Grid", "KDTree", "KDTree"], medians), 0.5)
 
     def test_says_what_is_wrong(self):
         for words, expected in ((("--scenes", "brownian"), "brownian"), (("--conditions", "loud"), "quiet"),

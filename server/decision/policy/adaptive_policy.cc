@@ -31,6 +31,8 @@ constexpr double kFirstCostShare = 0.05;  // share of the settling time until a 
 constexpr double kCostRate = 0.3;         // weight of a new measurement of the switch cost
 // The share of the frame time that an arm which is tried live may be believed to cost more.
 constexpr double kMaxTrialLoss = 0.2;
+// By how many standard deviations an arm that was live has to be better to be chosen again.
+constexpr double kReturnDeviations = 0.25;
 constexpr uint64_t kShareWindows = 10;  // memory of detection's share of the frame time
 constexpr double kBanGrowth = 4;
 // The maximum time that drifts advance at once, in decision intervals: a pause is not drift.
@@ -142,7 +144,7 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
   const WindowMetrics metrics = observation.window.Metrics();
   if (!metrics.IsFinite()) return std::nullopt;
   AdvanceTo(observation.now_ns);
-  const double log_cost = LogCostOf(metrics.detection_ms * 1e3);
+  const double log_cost = LogCostOf(metrics.calm_detection_ms * 1e3);
   filter_.ObserveLive(observation.arm, log_cost);
   observed_[observation.arm] = true;
   was_live_[observation.arm] = true;
@@ -232,12 +234,15 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
   return result;
 }
 
-// Returns whether a live window of an arm that is believed to be worse may be worth having. While
-// the lane reports, that is so only until there is one, which tells the lane's bias for this arm.
+// Returns whether to consider the arm: it is believed to be better, or a live window of it may be
+// worth having. While the lane reports, that is so only until there is one, which tells the lane's
+// bias for this arm; after that, what is uncertain about it must not lead back and forth.
 bool AdaptivePolicy::IsWorthATrial(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
-  const double cost_ratio = math::Exp(filter_.Difference(arm, input.active_arm).mean);
-  return !was_live_[arm] && detection_share_ * (cost_ratio - 1) < kMaxTrialLoss;
+  const NormalBelief difference = filter_.Difference(input.active_arm, arm);
+  if (was_live_[arm]) return difference.mean > kReturnDeviations * std::sqrt(difference.variance);
+  const double cost_ratio = math::Exp(-difference.mean);
+  return difference.mean > 0 || detection_share_ * (cost_ratio - 1) < kMaxTrialLoss;
 }
 
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
@@ -246,8 +251,8 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
     if (arm == input.active_arm) continue;
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
+    if (!IsWorthATrial(input, arm)) continue;
     const Assessment assessment = Assess(input.active_arm, arm);
-    if (!IsBetter(assessment.terms) && !IsWorthATrial(input, arm)) continue;
     if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }
   return best;

@@ -37,8 +37,12 @@ constexpr double kOutlierDeviations = 3;
 constexpr double kNoiseRate = 0.05;  // step size of the noise estimates
 constexpr double kDriftRate = 0.1;   // step size of the drift estimates
 constexpr double kMaxProduct = 4;    // maximum product of two normalised innovations
-// The share of a change in the active arm's live windows that may be this arm's alone.
+// The variances of what may have changed in the active arm's live windows: the load of the frame
+// thread's core and this arm alone, relative to the scene.
+constexpr double kLoadShare = 3;
 constexpr double kOwnShare = 0.3;
+// By which the variance of a load grows in an interval, relative to its square, since it may end.
+constexpr double kLoadEnd = 0.3;
 
 double Clamped(double log_cost) {
   return log_cost <= kMaxLogCost ? std::max(log_cost, kMinLogCost) : kMaxLogCost;
@@ -54,8 +58,8 @@ bool AreSameSideOutliers(double a, double b) {
 RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponents& components)
     : arm_count_(arm_count),
       components_(components),
-      mean_(Eigen::VectorXd::Constant(arm_count, kFirstLevel)),
-      covariance_(Eigen::MatrixXd::Zero(arm_count, arm_count)),
+      mean_(Eigen::VectorXd::Constant(arm_count + 1, kFirstLevel)),
+      covariance_(Eigen::MatrixXd::Zero(arm_count + 1, arm_count + 1)),
       live_noise_(kFirstNoise),
       shadow_noise_(kFirstNoise),
       sweep_noise_(kFirstSweepNoise),
@@ -63,13 +67,14 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
       level_drift_(kFirstLevelDrift),
       lane_drift_(kFirstLaneDrift),
       last_visit_(arm_count) {
+  mean_[load()] = 0;
   AddVariance(costs(), kLevelVariance, kUnknownVariance);
   AddVariance(first_biases_, kLaneVariance, kBiasVariance);
 }
 
 // Begins to estimate the lane's biases, and the offset.
 void RelativeCostFilter::AddLane() {
-  const uint32_t state_count = 2 * arm_count_ + 1;
+  const uint32_t state_count = offset() + 1;
   mean_.conservativeResizeLike(Eigen::VectorXd::Zero(state_count));
   covariance_.conservativeResizeLike(Eigen::MatrixXd::Zero(state_count, state_count));
   biases().setConstant(first_biases_(0, 1));
@@ -83,6 +88,7 @@ void RelativeCostFilter::SetPrior(uint32_t arm, const NormalBelief& log_cost) {
 
 void RelativeCostFilter::Advance(double intervals) {
   AddVariance(costs(), level_drift_ * intervals, drift_ * intervals);
+  covariance_(load(), load()) += kLoadEnd * Square(mean_[load()]) * intervals;
   const double lane = lane_drift_ * intervals, own = kBiasDrift * intervals;
   has_lane() ? AddVariance(biases(), lane, own) : AddVariance(first_biases_, lane, own);
 }
@@ -116,20 +122,26 @@ void RelativeCostFilter::UpdateDrift(double& drift, double product) const {
 
 void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   // Innovation, and the drift that successive ones show.
-  const double innovation = Clamped(log_cost) - mean_[arm];
+  const auto column = [&]() -> Eigen::VectorXd {
+    return covariance_.col(arm) + covariance_.col(load());
+  };
+  const auto variance_in = [&](const Eigen::VectorXd& of) { return of[arm] + of[load()]; };
+  const double innovation = Clamped(log_cost) - mean_[arm] - mean_[load()];
   const bool stays = std::exchange(live_arm_, arm) == arm;
-  const double variance = covariance_(arm, arm) + live_noise_;
+  const double variance = variance_in(column()) + live_noise_;
   const double normalised = innovation / std::sqrt(variance);
   const double last = std::exchange(last_live_, normalised);
   if (stays) UpdateDrift(level_drift_, normalised * last);
   // An outlier widens the belief if it is a change, else it counts as noise. A change while the
-  // arm stays active may affect all arms; what a newly active arm shows is its own.
+  // arm stays active is most likely other work that came to the core, less so the scene, whose load
+  // all arms share, and least this arm alone; what a newly active arm shows is its own.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
     if (!stays) {
       covariance_(arm, arm) += Square(innovation);
     } else if (AreSameSideOutliers(last, normalised)) {
       AddVariance(costs(), Square(innovation), 0);
+      covariance_(load(), load()) += kLoadShare * Square(innovation);
       covariance_(arm, arm) += kOwnShare * Square(innovation);
       last_live_ = 0;
     } else {
@@ -137,7 +149,17 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
     }
   }
   UpdateNoise(live_noise_, innovation, variance);
-  Update(covariance_.col(arm), innovation, covariance_(arm, arm) + noise);
+  const Eigen::VectorXd widened = column();
+  Update(widened, innovation, variance_in(widened) + noise);
+  KeepLoadPositive();
+}
+
+// Observes that there is no load, where the belief has come to one below.
+void RelativeCostFilter::KeepLoadPositive() {
+  if (mean_[load()] >= 0) return;
+  const Eigen::VectorXd column = covariance_.col(load());
+  Update(column, -mean_[load()], column[load()] + kMinNoise);
+  mean_[load()] = 0;
 }
 
 void RelativeCostFilter::BeginSweep(uint64_t sweep) {

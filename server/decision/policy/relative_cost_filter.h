@@ -2,12 +2,14 @@
 // logarithms of all costs.
 //
 // For each arm i the state holds x_i, the log-cost on the frame thread, and b_i, the bias of the
-// shadow lane's measurements of this arm; in addition it holds one offset c of the current sweep.
-//   a live window of arm i measures  x_i + noise
+// shadow lane's measurements of this arm; in addition it holds the load l that other work puts on
+// the core of the frame thread, and one offset c of the current sweep.
+//   a live window of arm i measures  x_i + l + noise
 //   a shadow visit of arm i measures x_i + b_i + c + noise
 // All x_i share the drift of the scene's load and have a drift of their own besides; the b_i do so
 // with the lane's drift. A sweep thus compares the arms, a live window gives the level of the
-// costs, and both together the lane's biases.
+// costs, and both together the lane's biases. The load is never negative, and may end at any
+// moment.
 //
 // Noises and drifts are estimated from the innovations: noises from their size, drifts from the
 // correlation of successive ones (R. Mehra, "On the identification of variances and adaptive Kalman
@@ -61,9 +63,10 @@ class RelativeCostFilter {
   double live_noise() const { return live_noise_; }
 
  private:
-  bool has_lane() const { return mean_.size() > arm_count_; }
-  uint32_t bias(uint32_t arm) const { return arm_count_ + arm; }
-  uint32_t offset() const { return 2 * arm_count_; }
+  bool has_lane() const { return mean_.size() > bias(0); }
+  uint32_t load() const { return arm_count_; }
+  uint32_t bias(uint32_t arm) const { return load() + 1 + arm; }
+  uint32_t offset() const { return bias(arm_count_); }
 
   auto costs() { return covariance_.topLeftCorner(arm_count_, arm_count_); }
   auto biases() { return covariance_.block(bias(0), bias(0), arm_count_, arm_count_); }
@@ -77,11 +80,12 @@ class RelativeCostFilter {
   double NoiseOfReferenceVisit(double innovation, double variance);
   double NoiseOfVisit(uint32_t arm, double innovation, double variance);
   void Update(const Eigen::VectorXd& column, double innovation, double variance);
+  void KeepLoadPositive();
 
   uint32_t arm_count_;
   FilterComponents components_;
-  // All states; the costs alone before the lane's first visit, when nothing ties the others to
-  // them. They are four fifths of the memory, and of the time of an observation.
+  // All states; the costs and the load alone before the lane's first visit, when nothing ties the
+  // others to them. They are four fifths of the memory, and of the time of an observation.
   Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
   Eigen::Matrix2d first_biases_ = Eigen::Matrix2d::Zero();  // of any two arms, until then

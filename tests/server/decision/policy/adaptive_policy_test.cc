@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "server/decision/math/random.h"
@@ -69,11 +70,12 @@ class Game {
   bool lane_on;
   std::vector<double> lane_ratio = std::vector<double>(cost_us.size(), 1.1);  // lane ÷ frame thread
   double other_work_us = 0;
+  double frame_load = 1;  // time of a frame ÷ that of one without other work on its core
 
  private:
   // 100 frames per interval, each a little different.
   void SetFrame() {
-    const double cost = cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
+    const double cost = frame_load * cost_us[client.arm] * std::exp(0.01 * DrawNormal(random_));
     client.frame.detection_time_ns = static_cast<uint64_t>(cost * 1e3);
     client.frame.frame_time_ns =
         client.frame.detection_time_ns + static_cast<uint64_t>(other_work_us * 1e3);
@@ -115,6 +117,31 @@ TEST(AdaptivePolicy, TriesAnArmThatTheLaneMayMisjudge) {
   game.RunTicks(20);
   EXPECT_EQ(game.client.arm, 0u);
   EXPECT_GE(game.TicksOn(0, 100), 99);
+}
+
+// Half an hour, in which each of them is the cheaper one in turns.
+TEST(AdaptivePolicy, StaysWhereAnotherArmCostsAlmostTheSame) {
+  Game game({10'000, 10'050, 30'000});
+  game.RunTicks(60);
+  const size_t switch_count = game.client.commands.size();
+  for (int i = 0; i < 30; ++i) {
+    std::swap(game.cost_us[0], game.cost_us[1]);
+    game.RunTicks(30);
+  }
+  EXPECT_LE(game.client.commands.size() - switch_count, 6u);
+}
+
+// Other work comes to the frame thread's core for 10 s, again and again.
+TEST(AdaptivePolicy, StaysWhileOtherWorkMakesEveryArmSlower) {
+  Game game({10'000, 13'000, 16'000});
+  game.RunTicks(60);
+  ASSERT_EQ(game.client.arm, 0u);
+  for (int i = 0; i < 10; ++i) {
+    game.frame_load = 3;
+    EXPECT_GE(game.TicksOn(0, 5), 4);
+    game.frame_load = 1;
+    EXPECT_GE(game.TicksOn(0, 25), 23);
+  }
 }
 
 TEST(AdaptivePolicy, TriesOnlyWhatMakesAFrameHardlyLonger) {

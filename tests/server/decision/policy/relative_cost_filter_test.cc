@@ -23,7 +23,7 @@ class FilterTest : public testing::Test {
     load_ += Noise(load_step_);
     filter.Advance(1);
     if (with_lane_) Sweep(filter, active);
-    filter.ObserveLive(active, cost_[active] + load_ + Noise(0.01));
+    filter.ObserveLive(active, cost_[active] + load_ + core_load_ + Noise(0.01));
   }
 
   void Sweep(RelativeCostFilter& filter, uint32_t active) {
@@ -45,6 +45,7 @@ class FilterTest : public testing::Test {
   std::vector<double> cost_ = {5, 5.1, 5.4, 8.5};
   std::vector<double> bias_ = std::vector<double>(kArms, 0.0);
   double load_ = 0;
+  double core_load_ = 0;  // what else runs on the frame thread's core
   double load_step_ = 0.05;
   bool with_lane_ = true;
   uint64_t sweep_ = 0;
@@ -117,6 +118,23 @@ TEST_F(FilterTest, AChangeOfLoadAtASwitchLeavesTheDifferencesAlone) {
   load_ -= 0.5;
   for (int i = 0; i < 3; ++i) RunInterval(filter, 1);
   EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.2);
+}
+
+// Other work comes to the core of the frame thread and goes, the second time while the game is on
+// its way from arm 0 to arm 1.
+TEST_F(FilterTest, OtherWorkOnTheFrameThreadsCoreIsNoArms) {
+  RelativeCostFilter filter(kArms);
+  for (int i = 0; i < 20; ++i) RunInterval(filter, 0);
+  for (const uint32_t next : {0U, 1U}) {
+    core_load_ = std::log(4);
+    for (int i = 0; i < 6; ++i) RunInterval(filter, 0);
+    EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.15);
+    EXPECT_NEAR(filter.LogCost(0).mean, cost_[0] + load_, 0.4);
+    core_load_ = 0;
+    for (int i = 0; i < 3; ++i) RunInterval(filter, next);
+    EXPECT_NEAR(filter.Difference(1, 0).mean, cost_[1] - cost_[0], 0.15);
+    EXPECT_NEAR(filter.LogCost(next).mean, cost_[next] + load_, 0.1);
+  }
 }
 
 TEST_F(FilterTest, AStallOfAFewWindowsIsForgottenOnceTheLaneHasSeenTheArmAgain) {
