@@ -163,7 +163,10 @@ bool WalkNearest(const LeafTree::View& tree, const Slabs& slabs, const IdPredica
       ++level;
     }
     const size_t last = --waiting[level].found.count;
-    if (waiting[level].distance[last] > best.distance) continue;
+    if (waiting[level].distance[last] > best.distance) {
+      waiting[level].found.count = 0;  // the others are farther still
+      continue;
+    }
     const size_t node = waiting[level].found.entry[last];
     --level;
     CollectEntered(slabs, best.distance, tree.levels[level], FirstChild(level, node),
