@@ -255,6 +255,7 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   uint64_t busy_ns = 0;
   uint64_t check_sum = 0;
   uint64_t native_bytes = 0;
+  bool kept_waiting = false;
   while (ran < frame_count && busy_ns < setup_.options.visit_cap_ns) {
     Watch watch(*this, nullptr, setup_.options.visit_cap_ns - busy_ns, bytes_of(backend));
     const bool is_wanted = !interrupted(nullptr);
@@ -266,9 +267,9 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
     }
     native_bytes = backend.native_bytes();
     if (watch.end() == Watch::End::kMemory) native_bytes = watch.held_bytes();
-    const bool is_bound =
-        ran == 0 && watch.end() == Watch::End::kTime && time_ns >= setup_.options.visit_cap_ns / 2;
-    if (watch.end() == Watch::End::kNone || is_bound) {
+    const bool is_long = ran == 0 && watch.end() == Watch::End::kTime;
+    kept_waiting = is_long && time_ns < setup_.options.visit_cap_ns / 2;
+    if (watch.end() == Watch::End::kNone || (is_long && !kept_waiting)) {
       if (ran > kShadowWarmUpFrames) check_sum += backend.aabb_check_count();
       frame_ns[ran++] = time_ns;
     }
@@ -283,7 +284,7 @@ std::optional<ShadowVisit> ShadowLane::Visit(uint32_t arm) {
   visit.busy_ns = busy_ns;
   visit.native_bytes = native_bytes;
   visit.aabb_check_count = check_sum / std::max<uint32_t>(visit.frame_count, 1);
-  visit.capped = ran < frame_count;
+  visit.capped = !kept_waiting && ran < frame_count;
   return visit;
 }
 
@@ -382,8 +383,7 @@ uint64_t ShadowLane::WorkNs() const {
   return work_ns > 0 ? work_ns : setup_.clock.NowNs();
 }
 
-// Builds or updates, and searches, since a search makes a backend's buffers grow to the size that
-// the scene needs. Returns the time.
+// Builds or updates, and searches, so that buffers grow to what the scene needs. Returns the time.
 uint64_t ShadowLane::Feed(BroadPhase& backend, bool build, std::span<const Aabb> boxes,
                           Watch& watch) {
   watch.Begin(setup_.clock.NowNs());

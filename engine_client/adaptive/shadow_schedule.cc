@@ -89,17 +89,20 @@ std::optional<uint32_t> ShadowSchedule::NextArm() const {
 
 void ShadowSchedule::OnVisit(const ShadowVisit& visit) {
   Arm& arm = arms_[visit.arm];
+  const bool is_known = visit.is_measured || visit.capped;
   const uint64_t cost_ns = std::max<uint64_t>(visit.detection_ns, 1);
-  if (visit.arm == active_arm_ && arm.reference_ns > 0 && HasMoved(cost_ns, arm.reference_ns)) {
+  if (is_known && visit.arm == active_arm_ && arm.reference_ns > 0 &&
+      HasMoved(cost_ns, arm.reference_ns)) {
     Renew(/*end_back_off=*/false);
   }
+  arm.last_sweep = sweep_;
+  busy_ns_ += visit.busy_ns;
+  if (!is_known) return;
   if (arm.reference_ns == 0) arm.reference_ns = cost_ns;
   arm.cost_ns = cost_ns;
-  arm.last_sweep = sweep_;
   arm.too_big = visit.native_bytes > options_.memory_cap_bytes;
   const bool over = visit.capped || arm.too_big;
   arm.back_off = over ? std::clamp(2 * arm.back_off, 2U, kMaxPeriod) : 0;
-  busy_ns_ += visit.busy_ns;
 }
 
 void ShadowSchedule::Renew(bool end_back_off) {
@@ -130,7 +133,8 @@ uint64_t ShadowSchedule::Period(uint32_t index, uint64_t best_ns) const {
 
 bool ShadowSchedule::Due(uint32_t index, uint64_t best_ns) const {
   const uint64_t last_sweep = arms_[index].last_sweep;
-  return last_sweep == 0 || sweep_ - last_sweep >= Period(index, best_ns);
+  if (last_sweep == 0 || arms_[index].cost_ns == 0) return last_sweep != sweep_;
+  return sweep_ - last_sweep >= Period(index, best_ns);
 }
 
 }  // namespace sweepstake

@@ -55,7 +55,8 @@ struct ShadowVisit {
   uint64_t native_bytes = 0;
   uint64_t aabb_check_count = 0;  // the mean of the measured frames
   bool capped = false;            // whether a cap ended it before the last frame
-  // Whether detection_ns is a cost. It is the time cap if the memory cap ended the first frame.
+  // Whether detection_ns is a cost. It is the time cap if the memory cap ended the first frame;
+  // without a cap, the lane was kept from its core, and nothing is known.
   bool is_measured = true;
 };
 

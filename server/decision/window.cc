@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kTypicalStep = 1.02;  // by which each frame moves the typical one its way
 constexpr double kMaxCalmRatio = 2;
-// So many longer frames in a row are what has become typical.
-constexpr uint32_t kMaxLongFrames = 8;
+// Of a window's frames at most one in so many is longer because it was interrupted.
+constexpr uint64_t kFramesPerInterruption = 5;
 
 }  // namespace
 
@@ -37,16 +37,14 @@ void Window::Add(const Frame& frame) {
 }
 
 // Moved by so much up or down, whichever way a frame lies, the typical time comes to rest where as
-// many frames lie above as below.
+// many frames lie above as below. Frames without a search say nothing of it.
 void Window::AddCalm(double detection_ns) {
+  if (detection_ns == 0) return;
   double& typical_ns = typical_detection_ns_;
-  const bool is_long = detection_ns > kMaxCalmRatio * typical_ns;
-  long_frame_count_ = is_long ? long_frame_count_ + 1 : 0;
-  if (typical_ns == 0 || long_frame_count_ == kMaxLongFrames)
-    typical_ns = std::max(detection_ns, 1.0);
+  if (typical_ns == 0) typical_ns = detection_ns;
+  if (detection_ns > kMaxCalmRatio * typical_ns) ++long_frame_count_;
   calm_detection_ns_ += std::min(detection_ns, kMaxCalmRatio * typical_ns);
-  typical_ns = std::max(
-      detection_ns > typical_ns ? typical_ns * kTypicalStep : typical_ns / kTypicalStep, 1.0);
+  typical_ns = detection_ns > typical_ns ? typical_ns * kTypicalStep : typical_ns / kTypicalStep;
 }
 
 void Window::Clear() {
@@ -65,8 +63,10 @@ WindowMetrics Window::Metrics() const {
   const auto ordinary_frames = static_cast<double>(ordinary_frame_count_);
   metrics.detection_ms =
       rebuilds_only ? rebuild_ms : ordinary_detection_ns_ / ordinary_frames * 1e-6;
-  metrics.calm_detection_ms =
-      rebuilds_only ? rebuild_ms : calm_detection_ns_ / ordinary_frames * 1e-6;
+  const bool stays_long = long_frame_count_ * kFramesPerInterruption > ordinary_frame_count_;
+  metrics.calm_detection_ms = rebuilds_only || stays_long
+                                  ? metrics.detection_ms
+                                  : calm_detection_ns_ / ordinary_frames * 1e-6;
   metrics.native_mib = static_cast<double>(peak_bytes_) / (1024.0 * 1024.0);
   metrics.check_ratio =
       pair_count_ > 0 ? check_count_ / pair_count_ : (check_count_ > 0 ? 1.0 : 0.0);

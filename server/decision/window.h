@@ -15,8 +15,9 @@ namespace sweepstake::decision {
 struct WindowMetrics {
   double fps = 0;           // frames ÷ unscaled time; infinite if the frames took no time
   double detection_ms = 0;  // mean of update and search per frame
-  // The same mean, with no frame counted for more than twice the typical one of the run: what
-  // interrupts the frame thread lengthens a few frames to many times their time, and is no arm's.
+  // The same mean, with no frame counted for more than twice the typical one of the run, unless
+  // more than a fifth of the frames are longer: what interrupts the frame thread lengthens a few
+  // frames to many times their time, and is no arm's.
   double calm_detection_ms = 0;
   double native_mib = 0;  // peak
   // Checks ÷ n(n−1)/2, both summed over the frames. Without any pair it is 0 if nothing was
@@ -27,8 +28,8 @@ struct WindowMetrics {
 
 class Window {
  public:
-  // A frame with kFrameRebuild counts in every metric except the detection mean, which is that of
-  // the arm's ordinary frames. If every frame of the window rebuilt because the object count
+  // A frame with kFrameRebuild counts in every metric except the detection means, which are those
+  // of the arm's ordinary frames. If every frame of the window rebuilt because the object count
   // changes all the time, rebuilding is what the arm costs, and the mean is over all frames.
   void Add(const Frame& frame);
   // Begins the next window of the same run, which keeps what is typical of it.
@@ -58,8 +59,8 @@ class Window {
   double time_ns_ = 0;
   double ordinary_detection_ns_ = 0;
   double calm_detection_ns_ = 0;     // as far as a frame does not exceed twice the typical one
-  uint32_t long_frame_count_ = 0;    // in a row, up to the latest
-  double typical_detection_ns_ = 0;  // near the median of the run's ordinary frames; 0: none yet
+  uint64_t long_frame_count_ = 0;    // frames that exceed it
+  double typical_detection_ns_ = 0;  // near the median of the run's searches; 0: none yet
   double rebuild_detection_ns_ = 0;
   double check_count_ = 0;
   double pair_count_ = 0;  // n(n−1)/2, summed over the frames

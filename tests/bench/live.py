@@ -121,8 +121,7 @@ def tail(frames):
     return sorted(frames)[min(len(frames) - 1, int(0.999 * len(frames)))]
 
 
-def measure(game, options, condition, progress):
-    medians = median_frames(game, options)
+def measure(game, medians, options, condition, progress):
     arms = sorted((arm for arm in ARMS if medians[arm] <= options.near * min(medians.values())), key=medians.get)
     regrets, choices, lane_means, lane_tails, best_arms = [], [], [], [], []
     for number in range(options.rounds):
@@ -132,9 +131,10 @@ def measure(game, options, condition, progress):
         for name in names[turn:] + names[:turn]:
             games[name] = game.decided() if name == "AI Decides" else game.fixed(name, "--shadow", "off")
             if name == "AI Decides":
-                choices.append(choice(game.arms, medians))
+                chosen = game.arms
         mean = means(games)
         best = min(arms, key=mean.get)
+        choices.append(choice(chosen, medians))
         regrets.append(mean["AI Decides"] / mean[best] - 1)
         best_arms.append(best)
         with_lane = game.fixed(best, "--shadow", "on")
@@ -164,9 +164,11 @@ def run(options):
     for condition in options.conditions.split(","):
         if condition not in CONDITIONS:
             raise Failure(f"unknown condition '{condition}', must be one of {', '.join(CONDITIONS)}")
-        with other_work(condition):
-            for scene, objects in parse_scenes(options.scenes):
-                rows.append(measure(Game(options, scene, objects, condition), options, condition, bar))
+        for scene, objects in parse_scenes(options.scenes):
+            game = Game(options, scene, objects, condition)
+            medians = median_frames(game, options)
+            with other_work(condition):
+                rows.append(measure(game, medians, options, condition, bar))
     return {"command": "live", "policy": options.policy, "seconds": options.seconds, "time_scale": options.time_scale, "rows": rows}
 
 
@@ -194,7 +196,7 @@ def parse(words):
     parser.add_argument("--seconds", type=float, default=15, help="of a game (default: %(default)s)")
     parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
     parser.add_argument("--near", type=float, default=1.15, metavar="RATIO",
-                        help="a fixed arm takes part if a short game's mean frame is within this of the best (default: %(default)s)")
+                        help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
     parser.add_argument("--verbose", action="store_true", help="a line on stderr for each round, also if that is no terminal")
     options = parser.parse_args(words)

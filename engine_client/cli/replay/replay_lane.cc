@@ -17,8 +17,8 @@ constexpr double kMaxSpike = 100;
 
 // Returns the options with a time cap that ends the same visits as where the trace was recorded.
 ShadowScheduleOptions Scaled(ShadowScheduleOptions options, const ReplayScene& scene) {
-  const double ratio = std::max(scene.time_ratio(), 1.0);
-  options.visit_cap_ns = static_cast<uint64_t>(static_cast<double>(options.visit_cap_ns) * ratio);
+  const double cap_ns = static_cast<double>(options.visit_cap_ns) * scene.time_ratio();
+  options.visit_cap_ns = static_cast<uint64_t>(std::clamp(cap_ns, 1.0, 1e18));
   return options;
 }
 

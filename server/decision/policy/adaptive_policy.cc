@@ -203,9 +203,9 @@ bool AdaptivePolicy::IsKnownEnough(uint32_t arm, int64_t now_ns) const {
 // as safe if it is believed to cost no more than the active one; otherwise the width of its belief
 // alone would keep the game on a slow arm for ever.
 bool AdaptivePolicy::IsSafe(uint32_t arm, const ChoiceInput& input) const {
-  const NormalBelief cost = filter_.LogCost(arm);
+  const NormalBelief cost = filter_.LiveCost(arm);
   const bool unseen = !observed_[arm] && !LaneReports(input.now_ns);
-  if (unseen && cost.mean <= filter_.LogCost(input.active_arm).mean) return true;
+  if (unseen && cost.mean <= filter_.LiveCost(input.active_arm).mean) return true;
   const double limit_us = kUnsafeShare * static_cast<double>(options_.bail_out_ns) * 1e-3;
   return cost.mean + kUnsafeDeviations * std::sqrt(cost.variance) < LogCostOf(limit_us);
 }
@@ -240,9 +240,9 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
 bool AdaptivePolicy::IsWorthATrial(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = filter_.Difference(input.active_arm, arm);
-  if (was_live_[arm]) return difference.mean > kReturnDeviations * std::sqrt(difference.variance);
-  const double cost_ratio = math::Exp(-difference.mean);
-  return difference.mean > 0 || detection_share_ * (cost_ratio - 1) < kMaxTrialLoss;
+  const double deviations = input.bailed_out ? 0 : kReturnDeviations;
+  if (was_live_[arm]) return difference.mean > deviations * std::sqrt(difference.variance);
+  return detection_share_ * (math::Exp(-difference.mean) - 1) < kMaxTrialLoss;
 }
 
 std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(

@@ -1,8 +1,9 @@
 // The policy of "AI Decides" (`adaptive`): it estimates every arm's cost from the shadow lane and
 // the live windows, and switches to a cheaper arm if the gain pays for the switch.
 //
-// - Costs are log-costs (log_cost.h, reward version 3), and beliefs are those of the filter in
-//   relative_cost_filter.h. They are shown as one Beta distribution per arm, such that the
+// - Costs are log-costs (log_cost.h, reward version 3) of a window's calm frames (window.h), and
+//   beliefs are those of the filter in relative_cost_filter.h, which takes other work on the frame
+//   thread's core for no arm's. They are shown as one Beta distribution per arm, such that the
 //   differences to the leader have the filter's variances.
 // - A switch must pass the gate of GateTerms, horizon · E⁺ − cooldown · E⁻ − cost > 0, with the
 //   measured cost of switches, and E⁺ must be larger than a tie's. The cooldown is long enough to
@@ -13,8 +14,9 @@
 // - While the shadow lane reports, only arms that were measured or have priors are chosen. An arm
 //   that is believed to be worse is tried live once, if the gate finds that its window is worth it,
 //   since the lane's bias is unknown until there is one, and if it is believed to make a frame at
-//   most a fifth longer. Without the lane, the value of exploration (E⁺ of an arm never seen) leads
-//   to every arm being tried live.
+//   most a fifth longer. An arm that was live has to be better by a quarter of what is uncertain of
+//   the difference, so that nothing leads back and forth. Without the lane, the value of
+//   exploration (E⁺ of an arm never seen) leads to every arm being tried live.
 // - Until an arm is observed, its prior has a standard deviation of at least 15 %, and a fifth of
 //   the belief ignores it. Priors are dropped if the lane's first visits find another arm much
 //   cheaper than the one that the priors expect.
@@ -38,7 +40,7 @@ namespace sweepstake::decision {
 struct AdaptiveComponents {
   FilterComponents filter{};
   bool shadow = true;          // learns from the shadow lane
-  bool gate = true;            // false: any expected gain is enough for a switch
+  bool gate = true;            // false: any expected gain is enough
   bool short_cooldown = true;  // false: the cooldown is that of the options
 };
 

@@ -1,10 +1,10 @@
 // Reward version 3 depends on the logarithm of the detection time alone and is absolute, so that
 // rewards of different times and arms can be compared.
 //
-// A log-cost is y = ln(mean detection time in µs), and its reward is r = clamp(1 − ln(detection
-// time in ns) / ln(5 s in ns), 0, 1): a stall of 5 s has reward 0, 1 ns has reward 1. A normal
-// belief about y is shown and stored as the Beta distribution with the same mean and variance of r.
-// Pure functions; no result is infinite or NaN.
+// A log-cost is y = ln(mean detection time in µs) of calm frames (window.h), and its reward is r =
+// clamp(1 − ln(detection time in ns) / ln(5 s in ns), 0, 1): a stall of 5 s has reward 0, 1 ns has
+// reward 1. A normal belief about y is shown and stored as the Beta distribution with the same mean
+// and variance of r. Pure functions; no result is infinite or NaN.
 #pragma once
 
 #include "server/decision/types.h"

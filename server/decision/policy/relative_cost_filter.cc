@@ -133,15 +133,16 @@ void RelativeCostFilter::ObserveLive(uint32_t arm, double log_cost) {
   const double last = std::exchange(last_live_, normalised);
   if (stays) UpdateDrift(level_drift_, normalised * last);
   // An outlier widens the belief if it is a change, else it counts as noise. A change while the
-  // arm stays active is most likely other work that came to the core, less so the scene, whose load
-  // all arms share, and least this arm alone; what a newly active arm shows is its own.
+  // arm stays active is most likely other work that came to the core, which the lane does not see,
+  // less so the scene, whose load all arms share, and least this arm alone; what a newly active arm
+  // shows is its own.
   double noise = live_noise_;
   if (std::abs(normalised) > kOutlierDeviations) {
     if (!stays) {
       covariance_(arm, arm) += Square(innovation);
     } else if (AreSameSideOutliers(last, normalised)) {
       AddVariance(costs(), Square(innovation), 0);
-      covariance_(load(), load()) += kLoadShare * Square(innovation);
+      if (has_lane()) covariance_(load(), load()) += kLoadShare * Square(innovation);
       covariance_(arm, arm) += kOwnShare * Square(innovation);
       last_live_ = 0;
     } else {
