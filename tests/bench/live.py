@@ -87,21 +87,22 @@ class Game:
         return self.play("--policy", self.options.policy, "--time-scale", str(self.options.time_scale))
 
 
-def means(games):
-    """The mean frame of each game over the frames that all have played."""
+def over_same_frames(summary, games):
+    """The summary of each game's frames that all have played."""
     count = min(map(len, games.values()))
     if count == 0:
         raise Failure("a game played no frame: give more --seconds")
-    return {name: statistics.fmean(frames[:count]) for name, frames in games.items()}
+    return {name: summary(frames[:count]) for name, frames in games.items()}
+
+
+def means(games):
+    return over_same_frames(statistics.fmean, games)
 
 
 def median_frames(game, options):
-    """The median frame of every arm over the frames that all play in one short game each."""
+    """The median frame of every arm, from one short game each."""
     games = {arm: game.fixed(arm, "--shadow", "off", seconds=max(options.seconds / 10, 0.05)) for arm in ARMS}
-    count = min(map(len, games.values()))
-    if count == 0:
-        raise Failure("a game played no frame: give more --seconds")
-    return {arm: statistics.median(frames[:count]) for arm, frames in games.items()}
+    return over_same_frames(statistics.median, games)
 
 
 def choice(arms, medians):

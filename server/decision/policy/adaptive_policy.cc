@@ -237,7 +237,7 @@ AdaptivePolicy::Assessment AdaptivePolicy::Assess(uint32_t active, uint32_t cand
 // Returns whether to consider the arm: it is believed to be better, or a live window of it may be
 // worth having. While the lane reports, that is so only until there is one, which tells the lane's
 // bias for this arm; after that, what is uncertain about it must not lead back and forth.
-bool AdaptivePolicy::IsWorthATrial(const ChoiceInput& input, uint32_t arm) const {
+bool AdaptivePolicy::IsContender(const ChoiceInput& input, uint32_t arm) const {
   if (!LaneReports(input.now_ns)) return true;
   const NormalBelief difference = filter_.Difference(input.active_arm, arm);
   const double deviations = input.bailed_out ? 0 : kReturnDeviations;
@@ -251,7 +251,7 @@ std::optional<AdaptivePolicy::Assessment> AdaptivePolicy::BestSwitch(
   for (uint32_t arm = 0; arm < filter_.arm_count(); ++arm) {
     if (arm == input.active_arm) continue;
     if (!input.bailed_out && (!IsKnownEnough(arm, input.now_ns) || !IsSafe(arm, input))) continue;
-    if (!IsWorthATrial(input, arm)) continue;
+    if (!IsContender(input, arm)) continue;
     const Assessment assessment = Assess(input.active_arm, arm);
     if (!best || assessment.worth_s > best->worth_s) best = assessment;
   }

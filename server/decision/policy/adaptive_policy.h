@@ -90,7 +90,7 @@ class AdaptivePolicy : public Policy {
   bool LaneReports(int64_t now_ns) const;
   bool IsKnownEnough(uint32_t arm, int64_t now_ns) const;
   bool IsSafe(uint32_t arm, const ChoiceInput& input) const;
-  bool IsWorthATrial(const ChoiceInput& input, uint32_t arm) const;
+  bool IsContender(const ChoiceInput& input, uint32_t arm) const;
   Assessment Assess(uint32_t active, uint32_t candidate) const;
   std::optional<Assessment> BestSwitch(const ChoiceInput& input) const;
 

@@ -242,6 +242,12 @@ void RelativeCostFilter::Assume(uint32_t arm, double log_cost) {
   covariance_(arm, arm) = kAssumedVariance;
 }
 
+NormalBelief RelativeCostFilter::LiveCost(uint32_t arm) const {
+  const double variance =
+      covariance_(arm, arm) + covariance_(load(), load()) + 2 * covariance_(arm, load());
+  return {mean_[arm] + mean_[load()], std::max(variance, 0.0)};
+}
+
 NormalBelief RelativeCostFilter::Difference(uint32_t a, uint32_t b) const {
   const double variance = covariance_(a, a) + covariance_(b, b) - 2 * covariance_(a, b);
   return {mean_[a] - mean_[b], std::max(variance, 0.0)};

@@ -57,10 +57,7 @@ class RelativeCostFilter {
   uint32_t arm_count() const { return arm_count_; }
   NormalBelief LogCost(uint32_t arm) const { return {mean_[arm], covariance_(arm, arm)}; }
   // What a live window of the arm would measure now: its cost with the load of the core.
-  NormalBelief LiveCost(uint32_t arm) const {
-    return {mean_[arm] + mean_[load()],
-            covariance_(arm, arm) + 2 * covariance_(arm, load()) + covariance_(load(), load())};
-  }
+  NormalBelief LiveCost(uint32_t arm) const;
   double Covariance(uint32_t a, uint32_t b) const { return covariance_(a, b); }
   // The belief about x_a − x_b.
   NormalBelief Difference(uint32_t a, uint32_t b) const;
