@@ -38,7 +38,7 @@ v1::PriorRecord ToProto(const PriorRecord& record) {
   v1::PriorRecord message;
   message.set_project(record.project);
   message.set_scene(record.scene);
-  message.set_context_bucket(record.context_bucket);
+  message.set_measured_by(record.measured_by);
   message.set_arm(record.arm);
   message.set_backend_version(record.backend_version);
   message.set_machine_class(record.machine_class);
@@ -55,7 +55,7 @@ v1::PriorRecord ToProto(const PriorRecord& record) {
 PriorRecord FromProto(const v1::PriorRecord& message) {
   return {.project = message.project(),
           .scene = message.scene(),
-          .context_bucket = message.context_bucket(),
+          .measured_by = message.measured_by(),
           .arm = message.arm(),
           .backend_version = message.backend_version(),
           .machine_class = message.machine_class(),

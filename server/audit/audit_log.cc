@@ -221,7 +221,6 @@ void AuditRecorder::PutVersions() {
 }
 
 void AuditRecorder::PutRecord(const DecisionRecord& record) {
-  PutText(AuditColumn::kContext, record.context);
   PutArm(AuditColumn::kActiveArm, record.active_arm);
   if (record.candidate) PutArm(AuditColumn::kCandidate, *record.candidate);
   AppendName(Cell(AuditColumn::kOutcome), kOutcomeNames, record.outcome);

@@ -148,9 +148,9 @@ struct SwitchCommand {
 // The evidence about one arm that a tick or a bail-out adds, as it is stored.
 struct Increment {
   uint32_t arm = 0;
-  double alpha = 0;  // >= 0
-  double beta = 0;   // >= 0
-  uint32_t window_count = 0;
+  double alpha = 0;           // >= 0
+  double beta = 0;            // >= 0
+  uint32_t window_count = 0;  // windows, or the lane's visits
   uint32_t bail_out_count = 0;
 };
 
@@ -165,7 +165,6 @@ struct DecisionRecord {
   std::optional<double> reward;           // absent if there was no window to learn from
   std::vector<double> draws;              // has one per arm; empty if nothing was drawn
   std::vector<BetaPosterior> posteriors;  // posteriors after the update
-  std::string context;                    // bucket of the scene descriptors; empty if there is none
   std::optional<GateTerms> gate;          // absent if the policy has no gate
   double propensity = 1;                  // probability with which the policy draws this candidate
   Diagnosis diagnosis;
@@ -210,7 +209,8 @@ class ObservationSummary {
 // The result of a tick or a bail-out, which the caller persists, publishes and sends.
 struct Decision {
   DecisionRecord record;
-  std::optional<Increment> increment;
+  std::optional<Increment> increment;      // of the frame thread's window, or of a bail-out
+  std::vector<Increment> lane_increments;  // of the lane's visits since the last tick
   std::optional<SwitchCommand> command;
 };
 

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -26,7 +27,7 @@ namespace sweepstake::priors {
 struct EvidenceKey {
   std::string project;
   std::string scene;
-  std::string context_bucket;  // empty for the only bucket
+  std::string measured_by;  // empty for the frame thread, else "lane"
   std::string arm;
   uint32_t backend_version = 1;
   std::string machine_class;  // empty for the unknown class
@@ -38,9 +39,9 @@ struct EvidenceKey {
 
 // An amount of evidence, which includes no prior.
 struct Evidence {
-  double alpha = 0;  // finite, 0 to < 1e15
-  double beta = 0;   // finite, 0 to < 1e15
-  uint64_t window_count = 0;
+  double alpha = 0;           // finite, 0 to < 1e15
+  double beta = 0;            // finite, 0 to < 1e15
+  uint64_t window_count = 0;  // windows, or visits of the lane
   uint64_t bail_out_count = 0;
 
   Evidence& operator+=(const Evidence& other);
@@ -119,17 +120,34 @@ struct SceneKey {
   friend auto operator<=>(const SceneKey&, const SceneKey&) = default;
 };
 
-// The evidence of every arm of one scene, summed over sources and context buckets.
+// The evidence of every arm of one scene, summed over sources.
 struct SceneEvidence {
   struct Arm {
     std::string name;
     uint32_t backend_version = 1;
-    Evidence evidence;
+    Evidence live;  // measured by the frame thread
+    Evidence lane;  // measured by the shadow lane
+
+    Evidence& of(std::string_view measured_by) { return measured_by.empty() ? live : lane; }
   };
   SceneKey key;
   std::vector<Arm> arms;  // ordered by name and version
   uint64_t source_count = 0;
+
+  // Returns the arm, which is added if it is not there.
+  Arm& ArmOf(const std::string& name, uint32_t backend_version);
 };
+
+inline SceneEvidence::Arm& SceneEvidence::ArmOf(const std::string& name, uint32_t backend_version) {
+  const auto wanted = std::tie(name, backend_version);
+  const auto arm =
+      std::lower_bound(arms.begin(), arms.end(), wanted, [](const Arm& left, const auto& right) {
+        return std::tie(left.name, left.backend_version) < right;
+      });
+  if (arm != arms.end() && std::tie(arm->name, arm->backend_version) == wanted) return *arm;
+  return *arms.insert(arm,
+                      {.name = name, .backend_version = backend_version, .live = {}, .lane = {}});
+}
 
 // An empty field matches everything.
 struct SceneFilter {

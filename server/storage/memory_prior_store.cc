@@ -227,18 +227,18 @@ absl::StatusOr<std::optional<priors::SourceState>> MemoryPriorStore::LoadSource(
 }
 
 SceneEvidence MemoryPriorStore::Sum(const SceneKey& key) const {
-  std::map<std::pair<std::string, uint32_t>, Evidence> arms;
+  SceneEvidence result{.key = key, .arms = {}, .source_count = 0};
   std::set<std::string> sources;
   for (const auto& [evidence_key, entries] : evidence_) {
     if (SceneOf(evidence_key) != key) continue;
-    Evidence& sum = arms[{evidence_key.arm, evidence_key.backend_version}];
+    Evidence& sum =
+        result.ArmOf(evidence_key.arm, evidence_key.backend_version).of(evidence_key.measured_by);
     for (const auto& [source_id, entry] : entries) {
       Add(sum, entry.evidence);
       sources.insert(source_id);
     }
   }
-  SceneEvidence result{.key = key, .arms = {}, .source_count = sources.size()};
-  for (const auto& [arm, sum] : arms) result.arms.push_back({arm.first, arm.second, sum});
+  result.source_count = sources.size();
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "server/decision/math/names.h"
+#include "server/decision/policy/scene_prior.h"
 
 namespace sweepstake::storage {
 namespace {
@@ -29,7 +30,7 @@ absl::string_view WrongKey(const EvidenceKey& key) {
   if (!IsName(key.project)) return "project must be a name of 1 to 128 bytes";
   if (!IsName(key.scene)) return "scene must be a name of 1 to 128 bytes";
   if (!IsName(key.arm)) return "arm must be a name of 1 to 128 bytes";
-  if (!IsOptionalName(key.context_bucket)) return "context_bucket must be absent or a name";
+  if (!decision::IsMeasuredBy(key.measured_by)) return "measured_by must be absent or \"lane\"";
   if (!IsOptionalName(key.machine_class)) return "machine_class must be absent or a name";
   if (key.backend_version == 0) return "backend_version must be at least 1";
   if (key.reward_version == 0) return "reward_version must be at least 1";

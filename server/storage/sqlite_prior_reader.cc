@@ -18,7 +18,7 @@ using priors::SceneKey;
 EvidenceKey KeyOf(const SqliteRow& row) {
   return {.project = row.Text(0),
           .scene = row.Text(1),
-          .context_bucket = row.Text(2),
+          .measured_by = row.Text(2),
           .arm = row.Text(3),
           .backend_version = static_cast<uint32_t>(row.Integer(4)),
           .machine_class = row.Text(5),
@@ -61,7 +61,7 @@ absl::StatusOr<StoredKey> SqlitePriorReader::FindKey(const EvidenceKey& key) {
                   .scene_source_count = row.Unsigned(7),
                   .damaged = row.Integer(8) == 0};
       },
-      key.project, key.scene, key.context_bucket, key.arm, key.backend_version, key.machine_class,
+      key.project, key.scene, key.measured_by, key.arm, key.backend_version, key.machine_class,
       key.reward_version);
   if (!status.ok()) return status;
   return stored;
@@ -121,8 +121,8 @@ absl::StatusOr<std::optional<priors::SourceState>> SqlitePriorReader::LoadSource
 absl::Status SqlitePriorReader::LoadArms(int64_t scene_id, SceneEvidence& scene) {
   return statements_.scene_arms.ForEachRow(
       [&](const SqliteRow& row) {
-        scene.arms.push_back(
-            {row.Text(0), static_cast<uint32_t>(row.Integer(1)), EvidenceOf(row, 2)});
+        scene.ArmOf(row.Text(0), static_cast<uint32_t>(row.Integer(1))).of(row.Text(2)) =
+            EvidenceOf(row, 3);
       },
       scene_id);
 }
@@ -202,7 +202,7 @@ absl::StatusOr<SqlitePriorReader::ExportKey> SqlitePriorReader::NextKey(
       [&](const SqliteRow& row) {
         next = {.key = KeyOf(row), .id = row.Integer(7), .damaged = row.Integer(8) == 0};
       },
-      filter.project, filter.scene, first.project, first.scene, first.context_bucket, first.arm,
+      filter.project, filter.scene, first.project, first.scene, first.measured_by, first.arm,
       first.backend_version, first.machine_class, first_reward_version, LineList(filter.projects));
   if (!status.ok()) return status;
   return next;

@@ -45,7 +45,7 @@ constexpr StatementText<PriorStatements> kStatements[] = {
         ON CONFLICT DO UPDATE SET project = ?1
         RETURNING id)sql"},
     {&PriorStatements::add_key, R"sql(
-        INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,
+        INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version,
                                   machine_class, reward_version, scene_id, hash)
         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,
                 row_hash(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, 0.0, 0.0, 0, 0, 0))
@@ -70,7 +70,7 @@ constexpr StatementText<PriorStatements> kStatements[] = {
             bail_out_sum = min(bail_out_sum, 9223372036854775807 - ?5) + ?5,
             source_count = source_count + ?6,
             hash = next_hash(hash, content_hash,
-                             row_hash(project, scene, context_bucket, arm, backend_version,
+                             row_hash(project, scene, measured_by, arm, backend_version,
                                       machine_class, reward_version, scene_id, alpha_sum + ?2,
                                       beta_sum + ?3,
                                       min(window_sum, 9223372036854775807 - ?4) + ?4,
@@ -81,7 +81,7 @@ constexpr StatementText<PriorStatements> kStatements[] = {
         UPDATE evidence_key
         SET (alpha_sum, beta_sum, window_sum, bail_out_sum, source_count, hash) = (a, b, w, o, n,
             next_hash(hash, content_hash,
-                      row_hash(project, scene, context_bucket, arm, backend_version, machine_class,
+                      row_hash(project, scene, measured_by, arm, backend_version, machine_class,
                                reward_version, scene_id, a, b, w, o, n)))
         FROM (SELECT total(alpha) AS a, total(beta) AS b, CAST(total(window_count) AS INTEGER) AS w,
                      CAST(total(bail_out_count) AS INTEGER) AS o, count(*) AS n
@@ -187,7 +187,7 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         SELECT k.id, k.scene_id, alpha_sum, beta_sum, window_sum, bail_out_sum, k.source_count,
                s.source_count, k.hash = k.content_hash AND s.hash = s.content_hash
         FROM evidence_key k JOIN scene s ON s.id = k.scene_id
-        WHERE k.project = ?1 AND k.scene = ?2 AND k.context_bucket = ?3 AND k.arm = ?4
+        WHERE k.project = ?1 AND k.scene = ?2 AND k.measured_by = ?3 AND k.arm = ?4
           AND k.backend_version = ?5 AND k.machine_class = ?6 AND k.reward_version = ?7)sql"},
     {&PriorReadStatements::load_source, R"sql(
         SELECT id, commit_sequence, message_sequence, explored_arm_count, decision_count,
@@ -195,12 +195,12 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
                EXISTS (SELECT 1 FROM scene_source WHERE source_id = id)
         FROM source WHERE name = ?1 AND is_session = 1 AND revoked = 0)sql"},
     {&PriorReadStatements::source_evidence, R"sql(
-        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+        SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
                alpha, beta, window_count, bail_out_count,
                k.hash = k.content_hash AND evidence.hash = evidence.content_hash
         FROM evidence JOIN evidence_key k ON k.id = key_id
         WHERE source_id = ?1
-        ORDER BY project, scene, context_bucket, arm, backend_version, machine_class,
+        ORDER BY project, scene, measured_by, arm, backend_version, machine_class,
                  reward_version)sql"},
     // The index is read from the row value up to the project and the scene, if there are these; a
     // blob is after every text.
@@ -239,16 +239,15 @@ constexpr StatementText<PriorReadStatements> kReadStatements[] = {
         WHERE project = ?1 AND scene = ?2 AND machine_class = ?3 AND reward_version = ?4
           AND source_count > 0)sql"},
     {&PriorReadStatements::scene_arms, R"sql(
-        SELECT arm, backend_version, sum(alpha_sum), sum(beta_sum),
-               CAST(total(window_sum) AS INTEGER), CAST(total(bail_out_sum) AS INTEGER)
+        SELECT arm, backend_version, measured_by, alpha_sum, beta_sum, window_sum, bail_out_sum
         FROM evidence_key WHERE scene_id = ?1 AND source_count > 0
-        GROUP BY arm, backend_version ORDER BY arm, backend_version)sql"},
+        ORDER BY arm, backend_version)sql"},
     // The row value finds its place in the index, whatever comes before it.
     {&PriorReadStatements::next_key, R"sql(
-        SELECT project, scene, context_bucket, arm, backend_version, machine_class, reward_version,
+        SELECT project, scene, measured_by, arm, backend_version, machine_class, reward_version,
                id, hash = content_hash
         FROM evidence_key
-        WHERE (project, scene, context_bucket, arm, backend_version, machine_class, reward_version)
+        WHERE (project, scene, measured_by, arm, backend_version, machine_class, reward_version)
               >= (?3, ?4, ?5, ?6, ?7, ?8, ?9)
           AND (?1 = '' OR project = ?1) AND (?2 = '' OR scene = ?2)
           AND (?10 = '' OR instr(?10, char(10) || project || char(10)))

@@ -318,7 +318,7 @@ absl::StatusOr<StoredKey> SqlitePriorStore::FindOrAddKey(const EvidenceKey& key)
   if (!status.ok()) return status;
   status = statements_.add_key.ForEachRow(
       [&](const SqliteRow& row) { stored->id = row.Integer(0); }, key.project, key.scene,
-      key.context_bucket, key.arm, key.backend_version, key.machine_class, key.reward_version,
+      key.measured_by, key.arm, key.backend_version, key.machine_class, key.reward_version,
       stored->scene_id);
   if (!status.ok()) return status;
   return stored;

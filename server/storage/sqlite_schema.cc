@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 // Step i migrates from version i to i + 1. A released step is never changed. Every bound has two
 // sides, because `alpha >= 0` alone would accept +Inf.
-constexpr std::array<const char*, 7> kMigrations = {R"sql(
+constexpr std::array<const char*, 8> kMigrations = {R"sql(
   CREATE TABLE source (
     id INTEGER PRIMARY KEY,
     name TEXT NOT NULL UNIQUE CHECK (length(CAST(name AS BLOB)) BETWEEN 1 AND 128),
@@ -179,6 +179,9 @@ constexpr std::array<const char*, 7> kMigrations = {R"sql(
   ALTER TABLE evidence ADD COLUMN content_hash INTEGER GENERATED ALWAYS AS (
     row_hash(key_id, source_id, sequence, alpha, beta, window_count, bail_out_count)) VIRTUAL;
   UPDATE evidence SET hash = content_hash;
+)sql",
+                                                    R"sql(
+  ALTER TABLE evidence_key RENAME COLUMN context_bucket TO measured_by;
 )sql"};
 
 absl::Status UseWriteAheadLog(SqliteDatabase& database) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <random>
-#include <tuple>
 #include <utility>
 
 #include "server/priors/unix_time.h"
@@ -16,15 +15,7 @@ using priors::SceneKey;
 
 void Advance(SceneEvidence& scene, std::span<const KeyedEvidence> increments, bool new_source) {
   for (const auto& [key, evidence] : increments) {
-    const auto wanted = std::tie(key.arm, key.backend_version);
-    auto arm = std::lower_bound(scene.arms.begin(), scene.arms.end(), wanted,
-                                [](const SceneEvidence::Arm& left, const auto& right) {
-                                  return std::tie(left.name, left.backend_version) < right;
-                                });
-    if (arm == scene.arms.end() || std::tie(arm->name, arm->backend_version) != wanted) {
-      arm = scene.arms.insert(arm, {key.arm, key.backend_version, {}});
-    }
-    arm->evidence += evidence;
+    scene.ArmOf(key.arm, key.backend_version).of(key.measured_by) += evidence;
   }
   if (new_source) ++scene.source_count;
 }

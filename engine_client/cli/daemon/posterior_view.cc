@@ -240,7 +240,6 @@ Json DecisionJson(const v1::DecisionEvent& event) {
   if (event.has_reward()) document["reward"] = event.reward();
   document["policy"] = event.policy();
   document["machine_class"] = event.machine_class();
-  document["context_bucket"] = event.context_bucket();
   document["best_probability"] = event.best_probability();
   document["expected_loss_ratio"] = event.expected_loss_ratio();
   document["verdict"] = decision::NameOf(decision::kVerdictNames, event.verdict());

@@ -216,7 +216,7 @@ std::optional<SwitchCommand> EmbeddedDecider::Impl::Poll(int64_t now_ns) {
 
 // Takes the decision's evidence, and its command, which replaces an earlier one.
 void EmbeddedDecider::Impl::Follow(const decision::Decision& decision) {
-  if (decision.increment) ledger_.Add(*decision.increment);
+  ledger_.Add(decision);
   last_decision_ = FromDecision(decision, session_.arms());
   if (on_decision_) on_decision_(*last_decision_);
   if (decision.command) pending_command_ = FromDecision(*decision.command);

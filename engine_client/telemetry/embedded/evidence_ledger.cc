@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "server/decision/policy/scene_prior.h"
+
 namespace sweepstake {
 
 std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others) {
@@ -43,25 +45,37 @@ EvidenceLedger::EvidenceLedger(std::vector<PriorRecord> given, Key key,
 
 bool EvidenceLedger::Applies(const PriorRecord& record, size_t arm) const {
   return record.project == key_.project && record.scene == key_.scene &&
-         record.context_bucket.empty() && record.machine_class == key_.machine_class &&
+         record.machine_class == key_.machine_class &&
          record.reward_version == key_.reward_version && record.arm == arms_[arm] &&
          record.backend_version == arm_versions_[arm];
 }
 
 std::vector<decision::BetaPosterior> EvidenceLedger::priors() const {
-  std::vector<decision::BetaPosterior> priors(arms_.size());
+  std::vector<decision::ArmEvidence> evidence(arms_.size());
   for (const PriorRecord& record : records_) {
     for (size_t arm = 0; arm < arms_.size(); ++arm) {
       if (!Applies(record, arm)) continue;
-      priors[arm].alpha += record.alpha_increment;
-      priors[arm].beta += record.beta_increment;
+      const bool by_lane = record.measured_by == decision::kLaneName;
+      decision::EvidenceSum& sum = by_lane ? evidence[arm].lane : evidence[arm].live;
+      sum.alpha += record.alpha_increment;
+      sum.beta += record.beta_increment;
+      evidence[arm].bail_out_count += record.bail_out_count;
     }
   }
+  std::vector<decision::BetaPosterior> priors;
+  for (const decision::EvidenceSum& sum : decision::PoolEvidence(evidence))
+    priors.push_back({1 + sum.alpha, 1 + sum.beta});
   return priors;
 }
 
-void EvidenceLedger::Add(const decision::Increment& increment) {
-  PriorRecord& record = OwnRecord(increment.arm);
+void EvidenceLedger::Add(const decision::Decision& decision) {
+  if (decision.increment) Add(*decision.increment, {});
+  for (const decision::Increment& increment : decision.lane_increments)
+    Add(increment, decision::kLaneName);
+}
+
+void EvidenceLedger::Add(const decision::Increment& increment, std::string_view measured_by) {
+  PriorRecord& record = OwnRecord(increment.arm, measured_by);
   record.source_sequence = ++sequence_;
   record.alpha_increment += increment.alpha;
   record.beta_increment += increment.beta;
@@ -69,14 +83,16 @@ void EvidenceLedger::Add(const decision::Increment& increment) {
   record.bail_out_count += increment.bail_out_count;
 }
 
-PriorRecord& EvidenceLedger::OwnRecord(size_t arm) {
+PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by) {
   const auto found = std::find_if(records_.begin(), records_.end(), [&](const PriorRecord& record) {
-    return record.source_id == key_.source_id && Applies(record, arm);
+    return record.source_id == key_.source_id && record.measured_by == measured_by &&
+           Applies(record, arm);
   });
   if (found != records_.end()) return *found;
   PriorRecord& record = records_.emplace_back();
   record.project = key_.project;
   record.scene = key_.scene;
+  record.measured_by = measured_by;
   record.arm = arms_[arm];
   record.backend_version = arm_versions_[arm];
   record.machine_class = key_.machine_class;

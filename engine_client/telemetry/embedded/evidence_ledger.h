@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine_client/telemetry/embedded/priors_file.h"
@@ -41,15 +42,16 @@ class EvidenceLedger {
   // Returns the number of sources in priors().
   uint64_t prior_source_count() const { return prior_source_count_; }
 
-  // REQUIRES: increment.arm is one of the arms.
-  void Add(const decision::Increment& increment);
+  // Adds what the decision learnt. REQUIRES: increments are of these arms.
+  void Add(const decision::Decision& decision);
 
   // Returns all that was given with all that was added.
   const std::vector<PriorRecord>& records() const { return records_; }
 
  private:
   bool Applies(const PriorRecord& record, size_t arm) const;
-  PriorRecord& OwnRecord(size_t arm);
+  void Add(const decision::Increment& increment, std::string_view measured_by);
+  PriorRecord& OwnRecord(size_t arm, std::string_view measured_by);
 
   const Key key_;
   const std::vector<std::string> arms_;

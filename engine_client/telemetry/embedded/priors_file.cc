@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "server/decision/math/names.h"
+#include "server/decision/policy/scene_prior.h"
 
 namespace sweepstake {
 namespace {
@@ -39,6 +40,11 @@ class RecordReader {
     if (!math::IsOptionalName(value)) {
       SetError(key, "is over 128 bytes or holds a control character");
     }
+  }
+
+  void MeasuredBy(const char* key, std::string& value) {
+    Name(key, value, false);
+    if (!decision::IsMeasuredBy(value)) SetError(key, "is neither absent nor \"lane\"");
   }
 
   template <typename Integer>
@@ -93,7 +99,7 @@ std::optional<std::string> ReadRecord(const Json& json, PriorRecord& record) {
   RecordReader reader(json);
   reader.Name("project", record.project, true);
   reader.Name("scene", record.scene, true);
-  reader.Name("context_bucket", record.context_bucket, false);
+  reader.MeasuredBy("measured_by", record.measured_by);
   reader.Name("arm", record.arm, true);
   reader.Count("backend_version", record.backend_version, true);
   reader.Name("machine_class", record.machine_class, false);
@@ -148,7 +154,7 @@ std::string RecordName(size_t index) { return "priors record " + std::to_string(
 Json ToJson(const PriorRecord& record) {
   return {{"project", record.project},
           {"scene", record.scene},
-          {"context_bucket", record.context_bucket},
+          {"measured_by", record.measured_by},
           {"arm", record.arm},
           {"backend_version", record.backend_version},
           {"machine_class", record.machine_class},

@@ -2,7 +2,7 @@
 // decider reads it.
 //
 // It is one JSON document: {"format": "sweepstake-priors", "version": 1, "records": [{…}, …]}. A
-// record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent context_bucket or
+// record has the fields of sweepstake.v1.PriorRecord in snake_case. An absent measured_by or
 // machine_class is empty, an absent count is 0, and every other field is required. An unknown field
 // is an error, since a misspelt one would silently change the key.
 //
@@ -27,7 +27,7 @@ namespace sweepstake {
 struct PriorRecord {
   std::string project;
   std::string scene;
-  std::string context_bucket;  // empty: the only bucket
+  std::string measured_by;  // "lane" or, for the frame thread, empty
   std::string arm;
   uint32_t backend_version = 0;  // >= 1
   std::string machine_class;     // empty: unknown
@@ -42,7 +42,7 @@ struct PriorRecord {
 
 // Returns what names the evidence; two records of which it is equal are the same evidence.
 inline auto KeyOf(const PriorRecord& record) {
-  return std::tie(record.project, record.scene, record.context_bucket, record.arm,
+  return std::tie(record.project, record.scene, record.measured_by, record.arm,
                   record.backend_version, record.machine_class, record.reward_version,
                   record.source_id);
 }

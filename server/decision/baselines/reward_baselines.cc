@@ -98,12 +98,14 @@ Increment LaneArgminPolicy::LearnBailOut(uint32_t arm) {
   return RewardPolicy::LearnBailOut(arm);
 }
 
-void LaneArgminPolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t /*now_ns*/) {
+std::vector<Increment> LaneArgminPolicy::LearnShadow(std::span<const ShadowSample> samples,
+                                                     int64_t /*now_ns*/) {
   for (const ShadowSample& sample : samples) {
     const double log_cost = LogCostOf(static_cast<double>(sample.detection_time_ns) * 1e-3);
     double& mean = log_costs_[sample.arm];
     mean = mean < kUnseen ? mean + kWeight * (log_cost - mean) : log_cost;
   }
+  return {};
 }
 
 Choice LaneArgminPolicy::Choose(const ChoiceInput& input) const {

@@ -117,7 +117,8 @@ class LaneArgminPolicy : public RewardPolicy {
   explicit LaneArgminPolicy(const PolicySetup& setup);
 
   Increment LearnBailOut(uint32_t arm) override;
-  void LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) override;
+  std::vector<Increment> LearnShadow(std::span<const ShadowSample> samples,
+                                     int64_t now_ns) override;
   Choice Choose(const ChoiceInput& input) const override;
   std::optional<int64_t> cooldown_ns() const override { return cooldown_ns_; }
 

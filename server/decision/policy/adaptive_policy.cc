@@ -90,18 +90,39 @@ void AdaptivePolicy::SetPriors(const std::vector<BetaPosterior>& priors) {
 // first visit to each arm, which may come with several ticks.
 void AdaptivePolicy::DropContradictedPriors(std::span<const ShadowSample> samples) {
   if (!expected_arm_) return;
+  const std::vector<std::optional<Visit>> earlier = first_visits_;
   for (const ShadowSample& sample : samples) {
-    std::optional<double>& first = first_visits_[sample.arm];
-    if (!first && has_prior_[sample.arm]) first = LogCostOfNs(sample.detection_time_ns);
+    std::optional<Visit>& first = first_visits_[sample.arm];
+    if (!first && has_prior_[sample.arm])
+      first = {sample.first_frame_index, LogCostOfNs(sample.detection_time_ns)};
   }
-  const std::optional<double> expected = first_visits_[*expected_arm_];
-  for (const std::optional<double>& visit : first_visits_) {
-    if (!expected || !visit || *expected - *visit < kContradiction) continue;
-    filter_ = RelativeCostFilter(filter_.arm_count(), components_.filter);
-    std::fill(has_prior_.begin(), has_prior_.end(), false);
-    expected_arm_.reset();
-    return;
+  const std::optional<Visit> expected = first_visits_[*expected_arm_];
+  const bool contradicted =
+      expected && std::any_of(first_visits_.begin(), first_visits_.end(), [&](const auto& visit) {
+        return visit && expected->log_cost - visit->log_cost >= kContradiction;
+      });
+  if (!contradicted) return;
+  filter_ = RelativeCostFilter(filter_.arm_count(), components_.filter);
+  for (uint32_t arm = 0; arm < earlier.size(); ++arm) {
+    if (earlier[arm]) filter_.ObserveShadow(arm, earlier[arm]->sweep, earlier[arm]->log_cost);
   }
+  std::fill(has_prior_.begin(), has_prior_.end(), false);
+  expected_arm_.reset();
+}
+
+// Returns the evidence of a visit, without what the lane is believed to exceed the frame thread by:
+// for this arm if it was live, else for those that were, since what was believed before would be
+// learnt again.
+Increment AdaptivePolicy::VisitIncrement(uint32_t arm, double log_cost) const {
+  double bias = 0;
+  double count = 0;
+  for (uint32_t other = 0; other < filter_.arm_count(); ++other) {
+    if (!was_live_[other] || (was_live_[arm] && other != arm)) continue;
+    bias += filter_.LaneBias(other);
+    ++count;
+  }
+  if (count > 0) log_cost -= bias / count;
+  return LogCostIncrement(arm, RewardOf(log_cost), filter_.shadow_noise());
 }
 
 void AdaptivePolicy::AdvanceTo(int64_t now_ns) {
@@ -124,8 +145,10 @@ void AdaptivePolicy::AdvanceBans(double intervals) {
   }
 }
 
-void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) {
-  if (!components_.shadow) return;
+std::vector<Increment> AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples,
+                                                   int64_t now_ns) {
+  if (!components_.shadow) return {};
+  std::vector<Increment> increments;
   DropContradictedPriors(samples);
   last_shadow_ns_ = now_ns;
   AdvanceTo(now_ns);
@@ -136,8 +159,10 @@ void AdaptivePolicy::LearnShadow(std::span<const ShadowSample> samples, int64_t 
     const bool is_bound = (sample.flags & kShadowCapped) != 0;
     if (is_bound && log_cost <= filter_.LogCost(sample.arm).mean) continue;
     filter_.ObserveShadow(sample.arm, sample.first_frame_index, log_cost);
+    increments.push_back(VisitIncrement(sample.arm, log_cost));
   }
   UpdatePosteriors();
+  return increments;
 }
 
 std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation& observation) {

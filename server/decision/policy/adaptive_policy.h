@@ -59,7 +59,8 @@ class AdaptivePolicy : public Policy {
 
   std::optional<WindowUpdate> LearnWindow(const WindowObservation& observation) override;
   Increment LearnBailOut(uint32_t arm) override;
-  void LearnShadow(std::span<const ShadowSample> samples, int64_t now_ns) override;
+  std::vector<Increment> LearnShadow(std::span<const ShadowSample> samples,
+                                     int64_t now_ns) override;
   void LearnSwitchCost(uint32_t arm, const SwitchCost& cost) override;
 
   Choice Choose(const ChoiceInput& input) const override;
@@ -84,6 +85,7 @@ class AdaptivePolicy : public Policy {
 
   void SetPriors(const std::vector<BetaPosterior>& priors);
   void DropContradictedPriors(std::span<const ShadowSample> samples);
+  Increment VisitIncrement(uint32_t arm, double log_cost) const;
   void AdvanceTo(int64_t now_ns);
   void AdvanceBans(double intervals);
   void UpdatePosteriors();
@@ -104,7 +106,11 @@ class AdaptivePolicy : public Policy {
   // What DropContradictedPriors compares: the cheapest arm by the priors, while they are held, and
   // the log-cost of the lane's first visit to each arm with a prior.
   std::optional<uint32_t> expected_arm_;
-  std::vector<std::optional<double>> first_visits_;
+  struct Visit {
+    uint64_t sweep = 0;
+    double log_cost = 0;
+  };
+  std::vector<std::optional<Visit>> first_visits_;
   std::vector<BetaPosterior> posteriors_;
   std::optional<int64_t> last_advance_ns_;
   std::optional<int64_t> last_shadow_ns_;

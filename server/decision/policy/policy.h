@@ -60,7 +60,11 @@ class Policy {
   virtual Increment LearnBailOut(uint32_t arm) = 0;
   // These are called before the window of the same tick. Policies that learn from live windows
   // only ignore them.
-  virtual void LearnShadow(std::span<const ShadowSample> /*samples*/, int64_t /*now_ns*/) {}
+  // Returns the visits' evidence, which is to be stored.
+  virtual std::vector<Increment> LearnShadow(std::span<const ShadowSample> /*samples*/,
+                                             int64_t /*now_ns*/) {
+    return {};
+  }
   virtual void LearnDescriptor(const SceneDescriptor& /*descriptor*/, int64_t /*now_ns*/) {}
   virtual void LearnSwitchCost(uint32_t /*arm*/, const SwitchCost& /*cost*/) {}
 
@@ -70,8 +74,6 @@ class Policy {
 
   // One per arm.
   virtual const std::vector<BetaPosterior>& posteriors() const = 0;
-  // Name of the context that the beliefs are about; empty if there is only one.
-  virtual std::string context() const { return {}; }
   // How certain the policy is, by default computed from the posteriors (diagnosis.h). The session
   // adds the verdict kDegraded, which needs the frame rate.
   virtual Diagnosis Diagnose() const;

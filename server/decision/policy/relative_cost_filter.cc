@@ -16,9 +16,6 @@ constexpr double kFirstLevel = 7.6;               // mean log-cost before any ob
 constexpr double kLevelVariance = Square(2);      // variance of the unknown common level
 constexpr double kUnknownVariance = Square(0.8);  // variance of an arm relative to the others
 constexpr double kLaneVariance = Square(0.3);  // variance of the lane relative to the frame thread
-// The variance of the lane's bias for one arm. On a machine without other load the lane took 0.83
-// (DBVT) to 1.21 (Tracy) of the frame thread's time.
-constexpr double kBiasVariance = Square(0.15);
 constexpr double kAssumedVariance = Square(0.5);  // variance of a cost given by Assume
 // These are noise variances.
 constexpr double kFirstNoise = Square(0.05);
@@ -69,7 +66,7 @@ RelativeCostFilter::RelativeCostFilter(uint32_t arm_count, const FilterComponent
       last_visit_(arm_count) {
   mean_[load()] = 0;
   AddVariance(costs(), kLevelVariance, kUnknownVariance);
-  AddVariance(first_biases_, kLaneVariance, kBiasVariance);
+  AddVariance(first_biases_, kLaneVariance, kLaneBiasVariance);
 }
 
 // Begins to estimate the lane's biases, and the offset.

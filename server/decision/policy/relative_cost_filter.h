@@ -61,8 +61,11 @@ class RelativeCostFilter {
   double Covariance(uint32_t a, uint32_t b) const { return covariance_(a, b); }
   // The belief about x_a − x_b.
   NormalBelief Difference(uint32_t a, uint32_t b) const;
-  // Variance of a live window's noise.
+  // What the lane's visits of the arm are believed to exceed its cost by. REQUIRES: there was one.
+  double LaneBias(uint32_t arm) const { return mean_[bias(arm)]; }
+  // Variances of the noise of a live window and of a visit.
   double live_noise() const { return live_noise_; }
+  double shadow_noise() const { return shadow_noise_; }
 
  private:
   bool has_lane() const { return mean_.size() > bias(0); }

@@ -175,7 +175,7 @@ Decision DecisionSession::Tick(int64_t now_ns) {
   AdoptLaterRun(now_ns);
   gate_.OnTick(runs_.active_frames_seen(), now_ns);
   Decision decision = Open(now_ns);
-  LearnScene(now_ns);
+  LearnScene(decision);
   if (mode_ == Mode::kManual) {
     decision.record.outcome = Outcome::kManual;
   } else if (exploring()) {
@@ -196,10 +196,14 @@ void DecisionSession::ReportTick(int64_t now_ns) {
   observer_->OnTick({now_ns, shadow_samples_, descriptor_}, runs_);
 }
 
-// Learns from the scene descriptor and the shadow lane's samples.
-void DecisionSession::LearnScene(int64_t now_ns) {
+// Learns from the scene descriptor and the shadow lane's samples. In manual mode they are no
+// evidence.
+void DecisionSession::LearnScene(Decision& decision) {
+  const int64_t now_ns = decision.record.time_ns;
   if (descriptor_) policy_->LearnDescriptor(*descriptor_, now_ns);
-  if (!shadow_samples_.empty()) policy_->LearnShadow(shadow_samples_, now_ns);
+  if (shadow_samples_.empty()) return;
+  std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
+  if (mode_ == Mode::kAi) decision.lane_increments = std::move(increments);
 }
 
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {
@@ -218,7 +222,6 @@ Decision DecisionSession::Open(int64_t now_ns) {
 
 Decision DecisionSession::Close(Decision decision) {
   decision.record.posteriors = policy_->posteriors();
-  decision.record.context = policy_->context();
   decision.record.diagnosis = diagnosis_;
   if (observer_) observer_->OnDecision(decision);
   return decision;

@@ -165,7 +165,7 @@ class DecisionSession {
   void ScheduleNextTick(int64_t now_ns);
   Decision Open(int64_t now_ns);
   Decision Close(Decision decision);
-  void LearnScene(int64_t now_ns);
+  void LearnScene(Decision& decision);
   std::optional<Outcome> Learn(Decision& decision);
   std::optional<Outcome> Choose(DecisionRecord& record, bool bailed_out) const;
   void SampleAndGate(Decision& decision, std::optional<Outcome> hold);

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/decision/math/names.h"
+#include "server/decision/policy/scene_prior.h"
 #include "server/decision/session/policy_registry.h"
 #include "server/decision/session/session_setup.h"
 #include "server/rpc/common/error_reasons.h"
@@ -223,7 +224,7 @@ absl::Status CheckPriorRecord(const v1::PriorRecord& record) {
   if (!IsName(record.scene())) return InvalidName("scene");
   if (!IsName(record.arm())) return InvalidName("arm");
   if (!IsName(record.source_id())) return InvalidName("source_id");
-  if (!IsOptionalName(record.context_bucket())) return InvalidName("context_bucket");
+  if (!decision::IsMeasuredBy(record.measured_by())) return InvalidName("measured_by");
   if (!IsOptionalName(record.machine_class())) return InvalidName("machine_class");
   return absl::OkStatus();
 }

@@ -59,10 +59,10 @@ grpc::ByteBuffer Serialize(const google::protobuf::Message& message) {
 }
 
 priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
-                                  uint32_t backend_version) {
+                                  uint32_t backend_version, std::string_view measured_by) {
   return {.project = scene.project,
           .scene = scene.scene,
-          .context_bucket = {},
+          .measured_by = std::string(measured_by),
           .arm = arm,
           .backend_version = backend_version,
           .machine_class = scene.machine_class,
@@ -101,16 +101,29 @@ void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message) {
   message.set_reward_version(key.reward_version);
 }
 
+std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms) {
+  std::vector<decision::ArmEvidence> evidence;
+  for (const auto& arm : arms) {
+    evidence.push_back({.live = {arm.live.alpha, arm.live.beta},
+                        .lane = {arm.lane.alpha, arm.lane.beta},
+                        .bail_out_count = arm.live.bail_out_count});
+  }
+  return decision::PoolEvidence(evidence);
+}
+
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message) {
   ToProto(scene.key, message);
   message.set_source_count(scene.source_count);
-  for (const auto& arm : scene.arms) {
+  const std::vector<decision::EvidenceSum> pooled = Pool(scene.arms);
+  for (size_t i = 0; i < scene.arms.size(); ++i) {
+    const priors::SceneEvidence::Arm& arm = scene.arms[i];
     v1::ArmPosterior& filled = *message.add_arms();
     filled.set_arm(arm.name);
     filled.set_backend_version(arm.backend_version);
-    ToProto({1 + arm.evidence.alpha, 1 + arm.evidence.beta}, *filled.mutable_posterior());
-    filled.set_window_count(arm.evidence.window_count);
-    filled.set_bail_out_count(arm.evidence.bail_out_count);
+    ToProto({1 + pooled[i].alpha, 1 + pooled[i].beta}, *filled.mutable_posterior());
+    filled.set_window_count(arm.live.window_count);
+    filled.set_visit_count(arm.lane.window_count);
+    filled.set_bail_out_count(arm.live.bail_out_count);
   }
 }
 
@@ -132,7 +145,6 @@ void ToProto(const decision::DecisionRecord& record, const SessionIdentity& iden
                                              diagnosis.best_probability.end());
   message.set_expected_loss_ratio(diagnosis.expected_loss_ratio);
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
-  message.set_context_bucket(record.context);
 }
 
 void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& message) {
@@ -165,7 +177,7 @@ void ToProto(const watch::EventStamp& stamp, v1::EventStamp& message) {
 void ToProto(const priors::PriorRecord& record, v1::PriorRecord& message) {
   message.set_project(record.key.project);
   message.set_scene(record.key.scene);
-  message.set_context_bucket(record.key.context_bucket);
+  message.set_measured_by(record.key.measured_by);
   message.set_arm(record.key.arm);
   message.set_backend_version(record.key.backend_version);
   message.set_machine_class(record.key.machine_class);
@@ -266,7 +278,7 @@ priors::SceneKey FromProto(const v1::ScenePosterior& message) {
 priors::PriorRecord FromProto(const v1::PriorRecord& message) {
   return {.key = {.project = message.project(),
                   .scene = message.scene(),
-                  .context_bucket = message.context_bucket(),
+                  .measured_by = message.measured_by(),
                   .arm = message.arm(),
                   .backend_version = message.backend_version(),
                   .machine_class = message.machine_class(),

@@ -6,7 +6,10 @@
 
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "server/decision/policy/scene_prior.h"
 #include "server/decision/session/decision_observer.h"
 #include "server/decision/types.h"
 #include "server/priors/audit_rows.h"
@@ -28,9 +31,9 @@ namespace sweepstake::rpc {
 bool Parse(grpc::ByteBuffer& bytes, google::protobuf::Message& message);
 grpc::ByteBuffer Serialize(const google::protobuf::Message& message);
 
-// Returns the key of an arm's evidence in the only context bucket.
+// Returns the key of an arm's evidence.
 priors::EvidenceKey EvidenceKeyOf(const priors::SceneKey& scene, const std::string& arm,
-                                  uint32_t backend_version);
+                                  uint32_t backend_version, std::string_view measured_by);
 
 void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message);
 // The caller sets order_id.
@@ -41,6 +44,8 @@ void ToProto(std::span<const decision::BetaPosterior> posteriors,
 // Fills in the key only.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 // The posteriors are Beta(1,1) plus the evidence. The caller sets active_session_count.
+// Returns what the arms' evidence says together (decision/policy/scene_prior.h).
+std::vector<decision::EvidenceSum> Pool(std::span<const priors::SceneEvidence::Arm> arms);
 void ToProto(const priors::SceneEvidence& scene, v1::ScenePosterior& message);
 void ToProto(const decision::DecisionRecord& record, const SessionIdentity& identity,
              v1::DecisionEvent& message);

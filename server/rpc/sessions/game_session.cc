@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/decision/policy/scene_prior.h"
 #include "server/decision/session/arm_runs.h"
 #include "server/priors/unix_time.h"
 #include "server/rpc/common/error_reasons.h"
@@ -398,12 +399,9 @@ void GameSession::Drain(uint32_t delay_ms) {
 
 void GameSession::SendDecision(const decision::Decision& decision) {
   ++context_.counters.decision_count;
-  if (decision.increment) {
-    const decision::Increment& increment = *decision.increment;
-    ledger_->Add(
-        {KeyOf(increment.arm),
-         {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
-  }
+  if (decision.increment) AddEvidence(*decision.increment, {});
+  for (const decision::Increment& increment : decision.lane_increments)
+    AddEvidence(increment, decision::kLaneName);
   PutPosteriors(decision);
   if (decision.command) {
     ++context_.counters.switch_command_count;
@@ -437,8 +435,12 @@ void GameSession::TellMeasurements(int64_t now_ns, v1::DecisionEvent& event) {
   next_measurements_ns_ = now_ns + watch::WatchHub::kIntervalNs;
 }
 
-priors::EvidenceKey GameSession::KeyOf(uint32_t arm) const {
-  return EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm]);
+void GameSession::AddEvidence(const decision::Increment& increment, std::string_view measured_by) {
+  const uint32_t arm = increment.arm;
+  ledger_->Add(
+      {EvidenceKeyOf(identity_.scene, identity_.arms[arm], identity_.backend_versions[arm],
+                     measured_by),
+       {increment.alpha, increment.beta, increment.window_count, increment.bail_out_count}});
 }
 
 }  // namespace sweepstake::rpc

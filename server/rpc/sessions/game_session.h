@@ -170,7 +170,7 @@ class GameSession : public std::enable_shared_from_this<GameSession>, private de
   void PutPosteriors(const decision::Decision& decision);
   void TellWatchers(const decision::DecisionRecord& record);
   void TellMeasurements(int64_t now_ns, v1::DecisionEvent& event);
-  priors::EvidenceKey KeyOf(uint32_t arm) const;
+  void AddEvidence(const decision::Increment& increment, std::string_view measured_by);
 
   SessionContext& context_;
   const SessionIdentity identity_;

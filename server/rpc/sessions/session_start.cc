@@ -5,11 +5,15 @@
 #include <openssl/sha.h>
 
 #include <algorithm>
+#include <iterator>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/decision/policy/scene_prior.h"
 #include "server/rpc/common/error_reasons.h"
 #include "server/rpc/common/proto_conversion.h"
 #include "server/rpc/sessions/scene_quota.h"
@@ -42,22 +46,33 @@ std::string ResumeTokenOf(const std::string& session_id, int64_t token_id,
 std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
   std::vector<EvidenceKey> keys;
   for (const v1::Arm& arm : hello.arms()) {
-    keys.push_back(EvidenceKeyOf(FromProto(hello), arm.name(), arm.backend_version()));
+    for (const std::string_view by : {std::string_view(), decision::kLaneName})
+      keys.push_back(EvidenceKeyOf(FromProto(hello), arm.name(), arm.backend_version(), by));
   }
   return keys;
 }
 
-priors::PriorSums OwnEvidence(const v1::Hello& hello,
-                              const std::optional<priors::SourceState>& source) {
-  priors::PriorSums own;
+// `evidence_of` is asked once for each of KeysOf(hello), in their order.
+template <typename EvidenceOfKey>
+priors::SceneEvidence EvidenceFor(const v1::Hello& hello, EvidenceOfKey evidence_of) {
+  priors::SceneEvidence scene{.key = FromProto(hello), .arms = {}, .source_count = 0};
   for (const EvidenceKey& key : KeysOf(hello)) {
-    priors::PriorSum& sum = own.sums.emplace_back();
-    if (!source) continue;
-    for (const auto& [stored_key, evidence] : source->evidence) {
-      if (stored_key == key) sum = {.evidence = evidence, .source_count = 1};
-    }
+    if (key.measured_by.empty()) scene.arms.push_back({key.arm, key.backend_version, {}, {}});
+    scene.arms.back().of(key.measured_by) = evidence_of(key);
   }
-  return own;
+  return scene;
+}
+
+priors::SceneEvidence OwnEvidence(const v1::Hello& hello,
+                                  const std::optional<priors::SourceState>& source) {
+  return EvidenceFor(hello, [&](const EvidenceKey& key) {
+    if (source) {
+      for (const auto& [stored_key, evidence] : source->evidence) {
+        if (stored_key == key) return evidence;
+      }
+    }
+    return priors::Evidence();
+  });
 }
 
 bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>& keys) {
@@ -94,7 +109,7 @@ SessionIdentity IdentityOf(const v1::Hello& hello, const StoredStart& start, int
 
 // Returns Beta(1,1) plus the evidence. If imports have made the evidence larger than a session
 // accepts, it is scaled down in proportion.
-BetaPosterior PriorOf(const priors::Evidence& evidence) {
+BetaPosterior PriorOf(const decision::EvidenceSum& evidence) {
   constexpr double kMaxEvidence = decision::kMaxPriorEvidence / 2;
   const double largest = std::max(evidence.alpha, evidence.beta);
   const double scale = largest > kMaxEvidence ? kMaxEvidence / largest : 1;
@@ -103,10 +118,9 @@ BetaPosterior PriorOf(const priors::Evidence& evidence) {
 
 // Returns whether any arm has evidence. Flat priors are not passed on, because a policy that starts
 // from priors would take them for knowledge.
-bool IsAnythingKnown(const priors::PriorSums& priors) {
-  return std::any_of(priors.sums.begin(), priors.sums.end(), [](const priors::PriorSum& sum) {
-    return sum.evidence.alpha > 0 || sum.evidence.beta > 0;
-  });
+bool IsAnythingKnown(std::span<const decision::EvidenceSum> priors) {
+  return std::any_of(priors.begin(), priors.end(),
+                     [](const decision::EvidenceSum& evidence) { return evidence.evidence() > 0; });
 }
 
 decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& identity,
@@ -114,11 +128,9 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
-  if (IsAnythingKnown(start.priors)) {
-    for (const priors::PriorSum& sum : start.priors.sums) {
-      setup.priors.push_back(PriorOf(sum.evidence));
-    }
-  }
+  const std::vector<decision::EvidenceSum> pooled = Pool(start.priors.arms);
+  if (IsAnythingKnown(pooled))
+    std::transform(pooled.begin(), pooled.end(), std::back_inserter(setup.priors), PriorOf);
   setup.seed = identity.seed;
   setup.mode = FromProto(hello.mode());
   setup.active_arm = hello.active_arm();
@@ -156,7 +168,9 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
   if (hello.ignore_priors()) return start;
   auto priors = store.LoadPriors(KeysOf(hello));
   if (priors.ok()) {
-    start.priors = *std::move(priors);
+    auto sum = priors->sums.begin();
+    start.priors = EvidenceFor(hello, [&](const EvidenceKey&) { return (sum++)->evidence; });
+    start.priors.source_count = priors->source_count;
   } else {
     start.status = priors.status();
   }

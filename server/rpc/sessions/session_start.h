@@ -32,7 +32,7 @@ namespace sweepstake::rpc {
 
 // The store's knowledge for a Hello.
 struct StoredStart {
-  priors::PriorSums priors;                   // sums have Hello's order of arms, or are empty
+  priors::SceneEvidence priors;               // arms have Hello's order, or there are none
   std::optional<priors::SourceState> source;  // present if a session is resumed
   std::optional<UnstoredScene> new_scene;     // present if the store does not have the scene
   absl::Status refusal;                       // a quota that the session would exceed

@@ -138,7 +138,7 @@ TEST_F(BadInputTest, BytesThatDoNotParseAreInvalidAndChangeNothing) {
   EXPECT_EQ(ReasonOf(status), v1::ERROR_REASON_MALFORMED_MESSAGE);
   EXPECT_THAT(status.error_message(), HasSubstr("does not parse"));
   EXPECT_EQ(server_->counters().malformed_message_count, 1u);
-  EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
+  EXPECT_EQ(Stored().arms[0].live, before.arms[0].live);
 }
 
 TEST_F(BadInputTest, OfTwoThatResumeASessionAtOnceWithDifferentArmsOneBeginsANewSession) {

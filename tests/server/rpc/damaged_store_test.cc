@@ -162,7 +162,7 @@ TEST_F(DamagedStoreTest, AStoreThatDoesNotAnswerIsNotWaitedForAndTheEvidenceReac
   release.set_value();
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
   EXPECT_EQ(Stored().source_count, 2u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
 }
 
 }  // namespace

@@ -420,11 +420,11 @@ TEST_F(PosteriorsTest, ExportedPriorsGiveAnotherDaemonTheSamePosteriors) {
   v1::ImportPriorsResponse response;
   ASSERT_TRUE(Import(renamed, response).ok());
   EXPECT_EQ(response.applied_count(), 450u);
-  EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
+  EXPECT_EQ(Stored().arms[0].live, before.arms[0].live);
   ASSERT_TRUE(Import(renamed, response).ok());
   EXPECT_EQ(response.applied_count(), 0u);
   EXPECT_EQ(response.unchanged_count(), 450u);
-  EXPECT_EQ(Stored().arms[0].evidence, before.arms[0].evidence);
+  EXPECT_EQ(Stored().arms[0].live, before.arms[0].live);
 }
 
 TEST_F(PosteriorsTest, AnImportWithOneWrongRecordImportsNothingAndNamesIt) {

@@ -100,7 +100,7 @@ TEST_F(ResumeTest, TheNewSessionLearnsBesideTheOldOne) {
   ASSERT_TRUE(Applied(2));
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Evidence of two versions of the reward side by side: over the stream, in SQLite, and read back.
+// Evidence of two versions of the reward side by side, and of the shadow lane: over the stream, in
+// SQLite, and read back.
 #include <utility>
 #include <vector>
 
@@ -80,17 +81,57 @@ TEST_F(RewardVersionTest, EvidenceOfTwoVersionsIsNeverMerged) {
 
   EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 0u);
   Learn("adaptive", 2);
-  EXPECT_EQ(Stored("harbour", 1).arms[0].evidence, first.arms[0].evidence);
+  EXPECT_EQ(Stored("harbour", 1).arms[0].live, first.arms[0].live);
   EXPECT_EQ(Stored("harbour", 1).source_count, 1u);
-  EXPECT_EQ(Stored("harbour", 3).arms[0].evidence.window_count, 1u);
+  EXPECT_EQ(Stored("harbour", 3).arms[0].live.window_count, 1u);
 
   // Each begins where its own version left off, also after a restart.
   RestartServer();
   const v1::Welcome paper = WelcomeOf("paper");
   EXPECT_EQ(paper.prior_source_count(), 1u);
-  EXPECT_NEAR(paper.priors(0).alpha(), 1 + first.arms[0].evidence.alpha, 1e-12);
-  EXPECT_NEAR(paper.priors(0).beta(), 1 + first.arms[0].evidence.beta, 1e-12);
+  EXPECT_NEAR(paper.priors(0).alpha(), 1 + first.arms[0].live.alpha, 1e-12);
+  EXPECT_NEAR(paper.priors(0).beta(), 1 + first.arms[0].live.beta, 1e-12);
   EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 1u);
+}
+
+// The lane finds the third arm twice as fast; it never ran.
+TEST_F(RewardVersionTest, ASessionBeginsWithWhatTheLaneHasSeen) {
+  v1::Hello hello = HelloMessage();
+  hello.set_policy("adaptive");
+  {
+    TelemetryClient client(channel_);
+    client.Open(hello);
+    v1::StreamTelemetryRequest request = Frames(1, 30);
+    for (uint32_t arm = 0; arm < 3; ++arm) {
+      v1::ShadowSample& sample = *request.mutable_frame_batch()->add_shadow_samples();
+      sample.set_first_frame_index(1);
+      sample.set_arm(arm);
+      sample.set_detection_time_ns(arm == 2 ? 2'500'000 : 5'000'000);
+      sample.set_frame_count(5);
+    }
+    client.Send(request);
+    EXPECT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+  }
+  RestartServer();
+  const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  const auto mean = [&](int arm) {
+    const v1::BetaPosterior& prior = welcome.priors(arm);
+    return prior.alpha() / (prior.alpha() + prior.beta());
+  };
+  EXPECT_NEAR(mean(0), mean(1), 1e-3);
+  EXPECT_GT(mean(2), mean(1) + 0.02);
+
+  const v1::ScenePosterior shown = Get(3);
+  ASSERT_EQ(shown.arms_size(), 3);
+  EXPECT_EQ(shown.arms(0).arm(), "Grid");
+  EXPECT_EQ(shown.arms(0).window_count(), 1u);
+  EXPECT_EQ(shown.arms(1).arm(), "KDTree");
+  EXPECT_EQ(shown.arms(1).window_count(), 0u);
+  EXPECT_EQ(shown.arms(1).visit_count(), 1u);
+  EXPECT_GT(shown.arms(1).posterior().alpha(), shown.arms(2).posterior().alpha());
 }
 
 TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {

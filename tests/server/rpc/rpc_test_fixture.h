@@ -67,7 +67,7 @@ inline priors::PriorRecord LearntInHours() {
   const v1::Hello hello = OneArmHello();
   return {.key = {.project = hello.project(),
                   .scene = hello.scene(),
-                  .context_bucket = "",
+                  .measured_by = "",
                   .arm = hello.arms(0).name(),
                   .backend_version = hello.arms(0).backend_version(),
                   .machine_class = hello.machine_class(),

@@ -91,8 +91,8 @@ TEST_F(TelemetryTest, AReplayedMessageIsCountedAndNotAppliedAgain) {
   Tick();
   client.AwaitAcknowledgement(2);
   EXPECT_EQ(server_->counters().applied_message_count, 2u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
-  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 1u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
+  EXPECT_EQ(Stored().arms[0].live.bail_out_count, 1u);
 }
 
 TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
@@ -114,7 +114,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterALostStream) {
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(3), 3u);
   EXPECT_EQ(server_->counters().replayed_message_count, 1u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
 }
 
 TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
@@ -139,7 +139,7 @@ TEST_F(TelemetryTest, ASessionGoesOnAfterARestartWithNothingLostOrDoubled) {
   ASSERT_TRUE(Applied(1));
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
   EXPECT_EQ(Stored().source_count, 1u);
 }
 
@@ -219,7 +219,7 @@ TEST_F(TelemetryTest, ABailOutIsAnsweredAtOnceAndKeptWithTheNextTick) {
   EXPECT_TRUE(Stored().arms.empty());
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(3), 3u);
-  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 1u);
+  EXPECT_EQ(Stored().arms[0].live.bail_out_count, 1u);
 }
 
 TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
@@ -239,8 +239,8 @@ TEST_F(TelemetryTest, ABailOutWithinTheLimitIsNoneWhateverItsFlagSays) {
               ::testing::ElementsAre(1, 0, 0, 0, 0));
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
-  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, 0u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u) << "its frames are ordinary ones";
+  EXPECT_EQ(Stored().arms[0].live.bail_out_count, 0u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u) << "its frames are ordinary ones";
 }
 
 TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFrom) {
@@ -261,7 +261,7 @@ TEST_F(TelemetryTest, AFloodOfBailOutsIsAnsweredAndHardlyMovesWhatOthersStartFro
   EXPECT_EQ(server_->counters().surplus_bail_out_count, 9 * believed);
   Tick();
   client.AwaitAcknowledgement(10 * believed);
-  EXPECT_EQ(Stored().arms[0].evidence.bail_out_count, believed);
+  EXPECT_EQ(Stored().arms[0].live.bail_out_count, believed);
   EXPECT_GT(before, mean_at_start());
   EXPECT_LT(before, mean_at_start() + 0.05);
 }
@@ -380,7 +380,7 @@ TEST_F(TelemetryTest, WithAFullDiskDecisionsGoOnAndNothingIsAcknowledgedUntilItI
   ASSERT_TRUE(Applied(4));
   Tick();
   EXPECT_EQ(client.AwaitAcknowledgement(4), 4u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 4u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 4u);
 }
 
 TEST_F(TelemetryTest, GoodbyeWithAFullDiskDoesNotHang) {

@@ -76,16 +76,17 @@ Evidence EvidenceModel::OfSession(const std::string& id) const {
 
 void EvidenceModel::Scene::Add(const std::string& source, const EvidenceKey& key,
                                const Evidence& evidence) {
-  arms[{key.arm, key.backend_version}] += evidence;
+  this->evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) += evidence;
   sources.insert(source);
 }
 
 bool EvidenceModel::Scene::SameAs(const priors::SceneEvidence& stored) const {
-  return stored.source_count == sources.size() && stored.arms.size() == arms.size() &&
-         std::all_of(stored.arms.begin(), stored.arms.end(), [this](const auto& arm) {
-           const auto mine = arms.find({arm.name, arm.backend_version});
-           return mine != arms.end() && Same(mine->second, arm.evidence);
-         });
+  return stored.source_count == sources.size() &&
+         std::equal(stored.arms.begin(), stored.arms.end(), evidence.arms.begin(),
+                    evidence.arms.end(), [](const auto& arm, const auto& mine) {
+                      return arm.name == mine.name && arm.backend_version == mine.backend_version &&
+                             Same(mine.live, arm.live) && Same(mine.lane, arm.lane);
+                    });
 }
 
 std::map<SceneKey, EvidenceModel::Scene> EvidenceModel::Scenes(
@@ -113,7 +114,7 @@ uint64_t EvidenceModel::Check(priors::PriorReader& store, const priors::ExportPa
   uint64_t windows = exported.folded_window_count;
   for (const PriorRecord& record : exported.records) windows += record.evidence.window_count;
   for (const priors::SceneEvidence& scene : *stored) {
-    for (const auto& arm : scene.arms) windows -= arm.evidence.window_count;
+    for (const auto& arm : scene.arms) windows -= arm.live.window_count + arm.lane.window_count;
     const auto mine = scenes.find(scene.key);
     if (mine == scenes.end() || !mine->second.SameAs(scene))
       complain("scene " + scene.key.scene + " has not what its sessions and files have");

@@ -42,7 +42,7 @@ class EvidenceModel {
     std::vector<priors::SourceUpdate> failed;  // offered after `progress`
   };
   struct Scene {
-    std::map<std::pair<std::string, uint32_t>, priors::Evidence> arms;  // by name and version
+    priors::SceneEvidence evidence;
     std::set<std::string> sources;
 
     void Add(const std::string& source, const priors::EvidenceKey& key,

@@ -39,7 +39,7 @@ void PriorFiles::Make() {
         PriorRecord record;
         record.key = {.project = project,
                       .scene = scene,
-                      .context_bucket = "",
+                      .measured_by = "",
                       .arm = world_.Happens(0.5) ? "Grid" : "SAP",
                       .backend_version = 1,
                       .machine_class = "",

@@ -64,9 +64,10 @@ void Simulation::CheckWatcher(priors::PriorStore& store) {
     bool same = stored.ok() && stored->has_value() && (*stored)->arms.size() == told.arms.size() &&
                 (*stored)->source_count == told.source_count;
     for (size_t i = 0; same && i < told.arms.size(); ++i) {
-      const priors::Evidence& evidence = (*stored)->arms[i].evidence;
-      same = evidence.window_count == told.arms[i].evidence.window_count &&
-             evidence.bail_out_count == told.arms[i].evidence.bail_out_count;
+      const priors::SceneEvidence::Arm& arm = (*stored)->arms[i];
+      same = arm.live.window_count == told.arms[i].live.window_count &&
+             arm.live.bail_out_count == told.arms[i].live.bail_out_count &&
+             arm.lane.window_count == told.arms[i].lane.window_count;
     }
     if (!same) Complain("a watcher was told something else than the store has of " + key.scene);
   }

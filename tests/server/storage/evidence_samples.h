@@ -19,7 +19,7 @@ using priors::SourceUpdate;
 inline EvidenceKey Key(const std::string& arm, const std::string& scene = "harbour") {
   return {.project = "game",
           .scene = scene,
-          .context_bucket = "",
+          .measured_by = "",
           .arm = arm,
           .backend_version = 1,
           .machine_class = "desktop",

@@ -114,6 +114,25 @@ TEST_P(PriorStoreConformance, FramesAreCountedWithTheCommitThatHoldsThemAndNotBy
   EXPECT_EQ((*store_->LoadSource("a"))->progress.frame_count, 2000u);
 }
 
+TEST_P(PriorStoreConformance, TellsTheLanesVisitsFromWindows) {
+  EvidenceKey lane = Key("Grid");
+  lane.measured_by = "lane";
+  EvidenceKey unseen = Key("BVH");
+  unseen.measured_by = "lane";
+  ASSERT_TRUE(Commit({Update("a", 1, {Key("Grid"), lane, unseen}), Update("a", 2, {lane})}).ok());
+  const auto scene = *store_->LoadScene({"game", "harbour", "desktop", 1});
+  ASSERT_TRUE(scene);
+  ASSERT_EQ(scene->arms.size(), 2u);
+  EXPECT_EQ(scene->arms[0].name, "BVH");
+  EXPECT_EQ(scene->arms[0].live, priors::Evidence{});
+  EXPECT_EQ(scene->arms[0].lane.window_count, 1u);
+  EXPECT_EQ(scene->arms[1].live.window_count, 1u);
+  EXPECT_EQ(scene->arms[1].lane.window_count, 2u);
+  EXPECT_EQ(Sums({Key("Grid"), lane}).sums[1].evidence.window_count, 2u);
+  lane.measured_by = "dice";
+  EXPECT_TRUE(absl::IsInvalidArgument(Commit({Update("a", 3, {lane})})));
+}
+
 TEST_P(PriorStoreConformance, CountsThatAddUpToMoreThanFitsAreTheirBound) {
   PriorRecord record = Record("a", 1, Key("Grid"), 1);
   record.evidence.window_count = record.evidence.bail_out_count = (1ull << 63) - 1;
@@ -122,8 +141,8 @@ TEST_P(PriorStoreConformance, CountsThatAddUpToMoreThanFitsAreTheirBound) {
   ASSERT_TRUE(store_->Import(records).ok());
   const auto scenes = store_->List({}, std::nullopt, 10);
   ASSERT_TRUE(scenes.ok()) << scenes.status();
-  EXPECT_EQ(scenes->at(0).arms[0].evidence.window_count, record.evidence.window_count);
-  EXPECT_EQ(scenes->at(0).arms[0].evidence.bail_out_count, record.evidence.bail_out_count);
+  EXPECT_EQ(scenes->at(0).arms[0].live.window_count, record.evidence.window_count);
+  EXPECT_EQ(scenes->at(0).arms[0].live.bail_out_count, record.evidence.bail_out_count);
 }
 
 TEST_P(PriorStoreConformance, ASourceIsLoadedWithItsProgressAndItsOwnEvidence) {

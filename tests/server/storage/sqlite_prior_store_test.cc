@@ -187,7 +187,7 @@ TEST_F(SqlitePriorStoreTest, TheDatabaseItselfRefusesWhatIsNoEvidence) {
   ASSERT_TRUE(
       database
           .Execute("INSERT INTO source VALUES (1, 'a', 1, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0);"
-                   "INSERT INTO evidence_key (project, scene, context_bucket, arm, backend_version,"
+                   "INSERT INTO evidence_key (project, scene, measured_by, arm, backend_version,"
                    "  machine_class, reward_version)"
                    "VALUES ('p', 's', '', 'Grid', 1, '', 1);")
           .ok());

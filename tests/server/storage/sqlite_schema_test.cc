@@ -46,7 +46,7 @@ TEST_P(OlderSchemaTest, HasItsSumsAfterTheMigration) {
   const auto scenes = *(*store)->List({}, std::nullopt, 10);
   ASSERT_EQ(scenes.size(), 2u);
   ASSERT_EQ(scenes[0].arms.size(), 1u) << "nobody taught KDTree anything";
-  EXPECT_EQ(scenes[0].arms[0].evidence, (priors::Evidence{100.875, 7.75, (1ull << 63) - 1, 2}));
+  EXPECT_EQ(scenes[0].arms[0].live, (priors::Evidence{100.875, 7.75, (1ull << 63) - 1, 2}));
   EXPECT_EQ(scenes[0].source_count, 2u);
   EXPECT_EQ(scenes[1].source_count, 3u);
 }
@@ -107,7 +107,7 @@ TEST_P(OlderSchemaTest, IsNotChangedWhereItCannotBeKept) {
   EXPECT_EQ(*database.QueryInteger("PRAGMA user_version"), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 7));
+INSTANTIATE_TEST_SUITE_P(Schemas, OlderSchemaTest, ::testing::Range(1, 8));
 
 }  // namespace
 }  // namespace sweepstake::storage

@@ -79,15 +79,18 @@ class WatchHubTest : public ::testing::Test {
  protected:
   WatchHubTest() { hub_.Add(listener_); }
 
-  // A session commits one window's evidence, and the hub is told.
+  // A session commits one window's evidence, and a visit's of another arm, and the hub is told.
   void Commit(const std::string& scene, const std::string& source, uint64_t n = 1,
               const std::string& arm = "Grid") {
     priors::SourceUpdate update;
     update.progress.source_id = source;
     update.progress.commit_sequence = n;
     update.increments.push_back(
-        {{.project = "game", .scene = scene, .context_bucket = {}, .arm = arm, .machine_class = {}},
+        {{.project = "game", .scene = scene, .measured_by = {}, .arm = arm, .machine_class = {}},
          {.alpha = 0.75, .beta = 0.25, .window_count = 1, .bail_out_count = 0}});
+    update.increments.push_back(update.increments.back());
+    update.increments.back().key.arm = "KDTree";
+    update.increments.back().key.measured_by = "lane";
     store_.Commit(update, [](const absl::Status& status) { ASSERT_TRUE(status.ok()); });
     hub_.OnEvidence(Scene(scene), update.increments, /*new_source=*/n == 1);
   }
@@ -126,7 +129,8 @@ TEST_F(WatchHubTest, AThousandCommitsReadEachSceneOnceAndAddUpToTheStore) {
     ASSERT_EQ(last->arms.size(), stored.arms.size());
     for (size_t i = 0; i < stored.arms.size(); ++i) {
       EXPECT_EQ(last->arms[i].name, stored.arms[i].name);
-      EXPECT_EQ(last->arms[i].evidence, stored.arms[i].evidence);
+      EXPECT_EQ(last->arms[i].live, stored.arms[i].live);
+      EXPECT_EQ(last->arms[i].lane, stored.arms[i].lane);
     }
   }
 }
@@ -145,7 +149,7 @@ TEST_F(WatchHubTest, ASceneIsToldOncePerTickAndNothingRunsWhileNothingChanges) {
   EXPECT_EQ(Tick(), 1U);
   ASSERT_EQ(listener_.posteriors.size(), 3U);
   EXPECT_EQ(listener_.posteriors[2].key.scene, "b");
-  EXPECT_EQ(listener_.posteriors[2].arms[0].evidence.window_count, 21U);
+  EXPECT_EQ(listener_.posteriors[2].arms[0].live.window_count, 21U);
 }
 
 TEST_F(WatchHubTest, DecisionsHaveATickToBeToldAt) {
@@ -165,7 +169,7 @@ TEST_F(WatchHubTest, EvidenceThatIsCommittedDuringAReadIsCountedOnce) {
   store_.RunJobs();
   Tick();
   ASSERT_EQ(listener_.posteriors.size(), 1U);
-  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].live.window_count, 2U);
 }
 
 TEST_F(WatchHubTest, NobodysSceneIsNeitherReadNorTold) {
@@ -185,7 +189,7 @@ TEST_F(WatchHubTest, AResetForgetsTheSumsAndIsTold) {
   store_.RunJobs();
   Tick();
   EXPECT_EQ(store_.submit_count, 2U);
-  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].live.window_count, 2U);
 }
 
 TEST_F(WatchHubTest, AFullStoreIsAskedAgainAtTheNextTick) {
@@ -214,7 +218,7 @@ TEST_F(WatchHubTest, ASceneThatTheDiskCannotReadIsReadAgainAtTheNextTickWithoutE
   store_.RunJobs();
   Tick();
   ASSERT_EQ(listener_.posteriors.size(), 1U);
-  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 1U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].live.window_count, 1U);
   EXPECT_EQ(Tick(), 0U);
 }
 
@@ -228,7 +232,7 @@ TEST_F(WatchHubTest, ADamagedSceneIsReadAgainAtItsNextEvidenceOnly) {
   store_.RunJobs();
   Tick();
   ASSERT_EQ(listener_.posteriors.size(), 1U);
-  EXPECT_EQ(listener_.posteriors[0].arms[0].evidence.window_count, 2U);
+  EXPECT_EQ(listener_.posteriors[0].arms[0].live.window_count, 2U);
 }
 
 TEST_F(WatchHubTest, OfManyScenesThatCouldNotBeReadSomeAreReadAtEachTick) {
@@ -251,7 +255,7 @@ TEST_F(WatchHubTest, WhatNobodyTellsOfIsReadAndTold) {
   lost.progress.source_id = "lost";
   lost.progress.commit_sequence = 1;
   lost.increments.push_back(
-      {{.project = "game", .scene = "a", .context_bucket = {}, .arm = "Grid", .machine_class = {}},
+      {{.project = "game", .scene = "a", .measured_by = {}, .arm = "Grid", .machine_class = {}},
        {.alpha = 0.75, .beta = 0.25, .window_count = 1, .bail_out_count = 0}});
   store_.Commit(lost, [](const absl::Status&) {});
   hub_.Reload(Scene("a"));
@@ -261,7 +265,7 @@ TEST_F(WatchHubTest, WhatNobodyTellsOfIsReadAndTold) {
   Tick();
   const SceneEvidence& last = listener_.posteriors.back();
   EXPECT_EQ(last.source_count, 2U);
-  EXPECT_EQ(last.arms[0].evidence.window_count, 3U);
+  EXPECT_EQ(last.arms[0].live.window_count, 3U);
 }
 
 TEST_F(WatchHubTest, ADrainingHubAsksTheStoreForNothing) {

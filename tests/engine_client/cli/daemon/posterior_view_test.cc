@@ -140,13 +140,11 @@ TEST(DecisionJson, HasWhatTheDecisionWasAboutAndWhatIsBelieved) {
   v1::DecisionEvent event;
   event.set_policy("paper");
   event.set_machine_class("desktop");
-  event.set_context_bucket("dense");
   for (const double probability : {0.25, 0.75}) event.add_best_probability(probability);
   event.set_expected_loss_ratio(0.125);
   const auto json = DecisionJson(event);
   EXPECT_EQ(json["policy"], "paper");
   EXPECT_EQ(json["machine_class"], "desktop");
-  EXPECT_EQ(json["context_bucket"], "dense");
   EXPECT_EQ(json["best_probability"], (std::vector<double>{0.25, 0.75}));
   EXPECT_EQ(json["expected_loss_ratio"], 0.125);
 }

@@ -37,11 +37,17 @@ PriorRecord RecordOf(const std::string& source, uint64_t sequence, double alpha)
   return record;
 }
 
+decision::Decision Window(const decision::Increment& increment) {
+  decision::Decision decision;
+  decision.increment = increment;
+  return decision;
+}
+
 TEST(EvidenceLedger, AddsToARecordPerArmUnderItsOwnSource) {
   EvidenceLedger ledger = LedgerOf({});
-  ledger.Add({.arm = 1, .alpha = 2, .beta = 0.5, .window_count = 1});
-  ledger.Add({.arm = 1, .alpha = 1, .beta = 3, .bail_out_count = 1});
-  ledger.Add({.arm = 0, .beta = 1, .window_count = 1});
+  ledger.Add(Window({.arm = 1, .alpha = 2, .beta = 0.5, .window_count = 1}));
+  ledger.Add(Window({.arm = 1, .alpha = 1, .beta = 3, .bail_out_count = 1}));
+  ledger.Add(Window({.arm = 0, .beta = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
   const PriorRecord& dbvt = ledger.records()[0];
   EXPECT_EQ(dbvt.project, "game");
@@ -63,7 +69,7 @@ TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
   PriorRecord elsewhere = RecordOf("player", 9, 5);
   elsewhere.scene = "desert";
   EvidenceLedger ledger = LedgerOf({RecordOf("player", 7, 10), elsewhere});
-  ledger.Add({.arm = 0, .alpha = 1, .window_count = 1});
+  ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
   EXPECT_EQ(ledger.records()[0].source_sequence, 10U) << "later than all of the source";
   EXPECT_EQ(ledger.records()[0].alpha_increment, 11);
@@ -74,7 +80,7 @@ TEST(EvidenceLedger, GoesOnWithTheRecordOfItsSourceUnderALaterSequence) {
 
 TEST(EvidenceLedger, LeavesTheRecordsOfOthersAsTheyAre) {
   EvidenceLedger ledger = LedgerOf({RecordOf("studio", 7, 10)});
-  ledger.Add({.arm = 0, .alpha = 1, .window_count = 1});
+  ledger.Add(Window({.arm = 0, .alpha = 1, .window_count = 1}));
   ASSERT_EQ(ledger.records().size(), 2U);
   EXPECT_EQ(ledger.records()[0].alpha_increment, 10);
   EXPECT_EQ(ledger.records()[0].source_sequence, 7U);
@@ -89,12 +95,29 @@ TEST(EvidenceLedger, SumsWhatAppliesOnTopOfBetaOneOne) {
   given[3].machine_class = "desktop";
   given[4].reward_version = 1;
   given[5].backend_version = 2;
-  given[6].context_bucket = "dense";
+  given[6].arm = "Grid";
   const EvidenceLedger ledger = LedgerOf(given);
   EXPECT_EQ(ledger.priors()[0].alpha, 21);
   EXPECT_EQ(ledger.priors()[0].beta, 1);
   EXPECT_EQ(ledger.priors()[1].alpha, 1);
   EXPECT_EQ(ledger.prior_source_count(), 2U);
+}
+
+TEST(EvidenceLedger, KeepsTheLanesVisitsApartAndLearnsFromThem) {
+  EvidenceLedger ledger = LedgerOf({});
+  decision::Decision decision = Window({.arm = 0, .alpha = 6, .beta = 4, .window_count = 1});
+  decision.lane_increments = {{.arm = 0, .alpha = 6, .beta = 4, .window_count = 1},
+                              {.arm = 1, .alpha = 8, .beta = 2, .window_count = 1}};
+  ledger.Add(decision);
+  ledger.Add(decision);
+  ASSERT_EQ(ledger.records().size(), 3U);
+  EXPECT_EQ(ledger.records()[0].measured_by, "");
+  EXPECT_EQ(ledger.records()[0].alpha_increment, 12);
+  EXPECT_EQ(ledger.records()[2].measured_by, "lane");
+  EXPECT_EQ(ledger.records()[2].arm, "DBVT");
+  EXPECT_EQ(ledger.records()[2].window_count, 2U);
+  const auto priors = LedgerOf(ledger.records()).priors();
+  EXPECT_GT(priors[1].mean(), priors[0].mean()) << "DBVT was never live";
 }
 
 TEST(EvidenceLedger, UnitesRecordsOfWhichTheLaterCounts) {

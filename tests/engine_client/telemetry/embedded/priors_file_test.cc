@@ -55,7 +55,7 @@ TEST(PriorsFile, ReadsBackWhatItWrote) {
   const PriorRecord& record = (*read)[1];
   EXPECT_EQ(record.project, "game");
   EXPECT_EQ(record.scene, "hurricane");
-  EXPECT_EQ(record.context_bucket, "");
+  EXPECT_EQ(record.measured_by, "");
   EXPECT_EQ(record.arm, "KDTree");
   EXPECT_EQ(record.backend_version, 2U);
   EXPECT_EQ(record.machine_class, "desktop");

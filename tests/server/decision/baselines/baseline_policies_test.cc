@@ -111,7 +111,7 @@ TEST(OneDraw, DrawsThePapersDrawsOnceInACooldownAndKeepsTheArmInBetween) {
   int64_t last_ns = 0;
   int draws = 0;
   const std::vector<Decision>& log = game.Run();
-  for (const auto& [record, increment, command] : log) {
+  for (const auto& [record, increment, visits, command] : log) {
     if (record.draws.empty()) {
       ASSERT_EQ(record.candidate, record.active_arm);
       continue;
@@ -204,7 +204,7 @@ TEST(Thresholds, LeaveAnArmThatBailedOut) {
 
 TEST(Ucb1, ComparesMeanPlusTheConfidenceRadius) {
   Game game(SetupOf("ucb1"));
-  for (const auto& [record, increment, command] : game.Run()) {
+  for (const auto& [record, increment, visits, command] : game.Run()) {
     double n = 0;
     for (const BetaPosterior& posterior : record.posteriors) n += posterior.evidence();
     for (size_t arm = 0; arm < 4; ++arm) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/decision/math/random.h"
+#include "server/decision/policy/log_cost.h"
 #include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
 
@@ -117,6 +118,31 @@ TEST(AdaptivePolicy, TriesAnArmThatTheLaneMayMisjudge) {
   game.RunTicks(20);
   EXPECT_EQ(game.client.arm, 0u);
   EXPECT_GE(game.TicksOn(0, 100), 99);
+}
+
+double CostUs(const Increment& increment) {
+  return std::exp(LogCostOfReward(increment.alpha / (increment.alpha + increment.beta)));
+}
+
+// The lane takes 1.1 times the frame thread's time, but for the last arm, which is never live.
+TEST(AdaptivePolicy, StoresVisitsAsWhatTheArmsWouldCostLive) {
+  Game game({10'000, 30'000, 60'000});
+  game.lane_ratio[2] = 1.3;
+  game.RunTicks(100);
+  const Decision decision = game.RunToTick();
+  ASSERT_EQ(decision.lane_increments.size(), 3u);
+  EXPECT_NEAR(CostUs(decision.lane_increments[0]) / 10'000, 1, 0.1);
+  EXPECT_NEAR(CostUs(decision.lane_increments[1]) / 30'000, 1, 0.1);
+  EXPECT_NEAR(CostUs(decision.lane_increments[2]) / 60'000, 1.3 / 1.1, 0.1);
+  for (const Increment& increment : decision.lane_increments) EXPECT_EQ(increment.window_count, 1u);
+}
+
+TEST(AdaptivePolicy, VisitsInManualModeAreNoEvidence) {
+  Game game({10'000, 30'000});
+  game.client.session.SetMode(Mode::kManual, 0, game.client.now_ns);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(game.RunToTick().lane_increments.empty());
+  game.client.session.SetMode(Mode::kAi, 0, game.client.now_ns);
+  EXPECT_EQ(game.RunToTick().lane_increments.size(), 2u);
 }
 
 // Half an hour, in which each of them is the cheaper one in turns.

@@ -31,7 +31,7 @@ class BailOutQuotaTest : public ::testing::Test {
   }
   priors::Evidence Stored() {
     const auto scene = *daemon_.store.store.LoadScene({"game", "harbour", "", 1});
-    return scene ? scene->arms.at(0).evidence : priors::Evidence{};
+    return scene ? scene->arms.at(0).live : priors::Evidence{};
   }
   std::string AuditLog() {
     std::string csv = decision::AuditHeader() + "\n";

@@ -50,7 +50,7 @@ TEST_F(ResponseTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
   ASSERT_EQ(Stored().arms.size(), 1u);
   EXPECT_EQ(Stored().arms[0].name, "Grid");
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 1u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 1u);
 }
 
 TEST_F(ResponseTest, AnAcknowledgementTakesThePosteriorsAlongExceptToAGameOfVersion1) {
@@ -127,7 +127,7 @@ TEST_F(ResponseTest, AnAcknowledgementComesOnlyWhenTheStoreHasCommitted) {
   EXPECT_TRUE(Stored().arms.empty());
   store_.Release();
   EXPECT_EQ(client.AwaitAcknowledgement(2), 2u);
-  EXPECT_EQ(Stored().arms[0].evidence.window_count, 2u);
+  EXPECT_EQ(Stored().arms[0].live.window_count, 2u);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class LastBailOutTest : public RpcTest {
     EXPECT_EQ(StoredBailOuts(), 0u);
     return hello;
   }
-  uint64_t StoredBailOuts() { return Stored().arms[0].evidence.bail_out_count; }
+  uint64_t StoredBailOuts() { return Stored().arms[0].live.bail_out_count; }
   // The game sends again what was not acknowledged, and is heard to the end.
   void ComeBackAndEnd(const v1::Hello& hello, uint64_t acknowledged) {
     TelemetryClient client(channel_);

@@ -1,0 +1,85 @@
+#include "server/decision/policy/scene_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "server/decision/policy/log_cost.h"
+
+namespace sweepstake::decision {
+namespace {
+
+constexpr double kNoise = 0.02 * 0.02;
+
+// So many windows or visits that each measured this cost.
+EvidenceSum SumOf(double cost_us, double count) {
+  const Increment one = LogCostIncrement(0, RewardOf(std::log(cost_us)), kNoise);
+  return {.alpha = count * one.alpha, .beta = count * one.beta};
+}
+
+double CostUs(const EvidenceSum& sum) {
+  return std::exp(LogCostOfReward(sum.alpha / sum.evidence()));
+}
+
+double DeviationOf(const EvidenceSum& sum) {
+  return std::sqrt(BeliefOf({sum.alpha, sum.beta}).variance);
+}
+
+TEST(ScenePrior, IsWhatTheWindowsSayWhereTheLaneWasOff) {
+  const ArmEvidence arms[] = {{.live = {7, 3}}, {.live = {2, 8}, .bail_out_count = 1}, {}};
+  const auto pooled = PoolEvidence(arms);
+  EXPECT_EQ(pooled[0].alpha, 7);
+  EXPECT_EQ(pooled[1].beta, 8);
+  EXPECT_EQ(pooled[2].evidence(), 0);
+}
+
+TEST(ScenePrior, KnowsArmsThatWereNeverLive) {
+  const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 10)},
+                              {.lane = SumOf(150, 10)},
+                              {.lane = SumOf(80, 10)}};
+  const auto pooled = PoolEvidence(arms);
+  EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1);
+  EXPECT_NEAR(CostUs(pooled[1]), 150, 0.2);
+  EXPECT_NEAR(CostUs(pooled[2]), 80, 0.1);
+}
+
+// The first arm was live where the scene is empty, the second one where it is full, and costs half.
+TEST(ScenePrior, ComparesWindowsOfDifferentTimesByTheVisits) {
+  const ArmEvidence arms[] = {{.live = SumOf(20, 50), .lane = SumOf(200, 10)},
+                              {.live = SumOf(500, 50), .lane = SumOf(100, 10)}};
+  const auto pooled = PoolEvidence(arms);
+  EXPECT_NEAR(CostUs(pooled[0]) / CostUs(pooled[1]), 2, 0.01);
+}
+
+TEST(ScenePrior, MovesVisitsToTheLevelOfTheWindows) {
+  const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(130, 10)},
+                              {.lane = SumOf(260, 10)},
+                              {.live = SumOf(70, 5)}};  // the lane has no memory for it
+  const auto pooled = PoolEvidence(arms);
+  EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1);
+  EXPECT_NEAR(CostUs(pooled[1]), 200, 0.3);
+  EXPECT_NEAR(CostUs(pooled[2]), 70, 0.1);
+}
+
+TEST(ScenePrior, IsNoSurerOfAnArmThatWasNeverLiveThanTheLaneIs) {
+  const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 1e6)},
+                              {.lane = SumOf(100, 1)},
+                              {.lane = SumOf(100, 1e6)}};
+  const auto pooled = PoolEvidence(arms);
+  EXPECT_LT(DeviationOf(pooled[0]), 0.001);
+  EXPECT_NEAR(DeviationOf(pooled[1]), std::sqrt(kLaneBiasVariance + kNoise), 0.001);
+  EXPECT_NEAR(DeviationOf(pooled[2]), std::sqrt(kLaneBiasVariance), 0.001);
+}
+
+TEST(ScenePrior, RemembersABailOutThatTheLaneDoesNotSee) {
+  EvidenceSum stalled = SumOf(100, 5);
+  stalled.beta += stalled.evidence() * 2;
+  const ArmEvidence arms[] = {{.live = SumOf(100, 50), .lane = SumOf(100, 10)},
+                              {.live = stalled, .lane = SumOf(90, 10), .bail_out_count = 1}};
+  const auto pooled = PoolEvidence(arms);
+  EXPECT_NEAR(CostUs(pooled[0]), 100, 0.1) << "its level has nothing of the stall";
+  EXPECT_GT(CostUs(pooled[1]), 1e4);
+}
+
+}  // namespace
+}  // namespace sweepstake::decision
