@@ -112,7 +112,7 @@ void AdaptiveBroadPhase::Impl::BeginFrame() {
   KeepBudgetOfGrowing();
   if (const std::optional<SwitchCommand> commanded = mailbox.Take()) TakeCommand(*commanded);
   const std::optional<OperatorOrder> order = orders.Take();
-  if (order) TakeOrder(*order);
+  if (order && !frozen_) TakeOrder(*order);
   if (const auto local = std::exchange(local_command_, std::nullopt)) {
     Execute(*local);
     if (pending_) Refuse(pending_->command);
@@ -166,7 +166,7 @@ void AdaptiveBroadPhase::Impl::ExecutePending() {
 bool AdaptiveBroadPhase::Impl::IsAllowed(const SwitchCommand& command) const {
   const bool may_choose =
       mode.load(std::memory_order_relaxed) == Mode::kAi || command.reason == SwitchReason::kManual;
-  return may_choose && command.arm < arms.size() && command.arm != arm();
+  return may_choose && !frozen_ && command.arm < arms.size() && command.arm != arm();
 }
 
 // Returns whether the pending switch waits for the lane. A bail-out does not, whether the command's
@@ -240,13 +240,14 @@ void AdaptiveBroadPhase::Impl::Refuse(const SwitchCommand& command) {
 
 // Step 3, with its measurement (step 4).
 std::span<const OverlapPair> AdaptiveBroadPhase::Impl::FindPairs(std::span<const Aabb> boxes) {
-  const uint32_t work = lane_ == nullptr ? 0 : lane_->cost().Begin();
+  ShadowLane* const lane = frozen_ ? nullptr : lane_.get();
+  const uint32_t work = lane == nullptr ? 0 : lane->cost().Begin();
   const bool is_steady = built_;
-  const uint64_t start_ns = clock_.NowNs();
+  const uint64_t start_ns = NowNs();
   UpdateStructure(boxes, start_ns);
   Search();
   const uint64_t detection_ns = MeasureDetection(boxes, start_ns);
-  if (lane_ != nullptr && is_steady) lane_->cost().End(work, detection_ns, epoch());
+  if (lane != nullptr && is_steady) lane->cost().End(work, detection_ns, epoch());
   // Not measured: the lane's visits do not sort, and what is learnt must hold with and without it.
   if (sorter_) sorter_->Sort(pairs_.pairs());
   if (!std::exchange(searched_, true)) ShowFrame(boxes);
@@ -264,7 +265,7 @@ void AdaptiveBroadPhase::Impl::Search() {
 // search to the next, objects move as far as they do in a frame.
 void AdaptiveBroadPhase::Impl::ShowFrame(std::span<const Aabb> boxes) {
   descriptors_.Observe(boxes);
-  if (lane_ == nullptr) return;
+  if (lane_ == nullptr || frozen_) return;
   lane_->OnFrame(boxes, {.frame_index = sample_.frame_index,
                          .frame_time_ns = last_sample.frame_time_ns,
                          .arm = sample_.arm});
@@ -284,7 +285,7 @@ void AdaptiveBroadPhase::Impl::UpdateStructure(std::span<const Aabb> boxes, uint
 void AdaptiveBroadPhase::Impl::Rebuild(std::span<const Aabb> boxes, uint64_t start_ns) {
   backends_[sample_.arm].backend->Build(boxes);
   sample_.flags |= kFrameRebuild;
-  if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(clock_.NowNs() - start_ns);
+  if (switch_cost.awaits_rebuild()) switch_cost.OnRebuild(NowNs() - start_ns);
 }
 
 // The searches of a frame add up; what can be had of one alone is the latest one's.
@@ -292,7 +293,7 @@ uint64_t AdaptiveBroadPhase::Impl::MeasureDetection(std::span<const Aabb> boxes,
                                                     uint64_t start_ns) {
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
   const BroadPhase& backend = *backends_[sample_.arm].backend;
-  const uint64_t detection_ns = clock_.NowNs() - start_ns;
+  const uint64_t detection_ns = NowNs() - start_ns;
   sample_.detection_time_ns += detection_ns;
   sample_.aabb_check_count += backend.aabb_check_count();
   sample_.native_bytes = backend.native_bytes();
@@ -347,6 +348,12 @@ void AdaptiveBroadPhase::Impl::ReportMode(uint64_t order_id) {
 void AdaptiveBroadPhase::Impl::SetMode(Mode chosen) {
   mode.store(chosen, std::memory_order_relaxed);
   manual_by_order_ = false;
+  frozen_ = false;
+}
+
+void AdaptiveBroadPhase::Impl::Freeze() {
+  SetMode(Mode::kManual);
+  frozen_ = true;
 }
 
 Status AdaptiveBroadPhase::Impl::SelectArm(std::string_view name) {
@@ -381,6 +388,7 @@ uint64_t AdaptiveBroadPhase::memory_bytes() const { return impl_->memory_bytes()
 
 Status AdaptiveBroadPhase::SelectArm(std::string_view arm) { return impl_->SelectArm(arm); }
 void AdaptiveBroadPhase::SetMode(Mode mode) { impl_->SetMode(mode); }
+void AdaptiveBroadPhase::Freeze() { impl_->Freeze(); }
 void AdaptiveBroadPhase::Obey(const OperatorOrder& order) { impl_->orders.Post(order); }
 void AdaptiveBroadPhase::SetDeciderPresent(bool present) {
   impl_->guard.SetDeciderPresent(present);

@@ -1,5 +1,6 @@
 // The embedded decider of a session, which takes the place of a transport.
 #include <algorithm>
+#include <utility>
 
 #include "engine_client/c_api/session.h"
 #include "engine_client/c_api/sized_struct.h"
@@ -9,6 +10,8 @@ using sweepstake::ArmBelief;
 using sweepstake::DeciderLoop;
 using sweepstake::EmbeddedDecider;
 using sweepstake::EmbeddedOptions;
+using sweepstake::Mode;
+using sweepstake::Status;
 using sweepstake::SwitchCommand;
 using sweepstake::SwitchOutcome;
 using sweepstake::SwitchReason;
@@ -45,6 +48,17 @@ swp_decider_options DefaultOptions() {
   options.cooldown_ns = defaults.cooldown_ns;
   options.fps_floor = defaults.fps_floor;
   return options;
+}
+
+swp_result Take(const swp_decider_options* given, EmbeddedOptions& options) {
+  swp_decider_options known = DefaultOptions();
+  if (swp_result wrong = TakeOptions("swp_decider_options", given, known); wrong != SWP_OK)
+    return wrong;
+  if (known.reserved != 0) return Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+  if (known.priors_data == nullptr && known.priors_data_bytes > 0)
+    return NullArgument("priors_data, of which priors_data_bytes are to be read,");
+  options = ToEmbeddedOptions(known);
+  return SWP_OK;
 }
 
 // A new decider assumes the first arm and epoch 0; this tells it the actual ones.
@@ -102,15 +116,27 @@ swp_result swp_session_attach_decider(swp_session* session, const swp_decider_op
     if (live.decider_loop || live.link != nullptr) {
       return Fail(SWP_FAILED_PRECONDITION, "a decider or a link is attached already: end it first");
     }
-    swp_decider_options known = DefaultOptions();
-    swp_result wrong = TakeOptions("swp_decider_options", options, known);
-    if (wrong == SWP_OK && known.reserved != 0) {
-      wrong = Fail(SWP_INVALID_ARGUMENT, "reserved must be 0");
+    EmbeddedOptions taken;
+    const swp_result wrong = Take(options, taken);
+    return wrong != SWP_OK ? wrong : Attach(live, std::move(taken), now_ns);
+  });
+}
+
+swp_result swp_session_freeze(swp_session* session, const swp_decider_options* options) {
+  return Use(session, [&](Session& live) {
+    AdaptiveBroadPhase& adaptive = *live.adaptive;
+    EmbeddedOptions priors;
+    if (const swp_result wrong = Take(options, priors); wrong != SWP_OK) return wrong;
+    if (options != nullptr) {
+      const auto arm =
+          EmbeddedDecider::ArmOfPriors(priors, adaptive.arms(), adaptive.arm_versions());
+      if (!arm.ok()) return ToResult(arm.status());
+      if (const Status selected = adaptive.SelectArm(*arm); !selected.ok())
+        return ToResult(selected);
     }
-    if (wrong == SWP_OK && known.priors_data == nullptr && known.priors_data_bytes > 0) {
-      wrong = NullArgument("priors_data, of which priors_data_bytes are to be read,");
-    }
-    return wrong != SWP_OK ? wrong : Attach(live, ToEmbeddedOptions(known), now_ns);
+    adaptive.Freeze();
+    live.queue.OnModeChange({.mode = Mode::kManual, .active_arm = adaptive.active_arm()});
+    return kOk;
   });
 }
 

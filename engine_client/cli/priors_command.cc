@@ -1,12 +1,15 @@
-// `sweepstake priors list|export|import`: a daemon's evidence to look at, to ship with a game, and
-// to carry to another daemon.
+// `sweepstake priors list|export|import|arm`: a daemon's evidence to look at, to ship with a game,
+// to carry to another daemon, and to decide from without measuring anything.
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/commands.h"
 #include "engine_client/cli/daemon/posterior_view.h"
 #include "engine_client/cli/daemon/posteriors_transfer.h"
 #include "engine_client/cli/daemon/priors_transfer.h"
+#include "engine_client/cli/game/machine_class.h"
 #include "engine_client/cli/io/json_output.h"
+#include "sweepstake/broad_phase.h"
+#include "sweepstake/embedded_decider.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -18,6 +21,7 @@ struct PriorsOptions {
   std::string project;
   std::string scene;
   std::string file;
+  std::string machine_class = MachineClass();
   bool json = false;
 };
 
@@ -86,6 +90,23 @@ int RunImport(const PriorsOptions& options, Terminal& terminal) {
   return kDone;
 }
 
+int RunArm(const PriorsOptions& options, Terminal& terminal) {
+  if (const auto read = ReadPriorsFile(options.file); !read.ok())
+    return Fail(terminal, read.status());
+  EmbeddedOptions priors;
+  priors.project = options.project;
+  priors.scene = options.scene;
+  priors.machine_class = options.machine_class;
+  priors.priors_file = options.file;
+  const std::vector<std::string> arms(BroadPhaseNames().begin(), BroadPhaseNames().end());
+  std::vector<uint32_t> versions;
+  for (const std::string& arm : arms) versions.push_back((*MakeBroadPhase(arm))->version());
+  const auto arm = EmbeddedDecider::ArmOfPriors(priors, arms, versions);
+  if (!arm.ok()) return FailAnswer(terminal, arm.status());
+  PrintResult(terminal, options.json, Json{{"command", "priors arm"}, {"arm", *arm}}, *arm + "\n");
+  return kDone;
+}
+
 void DeclareCommon(CLI::App& command, PriorsOptions& options) {
   AddDaemonOptions(command, options.daemon);
   AddJsonFlag(command, options.json);
@@ -132,6 +153,24 @@ void AddPriorsCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
         command.add_option("--in", options.file, "File to read")->required();
       },
       [&terminal](const PriorsOptions& options) { return RunImport(options, terminal); });
+  AddCommand<PriorsOptions>(
+      *priors, "arm",
+      "Print the arm that a priors file expects to cost least, for builds that keep to it",
+      "  sweepstake priors arm --in priors.json --project arcade --scene arena\n"
+      "The same file gives the same arm. A scene that is not in it gets what the project's others\n"
+      "have in common; exit code 1 when there are none.\n",
+      exit_code,
+      [](CLI::App& command, PriorsOptions& options) {
+        command.add_option("--in", options.file, "Priors file")->required();
+        command.add_option("--project", options.project, "The game's project")->required();
+        command.add_option("--scene", options.scene, "The game's scene")->required();
+        command
+            .add_option("--machine-class", options.machine_class,
+                        "Machines on which it was measured (default: this one's)")
+            ->capture_default_str();
+        AddJsonFlag(command, options.json);
+      },
+      [&terminal](const PriorsOptions& options) { return RunArm(options, terminal); });
 }
 
 }  // namespace sweepstake::cli

@@ -183,7 +183,7 @@ void Household::End() {
   ASSERT_EQ(scenes.size(), 1U);
   EXPECT_EQ(scenes[0].source_count, gone_.size()) << "no game has left a session behind";
   priors::Evidence of_scene;
-  for (const auto& arm : scenes[0].arms) of_scene += arm.evidence;
+  for (const auto& arm : scenes[0].arms) (of_scene += arm.live) += arm.lane;
   EXPECT_EQ(of_scene.window_count, of_sessions.window_count);
   EXPECT_EQ(of_scene.bail_out_count, of_sessions.bail_out_count);
   EXPECT_NEAR(of_scene.alpha + of_scene.beta, of_sessions.alpha + of_sessions.beta, 1e-6);

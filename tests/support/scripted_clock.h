@@ -11,14 +11,19 @@ inline constexpr uint64_t kMs = 1'000'000;  // in nanoseconds
 
 class ScriptedClock final : public Clock {
  public:
-  uint64_t NowNs() noexcept override { return now_ns_ += reading_ns_; }
+  uint64_t NowNs() noexcept override {
+    ++reading_count_;
+    return now_ns_ += reading_ns_;
+  }
   void Advance(uint64_t duration_ns) { now_ns_ += duration_ns; }
   // What each reading takes from now on.
   void SetReading(uint64_t duration_ns) { reading_ns_ = duration_ns; }
+  uint64_t reading_count() const { return reading_count_; }
 
  private:
   uint64_t now_ns_ = 0;
   uint64_t reading_ns_ = 0;
+  uint64_t reading_count_ = 0;
 };
 
 }  // namespace sweepstake::test_support

@@ -148,6 +148,11 @@ class AdaptiveBroadPhase {
   // Sets the mode. In kManual, commands from the mailbox with any other reason than kManual are
   // refused, and the guard does not switch.
   void SetMode(Mode mode);
+  // Sets kManual, and nothing that depends on time happens any more, so that runs repeat bit for
+  // bit (builds, replays, tournaments): the clock is not read, samples have no detection time, the
+  // lane is shown no frames, and commands and orders are refused. SelectArm still chooses. SetMode
+  // ends it.
+  void Freeze();
   // Obeys an operator at the next BeginFrame, like SetMode and SelectArm; a later order replaces
   // one that was not obeyed yet. A kManual that was ordered holds until the next order, SetMode, or
   // a frame over the bail-out limit that the arm is to blame for: then the mode is kAi again, and

@@ -67,6 +67,14 @@ SWP_API swp_result swp_session_attach_decider(swp_session* session,
                                               const swp_decider_options* options, uint64_t now_ns);
 /* Ends the decider and what it has learnt; the session then switches by itself at a bail-out. */
 SWP_API swp_result swp_session_detach_decider(swp_session* session);
+/* Chooses the arm that these priors expect to cost least, executed at the next begin_frame; with
+ * NULL the session keeps its arm. From then on it is in SWP_MODE_MANUAL, and nothing that depends
+ * on time happens, so that runs repeat bit for bit (builds, replays, tournaments): no clock is
+ * read, samples have no detection time, the lane is shown no frames, and commands and orders are
+ * refused. swp_session_select_arm still chooses; swp_session_set_mode ends it. SWP_NOT_FOUND if the
+ * priors have nothing of the project with the session's arms; the session is then as before. Frame
+ * thread. */
+SWP_API swp_result swp_session_freeze(swp_session* session, const swp_decider_options* options);
 /* Takes the costs of the frames since the last poll, decides if a decision is due
  * (decision_interval_ns), and posts the command. `commanded` is 1 if one was posted, which is then
  * also written to `command`; both may be NULL. Poll every 250 ms or more often. */

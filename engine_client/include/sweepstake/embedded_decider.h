@@ -104,6 +104,13 @@ class EmbeddedDecider {
                                                          uint64_t now_ns);
   ~EmbeddedDecider();
 
+  // Returns the arm that the priors expect to cost least, for AdaptiveBroadPhase::Freeze. The same
+  // priors give the same arm, whatever the machine, the time and the seed. Errors: those of Create,
+  // and kNotFound (the priors have nothing of the project with these arms).
+  static Result<std::string> ArmOfPriors(const EmbeddedOptions& options,
+                                         std::span<const std::string> arms,
+                                         std::span<const uint32_t> arm_versions);
+
   // Returns the header line of the audit log, without a line end.
   static std::string AuditHeader();
 

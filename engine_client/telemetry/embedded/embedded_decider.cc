@@ -91,10 +91,15 @@ Result<std::vector<PriorRecord>> ReadPriors(const EmbeddedOptions& options) {
 }
 
 EvidenceLedger MakeLedger(std::vector<PriorRecord> records, const EmbeddedOptions& options,
-                          uint32_t reward_version, std::span<const std::string> arms,
+                          const decision::PolicyKind& policy, std::span<const std::string> arms,
                           std::span<const uint32_t> arm_versions) {
-  EvidenceLedger::Key key{options.project, options.scene, options.machine_class, reward_version,
-                          options.source_id.empty() ? NewSourceId() : options.source_id};
+  EvidenceLedger::Key key{
+      .project = options.project,
+      .scene = options.scene,
+      .machine_class = options.machine_class,
+      .reward_version = policy.reward_version,
+      .source_id = options.source_id.empty() ? NewSourceId() : options.source_id,
+      .starts_from_other_scenes = policy.starts_from_priors};
   return {std::move(records), std::move(key), arms, arm_versions};
 }
 
@@ -240,9 +245,9 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
   }
   Result<std::vector<PriorRecord>> records = ReadPriors(options);
   if (!records.ok()) return records.status();
-  const uint32_t reward_version = decision::PolicyKindOf(options.policy, policies).reward_version;
   EvidenceLedger ledger =
-      MakeLedger(std::move(*records), options, reward_version, arms, arm_versions);
+      MakeLedger(std::move(*records), options, decision::PolicyKindOf(options.policy, policies),
+                 arms, arm_versions);
   if (ledger.prior_source_count() > 0) setup.priors = ledger.priors();
   if (const std::optional<std::string> error = decision::Validate(setup, policies)) {
     return Status(StatusCode::kInvalidArgument, *error);
@@ -251,6 +256,26 @@ Result<std::unique_ptr<EmbeddedDecider>> StudyMaker::MakeDecider(
                                                       options.on_decision);
   if (options.on_audit_row) impl->StartAudit(options.on_audit_row, OriginOf(options, arm_versions));
   return std::unique_ptr<EmbeddedDecider>(new EmbeddedDecider(std::move(impl)));
+}
+
+Result<std::string> EmbeddedDecider::ArmOfPriors(const EmbeddedOptions& options,
+                                                 std::span<const std::string> arms,
+                                                 std::span<const uint32_t> arm_versions) {
+  const auto decider = Create(options, arms, arm_versions, 0);
+  if (!decider.ok()) return decider.status();
+  if ((*decider)->prior_source_count() == 0) {
+    return Status(StatusCode::kNotFound,
+                  "the priors say nothing of scene \"" + options.scene + "\" of project \"" +
+                      options.project + "\" on machine class \"" + options.machine_class +
+                      "\" with these arms; sweepstake priors export writes those of a daemon");
+  }
+  const auto mean = [](const ArmBelief& belief) {
+    return belief.alpha / (belief.alpha + belief.beta);
+  };
+  const std::vector<ArmBelief> beliefs = (*decider)->beliefs();
+  return std::max_element(beliefs.begin(), beliefs.end(),
+                          [&](const ArmBelief& a, const ArmBelief& b) { return mean(a) < mean(b); })
+      ->arm;
 }
 
 EmbeddedDecider::EmbeddedDecider(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

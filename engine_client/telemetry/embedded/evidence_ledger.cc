@@ -5,8 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "server/decision/policy/scene_prior.h"
-
 namespace sweepstake {
 
 std::vector<PriorRecord> Unite(std::vector<PriorRecord> records, std::vector<PriorRecord> others) {
@@ -33,39 +31,52 @@ EvidenceLedger::EvidenceLedger(std::vector<PriorRecord> given, Key key,
       arms_(arms.begin(), arms.end()),
       arm_versions_(arm_versions.begin(), arm_versions.end()),
       records_(std::move(given)) {
-  std::set<std::string> sources;
   for (const PriorRecord& record : records_) {
     if (record.source_id == key_.source_id) sequence_ = std::max(sequence_, record.source_sequence);
-    for (size_t arm = 0; arm < arms_.size(); ++arm) {
-      if (Applies(record, arm)) sources.insert(record.source_id);
-    }
   }
-  prior_source_count_ = sources.size();
+  SetPriors();
 }
 
 bool EvidenceLedger::Applies(const PriorRecord& record, size_t arm) const {
-  return record.project == key_.project && record.scene == key_.scene &&
-         record.machine_class == key_.machine_class &&
+  return record.project == key_.project && record.machine_class == key_.machine_class &&
          record.reward_version == key_.reward_version && record.arm == arms_[arm] &&
          record.backend_version == arm_versions_[arm];
 }
 
-std::vector<decision::BetaPosterior> EvidenceLedger::priors() const {
-  std::vector<decision::ArmEvidence> evidence(arms_.size());
+std::map<std::string, EvidenceLedger::Scene> EvidenceLedger::ScenesOfProject() const {
+  std::map<std::string, Scene> scenes;
   for (const PriorRecord& record : records_) {
     for (size_t arm = 0; arm < arms_.size(); ++arm) {
       if (!Applies(record, arm)) continue;
+      Scene& scene = scenes[record.scene];
+      scene.arms.resize(arms_.size());
+      scene.sources.insert(record.source_id);
+      decision::ArmEvidence& evidence = scene.arms[arm];
       const bool by_lane = record.measured_by == decision::kLaneName;
-      decision::EvidenceSum& sum = by_lane ? evidence[arm].lane : evidence[arm].live;
+      decision::EvidenceSum& sum = by_lane ? evidence.lane : evidence.live;
       sum.alpha += record.alpha_increment;
       sum.beta += record.beta_increment;
-      evidence[arm].bail_out_count += record.bail_out_count;
+      evidence.bail_out_count += record.bail_out_count;
     }
   }
-  std::vector<decision::BetaPosterior> priors;
-  for (const decision::EvidenceSum& sum : decision::PoolEvidence(evidence))
-    priors.push_back({1 + sum.alpha, 1 + sum.beta});
-  return priors;
+  return scenes;
+}
+
+void EvidenceLedger::SetPriors() {
+  const std::map<std::string, Scene> scenes = ScenesOfProject();
+  std::vector<decision::EvidenceSum> sums(arms_.size());
+  if (const auto own = scenes.find(key_.scene); own != scenes.end()) {
+    sums = decision::PoolEvidence(own->second.arms);
+    prior_source_count_ = own->second.sources.size();
+  } else if (key_.starts_from_other_scenes && !scenes.empty()) {
+    std::vector<std::vector<decision::EvidenceSum>> others;
+    for (const auto& [name, scene] : scenes) {
+      others.push_back(decision::PoolEvidence(scene.arms));
+      prior_source_count_ += scene.sources.size();
+    }
+    sums = decision::PriorOfNewScene(others);
+  }
+  for (const decision::EvidenceSum& sum : sums) priors_.push_back({1 + sum.alpha, 1 + sum.beta});
 }
 
 void EvidenceLedger::Add(const decision::Decision& decision) {
@@ -86,7 +97,7 @@ void EvidenceLedger::Add(const decision::Increment& increment, std::string_view 
 PriorRecord& EvidenceLedger::OwnRecord(size_t arm, std::string_view measured_by) {
   const auto found = std::find_if(records_.begin(), records_.end(), [&](const PriorRecord& record) {
     return record.source_id == key_.source_id && record.measured_by == measured_by &&
-           Applies(record, arm);
+           record.scene == key_.scene && Applies(record, arm);
   });
   if (found != records_.end()) return *found;
   PriorRecord& record = records_.emplace_back();

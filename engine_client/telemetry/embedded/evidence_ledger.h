@@ -7,12 +7,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine_client/telemetry/embedded/priors_file.h"
+#include "server/decision/policy/scene_prior.h"
 #include "server/decision/types.h"
 
 namespace sweepstake {
@@ -30,6 +33,9 @@ class EvidenceLedger {
     std::string machine_class;
     uint32_t reward_version = 1;
     std::string source_id;
+    // Begins a scene without evidence with what the project's others have in common. REQUIRES:
+    // reward version 3.
+    bool starts_from_other_scenes = false;
   };
 
   // No two of `given` are the same evidence, as in ParsePriors and Unite. REQUIRES: as many
@@ -37,8 +43,8 @@ class EvidenceLedger {
   EvidenceLedger(std::vector<PriorRecord> given, Key key, std::span<const std::string> arms,
                  std::span<const uint32_t> arm_versions);
 
-  // Returns the given evidence about each arm, on top of Beta(1,1). To be called before Add.
-  std::vector<decision::BetaPosterior> priors() const;
+  // Returns the given evidence about each arm, on top of Beta(1,1).
+  const std::vector<decision::BetaPosterior>& priors() const { return priors_; }
   // Returns the number of sources in priors().
   uint64_t prior_source_count() const { return prior_source_count_; }
 
@@ -49,6 +55,14 @@ class EvidenceLedger {
   const std::vector<PriorRecord>& records() const { return records_; }
 
  private:
+  // The evidence of one scene of the project.
+  struct Scene {
+    std::vector<decision::ArmEvidence> arms;
+    std::set<std::string> sources;
+  };
+
+  std::map<std::string, Scene> ScenesOfProject() const;
+  void SetPriors();
   bool Applies(const PriorRecord& record, size_t arm) const;
   void Add(const decision::Increment& increment, std::string_view measured_by);
   PriorRecord& OwnRecord(size_t arm, std::string_view measured_by);
@@ -58,6 +72,7 @@ class EvidenceLedger {
   const std::vector<uint32_t> arm_versions_;
   std::vector<PriorRecord> records_;
   uint64_t sequence_ = 0;  // the highest of the own source
+  std::vector<decision::BetaPosterior> priors_;
   uint64_t prior_source_count_ = 0;
 };
 

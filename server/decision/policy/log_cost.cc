@@ -25,6 +25,8 @@ double RewardOf(double log_cost) {
 
 double LogCostOfReward(double reward) { return kLogNs + (1 - reward) * kLogRange; }
 
+double LogCostVarianceOf(double reward_variance) { return reward_variance * kLogRange * kLogRange; }
+
 double EvidenceOf(double reward, double log_cost_variance) {
   const double variance = log_cost_variance / (kLogRange * kLogRange);
   const double bernoulli_variance = reward * (1 - reward);
@@ -41,7 +43,7 @@ BetaPosterior BetaOf(const NormalBelief& log_cost) {
 NormalBelief BeliefOf(const BetaPosterior& posterior) {
   const double mean = posterior.mean();
   return {.mean = LogCostOfReward(mean),
-          .variance = mean * (1 - mean) / (posterior.evidence() + 1) * kLogRange * kLogRange};
+          .variance = LogCostVarianceOf(mean * (1 - mean) / (posterior.evidence() + 1))};
 }
 
 Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance) {

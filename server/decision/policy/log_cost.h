@@ -28,6 +28,8 @@ struct NormalBelief {
 double LogCostOf(double detection_us);
 double RewardOf(double log_cost);
 double LogCostOfReward(double reward);
+// Returns the variance of log-costs whose rewards have this variance.
+double LogCostVarianceOf(double reward_variance);
 
 // Returns α + β, at least 1, of the Beta distribution with the mean `reward` and the variance that
 // a log-cost of this variance gives a reward.

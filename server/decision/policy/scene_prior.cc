@@ -1,11 +1,14 @@
 #include "server/decision/policy/scene_prior.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "server/decision/policy/log_cost.h"
 
 namespace sweepstake::decision {
 namespace {
+
+constexpr double kMinSceneVariance = 0.3 * 0.3;  // of an arm's relative log-cost between scenes
 
 double MeanOf(const EvidenceSum& sum) { return sum.alpha / sum.evidence(); }
 
@@ -35,7 +38,57 @@ EvidenceSum Pool(const ArmEvidence& arm, double level) {
   return {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
 }
 
+// The rewards of an arm relative to the mean of a scene's arms, over scenes.
+struct RelativeRewards {
+  double count = 0;
+  double sum = 0;
+  double square_sum = 0;
+
+  double mean() const { return sum / count; }
+  double variance() const { return count > 1 ? (square_sum - sum * mean()) / (count - 1) : 0; }
+};
+
+// Returns the mean over the arms that have evidence, or nothing if there are none to compare.
+std::optional<double> SceneMean(std::span<const EvidenceSum> arms) {
+  double sum = 0;
+  double count = 0;
+  for (const EvidenceSum& arm : arms) {
+    if (!(arm.evidence() > 0)) continue;
+    sum += MeanOf(arm);
+    ++count;
+  }
+  return count > 1 ? std::optional(sum / count) : std::nullopt;
+}
+
 }  // namespace
+
+std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum>> scenes) {
+  std::vector<RelativeRewards> arms(scenes.empty() ? 0 : scenes.front().size());
+  double level = 0;
+  double count = 0;
+  for (const std::vector<EvidenceSum>& scene : scenes) {
+    const std::optional<double> mean = SceneMean(scene);
+    if (!mean) continue;
+    level += (*mean - level) / ++count;
+    for (size_t arm = 0; arm < scene.size(); ++arm) {
+      if (!(scene[arm].evidence() > 0)) continue;
+      const double relative = MeanOf(scene[arm]) - *mean;
+      ++arms[arm].count;
+      arms[arm].sum += relative;
+      arms[arm].square_sum += relative * relative;
+    }
+  }
+  std::vector<EvidenceSum> prior;
+  for (const RelativeRewards& arm : arms) {
+    EvidenceSum& sum = prior.emplace_back();
+    if (arm.count == 0) continue;
+    const double mean = std::clamp(level + arm.mean(), 0.0, 1.0);
+    const double spread = std::max(LogCostVarianceOf(arm.variance()), kMinSceneVariance);
+    const double evidence = EvidenceOf(mean, spread * (1 + 1 / arm.count));
+    sum = {.alpha = evidence * mean, .beta = evidence * (1 - mean)};
+  }
+  return prior;
+}
 
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms) {
   const double level = LevelOf(arms);

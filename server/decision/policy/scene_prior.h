@@ -38,4 +38,9 @@ struct ArmEvidence {
 // windows weigh no more than the lane's unknown bias lets them, however many there are.
 std::vector<EvidenceSum> PoolEvidence(std::span<const ArmEvidence> arms);
 
+// Returns the prior of a scene that nothing is known of, from what PoolEvidence says of others of
+// its project: each arm's mean cost relative to the other arms, with the deviation that the scenes
+// show, and a factor of 1.35 at least. REQUIRES: reward version 3, and as many arms in each scene.
+std::vector<EvidenceSum> PriorOfNewScene(std::span<const std::vector<EvidenceSum>> scenes);
+
 }  // namespace sweepstake::decision

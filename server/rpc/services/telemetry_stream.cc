@@ -184,6 +184,7 @@ void TelemetryStream::OnLoadOverdue() {
   if (end_ || session_) return;
   counting_ = true;  // as well as it can be
   OnLoaded({.priors = {},
+            .prior_source_count = 0,
             .source = {},
             .new_scene = UnstoredScene{.project_count = 0},
             .refusal = {},

@@ -24,6 +24,9 @@ namespace {
 using decision::BetaPosterior;
 using priors::EvidenceKey;
 
+// Of a project's scenes so many are read for a new one.
+constexpr uint32_t kMaxOtherScenes = 200;
+
 std::string NewSessionId(const RpcOptions& options) {
   const uint64_t first = options.random_bits();
   return absl::StrFormat("%016x%016x", first, options.random_bits());
@@ -54,18 +57,18 @@ std::vector<EvidenceKey> KeysOf(const v1::Hello& hello) {
 
 // `evidence_of` is asked once for each of KeysOf(hello), in their order.
 template <typename EvidenceOfKey>
-priors::SceneEvidence EvidenceFor(const v1::Hello& hello, EvidenceOfKey evidence_of) {
-  priors::SceneEvidence scene{.key = FromProto(hello), .arms = {}, .source_count = 0};
+std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello, EvidenceOfKey evidence_of) {
+  std::vector<priors::SceneEvidence::Arm> arms;
   for (const EvidenceKey& key : KeysOf(hello)) {
-    if (key.measured_by.empty()) scene.arms.push_back({key.arm, key.backend_version, {}, {}});
-    scene.arms.back().of(key.measured_by) = evidence_of(key);
+    if (key.measured_by.empty()) arms.push_back({key.arm, key.backend_version, {}, {}});
+    arms.back().of(key.measured_by) = evidence_of(key);
   }
-  return scene;
+  return Pool(arms);
 }
 
-priors::SceneEvidence OwnEvidence(const v1::Hello& hello,
-                                  const std::optional<priors::SourceState>& source) {
-  return EvidenceFor(hello, [&](const EvidenceKey& key) {
+std::vector<decision::EvidenceSum> OwnEvidence(const v1::Hello& hello,
+                                               const std::optional<priors::SourceState>& source) {
+  return PooledFor(hello, [&](const EvidenceKey& key) {
     if (source) {
       for (const auto& [stored_key, evidence] : source->evidence) {
         if (stored_key == key) return evidence;
@@ -73,6 +76,32 @@ priors::SceneEvidence OwnEvidence(const v1::Hello& hello,
     }
     return priors::Evidence();
   });
+}
+
+// Returns what the scene says of Hello's arms.
+std::vector<decision::EvidenceSum> PooledFor(const v1::Hello& hello, priors::SceneEvidence scene) {
+  return PooledFor(hello, [&](const EvidenceKey& key) {
+    return scene.ArmOf(key.arm, key.backend_version).of(key.measured_by);
+  });
+}
+
+// Starts a scene that is not stored from the project's others of its machine class.
+absl::Status StartFromOtherScenes(priors::PriorReader& store, const v1::Hello& hello,
+                                  StoredStart& start) {
+  const priors::SceneKey scene = FromProto(hello);
+  if (!decision::PolicyKindOf(hello.policy()).starts_from_priors) return absl::OkStatus();
+  auto others = store.List({.project = scene.project, .scene = {}}, std::nullopt, kMaxOtherScenes);
+  if (!others.ok()) return others.status();
+  std::vector<std::vector<decision::EvidenceSum>> known;
+  for (priors::SceneEvidence& other : *others) {
+    if (other.key.machine_class != scene.machine_class ||
+        other.key.reward_version != scene.reward_version)
+      continue;
+    start.prior_source_count += other.source_count;
+    known.push_back(PooledFor(hello, std::move(other)));
+  }
+  if (!known.empty()) start.priors = decision::PriorOfNewScene(known);
+  return absl::OkStatus();
 }
 
 bool BelongsTo(const priors::SourceState& source, const std::vector<EvidenceKey>& keys) {
@@ -128,9 +157,10 @@ decision::SessionSetup SetupOf(const v1::Hello& hello, const SessionIdentity& id
   decision::SessionSetup setup;
   setup.options = identity.decision;
   setup.arms = identity.arms;
-  const std::vector<decision::EvidenceSum> pooled = Pool(start.priors.arms);
-  if (IsAnythingKnown(pooled))
-    std::transform(pooled.begin(), pooled.end(), std::back_inserter(setup.priors), PriorOf);
+  if (IsAnythingKnown(start.priors)) {
+    std::transform(start.priors.begin(), start.priors.end(), std::back_inserter(setup.priors),
+                   PriorOf);
+  }
   setup.seed = identity.seed;
   setup.mode = FromProto(hello.mode());
   setup.active_arm = hello.active_arm();
@@ -167,12 +197,16 @@ StoredStart LoadStart(priors::PriorReader& store, const v1::Hello& hello, const 
   start.priors = OwnEvidence(hello, start.source);
   if (hello.ignore_priors()) return start;
   auto priors = store.LoadPriors(KeysOf(hello));
-  if (priors.ok()) {
-    auto sum = priors->sums.begin();
-    start.priors = EvidenceFor(hello, [&](const EvidenceKey&) { return (sum++)->evidence; });
-    start.priors.source_count = priors->source_count;
-  } else {
+  if (!priors.ok()) {
     start.status = priors.status();
+    return start;
+  }
+  auto sum = priors->sums.begin();
+  start.priors = PooledFor(hello, [&](const EvidenceKey&) { return (sum++)->evidence; });
+  start.prior_source_count = priors->source_count;
+  if (start.new_scene) {
+    if (absl::Status status = StartFromOtherScenes(store, hello, start); !status.ok())
+      start.status = status;
   }
   return start;
 }
@@ -193,7 +227,7 @@ absl::StatusOr<std::shared_ptr<GameSession>> MakeSession(SessionContext& context
   }
   stored.progress.source_id = identity.id;
   stored.progress.seed = identity.seed;
-  if (start.status.ok()) stored.prior_source_count = start.priors.source_count;
+  if (start.status.ok()) stored.prior_source_count = start.prior_source_count;
   return GameSession::Create(context, std::move(identity), setup, stored);
 }
 

@@ -1,6 +1,7 @@
 // Starts sessions: makes a session and its Welcome from Hello and the store's evidence.
 //
-// There are three cases. A new session starts from Beta(1,1) plus the evidence of all sources. A
+// There are three cases. A new session starts from Beta(1,1) plus the evidence of all sources, or,
+// where its scene has none yet, plus what the project's other scenes have in common. A
 // session that is resumed from the store after a restart does the same, and its own evidence is
 // included. A session that is resumed from memory continues unchanged. With ignore_priors only the
 // session's own evidence is used. All evidence is that of the policy's reward version; a checked
@@ -23,8 +24,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/decision/policy/scene_prior.h"
 #include "server/rpc/sessions/game_session.h"
 #include "server/rpc/sessions/new_scenes.h"
 
@@ -32,7 +35,8 @@ namespace sweepstake::rpc {
 
 // The store's knowledge for a Hello.
 struct StoredStart {
-  priors::SceneEvidence priors;               // arms have Hello's order, or there are none
+  std::vector<decision::EvidenceSum> priors;  // in Hello's order of arms, or none
+  uint64_t prior_source_count = 0;            // sources of that evidence
   std::optional<priors::SourceState> source;  // present if a session is resumed
   std::optional<UnstoredScene> new_scene;     // present if the store does not have the scene
   absl::Status refusal;                       // a quota that the session would exceed

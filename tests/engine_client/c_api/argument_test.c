@@ -367,6 +367,7 @@ static void check_sessions_without_one(void) {
   REFUSED(swp_session_end_frame(NULL, 1, 0));
   REFUSED(swp_session_select_arm(NULL, "SAP"));
   REFUSED(swp_session_set_mode(NULL, SWP_MODE_AI));
+  REFUSED(swp_session_freeze(NULL, NULL));
   REFUSED(swp_session_mode(NULL, &number));
   REFUSED(swp_session_active_arm(NULL, &number));
   REFUSED(swp_session_switch_epoch(NULL, &number));

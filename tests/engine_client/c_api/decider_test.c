@@ -214,6 +214,30 @@ static void check_attach_errors(void) {
   swp_session_destroy(session);
 }
 
+/* A frame of a frozen session has no time. */
+static void check_freeze(swp_session* session, swp_decider_options* options) {
+  static const swp_aabb kBox = {{0, 0, 0}, {1, 1, 1}};
+  swp_frame_sample sample;
+  swp_mode mode = 99;
+  const char* const project = options->project;
+  options->project = "unknown";
+  CHECK(swp_session_freeze(session, options) == SWP_NOT_FOUND);
+  CHECK(strstr(swp_last_error(), "unknown") != NULL);
+  CHECK_OK(swp_session_mode(session, &mode));
+  CHECK(mode == SWP_MODE_AI);
+  options->project = project;
+  CHECK_OK(swp_session_freeze(session, options));
+  CHECK_OK(swp_session_freeze(session, NULL));
+  CHECK_OK(swp_session_mode(session, &mode));
+  CHECK(mode == SWP_MODE_MANUAL);
+  CHECK_OK(swp_session_begin_frame(session));
+  CHECK_OK(swp_session_find_pairs(session, &kBox, 1));
+  CHECK_OK(swp_session_end_frame(session, kFrameNs, 0));
+  CHECK_OK(swp_session_last_sample(session, &sample));
+  CHECK(sample.detection_time_ns == 0 && sample.object_count == 1);
+  CHECK_OK(swp_session_set_mode(session, SWP_MODE_AI));
+}
+
 /* What one decider learnt is what the next one starts from; what is learnt twice is there once. */
 static void check_priors(const game* played) {
   swp_decider_options options = {.struct_size = sizeof options};
@@ -242,6 +266,7 @@ static void check_priors(const game* played) {
   CHECK_OK(swp_session_export_priors(session, again, bytes, &again_bytes));
   CHECK(again_bytes == bytes && memcmp(again, priors, bytes) == 0);
   CHECK_OK(swp_session_detach_decider(session));
+  check_freeze(session, &options);
   CHECK(swp_session_export_priors(session, again, bytes, &again_bytes) == SWP_FAILED_PRECONDITION);
   priors[0] = '[';
   CHECK(swp_session_attach_decider(session, &options, 0) == SWP_DATA_LOSS);

@@ -1,5 +1,6 @@
 // Evidence of two versions of the reward side by side, and of the shadow lane: over the stream, in
 // SQLite, and read back.
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,28 @@ class RewardVersionTest : public Directory, public RpcTest {
     Tick();
     client.AwaitAcknowledgement(1);
     return welcome;
+  }
+
+  // Learns a window of the first arm, and a visit to each, of which the third is twice as fast.
+  // Returns its Hello. The first session of a server.
+  v1::Hello LearnInTheLane() {
+    v1::Hello hello = HelloMessage();
+    hello.set_policy("adaptive");
+    TelemetryClient client(channel_);
+    client.Open(hello);
+    v1::StreamTelemetryRequest request = Frames(1, 30);
+    for (uint32_t arm = 0; arm < 3; ++arm) {
+      v1::ShadowSample& sample = *request.mutable_frame_batch()->add_shadow_samples();
+      sample.set_first_frame_index(1);
+      sample.set_arm(arm);
+      sample.set_detection_time_ns(arm == 2 ? 2'500'000 : 5'000'000);
+      sample.set_frame_count(5);
+    }
+    client.Send(request);
+    EXPECT_TRUE(Applied(1));
+    Tick();
+    client.AwaitAcknowledgement(1);
+    return hello;
   }
 
   v1::Welcome WelcomeOf(const std::string& policy) {
@@ -94,35 +117,18 @@ TEST_F(RewardVersionTest, EvidenceOfTwoVersionsIsNeverMerged) {
   EXPECT_EQ(WelcomeOf("adaptive").prior_source_count(), 1u);
 }
 
+double MeanOf(const v1::BetaPosterior& posterior) {
+  return posterior.alpha() / (posterior.alpha() + posterior.beta());
+}
+
 // The lane finds the third arm twice as fast; it never ran.
 TEST_F(RewardVersionTest, ASessionBeginsWithWhatTheLaneHasSeen) {
-  v1::Hello hello = HelloMessage();
-  hello.set_policy("adaptive");
-  {
-    TelemetryClient client(channel_);
-    client.Open(hello);
-    v1::StreamTelemetryRequest request = Frames(1, 30);
-    for (uint32_t arm = 0; arm < 3; ++arm) {
-      v1::ShadowSample& sample = *request.mutable_frame_batch()->add_shadow_samples();
-      sample.set_first_frame_index(1);
-      sample.set_arm(arm);
-      sample.set_detection_time_ns(arm == 2 ? 2'500'000 : 5'000'000);
-      sample.set_frame_count(5);
-    }
-    client.Send(request);
-    EXPECT_TRUE(Applied(1));
-    Tick();
-    client.AwaitAcknowledgement(1);
-  }
+  const v1::Hello hello = LearnInTheLane();
   RestartServer();
   const v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
   EXPECT_EQ(welcome.prior_source_count(), 1u);
-  const auto mean = [&](int arm) {
-    const v1::BetaPosterior& prior = welcome.priors(arm);
-    return prior.alpha() / (prior.alpha() + prior.beta());
-  };
-  EXPECT_NEAR(mean(0), mean(1), 1e-3);
-  EXPECT_GT(mean(2), mean(1) + 0.02);
+  EXPECT_NEAR(MeanOf(welcome.priors(0)), MeanOf(welcome.priors(1)), 1e-3);
+  EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
 
   const v1::ScenePosterior shown = Get(3);
   ASSERT_EQ(shown.arms_size(), 3);
@@ -132,6 +138,27 @@ TEST_F(RewardVersionTest, ASessionBeginsWithWhatTheLaneHasSeen) {
   EXPECT_EQ(shown.arms(1).window_count(), 0u);
   EXPECT_EQ(shown.arms(1).visit_count(), 1u);
   EXPECT_GT(shown.arms(1).posterior().alpha(), shown.arms(2).posterior().alpha());
+}
+
+TEST_F(RewardVersionTest, ANewSceneBeginsWithTheProjectsOthers) {
+  v1::Hello hello = LearnInTheLane();
+  hello.set_scene("desert");
+  v1::Welcome welcome = TelemetryClient(channel_).Open(hello);
+  EXPECT_EQ(welcome.prior_source_count(), 1u);
+  EXPECT_GT(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)) + 0.02);
+  EXPECT_TRUE(Stored("desert", 3).arms.empty()) << "it is no evidence of this scene";
+
+  for (const auto& change : std::vector<std::function<void(v1::Hello&)>>{
+           [](v1::Hello& other) { other.set_project("other"); },
+           [](v1::Hello& other) { other.set_machine_class("phone"); },
+           [](v1::Hello& other) { other.set_policy("calibrated"); },
+           [](v1::Hello& other) { other.set_ignore_priors(true); }}) {
+    v1::Hello other = hello;
+    change(other);
+    welcome = TelemetryClient(channel_).Open(other);
+    EXPECT_EQ(welcome.prior_source_count(), 0u);
+    EXPECT_EQ(MeanOf(welcome.priors(2)), MeanOf(welcome.priors(1)));
+  }
 }
 
 TEST_F(RewardVersionTest, PoliciesOfOneVersionShareTheirEvidence) {

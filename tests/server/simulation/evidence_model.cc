@@ -75,8 +75,8 @@ Evidence EvidenceModel::OfSession(const std::string& id) const {
 }
 
 void EvidenceModel::Scene::Add(const std::string& source, const EvidenceKey& key,
-                               const Evidence& evidence) {
-  this->evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) += evidence;
+                               const Evidence& more) {
+  evidence.ArmOf(key.arm, key.backend_version).of(key.measured_by) += more;
   sources.insert(source);
 }
 

@@ -46,7 +46,7 @@ class EvidenceModel {
     std::set<std::string> sources;
 
     void Add(const std::string& source, const priors::EvidenceKey& key,
-             const priors::Evidence& evidence);
+             const priors::Evidence& more);
     bool SameAs(const priors::SceneEvidence& stored) const;
   };
 

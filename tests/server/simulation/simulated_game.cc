@@ -98,8 +98,20 @@ void SimulatedGame::PlayFrames() {
     batch.add_switch_epoch(switch_epoch_);
     batch.add_flags(0);
   }
+  if (world_.Happens(0.3)) Sweep(batch);
   Append(request);
   if (command_) AnswerCommand();
+}
+
+void SimulatedGame::Sweep(v1::FrameBatch& batch) {
+  for (uint32_t arm = 0; arm < static_cast<uint32_t>(hello_.arms_size()); ++arm) {
+    v1::ShadowSample& sample = *batch.add_shadow_samples();
+    sample.set_first_frame_index(next_frame_);
+    sample.set_arm(arm);
+    sample.set_detection_time_ns(
+        static_cast<uint64_t>(kArmCostNs.at(arm) * world_.Draw(90, 110) / 100));
+    sample.set_frame_count(5);
+  }
 }
 
 void SimulatedGame::AnswerCommand() {

@@ -61,6 +61,7 @@ class SimulatedGame final : public ConnectionUser {
   void Step();
   void Connect();
   void PlayFrames();
+  void Sweep(v1::FrameBatch& batch);
   void AnswerCommand();
   void BailOut();
   void Append(const v1::StreamTelemetryRequest& evidence);

@@ -85,6 +85,39 @@ TEST(RunProgram, SaysWhenThePriorsFileHasNoneForIt) {
   std::filesystem::remove(file);
 }
 
+// Tracy is the cheaper one of the two in the scene that the file has.
+TEST(PriorsArm, PrintsWhatTheFileSaysOfTheSceneAndOfItsNeighbours) {
+  json records = json::array();
+  for (const auto& [arm, alpha] : {std::pair("SAP", 400), std::pair("Tracy", 600)}) {
+    for (int version = 1; version <= 9; ++version) {
+      records.push_back({{"project", "p"},
+                         {"scene", "s"},
+                         {"measured_by", "lane"},
+                         {"arm", arm},
+                         {"backend_version", version},
+                         {"machine_class", "m"},
+                         {"reward_version", 3},
+                         {"source_id", "studio"},
+                         {"source_sequence", 1},
+                         {"alpha_increment", alpha},
+                         {"beta_increment", 1000 - alpha},
+                         {"window_count", 20}});
+    }
+  }
+  const std::string file = TemporaryPath("priors.json");
+  std::ofstream(file) << json{
+      {"format", "sweepstake-priors"}, {"version", 1}, {"records", records}};
+  const std::string command = "priors arm --in " + file + " --machine-class m --project ";
+  EXPECT_EQ(RunProgram(command + "p --scene s").out, "Tracy\n");
+  const ProgramRun neighbour = RunProgram(command + "p --scene another --json");
+  EXPECT_EQ(json::parse(neighbour.out)["arm"], "Tracy") << neighbour.err;
+  const ProgramRun unknown = RunProgram(command + "q --scene s");
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.err, HasSubstr("the priors say nothing of scene \"s\" of project \"q\""));
+  std::filesystem::remove(file);
+  EXPECT_EQ(RunProgram(command + "p --scene s").exit_code, 2) << "there is no file";
+}
+
 TEST(RunProgram, ManualModeStaysOnItsArm) {
   const ProgramRun run =
       RunProgram(std::string(kSmallRun) + "--mode manual --arm SAP --time-scale 1000 --json");

@@ -14,7 +14,8 @@ EvidenceLedger::Key KeyOfPlayer(const std::string& source) {
           .scene = "harbour",
           .machine_class = "phone",
           .reward_version = 2,
-          .source_id = source};
+          .source_id = source,
+          .starts_from_other_scenes = false};
 }
 
 EvidenceLedger LedgerOf(std::vector<PriorRecord> given, const std::string& source = "player") {
@@ -118,6 +119,41 @@ TEST(EvidenceLedger, KeepsTheLanesVisitsApartAndLearnsFromThem) {
   EXPECT_EQ(ledger.records()[2].window_count, 2U);
   const auto priors = LedgerOf(ledger.records()).priors();
   EXPECT_GT(priors[1].mean(), priors[0].mean()) << "DBVT was never live";
+}
+
+// Four scenes in which SAP costs twice as much as DBVT, of which a fifth one is unlike.
+TEST(EvidenceLedger, BeginsASceneWithoutEvidenceWithWhatTheProjectsOthersHaveInCommon) {
+  std::vector<PriorRecord> given;
+  for (const char* scene : {"desert", "forest", "mine", "tower", "sea"}) {
+    PriorRecord sap = RecordOf("studio", 1, 50'000);
+    sap.scene = scene;
+    sap.measured_by = "lane";
+    sap.beta_increment = 50'000;
+    given.push_back(sap);
+    sap.arm = "DBVT";
+    sap.backend_version = 4;
+    const double shift = scene == std::string("sea") ? -0.03 : 0.03;
+    sap.alpha_increment *= 1 + shift;
+    sap.beta_increment *= 1 - shift;
+    given.push_back(sap);
+  }
+  EvidenceLedger::Key key = KeyOfPlayer("player");
+  key.starts_from_other_scenes = true;
+  const EvidenceLedger ledger(given, key, kArms, kVersions);
+  EXPECT_EQ(ledger.prior_source_count(), 5U);
+  EXPECT_GT(ledger.priors()[1].mean(), ledger.priors()[0].mean());
+  key.scene = "desert";
+  EXPECT_LT(ledger.priors()[1].evidence(),
+            EvidenceLedger(given, key, kArms, kVersions).priors()[1].evidence() / 3)
+      << "another scene is another one";
+  key.scene = "harbour";
+
+  EXPECT_EQ(LedgerOf(given).prior_source_count(), 0U) << "not for policies that sum rewards up";
+  given.push_back(RecordOf("studio", 1, 10));
+  const EvidenceLedger known(given, key, kArms, kVersions);
+  EXPECT_EQ(known.prior_source_count(), 1U);
+  EXPECT_EQ(known.priors()[0].alpha, 11);
+  EXPECT_EQ(known.priors()[1].alpha, 1);
 }
 
 TEST(EvidenceLedger, UnitesRecordsOfWhichTheLaterCounts) {

@@ -81,5 +81,33 @@ TEST(ScenePrior, RemembersABailOutThatTheLaneDoesNotSee) {
   EXPECT_GT(CostUs(pooled[1]), 1e4);
 }
 
+std::vector<EvidenceSum> SceneOf(std::initializer_list<double> costs_us) {
+  std::vector<EvidenceSum> scene;
+  for (const double cost : costs_us) scene.push_back(cost > 0 ? SumOf(cost, 1000) : EvidenceSum());
+  return scene;
+}
+
+TEST(PriorOfNewScene, IsTheArmsMeanCostRelativeToTheOthers) {
+  const std::vector<EvidenceSum> scenes[] = {SceneOf({100, 200, 400}), SceneOf({1000, 2000, 4000})};
+  const auto prior = PriorOfNewScene(scenes);
+  EXPECT_NEAR(CostUs(prior[1]) / CostUs(prior[0]), 2, 0.01);
+  EXPECT_NEAR(CostUs(prior[2]) / CostUs(prior[0]), 4, 0.02);
+  EXPECT_NEAR(DeviationOf(prior[0]), 0.3 * std::sqrt(1.5), 0.01) << "of two scenes";
+}
+
+TEST(PriorOfNewScene, IsAsUnsureAsTheScenesDiffer) {
+  const std::vector<EvidenceSum> alike[] = {SceneOf({100, 200}), SceneOf({100, 210})};
+  const std::vector<EvidenceSum> unlike[] = {SceneOf({100, 200}), SceneOf({100, 20})};
+  EXPECT_GT(DeviationOf(PriorOfNewScene(unlike)[1]), 2 * DeviationOf(PriorOfNewScene(alike)[1]));
+}
+
+TEST(PriorOfNewScene, LeavesOutWhatCannotBeCompared) {
+  const std::vector<EvidenceSum> scenes[] = {SceneOf({100, 200, 0}), SceneOf({0, 9, 0})};
+  const auto prior = PriorOfNewScene(scenes);
+  EXPECT_NEAR(CostUs(prior[1]) / CostUs(prior[0]), 2, 0.01) << "the second has one arm";
+  EXPECT_EQ(prior[2].evidence(), 0);
+  EXPECT_TRUE(PriorOfNewScene({}).empty());
+}
+
 }  // namespace
 }  // namespace sweepstake::decision

@@ -1,0 +1,60 @@
+// The arm that a game without any measurement keeps to.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine_client/telemetry/embedded/priors_file.h"
+#include "sweepstake/embedded_decider.h"
+
+namespace sweepstake {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::vector<std::string> kArms = {"SAP", "DBVT", "KDTree"};
+const std::vector<uint32_t> kVersions = {1, 1, 2};
+
+// The lane's visits, to which each arm costs less than the one before it.
+std::string VisitsOfAllArms() {
+  std::vector<PriorRecord> records;
+  for (size_t arm = 0; arm < kArms.size(); ++arm) {
+    PriorRecord& record = records.emplace_back();
+    record.project = record.scene = "default";
+    record.measured_by = "lane";
+    record.arm = kArms[arm];
+    record.backend_version = kVersions[arm];
+    record.reward_version = 3;
+    record.source_id = "studio";
+    record.source_sequence = 1;
+    record.alpha_increment = 500 + 20 * static_cast<double>(arm);
+    record.beta_increment = 1000 - record.alpha_increment;
+  }
+  return FormatPriors(records);
+}
+
+TEST(ArmOfPriors, IsTheCheapestOneWhateverTheSeedAndInANewSceneToo) {
+  EmbeddedOptions options;
+  options.priors_data = VisitsOfAllArms();
+  for (const char* scene : {"default", "a new one"}) {
+    options.scene = scene;
+    for (options.seed = 1; options.seed <= 3; ++options.seed) {
+      const auto arm = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+      ASSERT_TRUE(arm.ok()) << arm.status().message();
+      EXPECT_EQ(*arm, "KDTree");
+    }
+  }
+}
+
+TEST(ArmOfPriors, IsNoneWhereNothingIsKnown) {
+  EmbeddedOptions options;
+  options.priors_data = VisitsOfAllArms();
+  options.project = "another game";
+  const auto unknown = EmbeddedDecider::ArmOfPriors(options, kArms, kVersions);
+  EXPECT_EQ(unknown.status().code(), StatusCode::kNotFound);
+  EXPECT_THAT(unknown.status().message(), HasSubstr("another game"));
+  options.priors_data = "[";
+  EXPECT_EQ(EmbeddedDecider::ArmOfPriors(options, kArms, kVersions).status().code(),
+            StatusCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace sweepstake
