@@ -12,7 +12,7 @@ import pathlib
 import sys
 import tomllib
 
-from judging import backends, daemon, decisions, live, proxies
+from judging import backends, choosing, daemon, decisions, live, proxies
 from judging.common import InputError, read_goals, read_json
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
@@ -56,6 +56,10 @@ def judge_live(options):
     return all(row["met"] for row in rows)
 
 
+def judge_choosing(options):
+    return choosing.conclude(read_json(options.document), options.json, options.goals) == 0
+
+
 def print_result(result):
     print(result if isinstance(result, str) else json.dumps(result, indent=2, ensure_ascii=False) + "\n", end="")
 
@@ -93,7 +97,10 @@ def parse(words):
     games = commands.add_parser("live", help="AI Decides in live games: the document of `live.py --json`")
     games.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
     games.set_defaults(judge=judge_live)
-    for command in (bench, replays, load, ratios, games):
+    choice = commands.add_parser("choosing", help="again, what conditions.py, sealed.py, stored_priors.py or worth.py printed with --json")
+    choice.add_argument("document", nargs="?", default="-", help="a file, or - for stdin (the default)")
+    choice.set_defaults(judge=judge_choosing)
+    for command in (bench, replays, load, ratios, games, choice):
         command.add_argument("--goals", default=DATA / "goals.toml", metavar="FILE.toml", help="(default: %(default)s)")
         command.add_argument("--json", action="store_true", help="one JSON document on stdout")
     return parser.parse_args(words)

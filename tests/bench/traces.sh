@@ -7,11 +7,12 @@ program=$here/../../build/release/bin/sweepstake
 
 usage() {
   cat <<END
-Usage: tests/bench/traces.sh [--again] [--quick] [--program PATH] LIST FOLDER
+Usage: tests/bench/traces.sh [--again] [--quick] [--repeats N] [--program PATH] LIST FOLDER
 
 Traces every scene of LIST (data/tuning_scenes.txt, data/held_out_scenes.txt or one of your own) into FOLDER/SCENE-OBJECTS-SEED.costs.
 A trace that is there already is kept, so that what was interrupted can go on.
   --again         make it anew
+  --repeats N     runs of each scene; with 1 the traces hold every disturbed frame (default: that of \`sweepstake trace\`)
   --quick         120 frames of 300 objects at most, to see that everything works
   --program PATH  the program \`sweepstake\` (default: build/release/bin/sweepstake)
 Takes some 5 minutes a list on two cores; nothing else should run meanwhile.
@@ -20,11 +21,13 @@ END
 
 again=0
 quick=0
+repeats=()
 places=()
 while (($# > 0)); do
   case $1 in
     --again) again=1 ;;
     --quick) quick=1 ;;
+    --repeats) repeats=(--repeats "$2"); shift ;;
     --program) program=$2; shift ;;
     -h | --help) usage; exit 0 ;;
     -*) usage >&2; exit 2 ;;
@@ -49,7 +52,7 @@ while read -r scene objects frames seed pass category rest; do
   [[ -z ${made[$file]:-} ]] || continue
   made[$file]=1
   ((again)) || [[ ! -f $file ]] || continue
-  size=(--objects "$objects" --frames "$frames")
+  size=(--objects "$objects" --frames "$frames" "${repeats[@]}")
   ((quick == 0)) || size=(--objects $((objects < 300 ? objects : 300)) --frames 120 --repeats 1)
   "$program" trace --scene "$scene" --seed "$seed" "${size[@]}" --out "$file" </dev/null
 done <"$list"

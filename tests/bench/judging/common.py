@@ -69,7 +69,7 @@ def read_goals(path):
         goals = tomllib.load(file)
     for goal in goals["bench"]:
         limits_of(goal)
-    for goal in goals["decisions"] + goals["live"] + goals["daemon"]["goal"] + goals["proxies"]:
+    for goal in goals["decisions"] + goals["choosing"] + goals["live"] + goals["daemon"]["goal"] + goals["proxies"]:
         limit_of(goal)
     return goals
 

@@ -17,21 +17,28 @@ def duration_ns(text):
     return round(float(number) * unit)
 
 
-def read_cells(path):
-    """The cells of a list: lines of scene, objects, frames, seed, pass and category (data/tuning_scenes.txt)."""
-    cells = []
+def read_scenes(path):
+    """The lines of a list: scene, objects, frames, seed, pass and category (data/tuning_scenes.txt), and the cell's name."""
+    scenes = []
     for number, line in enumerate(pathlib.Path(path).read_text(encoding="utf-8").splitlines(), 1):
         words = line.split("#")[0].split()
         if not words:
             continue
-        if len(words) != 6 or words[5] not in CATEGORIES:
+        if len(words) != 6 or words[5] not in CATEGORIES or not words[2].isdigit():
             raise InputError(f"{path}: line {number} is no line of scene, objects, frames, seed, pass and "
                              f"{', '.join(CATEGORIES)}")
-        name = f"{pathlib.PurePath(words[0]).stem}-{words[1]}-{words[3]}"
-        cells.append({"cell": name, "category": words[5], "pass": words[4], "pass_ns": duration_ns(words[4])})
-    if not cells:
+        scene = pathlib.PurePath(words[0]).stem
+        scenes.append({"cell": f"{scene}-{words[1]}-{words[3]}", "scene": scene, "frames": int(words[2]), "pass": words[4],
+                       "category": words[5]})
+    if not scenes:
         raise InputError(f"{path}: there is no scene in the list")
-    return cells
+    return scenes
+
+
+def read_cells(path):
+    """The cells of a list."""
+    return [{"cell": scene["cell"], "category": scene["category"], "pass": scene["pass"], "pass_ns": duration_ns(scene["pass"])}
+            for scene in read_scenes(path)]
 
 
 class Replays:

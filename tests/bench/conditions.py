@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Judges AI Decides in replays under conditions: what the lane gets wrong, other work, flips, extreme scenes, tails.
+
+ROW is one of data/conditions.toml: which scenes are played under which conditions, beside which policies. The scenes of LIST
+are traced where their traces are not there yet, `sweepstake replay` plays them, and every goal that data/goals.toml has for
+the row is printed with what was reached and the cells behind it.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+import tomllib
+
+from judging import choosing
+from judging.common import InputError
+from judging.decisions import read_scenes
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+DATA = HERE / "data"
+
+
+class Failure(Exception):
+    """A program that was called has failed; the message says what it said."""
+
+
+def read_plan(path=DATA / "conditions.toml"):
+    with open(path, "rb") as file:
+        return tomllib.load(file)
+
+
+def lane_words(model):
+    """Options of `sweepstake replay` from a lane model, as data/lane_model.toml."""
+    words = []
+    for name, value in model.items():
+        if isinstance(value, dict):
+            for arm, ratio in value.items():
+                words += ["--" + name, arm, str(ratio)]
+        else:
+            words += ["--" + name, str(value)]
+    return words
+
+
+def condition_words(condition, lane_model):
+    return lane_words((lane_model if condition.get("lane_model") else {}) | condition.get("options", {}))
+
+
+def games_of(row, scenes, regime_frames):
+    """The games of a row: a scene each, with the pass that replay gets and the flips that come of it."""
+    games = [scene | {"flip_s": None} for scene in scenes if scene["category"] in row["categories"]]
+    for flip_s in row.get("flip_s", []):
+        for scene in {each["cell"]: each for each in scenes if each["scene"] in regime_frames}.values():
+            regimes = scene["frames"] / regime_frames[scene["scene"]]
+            games.append(scene | {"flip_s": flip_s, "category": "flipping", "pass": f"{round(1000 * regimes * flip_s)}ms"})
+    if not games:
+        raise InputError("the list has no scene of the row's categories")
+    return games
+
+
+def called(command, what):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise Failure(f"{what} ended with {done.returncode}: {done.stderr.strip()[-800:]}")
+    return done.stdout
+
+
+def replayed(program, games, traces, policies, words):
+    """The rows of one replay of all games, game by game and there policy by policy."""
+    document = json.loads(called(
+        [program, "replay", "--costs", ",".join(str(traces / (game["cell"] + ".costs")) for game in games),
+         "--pass", ",".join(game["pass"] for game in games), "--policy", ",".join(policies), "--json", *words], "sweepstake replay"))
+    rows = document["rows"]
+    return [dict(zip(policies, rows[at:at + len(policies)])) for at in range(0, len(rows), len(policies))]
+
+
+def cell_of(condition, game, rows, policy, peers):
+    own = rows[policy]
+    cell = {"condition": condition, "cell": game["cell"], "category": game["category"], "flip_s": game["flip_s"],
+            "headroom": own["headroom"], "regret": own["regret_best_fixed"], "ci95": own["ci95"],
+            "regret_after_start": own["regret_after_start"], "captured": own["headroom_captured"], "switches": own["switches"]}
+    for peer in peers:
+        cell["regret_" + peer] = rows[peer]["regret_best_fixed"]
+        cell["excess_" + peer] = cell["regret"] - cell["regret_" + peer]
+    return cell
+
+
+def play(row, scenes, traces, plan, options, progress):
+    """The cells of a row: every game under every condition."""
+    policies = [options.policy, *row["peers"]]
+    games = games_of(row, scenes, plan["regime_frames"])
+    with open(options.lane_model, "rb") as file:
+        lane_model = tomllib.load(file)
+    cells, begin_s = [], time.monotonic()
+    for number, name in enumerate(row["conditions"]):
+        words = ["--seeds", options.seeds, "--run", options.run, *condition_words(plan["condition"][name], lane_model)]
+        results = replayed(options.program, games, traces, policies, words)
+        cells += [cell_of(name, game, rows, options.policy, row["peers"]) for game, rows in zip(games, results)]
+        spent_s = time.monotonic() - begin_s
+        left_s = spent_s / (number + 1) * (len(row["conditions"]) - number - 1)
+        progress(f"{name}: condition {number + 1} of {len(row['conditions'])}, {len(games)} games of {len(policies)} policies, "
+                 f"{left_s:.0f} s left")
+    return cells
+
+
+def trace(scenes_path, traces, row, options):
+    words = [HERE / "traces.sh", "--program", options.program]
+    if "repeats" in row:
+        words += ["--repeats", row["repeats"]]
+    done = subprocess.run([str(word) for word in [*words, scenes_path, traces]], stdout=sys.stderr, check=False)
+    if done.returncode != 0:
+        raise Failure(f"traces.sh ended with {done.returncode}")
+
+
+def run(options):
+    plan = read_plan()
+    row = plan["row"][options.row]
+    scenes_path = options.list or DATA / row.get("list", "tuning_scenes.txt")
+    raw = "-raw" if "repeats" in row else ""
+    traces = options.traces or ROOT / "build/traces" / (scenes_path.stem.removesuffix("_scenes") + raw)
+    trace(scenes_path, traces, row, options)
+    cells = play(row, read_scenes(scenes_path), traces, plan, options, lambda line: print(line, file=sys.stderr, flush=True))
+    return {"command": "conditions", "row": options.row, "list": scenes_path.name, "policy": options.policy,
+            "seeds": options.seeds, "cells": cells}
+
+
+def add_replay_options(parser):
+    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/release/bin/sweepstake", metavar="PATH",
+                        help="(default: %(default)s)")
+    parser.add_argument("--policy", default="default", help="the judged one (default: %(default)s)")
+    parser.add_argument("--seeds", type=int, default=30, help="games of each policy on each trace (default: %(default)s)")
+    parser.add_argument("--run", default="15m", help="virtual time of a game (default: %(default)s)")
+    parser.add_argument("--lane-model", type=pathlib.Path, default=DATA / "lane_model.toml", metavar="FILE.toml",
+                        help="as lane_model.py prints it (default: %(default)s)")
+    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+
+
+def check_program(parser, options):
+    if not os.access(options.program, os.X_OK):
+        parser.error(f"no program at {options.program}: build preset release, or give --program")
+
+
+def parse(words):
+    rows = read_plan()["row"]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="examples:\n"
+        "  tests/bench/conditions.py stationary\n"
+        "  tests/bench/conditions.py flips tests/bench/data/held_out_scenes.txt --json\n"
+        "  tests/bench/conditions.py baselines --seeds 10 --policy lane-argmin\n"
+        "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run. README.md beside it\n"
+        "says how long each row takes.")
+    parser.add_argument("row", choices=rows, metavar="ROW", help=", ".join(rows))
+    parser.add_argument("list", nargs="?", type=pathlib.Path, metavar="LIST.txt",
+                        help="the scenes (default: data/tuning_scenes.txt; for extremes data/extreme_scenes.txt)")
+    parser.add_argument("--traces", type=pathlib.Path, metavar="FOLDER", help="(default: build/traces/LIST; LIST-raw for tails)")
+    add_replay_options(parser)
+    options = parser.parse_args(words)
+    check_program(parser, options)
+    return options
+
+
+def main(words):
+    options = parse(words)
+    try:
+        return choosing.conclude(run(options), options.json)
+    except (Failure, InputError, OSError, tomllib.TOMLDecodeError) as failure:
+        print(f"conditions.py: {failure}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

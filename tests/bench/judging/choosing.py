@@ -1,0 +1,109 @@
+"""How AI Decides chooses: the cells of `conditions.py`, `stored_priors.py` and `worth.py` against the goals of [[choosing]]."""
+
+import json
+import math
+import pathlib
+import statistics
+
+from judging.common import InputError, limit_of, meets, or_dash, percent, read_goals, table
+from judging.decisions import goals_text, limit_text
+
+GOALS = pathlib.Path(__file__).resolve().parents[1] / "data/goals.toml"
+# Of a goal's words, those that have to be in a cell, too.
+SELECTING = ("condition", "category", "flip_s")
+# Columns of the cells' table: ratios as percent, others as they are.
+PERCENT = ("headroom", "captured", "regret", "excess")
+
+
+def mean(goal, cells):
+    return statistics.fmean(cell[goal["figure"]] for cell in cells)
+
+
+def weighted(goal, cells):
+    weight = sum(cell[goal["weight"]] for cell in cells)
+    return sum(cell[goal["figure"]] * cell[goal["weight"]] for cell in cells) / weight if weight else None
+
+
+def times(goal, cells):
+    """The mean of the peer's figure ÷ that of the own one; infinite where nothing is left of the own one."""
+    own = mean(goal, cells)
+    return statistics.fmean(cell[goal["peer"]] for cell in cells) / own if own > 0 else math.inf
+
+
+def worst_group(goal, cells):
+    """The worst of the means over the cells of a condition, at one pace of flips."""
+    groups = {}
+    for cell in cells:
+        groups.setdefault((cell["condition"], cell["category"], cell["flip_s"]), []).append(cell)
+    return worst(goal, [mean(goal, group) for group in groups.values()])
+
+
+def worst(goal, values):
+    return min(values) if "at_least" in goal else max(values)
+
+
+OVER = {"each": lambda goal, cells: worst(goal, [cell[goal["figure"]] for cell in cells]), "mean": mean, "weighted": weighted,
+        "times": times, "group": worst_group}
+
+
+def cells_of(goal, cells):
+    """The cells that the goal judges. Those without the figure have nothing to judge, as no headroom."""
+    chosen = [cell for cell in cells if all(cell.get(word) == goal[word] for word in SELECTING if word in goal)]
+    for cell in chosen:
+        if goal["figure"] not in cell:
+            raise InputError(f"{cell['cell']} has no {goal['figure']}")
+    return [cell for cell in chosen if cell[goal["figure"]] is not None]
+
+
+def name_of(cell):
+    pace = "" if cell.get("flip_s") is None else f" at {cell['flip_s']:g} s"
+    return f"{cell['cell']}{pace}" + (f", {cell['condition']}" if "condition" in cell else "")
+
+
+def judge_goal(goal, all_cells):
+    cells = cells_of(goal, all_cells)
+    reached = OVER[goal["over"]](goal, cells) if cells else None
+    behind = [{"cell": name_of(cell), "value": cell[goal["figure"]], "met": meets(goal, cell[goal["figure"]])}
+              for cell in cells] if goal["over"] != "times" else []
+    behind.sort(key=lambda each: each["value"], reverse="at_least" not in goal)
+    return {"goal": goal["goal"], "limit": limit_of(goal)[1], "limit_text": limit_text(goal), "unit": goal["unit"],
+            "reached": reached, "met": reached is not None and meets(goal, reached), "cells": behind}
+
+
+def judge(document, goals):
+    """The document's row of [[choosing]], goal by goal."""
+    if not document.get("cells"):
+        raise InputError("there are no cells to judge")
+    judged = [judge_goal(goal, document["cells"]) for goal in goals if goal["row"] == document["row"]]
+    if not judged:
+        raise InputError(f"no goal is for the row {document['row']}")
+    return judged
+
+
+def cell_text(name, value):
+    if value is None:
+        return "-"
+    if isinstance(value, str):
+        return value
+    return percent(value) if name.startswith(PERCENT) else f"{value:.4g}"
+
+
+def cells_text(cells):
+    columns = [name for name, value in cells[0].items() if not isinstance(value, list)]
+    return table(columns, [[cell_text(name, cell[name]) for name in columns] for cell in cells])
+
+
+def conclusion(document, goals):
+    """What is printed, as text and for --json, and whether a goal that has cells was missed."""
+    judged = judge(document, goals)
+    head = ", ".join(f"{name} {value}" for name, value in document.items() if name not in ("command", "cells"))
+    text = f"{head}\n\n{goals_text(judged)}\n{cells_text(document['cells'])}"
+    whole = document | {"goals": [goal | {"reached": None if goal["reached"] == math.inf else goal["reached"]} for goal in judged]}
+    return text, whole, any(goal["reached"] is not None and not goal["met"] for goal in judged)
+
+
+def conclude(document, as_json, goals_path=GOALS):
+    """Prints the document with its goals. Returns the exit code: 0 met, 1 missed."""
+    text, whole, missed = conclusion(document, read_goals(goals_path)["choosing"])
+    print(json.dumps(whole, indent=2, ensure_ascii=False) if as_json else text, end="\n" if as_json else "")
+    return 1 if missed else 0
