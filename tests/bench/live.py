@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures AI Decides live: frame time against the best fixed arm on the same frames, in turns.
 
-For each scene and condition, each round plays one game with AI Decides and one with every arm that comes near the best one,
+Each round plays, for each condition and scene, one game with AI Decides and one with every arm that comes near the best one,
 in an order that rotates, with `sweepstake run --embedded`. A round's regret is AI Decides' mean frame time ÷ that of the
 best fixed arm over the frames that all of them played, minus 1; the table shows the mean of the rounds with its 95 %
 interval. One more pair of games plays the best arm with the shadow lane and without: what the lane alone costs, as ratios
@@ -12,6 +12,9 @@ the arms' costs stay what they are. Conditions:
   one-cpu     all of the game on one processor (taskset)
   neighbours  two other processes copy 64 MiB from here to there without end
   bursts      four other processes compute for 1.2 s, and rest for 2.5 s
+  quota       the game's control group has --cpu-quota processors' time; needs cgroups that may be written, as root's
+With --minutes no round begins that would not end in time; fewer than five rounds tell too little for the goals. With --lane-only
+only the pairs of games with the lane and without are played.
 Needs Linux and Python 3.11. Exit code: 0 measured, 2 could not be run. `judge.py live` holds the result against the goals.
 """
 
@@ -26,11 +29,13 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import time
 
-from judging.common import percent, table
+from judging.common import or_dash, percent, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts")
+CONDITIONS = ("quiet", "one-cpu", "neighbours", "bursts", "quota")
+DEFAULT_CONDITIONS = "quiet,one-cpu,neighbours,bursts"
 ARMS = ("BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree")
 SCENES = "hurricane:2000,brownian:1000,rest-and-motion:3000,suite-g:10000"
 STREAM = "a, b = bytearray(1 << 26), bytearray(1 << 26)\nwhile True:\n    a[:] = b"
@@ -61,16 +66,41 @@ def other_work(condition):
             process.wait()
 
 
+@contextlib.contextmanager
+def quota_group(condition, cores):
+    """The folder of a control group with so many processors' time, removed with the block; None without that condition."""
+    if condition != "quota":
+        yield None
+        return
+    unified = pathlib.Path("/sys/fs/cgroup/cgroup.controllers").exists()
+    group = pathlib.Path("/sys/fs/cgroup" if unified else "/sys/fs/cgroup/cpu") / f"sweepstake-live-{os.getpid()}"
+    name, value = ("cpu.max", f"{round(100_000 * cores)} 100000") if unified else ("cpu.cfs_quota_us", str(round(100_000 * cores)))
+    try:
+        group.mkdir()
+        try:
+            (group / name).write_text(value)
+            yield group
+        finally:
+            group.rmdir()
+    except OSError as error:
+        raise Failure(f"no processor quota can be set here ({error}): run as root, or leave the condition quota out") from error
+
+
 class Game:
     """Plays games of one scene; each returns the times of its frames in ns, and remembers its frames' arms."""
 
-    def __init__(self, options, scene, objects, condition):
-        self.options, self.scene, self.objects = options, scene, objects
-        self.prefix = ["taskset", "-c", str(min(os.sched_getaffinity(0)))] if condition == "one-cpu" else []
+    def __init__(self, options, scene, objects, condition="quiet"):
+        self.options, self.scene, self.objects, self.condition = options, scene, objects, condition
+        self.group = None  # the control group to play in
+
+    def prefix(self):
+        if self.group is not None:
+            return ["sh", "-c", f'echo $$ > {self.group}/cgroup.procs && exec "$@"', "sh"]
+        return ["taskset", "-c", str(min(os.sched_getaffinity(0)))] if self.condition == "one-cpu" else []
 
     def play(self, *words, seconds=None):
         with tempfile.TemporaryDirectory() as folder:
-            command = [*self.prefix, self.options.program, "run", "--embedded", "--scene", self.scene, "--objects", str(self.objects),
+            command = [*self.prefix(), self.options.program, "run", "--embedded", "--scene", self.scene, "--objects", str(self.objects),
                        "--duration", f"{seconds or self.options.seconds}s", "--csv", folder, *words]
             done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
             if done.returncode != 0:
@@ -122,33 +152,57 @@ def tail(frames):
     return sorted(frames)[min(len(frames) - 1, int(0.999 * len(frames)))]
 
 
-def measure(game, medians, options, condition, progress):
-    arms = sorted((arm for arm in ARMS if medians[arm] <= options.near * min(medians.values())), key=medians.get)
-    regrets, choices, lane_means, lane_tails, best_arms = [], [], [], [], []
-    for number in range(options.rounds):
-        names = ["AI Decides", *arms]
+class Cell:
+    """A scene under a condition, and what its rounds measured."""
+
+    def __init__(self, game, options):
+        self.game, self.options = game, options
+        self.medians = median_frames(game, options)
+        best = min(self.medians.values())
+        self.arms = sorted((arm for arm in ARMS if self.medians[arm] <= options.near * best), key=self.medians.get)
+        self.regrets, self.choices, self.lane_means, self.lane_tails, self.best_arms = [], [], [], [], []
+
+    def play_lane(self, arm, without):
+        """The pair of the game `without` the lane."""
+        with_lane = self.game.fixed(arm, "--shadow", "on")
+        mean = means({"on": with_lane, "off": without})
+        count = min(len(with_lane), len(without))
+        self.lane_means.append(mean["on"] / mean["off"])
+        self.lane_tails.append(tail(with_lane[:count]) / tail(without[:count]))
+        self.best_arms.append(arm)
+
+    def play_all(self, number):
+        names = ["AI Decides", *self.arms]
         turn = number % len(names)
         games = {}
         for name in names[turn:] + names[:turn]:
-            games[name] = game.decided() if name == "AI Decides" else game.fixed(name, "--shadow", "off")
+            games[name] = self.game.decided() if name == "AI Decides" else self.game.fixed(name, "--shadow", "off")
             if name == "AI Decides":
-                chosen = game.arms
+                self.choices.append(choice(self.game.arms, self.medians))
         mean = means(games)
-        best = min(arms, key=mean.get)
-        choices.append(choice(chosen, medians))
-        regrets.append(mean["AI Decides"] / mean[best] - 1)
-        best_arms.append(best)
-        with_lane = game.fixed(best, "--shadow", "on")
-        lane_means.append(means({"on": with_lane, "off": games[best]}))
-        count = min(len(with_lane), len(games[best]))
-        lane_tails.append(tail(with_lane[:count]) / tail(games[best][:count]))
-        progress(f"{condition} {game.scene} {game.objects}: round {number + 1} of {options.rounds}, {percent(regrets[-1])}")
-    regret, half_width = interval(regrets)
-    return {"condition": condition, "scene": game.scene, "objects": game.objects, "rounds": options.rounds,
-            "best_arm": max(set(best_arms), key=best_arms.count), "near_arms": arms, "regret": regret,
-            "half_width": half_width, "regrets": regrets, "choice": statistics.fmean(choices), "choices": choices,
-            "lane_mean_ratio": statistics.median(mean["on"] / mean["off"] for mean in lane_means),
-            "lane_tail_ratio": statistics.median(lane_tails)}
+        best = min(self.arms, key=mean.get)
+        self.regrets.append(mean["AI Decides"] / mean[best] - 1)
+        self.play_lane(best, games[best])
+
+    def play_round(self, number):
+        with quota_group(self.game.condition, self.options.cpu_quota) as self.game.group, other_work(self.game.condition):
+            if self.options.lane_only:
+                self.play_lane(self.arms[0], self.game.fixed(self.arms[0], "--shadow", "off"))
+            else:
+                self.play_all(number)
+        latest = f"lane p99.9 {self.lane_tails[-1]:.2f}" + (f", regret {percent(self.regrets[-1])}" if self.regrets else "")
+        return f"{self.game.condition} {self.game.scene} {self.game.objects}: {latest}"
+
+    def row(self):
+        regret, half_width = interval(self.regrets) if self.regrets else (None, None)
+        log_tail, log_half_width = interval([math.log(ratio) for ratio in self.lane_tails])
+        return {"condition": self.game.condition, "scene": self.game.scene, "objects": self.game.objects,
+                "rounds": len(self.lane_tails), "best_arm": max(set(self.best_arms), key=self.best_arms.count),
+                "near_arms": self.arms, "regret": regret, "half_width": half_width, "regrets": self.regrets,
+                "choice": statistics.fmean(self.choices) if self.choices else None, "choices": self.choices,
+                "lane_mean_ratio": statistics.median(self.lane_means), "lane_tail_ratio": math.exp(log_tail),
+                "lane_tail_half_width": None if log_half_width is None else math.exp(log_tail) * math.expm1(log_half_width),
+                "lane_tail_ratios": self.lane_tails}
 
 
 def parse_scenes(words):
@@ -159,26 +213,41 @@ def parse_scenes(words):
         yield scene, int(objects)
 
 
-def run(options):
-    bar = (lambda line: print(line, file=sys.stderr, flush=True)) if sys.stderr.isatty() or options.verbose else (lambda line: None)
-    rows = []
+def make_cells(options):
+    cells = []
     for condition in options.conditions.split(","):
         if condition not in CONDITIONS:
             raise Failure(f"unknown condition '{condition}', must be one of {', '.join(CONDITIONS)}")
-        for scene, objects in parse_scenes(options.scenes):
-            game = Game(options, scene, objects, condition)
-            medians = median_frames(game, options)
-            with other_work(condition):
-                rows.append(measure(game, medians, options, condition, bar))
-    return {"command": "live", "policy": options.policy, "seconds": options.seconds, "time_scale": options.time_scale, "rows": rows}
+        cells += [Cell(Game(options, scene, objects, condition), options) for scene, objects in parse_scenes(options.scenes)]
+    return cells
+
+
+def run(options):
+    begin_s = time.monotonic()
+    cells = make_cells(options)
+    rounds_begin_s = time.monotonic()
+    for number in range(options.rounds):
+        spent_s = time.monotonic() - rounds_begin_s
+        round_s = spent_s / number if number else 0
+        if options.minutes and number and time.monotonic() - begin_s + round_s > 60 * options.minutes:
+            break
+        for cell in cells:
+            line = cell.play_round(number)
+            print(f"round {number + 1} of {options.rounds}, {(time.monotonic() - begin_s) / 60:.1f} minutes: {line}",
+                  file=sys.stderr, flush=True)
+    return {"command": "live", "policy": options.policy, "seconds": options.seconds, "time_scale": options.time_scale,
+            "rows": [cell.row() for cell in cells]}
+
+
+def half(value):
+    return or_dash(value, lambda width: f"{100 * width:.2f}%")
 
 
 def text(document):
-    return table(("condition", "scene", "objects", "best arm", "regret", "± 95 %", "choice", "lane mean", "lane p99.9"), [
-        (row["condition"], row["scene"], str(row["objects"]), row["best_arm"], percent(row["regret"]),
-         "-" if row["half_width"] is None else f"{100 * row['half_width']:.2f}%", percent(row["choice"]),
-         f"{row['lane_mean_ratio']:.3f}",
-         f"{row['lane_tail_ratio']:.2f}") for row in document["rows"]])
+    return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane mean", "lane p99.9", "± 95 %"), [
+        (row["condition"], row["scene"], str(row["objects"]), str(row["rounds"]), row["best_arm"], or_dash(row["regret"], percent),
+         half(row["half_width"]), or_dash(row["choice"], percent), f"{row['lane_mean_ratio']:.3f}", f"{row['lane_tail_ratio']:.2f}",
+         or_dash(row["lane_tail_half_width"], "{:.2f}".format)) for row in document["rows"]])
 
 
 def parse(words):
@@ -188,21 +257,25 @@ def parse(words):
         "  tests/bench/live.py\n"
         "  tests/bench/live.py --conditions one-cpu --scenes hurricane:2000 --rounds 3\n"
         "  tests/bench/live.py --json | tests/bench/judge.py live\n"
-        "All conditions with four scenes take some two and a half hours; nothing else should run meanwhile.")
+        "  tests/bench/live.py --lane-only --conditions quiet,neighbours --json | tests/bench/judge.py live\n"
+        "  tests/bench/live.py --minutes 30 --conditions quiet,neighbours --scenes hurricane:2000,suite-g:10000\n"
+        "All conditions with four scenes take some two hours; nothing else should run meanwhile.")
     parser.add_argument("--program", default=ROOT / "build/release/bin/sweepstake", metavar="PATH", help="(default: %(default)s)")
     parser.add_argument("--policy", default="default", help="(default: %(default)s)")
     parser.add_argument("--scenes", default=SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
-    parser.add_argument("--conditions", default=",".join(CONDITIONS), metavar="NAME,…", help="(default: %(default)s)")
+    parser.add_argument("--conditions", default=DEFAULT_CONDITIONS, metavar="NAME,…", help="(default: %(default)s)")
     parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
+    parser.add_argument("--minutes", type=float, default=0, help="end with the last round that fits (default: all rounds)")
+    parser.add_argument("--lane-only", action="store_true", help="only the games with the lane and without it")
+    parser.add_argument("--cpu-quota", type=float, default=1, metavar="CORES", help="of the condition quota (default: %(default)s)")
     parser.add_argument("--seconds", type=float, default=15, help="of a game (default: %(default)s)")
     parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
     parser.add_argument("--near", type=float, default=1.15, metavar="RATIO",
                         help="a fixed arm takes part if a short game's median frame, without other work, is within this of the best (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
-    parser.add_argument("--verbose", action="store_true", help="a line on stderr for each round, also if that is no terminal")
     options = parser.parse_args(words)
-    if options.rounds < 1 or not options.seconds > 0:
-        parser.error("give at least one round of more than 0 seconds")
+    if options.rounds < 1 or not options.seconds > 0 or not options.cpu_quota > 0:
+        parser.error("give at least one round of more than 0 seconds, and a quota above 0")
     if not os.access(options.program, os.X_OK):
         parser.error(f"no program at {options.program}: build preset release, or give --program")
     return options

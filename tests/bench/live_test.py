@@ -23,8 +23,8 @@ def judged(document):
     return done.returncode, done.stdout, done.stderr
 
 
-def row(condition, regret, tail=1.0):
-    return {"condition": condition, "regret": regret, "lane_tail_ratio": tail}
+def row(condition, regret, tail=1.0, rounds=5):
+    return {"condition": condition, "scene": "suite-b", "objects": 100, "rounds": rounds, "regret": regret, "lane_tail_ratio": tail}
 
 
 class Live(unittest.TestCase):
@@ -40,6 +40,24 @@ class Live(unittest.TestCase):
             self.assertIn(one["best_arm"], one["near_arms"])
         code, _, error = judged(document)
         self.assertIn(code, (0, 1), error)
+
+    def test_ends_with_the_last_round_that_fits(self):
+        done = live("--scenes", "brownian:100", "--conditions", "quiet", "--minutes", "0.0001", "--rounds", "50", "--json")
+        self.assertEqual(json.loads(done.stdout)["rows"][0]["rounds"], 1, done.stderr)
+
+    def test_plays_only_the_lane_s_pairs(self):
+        done = live("--scenes", "brownian:100", "--conditions", "quiet", "--lane-only", "--json")
+        one = json.loads(done.stdout)["rows"][0]
+        self.assertEqual((one["regret"], len(one["lane_tail_ratios"])), (None, 2))
+        self.assertGreater(one["lane_tail_half_width"], 0)
+        self.assertIn(judged(json.loads(done.stdout))[0], (0, 1))
+
+    def test_plays_with_a_quota_where_one_can_be_set(self):
+        done = live("--scenes", "brownian:100", "--conditions", "quota", "--lane-only", "--cpu-quota", "0.5", "--json")
+        if done.returncode == 2:
+            self.assertIn("quota", done.stderr)
+            return
+        self.assertEqual(json.loads(done.stdout)["rows"][0]["condition"], "quota")
 
     def test_a_choice_is_judged_by_the_arms_own_costs(self):
         medians = {"Grid": 30, "KDTree": 10}
@@ -59,6 +77,9 @@ class Live(unittest.TestCase):
         self.assertEqual(len(json.loads(judged(met)[1])["figures"]), 3)
         for bad in (row("quiet", 0.031), row("quiet", 0.0, 1.2), row("neighbours", 0.021)):
             self.assertEqual(judged({"command": "live", "rows": [bad]})[0], 1, bad)
+        self.assertEqual(judged({"command": "live", "rows": [row("quiet", 0.0, rounds=4)]})[0], 1, "four rounds tell too little")
+        of_lane = {"command": "live", "rows": [row("quiet", None, 1.05)]}
+        self.assertEqual([each["figure"] for each in json.loads(judged(of_lane)[1])["figures"]], ["lane_tail_ratio"])
         self.assertEqual(judged({"command": "bench", "rows": [row("quiet", 0)]})[0], 2)
         self.assertEqual(judged({"command": "live", "rows": [row("loud", 0)]})[0], 2)
 

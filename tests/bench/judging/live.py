@@ -4,26 +4,39 @@ import statistics
 
 from judging.common import InputError, limit_of, meets, percent, table
 
+# Fewer tell too little.
+MIN_ROUNDS = 5
+
+# The column of a figure, and what becomes of the scenes' values.
 FIGURES = {
-    "mean_regret": lambda rows: statistics.fmean(row["regret"] for row in rows),
-    "largest_regret": lambda rows: max(row["regret"] for row in rows),
-    "lane_tail_ratio": lambda rows: max(row["lane_tail_ratio"] for row in rows),
+    "mean_regret": ("regret", statistics.fmean),
+    "largest_regret": ("regret", max),
+    "lane_tail_ratio": ("lane_tail_ratio", max),
 }
 
 
+def judge_goal(goal, rows):
+    column, over = FIGURES[goal["figure"]]
+    limit, number = limit_of(goal)
+    value = over([row[column] for row in rows])
+    rounds = min(row["rounds"] for row in rows)
+    worst = max(rows, key=lambda row: row[column])
+    return {"condition": goal["condition"], "figure": goal["figure"], "scenes": len(rows), "rounds": rounds, "value": value,
+            "worst": f"{worst['scene']}-{worst['objects']}", "limit": limit, "goal": number,
+            "met": rounds >= MIN_ROUNDS and meets(goal, value),
+            "cells": [{"cell": f"{row['scene']}-{row['objects']}", "value": row[column]} for row in rows]}
+
+
 def judge(document, goals):
-    """One row per goal whose condition was measured."""
+    """One row per goal whose condition and figure were measured."""
     if document.get("command") != "live" or not document["rows"]:
         raise InputError("this is no document of `live.py --json`")
     judged = []
     for goal in goals:
-        rows = [row for row in document["rows"] if row["condition"] == goal["condition"]]
-        if not rows:
-            continue
-        value = FIGURES[goal["figure"]](rows)
-        limit, number = limit_of(goal)
-        judged.append({"condition": goal["condition"], "figure": goal["figure"], "scenes": len(rows), "value": value,
-                       "limit": limit, "goal": number, "met": meets(goal, value)})
+        column = FIGURES[goal["figure"]][0]
+        rows = [row for row in document["rows"] if row["condition"] == goal["condition"] and row[column] is not None]
+        if rows:
+            judged.append(judge_goal(goal, rows))
     if not judged:
         raise InputError("no goal has a condition of the document")
     return judged
@@ -32,6 +45,9 @@ def judge(document, goals):
 def live_text(rows):
     def number(row, value):
         return percent(value) if "regret" in row["figure"] else f"{value:.3f}"
-    return table(("condition", "figure", "scenes", "value", "at most", ""), [
-        (row["condition"], row["figure"], str(row["scenes"]), number(row, row["value"]), number(row, row["goal"]),
-         "met" if row["met"] else "NOT MET") for row in rows])
+
+    def result(row):
+        return "met" if row["met"] else "too few rounds" if row["rounds"] < MIN_ROUNDS else "NOT MET"
+    return table(("condition", "figure", "scenes", "rounds", "value", "at most", "worst", ""), [
+        (row["condition"], row["figure"], str(row["scenes"]), str(row["rounds"]), number(row, row["value"]), number(row, row["goal"]),
+         row["worst"], result(row)) for row in rows])
