@@ -34,10 +34,11 @@ class Failure(Exception):
 class Daemon:
     """A daemon in a process of its own; its data outlives a restart."""
 
-    def __init__(self, programs, data, with_tls=False, max_sessions=20_000):
+    def __init__(self, programs, data, with_tls=False, max_sessions=20_000, server_options=()):
         self.programs, self.data, self.address, self.process = programs, pathlib.Path(data), "127.0.0.1:0", None
         self.max_sessions = max_sessions
         self.server_options, self.client_options = self.make_certificate() if with_tls else ([], [])
+        self.server_options = [*self.server_options, *server_options]
         self.start()
 
     def make_certificate(self):

@@ -87,11 +87,12 @@ def quota_group(condition, cores):
 
 
 class Game:
-    """Plays games of one scene; each returns the times of its frames in ns, and remembers its frames' arms."""
+    """Plays games of one scene; each returns the times of its frames in ns, and keeps what else the program wrote."""
 
     def __init__(self, options, scene, objects, condition="quiet"):
         self.options, self.scene, self.objects, self.condition = options, scene, objects, condition
         self.group = None  # the control group to play in
+        self.decider = ["--embedded"]
 
     def prefix(self):
         if self.group is not None:
@@ -100,21 +101,27 @@ class Game:
 
     def play(self, *words, seconds=None):
         with tempfile.TemporaryDirectory() as folder:
-            command = [*self.prefix(), self.options.program, "run", "--embedded", "--scene", self.scene, "--objects", str(self.objects),
-                       "--duration", f"{seconds or self.options.seconds}s", "--csv", folder, *words]
-            done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+            command = [*self.prefix(), self.options.program, "run", *self.decider, "--scene", self.scene, "--objects", str(self.objects),
+                       "--duration", f"{seconds or self.options.seconds}s", "--csv", folder, "--json", *words]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
             if done.returncode != 0:
                 raise Failure(f"sweepstake run ended with {done.returncode}: {done.stderr.strip()[:800]}")
-            with open(pathlib.Path(folder) / "frames.csv", encoding="utf-8", newline="") as file:
-                rows = list(csv.DictReader(file))
-            self.arms = [row["arm"] for row in rows]
-            return [int(row["frame_time_ns"]) for row in rows]
+            self.summary = json.loads(done.stdout)
+            self.read(pathlib.Path(folder))
+        return self.frame_ns
+
+    def read(self, folder):
+        with open(folder / "frames.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.arms = [row["arm"] for row in rows]
+        self.frame_ns = [int(row["frame_time_ns"]) for row in rows]
+        self.detection_ns = [int(row["detection_time_ns"]) for row in rows]
 
     def fixed(self, arm, *words, seconds=None):
         return self.play("--mode", "manual", "--arm", arm, *words, seconds=seconds)
 
-    def decided(self):
-        return self.play("--policy", self.options.policy, "--time-scale", str(self.options.time_scale))
+    def decided(self, *words):
+        return self.play("--policy", self.options.policy, "--time-scale", str(self.options.time_scale), *words)
 
 
 def over_same_frames(summary, games):

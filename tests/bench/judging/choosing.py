@@ -12,7 +12,7 @@ GOALS = pathlib.Path(__file__).resolve().parents[1] / "data/goals.toml"
 # Of a goal's words, those that have to be in a cell, too.
 SELECTING = ("condition", "category", "flip_s")
 # Columns of the cells' table: ratios as percent, others as they are.
-PERCENT = ("headroom", "captured", "regret", "excess")
+PERCENT = ("headroom", "captured", "regret", "excess", "half_width")
 
 
 def mean(goal, cells):
@@ -30,6 +30,12 @@ def times(goal, cells):
     return statistics.fmean(cell[goal["peer"]] for cell in cells) / own if own > 0 else math.inf
 
 
+def share(goal, cells):
+    """The sum of the figure ÷ that of the weight."""
+    weight = sum(cell[goal["weight"]] for cell in cells)
+    return sum(cell[goal["figure"]] for cell in cells) / weight if weight > 0 else None
+
+
 def worst_group(goal, cells):
     """The worst of the means over the cells of a condition, at one pace of flips."""
     groups = {}
@@ -43,7 +49,9 @@ def worst(goal, values):
 
 
 OVER = {"each": lambda goal, cells: worst(goal, [cell[goal["figure"]] for cell in cells]), "mean": mean, "weighted": weighted,
-        "times": times, "group": worst_group}
+        "share": share, "times": times, "group": worst_group}
+# What a single cell reaches says nothing of these goals.
+WITHOUT_CELLS = ("share", "times")
 
 
 def cells_of(goal, cells):
@@ -64,7 +72,7 @@ def judge_goal(goal, all_cells):
     cells = cells_of(goal, all_cells)
     reached = OVER[goal["over"]](goal, cells) if cells else None
     behind = [{"cell": name_of(cell), "value": cell[goal["figure"]], "met": meets(goal, cell[goal["figure"]])}
-              for cell in cells] if goal["over"] != "times" else []
+              for cell in cells] if goal["over"] not in WITHOUT_CELLS else []
     behind.sort(key=lambda each: each["value"], reverse="at_least" not in goal)
     return {"goal": goal["goal"], "limit": limit_of(goal)[1], "limit_text": limit_text(goal), "unit": goal["unit"],
             "reached": reached, "met": reached is not None and meets(goal, reached), "cells": behind}
@@ -96,7 +104,7 @@ def cells_text(cells):
 def conclusion(document, goals):
     """What is printed, as text and for --json, and whether a goal that has cells was missed."""
     judged = judge(document, goals)
-    head = ", ".join(f"{name} {value}" for name, value in document.items() if name not in ("command", "cells"))
+    head = ", ".join(f"{name} {cell_text(name, value) if isinstance(value, float) else value}" for name, value in document.items() if name not in ("command", "cells"))
     text = f"{head}\n\n{goals_text(judged)}\n{cells_text(document['cells'])}"
     whole = document | {"goals": [goal | {"reached": None if goal["reached"] == math.inf else goal["reached"]} for goal in judged]}
     return text, whole, any(goal["reached"] is not None and not goal["met"] for goal in judged)

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""conditions.py and sealed.py with the real program on tiny scenes, and how judging/choosing.py takes cells together.
+
+conditions_test.py SWEEPSTAKE
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import conditions
+import sealed
+from judging import choosing
+from judging.common import InputError, read_goals
+
+HERE = pathlib.Path(__file__).resolve().parent
+PROGRAM = ""
+SCENES = "brownian 60 40 3 1s stationary\nwaves 60 80 4 1s changing\nwaves 60 80 4 2s resonant\n"
+QUICK = ("--seeds", "2", "--run", "20s")
+
+
+def called(tool, *words):
+    return subprocess.run([HERE / tool, "--program", PROGRAM, *QUICK, *words], capture_output=True, text=True, check=False)
+
+
+def cell(name="a", condition="clean", category="stationary", flip_s=None, **figures):
+    return {"cell": name, "condition": condition, "category": category, "flip_s": flip_s} | figures
+
+
+def judged(over, cells, **more):
+    goal = {"goal": "g", "row": "r", "figure": "x", "over": over, "unit": "percent", "at_most": 0.1} | more
+    return choosing.judge({"row": "r", "cells": cells}, [goal])[0]
+
+
+class Goals(unittest.TestCase):
+    def test_take_the_cells_together(self):
+        cells = [cell(x=0.05, w=1, p=1.0), cell(x=0.2, w=3, p=2.0), cell(condition="noise", x=0.0, w=1, p=1.0)]
+        for over, more, reached, met in (
+                ("each", {}, 0.2, False), ("mean", {}, 0.25 / 3, True), ("group", {}, 0.125, False),
+                ("weighted", {"weight": "w"}, 0.65 / 5, False), ("share", {"weight": "w"}, 0.25 / 5, True),
+                ("times", {"peer": "p", "unit": "times"}, 4.0 / 0.25, False),
+                ("each", {"condition": "noise"}, 0.0, True)):
+            goal = judged(over, cells, **more)
+            self.assertAlmostEqual(goal["reached"], reached, msg=over)
+            self.assertEqual(goal["met"], met, over)
+
+    def test_at_least_looks_for_the_smallest(self):
+        goal = choosing.judge({"row": "r", "cells": [cell("a", x=0.3), cell("b", x=0.2)]}, [
+            {"goal": "g", "row": "r", "figure": "x", "over": "each", "unit": "percent", "at_least": 0.25}])[0]
+        self.assertEqual((goal["reached"], goal["met"], goal["cells"][0]["cell"]), (0.2, False, "b, clean"))
+
+    def test_a_cell_without_a_value_is_not_judged_and_one_without_the_figure_is_an_error(self):
+        goal = judged("each", [cell(x=None)])
+        self.assertEqual((goal["reached"], goal["met"]), (None, False))
+        with self.assertRaises(InputError):
+            judged("each", [cell(y=1)])
+        with self.assertRaises(InputError):
+            choosing.judge({"row": "other", "cells": [cell(x=1)]}, [])
+
+    def test_are_for_conditions_and_flips_that_are_played(self):
+        plan, goals = conditions.read_plan(), read_goals(choosing.GOALS)["choosing"]
+        for name, row in plan["row"].items():
+            own = [goal for goal in goals if goal["row"] == name]
+            self.assertTrue(own, name)
+            for goal in own:
+                self.assertIn(goal.get("condition", row["conditions"][0]), row["conditions"], goal)
+                self.assertIn(goal.get("flip_s"), [None, *row.get("flip_s", [])], goal)
+            for condition in row["conditions"]:
+                self.assertIn(condition, plan["condition"])
+
+
+class Conditions(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.folder = pathlib.Path(temporary.name)
+        cls.scenes = cls.folder / "tiny.txt"
+        cls.scenes.write_text(SCENES)
+
+    def run_row(self, row, *words):
+        return called("conditions.py", row, self.scenes, "--traces", self.folder / "traces", *words)
+
+    def test_play_every_goal_of_the_rows(self):
+        goals = read_goals(choosing.GOALS)["choosing"]
+        for row, plan in conditions.read_plan()["row"].items():
+            with self.subTest(row=row):
+                done = self.run_row(row, "--json")
+                self.assertIn(done.returncode, (0, 1), done.stderr)
+                document = json.loads(done.stdout)
+                self.assertEqual([goal["goal"] for goal in document["goals"]], [goal["goal"] for goal in goals if goal["row"] == row])
+                self.assertEqual({one["condition"] for one in document["cells"]}, set(plan["conditions"]))
+                self.assertEqual({one["flip_s"] for one in document["cells"] if one["category"] == "flipping"},
+                                 set(plan.get("flip_s", [])))
+                for peer in plan["peers"]:
+                    self.assertIsInstance(document["cells"][0]["excess_" + peer], float)
+                again = subprocess.run([HERE / "judge.py", "choosing", "--json"], input=done.stdout, capture_output=True, text=True, check=False)
+                self.assertEqual((again.returncode, json.loads(again.stdout)["goals"]), (done.returncode, document["goals"]))
+
+    def test_a_lane_s_errors_reach_the_replay(self):
+        cells = {one["condition"]: one for one in json.loads(self.run_row("stationary", "--json").stdout)["cells"]}
+        self.assertNotEqual(cells["measured"]["regret_lane-argmin"], cells["bias"]["regret_lane-argmin"])
+        self.assertEqual(conditions.condition_words({"lane_model": True, "options": {"lane-noise": 0.3}},
+                                                    {"lane-noise": 0.15, "lane-ratio": {"SAP": 0.9}}),
+                         ["--lane-noise", "0.3", "--lane-ratio", "SAP", "0.9"])
+
+    def test_flips_last_as_long_as_they_should(self):
+        row = {"categories": [], "flip_s": [8]}
+        games = conditions.games_of(row, [{"cell": "waves-3000-2", "scene": "waves", "frames": 3600, "pass": "1m", "category": "changing"}],
+                                    {"waves": 400})
+        self.assertEqual([game["pass"] for game in games], ["72000ms"])
+
+    def test_says_what_is_wrong(self):
+        self.assertIn("invalid choice", called("conditions.py", "nothing").stderr)
+        empty = self.folder / "empty.txt"
+        empty.write_text("suite-b 60 40 1 1s resonant\n")
+        done = called("conditions.py", "stationary", empty, "--traces", self.folder / "traces")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no scene of the row's categories", done.stderr)
+
+
+class Sealed(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.list = pathlib.Path(temporary.name) / "mine.toml"
+        self.regime_frames = conditions.read_plan()["regime_frames"]
+        sealed.seal(self.list, self.regime_frames, stationary=1, changing=1, objects=[50, 60], frames=80)
+
+    def test_the_committed_list_is_the_one_that_was_sealed(self):
+        self.assertGreaterEqual(len(sealed.read_sealed(sealed.LIST, self.regime_frames)), 8)
+
+    def test_another_rule_breaks_the_seal(self):
+        self.list.write_text(self.list.read_text().replace("objects = [50, 60]", "objects = [50, 61]"))
+        with self.assertRaisesRegex(InputError, "other scenes than those that were sealed"):
+            sealed.read_sealed(self.list, self.regime_frames)
+
+    def test_a_sealed_list_is_never_replaced(self):
+        with self.assertRaises(FileExistsError):
+            sealed.seal(self.list, self.regime_frames)
+
+    def test_a_look_is_logged_and_names_no_scene(self):
+        done = called("sealed.py", "--list", self.list, "--json")
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        rows = json.loads(done.stdout)["rows"]
+        self.assertEqual([row["row"] for row in rows], list(sealed.ROWS))
+        self.assertEqual({one["cell"] for row in rows for one in row["cells"]}, {"sealed-1", "sealed-2"})
+        begun, ended = self.list.with_name("mine_looks.log").read_text().splitlines()
+        self.assertRegex(begun, r"^\d{4}-\d\d-\d\dT[\d:]{8}Z  \w{7,12}(-changed)?  begun  tests/bench/sealed.py .*--list")
+        for row in rows:
+            for goal in row["goals"]:
+                self.assertIn(goal["goal"], ended)
+        for scene in sealed.read_sealed(self.list, self.regime_frames):
+            for text in (done.stdout, done.stderr, begun, ended):
+                self.assertNotIn(f'"{scene["scene"]}"', text)
+                self.assertNotIn(f" {scene['scene']} ", text)
+
+    def test_a_look_that_fails_is_one(self):
+        done = subprocess.run([HERE / "sealed.py", "--program", "/bin/false", "--list", self.list], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(len(self.list.with_name("mine_looks.log").read_text().splitlines()), 1)
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop(1)
+    unittest.main()

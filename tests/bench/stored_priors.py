@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+"""What priors from the store do to a live game: right ones, wrong ones, none, through a daemon that ends and starts again.
+
+For each scene a game without a shadow lane, which tries every arm, teaches a real `sweepstaked` with its SQLite store. Then the
+daemon ends. Each round starts daemons anew, on a copy of that store (right), on one that has imported its evidence with the
+arms' ranking reversed (wrong), and on an empty one (none), and lets AI Decides play the scene with each of them, and every
+fixed arm that comes near the best, in turns. Regret is the mean frame time ÷ that of the best fixed arm over the frames that
+all played, minus 1. Needs Linux and Python 3.11; nothing else should run meanwhile.
+"""
+
+import argparse
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import live
+from daemon_load import Daemon
+from daemon_load import Failure as DaemonFailure
+from judging import choosing
+from judging.common import InputError
+
+KINDS = ("right", "wrong", "none")
+SERVER_OPTIONS = ("--max-time-scale", "1000")
+EVIDENCE = ("alpha_increment", "beta_increment", "window_count")
+
+
+class Store:
+    """A folder with a daemon's data, on which daemons start one after the other."""
+
+    def __init__(self, options, folder):
+        self.options, self.folder = options, folder
+        self.folder.mkdir(exist_ok=True)
+
+    def __enter__(self):
+        self.daemon = Daemon(self.options.programs, self.folder, server_options=SERVER_OPTIONS)
+        return self.daemon
+
+    def __exit__(self, *_):
+        self.daemon.stop()
+
+
+def reversed_ranking(records):
+    """Evidence in which the best arm has that of the worst, and so on. One record per arm."""
+    def mean(record):
+        return record["alpha_increment"] / (record["alpha_increment"] + record["beta_increment"])
+    ranked = sorted(records, key=mean)
+    return [record | {word: mirror[word] for word in EVIDENCE} for record, mirror in zip(ranked, reversed(ranked))]
+
+
+def transfer(daemon, command, flag, path):
+    done = subprocess.run(list(map(str, daemon.sweepstake("priors", command, flag, path))), capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise live.Failure(f"sweepstake priors {command} ended with {done.returncode}: {done.stderr.strip()}")
+
+
+def teach(game, options, folder):
+    """The stores of the three kinds, with no daemon on them."""
+    stores = {kind: Store(options, folder / kind) for kind in KINDS}
+    file = folder / "priors.json"
+    with stores["right"] as daemon:
+        game.decider = ["--daemon", daemon.address]
+        game.decided("--shadow", "off")
+        transfer(daemon, "export", "--out", file)
+    priors = json.loads(file.read_text())
+    priors["records"] = reversed_ranking(priors["records"])
+    file.write_text(json.dumps(priors))
+    with stores["wrong"] as daemon:
+        transfer(daemon, "import", "--in", file)
+    return stores
+
+
+def play_with(game, store, kind, options, folder):
+    """The frames of a game whose daemon starts on a copy of the store: no game learns from another one's round."""
+    copy = folder / "copy"
+    shutil.copytree(store.folder, copy)
+    try:
+        with Store(options, copy) as daemon:
+            game.decider = ["--daemon", daemon.address]
+            frames = game.decided()
+    finally:
+        shutil.rmtree(copy)
+    if (game.summary["prior_sources"] > 0) != (kind != "none"):
+        raise live.Failure(f"the daemon gave priors of {game.summary['prior_sources']} sources to the game with {kind} priors")
+    return frames
+
+
+def play_round(game, arms, stores, options, folder, number):
+    names = [*KINDS, *arms]
+    turn = number % len(names)
+    games = {}
+    for name in names[turn:] + names[:turn]:
+        if name in KINDS:
+            games[name] = play_with(game, stores[name], name, options, folder)
+        else:
+            game.decider = ["--embedded"]
+            games[name] = game.fixed(name, "--shadow", "off")
+    mean = live.means(games)
+    best_ns = min(mean[arm] for arm in arms)
+    return {kind: mean[kind] / best_ns - 1 for kind in KINDS}
+
+
+def cell_of(game, options, folder, progress):
+    medians = live.median_frames(game, options)
+    arms = [arm for arm in live.ARMS if medians[arm] <= options.near * min(medians.values())]
+    stores = teach(game, options, folder)
+    rounds = []
+    for number in range(options.rounds):
+        rounds.append(play_round(game, arms, stores, options, folder, number))
+        progress(f"{game.scene} {game.objects}: round {number + 1} of {options.rounds}, " +
+                 ", ".join(f"{kind} {100 * regret:+.2f}%" for kind, regret in rounds[-1].items()))
+    cell = {"cell": f"{game.scene}-{game.objects}", "rounds": options.rounds}
+    for kind in KINDS:
+        cell["regret_" + kind], cell["half_width_" + kind] = live.interval([each[kind] for each in rounds])
+    return cell
+
+
+def run(options):
+    options.program = options.programs / "sweepstake"
+    cells = []
+    for scene, objects in live.parse_scenes(options.scenes):
+        with tempfile.TemporaryDirectory(prefix="sweepstake-priors-") as folder:
+            cells.append(cell_of(live.Game(options, scene, objects), options, pathlib.Path(folder),
+                                 lambda line: print(line, file=sys.stderr, flush=True)))
+    return {"command": "stored_priors", "row": "priors", "policy": options.policy, "seconds": options.seconds,
+            "time_scale": options.time_scale, "cells": cells}
+
+
+def parse(words):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="examples:\n  tests/bench/stored_priors.py\n  tests/bench/stored_priors.py --scenes hurricane:2000 --rounds 2 --json\n"
+        "Ends with 0 when every goal is met, with 1 when one is missed, with 2 when it could not be run.")
+    parser.add_argument("--programs", type=pathlib.Path, default=live.ROOT / "build/release/bin", metavar="FOLDER",
+                        help="with sweepstaked and sweepstake (default: %(default)s)")
+    parser.add_argument("--policy", default="default", help="(default: %(default)s)")
+    parser.add_argument("--scenes", default=live.SCENES, metavar="SCENE:OBJECTS,…", help="(default: %(default)s)")
+    parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=15, help="of a game (default: %(default)s)")
+    parser.add_argument("--time-scale", type=float, default=20, help="of the decider (default: %(default)s)")
+    parser.add_argument("--near", type=float, default=1.15, metavar="RATIO",
+                        help="a fixed arm takes part within this of the best (default: %(default)s)")
+    parser.add_argument("--json", action="store_true", help="one JSON document on stdout")
+    options = parser.parse_args(words)
+    if options.rounds < 1 or not options.seconds > 0:
+        parser.error("give at least one round of more than 0 seconds")
+    for name in ("sweepstake", "sweepstaked"):
+        if not (options.programs / name).is_file():
+            parser.error(f"no program at {options.programs / name}: build preset release, or give --programs")
+    return options
+
+
+def main(words):
+    options = parse(words)
+    try:
+        return choosing.conclude(run(options), options.json)
+    except (live.Failure, DaemonFailure, InputError, OSError) as failure:
+        print(f"stored_priors.py: {failure}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
