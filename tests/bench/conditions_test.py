@@ -47,6 +47,10 @@ class Goals(unittest.TestCase):
             self.assertAlmostEqual(goal["reached"], reached, msg=over)
             self.assertEqual(goal["met"], met, over)
 
+    def test_of_groups_keep_paces_and_categories_apart(self):
+        cells = [cell(x=0.0), cell(x=0.1, flip_s=8), cell(x=0.4, flip_s=16), cell(x=0.0, flip_s=16), cell(x=0.15, category="changing")]
+        self.assertAlmostEqual(judged("group", cells)["reached"], 0.2)
+
     def test_at_least_looks_for_the_smallest(self):
         goal = choosing.judge({"row": "r", "cells": [cell("a", x=0.3), cell("b", x=0.2)]}, [
             {"goal": "g", "row": "r", "figure": "x", "over": "each", "unit": "percent", "at_least": 0.25}])[0]
@@ -97,7 +101,8 @@ class Conditions(unittest.TestCase):
                                  set(plan.get("flip_s", [])))
                 for peer in plan["peers"]:
                     self.assertIsInstance(document["cells"][0]["excess_" + peer], float)
-                again = subprocess.run([HERE / "judge.py", "choosing", "--json"], input=done.stdout, capture_output=True, text=True, check=False)
+                again = subprocess.run([HERE / "judge.py", "choosing", "--json"], input=done.stdout, capture_output=True, text=True,
+                                       check=False)
                 self.assertEqual((again.returncode, json.loads(again.stdout)["goals"]), (done.returncode, document["goals"]))
 
     def test_a_lane_s_errors_reach_the_replay(self):
@@ -159,7 +164,8 @@ class Sealed(unittest.TestCase):
                 self.assertNotIn(f" {scene['scene']} ", text)
 
     def test_a_look_that_fails_is_one(self):
-        done = subprocess.run([HERE / "sealed.py", "--program", "/bin/false", "--list", self.list], capture_output=True, text=True, check=False)
+        done = subprocess.run([HERE / "sealed.py", "--program", "/bin/false", "--list", self.list], capture_output=True, text=True,
+                              check=False)
         self.assertEqual(done.returncode, 2)
         self.assertEqual(len(self.list.with_name("mine_looks.log").read_text().splitlines()), 1)
 

@@ -251,7 +251,8 @@ def half(value):
 
 
 def text(document):
-    return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane mean", "lane p99.9", "± 95 %"), [
+    return table(("condition", "scene", "objects", "rounds", "best arm", "regret", "± 95 %", "choice", "lane mean", "lane p99.9",
+                  "± 95 %"), [
         (row["condition"], row["scene"], str(row["objects"]), str(row["rounds"]), row["best_arm"], or_dash(row["regret"], percent),
          half(row["half_width"]), or_dash(row["choice"], percent), f"{row['lane_mean_ratio']:.3f}", f"{row['lane_tail_ratio']:.2f}",
          or_dash(row["lane_tail_half_width"], "{:.2f}".format)) for row in document["rows"]])
