@@ -106,8 +106,14 @@ class Conditions(unittest.TestCase):
                 self.assertEqual((again.returncode, json.loads(again.stdout)["goals"]), (done.returncode, document["goals"]))
 
     def test_a_lane_s_errors_reach_the_replay(self):
-        cells = {one["condition"]: one for one in json.loads(self.run_row("stationary", "--json").stdout)["cells"]}
-        self.assertNotEqual(cells["measured"]["regret_lane-argmin"], cells["bias"]["regret_lane-argmin"])
+        regrets = []
+        for arm in ("Grid", "AxisSweep"):  # the trivial policy believes that this one is the cheapest
+            model = self.folder / f"{arm}.toml"
+            model.write_text(f"[lane-ratio]\n{arm} = 0.01\n")
+            cells = json.loads(self.run_row("stationary", "--json", "--lane-model", model).stdout)["cells"]
+            regrets.append({one["condition"]: one["regret_lane-argmin"] for one in cells})
+        self.assertNotEqual(regrets[0]["measured"], regrets[1]["measured"])
+        self.assertEqual(regrets[0]["bias"], regrets[1]["bias"], "which has no lane model")
         self.assertEqual(conditions.condition_words({"lane_model": True, "options": {"lane-noise": 0.3}},
                                                     {"lane-noise": 0.15, "lane-ratio": {"SAP": 0.9}}),
                          ["--lane-noise", "0.3", "--lane-ratio", "SAP", "0.9"])
@@ -139,7 +145,7 @@ class Sealed(unittest.TestCase):
         self.assertGreaterEqual(len(sealed.read_sealed(sealed.LIST, self.regime_frames)), 8)
 
     def test_another_rule_breaks_the_seal(self):
-        self.list.write_text(self.list.read_text().replace("objects = [50, 60]", "objects = [50, 61]"))
+        self.list.write_text(self.list.read_text().replace("objects = [50, 60]", "objects = [500, 600]"))
         with self.assertRaisesRegex(InputError, "other scenes than those that were sealed"):
             sealed.read_sealed(self.list, self.regime_frames)
 
