@@ -264,7 +264,7 @@ def parse(words):
         epilog="examples:\n"
         "  tests/bench/live.py\n"
         "  tests/bench/live.py --conditions one-cpu --scenes hurricane:2000 --rounds 3\n"
-        "  tests/bench/live.py --json | tests/bench/judge.py live\n"
+        "  tests/bench/live.py --conditions quiet,one-cpu,neighbours --json | tests/bench/judge.py live\n"
         "  tests/bench/live.py --lane-only --conditions quiet,neighbours --json | tests/bench/judge.py live\n"
         "  tests/bench/live.py --minutes 30 --conditions quiet,neighbours --scenes hurricane:2000,suite-g:10000\n"
         "All conditions with four scenes take some two hours; nothing else should run meanwhile.")
