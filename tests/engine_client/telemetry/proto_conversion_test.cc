@@ -30,7 +30,7 @@ TEST(ProtoConversion, GivesADescriptorBackAsItWas) {
 TEST(ProtoConversion, GivesAPriorRecordBackAsItWas) {
   const PriorRecord record = {.project = "a",
                               .scene = "b",
-                              .measured_by = "c",
+                              .measured_by = "lane",
                               .arm = "d",
                               .backend_version = 1,
                               .machine_class = "e",

@@ -152,7 +152,7 @@ TEST(WatchCommand, SaysOnceThatThereIsNothingYet) {
 PriorRecord SomeRecord(uint64_t sequence) {
   return {.project = "p",
           .scene = "s",
-          .measured_by = "c",
+          .measured_by = "lane",
           .arm = "SAP",
           .backend_version = 3,
           .machine_class = "m",
