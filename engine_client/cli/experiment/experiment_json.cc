@@ -7,6 +7,7 @@
 #include "engine_client/cli/experiment/paper_tables.h"
 #include "engine_client/cli/game/game_run.h"
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/replay/replay_output.h"
 #include "server/decision/types.h"
 #include "sweepstake/broad_phase.h"
 
@@ -167,7 +168,10 @@ Json PlayerJson(const ReplayedPlayer& player) {
           {"ci95", IntervalJson(player.ci95)},
           {"after_start_up", OrNull(player.after_start_up)},
           {"switches", player.switches},
-          {"active_share", player.active_share}};
+          {"active_share", player.active_share},
+          {"regret_detection", player.ms.regret_ratio()},
+          {"regret_60hz", player.ms.regret() / kFrameMsAt60Hz},
+          {"ms_per_frame", FrameMsJson(player.ms, player.paper_ms)}};
 }
 
 Json ComparisonJson(const PairedComparison& each) {

@@ -125,14 +125,20 @@ void PrintRanking(const ExperimentTruths& truths, std::ostream& out) {
 
 void PrintRegret(const ExperimentTruths& truths, std::ostream& out) {
   out << "\nRegret by replay against the best fixed arm, start and exploration included\n\n";
-  TextTable table({"cell", "player", "regret", "95 %", "after start-up", "switches"});
+  TextTable table({"cell", "player", "regret", "95 %", "after start-up", "switches", "ms per frame",
+                   "of 60 Hz", "vs worst", "vs median", "vs paper", "lane"});
   for (const CellTruth& truth : truths.cells) {
     for (const ReplayedPlayer& player : truth.players) {
       if (!player.is_policy) continue;
       table.AddRow({CellName(truth.cell), player.name, PercentText(player.regret),
                     IntervalText(player.ci95),
                     player.after_start_up ? PercentText(*player.after_start_up) : "-",
-                    Fixed(player.switches, 1)});
+                    Fixed(player.switches, 1), Fixed(player.ms.regret(), 4),
+                    Percent(player.ms.regret() / kFrameMsAt60Hz, 3),
+                    Fixed(player.ms.detection - player.ms.worst, 4),
+                    Fixed(player.ms.detection - player.ms.median, 4),
+                    player.paper_ms ? Fixed(player.ms.detection - *player.paper_ms, 4) : "-",
+                    Fixed(player.ms.lane, 4)});
     }
   }
   table.Print(out);

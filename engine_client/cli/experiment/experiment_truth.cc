@@ -47,6 +47,8 @@ ReplayedPlayer PlayerOf(const ReplayPlayer& player, const StudyRow& row) {
   replayed.after_start_up = row.regret_after_start_up;
   replayed.switches = row.switches;
   replayed.active_share = row.active_share;
+  replayed.ms = row.ms;
+  replayed.paper_ms = row.paper_ms;
   return replayed;
 }
 

@@ -15,6 +15,7 @@
 
 #include "engine_client/cli/experiment/experiment_summary.h"
 #include "engine_client/cli/io/statistics.h"
+#include "engine_client/cli/replay/replay_study.h"
 #include "engine_client/cli/trace/cost_trace.h"
 #include "sweepstake/status.h"
 
@@ -36,6 +37,8 @@ struct ReplayedPlayer {
   std::optional<double> after_start_up;  // absent if nothing was measured after it
   double switches = 0;
   double active_share = 0;  // of the dominant arm
+  FrameMs ms;
+  std::optional<double> paper_ms;  // detection of the policy paper
 };
 
 // Compares a policy with a baseline on the same seeds by the paired differences of regret, which

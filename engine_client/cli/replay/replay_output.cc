@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/numbers.h"
 #include "engine_client/cli/io/text_table.h"
 #include "server/decision/session/policy_registry.h"
 
@@ -21,6 +22,23 @@ Json VerdictsJson(const std::vector<double>& shares) {
   Json json = Json::object();
   for (size_t i = 0; i < shares.size(); ++i)
     json[std::string(decision::kVerdictNames[i])] = shares[i];
+  return json;
+}
+
+// The ranges of probabilities that there were decisions in.
+Json ReliabilityJson(const Reliability& reliability) {
+  Json json = Json::array();
+  for (size_t i = 0; i < Reliability::kBinCount; ++i) {
+    const ReliabilityBin& bin = reliability.bins()[i];
+    if (bin.decision_count == 0) continue;
+    const auto count = static_cast<double>(bin.decision_count);
+    json.push_back({{"low", Reliability::kEdges[i]},
+                    {"high", Reliability::kEdges[i + 1]},
+                    {"decisions", bin.decision_count},
+                    {"predicted", bin.probability_sum / count},
+                    {"best", static_cast<double>(bin.best_count) / count},
+                    {"best_or_tie", static_cast<double>(bin.tie_count) / count}});
+  }
   return json;
 }
 
@@ -45,7 +63,11 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
                {"seeds", row.games.size()},
                {"first_best_s", OrNull(row.first_best_s)},
                {"shadow_share", row.shadow_share},
-               {"verdicts", VerdictsJson(row.verdict_shares)}};
+               {"verdicts", VerdictsJson(row.verdict_shares)},
+               {"regret_detection", row.ms.regret_ratio()},
+               {"regret_60hz", row.ms.regret() / kFrameMsAt60Hz},
+               {"ms_per_frame", FrameMsJson(row.ms, row.paper_ms)},
+               {"reliability", ReliabilityJson(row.reliability)}};
   if (row.against_paper) {
     json["against_paper"] = {{"difference", row.against_paper->difference},
                              {"ci95", IntervalJson(row.against_paper->ci95)},
@@ -54,11 +76,17 @@ Json RowJson(const ReplayReport& report, const StudyRow& row) {
   return json;
 }
 
+// Formats a number with its sign, as "+1.23"; what rounds to 0 has a plus.
+std::string Signed(double value, int decimals) {
+  const std::string text = Fixed(value, decimals);
+  if (!text.starts_with('-')) return '+' + text;
+  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
+  return is_zero ? '+' + text.substr(1) : text;
+}
+
 // Formats a ratio as "+1.23%".
-std::string SignedPercent(double ratio) {
-  std::string text = Fixed(100 * ratio, 2);
-  if (text == "-0.00") text = "0.00";
-  return (text.starts_with('-') ? "" : "+") + text + "%";
+std::string SignedPercent(double ratio, int decimals = 2) {
+  return Signed(100 * ratio, decimals) + '%';
 }
 
 std::string IntervalText(const Interval& interval) {
@@ -77,9 +105,7 @@ std::string SceneTitle(const StudyScene& scene, const StudyRow& first_row) {
          SignedPercent(first_row.frame_headroom) + " frame by frame";
 }
 
-}  // namespace
-
-void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
+void PrintRegret(const ReplayReport& report, std::ostream& out) {
   TextTable table({"policy", "regret", "ci95", "after_start", "vs_oracle", "captured", "switches",
                    "share", "dominant", "bail_outs", "vs_paper"});
   const StudyRow* before = nullptr;
@@ -106,6 +132,98 @@ void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
          "time. Noise floor: the same arm measured twice.\n";
 }
 
+std::string SignedMs(double ms) { return Signed(ms, 4); }
+
+std::string MsTitle(const StudyScene& scene, const FrameMs& ms) {
+  return scene.name + ": " + GroupedWhole(scene.scene.mean_object_count()) +
+         " objects, best fixed arm " + Fixed(ms.best, 4) + " ms, median " + Fixed(ms.median, 4) +
+         ", worst " + Fixed(ms.worst, 4);
+}
+
+void PrintMs(const ReplayReport& report, std::ostream& out) {
+  out << "\nMilliseconds per frame as recorded\n\n";
+  TextTable table({"policy", "detection", "regret", "of_detection", "of_60hz", "vs_worst",
+                   "vs_median", "vs_paper", "lane"});
+  const StudyRow* before = nullptr;
+  for (const StudyRow& row : report.rows) {
+    if (before == nullptr || before->scene != row.scene) {
+      table.AddTitle(MsTitle(report.scenes[row.scene], row.ms));
+    }
+    before = &row;
+    const double ms = row.ms.detection;
+    table.AddRow({report.options.players[row.player].name, Fixed(ms, 4), SignedMs(row.ms.regret()),
+                  SignedPercent(row.ms.regret_ratio()),
+                  SignedPercent(row.ms.regret() / kFrameMsAt60Hz, 3), SignedMs(ms - row.ms.worst),
+                  SignedMs(ms - row.ms.median), row.paper_ms ? SignedMs(ms - *row.paper_ms) : "-",
+                  Fixed(row.ms.lane, 4)});
+  }
+  table.Print(out);
+  out << "\nof_detection, of_60hz: the regret as a share of the best fixed arm's detection, and of "
+         "the\n16.67 ms of a frame at 60 Hz; vs: the difference to the worst and the median fixed "
+         "arm, and to\nthe policy paper, negative is better; lane: CPU time of the shadow lane on "
+         "another core.\n";
+}
+
+// Returns, for each policy that says what is best, the reliability over all scenes.
+std::vector<std::pair<std::string, Reliability>> ReliabilityOfPolicies(const ReplayReport& report) {
+  std::vector<std::pair<std::string, Reliability>> policies;
+  for (uint32_t player = 0; player < report.options.players.size(); ++player) {
+    Reliability sum;
+    for (const StudyRow& row : report.rows)
+      if (row.player == player) sum += row.reliability;
+    if (sum.decision_count() > 0) policies.push_back({report.options.players[player].name, sum});
+  }
+  return policies;
+}
+
+std::vector<std::string> ReliabilityHeader() {
+  std::vector<std::string> header{"policy"};
+  for (size_t i = 0; i < Reliability::kBinCount; ++i)
+    header.push_back(Fixed(Reliability::kEdges[i], 2) + "-" + Fixed(Reliability::kEdges[i + 1], 2));
+  header.push_back("error");
+  return header;
+}
+
+void PrintReliability(const ReplayReport& report, std::ostream& out) {
+  const auto policies = ReliabilityOfPolicies(report);
+  if (policies.empty()) return;
+  out << "\nWhere P(best) of the leader was in the range, how often it was the fastest arm\n\n";
+  TextTable table(ReliabilityHeader());
+  for (const auto& [policy, reliability] : policies) {
+    std::vector<std::string> cells{policy};
+    for (const ReliabilityBin& bin : reliability.bins()) {
+      const auto count = static_cast<double>(bin.decision_count);
+      cells.push_back(bin.decision_count == 0
+                          ? "-"
+                          : Fixed(100 * static_cast<double>(bin.best_count) / count, 0) + "% (" +
+                                Grouped(bin.decision_count) + ")");
+    }
+    cells.push_back(Fixed(reliability.error(), 3));
+    table.AddRow(std::move(cells));
+  }
+  table.Print(out);
+  out << "\nJudged by the frames since the decision before; in brackets the number of decisions; "
+         "error: mean\ndistance of P(best) from that share.\n";
+}
+
+}  // namespace
+
+Json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper) {
+  return {{"detection", ms.detection},
+          {"best", ms.best},
+          {"median", ms.median},
+          {"worst", ms.worst},
+          {"paper", OrNull(paper)},
+          {"regret", ms.regret()},
+          {"lane", ms.lane}};
+}
+
+void PrintReplayTable(const ReplayReport& report, std::ostream& out) {
+  PrintRegret(report, out);
+  PrintMs(report, out);
+  PrintReliability(report, out);
+}
+
 void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
   Json document = {{"command", "replay"},
                    {"seeds", report.options.seed_count},
@@ -122,6 +240,7 @@ void PrintReplayJson(const ReplayReport& report, std::ostream& out) {
                                   {"run_ns", game.run_ns},
                                   {"pass_ns", game.pass_ns},
                                   {"other_work_ns", game.other_work_ns},
+                                  {"objects", each.scene.mean_object_count()},
                                   {"control_regret", each.scene.control_regret()}});
   }
   for (const StudyRow& row : report.rows) document["rows"].push_back(RowJson(report, row));

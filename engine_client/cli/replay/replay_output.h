@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <ostream>
 #include <span>
 #include <string>
@@ -19,6 +21,9 @@ struct ReplayReport {
 
 void PrintReplayTable(const ReplayReport& report, std::ostream& out);
 void PrintReplayJson(const ReplayReport& report, std::ostream& out);
+
+// Returns what frames take; `paper` is the detection of the policy paper.
+nlohmann::ordered_json FrameMsJson(const FrameMs& ms, const std::optional<double>& paper);
 
 // Writes one row per game. Errors: those of CsvFile.
 Result<std::unique_ptr<CsvFile>> CreateReplayCsv(const std::string& path);

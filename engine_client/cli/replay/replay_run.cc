@@ -51,6 +51,8 @@ class Game {
   void Report(const SwitchOutcome& outcome);
   void ObserveScene();
   void NoteArm();
+  void NoteTimes();
+  void Judge(const decision::Diagnosis& diagnosis);
   ReplayLane::Place place(int64_t now_ns) const {
     return {now_ns, game_frame_, trace_frame_, arm_};
   }
@@ -63,6 +65,7 @@ class Game {
   ReplayLoad load_;
   SwitchCostMeter meter_;
   ReplayResult result_;
+  ArmTimes since_tick_;  // of the frames since the latest tick
 
   int64_t now_ns_ = 0;  // end of the latest frame
   uint32_t game_frame_ = 0;
@@ -84,6 +87,7 @@ Game::Game(const ReplayScene& scene, const ReplaySetup& setup)
       session_(SetupOf(scene, setup), decision::StudyPolicies()),
       load_(setup.frame_load, setup.seed),
       meter_(static_cast<uint64_t>(setup.options.settling_ns)),
+      since_tick_(scene.arm_count()),
       arm_(session_.active_arm()) {
   const bool learns_from_lane = session_.policy_kind().uses_shadow;
   if (setup.shadow_lane.value_or(learns_from_lane)) {
@@ -111,6 +115,7 @@ void Game::PlayFrame() {
   if (pending_ && now_ns_ >= pending_->ready_ns) ExecuteSwitch();
   decision::Frame frame = NextFrame();
   Account(frame);
+  NoteTimes();
   Load(frame);
   now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
   TickUntil(now_ns_);
@@ -198,6 +203,7 @@ void Game::TickUntil(int64_t now_ns) {
     const int64_t due_ns = session_.next_tick_ns();
     Accept(session_.Tick(due_ns), due_ns);
     ++result_.verdict_counts[static_cast<size_t>(session_.diagnosis().verdict)];
+    Judge(session_.diagnosis());
     NoteArm();
   }
 }
@@ -246,6 +252,21 @@ void Game::ObserveScene() {
 void Game::NoteArm() {
   if (session_.exploring() || result_.first_active_ns[arm_]) return;
   result_.first_active_ns[arm_] = now_ns_;
+}
+
+void Game::NoteTimes() {
+  for (uint32_t arm = 0; arm < scene_.arm_count(); ++arm)
+    since_tick_.Add(arm, scene_.detection_ns(trace_frame_, arm));
+}
+
+// Compares what a tick says with the frames since the tick before.
+void Game::Judge(const decision::Diagnosis& diagnosis) {
+  if (since_tick_.empty()) return;
+  if (!diagnosis.best_probability.empty()) {
+    result_.reliability.Add(diagnosis.best_probability[diagnosis.leader],
+                            since_tick_.LossRatioOf(diagnosis.leader));
+  }
+  since_tick_.Clear();
 }
 
 ReplayResult Game::Finish() {

@@ -22,6 +22,7 @@
 
 #include "engine_client/cli/replay/replay_lane.h"
 #include "engine_client/cli/replay/replay_load.h"
+#include "engine_client/cli/replay/replay_reliability.h"
 #include "engine_client/cli/replay/replay_scene.h"
 #include "server/decision/session/decision_session.h"
 
@@ -66,6 +67,7 @@ struct ReplayResult {
   std::vector<std::optional<int64_t>> first_active_ns;  // per arm, outside of the exploration
   std::vector<decision::BetaPosterior> posteriors;      // at the end
   std::array<uint64_t, 5> verdict_counts{};             // of ticks, by Verdict
+  Reliability reliability;                              // of what the ticks say
   uint64_t decision_count = 0;
   uint64_t shadow_visit_count = 0;
   uint64_t shadow_ns = 0;  // time that the lane worked

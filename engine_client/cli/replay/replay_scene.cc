@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "engine_client/adaptive/shadow_schedule.h"
 #include "engine_client/cli/io/statistics.h"
@@ -153,6 +154,11 @@ void ReplayScene::TakeDescriptors(const CostTrace& trace) {
     }
     latest_descriptor_.push_back(latest);
   }
+}
+
+double ReplayScene::mean_object_count() const {
+  const uint64_t sum = std::accumulate(object_count_.begin(), object_count_.end(), uint64_t{0});
+  return static_cast<double>(sum) / trace_frame_count_;
 }
 
 const decision::SceneDescriptor* ReplayScene::descriptor(uint32_t trace_frame) const {

@@ -59,6 +59,7 @@ class ReplayScene {
     return native_bytes_[size_t{trace_frame} * arms_.size() + arm];
   }
   uint32_t object_count(uint32_t trace_frame) const { return object_count_[trace_frame]; }
+  double mean_object_count() const;  // over the trace
 
   // Returns the latest descriptor that the client has sent at this frame, or null if there is none.
   const decision::SceneDescriptor* descriptor(uint32_t trace_frame) const;

@@ -60,7 +60,17 @@ class SeedGames {
   }
 
  private:
+  // Returns the recorded time per frame, without other work.
+  double MsOf(double total_ns) const {
+    const double frame_ns = total_ns / scene_.frame_count();
+    const auto other_ns = static_cast<double>(scene_.options().other_work_ns);
+    return (frame_ns - other_ns) / scene_.time_ratio() * 1e-6;
+  }
   void Judge(double total_ns, StudyGame& game) const {
+    game.ms.detection = MsOf(total_ns);
+    game.ms.best = MsOf(best_ns_);
+    game.ms.median = MsOf(Median(totals_));
+    game.ms.worst = MsOf(*std::max_element(totals_.begin(), totals_.end()));
     game.regret_best_fixed = total_ns / best_ns_ - 1;
     game.regret_oracle = total_ns / oracle_.regime_ns - 1;
     game.headroom = 1 - oracle_.regime_ns / best_ns_;
@@ -114,6 +124,9 @@ class SeedGames {
                    .bail_out_count = result.bail_out_count,
                    .shadow_share = static_cast<double>(result.shadow_ns) / total_ns};
     const auto& switches = result.observation.switch_counts;
+    game.ms.lane =
+        static_cast<double>(result.shadow_ns) / scene_.frame_count() / scene_.time_ratio() * 1e-6;
+    game.reliability = result.reliability;
     game.switch_count = std::accumulate(switches.begin(), switches.end(), uint64_t{0});
     game.regret_after_start_up =
         RegretFrom(result.start_up_frame_count, static_cast<double>(result.after_start_up_ns));
@@ -173,6 +186,10 @@ void Summarize(StudyRow& row) {
   std::vector<double> after_start_up;
   std::vector<double> first_best_s;
   for (const StudyGame& game : games) {
+    for (double FrameMs::*const time :
+         {&FrameMs::detection, &FrameMs::best, &FrameMs::median, &FrameMs::worst, &FrameMs::lane})
+      row.ms.*time += game.ms.*time * share;
+    row.reliability += game.reliability;
     row.switches += static_cast<double>(game.switch_count) * share;
     for (size_t i = 0; i < row.verdict_shares.size(); ++i) {
       row.verdict_shares[i] += game.verdict_shares[i] * share;
@@ -191,6 +208,7 @@ void Summarize(StudyRow& row) {
 }
 
 void Compare(StudyRow& row, const StudyRow& paper) {
+  row.paper_ms = paper.ms.detection;
   std::vector<double> differences;
   for (size_t seed = 0; seed < row.games.size(); ++seed) {
     differences.push_back(row.games[seed].regret_best_fixed - paper.games[seed].regret_best_fixed);

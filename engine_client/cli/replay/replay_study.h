@@ -51,6 +51,22 @@ struct StudyScene {
   ReplayScene scene;
 };
 
+// Times of a frame in milliseconds as they were recorded, other work left out.
+struct FrameMs {
+  double detection = 0;  // the player's
+  double best = 0;       // the best fixed arm's
+  double median = 0;     // the median of the fixed arms
+  double worst = 0;      // the worst fixed arm's
+  double lane = 0;       // CPU time of the shadow lane, on another core
+
+  double regret() const { return detection - best; }
+  // The share of the best fixed arm's detection.
+  double regret_ratio() const { return best > 0 ? regret() / best : 0; }
+  bool operator==(const FrameMs&) const = default;
+};
+// The time of a frame at 60 Hz.
+inline constexpr double kFrameMsAt60Hz = 1000.0 / 60;
+
 // The result of one player's game with one seed.
 struct StudyGame {
   double regret_best_fixed = 0;
@@ -67,6 +83,8 @@ struct StudyGame {
   std::vector<double> verdict_shares{};      // policies only: of ticks, by Verdict
   std::optional<double> first_best_s{};      // when a policy first chose the best fixed arm
   double shadow_share = 0;                   // share of the time that the shadow lane worked
+  FrameMs ms{};
+  Reliability reliability{};  // of a policy's decisions
   bool operator==(const StudyGame&) const = default;
 };
 
@@ -84,7 +102,10 @@ struct StudyRow {
   double active_share = 0;
   std::vector<double> verdict_shares;
   double shadow_share = 0;
+  FrameMs ms;
 
+  Reliability reliability;                      // of the decisions of all games
+  std::optional<double> paper_ms;               // the paper's detection on the same scene
   Interval ci95;                                // 95 % interval of regret_best_fixed
   std::optional<double> regret_after_start_up;  // mean over the games that have one
   std::optional<Interval> after_start_up_ci95;  // its 95 % interval

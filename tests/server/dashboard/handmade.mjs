@@ -99,6 +99,7 @@ export function degenerateExperiments(whole) {
 
 export const degenerateReplays = (whole) => ({
   'no rows': { ...whole, rows: [], scenes: [] },
+  'of an older program': { ...whole, rows: whole.rows.map(({ ms_per_frame, reliability, regret_detection, regret_60hz, ...rest }) => rest) },
   'no numbers': { ...whole, rows: whole.rows.map((each) => ({ ...noNumbers(each), ci95: [null, null], verdicts: {} })) },
 });
 export const judgedReplay = (whole) => ({ ...whole, goals: [

@@ -141,6 +141,16 @@ async function checkReplay(page, { rows, scenes }) {
   const afterStart = await page.locator('#rows tbody tr:not(.heading) > :nth-child(3)').allTextContents();
   assert.equal(afterStart.filter((text) => text === '–').length, rows.filter(({ regret_after_start }) => regret_after_start === null).length);
   await checkTip(page, '#regret-1', /after start-up/);
+  assert.equal(await rowsOf(page, 'milliseconds'), rows.length);
+  await checkTexts(page, '#milliseconds', '60 objects, best fixed algorithm');
+  const detection = await page.locator('#milliseconds tbody tr:not(.heading) > :nth-child(2)').allInnerTexts();
+  rows.forEach(({ ms_per_frame: ms }, i) => assert.equal(Number(detection[i]), Number(ms.detection.toPrecision(3))));
+  const policies = ['default', 'paper'];
+  const lows = (policy) => new Set(rows.filter((row) => row.policy === policy).flatMap((row) => row.reliability.map(({ low }) => low)));
+  const bins = policies.reduce((sum, policy) => sum + lows(policy).size, 0);
+  assert.equal(await count(page, '#reliability .point'), bins);
+  assert.equal(await rowsOf(page, 'calibration'), bins);
+  await checkTip(page, '#reliability', /said .* %, was the fastest in .* %/);
 }
 
 const textOf = (page, selector) => page.locator(selector).innerText();

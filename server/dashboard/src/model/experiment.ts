@@ -2,6 +2,7 @@
 // seconds since it began; ratios are plain numbers, 0.1 for 10 %.
 import { mean, type Interval } from '../format';
 import type { Machine } from '../page';
+import type { FrameMs } from './replay';
 
 export interface ExperimentRow {
   policy: string; own_policy: string; cell: string; scene: string; objects: number; runs: number;
@@ -21,6 +22,7 @@ export interface Run {
 export type TimePart = 'scene_step' | 'detection' | 'rebuild' | 'copying' | 'around' | 'frame_end' | 'intake' | 'decision' | 'lane';
 export interface Player {
   name: string; is_policy: boolean; regret: number; ci95: Interval; after_start_up: number | null; switches: number; active_share: number;
+  regret_60hz?: number; ms_per_frame?: FrameMs;
 }
 export interface Comparison {
   policy: string; baseline: string; pairs: number; difference: number; ci95: Interval; p: number; p_corrected: number; effect: number;

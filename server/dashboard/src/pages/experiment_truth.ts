@@ -27,8 +27,9 @@ function overviewRows(document: ExperimentDocument, words: Words): RangeRow[] {
 }
 
 function cellRows(truth: Truth, document: ExperimentDocument, words: Words): RangeRow[] {
-  return truth.players.map(({ name, is_policy, regret, ci95, after_start_up }) => regretRow(is_policy ? words.policyTitle(name) : name,
-    styleOf(name, is_policy, document.own_policy), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(after_start_up)}`));
+  return truth.players.map(({ name, is_policy, regret, ci95, after_start_up, ms_per_frame: ms, regret_60hz }) => regretRow(is_policy ? words.policyTitle(name) : name,
+    styleOf(name, is_policy, document.own_policy), regret, ci95, `${percent(regret)} (95 %: ${interval(ci95)})\nafter start-up ${percent(after_start_up)}` +
+      (ms ? `\n${significant(ms.regret)} ms per frame, ${percent(regret_60hz ?? null)} of one at 60 Hz` : '')));
 }
 
 function regretTable(truths: Truth[], words: Words): HTMLElement {

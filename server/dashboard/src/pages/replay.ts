@@ -1,11 +1,12 @@
 // The page of `sweepstake replay`.
 import { byValue, rangeChart } from '../charts/range_chart';
 import { chip } from '../charts/figure';
+import { reliabilityChart } from '../charts/reliability_chart';
 import { stackedBars } from '../charts/stacked_bars';
 import { headline, list, paragraph, small, terms, verdict, type Child } from '../dom';
 import { grouped, interval, mean, percent, probability, share, significant, spread } from '../format';
 import { VERDICTS } from '../model/experiment';
-import { costsOf, fileName, isFixed, meanRegretOf, type ReplayDocument, type ReplayRow } from '../model/replay';
+import { calibrationError, costsOf, fileName, isFixed, meanRegretOf, reliabilityOf, type ReplayDocument, type ReplayRow } from '../model/replay';
 import { commandLine, rawRows, type Page } from '../page';
 import { colourOf } from '../palette';
 import { cell, columns, drawTable, noValue, text, textCell, type Cell } from '../table';
@@ -87,6 +88,47 @@ function verdicts(document: ReplayDocument): Child[] {
     rows: known.map(({ costs, policy, verdicts: counts }) => ({ name: `${fileName(costs)} · ${policy}`, values: VERDICTS.map((name) => counts[name] ?? 0) })) })];
 }
 
+const signedMs = (ms: number) => (ms < 0 ? '−' : '+') + significant(Math.abs(ms));
+
+function msCells({ policy, ms_per_frame: ms, regret_detection: ofDetection, regret_60hz: of60Hz }: ReplayRow): Cell[] {
+  if (!ms) return [];
+  const against = (other: number | null) => optional(other === null ? null : ms.detection - other, signedMs);
+  return [cell(policy), cell(significant(ms.detection), ms.detection), cell(signedMs(ms.regret), ms.regret), cell(percent(ofDetection ?? null), ofDetection),
+    cell(percent(of60Hz ?? null), of60Hz), against(ms.worst), against(ms.median), against(ms.paper), cell(significant(ms.lane), ms.lane)];
+}
+
+function msTitle(document: ReplayDocument, costs: string, { best, median, worst }: NonNullable<ReplayRow['ms_per_frame']>): string {
+  const objects = sceneOf(document, costs)?.objects;
+  return `${fileName(costs)}: ${objects === undefined ? '' : `${grouped(objects)} objects, `}best fixed algorithm ${significant(best)} ms, ` +
+    `median ${significant(median)} ms, worst ${significant(worst)} ms`;
+}
+
+function msTable(document: ReplayDocument): Child[] {
+  const groups = costsOf(document).flatMap((costs) => {
+    const rows = rowsOf(document, costs).filter((row) => row.ms_per_frame);
+    return rows.length === 0 ? [] : [{ title: msTitle(document, costs, rows[0]!.ms_per_frame!), rows: rows.map(msCells) }];
+  });
+  return groups.length === 0 ? [] : [drawTable({ id: 'milliseconds', caption: 'Milliseconds of detection per frame, as recorded.', groups,
+    head: [columns('Policy', 'Detection', 'Regret', 'Of detection', 'Of a 60 Hz frame', 'Against the worst', 'Against the median', 'Against the paper',
+      'Shadow lane')] })];
+}
+
+function calibration(document: ReplayDocument): Child[] {
+  const known = [...new Set(document.rows.map(({ policy }) => policy))]
+    .map((policy) => ({ policy, bins: reliabilityOf(document, policy) })).filter(({ bins }) => bins.length > 0);
+  if (known.length === 0) return [];
+  return [reliabilityChart({ id: 'reliability', title: 'How often the leader was the fastest', xLabel: 'Probability that the policy gave its leader',
+    yLabel: 'Share in which it was the fastest algorithm', note: 'Judged by the frames since the decision before; the area of a mark grows with the ' +
+      'number of decisions. On the dashed line, what is said with 80 % is right in 80 %; below it, the policy is too sure of itself.',
+    lines: known.map(({ policy, bins }) => ({ name: policy, colour: styleOf(policy, true, ownOf(document)).colour, points: bins.map((bin) => ({
+      predicted: bin.predicted, observed: bin.best, weight: bin.decisions, text: `said ${share(bin.predicted)}, was the fastest in ${share(bin.best)}, or ` +
+        `within 0.5 % of it in ${share(bin.best_or_tie)} of ${grouped(bin.decisions)} decisions` })) })) }),
+  drawTable({ id: 'calibration', caption: 'The same figures.', head: [columns('Probability', 'Decisions', 'Said on average', 'Was the fastest', 'Or within 0.5 %')],
+    groups: known.map(({ policy, bins }) => ({ title: `${policy}: ${share(calibrationError(bins))} off on average`, rows: bins.map((bin) => [
+      cell(`${significant(100 * bin.low, 2)} to ${significant(100 * bin.high, 2)} %`, bin.low), cell(grouped(bin.decisions), bin.decisions),
+      cell(share(bin.predicted), bin.predicted), cell(share(bin.best), bin.best), cell(share(bin.best_or_tie), bin.best_or_tie)]) })) })];
+}
+
 function sceneTable({ scenes = [] }: ReplayDocument): Child {
   const seconds = (ns: number) => cell(`${significant(ns * 1e-9)} s`, ns);
   return scenes.length > 0 && drawTable({ id: 'scenes', caption: 'The traces as they were played. Noise floor: the same algorithm measured twice.',
@@ -101,7 +143,8 @@ const glossary = () => terms([
   ['Oracle', 'the best sequence of algorithms, known beforehand, that pays for its switches'],
   ['Headroom, captured', 'what the oracle gains over the best fixed algorithm, and how much of that gain was reached'],
   ['Active share', 'of the dominant algorithm, of the game’s time'],
-  ['Shadow lane', 'the share of time in which another thread measured the other algorithms']], 'terms');
+  ['Of a 60 Hz frame', 'the regret as a share of 16.67 ms: what it means to a game whose other work fills the rest'],
+  ['Shadow lane', 'the share of time in which another thread measured the other algorithms; in milliseconds, of another core']], 'terms');
 
 export function replayPage(document: ReplayDocument): Page {
   const traces = costsOf(document);
@@ -116,6 +159,8 @@ export function replayPage(document: ReplayDocument): Page {
         paragraph('Left is better; the axis is logarithmic, and what loses 0.01 % or less, or wins, stands at its left edge.'),
         overview(document), ...traces.map((costs, i) => regretChart(document, costs, i))] },
       { id: 'policies', heading: 'Policies', body: [rowTable(document)] },
+      { id: 'ms', heading: 'In milliseconds', body: msTable(document) },
+      { id: 'sure', heading: 'How sure it may be', body: calibration(document) },
       { id: 'verdicts', heading: 'Verdicts', body: verdicts(document) },
       { id: 'traces', heading: 'Traces', body: [sceneTable(document), document.command_line && commandLine(document.command_line)] },
       { id: 'method', heading: 'How it was measured', body: [list(['All policies played the same frames with the same seeds; intervals are bootstrapped over ' +

@@ -18,6 +18,7 @@ namespace sweepstake::cli {
 namespace {
 
 using nlohmann::json;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -46,6 +47,12 @@ class ReplayOutput : public testing::Test {
     row.verdict_shares = {0, 0.25, 0.75, 0, 0};
     row.first_best_s = 12.5;
     row.against_paper = StudyRow::AgainstPaper{};
+    row.ms = {.detection = 0.75, .best = 0.5, .median = 1, .worst = 2, .lane = 0.0625};
+    row.paper_ms = 0.75;
+    row.reliability.Add(0.85, 0);
+    row.reliability.Add(0.875, 0.004);
+    row.reliability.Add(0.825, 0.1);
+    row.reliability.Add(1, 0);
     return row;
   }
   static StudyRow OracleRow() {
@@ -124,6 +131,37 @@ TEST_F(ReplayOutput, TheTableShowsRatiosInPercentAndNoNegativeZero) {
   EXPECT_THAT(table, HasSubstr("-375%"));
   EXPECT_THAT(table, Not(HasSubstr("-0.00%")));
   EXPECT_THAT(table, HasSubstr("mean of 2 seeds"));
+}
+
+TEST_F(ReplayOutput, RegretIsAlsoAShareOfDetectionAndOfAFrameAndInMilliseconds) {
+  const json document = Document();
+  const json& row = document["rows"][0];
+  EXPECT_EQ(row["regret_detection"], 0.5);
+  EXPECT_DOUBLE_EQ(row["regret_60hz"], 0.25 * 60 / 1000);
+  EXPECT_EQ(row["ms_per_frame"], json::parse(R"({"detection": 0.75, "best": 0.5, "median": 1.0,
+      "worst": 2.0, "paper": 0.75, "regret": 0.25, "lane": 0.0625})"));
+  EXPECT_TRUE(document["rows"][1]["ms_per_frame"]["paper"].is_null());
+  EXPECT_EQ(document["scenes"][0]["objects"], 1000);
+  const std::string table = Table();
+  EXPECT_THAT(table, HasSubstr("a.costs: 1,000 objects, best fixed arm 0.5000 ms, median 1.0000, "
+                               "worst 2.0000"));
+  EXPECT_THAT(table, ContainsRegex("paper +0.7500 +\\+0.2500 +\\+50.00% +\\+1.500% +-1.2500 +"
+                                   "-0.2500 +\\+0.0000 +0.0625"));
+}
+
+TEST_F(ReplayOutput, ProbabilitiesAreComparedWithHowOftenTheyAreRight) {
+  const json document = Document();
+  const json& bins = document["rows"][0]["reliability"];
+  ASSERT_EQ(bins.size(), 2U);
+  EXPECT_EQ(bins[0]["low"], 0.8);
+  EXPECT_EQ(bins[0]["high"], 0.9);
+  EXPECT_EQ(bins[0]["decisions"], 3);
+  EXPECT_DOUBLE_EQ(bins[0]["predicted"], 0.85);
+  EXPECT_DOUBLE_EQ(bins[0]["best"], 1.0 / 3);
+  EXPECT_DOUBLE_EQ(bins[0]["best_or_tie"], 2.0 / 3);
+  EXPECT_EQ(bins[1]["high"], 1);
+  EXPECT_TRUE(document["rows"][1]["reliability"].empty());
+  EXPECT_THAT(Table(), ContainsRegex("paper +- +- +- +- +33% .3. +- +- +100% .1. +0.387"));
 }
 
 TEST_F(ReplayOutput, TheCsvFileHasALineForEachGame) {

@@ -289,6 +289,65 @@ TEST(RunStudy, FixedArmsAndTheOracleHaveTheRegretThatTheTraceSays) {
   EXPECT_FALSE(rows[3].headroom_captured);
 }
 
+TEST(RunStudy, MillisecondsAreThoseOfTheTraceWithoutOtherWork) {
+  const auto rows =
+      Study(TwiceAsSlow(), StudyOf({"fixed:KDTree", "paper", "adaptive"}, {"AxisSweep", "KDTree"}),
+            {.other_work_ns = 4'000'000});
+  const FrameMs& slow = rows[0].ms;
+  EXPECT_NEAR(slow.detection, 0.1, 1e-9);
+  EXPECT_NEAR(slow.best, 0.05, 1e-9);
+  EXPECT_NEAR(slow.median, 0.075, 1e-9);
+  EXPECT_NEAR(slow.worst, 0.1, 1e-9);
+  EXPECT_NEAR(slow.regret_ratio(), 1, 1e-9);
+  EXPECT_NEAR(rows[0].regret_best_fixed, 0.6, 1e-9);  // of the frame, other work included
+  EXPECT_EQ(slow.lane, 0);
+  EXPECT_EQ(rows[0].paper_ms, rows[1].ms.detection);
+  // The lane works for a share of the time that the frames take; see the test of its budget.
+  EXPECT_NEAR(rows[2].ms.lane, rows[2].shadow_share * 0.05 * 10 / 6, 1e-4);
+  EXPECT_GT(rows[2].ms.lane, 0.001);
+}
+
+TEST(RunStudy, WhatAPolicySaysIsComparedWithTheFramesSinceTheDecisionBefore) {
+  const auto rows = Study(TwiceAsSlow(), StudyOf({"adaptive", "fixed:A"}, {"A", "B"}));
+  const auto& bins = rows[0].reliability.bins();
+  EXPECT_GT(rows[0].reliability.decision_count(), 4 * 440U);
+  EXPECT_GT(bins.back().decision_count, 4 * 400U);
+  EXPECT_EQ(bins.back().best_count, bins.back().decision_count);
+  EXPECT_EQ(rows[1].reliability.decision_count(), 0U);
+}
+
+// The arms change places in the middle: the leader is the wrong one until the lane has seen it.
+TEST(RunStudy, ALeaderThatIsNotTheFastestArmAnyMoreIsWrong) {
+  const auto rows = Study(TwoRegimes(), StudyOf({"adaptive"}, {"A", "B"}));
+  uint64_t wrong = 0;
+  for (const ReliabilityBin& bin : rows[0].reliability.bins())
+    wrong += bin.decision_count - bin.best_count;
+  EXPECT_GE(wrong, 4U);
+  EXPECT_LE(wrong, 4 * 2 * 10U);
+}
+
+TEST(Reliability, AProbabilityIsInTheRangeThatBeginsWithIt) {
+  Reliability reliability;
+  for (const double probability : {0.0, 0.5, 0.79, 0.8, 0.99, 1.0}) reliability.Add(probability, 0);
+  std::vector<uint64_t> counts;
+  for (const ReliabilityBin& bin : reliability.bins()) counts.push_back(bin.decision_count);
+  EXPECT_EQ(counts, (std::vector<uint64_t>{1, 1, 0, 1, 1, 0, 0, 2}));
+}
+
+TEST(Reliability, ItsErrorIsTheMeanDistanceOfTheRanges) {
+  Reliability reliability;
+  EXPECT_EQ(reliability.error(), 0);
+  reliability.Add(0.75, 0);
+  reliability.Add(0.75, 0);
+  Reliability other;
+  other.Add(0.95, 0.01);
+  other.Add(0.55, 0.005);
+  reliability += other;
+  EXPECT_DOUBLE_EQ(reliability.error(), (2 * 0.25 + 0.95 + 0.55) / 4);
+  EXPECT_EQ(reliability.bins()[1].tie_count, 1U);
+  EXPECT_EQ(reliability.bins()[1].best_count, 0U);
+}
+
 TEST(RunStudy, OfAGameThatEndsWithItsStartThereIsNoRegretAfterIt) {
   const StudyOptions options = StudyOf({"fixed", "paper", "oracle"}, {"AxisSweep", "KDTree"});
   for (const StudyRow& row : Study(TwiceAsSlow(), options, {.run_ns = kStartUpNs / 2})) {
