@@ -61,13 +61,17 @@ void AddWatchCommand(CLI::App& app, Terminal& terminal, int& exit_code) {
       "  sweepstake watch --daemon 127.0.0.1:7433 --json      once, for machines\n"
       "  sweepstake watch --daemon 127.0.0.1:7433 --json --follow\n"
       "  sweepstake watch --daemon daemon.example:7433 --tls-ca ca.pem\n"
-      "95_low to 95_high is the central 95 % of an arm's posterior, best its probability to be "
+      "95_low to 95_high is the central 95 % of an arm's posterior and of its cost against the\n"
+      "leader's, best its probability to be the best arm, as if all windows were independent. Of "
       "the\n"
-      "best arm. Verdicts: stable (best >= 0.8), tie (below, but choosing the leader loses at "
-      "most\n"
-      "0.5 % of the reward), ambiguous; a session's decisions say degraded where even the leader\n"
-      "misses the frame-rate floor. Exit code 3 when no daemon answers; one that is lost later is\n"
-      "tried again until Ctrl-C.",
+      "session that decided last: n, the live windows that would tell as much as it knows; live "
+      "and\n"
+      "lane, the windows and visits of the shadow lane that it has learnt from. Verdicts: stable\n"
+      "(best >= 0.8), tie (below, but choosing the leader loses at most 0.5 %), ambiguous; a "
+      "session's\n"
+      "decisions say degraded where even the leader misses the frame-rate floor. Exit code 3 when "
+      "no\n"
+      "daemon answers; one that is lost later is tried again until Ctrl-C.",
       exit_code,
       [](CLI::App& command, WatchOptions& options) {
         AddDaemonOptions(command, options.daemon);

@@ -34,6 +34,20 @@ std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std
   return ArmBelief{arm, alpha, beta};
 }
 
+ArmStanding FromProto(const v1::ArmStanding& standing) {
+  ArmStanding result{.live_window_count = standing.live_window_count(),
+                     .lane_visit_count = standing.lane_visit_count(),
+                     .effective_window_count = standing.effective_window_count(),
+                     .best_probability = standing.best_probability(),
+                     .cost_ratio = {}};
+  if (standing.has_cost_ratio()) {
+    const v1::CostRatio& ratio = standing.cost_ratio();
+    result.cost_ratio =
+        CostRatio{.median = ratio.median(), .low = ratio.low(), .high = ratio.high()};
+  }
+  return result;
+}
+
 v1::PriorRecord ToProto(const PriorRecord& record) {
   v1::PriorRecord message;
   message.set_project(record.project);

@@ -19,6 +19,7 @@ SceneDescriptor FromProto(const v1::SceneDescriptor& message);
 
 // The result is absent if a parameter of the posterior is not finite or not above 0.
 std::optional<ArmBelief> FromProto(const v1::BetaPosterior& posterior, const std::string& arm);
+ArmStanding FromProto(const v1::ArmStanding& standing);
 v1::PriorRecord ToProto(const PriorRecord& record);
 PriorRecord FromProto(const v1::PriorRecord& message);
 

@@ -128,6 +128,27 @@ struct Diagnosis {
   Verdict verdict = Verdict::kUnknown;
 };
 
+// A cost ÷ another one, of which it is believed to have this median, and to be from low to high
+// with a probability of 95 %.
+struct CostRatio {
+  double median = 1;
+  double low = 1;
+  double high = 1;
+  bool operator==(const CostRatio&) const = default;
+};
+
+// What a session has measured of an arm, and what follows from it in units that people read.
+struct ArmStanding {
+  uint64_t live_window_count = 0;  // windows learnt
+  uint64_t lane_visit_count = 0;   // visits of the shadow lane learnt
+  // The number of live windows, of an arm that does not change, that would leave a posterior of
+  // this width; priors and visits count for what they tell, and so may windows for less than one.
+  double effective_window_count = 0;
+  // Cost ÷ the leader's; absent while nothing is learnt, and where rewards do not tell costs
+  // (log_cost.h).
+  std::optional<CostRatio> cost_ratio;
+};
+
 // The terms of the switch-cost gate for the candidate, which passes if
 // horizon_s · gain − cooldown_s · loss − cost_s > 0. The difference d is the log-cost of the active
 // arm minus that of the candidate.
@@ -168,6 +189,7 @@ struct DecisionRecord {
   std::optional<GateTerms> gate;          // absent if the policy has no gate
   double propensity = 1;                  // probability with which the policy draws this candidate
   Diagnosis diagnosis;
+  std::vector<ArmStanding> standings;  // has one per arm
 };
 
 // Counts of frames and bail-outs since the session began, by how they were treated.

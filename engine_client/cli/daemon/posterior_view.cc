@@ -9,18 +9,20 @@
 #include <vector>
 
 #include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
 #include "engine_client/telemetry/embedded/decision_conversion.h"
 #include "engine_client/telemetry/proto_conversion.h"
 #include "server/audit/cell_text.h"
 #include "server/decision/policy/diagnosis.h"
+#include "server/decision/policy/log_cost.h"
 
 namespace sweepstake::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kBarWidth = 40;
+constexpr int kBarWidth = 30;
 constexpr double kMsPerNs = 1e-6;
 constexpr std::array kShares = {0.5, 0.95, 0.99};
 
@@ -43,6 +45,7 @@ struct ArmView {
   decision::CredibleInterval interval;
   // Absent if nothing is known of the arm or its backend has a newer version.
   std::optional<double> best_probability;
+  std::optional<CostRatio> cost_ratio;  // absent as well where rewards do not tell costs
 };
 
 struct SceneView {
@@ -55,6 +58,20 @@ bool IsNewest(const v1::ScenePosterior& scene, const v1::ArmPosterior& arm) {
   return std::none_of(scene.arms().begin(), scene.arms().end(), [&](const v1::ArmPosterior& other) {
     return other.arm() == arm.arm() && other.backend_version() > arm.backend_version();
   });
+}
+
+decision::Diagnosis DiagnoseCosts(std::span<const decision::BetaPosterior> posteriors) {
+  const bool nothing_learnt =
+      std::all_of(posteriors.begin(), posteriors.end(),
+                  [](const auto& posterior) { return posterior == decision::BetaPosterior{}; });
+  if (nothing_learnt) return {};
+  std::vector<double> means, variances;
+  for (const decision::BetaPosterior& posterior : posteriors) {
+    const decision::NormalBelief belief = decision::BeliefOf(posterior);
+    means.push_back(belief.mean);
+    variances.push_back(belief.variance);
+  }
+  return decision::DiagnoseLogCosts(means, variances);
 }
 
 SceneView ViewOf(const v1::ScenePosterior& scene) {
@@ -71,12 +88,21 @@ SceneView ViewOf(const v1::ScenePosterior& scene) {
     contenders.push_back(posterior);
     places.push_back(view.arms.size() - 1);
   }
-  view.diagnosis = decision::Diagnose(contenders);
-  for (size_t i = 0; i < view.diagnosis.best_probability.size(); ++i) {
-    view.arms[places[i]].best_probability = view.diagnosis.best_probability[i];
-  }
-  if (!view.diagnosis.best_probability.empty()) {
-    view.leader = scene.arms(static_cast<int>(places[view.diagnosis.leader])).arm();
+  // The only arm that is known of is no better than others.
+  if (contenders.size() < 2) return view;
+  const bool tells_costs = scene.reward_version() == decision::kLogCostRewardVersion;
+  view.diagnosis = tells_costs ? DiagnoseCosts(contenders) : decision::Diagnose(contenders);
+  if (view.diagnosis.best_probability.empty()) return view;
+  const uint32_t leader = view.diagnosis.leader;
+  view.leader = scene.arms(static_cast<int>(places[leader])).arm();
+  for (size_t i = 0; i < contenders.size(); ++i) {
+    ArmView& shown = view.arms[places[i]];
+    shown.best_probability = view.diagnosis.best_probability[i];
+    if (!tells_costs) continue;
+    const decision::CostRatio ratio =
+        i == leader ? decision::CostRatio{}
+                    : decision::CostRatioOf(contenders[i], contenders[leader]);
+    shown.cost_ratio = CostRatio{.median = ratio.median, .low = ratio.low, .high = ratio.high};
   }
   return view;
 }
@@ -134,14 +160,14 @@ std::string PosteriorText(const v1::ScenePosterior& scene) {
        << scene.source_count() << " in all\n"
        << "verdict " << VerdictText(view) << '\n';
   TextTable table({"arm", "0" + std::string(kBarWidth - 2, ' ') + "1", "mean", "95_low", "95_high",
-                   "best", "n", "windows", "bail-outs"});
+                   "cost", "95_low", "95_high", "best", "windows", "bail-outs"});
   for (int i = 0; i < scene.arms_size(); ++i) {
     const v1::ArmPosterior& arm = scene.arms(i);
-    const v1::BetaPosterior& posterior = arm.posterior();
-    const auto& [interval, best] = view.arms[static_cast<size_t>(i)];
+    const auto& [interval, best, ratio] = view.arms[static_cast<size_t>(i)];
     table.AddRow({arm.arm(), IntervalBar(Mean(arm), interval, kBarWidth), Fixed(Mean(arm), 3),
-                  Fixed(interval.low, 3), Fixed(interval.high, 3), best ? Fixed(*best, 3) : "-",
-                  Fixed(posterior.alpha() + posterior.beta(), 1),
+                  Fixed(interval.low, 3), Fixed(interval.high, 3),
+                  ratio ? RatioText(ratio->median) : "-", ratio ? RatioText(ratio->low) : "-",
+                  ratio ? RatioText(ratio->high) : "-", best ? Fixed(*best, 3) : "-",
                   std::to_string(arm.window_count()), std::to_string(arm.bail_out_count())});
   }
   return text.str() + table.Text();
@@ -163,18 +189,20 @@ Json PosteriorJson(const v1::ScenePosterior& scene) {
   for (int i = 0; i < scene.arms_size(); ++i) {
     const v1::ArmPosterior& arm = scene.arms(i);
     const v1::BetaPosterior& posterior = arm.posterior();
-    const auto& [interval, best] = view.arms[static_cast<size_t>(i)];
-    document["arms"].push_back({{"arm", arm.arm()},
-                                {"backend_version", arm.backend_version()},
-                                {"alpha", posterior.alpha()},
-                                {"beta", posterior.beta()},
-                                {"mean", Mean(arm)},
-                                {"low_95", interval.low},
-                                {"high_95", interval.high},
-                                {"best_probability", OrNull(best)},
-                                {"n", posterior.alpha() + posterior.beta()},
-                                {"windows", arm.window_count()},
-                                {"bail_outs", arm.bail_out_count()}});
+    const auto& [interval, best, ratio] = view.arms[static_cast<size_t>(i)];
+    document["arms"].push_back(
+        {{"arm", arm.arm()},
+         {"backend_version", arm.backend_version()},
+         {"alpha", posterior.alpha()},
+         {"beta", posterior.beta()},
+         {"mean", Mean(arm)},
+         {"low_95", interval.low},
+         {"high_95", interval.high},
+         {"best_probability", OrNull(best)},
+         {"cost_ratio", ratio ? Json(ratio->median) : Json()},
+         {"cost_ratio_95", ratio ? IntervalJson({ratio->low, ratio->high}) : Json()},
+         {"windows", arm.window_count()},
+         {"bail_outs", arm.bail_out_count()}});
   }
   return document;
 }
@@ -205,6 +233,21 @@ std::optional<double> Quantile(const v1::LogHistogram& histogram, double share) 
     below += histogram.counts(i);
   }
   return bucket == 0 ? 0 : std::exp2((static_cast<double>(bucket) - 0.5) / 8);
+}
+
+std::string StandingsText(const v1::DecisionEvent& event) {
+  if (event.standings_size() == 0 || event.standings_size() != event.arms_size()) return "";
+  std::vector<std::string> header = StandingHeader();
+  header.insert(header.begin(), "arm");
+  TextTable table(header);
+  for (int i = 0; i < event.arms_size(); ++i) {
+    std::vector<std::string> cells = StandingCells(FromProto(event.standings(i)));
+    cells.insert(cells.begin(), event.arms(i));
+    table.AddRow(std::move(cells));
+  }
+  return "session " + event.session_id() + " of " + event.scene() + " after decision " +
+         std::to_string(event.decision_id()) + " of policy " + event.policy() + ", on " +
+         event.active_arm() + '\n' + table.Text();
 }
 
 std::string DecisionText(const v1::DecisionEvent& event) {
@@ -241,6 +284,10 @@ Json DecisionJson(const v1::DecisionEvent& event) {
   document["policy"] = event.policy();
   document["machine_class"] = event.machine_class();
   document["best_probability"] = event.best_probability();
+  document["arms"] = Json::array();
+  for (int i = 0; i < std::min(event.arms_size(), event.standings_size()); ++i)
+    AddStanding(FromProto(event.standings(i)),
+                document["arms"].emplace_back(Json{{"arm", event.arms(i)}}));
   document["expected_loss_ratio"] = event.expected_loss_ratio();
   document["verdict"] = decision::NameOf(decision::kVerdictNames, event.verdict());
   if (!event.has_measurements()) return document;

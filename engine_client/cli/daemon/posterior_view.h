@@ -15,10 +15,11 @@ namespace sweepstake::cli {
 // outside.
 std::string IntervalBar(double mean, decision::CredibleInterval interval, int width);
 
-// Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior
-// and the probability of being the best arm. The verdict is computed from the evidence of all
-// sessions together (server/decision/policy/diagnosis.h) and compares only the newest version of
-// each arm's backend.
+// Returns a heading and a table with a line per arm: the mean, the central 95 % of the posterior,
+// the cost against the leader's where the rewards tell it, the probability of being the best arm,
+// and the live windows of all sessions. The verdict is computed from the evidence of all sessions
+// together (server/decision/policy/diagnosis.h), as if their windows were independent, and compares
+// only the newest version of each arm's backend.
 std::string PosteriorText(const v1::ScenePosterior& scene);
 nlohmann::ordered_json PosteriorJson(const v1::ScenePosterior& scene);
 
@@ -30,6 +31,9 @@ nlohmann::ordered_json PosteriorsJson(std::span<const v1::ScenePosterior> scenes
 // result is absent if there are no values, or if the message breaks its rules.
 std::optional<double> Quantile(const v1::LogHistogram& histogram, double share);
 
+// Returns a heading and a table of what the event's session has learnt of its arms; empty if the
+// daemon does not tell.
+std::string StandingsText(const v1::DecisionEvent& event);
 // Returns, for example, "hurricane-3000: decision 7, SAP → KDTree: switched (policy), reward 0.731;
 // p50/p95/p99 of the frame 16.6/17.2/31.1 ms, detection 2.10/2.35/4.81 ms".
 std::string DecisionText(const v1::DecisionEvent& event);

@@ -10,8 +10,8 @@ constexpr size_t kMaxDecisions = 10;
 constexpr std::chrono::milliseconds kRedrawInterval{200};
 constexpr char kHomeAndClear[] = "\x1b[H\x1b[2J";
 constexpr char kLegend[] =
-    "|: mean, -: central 95 % of the posterior, best: probability to be the best arm. Ctrl-C "
-    "ends.\n";
+    "|: mean, -: central 95 % of the posterior, cost: against the leader's, best: probability to "
+    "be the\nbest arm, n: live windows that would tell as much. Ctrl-C ends.\n";
 
 }  // namespace
 
@@ -21,6 +21,7 @@ void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
   for (const v1::DecisionEvent& decision : event.decisions()) {
     // A terminal has no room for it.
     const std::string session = redraws_ ? "" : decision.session_id() + " of ";
+    latest_[{decision.project(), decision.scene(), decision.machine_class()}] = decision;
     ShowDecision(time + session + DecisionText(decision));
   }
   if (!redraws_) out_ << std::flush;
@@ -32,7 +33,12 @@ void WatchScreen::Show(const v1::WatchPosteriorsResponse& event) {
 
 void WatchScreen::ShowPosterior(const v1::ScenePosterior& scene) {
   scenes_[{scene.project(), scene.scene(), scene.machine_class(), scene.reward_version()}] = scene;
-  if (!redraws_) out_ << PosteriorText(scene);
+  if (!redraws_) out_ << SceneText(scene);
+}
+
+std::string WatchScreen::SceneText(const v1::ScenePosterior& scene) const {
+  const auto latest = latest_.find({scene.project(), scene.scene(), scene.machine_class()});
+  return PosteriorText(scene) + (latest == latest_.end() ? "" : StandingsText(latest->second));
 }
 
 void WatchScreen::ShowDecision(const std::string& line) {
@@ -46,7 +52,7 @@ void WatchScreen::ShowDecision(const std::string& line) {
 
 void WatchScreen::Draw() {
   out_ << kHomeAndClear << kLegend << '\n';
-  for (const auto& [key, scene] : scenes_) out_ << PosteriorText(scene) << '\n';
+  for (const auto& [key, scene] : scenes_) out_ << SceneText(scene) << '\n';
   for (const std::string& decision : decisions_) out_ << decision << '\n';
   out_ << std::flush;
 }

@@ -16,7 +16,8 @@ namespace sweepstake::cli {
 class WatchScreen {
  public:
   // With `redraws` (for a terminal) the screen is drawn anew at most five times per second. Without
-  // it, each event is printed when it arrives, a decision with its session.
+  // it, each event is printed when it arrives, a decision with its session. With a scene's
+  // posteriors comes what the session that decided last has learnt.
   WatchScreen(std::ostream& out, bool redraws) : out_(out), redraws_(redraws) {}
 
   void Show(const v1::WatchPosteriorsResponse& event);
@@ -24,12 +25,16 @@ class WatchScreen {
  private:
   void ShowPosterior(const v1::ScenePosterior& scene);
   void ShowDecision(const std::string& line);
+  // Returns the scene's posteriors, and what its latest session has learnt.
+  std::string SceneText(const v1::ScenePosterior& scene) const;
   void Draw();
 
   std::ostream& out_;
   const bool redraws_;
   // The key is project, scene, machine class and reward version.
   std::map<std::tuple<std::string, std::string, std::string, uint32_t>, v1::ScenePosterior> scenes_;
+  // The latest decision of each scene, by project, scene and machine class.
+  std::map<std::tuple<std::string, std::string, std::string>, v1::DecisionEvent> latest_;
   std::deque<std::string> decisions_;
   std::chrono::steady_clock::time_point drawn_at_;
 };

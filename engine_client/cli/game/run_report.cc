@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "engine_client/cli/io/csv_file.h"
+#include "engine_client/cli/io/json_output.h"
+#include "engine_client/cli/io/standing_cells.h"
 #include "engine_client/cli/io/text_table.h"
 
 namespace sweepstake::cli {
@@ -38,17 +41,21 @@ std::string TimeText(double time_s, uint64_t frame_index) {
 }
 
 std::string ArmTable(const RunSummary& summary) {
-  TextTable table({"arm", "mean", "alpha", "beta", "n", "active_s", "active_%", "frames", "fps",
-                   "detection_ms"});
+  std::vector<std::string> header = StandingHeader();
+  header.insert(header.begin(), "arm");
+  header.insert(header.end(), {"mean", "alpha", "beta", "active_%", "frames", "detection_ms"});
+  TextTable table(header);
   const double whole_s = std::max(summary.active_s(), 1e-9);
   for (const ArmRow& row : summary.arms) {
-    table.AddRow({row.arm, Fixed(row.mean(), 3), Fixed(row.belief.alpha, 2),
-                  Fixed(row.belief.beta, 2), Fixed(row.evidence(), 2), Fixed(row.active_s(), 1),
+    std::vector<std::string> cells = StandingCells(row.belief.standing);
+    cells.insert(cells.begin(), row.arm);
+    cells.insert(cells.end(),
+                 {Fixed(row.mean(), 3), Fixed(row.belief.alpha, 1), Fixed(row.belief.beta, 1),
                   Fixed(100 * row.active_s() / whole_s, 1),
-                  std::to_string(row.activity.frame_count), Fixed(row.fps(), 0),
-                  Fixed(row.detection_ms(), 4)});
+                  std::to_string(row.activity.frame_count), Fixed(row.detection_ms(), 4)});
+    table.AddRow(std::move(cells));
   }
-  return table.Text();
+  return table.Text() + StandingLegend();
 }
 
 // A decider that has no evidence reports Beta(1,1), as well as none.
@@ -91,21 +98,23 @@ Json ShadowJson(const RunSummary& summary) {
           {"busy_share", summary.shadow_busy_ratio()},
           {"copied_frames", shadow.copied_frame_count},
           {"copy_ns_per_frame", summary.shadow_copy_ns_per_frame()},
+          {"ms_per_frame", summary.shadow_ms_per_frame()},
           {"memory_bytes", shadow.memory_bytes},
           {"warm_switches", shadow.warm_switch_count},
           {"cold_switches", shadow.cold_switch_count}};
 }
 
 Json ArmJson(const ArmRow& row) {
-  return {{"arm", row.arm},
-          {"alpha", row.belief.alpha},
-          {"beta", row.belief.beta},
-          {"mean", row.mean()},
-          {"n", row.evidence()},
-          {"active_s", row.active_s()},
-          {"frames", row.activity.frame_count},
-          {"fps", row.fps()},
-          {"detection_ms", row.detection_ms()}};
+  Json document = {{"arm", row.arm},
+                   {"alpha", row.belief.alpha},
+                   {"beta", row.belief.beta},
+                   {"mean", row.mean()},
+                   {"active_s", row.active_s()},
+                   {"frames", row.activity.frame_count},
+                   {"fps", row.fps()},
+                   {"detection_ms", row.detection_ms()}};
+  AddStanding(row.belief.standing, document);
+  return document;
 }
 
 Json SwitchJson(const SwitchRow& row) {
@@ -155,6 +164,8 @@ Json TotalsJson(const RunSummary& summary) {
           {"frames", summary.frame_count},
           {"seconds", summary.active_s()},
           {"fps", summary.fps()},
+          {"detection_ms", summary.detection_ms()},
+          {"saved_ms_per_frame", OrNull(summary.saved_ms_per_frame())},
           {"sent_frames", session.sent_frame_count},
           {"dropped_frames", session.dropped_frame_count},
           {"resent_messages", session.resent_message_count},
@@ -175,14 +186,29 @@ Status WriteSwitches(const RunSummary& summary, const std::filesystem::path& pat
   return (*csv)->Commit();
 }
 
+std::string ExactText(uint64_t count) { return std::to_string(count); }
+std::string ExactText(double value) { return Fixed(value, 9); }
+
 Status WritePosteriors(const RunSummary& summary, const std::filesystem::path& path) {
-  auto csv = CsvFile::Create(
-      path, {"arm", "backend_version", "alpha", "beta", "mean", "n", "active_s", "frames"});
+  auto csv =
+      CsvFile::Create(path, {"arm", "backend_version", "alpha", "beta", "mean", "n", "active_s",
+                             "frames", "live_windows", "lane_visits", "best_probability",
+                             "cost_ratio", "cost_ratio_low", "cost_ratio_high"});
   if (!csv.ok()) return csv.status();
   for (const ArmRow& row : summary.arms) {
+    const std::optional<ArmStanding>& standing = row.belief.standing;
+    const auto known = [&](auto ArmStanding::*value) {
+      return standing ? ExactText((*standing).*value) : "";
+    };
+    const auto ratio = [&](double CostRatio::*value) {
+      return standing && standing->cost_ratio ? ExactText((*standing->cost_ratio).*value) : "";
+    };
     (*csv)->Row({row.arm, std::to_string(row.backend_version), Fixed(row.belief.alpha, 9),
-                 Fixed(row.belief.beta, 9), Fixed(row.mean(), 9), Fixed(row.evidence(), 9),
-                 Fixed(row.active_s(), 6), std::to_string(row.activity.frame_count)});
+                 Fixed(row.belief.beta, 9), Fixed(row.mean(), 9),
+                 known(&ArmStanding::effective_window_count), Fixed(row.active_s(), 6),
+                 std::to_string(row.activity.frame_count), known(&ArmStanding::live_window_count),
+                 known(&ArmStanding::lane_visit_count), known(&ArmStanding::best_probability),
+                 ratio(&CostRatio::median), ratio(&CostRatio::low), ratio(&CostRatio::high)});
   }
   return (*csv)->Commit();
 }
@@ -215,17 +241,32 @@ std::string VerdictChangeText(const VerdictChangeRow& row) {
 }
 
 std::string BeliefsText(std::span<const ArmBelief> beliefs) {
-  const auto evidence = [](const ArmBelief& belief) { return belief.alpha + belief.beta; };
-  const auto mean = [&](const ArmBelief& belief) { return belief.alpha / evidence(belief); };
+  const auto mean = [](const ArmBelief& belief) {
+    return belief.alpha / (belief.alpha + belief.beta);
+  };
   std::vector<ArmBelief> best_first(beliefs.begin(), beliefs.end());
   std::stable_sort(best_first.begin(), best_first.end(),
                    [&](const ArmBelief& a, const ArmBelief& b) { return mean(a) > mean(b); });
   std::string text;
-  for (const ArmBelief& belief : best_first) {
-    text += (text.empty() ? "" : " · ") + belief.arm + " " + Fixed(mean(belief), 2) +
-            (text.empty() ? " (n " : " (") + Fixed(evidence(belief), 0) + ")";
+  for (const auto& [arm, alpha, beta, standing] : best_first) {
+    const bool has_ratio = standing && standing->cost_ratio;
+    const std::string n = standing ? Fixed(standing->effective_window_count, 1) : "";
+    text += (text.empty() ? "" : " · ") + arm + " " +
+            (has_ratio ? "×" + RatioText(standing->cost_ratio->median)
+                       : Fixed(alpha / (alpha + beta), 2)) +
+            (n.empty() ? "" : (text.empty() ? " (n " : " (") + n + ")");
   }
   return text;
+}
+
+std::string FrameCostText(const RunSummary& summary) {
+  std::string text = "Per frame: " + Fixed(summary.detection_ms(), 4) + " ms of detection";
+  if (const std::optional<double> saved_ms = summary.saved_ms_per_frame()) {
+    text += ", " + Fixed(std::abs(*saved_ms), 4) + " ms " + (*saved_ms < 0 ? "more" : "less") +
+            " than the median arm is believed to take";
+  }
+  return text + "; the shadow lane took " + Fixed(summary.shadow_ms_per_frame(), 4) +
+         " ms of another core";
 }
 
 std::string ShadowText(const RunSummary& summary) {
@@ -260,8 +301,8 @@ std::string RunReportText(const RunSummary& summary) {
          (IsLost(summary.session)
               ? "The session did not end as it should: " + summary.session.last_error + '\n'
               : "") +
-         SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' +
-         "Verdict: " + VerdictText(summary.verdict) + '\n';
+         SwitchCountsText(summary) + '\n' + ShadowText(summary) + '\n' + FrameCostText(summary) +
+         '\n' + "Verdict: " + VerdictText(summary.verdict) + '\n';
 }
 
 Json RunReportJson(const RunSummary& summary) {

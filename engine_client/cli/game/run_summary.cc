@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "engine_client/cli/io/duration.h"
+#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {
@@ -24,7 +25,7 @@ std::vector<ArmRow> ArmRows(const GameRun& run, const SessionStats& session) {
 
 }  // namespace
 
-double ArmRow::mean() const { return belief.alpha / evidence(); }
+double ArmRow::mean() const { return belief.alpha / (belief.alpha + belief.beta); }
 
 double ArmRow::fps() const { return Ratio(static_cast<double>(activity.frame_count), active_s()); }
 
@@ -52,6 +53,32 @@ double RunSummary::shadow_busy_ratio() const {
 
 double RunSummary::shadow_copy_ns_per_frame() const {
   return Ratio(static_cast<double>(shadow.copy_time_ns), static_cast<double>(frame_count));
+}
+
+double RunSummary::shadow_ms_per_frame() const {
+  return Ratio(Seconds(shadow.busy_time_ns) * 1e3, static_cast<double>(frame_count));
+}
+
+double RunSummary::detection_ms() const {
+  double sum_ms = 0;
+  for (const ArmRow& row : arms) sum_ms += Seconds(row.activity.detection_ns) * 1e3;
+  return Ratio(sum_ms, static_cast<double>(frame_count));
+}
+
+// The costs are known as ratios to the leader's; what has run tells what that takes.
+std::optional<double> RunSummary::saved_ms_per_frame() const {
+  std::vector<double> ratios;
+  double ratio_sum = 0;  // over the frames
+  double run_count = 0;
+  for (const ArmRow& row : arms) {
+    if (!row.belief.standing || !row.belief.standing->cost_ratio) return std::nullopt;
+    ratios.push_back(row.belief.standing->cost_ratio->median);
+    const auto count = static_cast<double>(row.activity.frame_count);
+    ratio_sum += count * ratios.back();
+    run_count += count;
+  }
+  if (!(ratio_sum > 0)) return std::nullopt;
+  return detection_ms() * (Median(ratios) * run_count / ratio_sum - 1);
 }
 
 SwitchRow ToRow(const SwitchEvent& event, const AdaptiveBroadPhase& adaptive) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,6 @@ struct ArmRow {
   ArmActivity activity;
 
   double mean() const;
-  double evidence() const { return belief.alpha + belief.beta; }
   double active_s() const { return static_cast<double>(activity.active_ns) * 1e-9; }
   double fps() const;
   double detection_ms() const;  // per frame
@@ -77,6 +77,12 @@ struct RunSummary {
   // Returns the share of the run's time in which the shadow lane worked.
   double shadow_busy_ratio() const;
   double shadow_copy_ns_per_frame() const;
+  // What the lane takes of another core, per frame.
+  double shadow_ms_per_frame() const;
+  double detection_ms() const;  // per frame
+  // How much more a frame of the median arm is believed to take than the run's mean frame; absent
+  // while the costs of the arms are unknown.
+  std::optional<double> saved_ms_per_frame() const;
 };
 
 RunSummary Summarize(const RunSetup& setup, const GameRun& run, const SessionStats& session);

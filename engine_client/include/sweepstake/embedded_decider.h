@@ -28,11 +28,33 @@
 
 namespace sweepstake {
 
+// An arm's cost ÷ that of the arm that is the best most probably. It is below the median as
+// probably as above, and from low to high with a probability of 95 %.
+struct CostRatio {
+  double median = 1;
+  double low = 1;
+  double high = 1;
+};
+
+// What a session has measured of an arm, and what follows from it in units that people read.
+struct ArmStanding {
+  uint64_t live_window_count = 0;  // decision windows in which the arm was active and learnt from
+  uint64_t lane_visit_count = 0;   // visits of the shadow lane that were learnt from
+  // The width of the posterior as a number: so many live windows of an arm that does not change
+  // would leave it. What priors and the lane tell is included.
+  double effective_window_count = 0;
+  double best_probability = 0;  // the probability to be the best arm
+  // Absent while nothing is known, and where the policy's reward is not of the cost alone.
+  std::optional<CostRatio> cost_ratio;
+};
+
 // A posterior of an arm's reward, Beta(alpha, beta).
 struct ArmBelief {
   std::string arm;
   double alpha = 1;
   double beta = 1;
+  // Absent while nothing is learnt, and from a daemon that does not tell.
+  std::optional<ArmStanding> standing{};
 };
 
 // One decision, as EmbeddedOptions::on_decision gets it.

@@ -78,12 +78,28 @@ SceneVerdict FromDecision(const decision::Diagnosis& diagnosis) {
           .leader_probability = diagnosis.best_probability[diagnosis.leader]};
 }
 
+ArmStanding FromDecision(const decision::ArmStanding& standing) {
+  ArmStanding result{.live_window_count = standing.live_window_count,
+                     .lane_visit_count = standing.lane_visit_count,
+                     .effective_window_count = standing.effective_window_count,
+                     .cost_ratio = {}};
+  if (const auto& ratio = standing.cost_ratio)
+    result.cost_ratio = CostRatio{.median = ratio->median, .low = ratio->low, .high = ratio->high};
+  return result;
+}
+
 std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
+                                    std::span<const decision::ArmStanding> standings,
+                                    const decision::Diagnosis& diagnosis,
                                     std::span<const std::string> arms) {
   std::vector<ArmBelief> beliefs;
   beliefs.reserve(posteriors.size());
   for (size_t arm = 0; arm < posteriors.size(); ++arm) {
-    beliefs.push_back({arms[arm], posteriors[arm].alpha, posteriors[arm].beta});
+    ArmBelief& belief =
+        beliefs.emplace_back(ArmBelief{arms[arm], posteriors[arm].alpha, posteriors[arm].beta});
+    if (diagnosis.best_probability.empty()) continue;
+    belief.standing = FromDecision(standings[arm]);
+    belief.standing->best_probability = diagnosis.best_probability[arm];
   }
   return beliefs;
 }
@@ -98,7 +114,7 @@ DecisionEvent FromDecision(const decision::Decision& decision, std::span<const s
   event.outcome = static_cast<DecisionOutcome>(record.outcome);
   if (decision.command) event.command = FromDecision(*decision.command);
   event.reward = record.reward;
-  event.beliefs = FromDecision(record.posteriors, arms);
+  event.beliefs = FromDecision(record.posteriors, record.standings, record.diagnosis, arms);
   event.best_probability = record.diagnosis.best_probability;
   event.expected_loss_ratio = record.diagnosis.expected_loss_ratio;
   event.verdict = FromDecision(record.diagnosis);

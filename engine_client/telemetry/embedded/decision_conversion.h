@@ -24,6 +24,8 @@ decision::BetaPosterior ToDecision(const ArmBelief& belief);
 SwitchCommand FromDecision(const decision::SwitchCommand& command);
 SceneVerdict FromDecision(const decision::Diagnosis& diagnosis);
 std::vector<ArmBelief> FromDecision(std::span<const decision::BetaPosterior> posteriors,
+                                    std::span<const decision::ArmStanding> standings,
+                                    const decision::Diagnosis& diagnosis,
                                     std::span<const std::string> arms);
 DecisionEvent FromDecision(const decision::Decision& decision, std::span<const std::string> arms);
 

@@ -298,7 +298,9 @@ std::optional<SwitchCommand> EmbeddedDecider::Poll(uint64_t now_ns) {
 
 std::string EmbeddedDecider::AuditHeader() { return decision::AuditHeader(); }
 std::vector<ArmBelief> EmbeddedDecider::beliefs() const {
-  return FromDecision(impl_->session().posteriors(), impl_->session().arms());
+  const decision::DecisionSession& session = impl_->session();
+  return FromDecision(session.posteriors(), session.standings(), session.diagnosis(),
+                      session.arms());
 }
 SceneVerdict EmbeddedDecider::verdict() const { return FromDecision(impl_->session().diagnosis()); }
 const std::optional<DecisionEvent>& EmbeddedDecider::last_decision() const {

@@ -50,8 +50,17 @@ enum class PosteriorSnapshotTag : Number {
   kArms = 1,
   kVerdict = 2,
   kLeaderArm = 3,
-  kLeaderProbability = 4
+  kLeaderProbability = 4,
+  kStandings = 5
 };
+enum class ArmStandingTag : Number {
+  kLiveWindowCount = 1,
+  kLaneVisitCount = 2,
+  kEffectiveWindowCount = 3,
+  kBestProbability = 4,
+  kCostRatio = 5
+};
+enum class CostRatioTag : Number { kMedian = 1, kLow = 2, kHigh = 3 };
 enum class ReconnectTag : Number { kDelayMs = 2 };
 enum class OperatorOrderTag : Number { kOrderId = 1, kMode = 2, kArm = 3 };
 
@@ -224,6 +233,45 @@ void Read(std::string_view bytes, Acknowledgement& acknowledgement) {
   });
 }
 
+void Read(std::string_view bytes, CostRatio& ratio) {
+  ReadFields<CostRatioTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case CostRatioTag::kMedian:
+        return in.TakeDouble(ratio.median);
+      case CostRatioTag::kLow:
+        return in.TakeDouble(ratio.low);
+      case CostRatioTag::kHigh:
+        return in.TakeDouble(ratio.high);
+      default:
+        in.Skip();
+    }
+  });
+}
+
+void Read(std::string_view bytes, ArmStanding& standing) {
+  ReadFields<ArmStandingTag>(bytes, [&](auto& in) {
+    switch (in.tag()) {
+      case ArmStandingTag::kLiveWindowCount:
+        return in.TakeNumber(standing.live_window_count);
+      case ArmStandingTag::kLaneVisitCount:
+        return in.TakeNumber(standing.lane_visit_count);
+      case ArmStandingTag::kEffectiveWindowCount:
+        return in.TakeDouble(standing.effective_window_count);
+      case ArmStandingTag::kBestProbability:
+        return in.TakeDouble(standing.best_probability);
+      case ArmStandingTag::kCostRatio:
+        // A field that is absent is 0 on the wire.
+        return in.TakeMessage([&](std::string_view ratio) {
+          if (!standing.cost_ratio)
+            standing.cost_ratio = CostRatio{.median = 0, .low = 0, .high = 0};
+          Read(ratio, *standing.cost_ratio);
+        });
+      default:
+        in.Skip();
+    }
+  });
+}
+
 void Read(std::string_view bytes, PosteriorSnapshot& snapshot) {
   ReadFields<PosteriorSnapshotTag>(bytes, [&](auto& in) {
     switch (in.tag()) {
@@ -235,6 +283,9 @@ void Read(std::string_view bytes, PosteriorSnapshot& snapshot) {
         return in.TakeNumber(snapshot.verdict.leader_arm);
       case PosteriorSnapshotTag::kLeaderProbability:
         return in.TakeDouble(snapshot.verdict.leader_probability);
+      case PosteriorSnapshotTag::kStandings:
+        return in.TakeMessage(
+            [&](std::string_view standing) { Read(standing, snapshot.standings.emplace_back()); });
       default:
         in.Skip();
     }

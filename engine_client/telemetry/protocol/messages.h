@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sweepstake/embedded_decider.h"
 #include "sweepstake/frame_sample.h"
 
 namespace sweepstake::protocol {
@@ -97,6 +98,7 @@ struct Acknowledgement {
 struct PosteriorSnapshot {
   std::vector<BetaPosterior> arms;
   SceneVerdict verdict;
+  std::vector<ArmStanding> standings;
 };
 
 struct Reconnect {

@@ -146,6 +146,17 @@ bool IsBeta(const protocol::BetaPosterior& posterior) {
          posterior.beta > 0;
 }
 
+bool IsRatio(const CostRatio& ratio) {
+  return ratio.low >= 0 && ratio.low <= ratio.median && ratio.median <= ratio.high &&
+         std::isfinite(ratio.high);
+}
+
+bool IsStanding(const ArmStanding& standing) {
+  return std::isfinite(standing.effective_window_count) && standing.effective_window_count >= 0 &&
+         standing.best_probability >= 0 && standing.best_probability <= 1 &&
+         (!standing.cost_ratio || IsRatio(*standing.cost_ratio));
+}
+
 }  // namespace
 
 SessionLink::SessionLink(const SessionOptions& options, std::string daemon, uint64_t jitter_seed,
@@ -235,6 +246,7 @@ Status SessionLink::OnMessage(std::string_view bytes, uint64_t now_ns) {
   if (response->acknowledgement) OnAcknowledgement(*response->acknowledgement);
   if (response->posterior_snapshot) {
     TakeBeliefs(response->posterior_snapshot->arms);
+    TakeStandings(response->posterior_snapshot->standings);
     TakeVerdict(response->posterior_snapshot->verdict);
   }
   if (response->reconnect) stream_->reconnect_delay_ms = response->reconnect->delay_ms;
@@ -322,6 +334,13 @@ void SessionLink::TakeBeliefs(const std::vector<protocol::BetaPosterior>& poster
   for (const protocol::BetaPosterior& posterior : posteriors)
     beliefs_.push_back({arms[beliefs_.size()], posterior.alpha, posterior.beta});
   SetPosteriorMeans(beliefs_, adaptive_);
+}
+
+// Taken where each is valid and there is one per belief.
+void SessionLink::TakeStandings(const std::vector<ArmStanding>& standings) {
+  if (standings.size() != beliefs_.size()) return;
+  if (!std::all_of(standings.begin(), standings.end(), IsStanding)) return;
+  for (size_t arm = 0; arm < standings.size(); ++arm) beliefs_[arm].standing = standings[arm];
 }
 
 // A verdict of a newer protocol, or one out of range, is passed over.

@@ -116,6 +116,7 @@ class SessionLink {
   void OnOrder(const OperatorOrder& order);
   void Answer(std::string message);
   void TakeBeliefs(const std::vector<protocol::BetaPosterior>& posteriors);
+  void TakeStandings(const std::vector<ArmStanding>& standings);
   void TakeVerdict(const SceneVerdict& verdict);
   bool Explain(const StreamEnd& end, const std::string& reason, const LinkStream& stream);
   uint32_t DelayMs(const StreamEnd& end, const std::string& reason, const LinkStream& stream,

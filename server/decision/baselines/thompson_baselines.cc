@@ -76,9 +76,12 @@ std::optional<WindowUpdate> CalibratedPolicy::LearnWindow(const WindowObservatio
 }
 
 // The penalty is that number of windows of reward 0, where the paper counts observations.
+double CalibratedPolicy::WindowEvidence(uint32_t arm) const {
+  return EvidenceOf(posteriors_[arm].mean(), variance_.value());
+}
+
 Increment CalibratedPolicy::LearnBailOut(uint32_t arm) {
-  const double evidence = EvidenceOf(posteriors_[arm].mean(), variance_.value());
-  const Increment increment = BailOutIncrement(arm, bail_out_penalty_ * evidence);
+  const Increment increment = BailOutIncrement(arm, bail_out_penalty_ * WindowEvidence(arm));
   Apply(increment, posteriors_);
   return increment;
 }

@@ -80,6 +80,7 @@ class CalibratedPolicy : public ThompsonPolicy {
   std::optional<WindowUpdate> LearnWindow(const WindowObservation& observation) override;
   Increment LearnBailOut(uint32_t arm) override;
   const std::vector<BetaPosterior>& posteriors() const override { return posteriors_; }
+  double WindowEvidence(uint32_t arm) const override;
 
  private:
   double bail_out_penalty_;

@@ -6,7 +6,6 @@
 #include "server/decision/math/normal_distribution.h"
 #include "server/decision/math/portable_math.h"
 #include "server/decision/policy/diagnosis.h"
-#include "server/decision/policy/log_cost.h"
 #include "server/decision/policy/posterior_update.h"
 
 namespace sweepstake::decision {
@@ -183,10 +182,14 @@ std::optional<WindowUpdate> AdaptivePolicy::LearnWindow(const WindowObservation&
                       .reward = reward};
 }
 
+double AdaptivePolicy::WindowEvidence(uint32_t arm) const {
+  return EvidenceOf(posteriors_[arm].mean(), filter_.live_noise());
+}
+
 // The penalty is that number of windows of reward 0: a window is worth thousands of observations,
 // beside which the paper's ten would not be seen in stored priors.
 Increment AdaptivePolicy::LearnBailOut(uint32_t arm) {
-  const double window_evidence = EvidenceOf(posteriors_[arm].mean(), filter_.live_noise());
+  const double window_evidence = WindowEvidence(arm);
   Ban& ban = bans_[arm];
   if (ban.intervals_left <= 0) ban.log_cost = filter_.LogCost(arm).mean;
   ban.intervals_left = ban.next_intervals;

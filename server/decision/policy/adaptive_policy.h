@@ -31,6 +31,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/decision/policy/log_cost.h"
 #include "server/decision/policy/policy.h"
 #include "server/decision/policy/relative_cost_filter.h"
 
@@ -47,7 +48,7 @@ struct AdaptiveComponents {
 class AdaptivePolicy : public Policy {
  public:
   static constexpr PolicyKind kKind = {.name = "adaptive",
-                                       .reward_version = 3,
+                                       .reward_version = kLogCostRewardVersion,
                                        .explores = false,
                                        .starts_from_priors = true,
                                        .uses_shadow = true};
@@ -67,6 +68,7 @@ class AdaptivePolicy : public Policy {
   std::optional<int64_t> cooldown_ns() const override;
 
   const std::vector<BetaPosterior>& posteriors() const override { return posteriors_; }
+  double WindowEvidence(uint32_t arm) const override;
   Diagnosis Diagnose() const override;
 
  private:

@@ -1,6 +1,7 @@
 #include "server/decision/policy/log_cost.h"
 
 #include <algorithm>
+#include <cmath>  // std::sqrt, exactly rounded by IEEE 754
 
 #include "server/decision/math/portable_math.h"
 
@@ -10,7 +11,8 @@ namespace {
 constexpr double kLogRange = 0x1.6552c12aad88bp+4;  // ln(5 s in ns): the rewards from 1 to 0
 constexpr double kLogNs = -0x1.ba18a998fffa0p+2;    // ln(1 ns in µs), whose reward is 1
 constexpr double kMaxEvidence = 1e12;
-constexpr double kMinDistance = 1e-6;  // minimum distance of a mean from 0 and from 1
+constexpr double kDeviations95 = 1.959963984540054;  // 95 % of a normal distribution lie within
+constexpr double kMinDistance = 1e-6;                // minimum distance of a mean from 0 and from 1
 
 }  // namespace
 
@@ -44,6 +46,16 @@ NormalBelief BeliefOf(const BetaPosterior& posterior) {
   const double mean = posterior.mean();
   return {.mean = LogCostOfReward(mean),
           .variance = LogCostVarianceOf(mean * (1 - mean) / (posterior.evidence() + 1))};
+}
+
+CostRatio CostRatioOf(const BetaPosterior& arm, const BetaPosterior& leader) {
+  const NormalBelief cost = BeliefOf(arm);
+  const NormalBelief least = BeliefOf(leader);
+  const double difference = cost.mean - least.mean;
+  const double reach = kDeviations95 * std::sqrt(cost.variance + least.variance);
+  return {.median = math::Exp(difference),
+          .low = math::Exp(difference - reach),
+          .high = math::Exp(difference + reach)};
 }
 
 Increment LogCostIncrement(uint32_t arm, double reward, double log_cost_variance) {

@@ -7,10 +7,13 @@
 // and variance of r. Pure functions; no result is infinite or NaN.
 #pragma once
 
+#include <cstdint>
+
 #include "server/decision/types.h"
 
 namespace sweepstake::decision {
 
+inline constexpr uint32_t kLogCostRewardVersion = 3;
 inline constexpr double kMinLogCost = -7;  // 1 ns
 inline constexpr double kMaxLogCost = 23;  // some 3 hours
 
@@ -36,6 +39,9 @@ double LogCostVarianceOf(double reward_variance);
 double EvidenceOf(double reward, double log_cost_variance);
 BetaPosterior BetaOf(const NormalBelief& log_cost);
 NormalBelief BeliefOf(const BetaPosterior& posterior);
+
+// Returns an arm's cost ÷ the leader's, as two independent posteriors tell it.
+CostRatio CostRatioOf(const BetaPosterior& arm, const BetaPosterior& leader);
 
 // Returns the increment of one window, or one visit of the lane, with this reward (version 3's
 // update rule).

@@ -74,6 +74,8 @@ class Policy {
 
   // One per arm.
   virtual const std::vector<BetaPosterior>& posteriors() const = 0;
+  // What one live window of the arm adds to α + β.
+  virtual double WindowEvidence(uint32_t /*arm*/) const { return 1; }
   // How certain the policy is, by default computed from the posteriors (diagnosis.h). The session
   // adds the verdict kDegraded, which needs the frame rate.
   virtual Diagnosis Diagnose() const;

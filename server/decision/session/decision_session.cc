@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/decision/math/saturating_sum.h"
+#include "server/decision/policy/log_cost.h"
 
 namespace sweepstake::decision {
 namespace {
@@ -44,6 +45,7 @@ DecisionSession::DecisionSession(SessionSetup setup, PolicyRegistry policies)
     : setup_(std::move(setup)),
       policy_kind_(PolicyKindOf(setup_.options.policy, policies)),
       policy_(PolicyOf(setup_, policies)),
+      standings_(setup_.arms.size()),
       frame_rate_floor_(setup_.options.fps_floor, ArmCount(setup_)),
       exploration_(setup_.seed, ArmCount(setup_), setup_.explored_arm_count),
       gate_(LastSwitchOf(setup_)),
@@ -204,6 +206,8 @@ void DecisionSession::LearnScene(Decision& decision) {
   if (shadow_samples_.empty()) return;
   std::vector<Increment> increments = policy_->LearnShadow(shadow_samples_, now_ns);
   if (mode_ == Mode::kAi) decision.lane_increments = std::move(increments);
+  if (!policy_kind_.uses_shadow) return;
+  for (const ShadowSample& sample : shadow_samples_) ++standings_[sample.arm].lane_visit_count;
 }
 
 void DecisionSession::ScheduleNextTick(int64_t now_ns) {
@@ -220,9 +224,27 @@ Decision DecisionSession::Open(int64_t now_ns) {
   return decision;
 }
 
+void DecisionSession::UpdateStandings() {
+  constexpr double kFlatEvidence = 2;  // that of Beta(1,1)
+  const std::vector<BetaPosterior>& posteriors = policy_->posteriors();
+  const bool tells_costs =
+      policy_kind_.reward_version == kLogCostRewardVersion && !diagnosis_.best_probability.empty();
+  for (uint32_t arm = 0; arm < standings_.size(); ++arm) {
+    const double evidence = std::max(posteriors[arm].evidence() - kFlatEvidence, 0.0);
+    standings_[arm].effective_window_count = evidence / policy_->WindowEvidence(arm);
+    standings_[arm].cost_ratio.reset();
+    if (!tells_costs) continue;
+    standings_[arm].cost_ratio = arm == diagnosis_.leader
+                                     ? CostRatio{}
+                                     : CostRatioOf(posteriors[arm], posteriors[diagnosis_.leader]);
+  }
+}
+
 Decision DecisionSession::Close(Decision decision) {
   decision.record.posteriors = policy_->posteriors();
   decision.record.diagnosis = diagnosis_;
+  UpdateStandings();
+  decision.record.standings = standings_;
   if (observer_) observer_->OnDecision(decision);
   return decision;
 }
@@ -245,6 +267,7 @@ std::optional<Outcome> DecisionSession::Learn(Decision& decision) {
   const std::optional<WindowUpdate> update = policy_->LearnWindow(
       {.arm = run().arm(), .window = run().window(), .now_ns = decision.record.time_ns});
   if (!update) return Outcome::kRejected;
+  ++standings_[run().arm()].live_window_count;
   decision.increment = update->increment;
   decision.record.reward = update->reward;
   return std::nullopt;

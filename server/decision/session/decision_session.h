@@ -133,6 +133,8 @@ class DecisionSession {
   // The policy's diagnosis at the latest tick or bail-out, with the verdict kDegraded if the frame
   // rate demands it (FrameRateFloor in safeguards.h).
   const Diagnosis& diagnosis() const { return diagnosis_; }
+  // One per arm, at the latest tick or bail-out.
+  std::span<const ArmStanding> standings() const { return standings_; }
   // What "default" was resolved to.
   const PolicyKind& policy_kind() const { return policy_kind_; }
   std::string_view policy() const { return policy_kind_.name; }
@@ -173,6 +175,7 @@ class DecisionSession {
                std::optional<Outcome> own_hold) const;
   void Command(Decision& decision, uint32_t arm, SwitchReason reason);
   void Diagnose(std::optional<double> fps);
+  void UpdateStandings();
 
   // The exploration.
   void TickExploration(Decision& decision);
@@ -191,6 +194,7 @@ class DecisionSession {
   const std::unique_ptr<Policy> policy_;
   std::unique_ptr<DecisionObserver> observer_;  // may be null
   Diagnosis diagnosis_;
+  std::vector<ArmStanding> standings_;
   SteadyVerdict verdict_;
   FrameRateFloor frame_rate_floor_;
   Exploration exploration_;

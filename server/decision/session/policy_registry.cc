@@ -29,7 +29,8 @@ constexpr std::array kShipped = {
     PolicyEntry{{.name = "discounted-ts"}, Make<DiscountedPolicy>},
     PolicyEntry{{.name = "lin-ts"}, Make<LinTsPolicy>},
     PolicyEntry{LaneArgminPolicy::kKind, Make<LaneArgminPolicy>},
-    PolicyEntry{{.name = "calibrated", .reward_version = 3}, Make<CalibratedPolicy>},
+    PolicyEntry{{.name = "calibrated", .reward_version = kLogCostRewardVersion},
+                Make<CalibratedPolicy>},
 };
 
 }  // namespace

@@ -85,10 +85,24 @@ void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& messag
   message.set_beta(posterior.beta);
 }
 
-void ToProto(std::span<const decision::BetaPosterior> posteriors,
-             const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message) {
-  for (const auto& posterior : posteriors) ToProto(posterior, *message.add_arms());
+void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStanding& message) {
+  const decision::ArmStanding& standing = record.standings[arm];
+  message.set_best_probability(record.diagnosis.best_probability[arm]);
+  message.set_live_window_count(standing.live_window_count);
+  message.set_lane_visit_count(standing.lane_visit_count);
+  message.set_effective_window_count(standing.effective_window_count);
+  if (!standing.cost_ratio) return;
+  message.mutable_cost_ratio()->set_median(standing.cost_ratio->median);
+  message.mutable_cost_ratio()->set_low(standing.cost_ratio->low);
+  message.mutable_cost_ratio()->set_high(standing.cost_ratio->high);
+}
+
+void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message) {
+  for (const auto& posterior : record.posteriors) ToProto(posterior, *message.add_arms());
+  const decision::Diagnosis& diagnosis = record.diagnosis;
   if (diagnosis.best_probability.empty()) return;
+  for (uint32_t arm = 0; arm < record.standings.size(); ++arm)
+    ToProto(record, arm, *message.add_standings());
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
   message.set_leader_arm(diagnosis.leader);
   message.set_leader_probability(diagnosis.best_probability[diagnosis.leader]);
@@ -145,6 +159,10 @@ void ToProto(const decision::DecisionRecord& record, const SessionIdentity& iden
                                              diagnosis.best_probability.end());
   message.set_expected_loss_ratio(diagnosis.expected_loss_ratio);
   message.set_verdict(static_cast<v1::Verdict>(diagnosis.verdict));
+  if (diagnosis.best_probability.empty()) return;
+  message.mutable_arms()->Add(identity.arms.begin(), identity.arms.end());
+  for (uint32_t arm = 0; arm < record.standings.size(); ++arm)
+    ToProto(record, arm, *message.add_standings());
 }
 
 void ToProto(const watch::FrameHistograms& frames, v1::FrameMeasurements& message) {

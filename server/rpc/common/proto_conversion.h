@@ -39,8 +39,9 @@ void ToProto(const decision::SwitchCommand& command, v1::SwitchCommand& message)
 // The caller sets order_id.
 void ToProto(const decision::OrderReport& order, v1::OperatorOrder& message);
 void ToProto(const decision::BetaPosterior& posterior, v1::BetaPosterior& message);
-void ToProto(std::span<const decision::BetaPosterior> posteriors,
-             const decision::Diagnosis& diagnosis, v1::PosteriorSnapshot& message);
+// REQUIRES: something is learnt.
+void ToProto(const decision::DecisionRecord& record, uint32_t arm, v1::ArmStanding& message);
+void ToProto(const decision::DecisionRecord& record, v1::PosteriorSnapshot& message);
 // Fills in the key only.
 void ToProto(const priors::SceneKey& key, v1::ScenePosterior& message);
 // The posteriors are Beta(1,1) plus the evidence. The caller sets active_session_count.

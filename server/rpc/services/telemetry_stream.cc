@@ -308,10 +308,9 @@ void TelemetryStream::SendAcknowledgement(uint64_t sequence) {
   WriteNext();
 }
 
-void TelemetryStream::PutSnapshot(std::span<const decision::BetaPosterior> posteriors,
-                                  const decision::Diagnosis& diagnosis) {
+void TelemetryStream::PutSnapshot(const decision::DecisionRecord& record) {
   Outbox().clear_posterior_snapshot();
-  ToProto(posteriors, diagnosis, *outbox_.mutable_posterior_snapshot());
+  ToProto(record, *outbox_.mutable_posterior_snapshot());
 }
 
 void TelemetryStream::SendReconnect(uint32_t delay_ms) {

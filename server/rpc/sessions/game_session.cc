@@ -414,8 +414,9 @@ void GameSession::SendDecision(const decision::Decision& decision) {
 // Tells the client changed posteriors or a changed verdict.
 void GameSession::PutPosteriors(const decision::Decision& decision) {
   const decision::Diagnosis& diagnosis = decision.record.diagnosis;
-  if (link_ == nullptr || (!decision.increment && diagnosis.verdict == sent_verdict_)) return;
-  link_->PutSnapshot(decision.record.posteriors, diagnosis);
+  const bool learnt = decision.increment || !decision.lane_increments.empty();
+  if (link_ == nullptr || (!learnt && diagnosis.verdict == sent_verdict_)) return;
+  link_->PutSnapshot(decision.record);
   sent_verdict_ = diagnosis.verdict;
 }
 

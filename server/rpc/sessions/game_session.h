@@ -44,9 +44,8 @@ class SessionLink {
 
   virtual void SendSwitch(const decision::SwitchCommand& command) = 0;
   virtual void SendAcknowledgement(uint64_t sequence) = 0;
-  // Leaves the snapshot for the next message to take along, or Flush.
-  virtual void PutSnapshot(std::span<const decision::BetaPosterior> posteriors,
-                           const decision::Diagnosis& diagnosis) = 0;
+  // Leaves the decision's posteriors for the next message to take along, or Flush.
+  virtual void PutSnapshot(const decision::DecisionRecord& record) = 0;
   virtual void Flush() = 0;
   virtual void SendReconnect(uint32_t delay_ms) = 0;
   virtual void SendOrder(uint64_t order_id, const decision::OrderReport& order) = 0;

@@ -15,8 +15,7 @@ class RecordingLink final : public SessionLink {
  public:
   void SendSwitch(const decision::SwitchCommand& command) override { switches.push_back(command); }
   void SendAcknowledgement(uint64_t /*sequence*/) override {}
-  void PutSnapshot(std::span<const decision::BetaPosterior> /*posteriors*/,
-                   const decision::Diagnosis& /*diagnosis*/) override {}
+  void PutSnapshot(const decision::DecisionRecord& /*record*/) override {}
   void Flush() override {}
   void SendReconnect(uint32_t /*delay_ms*/) override {}
   void SendOrder(uint64_t order_id, const decision::OrderReport& order) override {

@@ -223,6 +223,11 @@ TEST_F(PosteriorsTest, AWatcherSeesTheScenesThenDecisionsAndWhatTheyTaught) {
       decision.best_probability(0) + decision.best_probability(1) + decision.best_probability(2), 1,
       1e-9);
   EXPECT_GT(decision.expected_loss_ratio(), 0);
+  ASSERT_EQ(decision.arms_size(), 3);
+  ASSERT_EQ(decision.standings_size(), 3);
+  EXPECT_EQ(decision.arms(0), "Grid");
+  EXPECT_EQ(decision.standings(0).live_window_count(), 1u);
+  EXPECT_EQ(decision.standings(2).best_probability(), decision.best_probability(2));
   EXPECT_EQ(event.stamp().boot(), first.boot());
   EXPECT_GT(event.stamp().sequence(), first.sequence());
   EXPECT_GT(event.stamp().unix_ms(), 0);

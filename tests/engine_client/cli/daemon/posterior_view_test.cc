@@ -3,12 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 namespace sweepstake::cli {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 
 void AddArm(const char* name, uint32_t version, double alpha, double beta,
@@ -62,10 +64,79 @@ TEST(PosteriorText, KnowsNoVerdictWithoutEvidence) {
   EXPECT_THAT(PosteriorText(scene), HasSubstr("verdict unknown\n"));
 }
 
+TEST(PosteriorText, KnowsNoVerdictAboutTheOnlyArmThatItKnowsOf) {
+  EXPECT_THAT(PosteriorText(SomeScene()), HasSubstr("verdict unknown\n"));
+  EXPECT_TRUE(PosteriorJson(SomeScene())["arms"][0]["best_probability"].is_null());
+}
+
+// Rewards of version 3 are logarithms of costs: 22.3 of them make up the range from 0 to 1.
+TEST(PosteriorText, TellsCostsWhereTheRewardsDo) {
+  v1::ScenePosterior scene;
+  scene.set_reward_version(3);
+  AddArm("SAP", 1, 60'000, 40'000, scene);
+  AddArm("Grid", 1, 58'000, 42'000, scene);
+  const auto arms = PosteriorJson(scene)["arms"];
+  EXPECT_EQ(arms[0]["cost_ratio"], 1);
+  EXPECT_NEAR(arms[1]["cost_ratio"], std::exp(0.02 * std::log(5e9)), 1e-6);
+  EXPECT_LT(arms[1]["cost_ratio_95"][0], arms[1]["cost_ratio"]);
+  EXPECT_GT(arms[1]["cost_ratio_95"][1], arms[1]["cost_ratio"]);
+  EXPECT_THAT(PosteriorText(scene), HasSubstr("1.56"));
+  scene.set_reward_version(1);
+  EXPECT_TRUE(PosteriorJson(scene)["arms"][1]["cost_ratio"].is_null());
+}
+
+v1::DecisionEvent EventWithStandings() {
+  v1::DecisionEvent event;
+  event.set_session_id("0af3");
+  event.set_scene("arena");
+  event.set_decision_id(7);
+  event.set_policy("adaptive");
+  event.set_active_arm("SAP");
+  event.add_arms("SAP");
+  v1::ArmStanding& standing = *event.add_standings();
+  standing.set_live_window_count(38);
+  standing.set_lane_visit_count(123);
+  standing.set_effective_window_count(9.75);
+  standing.set_best_probability(0.875);
+  standing.mutable_cost_ratio()->set_median(1.25);
+  standing.mutable_cost_ratio()->set_low(1.0625);
+  standing.mutable_cost_ratio()->set_high(12.5);
+  event.add_arms("Grid");
+  event.add_standings();
+  return event;
+}
+
+TEST(StandingsText, ShowsWhatTheSessionHasLearntOfEachArm) {
+  const std::string text = StandingsText(EventWithStandings());
+  EXPECT_THAT(text,
+              HasSubstr("session 0af3 of arena after decision 7 of policy adaptive, on SAP\n"));
+  EXPECT_THAT(text, ContainsRegex("SAP +1.25 +1.06 +12.5 +0.875 +9.8 +38 +123\n"));
+  EXPECT_THAT(text, ContainsRegex("Grid +- +- +- +0.000 +0.0 +0 +0\n"));
+  EXPECT_EQ(StandingsText({}), "") << "an older daemon does not tell";
+}
+
+TEST(StandingsText, OfAMessageThatBreaksItsRulesIsEmpty) {
+  v1::DecisionEvent event = EventWithStandings();
+  event.mutable_arms()->RemoveLast();
+  EXPECT_EQ(StandingsText(event), "");
+}
+
+TEST(DecisionJson, HasWhatTheSessionHasLearntOfEachArm) {
+  const auto arms = DecisionJson(EventWithStandings())["arms"];
+  ASSERT_EQ(arms.size(), 2U);
+  EXPECT_EQ(arms[0]["arm"], "SAP");
+  EXPECT_EQ(arms[0]["n"], 9.75);
+  EXPECT_EQ(arms[0]["live_windows"], 38);
+  EXPECT_EQ(arms[0]["lane_visits"], 123);
+  EXPECT_EQ(arms[0]["cost_ratio_95"], (std::vector<double>{1.0625, 12.5}));
+  EXPECT_TRUE(arms[1]["cost_ratio"].is_null());
+  EXPECT_TRUE(DecisionJson({})["arms"].empty());
+}
+
 TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
   const auto document = PosteriorJson(SomeScene());
   EXPECT_EQ(document["arms"][0]["alpha"], 30);
-  EXPECT_EQ(document["arms"][0]["n"], 40);
+  EXPECT_EQ(document["arms"][0]["windows"], 38);
   EXPECT_EQ(document["sources"], 3);
 }
 

@@ -44,6 +44,22 @@ TEST(WatchScreen, IntoAFilePrintsEachEventOnceAndNoControlCharacters) {
   EXPECT_THAT(out.str(), Not(HasSubstr("arena")));
 }
 
+TEST(WatchScreen, ShowsWhatTheSessionThatDecidedLastHasLearntWithItsScene) {
+  std::ostringstream out;
+  WatchScreen screen(out, false);
+  v1::WatchPosteriorsResponse decided = ShownDecision(5);
+  decided.mutable_decisions(0)->set_project("p");
+  decided.mutable_decisions(0)->add_arms("Grid");
+  decided.mutable_decisions(0)->add_standings()->set_live_window_count(4711);
+  screen.Show(decided);
+  EXPECT_THAT(out.str(), Not(HasSubstr("4711")));
+  screen.Show(PosteriorOf("desert", 1));
+  EXPECT_THAT(out.str(), Not(HasSubstr("4711"))) << "of another scene";
+  screen.Show(PosteriorOf("arena", 1));
+  EXPECT_THAT(out.str(), HasSubstr("session 0af3 of arena after decision 5"));
+  EXPECT_THAT(out.str(), HasSubstr("4711"));
+}
+
 TEST(WatchScreen, OnATerminalClearsItAndDrawsTheLegend) {
   std::ostringstream out;
   WatchScreen screen(out, true);

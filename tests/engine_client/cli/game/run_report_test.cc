@@ -34,6 +34,15 @@ RunSummary SomeSummary() {
   summary.active_arm = "Grid";
   summary.arms = {{"SAP", 2, {"SAP", 3, 1}, {30, 10 * kSecond, 6 * kSecond}},
                   {"Grid", 5, {"Grid", 1, 7}, {10, 30 * kSecond, kSecond}}};
+  summary.arms[0].belief.standing = ArmStanding{.live_window_count = 12,
+                                                .lane_visit_count = 34,
+                                                .effective_window_count = 5.625,
+                                                .best_probability = 0.875,
+                                                .cost_ratio = CostRatio{}};
+  summary.arms[1].belief.standing = ArmStanding{.lane_visit_count = 3,
+                                                .effective_window_count = 0.0625,
+                                                .best_probability = 0.125,
+                                                .cost_ratio = CostRatio{2, 1.5, 2.75}};
   summary.session.beliefs = {summary.arms[0].belief, summary.arms[1].belief};
   summary.switches = {{12, 1.25, "SAP", "Grid", SwitchReason::kBailOut, 1000, 2000}};
   summary.verdict = {"stable", "SAP", 0.875};
@@ -46,7 +55,6 @@ TEST(RunSummary, AddsUpItsArms) {
   EXPECT_EQ(summary.active_ns(), 40 * kSecond);
   EXPECT_EQ(summary.fps(), 1);
   EXPECT_EQ(summary.arms[0].mean(), 0.75);
-  EXPECT_EQ(summary.arms[0].evidence(), 4);
   EXPECT_EQ(summary.arms[0].fps(), 3);
   EXPECT_EQ(summary.arms[0].detection_ms(), 200);
   EXPECT_EQ(summary.SwitchCount(SwitchReason::kBailOut), 1U);
@@ -66,8 +74,13 @@ TEST(RunSummary, OfARunWithoutAFrameDividesByNothing) {
 TEST(RunReportText, HasATableOfTheArmsAndALineForEachFact) {
   const std::string text = RunReportText(SomeSummary());
   EXPECT_THAT(text, HasSubstr("\nPosteriors learnt in suite-b with 100 objects (no priors yet"));
-  EXPECT_THAT(text, HasSubstr("arm    mean  alpha  beta     n  active_s  active_%  frames  fps"));
-  EXPECT_THAT(text, HasSubstr("SAP   0.750   3.00  1.00  4.00      10.0      25.0      30    3"));
+  EXPECT_THAT(text, HasSubstr("arm   cost  95_low  95_high   best    n  live  lane   mean  alpha  "
+                              "beta  active_%  frames  detection_ms\n"));
+  EXPECT_THAT(text, HasSubstr("SAP   1.00    1.00     1.00  0.875  5.6    12    34  0.750    3.0  "
+                              " 1.0      25.0      30      200.0000\n"));
+  EXPECT_THAT(text, HasSubstr("Grid  2.00    1.50     2.75  0.125  0.1     0     3  0.125    1.0  "
+                              " 7.0      75.0      10      100.0000\n"));
+  EXPECT_THAT(text, HasSubstr("; n: live windows"));
   EXPECT_THAT(text, HasSubstr("40 frames in 40.0 s, 1 frames/s\n"));
   EXPECT_THAT(text, HasSubstr("no samples dropped\n"));
   EXPECT_THAT(text, HasSubstr("1 switch: 1 bail-out\n"));
@@ -113,6 +126,13 @@ TEST(RunReportJson, HasTheFieldsThatScriptsRead) {
   EXPECT_EQ(document["arms"][1]["arm"], "Grid");
   EXPECT_EQ(document["arms"][1]["beta"], 7);
   EXPECT_EQ(document["arms"][0]["detection_ms"], 200);
+  EXPECT_EQ(document["arms"][0]["n"], 5.625);
+  EXPECT_EQ(document["arms"][1]["live_windows"], 0);
+  EXPECT_EQ(document["arms"][1]["lane_visits"], 3);
+  EXPECT_EQ(document["arms"][1]["best_probability"], 0.125);
+  EXPECT_EQ(document["arms"][1]["cost_ratio"], 2);
+  EXPECT_EQ(document["arms"][1]["cost_ratio_95"], (std::vector<double>{1.5, 2.75}));
+  EXPECT_EQ(document["detection_ms"], 175);
   EXPECT_EQ(document["switches_by_reason"]["bail-out"], 1);
   EXPECT_EQ(document["switches_by_reason"].size(), 4U);
   EXPECT_EQ(document["switches"][0]["to"], "Grid");
@@ -150,9 +170,12 @@ TEST(WriteRunReportCsv, WritesARowPerSwitchAndPerArm) {
             "frame,time_s,from,to,reason,rebuild_time_ns,settling_cost_ns\r\n"
             "12,1.250000,SAP,Grid,bail-out,1000,2000\r\n");
   EXPECT_EQ(FileText(folder.path() / "posteriors.csv"),
-            "arm,backend_version,alpha,beta,mean,n,active_s,frames\r\n"
-            "SAP,2,3.000000000,1.000000000,0.750000000,4.000000000,10.000000,30\r\n"
-            "Grid,5,1.000000000,7.000000000,0.125000000,8.000000000,30.000000,10\r\n");
+            "arm,backend_version,alpha,beta,mean,n,active_s,frames,live_windows,lane_visits,"
+            "best_probability,cost_ratio,cost_ratio_low,cost_ratio_high\r\n"
+            "SAP,2,3.000000000,1.000000000,0.750000000,5.625000000,10.000000,30,12,34,"
+            "0.875000000,1.000000000,1.000000000,1.000000000\r\n"
+            "Grid,5,1.000000000,7.000000000,0.125000000,0.062500000,30.000000,10,0,3,"
+            "0.125000000,2.000000000,1.500000000,2.750000000\r\n");
 }
 
 TEST(WriteRunReportCsv, NamesTheFileThatCannotBeWritten) {
@@ -201,9 +224,43 @@ TEST(ShadowText, SaysWhyThereIsNoLaneOrWhatItCost) {
             "200 ns per frame; 1 warm and 0 cold switches");
 }
 
+// 30 frames of SAP and 10 of Grid, which is believed to take twice as long: 1.25 on average, and
+// the median is 1.5.
+TEST(FrameCostText, SaysWhatChoosingSavesAndWhatTheLaneTakes) {
+  RunSummary summary = SomeSummary();
+  summary.shadow.busy_time_ns = 4 * kSecond;
+  EXPECT_EQ(FrameCostText(summary),
+            "Per frame: 175.0000 ms of detection, 35.0000 ms less than the median arm is believed "
+            "to take; the shadow lane took 100.0000 ms of another core");
+  EXPECT_DOUBLE_EQ(RunReportJson(summary)["saved_ms_per_frame"], 35);
+  EXPECT_EQ(RunReportJson(summary)["shadow"]["ms_per_frame"], 100);
+  summary.arms[0].belief.standing->cost_ratio = {4, 4, 4};
+  EXPECT_THAT(FrameCostText(summary), HasSubstr("25.0000 ms more than the median arm"));
+  summary.arms[0].belief.standing.reset();
+  EXPECT_EQ(FrameCostText(summary),
+            "Per frame: 175.0000 ms of detection; the shadow lane took 100.0000 ms of another "
+            "core");
+  EXPECT_TRUE(RunReportJson(summary)["saved_ms_per_frame"].is_null());
+}
+
+TEST(RunReportText, HasADashWhereTheDeciderDoesNotTell) {
+  RunSummary summary = SomeSummary();
+  summary.arms[1].belief.standing.reset();
+  EXPECT_THAT(RunReportText(summary),
+              HasSubstr("Grid     -       -        -      -    -     -     -"));
+  EXPECT_TRUE(RunReportJson(summary)["arms"][1]["n"].is_null());
+}
+
 TEST(BeliefsText, ListsTheArmsBestFirst) {
-  const ArmBelief beliefs[] = {{"SAP", 1, 1}, {"Grid", 4.5, 1.5}, {"KDTree", 19.5, 4.5}};
-  EXPECT_EQ(BeliefsText(beliefs), "KDTree 0.81 (n 24) · Grid 0.75 (6) · SAP 0.50 (2)");
+  ArmBelief beliefs[] = {{"SAP", 1, 1}, {"Grid", 4.5, 1.5}, {"KDTree", 19.5, 4.5}};
+  EXPECT_EQ(BeliefsText(beliefs), "KDTree 0.81 · Grid 0.75 · SAP 0.50");
+  for (ArmBelief& belief : beliefs)
+    belief.standing =
+        ArmStanding{.effective_window_count = belief.alpha + belief.beta - 2, .cost_ratio = {}};
+  EXPECT_EQ(BeliefsText(beliefs), "KDTree 0.81 (n 22.0) · Grid 0.75 (4.0) · SAP 0.50 (0.0)");
+  beliefs[1].standing->cost_ratio = {1.5, 1.25, 2};
+  beliefs[2].standing->cost_ratio = CostRatio{};
+  EXPECT_EQ(BeliefsText(beliefs), "KDTree ×1.00 (n 22.0) · Grid ×1.50 (4.0) · SAP 0.50 (0.0)");
   EXPECT_EQ(BeliefsText({}), "");
 }
 

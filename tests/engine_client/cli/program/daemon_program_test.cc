@@ -27,7 +27,8 @@ constexpr char kNobody[] = "127.0.0.1:1";
 
 bool HasLearnt(const ProgramRun& run) {
   const json arms = json::parse(run.out)["arms"];
-  return std::any_of(arms.begin(), arms.end(), [](const json& arm) { return arm["n"] > 2; });
+  return std::any_of(arms.begin(), arms.end(),
+                     [](const json& arm) { return arm["live_windows"] > 0; });
 }
 
 // Explores the arms at virtual intervals of a few milliseconds, and leaves evidence behind. A slow

@@ -81,6 +81,7 @@ TEST(EmbeddedDecider, StartsAtBetaOneOneWithoutPriors) {
   for (const ArmBelief& belief : decider->beliefs()) {
     EXPECT_EQ(belief.alpha, 1);
     EXPECT_EQ(belief.beta, 1);
+    EXPECT_FALSE(belief.standing);
   }
   EXPECT_EQ(decider->prior_source_count(), 0U);
 }
@@ -181,6 +182,11 @@ TEST(EmbeddedDecider, TellsWithADecisionWhatItBelievesAndCommands) {
   ASSERT_EQ(commanded.size(), game.commands.size());
   for (size_t i = 0; i < commanded.size(); ++i) EXPECT_EQ(commanded[i], game.commands[i].arm);
   const std::vector<ArmBelief> beliefs = decider->beliefs();
+  ASSERT_TRUE(beliefs[0].standing);
+  EXPECT_GT(beliefs[0].standing->live_window_count, 0U);
+  EXPECT_NEAR(beliefs[0].standing->effective_window_count, beliefs[0].alpha + beliefs[0].beta - 2,
+              1e-9);
+  EXPECT_EQ(beliefs[1].standing->best_probability, told.back().best_probability[1]);
   ASSERT_EQ(told.back().beliefs.size(), beliefs.size());
   for (size_t arm = 0; arm < beliefs.size(); ++arm) {
     EXPECT_EQ(told.back().beliefs[arm].arm, beliefs[arm].arm);

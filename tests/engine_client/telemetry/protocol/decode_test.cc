@@ -48,11 +48,23 @@ void Write(const SwitchCommand& command, v1::SwitchCommand& message) {
   message.set_reason(static_cast<v1::SwitchReason>(command.reason));
 }
 
+void Write(const ArmStanding& standing, v1::ArmStanding& message) {
+  message.set_live_window_count(standing.live_window_count);
+  message.set_lane_visit_count(standing.lane_visit_count);
+  message.set_effective_window_count(standing.effective_window_count);
+  message.set_best_probability(standing.best_probability);
+  if (!standing.cost_ratio) return;
+  message.mutable_cost_ratio()->set_median(standing.cost_ratio->median);
+  message.mutable_cost_ratio()->set_low(standing.cost_ratio->low);
+  message.mutable_cost_ratio()->set_high(standing.cost_ratio->high);
+}
+
 void Write(const PosteriorSnapshot& snapshot, v1::PosteriorSnapshot& message) {
   Write(snapshot.arms, *message.mutable_arms());
   message.set_verdict(static_cast<v1::Verdict>(snapshot.verdict.verdict));
   message.set_leader_arm(snapshot.verdict.leader_arm);
   message.set_leader_probability(snapshot.verdict.leader_probability);
+  for (const ArmStanding& standing : snapshot.standings) Write(standing, *message.add_standings());
 }
 
 void Write(const OperatorOrder& order, v1::OperatorOrder& message) {

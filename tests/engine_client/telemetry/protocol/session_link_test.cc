@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sweepstake/v1/errors.pb.h"
 #include "sweepstake/v1/telemetry.pb.h"
 
@@ -177,6 +179,64 @@ TEST_F(SessionLinkTest, KeepsTheDaemonsLatestCommandAndVerdictForTheGameToRead) 
   decision = adaptive_->last_decision();
   EXPECT_EQ(decision->verdict.verdict, Verdict::kTie);
   EXPECT_EQ(decision->time_ns, now_ns_ - kMs);
+}
+
+v1::StreamTelemetryResponse SnapshotOf(size_t arm_count) {
+  v1::StreamTelemetryResponse response;
+  for (size_t arm = 0; arm < arm_count; ++arm) {
+    v1::BetaPosterior& posterior = *response.mutable_posterior_snapshot()->add_arms();
+    posterior.set_alpha(2);
+    posterior.set_beta(1);
+    v1::ArmStanding& standing = *response.mutable_posterior_snapshot()->add_standings();
+    standing.set_live_window_count(3 + arm);
+    standing.set_lane_visit_count(5);
+    standing.set_effective_window_count(0.5);
+    standing.set_best_probability(0.25);
+    standing.mutable_cost_ratio()->set_median(1.5);
+    standing.mutable_cost_ratio()->set_low(1.25);
+    standing.mutable_cost_ratio()->set_high(2);
+  }
+  return response;
+}
+
+TEST_F(SessionLinkTest, TellsWhatEachArmWasMeasuredBy) {
+  GoOnline();
+  const size_t arm_count = adaptive_->arms().size();
+  ASSERT_TRUE(Receive(SnapshotOf(arm_count)).ok());
+  const std::vector<ArmBelief> beliefs = link_.stats().beliefs;
+  ASSERT_EQ(beliefs.size(), arm_count);
+  ASSERT_TRUE(beliefs[1].standing);
+  EXPECT_EQ(beliefs[1].standing->live_window_count, 4U);
+  EXPECT_EQ(beliefs[1].standing->lane_visit_count, 5U);
+  EXPECT_EQ(beliefs[1].standing->effective_window_count, 0.5);
+  EXPECT_EQ(beliefs[1].standing->best_probability, 0.25);
+  EXPECT_EQ(beliefs[1].standing->cost_ratio->high, 2);
+}
+
+TEST_F(SessionLinkTest, LeavesOutWhatIsNotToldOfEveryArmOrIsOutOfRange) {
+  GoOnline();
+  const size_t arm_count = adaptive_->arms().size();
+  const auto taken = [&](auto change) {
+    v1::StreamTelemetryResponse response = SnapshotOf(arm_count);
+    change(*response.mutable_posterior_snapshot());
+    EXPECT_TRUE(Receive(response).ok());
+    EXPECT_EQ(link_.stats().beliefs[0].alpha, 2) << "the posteriors are taken";
+    return link_.stats().beliefs[0].standing.has_value();
+  };
+  EXPECT_TRUE(taken([](v1::PosteriorSnapshot&) {}));
+  EXPECT_TRUE(taken([](auto& snapshot) { snapshot.mutable_standings(0)->clear_cost_ratio(); }));
+  EXPECT_FALSE(taken([](auto& snapshot) { snapshot.clear_standings(); }));
+  EXPECT_FALSE(taken([](auto& snapshot) { snapshot.mutable_standings()->RemoveLast(); }));
+  const auto first_taken = [&](auto change) {
+    return taken([&](auto& snapshot) { change(*snapshot.mutable_standings(0)); });
+  };
+  EXPECT_FALSE(first_taken([](auto& standing) { standing.set_best_probability(1.5); }));
+  EXPECT_FALSE(first_taken([](auto& standing) { standing.set_best_probability(std::nan("")); }));
+  EXPECT_FALSE(first_taken([](auto& standing) { standing.set_effective_window_count(-1); }));
+  EXPECT_FALSE(first_taken([](auto& standing) { standing.set_effective_window_count(HUGE_VAL); }));
+  EXPECT_FALSE(first_taken([](auto& standing) { standing.mutable_cost_ratio()->set_low(1.75); }));
+  EXPECT_FALSE(
+      first_taken([](auto& standing) { standing.mutable_cost_ratio()->set_high(HUGE_VAL); }));
 }
 
 TEST_F(SessionLinkTest, ComesBackToADrainingDaemonAfterTheDelayThatItAsksFor) {

@@ -418,5 +418,37 @@ TEST(AdaptivePolicy, StoresWhatALiveWindowSaysAsABetaOfItsWidth) {
   EXPECT_GT(evidence, 1'000);  // noise of a few % of the cost is a few ‰ of the reward
 }
 
+// Arm 0 runs, arm 1 is cheaper by a quarter, arm 2 costs twice as much.
+TEST(Standings, TellLiveWindowsFromVisitsAndHowMuchBothAreWorth) {
+  Game game({400, 300, 800});
+  game.client.obedient = false;
+  game.RunTicks(20);
+  const auto standings = game.client.session.standings();
+  EXPECT_EQ(standings[0].live_window_count, 19u) << "of the first, all frames settle";
+  EXPECT_EQ(standings[1].live_window_count, 0u);
+  for (const ArmStanding& standing : standings) EXPECT_GE(standing.lane_visit_count, 20u);
+  // The lane's bias is unknown: many visits of an arm tell no more than a window or so.
+  EXPECT_GT(standings[2].effective_window_count, 0.001);
+  EXPECT_LT(standings[2].effective_window_count, 2);
+  ASSERT_EQ(game.client.session.diagnosis().leader, 1u);
+  EXPECT_EQ(standings[1].cost_ratio, CostRatio{});
+  const CostRatio ratio = *standings[2].cost_ratio;
+  EXPECT_NEAR(ratio.median, 800.0 / 300, 0.3);
+  EXPECT_LT(ratio.low, 800.0 / 300);
+  EXPECT_GT(ratio.high, 800.0 / 300);
+  EXPECT_GT(ratio.low, 1);
+}
+
+// Evidence of ten thousand windows does not stay: costs drift.
+TEST(Standings, LiveWindowsAreWorthFewerThanThereWere) {
+  Game game({300, 400}, /*lane=*/false);
+  game.client.obedient = false;
+  game.RunTicks(400);
+  const ArmStanding standing = game.client.session.standings()[0];
+  EXPECT_EQ(standing.live_window_count, 399u);
+  EXPECT_EQ(standing.lane_visit_count, 0u);
+  EXPECT_LT(standing.effective_window_count, 40);
+}
+
 }  // namespace
 }  // namespace sweepstake::decision

@@ -40,6 +40,15 @@ TEST(LogCost, AWindowCountsAsMuchAsItsNoiseWarrants) {
   EXPECT_EQ(sharp.window_count, 1u);
 }
 
+TEST(LogCost, TheRatioOfTwoCostsHasTheUncertaintyOfBoth) {
+  const BetaPosterior slow = BetaOf({std::log(300), 0.03 * 0.03});
+  const BetaPosterior fast = BetaOf({std::log(200), 0.04 * 0.04});
+  const CostRatio ratio = CostRatioOf(slow, fast);
+  EXPECT_NEAR(ratio.median, 1.5, 1e-6);
+  EXPECT_NEAR(ratio.low, 1.5 * std::exp(-1.96 * 0.05), 1e-4);
+  EXPECT_NEAR(ratio.high, 1.5 * std::exp(1.96 * 0.05), 1e-4);
+}
+
 TEST(LogCost, NothingIsInfiniteOrNaN) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double cost_us : {0.0, -1.0, 5e-324, 1e300, infinity, std::nan("")}) {
@@ -51,6 +60,8 @@ TEST(LogCost, NothingIsInfiniteOrNaN) {
       const BetaPosterior shown = BetaOf({mean, variance});
       EXPECT_TRUE(std::isfinite(shown.alpha) && shown.alpha > 0) << mean << ' ' << variance;
       EXPECT_TRUE(std::isfinite(shown.beta) && shown.beta > 0) << mean << ' ' << variance;
+      const CostRatio ratio = CostRatioOf(shown, BetaOf({0, 1e9}));
+      EXPECT_TRUE(std::isfinite(ratio.high) && ratio.low >= 0) << mean << ' ' << variance;
     }
   }
   EXPECT_EQ(EvidenceOf(0, 0.01), 1);

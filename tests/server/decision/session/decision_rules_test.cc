@@ -98,6 +98,26 @@ TEST(Update, AddsTheRewardToAlphaAndItsComplementToBetaOfTheActiveArmOnly) {
   EXPECT_EQ(decision.increment->bail_out_count, 0u);
 }
 
+TEST(Standings, OfThePaperCountWindowsAndTellNoCosts) {
+  ScriptedClient client(PlainSetup(2));
+  client.obedient = false;
+  EXPECT_EQ(client.session.standings()[0].effective_window_count, 0);
+  client.Settle();
+  const ShadowSample visit{.detection_time_ns = 1000, .arm = 1};
+  client.session.ObserveShadow({&visit, 1});
+  const uint64_t before = client.session.standings()[0].live_window_count;
+  const Decision decision = client.RunTicks(3);
+  ASSERT_EQ(decision.record.standings.size(), 2u);
+  const ArmStanding& active = decision.record.standings[0];
+  EXPECT_EQ(active.live_window_count, before + 3);
+  EXPECT_NEAR(active.effective_window_count, static_cast<double>(before + 3), 1e-9);
+  EXPECT_FALSE(active.cost_ratio);
+  const ArmStanding& other = decision.record.standings[1];
+  EXPECT_EQ(other.live_window_count, 0u);
+  EXPECT_EQ(other.lane_visit_count, 0u) << "it does not learn from them";
+  EXPECT_EQ(other.effective_window_count, 0);
+}
+
 TEST(Update, RejectsAWindowWithAMetricThatIsNotFinite) {
   ScriptedClient client(SetupThatWantsArmOne());
   client.obedient = false;

@@ -47,6 +47,13 @@ TEST_F(ResponseTest, ATickTurnsFramesIntoASnapshotAndAnAcknowledgement) {
   ASSERT_EQ(snapshot.arms_size(), 3);
   EXPECT_NEAR(snapshot.arms(0).alpha() + snapshot.arms(0).beta(), 3, 1e-12);
   EXPECT_EQ(snapshot.arms(1).alpha() + snapshot.arms(1).beta(), 2);
+  ASSERT_EQ(snapshot.standings_size(), 3);
+  EXPECT_EQ(snapshot.standings(0).live_window_count(), 1u);
+  EXPECT_NEAR(snapshot.standings(0).effective_window_count(), 1, 1e-12);
+  EXPECT_EQ(snapshot.standings(1).effective_window_count(), 0);
+  EXPECT_EQ(snapshot.standings(static_cast<int>(snapshot.leader_arm())).best_probability(),
+            snapshot.leader_probability());
+  EXPECT_FALSE(snapshot.standings(0).has_cost_ratio()) << "the paper's reward does not tell costs";
   EXPECT_EQ(client.AwaitAcknowledgement(1), 1u);
   ASSERT_EQ(Stored().arms.size(), 1u);
   EXPECT_EQ(Stored().arms[0].name, "Grid");
