@@ -30,6 +30,7 @@ v1::ScenePosterior SomeScene() {
   scene.set_source_count(3);
   AddArm("SAP", 2, 30, 10, scene);
   scene.mutable_arms(0)->set_window_count(38);
+  scene.mutable_arms(0)->set_visit_count(5);
   return scene;
 }
 
@@ -137,6 +138,7 @@ TEST(PosteriorJson, HoldsTheNumbersOfEachArm) {
   const auto document = PosteriorJson(SomeScene());
   EXPECT_EQ(document["arms"][0]["alpha"], 30);
   EXPECT_EQ(document["arms"][0]["windows"], 38);
+  EXPECT_EQ(document["arms"][0]["lane_visits"], 5);
   EXPECT_EQ(document["sources"], 3);
 }
 
