@@ -15,7 +15,7 @@ function picture({ xLabel, yLabel, lines }: ReliabilityChart): SVGElement | HTML
   const most = Math.max(...lines.flatMap(({ points }) => points.map(({ weight }) => weight)));
   const radius = ({ weight }: ReliabilityPoint) => 3 + 9 * Math.sqrt(weight / most);
   return Plot.plot({
-    width: 640, height: 500, marginTop: 16, marginRight: widest(lines.map(({ name }) => name)), marginBottom: 48, marginLeft: 64, className: 'picture',
+    width: 1080, height: 560, marginTop: 16, marginRight: widest(lines.map(({ name }) => name)), marginBottom: 48, marginLeft: 64, className: 'picture',
     x: { domain: [0, 1], axis: null }, y: { domain: [0, 1], axis: null },
     marks: [...axes('x', TICKS, percentOf, xLabel), ...axes('y', TICKS, percentOf, yLabel),
       Plot.line([[0, 0], [1, 1]], { stroke: 'currentColor', strokeDasharray: '4 4', strokeOpacity: 0.6 }),

@@ -88,7 +88,7 @@ function verdicts(document: ReplayDocument): Child[] {
     rows: known.map(({ costs, policy, verdicts: counts }) => ({ name: `${fileName(costs)} · ${policy}`, values: VERDICTS.map((name) => counts[name] ?? 0) })) })];
 }
 
-const signedMs = (ms: number) => (ms < 0 ? '−' : '+') + significant(Math.abs(ms));
+const signedMs = (ms: number) => (ms === 0 ? '0' : (ms < 0 ? '−' : '+') + significant(Math.abs(ms)));
 
 function msCells({ policy, ms_per_frame: ms, regret_detection: ofDetection, regret_60hz: of60Hz }: ReplayRow): Cell[] {
   if (!ms) return [];
