@@ -145,6 +145,23 @@ TEST(AdaptivePolicy, VisitsInManualModeAreNoEvidence) {
   EXPECT_EQ(game.RunToTick().lane_increments.size(), 2u);
 }
 
+// The lane visits one arm after the other, and only the second one shows that the priors are wrong.
+TEST(AdaptivePolicy, KeepsWhatEarlierTicksHaveSeenWhereItDropsThePriors) {
+  SessionSetup setup = AdaptiveSetup(2);
+  setup.priors = PriorsOf({1'000, 100'000});
+  Game game(setup, {50'000, 10'000}, /*lane=*/false);
+  for (uint32_t arm : {1u, 0u}) {
+    const ShadowSample sample{.first_frame_index = 1,
+                              .detection_time_ns = static_cast<uint64_t>(game.cost_us[arm] * 1e3),
+                              .arm = arm,
+                              .frame_count = 5};
+    game.client.session.ObserveShadow({&sample, 1});
+    game.RunToTick();
+  }
+  const auto posteriors = game.client.session.posteriors();
+  EXPECT_GT(posteriors[1].mean(), posteriors[0].mean() + 0.05);
+}
+
 // Half an hour, in which each of them is the cheaper one in turns.
 TEST(AdaptivePolicy, StaysWhereAnotherArmCostsAlmostTheSame) {
   Game game({10'000, 10'050, 30'000});
