@@ -32,6 +32,8 @@ class RewardPolicy : public Policy {
 // equals.
 class ThompsonPolicy : public RewardPolicy {
  public:
+  static constexpr PolicyKind kKind{.name = "paper", .blames_any_cause = true};
+
   using RewardPolicy::RewardPolicy;
   Choice Choose(const ChoiceInput& input) const override;
 };

@@ -88,6 +88,9 @@ struct PolicyKind {
   bool explores = true;             // begins with the live exploration of all arms (paper §6.3)
   bool starts_from_priors = false;  // decides before the first frame if it has priors
   bool uses_shadow = false;         // learns from the shadow lane
+  // A frame over the bail-out limit is its arm's fault whatever took the time, as in the paper
+  // (§4); otherwise only where BlamesArm in session/safeguards.h says so.
+  bool blames_any_cause = false;
 };
 
 struct PolicySetup {

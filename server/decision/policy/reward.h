@@ -13,8 +13,14 @@ namespace sweepstake::decision {
 // The recent range of frame rates, which a window's frame rate is judged against. This is the
 // paper's adaptive FPS normalisation (§4), whose numbers are fixed here.
 //
-// The range covers the last 30 windows of the run, over all arms and kept across switches,
-// including the window being judged. The memory is fixed.
+// The range covers the last 30 windows of the run, over all arms, including the window being
+// judged. The memory is fixed.
+//
+// "After each switch, it resets metric histories and counters" (§4) has two readings. Taken here:
+// the histories are those that a window is made of, which begins anew (session/arm_runs.h), and
+// the range is kept, since it is that "observed in the current run", and a run has many switches.
+// Were it emptied too, each arm would be its own reference: alone and steady, at 30 FPS or more,
+// it would score 1 whatever its frame rate.
 class FpsReference {
  public:
   static constexpr size_t kWindowCount = 30;

@@ -374,8 +374,10 @@ Decision DecisionSession::ObserveBailOut(const Frame& frame, int64_t now_ns) {
 }
 
 bool DecisionSession::IsCharged(const Frame& frame) const {
-  return mode_ == Mode::kAi && frame.arm < setup_.arms.size() &&
-         BlamesArm(frame, setup_.options.bail_out_ns);
+  if (mode_ != Mode::kAi || frame.arm >= setup_.arms.size()) return false;
+  const int64_t limit_ns = setup_.options.bail_out_ns;
+  return policy_kind_.blames_any_cause ? IsOverBailOutLimit(frame, limit_ns)
+                                       : BlamesArm(frame, limit_ns);
 }
 
 void DecisionSession::Blame(const Frame& frame, Decision& decision) {

@@ -84,9 +84,10 @@ class DecisionSession {
   void ObserveFrames(std::span<const Frame> frames);
 
   // Takes a frame over the limit at once (paper §6.3). A frame is recorded but not blamed, with no
-  // increment and no command, if detection is under half of it, if it is paused or loading, or if
-  // it is neither over options.bail_out_ns nor flagged kFrameBailOut. The frame may also come
-  // through ObserveFrames. REQUIRES: called at most once per frame index.
+  // increment and no command, if it is neither over options.bail_out_ns nor flagged kFrameBailOut,
+  // and, unless the policy is `paper`, if detection is under half of it or if it is paused or
+  // loading. The frame may also come through ObserveFrames. REQUIRES: called at most once per frame
+  // index.
   Decision ObserveBailOut(const Frame& frame, int64_t now_ns);
   // Returns whether a bail-out with this frame, at this time, is evidence unless the caller says
   // that it is none.

@@ -20,7 +20,7 @@ std::unique_ptr<Policy> Make(const PolicySetup& setup) {
 
 constexpr std::array kShipped = {
     PolicyEntry{AdaptivePolicy::kKind, Make<AdaptivePolicy>},
-    PolicyEntry{{.name = "paper"}, Make<ThompsonPolicy>},
+    PolicyEntry{ThompsonPolicy::kKind, Make<ThompsonPolicy>},
     PolicyEntry{{.name = "paper-one-draw"}, Make<OneDrawPolicy>},
     PolicyEntry{{.name = "random", .explores = false}, Make<RandomPolicy>},
     PolicyEntry{{.name = "thresholds", .explores = false}, Make<ThresholdsPolicy>},

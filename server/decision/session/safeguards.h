@@ -18,7 +18,8 @@ namespace sweepstake::decision {
 bool IsOverBailOutLimit(const Frame& frame, int64_t bail_out_ns);
 
 // Returns whether the arm is to blame for such a frame. It is not while paused or loading, nor if
-// detection is under half of the frame.
+// detection is under half of the frame. The paper knows no such excuse: a policy whose kind says
+// blames_any_cause (policy.h) is not asked for it.
 bool BlamesArm(const Frame& frame, int64_t bail_out_ns);
 
 // Decides which bail-outs become evidence that others share. A frame over the limit takes longer

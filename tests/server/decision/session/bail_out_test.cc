@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/decision/session/decision_session.h"
+#include "server/decision/session/policy_registry.h"
 #include "server/decision/session/run_phases.h"
 #include "server/decision/session/safeguards.h"
 #include "tests/server/decision/scripted_client.h"
@@ -62,24 +63,48 @@ TEST(BailOut, StaysWhereTheDrawFallsOnTheSameArm) {
   EXPECT_FALSE(decision.command);
 }
 
-TEST(BailOut, IsNotBlamedWhereDetectionIsUnderHalfOfTheFrame) {
-  ScriptedClient client(PlainSetup(2));
-  Frame frame = LongFrame(client);
-  frame.detection_time_ns = frame.frame_time_ns / 2 - 1;
-  const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
-  EXPECT_FALSE(decision.increment);
-  EXPECT_FALSE(decision.command);
-  EXPECT_EQ(decision.record.decision_id, 1u);  // logged all the same
-  EXPECT_EQ(client.session.posteriors()[0], (BetaPosterior{1, 1}));
-  EXPECT_EQ(client.session.counts().excused_bail_out_count, 1u);
+// Long frames that no detection explains.
+std::vector<Frame> ExcusableFrames(const ScriptedClient& client) {
+  std::vector<Frame> frames(3, LongFrame(client));
+  frames[0].detection_time_ns = frames[0].frame_time_ns / 2 - 1;
+  frames[1].flags = kFramePaused;
+  frames[2].flags = kFrameLoading;
+  return frames;
 }
 
-TEST(BailOut, IsNotBlamedWhilePausedOrLoading) {
+TEST(BailOut, IsOneForPolicyPaperWhateverItsCause) {
+  ScriptedClient client(SetupThatWantsArmOne());
+  for (const Frame& frame : ExcusableFrames(client)) {
+    const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
+    ASSERT_TRUE(decision.increment);
+    EXPECT_EQ(decision.increment->beta, 10);
+    ASSERT_TRUE(decision.command);
+    EXPECT_EQ(decision.command->reason, SwitchReason::kBailOut);
+    EXPECT_TRUE(client.session.IsEvidence(frame, client.now_ns));
+  }
+  EXPECT_EQ(client.session.counts().charged_bail_out_count, 3u);
+}
+
+TEST(BailOut, WithinTheLimitIsNoneForPolicyPaperEither) {
   ScriptedClient client(PlainSetup(2));
-  for (const uint32_t flag : {kFramePaused, kFrameLoading}) {
-    Frame frame = LongFrame(client);
-    frame.flags = flag | kFrameBailOut;
-    EXPECT_FALSE(client.session.ObserveBailOut(frame, client.now_ns).increment);
+  Frame frame = LongFrame(client);
+  frame.frame_time_ns = 5'000'000'000;
+  EXPECT_FALSE(client.session.ObserveBailOut(frame, client.now_ns).increment);
+}
+
+TEST(BailOut, IsExcusedByAllOtherPoliciesWhereDetectionDoesNotExplainIt) {
+  for (const PolicyEntry& policy : ShippedPolicies()) {
+    if (policy.kind.name == "paper") continue;
+    SessionSetup setup = PlainSetup(2);
+    setup.options.policy = policy.kind.name;
+    ScriptedClient client(setup);
+    for (const Frame& frame : ExcusableFrames(client)) {
+      const Decision decision = client.session.ObserveBailOut(frame, client.now_ns);
+      EXPECT_FALSE(decision.increment) << policy.kind.name;
+      EXPECT_FALSE(decision.command) << policy.kind.name;
+      EXPECT_GT(decision.record.decision_id, 0u) << "logged all the same";
+    }
+    EXPECT_EQ(client.session.counts().excused_bail_out_count, 3u) << policy.kind.name;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/decision/math/random.h"
+#include "server/decision/policy/reward.h"
 #include "server/decision/session/decision_session.h"
 #include "tests/server/decision/scripted_client.h"
 
@@ -38,6 +39,23 @@ TEST(Window, HoldsAllFramesSinceTheLastTick) {
   client.frame.frame_time_ns = 20'000'000;
   const Decision decision = client.RunToTick();
   EXPECT_NEAR(*decision.record.reward, 0.55 * 0.5 + 0.25 * 0.9 + 0.12 * 0.75 + 0.08 * 0.9, 0.01);
+}
+
+// Arm 1 alone would be its own reference, and score 1 on its 50 FPS.
+TEST(Window, AfterASwitchIsJudgedByTheFrameRatesBeforeItToo) {
+  ScriptedClient client(PlainSetup(2));
+  client.obedient = false;
+  client.Settle();
+  client.RunTicks(3);
+  client.Execute(1, SwitchReason::kManual);
+  client.frame.frame_time_ns = 20'000'000;
+  client.Settle();
+  // hi = 100, lo = 50.
+  const double without_fps = 0.25 * 0.9 + 0.12 * 0.75 + 0.08 * 0.9;
+  EXPECT_NEAR(*client.RunToTick().record.reward, without_fps, 0.01);
+  client.RunTicks(FpsReference::kWindowCount);
+  EXPECT_NEAR(*client.RunToTick().record.reward, 0.55 + without_fps, 0.01)
+      << "the range has forgotten arm 0";
 }
 
 TEST(Window, WithoutFramesTeachesNothing) {

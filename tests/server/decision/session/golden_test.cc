@@ -1,6 +1,6 @@
 // A whole run, replayed bit for bit: the exploration and 16 minutes of seven arms with scripted
-// costs, with bail-outs, a stall that is nobody's fault, a changed object count, a pause and an
-// excursion to manual mode.
+// costs, with bail-outs, a stall that detection does not explain, a changed object count, a pause
+// and an excursion to manual mode.
 //
 // golden/whole_run.log holds one line per decision of the policy `paper`, numbers as hexadecimal
 // floats; golden/baselines.log one line per run of each baseline. To write them anew
@@ -243,8 +243,7 @@ TEST(GoldenLog, ContainsEveryKindOfEvent) {
   const ObservationSummary summary = game.session().observation(game.now_ns());
   EXPECT_TRUE(summary.start_ns);
   EXPECT_GE(summary.switch_count(SwitchReason::kPolicy), 5u);
-  EXPECT_GE(game.session().counts().charged_bail_out_count, 1u);
-  EXPECT_EQ(game.session().counts().excused_bail_out_count, 1u);
+  EXPECT_GE(game.session().counts().charged_bail_out_count, 2u);
   EXPECT_GT(game.session().counts().suspended_frame_count, 0u);
 }
 
