@@ -1,5 +1,5 @@
-// Step 5 of the one path: finds frames over the bail-out limit (paper §4) and, while no decider is
-// present, chooses the arm to switch to.
+// Step 5 of the one path: finds frames over the bail-out limit (paper §4), which the decider judges
+// by its policy's rule, and, while no decider is present, chooses the arm to switch to.
 //
 // The setters may be called from any thread, the rest on the frame thread; nothing waits. Posterior
 // means are read one by one: a choice that is made while a new snapshot is written may mix the two

@@ -80,7 +80,8 @@ struct AdaptiveOptions {
   std::vector<std::string> arms = {};
   std::string initial_arm = {};  // empty: the first
   Mode mode = Mode::kAi;
-  // A longer frame is flagged, and a bail-out (paper §4) if its arm is to blame: at least half of
+  // A longer frame is flagged (paper §4), and whether it is a bail-out says the decider. Without
+  // one, and where it would end an operator's order, it is if its arm is to blame: at least half of
   // it was detection, and it was neither paused nor loading. > 0. A daemon's welcome replaces it.
   uint64_t bail_out_ns = 5'000'000'000;
   // The settling time, used only to measure the settling cost; the daemon's welcome message

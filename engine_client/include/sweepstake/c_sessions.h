@@ -67,9 +67,11 @@ typedef struct swp_session_options {
   const char* arms;        /* names of backends, each once, at most 32, for example "SAP,DBVT"; NULL
                               or "": all */
   const char* initial_arm; /* NULL or "": the first */
-  uint64_t bail_out_ns;    /* a longer frame is flagged, and a bail-out where its arm is to blame:
-                              detection took at least half of it, and it was neither paused nor
-                              loading; > 0. A daemon's welcome replaces it while there is a link */
+  uint64_t bail_out_ns;    /* a longer frame is flagged, and the decider says whether it is a
+                              bail-out; without one, and for an operator's order, it is where its
+                              arm is to blame: detection took at least half of it, and it was
+                              neither paused nor loading; > 0. A daemon's welcome replaces it while
+                              there is a link */
   uint64_t settling_ns;    /* how long after a switch the frames' extra cost is the switch's; a
                               daemon's welcome replaces it while there is a link */
   const swp_executor* executor; /* as in swp_world_options */

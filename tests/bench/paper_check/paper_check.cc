@@ -2,110 +2,194 @@
 
 #include <algorithm>
 #include <cassert>
-#include <string_view>
+#include <cmath>
+#include <limits>
 
 #include "engine_client/cli/io/parallel.h"
+#include "engine_client/cli/io/statistics.h"
 
 namespace sweepstake::cli {
 namespace {
 
-constexpr double kObservationS = 900;
-constexpr double kIntervalS = 2;
-constexpr double kSettlingS = 2;
-// Of a window below 5 FPS: no FPS and detection score, and a third of the memory's and checks'
-// weights at most (reward.h).
-constexpr double kStallReward = 0.068;
-constexpr double kNotLearnt = 2 + 2;  // of n*: the prior and the exploration's two windows
+constexpr uint32_t kMaxFitSeedCount = 50;
 
-// Five equal whole numbers have a deviation of 0, which says no more than that the mean is nearer
-// to theirs than to the next.
-constexpr double kMinSwitchTolerance = 0.5;
-
-PaperCheckFigure Figure(std::string_view name, const PaperFigure& paper, double tolerance,
-                        const std::vector<double>& values) {
-  PaperCheckFigure figure{.name = name,
-                          .paper = paper,
-                          .allowed = {paper.mean - tolerance, paper.mean + tolerance},
-                          .mean = Mean(values),
-                          .ci95 = BootstrapMean(values)};
-  figure.is_in =
-      !values.empty() && figure.mean >= figure.allowed.low && figure.mean <= figure.allowed.high;
-  return figure;
+uint32_t ArmOf(const PaperCell& cell) {
+  const auto arm = std::find(kPaperArms.begin(), kPaperArms.end(), cell.dominant);
+  return static_cast<uint32_t>(arm - kPaperArms.begin());
 }
 
-PaperCheckFigure Figure(std::string_view name, const PaperFigure& paper,
-                        const std::vector<double>& values) {
-  return Figure(name, paper, 2 * paper.deviation, values);
+std::vector<PaperGame> Play(const PaperRules& rules, const PaperCell& cell, const PaperCosts& costs,
+                            uint64_t first_seed, uint32_t seed_count) {
+  std::vector<PaperGame> games;
+  for (uint64_t seed = first_seed; seed < first_seed + seed_count; ++seed)
+    games.push_back(PlayPaperGame(rules, costs, ArmOf(cell), seed));
+  return games;
 }
 
-bool Dominates(const PaperCell& cell, const PaperGame& game) {
-  return kPaperArms[game.dominant_arm] == cell.dominant;
+// `deviation` is that of a run.
+PaperResidual Compare(std::string_view name, const PaperFigure& paper, const PaperFigure& ours,
+                      double deviation, uint32_t run_count) {
+  const double error = deviation / std::sqrt(static_cast<double>(run_count));
+  const double difference = ours.mean - paper.mean;
+  return {name, false, paper, ours, difference == 0 ? 0 : difference / error};
 }
 
-std::vector<double> Column(std::span<const PaperGame> games, double PaperGame::*column) {
-  std::vector<double> values;
-  for (const PaperGame& game : games) values.push_back(game.*column);
-  return values;
+double Squared(double x) { return x * x; }
+
+PaperResidual Compare(std::string_view name, const PaperFigure& paper,
+                      const std::vector<double>& values, uint32_t run_count) {
+  if (values.empty()) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {name, false, paper, {kNone, kNone}, std::numeric_limits<double>::infinity()};
+  }
+  const PaperFigure ours{Mean(values), SampleDeviation(values)};
+  const double pooled = std::sqrt((Squared(paper.deviation) + Squared(ours.deviation)) / 2);
+  return Compare(name, paper, ours, pooled, run_count);
 }
+
+// The paper prints no deviation of its counts; ours has one more run of each kind (Laplace), since
+// a share of 1 has none of its own.
+PaperResidual CompareDominance(uint32_t dominant_run_count, std::vector<double> values) {
+  const PaperFigure paper{static_cast<double>(dominant_run_count) / kPaperRunCount, 0};
+  const PaperFigure ours{Mean(values), SampleDeviation(values)};
+  values.insert(values.end(), {0, 1});
+  return Compare("dominance", paper, ours, SampleDeviation(values), kPaperRunCount);
+}
+
+// Of the fitted figures, in the standard errors of the paper's runs alone: ours would reward costs
+// that make the runs differ.
+double LossOf(const std::array<PaperResidual, 5>& figures, uint32_t run_count) {
+  double loss = 0;
+  for (const PaperResidual& figure : figures) {
+    if (!figure.is_fitted) continue;
+    if (std::isnan(figure.ours.mean)) return std::numeric_limits<double>::infinity();
+    loss += Squared((figure.ours.mean - figure.paper.mean) / figure.paper.deviation) * run_count;
+  }
+  return loss;
+}
+
+class Fit {
+ public:
+  Fit(const PaperRules& rules, const PaperCell& cell, const PaperCosts& start, uint32_t seed_count)
+      : rules_(rules), cell_(cell), seed_count_(seed_count), best_(start), loss_(LossAt(start)) {}
+
+  PaperCosts Run(double factor) {
+    constexpr double kLastFactor = 1.02;
+    constexpr double kGoodEnough = 0.1;
+    while (factor > kLastFactor && loss_ > kGoodEnough)
+      if (!Round(factor)) factor = std::sqrt(factor);
+    return best_;
+  }
+
+ private:
+  bool Round(double factor) {
+    bool any = false;
+    for (const double step : {factor, 1 / factor}) any |= Move(step, 1) || Move(1, step);
+    return any;
+  }
+
+  bool Move(double detection_factor, double gap_factor) {
+    const PaperCosts costs{best_.detection_ms * detection_factor, best_.gap_ms * gap_factor};
+    const double loss = LossAt(costs);
+    if (loss >= loss_) return false;
+    best_ = costs;
+    loss_ = loss;
+    return true;
+  }
+
+  double LossAt(const PaperCosts& costs) const {
+    return LossOf(CompareWithPaper(cell_, Play(rules_, cell_, costs, 1, seed_count_)),
+                  cell_.dominant_run_count);
+  }
+
+  const PaperRules& rules_;
+  const PaperCell& cell_;
+  const uint32_t seed_count_;
+  PaperCosts best_;
+  double loss_;
+};
 
 }  // namespace
 
-bool PaperCheckRow::matches() const {
-  return std::all_of(figures.begin(), figures.end(),
-                     [](const PaperCheckFigure& figure) { return figure.is_in; });
+std::vector<PaperRules> PaperRulesToCheck() {
+  std::vector<PaperRules> rules = {{.policy = "paper"}, {.policy = "random"}};
+  for (const uint32_t count : kMinSampleCounts)
+    rules.push_back({.policy = "paper", .min_sample_count = count});
+  return rules;
 }
 
-double SecondsPerUpdate(const PaperCell& cell) {
+std::vector<PaperPrediction> CheckPaper(std::span<const PaperRules> rules,
+                                        std::span<const PaperCell> cells,
+                                        const PaperCheckOptions& options,
+                                        const std::function<void(uint64_t done)>& on_done) {
+  assert(options.seed_count > 0);
+  const uint32_t fit_seed_count = std::min(options.seed_count, kMaxFitSeedCount);
+  std::vector<PaperPrediction> predictions(rules.size() * cells.size());
+  const auto predict = [&](uint64_t i) {
+    PaperPrediction& prediction = predictions[i];
+    prediction.rules = rules[i / cells.size()];
+    prediction.cell = cells[i % cells.size()];
+    prediction.costs = FitPaperCosts(prediction.rules, prediction.cell, fit_seed_count);
+    prediction.figures =
+        CompareWithPaper(prediction.cell, Play(prediction.rules, prediction.cell, prediction.costs,
+                                               1 + fit_seed_count, options.seed_count));
+  };
+  RunParallel(predictions.size(), options.thread_count, predict, on_done);
+  return predictions;
+}
+
+PaperCosts FitPaperCosts(const PaperRules& rules, const PaperCell& cell, uint32_t seed_count) {
+  const PaperCosts coarse =
+      Fit(rules, cell, {.detection_ms = 4, .gap_ms = 4}, std::min(seed_count, 8U)).Run(2);
+  return Fit(rules, cell, coarse, seed_count).Run(1.2);
+}
+
+std::array<PaperResidual, 5> CompareWithPaper(const PaperCell& cell,
+                                              std::span<const PaperGame> games) {
+  assert(!games.empty());
+  std::vector<double> dominance, switches, active, mean, evidence;
+  for (const PaperGame& game : games) {
+    switches.push_back(static_cast<double>(game.switch_count));
+    dominance.push_back(game.dominant_arm == ArmOf(cell) ? 1 : 0);
+    if (dominance.back() == 0) continue;
+    active.push_back(game.active_percent);
+    mean.push_back(game.posterior_mean);
+    evidence.push_back(game.evidence);
+  }
+  const uint32_t runs = cell.dominant_run_count;
+  std::array<PaperResidual, 5> figures = {
+      CompareDominance(runs, dominance),
+      Compare("switches", cell.switches, switches, kPaperRunCount),
+      Compare("active_percent", cell.active_percent, active, runs),
+      Compare("posterior_mean", cell.posterior_mean, mean, runs),
+      Compare("evidence", cell.evidence, evidence, runs)};
+  figures[kActive].is_fitted = figures[kPosteriorMean].is_fitted = true;
+  return figures;
+}
+
+double SecondsPerObservation(const PaperCell& cell) {
+  constexpr double kObservationS = 900;
+  constexpr double kSettlingS = 2;
+  constexpr double kNotLearnt = 2 + 2;  // of n*: the prior and the exploration's two windows
   const double active_s = cell.active_percent.mean / 100 * kObservationS;
   const double settling_s = cell.switches.mean / 2 * kSettlingS;  // every other switch is to it
   return (active_s - settling_s) / (cell.evidence.mean - kNotLearnt);
 }
 
-double MeanRewardBound(const PaperCell& cell) {
-  const double stalled_share =
-      std::clamp((SecondsPerUpdate(cell) - kIntervalS) / (kLongestFrameS - kIntervalS), 0.0, 1.0);
-  return 1 - stalled_share * (1 - kStallReward);
-}
-
-PaperCheckRow JudgePaperGames(const PaperCell& cell, const PaperCellFit& fit,
-                              std::span<const PaperGame> games) {
-  assert(!games.empty());
-  std::vector<PaperGame> dominant;
-  std::vector<double> switches;
-  for (const PaperGame& game : games) {
-    switches.push_back(static_cast<double>(game.switch_count));
-    if (Dominates(cell, game)) dominant.push_back(game);
+PaperScore ScoreOf(std::span<const PaperPrediction> predictions) {
+  constexpr double kMaxDistance = 10;
+  PaperScore score;
+  double sum = 0;
+  for (const PaperPrediction& prediction : predictions) {
+    for (const PaperResidual& figure : prediction.figures) {
+      if (figure.is_fitted) continue;
+      ++score.figure_count;
+      score.close_count += figure.is_close() ? 1 : 0;
+      sum += Squared(std::min(std::abs(figure.standard_errors), kMaxDistance));
+    }
   }
-  const double tolerance = std::max(2 * cell.switches.deviation, kMinSwitchTolerance);
-  return {
-      .cell = cell,
-      .fit = fit,
-      .dominance_ratio = static_cast<double>(dominant.size()) / static_cast<double>(games.size()),
-      .figures = {Figure("switches", cell.switches, tolerance, switches),
-                  Figure("active_percent", cell.active_percent,
-                         Column(dominant, &PaperGame::active_percent)),
-                  Figure("posterior_mean", cell.posterior_mean,
-                         Column(dominant, &PaperGame::posterior_mean)),
-                  Figure("evidence", cell.evidence, Column(dominant, &PaperGame::evidence))}};
-}
-
-std::vector<PaperCheckRow> CheckPaper(std::span<const PaperCell> cells,
-                                      std::span<const PaperCellFit> fits,
-                                      const PaperCheckOptions& options,
-                                      const std::function<void(uint64_t done)>& on_game) {
-  assert(cells.size() == fits.size() && options.seed_count > 0);
-  const size_t seed_count = options.seed_count;
-  std::vector<PaperGame> games(cells.size() * seed_count);
-  RunParallel(
-      games.size(), options.thread_count,
-      [&](uint64_t i) { games[i] = PlayPaperGame(fits[i / seed_count], 1 + i % seed_count); },
-      on_game);
-  std::vector<PaperCheckRow> rows;
-  for (size_t cell = 0; cell < cells.size(); ++cell) {
-    rows.push_back(JudgePaperGames(cells[cell], fits[cell],
-                                   std::span(games).subspan(cell * seed_count, seed_count)));
-  }
-  return rows;
+  score.distance = std::sqrt(sum / std::max(score.figure_count, 1U));
+  return score;
 }
 
 }  // namespace sweepstake::cli

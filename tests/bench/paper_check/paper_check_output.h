@@ -8,10 +8,20 @@
 
 namespace sweepstake::cli {
 
-void PrintPaperCheckTable(std::span<const PaperCheckRow> rows, const PaperCheckOptions& options,
+// The predictions by their rules, as CheckPaper orders them, and which of those with a least number
+// of samples comes closest to the paper in all cells. REQUIRES: those of PaperRulesToCheck.
+struct PaperReport {
+  std::span<const PaperPrediction> paper;
+  std::span<const PaperPrediction> random;
+  std::vector<std::span<const PaperPrediction>> with_min_samples;
+  std::span<const PaperPrediction> best_min_samples;
+};
+PaperReport ReportOf(std::span<const PaperPrediction> predictions);
+
+void PrintPaperCheckTable(const PaperReport& report, const PaperCheckOptions& options,
                           std::ostream& out);
-// "rows", one per cell, with the fit; "matches" says whether all do.
-void PrintPaperCheckJson(std::span<const PaperCheckRow> rows, const PaperCheckOptions& options,
+// "rows": one per rules and cell; "scores": one per rules.
+void PrintPaperCheckJson(const PaperReport& report, const PaperCheckOptions& options,
                          std::ostream& out);
 
 }  // namespace sweepstake::cli

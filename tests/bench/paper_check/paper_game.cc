@@ -1,24 +1,53 @@
 #include "tests/bench/paper_check/paper_game.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "server/decision/baselines/reward_baselines.h"
 #include "server/decision/math/random.h"
+#include "server/decision/policy/paper_policy.h"
 #include "server/decision/session/decision_session.h"
+#include "server/decision/session/policy_registry.h"
 
 namespace sweepstake::cli {
 namespace {
 
 constexpr int64_t kObservationNs = 900'000'000'000;
-constexpr int64_t kStallNs = 6'000'000'000;
 constexpr int64_t kWobbleNs = 1'000'000'000;
+constexpr double kNoiseRatio = 0.01;
+constexpr double kRestMs = 12;
 constexpr uint32_t kObjectCount = 1'000;
 constexpr uint64_t kPairCount = uint64_t{kObjectCount} * (kObjectCount - 1) / 2;
 
-decision::SessionSetup SetupOf(uint64_t seed) {
+// A shipped policy without its diagnosis, on which no decision depends and which takes three
+// quarters of a run's time.
+template <typename Kind>
+class Undiagnosed : public Kind {
+ public:
+  using Kind::Kind;
+  decision::Diagnosis Diagnose() const override { return {}; }
+};
+
+template <typename Kind>
+decision::PolicyEntry EntryOf(std::string_view name) {
+  return {decision::PolicyKindOf(name),
+          [](const decision::PolicySetup& setup) -> std::unique_ptr<decision::Policy> {
+            return std::make_unique<Undiagnosed<Kind>>(setup);
+          }};
+}
+
+decision::PolicyRegistry Policies() {
+  static const std::array kPolicies = {EntryOf<decision::ThompsonPolicy>("paper"),
+                                       EntryOf<decision::RandomPolicy>("random")};
+  return kPolicies;
+}
+
+decision::SessionSetup SetupOf(const PaperRules& rules, uint64_t seed) {
   decision::SessionSetup setup;
-  setup.options.policy = "paper";
+  setup.options.policy = rules.policy;
   setup.arms.assign(kPaperArms.begin(), kPaperArms.end());
   setup.seed = seed;
   setup.active_arm = static_cast<uint32_t>(seed % kPaperArms.size());
@@ -27,8 +56,13 @@ decision::SessionSetup SetupOf(uint64_t seed) {
 
 class Game {
  public:
-  Game(const PaperCellFit& fit, uint64_t seed)
-      : fit_(fit), seed_(seed), session_(SetupOf(seed)), arm_(session_.active_arm()) {}
+  Game(const PaperRules& rules, const PaperCosts& costs, uint32_t fast_arm, uint64_t seed)
+      : rules_(rules),
+        costs_(costs),
+        fast_arm_(fast_arm),
+        seed_(seed),
+        session_(SetupOf(rules, seed), Policies()),
+        arm_(session_.active_arm()) {}
 
   PaperGame Play() {
     while (!end_ns_ || now_ns_ < *end_ns_) Step();
@@ -47,44 +81,44 @@ class Game {
 
  private:
   void Step() {
-    const bool stalls = Stalls();
-    const decision::Frame frame = stalls ? StallFrame() : NextFrame();
+    const decision::Frame frame = NextFrame();
     now_ns_ += static_cast<int64_t>(frame.frame_time_ns);
-    session_.ObserveFrames({&frame, 1});
-    if (stalls) session_.ObserveBailOut(frame, now_ns_);
+    const bool settles = settled_ns_ < session_.setup().options.settling_ns;
+    if (frame.flags == 0) settled_ns_ += static_cast<int64_t>(frame.frame_time_ns);
+    samples_.push_back(frame);
+    if (settles) Deliver();
+    if (decision::IsOverBailOutLimit(frame, session_.setup().options.bail_out_ns))
+      Execute(session_.ObserveBailOut(frame, now_ns_));
     if (now_ns_ < session_.next_tick_ns()) return;
-    if (const auto command = session_.Tick(now_ns_).command) Execute(command->arm);
+    if (samples_.size() >= rules_.min_sample_count) Deliver();
+    Execute(session_.Tick(now_ns_));
     const std::optional<int64_t> start_ns = session_.observation(now_ns_).start_ns;
     if (start_ns) end_ns_ = *start_ns + kObservationNs;
   }
 
+  void Deliver() {
+    session_.ObserveFrames(samples_);
+    samples_.clear();
+  }
+
   // The session sees it by the frames' epoch.
-  void Execute(uint32_t arm) {
-    arm_ = arm;
+  void Execute(const decision::Decision& decision) {
+    if (!decision.command) return;
+    arm_ = decision.command->arm;
     ++epoch_;
     is_first_frame_ = true;
-  }
-
-  bool Stalls() const {
-    const auto period_ns = static_cast<int64_t>(fit_.stall_period_s * 1e9);
-    const double phase = static_cast<double>(now_ns_ % period_ns) / static_cast<double>(period_ns);
-    return phase >= 1 - fit_.stall_ratio;
-  }
-
-  decision::Frame StallFrame() {
-    decision::Frame frame = NextFrame();
-    frame.frame_time_ns = kStallNs;
-    return frame;
+    settled_ns_ = 0;
+    samples_.clear();
   }
 
   decision::Frame NextFrame() {
-    const PaperArmFit& arm = fit_.arms[arm_];
-    const double factor = 1 + arm.noise_ratio * Wobble();
+    const double factor = 1 + kNoiseRatio * Wobble();
+    const double detection_ms = costs_.detection_ms + (arm_ == fast_arm_ ? 0 : costs_.gap_ms);
     decision::Frame frame{.aabb_check_count = kPairCount / 100,
                           .native_bytes = 4 << 20,
                           .object_count = kObjectCount};
-    frame.frame_time_ns = static_cast<uint64_t>(arm.frame_ms * factor * 1e6);
-    frame.detection_time_ns = static_cast<uint64_t>(arm.detection_ms * factor * 1e6);
+    frame.frame_time_ns = static_cast<uint64_t>((kRestMs + detection_ms) * factor * 1e6);
+    frame.detection_time_ns = static_cast<uint64_t>(detection_ms * factor * 1e6);
     frame.arm = arm_;
     frame.switch_epoch = epoch_;
     if (std::exchange(is_first_frame_, false)) frame.flags = decision::kFrameRebuild;
@@ -104,14 +138,18 @@ class Game {
     return std::max(wobble_, -3.0);
   }
 
-  const PaperCellFit& fit_;
+  const PaperRules& rules_;
+  const PaperCosts& costs_;
+  const uint32_t fast_arm_;
   const uint64_t seed_;
   decision::DecisionSession session_;
+  std::vector<decision::Frame> samples_;  // not yet shown to the session
   uint32_t arm_;
   int64_t now_ns_ = 0;
   std::optional<int64_t> end_ns_;
   uint32_t epoch_ = 0;
   bool is_first_frame_ = true;
+  int64_t settled_ns_ = 0;  // since the end of the epoch's first frame
   int64_t wobble_second_ = -1;
   uint32_t wobble_arm_ = 0;
   double wobble_ = 0;
@@ -119,6 +157,9 @@ class Game {
 
 }  // namespace
 
-PaperGame PlayPaperGame(const PaperCellFit& fit, uint64_t seed) { return Game(fit, seed).Play(); }
+PaperGame PlayPaperGame(const PaperRules& rules, const PaperCosts& costs, uint32_t fast_arm,
+                        uint64_t seed) {
+  return Game(rules, costs, fast_arm, seed).Play();
+}
 
 }  // namespace sweepstake::cli

@@ -1,18 +1,18 @@
 // A run of the paper's experiment in virtual time: the real decision::DecisionSession with the
-// policy `paper` and the paper's intervals, and a game whose frames cost what a fit says.
+// paper's intervals, and a game whose frames cost what two numbers say.
 //
-// Deterministic: the same fit and seed give the same run, bit for bit. No clock; safe from any
-// thread. Cost: some 2 ms for a run at 60 FPS.
+// Deterministic: the same arguments give the same run, bit for bit. No clock; safe from any thread.
+// Cost: some 2 ms for a run at 60 FPS.
 //
-// Each frame takes its arm's frame time, of which detection is a part, both times a wobble that is
-// drawn anew every second. A command is executed at the next frame, which builds the structure
-// and takes as long as any other: the settling time keeps it out of the windows anyway. Memory
-// (4 MiB) and checks (1 % of all pairs) are the same for all arms, so that a fit says all by times.
+// The paper prints no arm's costs. A cell has two of them here: how long the dominant arm's
+// detection takes, and by how much that of every other arm, all alike, takes longer. The rest of a
+// frame is 12 ms. All times wobble by 1 %, anew every second. A command is executed at the next
+// frame, which builds the structure and takes as long as any other. Memory (4 MiB) and checks (1 %
+// of all pairs) are the same for all arms.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string_view>
 
 namespace sweepstake::cli {
@@ -20,24 +20,19 @@ namespace sweepstake::cli {
 inline constexpr std::array<std::string_view, 7> kPaperArms = {
     "BruteForce", "Grid", "SAP", "AxisSweep", "DBVT", "Tracy", "KDTree"};
 
-inline constexpr size_t kPaperArmCount = kPaperArms.size();
-
-// What an arm's frames cost.
-struct PaperArmFit {
-  double frame_ms = 0;      // mean, > 0
-  double detection_ms = 0;  // of it
-  double noise_ratio = 0;   // standard deviation of the wobble, relative; >= 0
-  bool operator==(const PaperArmFit&) const = default;
+struct PaperCosts {
+  double detection_ms = 0;  // of the dominant arm
+  double gap_ms = 0;        // by which the others' takes longer
+  bool operator==(const PaperCosts&) const = default;
 };
 
-struct PaperCellFit {
-  std::array<PaperArmFit, kPaperArmCount> arms;  // by kPaperArms
-  // Share of the time, at the end of each period, that is lost in frames of 6 s which are no arm's
-  // fault; 0 to below 1. They are over the bail-out limit, and detection is under half of them:
-  // recorded, not learnt.
-  double stall_ratio = 0;
-  double stall_period_s = 200;
-  bool operator==(const PaperCellFit&) const = default;
+// What decides.
+struct PaperRules {
+  std::string_view policy = "paper";
+  // Frames of a window at least. Fewer wait for the next tick's, and until they are enough nothing
+  // is learnt and no arm changed. 0: one is enough, as the policy ships.
+  uint32_t min_sample_count = 0;
+  bool operator==(const PaperRules&) const = default;
 };
 
 struct PaperGame {
@@ -48,6 +43,8 @@ struct PaperGame {
   double evidence = 0;        // its n* = α + β
 };
 
-PaperGame PlayPaperGame(const PaperCellFit& fit, uint64_t seed);
+// REQUIRES: the policy is `paper` or `random`, fast_arm is one of kPaperArms, the costs are >= 0.
+PaperGame PlayPaperGame(const PaperRules& rules, const PaperCosts& costs, uint32_t fast_arm,
+                        uint64_t seed);
 
 }  // namespace sweepstake::cli

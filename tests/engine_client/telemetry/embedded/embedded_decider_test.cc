@@ -34,7 +34,7 @@ class Game {
     FrameSample sample{};
     sample.frame_index = frame_index++;
     sample.frame_time_ns = frame_ms * kMs;
-    sample.detection_time_ns = sample.frame_time_ns * 3 / 4;
+    sample.detection_time_ns = sample.frame_time_ns * detection_percent / 100;
     sample.object_count = 1000;
     sample.arm = arm;
     sample.switch_epoch = epoch;
@@ -55,6 +55,7 @@ class Game {
   uint64_t frame_index = 0;
   uint32_t arm = 0;
   uint32_t epoch = 0;
+  uint64_t detection_percent = 75;
   std::vector<SwitchCommand> commands;
 
  private:
@@ -200,9 +201,11 @@ TEST(EmbeddedDecider, TellsWithADecisionWhatItBelievesAndCommands) {
   EXPECT_EQ(decider->last_decision()->decision_id, told.back().decision_id);
 }
 
+// The policy is `paper`: whatever took the time.
 TEST(EmbeddedDecider, AnswersABailOutAtOnce) {
   const auto decider = MakeDecider();
   Game game({20, 20, 20});
+  game.detection_percent = 1;
   game.RunFor(*decider, 100'000);
   const uint32_t before = game.arm;
   const double beta_before = decider->beliefs()[before].beta;
